@@ -1,9 +1,9 @@
-//! What the tests of all crates share: how many of their cases they try. Tests that span the crates live in `tests/tests`.
+//! The number of random cases that the tests of all crates try. Tests across the crates are in `tests/tests`.
 
 use std::env::var_os;
 
-/// Returns how many of a test's cases are tried: a sixteenth in `tests/run --fast` (`TILESCOPE_FAST=1`), all in
-/// `tests/run --slow` (`TILESCOPE_SLOW=1`), otherwise a quarter; at least one.
+/// Returns how many of a test's cases to try: a sixteenth in `tests/run --fast` (`TILESCOPE_FAST=1`), all in `tests/run
+/// --slow` (`TILESCOPE_SLOW=1`), otherwise a quarter; at least one.
 #[must_use]
 pub fn cases(all: u32) -> u32 {
     let on = |name| var_os(name).is_some_and(|value| value == "1");
@@ -15,7 +15,7 @@ pub fn cases(all: u32) -> u32 {
     all.div_ceil(share)
 }
 
-/// Returns the first of a test's cases, as many as [`cases`] says: those that differ most come first.
+/// Returns the first of a test's cases, as many as [`cases`] gives. Callers list the most different ones first.
 pub fn some<T, const N: usize>(all: [T; N]) -> impl Iterator<Item = T> {
     let count = cases(N as u32) as usize;
     all.into_iter().take(count)

@@ -1,16 +1,16 @@
 // @ts-check
-// A lecture page that leads a run of Tilescope. Copy it; all that it needs to know is where the player lies.
+// A lecture page that controls a run of Tilescope. Copy it and set the address of the player.
 
-/** Where Tilescope is served: beside this page. An origin elsewhere must stand in the `frame-src` of the page's policy, too. */
+/** The address of Tilescope: beside this page. Another origin must also be listed in `frame-src` of the page's policy. */
 const PLAYER = "../";
-/** `?player=` shows one of another place. */
+/** `?player=` gives another address. */
 const asked = new URLSearchParams(location.search).get("player");
 const player = new URL(asked ?? PLAYER, location.href);
 player.searchParams.set("embed", "player");
-// The player speaks with its own origin and with the one that is named here.
+// The player answers its own origin and the one named here.
 player.searchParams.set("origin", location.origin);
 
-/** So long the player may be silent before it is said. */
+/** After so long without a message the page says that the player is silent. */
 const SILENT_MS = 30_000;
 
 const frame = /** @type {HTMLIFrameElement} */ (document.getElementById("tilescope"));
@@ -18,7 +18,7 @@ const log = /** @type {HTMLElement} */ (document.getElementById("log"));
 const sentence = /** @type {HTMLElement} */ (document.getElementById("sentence"));
 const controls = /** @type {HTMLFieldSetElement} */ (document.getElementById("controls"));
 
-/** Whether the player may be shown: anybody can make a link with `?player=`, and what it shows would seem to be this page's. */
+/** Returns whether the player may be shown. Anybody can make a link with `?player=`, and its content would look like this page's. */
 function isTrusted() {
   const isOfWeb = ["http:", "https:"].includes(player.protocol);
   const isNear = player.origin === location.origin || ["localhost", "127.0.0.1"].includes(player.hostname);
@@ -43,7 +43,7 @@ function ask(request) {
   note("asked", message);
   return new Promise((resolve) => {
     waiting.set(message.id, resolve);
-    // To the player's origin alone, whatever has become of the frame.
+    // Only to the player's origin, even if the frame now shows another page.
     frame.contentWindow?.postMessage(message, player.origin);
   });
 }

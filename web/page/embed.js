@@ -1,6 +1,6 @@
 // @ts-check
-// How a page that holds this one in a frame speaks with it. Messages are taken from that page alone, and only from an
-// origin that is allowed: this page's own, and the one that its address names by `?origin=`.
+// Messages between this page and the page that embeds it in a frame. Only messages of that page are accepted, and only
+// from an allowed origin: this page's own, and the one given by `?origin=` in its address.
 
 /** The version of the envelope. */
 const VERSION = 1;
@@ -8,8 +8,8 @@ const VERSION = 1;
 const MOST_CHARACTERS = 65_536;
 
 /**
- * Returns the origin that an address names, as browsers write it. What is none is said in the console: the page around
- * would wait in vain.
+ * Returns the origin that an address names, as browsers write it. An invalid one is reported in the console, since the
+ * page around would get no answers.
  * @param {string | null} text
  * @returns {string | null}
  */
@@ -19,12 +19,12 @@ export function namedOrigin(text) {
   }
   try {
     const { href, origin, protocol } = new URL(text);
-    // Nothing behind the port but a slash, and not the "null" of files and sandboxes.
+    // Only a slash may follow the port, and "null", the origin of files and sandboxes, is not accepted.
     if (["https:", "http:"].includes(protocol) && href === `${origin}/`) {
       return origin;
     }
   } catch {
-    // It is said below.
+    // Reported below.
   }
   console.warn(
     `Tilescope: origin=${text} names no origin, so that the page around gets no answers unless it is of ${location.origin}. ` +
@@ -34,7 +34,7 @@ export function namedOrigin(text) {
 }
 
 /**
- * Returns the origin that hears of events: the parent's, if it is allowed.
+ * Returns the origin to which events are sent: the parent's, if it is allowed.
  * @param {string[]} allowed
  * @returns {string | undefined}
  */
@@ -43,7 +43,7 @@ function listener(allowed) {
   if (ancestors && ancestors.length > 0) {
     return allowed.find((origin) => origin === ancestors[0]);
   }
-  // Where browsers do not tell, the named one is expected; to any other nothing is delivered.
+  // If the browser does not report the parent's origin, use the named one; the browser delivers to no other origin.
   return allowed[allowed.length - 1];
 }
 
@@ -76,7 +76,7 @@ function answer(data, ask) {
 }
 
 /**
- * Listens to the page that holds this one, and returns how to tell it what happens.
+ * Listens to the page that embeds this one. Returns functions that send it events.
  * @param {string | null} origin the origin named by the address
  * @param {(request: string) => string} ask
  */
@@ -102,7 +102,7 @@ export function bridge(origin, ask) {
     try {
       window.parent.postMessage({ id: data.id, ...reply }, message.origin);
     } catch {
-      // What was handed over, as a port, cannot be sent back.
+      // Transferred objects, such as ports, cannot be sent back.
       window.parent.postMessage(reply, message.origin);
     }
   });
@@ -113,7 +113,7 @@ export function bridge(origin, ask) {
   };
   let isReady = false;
   return {
-    /** Once, however often the program has to start again. */
+    /** Sent once, even if the program restarts. */
     ready: () => {
       if (!isReady) {
         isReady = true;

@@ -1,5 +1,5 @@
-// Runs before all else, in old syntax on purpose: says so where the browser knows too little for the page's modules, or
-// where one of them cannot be had. Once they run, main.js takes over.
+// Runs first, in old syntax on purpose: reports a browser that is too old for the page's modules, and modules that
+// cannot be loaded. Once they run, main.js takes over.
 (function () {
   var TOO_OLD = "This browser cannot run Tilescope. It knows too little of modern JavaScript.";
   var NOT_LOADED =
@@ -9,19 +9,19 @@
     document.getElementById(id).hidden = false;
     tell(reason);
   }
-  // As embed.js would: to the page around this one, if its origin is the one that is named, or else this one's own.
+  // As in embed.js: sent to the page around this one, if its origin is the named one or this page's own.
   function tell(reason) {
     try {
       var asked = new URLSearchParams(location.search);
       var named = asked.get("origin");
-      // Nothing else than an origin, so not "*" either.
+      // Only an origin is accepted, so "*" is not.
       var address = named && new URL(named);
       var origin = address && address.href === address.origin + "/" ? address.origin : location.origin;
       if (window.parent !== window && asked.get("embed")) {
         window.parent.postMessage({ tilescope: 1, event: "failed", error: reason }, origin);
       }
     } catch (error) {
-      // It is shown all the same.
+      // The reason is still shown on this page.
     }
   }
   if (!("noModule" in document.createElement("script"))) {

@@ -1,12 +1,12 @@
 // @ts-check
-// The program's module, compiled while it arrives.
+// Loads the program's module and compiles it while it arrives.
 
-/** Where the module is, and its size in bytes, uncompressed: servers tell the compressed one, or none. */
+/** The module's address and its uncompressed size in bytes, since servers report the compressed size or none. */
 const MODULE = new URL("./{{asset:tilescope_bg.wasm}}", import.meta.url);
 const TOTAL = Number("{{size:tilescope_bg.wasm}}");
 
 /**
- * Returns the compiled module and tells how much of it has come.
+ * Returns the compiled module and reports how much of it has arrived.
  * @param {(bytes: number, total: number) => void} progress
  * @returns {Promise<WebAssembly.Module>}
  */
@@ -15,7 +15,7 @@ export async function load(progress) {
   if (!response.ok) {
     throw new Error(`the server answered ${response.status} when asked for the program`);
   }
-  // Browsers keep what they compiled of a response that they fetched themselves, so the bar counts a copy.
+  // Browsers cache the compiled code only of an original response, so the bar counts a clone.
   const counted = count(response.clone(), progress);
   const [module] = await Promise.all([compile(response), counted]);
   return module;
@@ -24,7 +24,7 @@ export async function load(progress) {
 /** @param {Response} response @returns {Promise<WebAssembly.Module>} */
 async function compile(response) {
   const kind = response.headers.get("Content-Type") ?? "";
-  // Compiling while it arrives is refused for any other kind, and some servers do not know this one.
+  // Streaming compilation requires this content type, which some servers do not send.
   if (kind.trim().toLowerCase() === "application/wasm") {
     return WebAssembly.compileStreaming(response);
   }

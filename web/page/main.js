@@ -1,6 +1,6 @@
 // @ts-check
-// Starts the program on the canvas and keeps the address, the frame around the page and the screen reader in the
-// picture. What is shown is the program's; what it needs from the browser is looked for in `missing.js`.
+// Starts the program on the canvas, and connects it to the address, the page around a frame, and screen readers. The
+// program's requirements are checked in `missing.js`.
 
 import { bridge, namedOrigin } from "./{{asset:embed.js}}";
 import { load } from "./{{asset:load.js}}";
@@ -12,37 +12,37 @@ import { announce, element, failure, hasFailed, loaded, loading, progress } from
 const WORKER = new URL("./{{asset:worker.js}}", import.meta.url).href;
 const BINDINGS = new URL("./{{asset:tilescope.js}}", import.meta.url).href;
 
-/** A display that is lost so soon after it was replaced would be lost again. */
+/** A display lost this soon after it was replaced is not replaced again. */
 const SOON_MS = 10_000;
 
 /** What the address asks for. */
 const asked = new URLSearchParams(location.search);
 const embed = oneOf(asked.get("embed"), ["canvas", "player"]);
 
-/** The address changes at most once in so long: some browsers allow but a hundred changes in half a minute. */
+/** The address changes at most once in so long, because some browsers allow only a hundred changes in half a minute. */
 const LINK_MS = 400;
 
-/** What takes in text is called so while no field does. */
+/** The label of the text input element while no field has the focus. */
 const FIELD = "Text for Tilescope";
 
-/** Whether the system wishes that nothing moves by itself. */
+/** The system's preference for reduced motion. */
 const still = matchMedia("(prefers-reduced-motion: reduce)");
 
 /** @type {any} The running program. */
 let app = null;
-/** @type {string | null} The link that the address is to hold. */
+/** @type {string | null} The link that will be written to the address. */
 let nextLink = null;
 /** @type {ReturnType<typeof setTimeout> | undefined} */
 let linkTimer;
 /** Whether the next Tab leaves the program. */
 let leaves = false;
-/** Whether the touch at hand began where one finger scrolls the page around. */
+/** Whether the current touch began where one finger scrolls the page around. */
 let scrolls = false;
 /** @type {WebAssembly.Module | undefined} */
 let module;
 /** When a lost display was replaced last. */
 let restarted_ms = -Infinity;
-/** Why the program does not run, if it has failed. */
+/** Why the program failed, if it did. */
 let failed = "";
 
 const frame = embed ? bridge(namedOrigin(asked.get("origin")), ask) : null;
@@ -52,7 +52,7 @@ function oneOf(value, known) {
   return value !== null && known.includes(value) ? value : null;
 }
 
-/** Returns the field beside the canvas that the program has made to take in text. */
+/** Returns the text input element that the program has put beside the canvas. */
 function textField() {
   return document.querySelector("main > input");
 }
@@ -78,7 +78,7 @@ function ask(request) {
   return app.ask(request);
 }
 
-/** Has the address hold a link, without a step of history. @param {string} link */
+/** Writes a link to the address, without a history entry. @param {string} link */
 function keepLink(link) {
   nextLink = link;
   if (linkTimer === undefined) {
@@ -96,15 +96,15 @@ function writeLink() {
     history.replaceState(history.state, "", nextLink ? `#${nextLink}` : location.pathname + location.search);
     nextLink = null;
   } catch {
-    // There were too many changes in too short a time.
+    // The browser refused, because there were too many changes.
     wait = 10 * LINK_MS;
   }
   linkTimer = setTimeout(writeLink, wait);
 }
 
 /**
- * The program's own keys are not the browser's. Escape and then Tab lead out of it; out of a frame Tab leads by itself,
- * behind the last control.
+ * Prevents the browser from handling the program's keys. Escape and then Tab leave the program; in a frame Tab alone
+ * leaves it after the last control.
  * @param {KeyboardEvent} event
  */
 function takeKey(event) {
@@ -121,20 +121,21 @@ function takeKey(event) {
 }
 
 /**
- * In a frame one finger on the run is left to the page around, which scrolls; two are the program's.
+ * In a frame, one finger on the run scrolls the page around; two fingers belong to the program.
  * @param {TouchEvent} event
  */
 function shareTouch({ type, touches, cancelable }) {
   if (type === "touchstart" && touches.length === 1) {
     scrolls = app?.scrolls_at(touches[0].clientX, touches[0].clientY) ?? true;
   }
-  // A scroll that is under way takes the rest of the touch; the end of a tap is kept from becoming that of a mouse, too.
+  // Once scrolling has begun, the rest of the touch scrolls. The end of a tap stays with the program, so that it does
+  // not also become a mouse event.
   app?.yield_touch(!cancelable || (scrolls && touches.length === 1 && type !== "touchend"));
 }
 
 /**
- * Has Tab lead into the first control of a frame, and backwards into the last one, as in any other page. While the focus is
- * within, nothing else of the page takes it.
+ * Makes Tab enter a frame at its first control, and backwards at the last one, as in any other page. While the focus is
+ * inside, no other element of the page can get it.
  */
 function joinTabs() {
   const main = element("canvas").parentElement;
@@ -155,19 +156,19 @@ function joinTabs() {
   main?.addEventListener("focusout", reach(0));
 }
 
-/** Puts a text on the clipboard, or has the program say that it could not. @param {string} text */
+/** Copies a text to the clipboard, or reports to the program that this failed. @param {string} text */
 async function copy(text) {
   try {
     await navigator.clipboard.writeText(text);
   } catch {
-    // Pages that do not come by https or from this machine have no clipboard but the old one.
+    // Pages that are not served by https or from this machine have only the old clipboard interface.
     if (!copyAsOfOld(text)) {
       app?.copy_failed();
     }
   }
 }
 
-/** Copies what is selected in a field made for it. @param {string} text @returns {boolean} Whether the browser did. */
+/** Copies by selecting the text in a temporary field. @param {string} text @returns {boolean} Whether the browser did. */
 function copyAsOfOld(text) {
   const field = document.createElement("textarea");
   field.className = "unseen";
@@ -180,7 +181,7 @@ function copyAsOfOld(text) {
   return isCopied;
 }
 
-/** Shows the page on the full screen, or no longer. */
+/** Enters or leaves full screen. */
 async function turnFullScreen() {
   try {
     await (document.fullscreenElement ? document.exitFullscreen() : document.documentElement.requestFullscreen());
@@ -189,40 +190,40 @@ async function turnFullScreen() {
   }
 }
 
-/** What the program tells the page. */
+/** The functions that the program calls. */
 const hooks = {
   announce,
-  // What takes in text is one element for all fields, so its name is that of the field.
+  // One element takes the text input of all fields, so it is labelled with the field's name.
   /** @param {string} name */
   field: (name) => textField()?.setAttribute("aria-label", name || FIELD),
-  // Like what is lost: a moment later, when the program no longer holds its own state.
+  // Deferred, as in `lost`, until the program has released its state.
   /** @param {string} text */
   copy: (text) => setTimeout(() => copy(text)),
   full_screen: turnFullScreen,
   link: keepLink,
   /** @param {string} json */
   state: (json) => (frame ? frame.state(json) : entitle(JSON.parse(json))),
-  // The program calls this while it holds its own state, so it is ended a moment later.
+  // The program calls this while its state is borrowed, so it is ended a moment later.
   /** @param {string} reason */
   lost: (reason) => setTimeout(() => restart(reason)),
-  // For whoever measures how long it takes.
+  // For measurements of the start time.
   drawn: () => performance.mark("tilescope: first frame"),
   failed: fail,
 };
 
-/** Tells tabs and bookmarks apart. @param {any} told */
+/** Sets a title by which tabs and bookmarks can be distinguished. @param {any} told */
 function entitle({ parameters: { seed, radius } }) {
   document.title = `Seed ${seed}, r ${radius} \u2013 Tilescope`;
 }
 
-/** Shows and tells why the program does not run. @param {string} reason */
+/** Shows why the program does not run, and reports it to the page around. @param {string} reason */
 function fail(reason) {
   failed ||= reason;
   failure(reason);
   frame?.failed(failed);
 }
 
-/** Has the focus stay where it is: in a frame the program would take it from whoever reads beside. @param {boolean} stays */
+/** Keeps the focus where it is: in a frame the program must not take it from the page around. @param {boolean} stays */
 function keepFocus(stays) {
   const fields = HTMLInputElement.prototype;
   if (stays) {
@@ -247,10 +248,10 @@ async function begin(display, reason) {
     bindings: BINDINGS,
   };
   const canvas = element("canvas");
-  // WebGPU tells the program that it is lost, WebGL the canvas.
+  // A loss of WebGPU is reported to the program, a loss of WebGL to the canvas.
   canvas.addEventListener("webglcontextlost", () => canvas.isConnected && restart("WebGL's context was lost."), { once: true });
   const { start } = await import("./{{asset:tilescope.js}}");
-  // A ring around all of it is for those who come by keyboard, not for when it has the focus back from a field of text.
+  // Show the focus ring only for keyboard users, not when the focus returns from a text field.
   canvas.focus = (how) => HTMLElement.prototype.focus.call(canvas, /** @type {any} */ ({ ...how, focusVisible: false }));
   keepFocus(embed !== null);
   try {
@@ -258,13 +259,13 @@ async function begin(display, reason) {
   } finally {
     keepFocus(false);
   }
-  // A link that was followed meanwhile.
+  // A link was followed meanwhile.
   if (fragment() !== link) {
     app.open_link(fragment());
   }
-  // For whoever looks from the browser's console.
+  // For use in the browser's console.
   /** @type {any} */ (window).tilescope = app;
-  // What takes in text is beside the canvas; Tab does not stop there.
+  // The text input element is beside the canvas; Tab must skip it.
   const field = textField();
   if (field) {
     field.tabIndex = -1;
@@ -272,20 +273,20 @@ async function begin(display, reason) {
   }
   loaded();
   if (!embed) {
-    // Keys are the program's from the start.
+    // The program gets keys from the start.
     canvas.focus();
   }
   frame?.ready();
 }
 
-/** Goes on after the display's device was lost, with the other kind of display. @param {string} reason */
+/** Restarts after the display's device was lost, with the other kind of display. @param {string} reason */
 async function restart(reason) {
   const ended = app;
   app = null;
   if (hasFailed()) {
     return;
   }
-  // Out of view it was taken for others, as may be expected; in view it would be taken again at once.
+  // Out of view the browser may have taken it for other frames; in view it would take it again at once.
   const isExpected = embed !== null && !inView();
   if (!ended || (!isExpected && performance.now() < restarted_ms + SOON_MS)) {
     fail(`The display was lost and could not be replaced: ${reason}`);
@@ -310,7 +311,7 @@ async function restart(reason) {
   }
 }
 
-/** A canvas keeps the kind of display that it had first. */
+/** Replaces the canvas, since a canvas cannot change its kind of context. */
 function renewCanvas() {
   const canvas = element("canvas");
   canvas.replaceWith(canvas.cloneNode(false));
@@ -319,11 +320,11 @@ function renewCanvas() {
 /** @param {unknown} error @returns {string} */
 function told(error) {
   const text = error instanceof Error ? error.message : String(error);
-  // Errors of the browser that the program has passed on.
+  // Unwrap browser errors that passed through the program.
   return text.replace(/JsValue\(\w+: ([^\n)]*)[^)]*\)/, "$1");
 }
 
-/** A program that has trapped cannot go on, wherever that was noticed. @param {unknown} error */
+/** Handles a trap of the program, after which it cannot continue. @param {unknown} error */
 function noticeTrap(error) {
   if (typeof WebAssembly === "object" && error instanceof WebAssembly.RuntimeError) {
     fail(`The program broke: ${error.message}`);
@@ -331,8 +332,8 @@ function noticeTrap(error) {
 }
 
 /**
- * Has the canvas sized by the screen's density where the browser tells another size, as for screens that its developer
- * tools pretend to have.
+ * Sizes the canvas by the screen's pixel density where the browser reports another size, as for screens emulated by its
+ * developer tools.
  */
 async function mendSizes() {
   const seen = new Promise((resolve) => {
@@ -346,11 +347,11 @@ async function mendSizes() {
     });
     observer.observe(element("canvas"));
   });
-  // A frame that is hidden, as on the slide after the next, has no sizes yet.
+  // A hidden frame, as on a later slide, has no size yet.
   await Promise.race([seen, new Promise((resolve) => setTimeout(resolve, 500))]);
 }
 
-/** Starts the program; by WebGL where whatever is best does not start. @param {string} display */
+/** Starts the program; if the best display does not start, with WebGL. @param {string} display */
 async function beginAnyhow(display) {
   try {
     await begin(display, "");
@@ -386,7 +387,7 @@ async function main() {
     fail(`Tilescope could not start: ${told(error)}`);
     return;
   }
-  // Not before the start: it would share the network with what is waited for. A frame keeps nothing.
+  // Only after the start, so that it does not compete for the network. Frames do not install a service worker.
   if (!embed) {
     keepOffline();
   }
@@ -406,7 +407,7 @@ window.addEventListener("hashchange", () => {
   app?.open_link(fragment());
 });
 still.addEventListener("change", () => app?.prefer_reduced_motion(still.matches));
-// The canvas takes what is dropped on it. Beside it the browser would show the file in place of the page.
+// The canvas handles files dropped on it. Elsewhere the browser would replace the page by the file.
 for (const type of ["dragover", "drop"]) {
   window.addEventListener(type, (event) => event.preventDefault());
 }

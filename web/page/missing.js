@@ -1,9 +1,9 @@
 // @ts-check
-// What the program cannot do without, looked for before it is loaded, and the page that says what is missing.
+// Checks the program's requirements before it is loaded, and shows what is missing.
 
 import { element, loaded } from "./{{asset:sheets.js}}";
 
-/** A module of one function, which returns a vector. */
+/** A module with one function that returns a vector. */
 const VECTORS = Uint8Array.of(
   0, 97, 115, 109, 1, 0, 0, 0, 1, 5, 1, 96, 0, 1, 123, 3, 2, 1, 0, 10, 10, 1, 8, 0, 65, 0, 253, 15, 253, 98, 11,
 );
@@ -27,7 +27,7 @@ export async function missing() {
 function hasWebGl() {
   try {
     const context = document.createElement("canvas").getContext("webgl2");
-    // Browsers limit how many there are at a time.
+    // Browsers limit the number of contexts.
     context?.getExtension("WEBGL_lose_context")?.loseContext();
     return context !== null;
   } catch {
@@ -38,7 +38,7 @@ function hasWebGl() {
 /** @returns {Promise<boolean>} */
 async function hasWebGpu() {
   try {
-    // Where there is an interface there may still be no adapter.
+    // The interface may exist without an adapter.
     const gpu = /** @type {any} */ (navigator).gpu;
     return Boolean(await gpu?.requestAdapter());
   } catch {

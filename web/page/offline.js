@@ -1,9 +1,9 @@
 // @ts-check
-// The service worker, which keeps the page for times without a network, and the notice of a new version.
+// Registers the service worker, which stores the page for use without a network, and shows the notice of a new version.
 
 import { offer } from "./{{asset:sheets.js}}";
 
-/** Keeps the page for later visits. What goes wrong here takes nothing from this one. */
+/** Stores the page for later visits. Failures do not affect this visit. */
 export async function keepOffline() {
   if (!("serviceWorker" in navigator) || !window.isSecureContext) {
     return;
@@ -20,7 +20,7 @@ export async function keepOffline() {
 function watch(registration) {
   const follow = (/** @type {ServiceWorker | null} */ coming) =>
     coming?.addEventListener("statechange", () => {
-      // The first one replaces none.
+      // The first version replaces no other.
       if (coming.state === "installed" && registration.active) {
         offer(() => change(registration));
       }
@@ -28,14 +28,14 @@ function watch(registration) {
   if (registration.waiting && registration.active) {
     offer(() => change(registration));
   }
-  // The browser may have begun to fetch it while this page was loading.
+  // The browser may have begun to fetch a new version while this page was loading.
   follow(registration.installing);
   registration.addEventListener("updatefound", () => follow(registration.installing));
-  // Another tab has changed to the new version; this one still runs the old.
+  // Another tab has changed to the new version; this one still runs the old one.
   navigator.serviceWorker.addEventListener("controllerchange", () => offer(() => location.reload()));
 }
 
-/** Lets the waiting version take over and loads it; the address, with what is shown, stays. */
+/** Activates the waiting version and reloads; the address, which holds the view, stays. */
 function change(/** @type {ServiceWorkerRegistration} */ registration) {
   const { waiting } = registration;
   if (!waiting) {

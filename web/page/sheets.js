@@ -1,5 +1,5 @@
 // @ts-check
-// What the page shows over the canvas: loading, failure, the notice of a new version; and what it reads aloud.
+// The page's overlays: loading, failure, the notice of a new version. Also the announcements to screen readers.
 
 /** @param {string} id @returns {HTMLElement} */
 export function element(id) {
@@ -10,20 +10,20 @@ export function element(id) {
   return found;
 }
 
-/** Says what is being waited for. @param {string} text */
+/** Shows what is being loaded. @param {string} text */
 export function loading(text) {
   element("loading-text").textContent = text;
   element("loading-size").textContent = "\u00a0";
-  // Without a value the bar shows that there is no telling how long.
+  // A bar without a value shows that the duration is unknown.
   element("loading-bar").removeAttribute("value");
   element("loading").hidden = false;
 }
 
-/** Shows how much has come. @param {number} bytes @param {number} total */
+/** Shows how much has arrived. @param {number} bytes @param {number} total */
 export function progress(bytes, total) {
   const share = Math.min(bytes / total, 1);
   element("loading-bar").setAttribute("value", String(share));
-  // No sizes: less travels than is counted here, where it is unpacked.
+  // No sizes are shown, since these are of uncompressed bytes, and fewer are downloaded.
   element("loading-size").textContent = `${Math.floor(100 * share)}%`;
 }
 
@@ -39,10 +39,10 @@ export function failure(reason) {
     return;
   }
   element("failure-text").textContent = reason;
-  // The fragment, which says what was shown, stays in the address.
+  // The fragment, which holds the view, stays in the address.
   element("failure-reload").onclick = () => location.reload();
   sheet.hidden = false;
-  // What has stopped is not to be reached by keys either.
+  // The stopped program must not be reachable by keyboard either.
   element("canvas").inert = true;
   element("failure-reload").focus();
 }
@@ -61,20 +61,20 @@ export function offer(accept) {
     element("canvas").focus();
   };
   notice.hidden = false;
-  // Not by the announcer: the program would soon speak in its place.
+  // Not by the announcer, whose text the program would soon replace.
   element("notice-said").textContent = element("notice-text").textContent;
 }
 
-/** What is to be read out. @type {string[]} */
+/** The sentences to be announced. @type {string[]} */
 let said = [];
 
-/** Has a sentence read out by screen readers; several of one moment together. @param {string} text */
+/** Announces a sentence to screen readers; several of one moment are joined. @param {string} text */
 export function announce(text) {
   said.push(text);
   if (said.length === 1) {
     queueMicrotask(() => {
       const [announcer, text] = [element("announcer"), said.filter(Boolean).join(" ")];
-      // The same again is read out only if it differs.
+      // A repeated sentence is announced only if the text differs.
       announcer.textContent = text && announcer.textContent === text ? `${text}\u00a0` : text;
       said = [];
     });

@@ -1,18 +1,18 @@
-// Keeps one version of the page: all of its files, which are then served without asking the network. A newer version
-// waits until the page that shows the old one asks for the change, so that files of two versions never meet.
+// Caches one version of the page with all its files, which are then served without the network. A newer version waits
+// until the page that shows the old one asks for the change, so that files of two versions are never mixed.
 
 const VERSION = "{{version}}";
 const FILES = {{precache}};
 
 const PREFIX = "tilescope-";
-// Caches belong to an origin, on which other copies of the page may lie under other paths.
+// Caches belong to an origin, which may hold other copies of the page under other paths.
 const CACHE = `${PREFIX}${new URL(registration.scope).pathname}-${VERSION}`;
 const HASHED = /-[0-9a-f]{12}\.[a-z]+$/;
 const NAMES = /[\w.-]+-[0-9a-f]{12}\.[a-z]+/g;
 
 const address = (path) => new URL(path, registration.scope).href;
 const page = address("./");
-/** Is in the cache of a version that has served pages; others were fetched and never used. */
+/** An entry in the cache of every version that has served pages; other versions were fetched but not used yet. */
 const SERVED = address("served");
 
 self.addEventListener("install", (event) => event.waitUntil(keep()));
@@ -36,9 +36,9 @@ self.addEventListener("fetch", (event) => {
   }
 });
 
-/** Keeps all files, or none: a part of a version would take space and help nobody. */
+/** Caches all files or none, because an incomplete version is useless. */
 async function keep() {
-  // A version that is rolled back to may be the one that a tab shows.
+  // After a rollback this version may be the one that a tab shows.
   const wasKept = await caches.has(CACHE);
   const cache = await caches.open(CACHE);
   const done = await Promise.allSettled(FILES.map((path) => keepOne(cache, path)));
@@ -51,14 +51,14 @@ async function keep() {
   }
 }
 
-/** Fetches what the versions before have not: a file's name says what it holds. */
+/** Fetches a file unless an earlier version has it: names identify contents. */
 async function keepOne(cache, path) {
   const url = address(path);
   const earlier = HASHED.test(path) ? await caches.match(url) : undefined;
   await cache.put(url, earlier ?? (await fetched(path, url)));
 }
 
-/** What the page has just fetched is not fetched again: a hashed name never holds anything else. */
+/** Uses the browser's cache for files with a hash in their name, whose content cannot change. */
 async function fetched(path, url) {
   const response = await fetch(new Request(url, { cache: HASHED.test(path) ? "default" : "reload" }));
   if (!response.ok) {
@@ -67,14 +67,14 @@ async function fetched(path, url) {
   if (url === page) {
     await checkPage(response.clone());
   } else if (/^text\/html\b/i.test(response.headers.get("Content-Type") ?? "")) {
-    // Some servers answer so when asked for what they do not have.
+    // Some servers send their page for files that they do not have.
     throw new Error(`the server answered with a page when asked for ${path}`);
   }
-  // A page may not be answered with what was redirected.
+  // Browsers refuse a redirected response for a page.
   return response.redirected ? new Response(response.body, { headers: response.headers }) : response;
 }
 
-/** Refuses a page that leads to other files than these: one of another version, or of a network's own sign-in. */
+/** Refuses a page that refers to other files: that of another version, or of a network's sign-in. */
 async function checkPage(response) {
   const names = (await response.text()).match(NAMES) ?? [];
   if (names.length === 0 || !names.every((name) => FILES.includes(name))) {
@@ -82,7 +82,7 @@ async function checkPage(response) {
   }
 }
 
-/** Removes the caches of this page's older versions but the one that served before: another tab may still show it. */
+/** Removes the caches of this page's older versions, except the last one that served pages: another tab may still show it. */
 async function forgetOthers() {
   const start = CACHE.slice(0, -VERSION.length);
   const others = (await caches.keys()).filter((name) => name.startsWith(start) && name !== CACHE);
@@ -92,7 +92,7 @@ async function forgetOthers() {
   await (await caches.open(CACHE)).put(SERVED, new Response(String(Date.now())));
 }
 
-/** Returns when a cache's version began to serve pages last; 0 for one that never did. */
+/** Returns when a cache's version last began to serve pages; 0 if it never did. */
 async function servedLast(cacheName) {
   const mark = await caches.match(SERVED, { cacheName });
   return mark ? Number(await mark.text()) : 0;

@@ -1,8 +1,8 @@
 // @ts-check
-// Whether a frame is in view. Browsers keep only some displays at a time (Chrome sixteen of WebGL), so on a page with many
-// frames those out of view leave theirs to the others.
+// Detects whether a frame is in view. Browsers keep only some displays at a time (Chrome sixteen of WebGL), so on a
+// page with many frames those out of view must do without.
 
-/** A frame whose browser says nothing in so long is hidden altogether, as on the slide after the next. */
+/** If the browser reports nothing for so long, the frame is hidden completely, as on a later slide. */
 const SILENT_MS = 500;
 
 let isSeen = true;
@@ -11,12 +11,12 @@ let waiting = [];
 /** @type {Promise<void> | undefined} */
 let told;
 
-/** Looks from now on. @returns {Promise<void>} */
+/** Observes the frame from now on. @returns {Promise<void>} */
 function look() {
   return new Promise((resolve) => {
     const observer = new IntersectionObserver((entries) => {
       const { isIntersecting, boundingClientRect: place } = entries[entries.length - 1];
-      // What has no size cannot come into view by scrolling.
+      // An element without a size cannot be scrolled into view.
       isSeen = isIntersecting || place.width * place.height === 0;
       if (isSeen) {
         goOn();
@@ -27,7 +27,7 @@ function look() {
   });
 }
 
-/** Ends the wait of a frame that is out of view: it was asked for something. */
+/** Starts a frame that is out of view, because a request arrived. */
 export function goOn() {
   for (const resolve of waiting) {
     resolve();
@@ -35,12 +35,12 @@ export function goOn() {
   waiting = [];
 }
 
-/** Returns whether the frame is in view, as far as is known. */
+/** Returns whether the frame was in view when last observed. */
 export function inView() {
   return isSeen;
 }
 
-/** Waits until the frame is in view or is asked for something. */
+/** Waits until the frame is in view or a request arrives. */
 export async function comesIntoView() {
   told ??= look();
   await Promise.race([told, new Promise((resolve) => setTimeout(resolve, SILENT_MS))]);

@@ -1,4 +1,5 @@
-// A page of another origin holds the program in a frame and speaks with it; a page that is not allowed hears nothing.
+// A page of another origin embeds the program in a frame and exchanges messages with it; a page that is not allowed
+// gets no messages.
 
 import assert from "node:assert/strict";
 import { createServer } from "node:http";
@@ -7,7 +8,7 @@ import { after, test } from "node:test";
 import { PATIENCE_MS, changed, nothingElse, ready, serve, shows, state, until } from "./harness.mjs";
 import { contextOf, host, makeContext, opened as openedAt } from "./shared.mjs";
 
-/** Serves one page on an origin of its own, which it may hold; returns the origin and how to end it. */
+/** Serves one page on its own origin, which the page may contain. Returns the origin and a function that ends the server. */
 async function lecture(html) {
   const server = createServer((request, response) => {
     response.setHeader("Content-Type", "text/html; charset=utf-8");
@@ -18,7 +19,7 @@ async function lecture(html) {
   return { own: `http://127.0.0.1:${server.address().port}`, stop: () => server.close() };
 }
 
-/** A page that keeps what it hears, and asks by `ask`. */
+/** A page that stores the messages it receives, and sends requests by `ask`. */
 const PAGE = (frame) => `<!doctype html><title>Lecture</title><link rel="icon" href="data:,">
 <style>a { position: fixed; top: 650px; } #after { left: 200px; }</style>
 <a id="before" href="#">Before</a>
@@ -35,10 +36,10 @@ const PAGE = (frame) => `<!doctype html><title>Lecture</title><link rel="icon" h
   };
 </script>`;
 
-/** Where the run is seen on that page. */
+/** The part of that page that shows the run. */
 const WITHIN = { x: 100, y: 60, width: 600, height: 350 };
 
-/** How that page is seen. */
+/** Browser settings for that page. */
 const SETTINGS = { viewport: { width: 1000, height: 700 }, hasTouch: true };
 const named = (own) => `&origin=${encodeURIComponent(own)}`;
 
@@ -56,7 +57,7 @@ async function openIn(context, { own, origin }) {
   return { page, frame: page.frames().find((frame) => frame.url().startsWith(origin)), origin };
 }
 
-/** Opens that page in a context of its own. */
+/** Opens that page in its own context. */
 async function opened(t, query, wishes = {}) {
   const served = await player(query);
   t.after(served.stop);
@@ -64,7 +65,7 @@ async function opened(t, query, wishes = {}) {
   return openIn(context, served);
 }
 
-/** Waits until a page has heard something. @param {(message: any) => boolean} wanted */
+/** Waits until a page has received a certain message. @param {(message: any) => boolean} wanted */
 function heard(page, wanted) {
   return until("a message", async () => (await page.evaluate(() => window.heard)).find(wanted));
 }
@@ -75,7 +76,7 @@ async function answer(page, request, origin) {
   return heard(page, (message) => message.id === id);
 }
 
-/** How a page asks, and waits for a state. */
+/** Returns functions with which a page sends requests and waits for a state. */
 function speaking({ page, frame, origin }) {
   const told = (wished) =>
     until("a state as wished", async () => {
@@ -89,7 +90,7 @@ function speaking({ page, frame, origin }) {
 const focused = (page) => page.evaluate(() => document.activeElement?.id);
 const isMade = (state) => state?.ready && state.verified !== null;
 
-/** As `opened`, once the run is there; also how to ask, and to wait for a state. */
+/** As `opened`, once the run is there; also returns functions to send requests and to wait for a state. */
 async function asking(made) {
   const speaks = speaking(made);
   await heard(made.page, ({ event }) => event === "ready");
@@ -110,8 +111,8 @@ async function openKept() {
 }
 
 /**
- * Returns the page that most tests share: it has heard nothing yet, and the program in its frame is in the state in which it
- * was opened. A test that fails takes it with it.
+ * Returns the page that most tests share: without messages yet, and with the program in its frame in the state in which
+ * it was opened. After a failed test the page is opened again.
  */
 async function reused(t) {
   const made = await (kept ??= openKept());
@@ -168,12 +169,12 @@ test("a page of another origin opens a link, plays and pauses", async (t) => {
   await done({ do: "pause" });
   const paused = await told((state) => !state.playing);
   assert.ok(paused.cursor < paused.events, "it played to the end");
-  // What went on would be past it.
+  // If it still played, the cursor would be past it.
   await done({ do: "step", by: 1, unit: "event" });
   await told((state) => state.cursor === paused.cursor + 1);
 });
 
-/** Has what was sent to a frame before arrive, and what the frame has sent before too. */
+/** Waits until messages sent before, to the frame and from it, have arrived. */
 async function flush(page, frame) {
   await page.evaluate(() => document.getElementById("frame").contentWindow.postMessage("flush", "*"));
   await frame.waitForFunction(() => window.flushed);
@@ -181,7 +182,7 @@ async function flush(page, frame) {
   await heard(page, ({ flushed }) => flushed);
 }
 
-/** Has a frame note that what was sent to it has arrived. */
+/** Makes a frame count the messages that have arrived. */
 const listen = (frame) =>
   frame.evaluate(() => addEventListener("message", ({ data }) => (window.flushed ||= data === "flush")));
 
@@ -206,7 +207,7 @@ test("a window that does not hold the frame is not listened to", async (t) => {
   const { page, frame, origin, told } = await reused(t);
   const { cursor } = await told(() => true);
   await listen(frame);
-  // It has the origin that is named, and may reach the frame by the page that both are on.
+  // It has the named origin, and can reach the frame through the page that contains both.
   await page.evaluate((origin) => {
     const other = document.createElement("iframe");
     document.body.append(other);
@@ -216,7 +217,7 @@ test("a window that does not hold the frame is not listened to", async (t) => {
       parent.frames[0].postMessage({ tilescope: 1, id: "other", do: "seek", event: 100 }, "${origin}");
     `);
   }, origin);
-  // The frame itself is none either.
+  // The frame itself is not its parent either.
   await frame.evaluate((origin) => window.postMessage({ tilescope: 1, id: "own", do: "seek", event: 100 }, origin), origin);
   await flush(page, frame);
   assert.equal((await told(() => true)).cursor, cursor);
@@ -242,7 +243,7 @@ test("while a lost display is replaced, requests are told to come again", async 
   const own = new URL(page.url()).origin;
   await frame.evaluate((origin) => {
     const canvas = document.getElementById("canvas");
-    // After the page has taken its leave of the program, and before the next one runs.
+    // After the page has ended the program, and before the next one runs.
     canvas.addEventListener("webglcontextlost", () => {
       const data = { tilescope: 1, id: "meanwhile", do: "state" };
       window.dispatchEvent(new MessageEvent("message", { data, origin, source: window.parent }));
@@ -258,10 +259,10 @@ test("while a lost display is replaced, requests are told to come again", async 
   assert.equal((await page.evaluate(() => window.heard)).filter(({ event }) => event === "ready").length, 1);
 });
 
-/** Where the run is seen on the example page. */
+/** The part of the example page that shows the run. */
 const LECTURE = { x: 350, y: 320, width: 500, height: 300 };
 
-/** Opens the example page, and returns how to wait for what it says. */
+/** Opens the example page. Also returns a function that waits for a sentence on it. */
 async function example(t, query = "", wishes = {}) {
   const { page } = await openedAt(t, `example/lecture.html${query}`, { settings: { viewport: { width: 1200, height: 900 } }, ...wishes });
   const said = (pattern) =>
@@ -333,7 +334,7 @@ test("a frame may begin hidden, as on a slide that is not shown yet", async (t) 
     await slide.evaluate(post, [message, address]);
     return heard(slide, (message) => message.id === id);
   };
-  // A run is made there, too, though nothing is drawn that would notice.
+  // A run is made there, too, although no frames are drawn.
   assert.equal((await asked({ do: "load", parameters: { seed: 9, radius: 0.02 } })).ok, true);
   await until("a run made out of sight", async () => {
     const { state } = await asked({ do: "state" });
@@ -373,7 +374,7 @@ test("Tab leads through a frame, with a ring, and out of it", async (t) => {
   const count = await through("Tab");
   assert.ok(count > 6, `${count} stops`);
   assert.equal(await focused(page), "after");
-  // Where it was left it is entered again, and that has been read out.
+  // It is entered where it was left, and that has been announced.
   const enter = async (key) => {
     await page.keyboard.press(key);
     assert.equal(await focused(page), "frame");
@@ -381,7 +382,7 @@ test("Tab leads through a frame, with a ring, and out of it", async (t) => {
   await enter("Shift+Tab");
   assert.equal(await through("Shift+Tab"), count);
   assert.equal(await focused(page), "before");
-  // Escape first leads out from anywhere.
+  // After Escape, Tab leaves from anywhere.
   await enter("Tab");
   await press("Tab");
   await page.keyboard.press("Escape");
@@ -462,7 +463,7 @@ test("frames out of view begin when they are asked or come into view, and so the
   await ready(2);
   await state(third, (told) => told.ready);
   await page.evaluate(() => scrollTo(0, 0));
-  // What the page observes is told before what is observed later.
+  // Observations are delivered in order.
   await third.evaluate(
     () =>
       new Promise((resolve) => {

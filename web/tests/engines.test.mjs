@@ -1,5 +1,5 @@
-// Same parameters, same points, bit for bit: both engines of the page against the native program, and what becomes of a GPU
-// that computes something else or is lost.
+// Same parameters, same points, bit for bit: compares both engines of the page with the native program. Also a GPU that
+// computes wrong points, and one that is lost.
 
 import assert from "node:assert/strict";
 import { readFile } from "node:fs/promises";
@@ -8,7 +8,7 @@ import { test } from "node:test";
 import { ask, folder, load, native, shows, state } from "./harness.mjs";
 import { opened, reused } from "./shared.mjs";
 
-/** What is sampled: as the page is asked for it, and as the native program is. */
+/** The parameter sets, as a link to the page and as arguments of the native program. */
 const SETS = [
   { radius: 0.023, seed: 1 },
   { radius: 0.025, seed: 18446744073709551615n, boundary: "bounded", leaf: 10 },
@@ -18,7 +18,7 @@ const SETS = [
   { radius: 0.019, seed: 5, leaf: 20, order: "index" },
 ];
 
-/** The digest of the positions that the native program makes. */
+/** Returns the digest of the positions that the native program computes. */
 async function nativeDigest(set, into) {
   const file = path.join(into, "set.csv");
   const flags = Object.entries(set).flatMap(([name, value]) => (value === true ? [`--${name}`] : [`--${name}`, String(value)]));
@@ -27,7 +27,7 @@ async function nativeDigest(set, into) {
   return certificate.positions_digest;
 }
 
-/** The link that asks for a set. */
+/** Returns the link for a set. */
 function link(set) {
   const pairs = Object.entries(set).map(([name, value]) => `${name}=${value === true ? "yes" : value}`);
   return `v=1&${pairs.join("&")}`;
@@ -37,8 +37,8 @@ function link(set) {
 const SHORT = 230_000;
 
 /**
- * Keeps devices, to take them away, and notes which windows they compute: the share of the domain of each. They take no longer
- * buffers than is asked for, and if it is asked for, one point in the middle of their first window is moved by one unit.
+ * Records devices, so that a test can destroy them, and the share of the domain of each window that they compute. The
+ * length of buffers can be limited, and one point in the middle of the first window can be moved by one unit.
  */
 function watchDevices({ longest, spoils } = {}) {
   for (const limit of longest ? ["maxBufferSize", "maxStorageBufferBindingSize"] : []) {
@@ -86,14 +86,14 @@ function watchDevices({ longest, spoils } = {}) {
   };
 }
 
-/** How the page is opened: with so little to draw that renderers without a GPU have time to compute. */
+/** Settings with so little to draw that software renderers have time to compute. */
 const SMALL = {
   clip: { x: 50, y: 30, width: 200, height: 140 },
   settings: { viewport: { width: 300, height: 200 } },
   prepare: (context) => context.addInitScript(watchDevices),
 };
 
-/** Returns a page that samples with an engine, once the GPU has passed its test where it is that. */
+/** Returns a page that samples with an engine; if that is the GPU, once it has passed its test. */
 async function sampling(t, engine) {
   const { page } = await reused(t, `?embed=canvas&display=webgl&engine=${engine}`, SMALL);
   return page;
@@ -113,7 +113,7 @@ for (const engine of ["cpu", "gpu"]) {
       assert.equal(told.positions_digest, await nativeDigest(set, made), link(set));
       seen.add(told.positions_digest);
     }
-    // Digests that are all alike would prove nothing.
+    // If all digests were equal, the comparison would prove nothing.
     assert.equal(seen.size, SETS.length);
     await shows(page, SMALL.clip);
   });
@@ -125,7 +125,7 @@ test("a GPU with long buffers computes each run in one window", async (t) => {
   assert.ok(shares.length >= 4 && shares.every((share) => share > 0.99), `${shares}`);
 });
 
-/** Opens the page with a GPU that is watched, and returns what its self-test found and the windows that it took. */
+/** Opens the page with a recorded GPU. Returns the verdict of its self-test and the windows that it computed. */
 async function tested(t, given) {
   const { page } = await opened(t, "?embed=canvas&engine=gpu&display=webgl#v=1&radius=0.03", {
     ...SMALL,
@@ -151,7 +151,7 @@ test("one point of the GPU that is moved by one unit is found by the page", asyn
   assert.deepEqual([gpuX - cpuX, gpuY - cpuY], [1, 0]);
 });
 
-// The last test of its page, as no device is left there.
+// This must be the last test of its page, since it destroys the device.
 test("a computing device that is lost leaves the run to the CPU, which says so", async (t) => {
   const page = await sampling(t, "gpu");
   const by = await load(page, "v=1&radius=0.03&seed=9");

@@ -1,4 +1,4 @@
-// Files go in by dropping and out by downloading; what leaves is verified again by the native program.
+// Files are opened by dropping and saved by downloading; the native program verifies the downloads again.
 
 import assert from "node:assert/strict";
 import { readFile, writeFile } from "node:fs/promises";

@@ -1,4 +1,4 @@
-// What the tests of the page share: the server, the browser, and a page that notes everything that goes wrong on it.
+// Helpers of the page's tests: the server, the browser, and a page whose errors are recorded.
 
 import assert from "node:assert/strict";
 import { execFile, spawn } from "node:child_process";
@@ -20,7 +20,7 @@ export const DIST = process.env.TILESCOPE_DIST ?? path.join(here, "../dist");
 /** The native program. */
 export const PROGRAM = process.env.TILESCOPE ?? path.join(here, "../../target/release/tilescope");
 
-/** Long enough for software renderers on a busy machine; nothing waits for it to pass. */
+/** A timeout long enough for software renderers on a busy machine. */
 export const PATIENCE_MS = 300_000;
 
 /** WebGPU and WebGL without a GPU, and no request of the browser's own. */
@@ -39,7 +39,7 @@ const FLAGS = [
   "--disable-sync",
 ];
 
-/** Returns where the browser is, as a shell would find it. */
+/** Returns the path of the browser, found as by a shell. */
 function browserPath() {
   const named = process.env.TILESCOPE_CHROMIUM;
   const names = named ? [named] : ["chromium", "chromium-browser", "google-chrome", "google-chrome-stable"];
@@ -56,7 +56,7 @@ export function launch(flags = []) {
 }
 
 /**
- * Serves a folder by `tilescope web` on a free port; returns its address and how to end it.
+ * Serves a folder by `tilescope web` on a free port. Returns its address and a function that ends the server.
  * @param {string} folder
  * @param {number} port
  */
@@ -83,7 +83,7 @@ export async function serve(folder = DIST, port = 0) {
 /** Within the canvas of the layout for desktops. */
 export const MIDDLE = { x: 420, y: 200, width: 400, height: 350 };
 
-/** Tries until something is there, and returns it. @template T @param {string} what @param {() => Promise<T>} attempt */
+/** Repeats an attempt until it returns a value, and returns that. @template T @param {string} what @param {() => Promise<T>} attempt */
 export async function until(what, attempt) {
   const end = Date.now() + PATIENCE_MS;
   for (;;) {
@@ -97,8 +97,8 @@ export async function until(what, attempt) {
 }
 
 /**
- * Waits until a page shows a picture, of more than a few colours and not even, and returns its mean brightness. A frame may
- * be drawn later than what it shows is told.
+ * Waits until a page shows a picture, with more than a few colours and some contrast, and returns its mean brightness.
+ * A frame may be drawn after its state was reported.
  * @param {import("playwright-core").Page} page
  */
 export async function shows(page, clip = MIDDLE) {
@@ -108,7 +108,7 @@ export async function shows(page, clip = MIDDLE) {
   });
 }
 
-/** Waits until a page looks twice the same, and returns how. @param {import("playwright-core").Page} page */
+/** Waits until a page looks the same twice, and returns the picture. @param {import("playwright-core").Page} page */
 export async function rests(page) {
   let before = await page.screenshot();
   return until("a picture that stays", async () => {
@@ -120,7 +120,7 @@ export async function rests(page) {
 }
 
 /**
- * Waits until a part of a page looks otherwise than in a picture, and returns how.
+ * Waits until a part of a page differs from a picture, and returns the new picture.
  * @param {import("playwright-core").Page} page
  * @param {Buffer} before
  */
@@ -137,7 +137,7 @@ export async function native(...args) {
   return stdout;
 }
 
-/** Returns a folder that is gone after the test. @param {import("node:test").TestContext} t */
+/** Returns a folder that is removed after the test. @param {import("node:test").TestContext} t */
 export async function folder(t) {
   const made = await mkdtemp(path.join(tmpdir(), "tilescope-web-"));
   t.after(() => rm(made, { recursive: true, force: true }));
@@ -145,7 +145,7 @@ export async function folder(t) {
 }
 
 /**
- * Notes what goes wrong on the pages of a context, and requests to anywhere else than to some origins.
+ * Records errors on the pages of a context, and requests to other than the given origins.
  * @param {import("playwright-core").BrowserContext} context
  * @param {string[]} origins
  */
@@ -158,7 +158,7 @@ export function watch(context, origins) {
     }
   });
   context.on("weberror", (error) => {
-    // The scripts of tests run on the empty page too, which comes first and has no WebGPU.
+    // The scripts of tests also run on the initial empty page, which has no WebGPU.
     if (error.page()?.url() !== "about:blank") {
       wrong.push(`page: ${error.error().stack ?? error.error()}`);
     }
@@ -173,7 +173,7 @@ export function watch(context, origins) {
 }
 
 /**
- * Asserts that nothing went wrong but what was expected, and that all of that did.
+ * Asserts that exactly the expected errors occurred.
  * @param {string[]} wrong
  * @param {RegExp[]} expected
  */
@@ -186,28 +186,28 @@ export function nothingElse(wrong, expected) {
 }
 
 /**
- * Returns whether a warning is of a software renderer, or of eframe's canvas that draws letters which no font here has.
+ * Returns whether a warning comes from a software renderer, or from eframe's canvas about letters that no font has.
  * @param {string} text
  */
 function isOfTheBrowser(text) {
   return /GPU stall due to ReadPixels|Canvas2D: Multiple readback operations|Automatic fallback to software WebGL|powerPreference option is currently ignored/.test(text);
 }
 
-/** Waits until the program runs on a page, its session is there and is seen. @param {import("playwright-core").Page} page */
+/** Waits until the program runs on a page, and its session is there and drawn. @param {import("playwright-core").Page} page */
 export async function ready(page, clip = MIDDLE) {
   await state(page, (told) => told.ready && told.verified !== null);
   assert.equal(await page.isHidden("#loading"), true);
   await shows(page, clip);
 }
 
-/** Asks the program on a page. @param {import("playwright-core").Page} page @param {object} request */
+/** Sends a request to the program on a page. @param {import("playwright-core").Page} page @param {object} request */
 export async function ask(page, request) {
   const answer = await page.evaluate((text) => window.tilescope.ask(text), JSON.stringify(request));
   return JSON.parse(answer);
 }
 
 /**
- * Waits until the state of the program on a page is as wished, and returns it.
+ * Waits for a state of the program on a page, and returns it.
  * @param {import("playwright-core").Page} page
  * @param {(told: any) => boolean} wished
  */
@@ -234,7 +234,7 @@ export async function load(page, link) {
   return state(page, (told) => told.ready && told.verified !== null);
 }
 
-/** Waits until a text field takes what is typed. @param {import("playwright-core").Page} page */
+/** Waits until a text field accepts typing. @param {import("playwright-core").Page} page */
 export async function typing(page) {
   await page.waitForFunction(() => document.activeElement?.tagName === "INPUT", null, { timeout: PATIENCE_MS });
 }
@@ -262,7 +262,7 @@ export async function pixels(page, clip) {
   }, png.toString("base64"));
 }
 
-/** Returns the files of an archive whose entries are stored as they are. @param {Buffer} archive */
+/** Returns the files of an archive whose entries are not compressed. @param {Buffer} archive */
 export function stored(archive) {
   const files = [];
   let at = 0;

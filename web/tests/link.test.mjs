@@ -1,4 +1,4 @@
-// Permalinks: the address follows what is done and leads back to it; hostile ones lead to the nearest valid state.
+// Permalinks: the address follows the state and restores it; hostile links give the nearest valid state.
 
 import assert from "node:assert/strict";
 import { test } from "node:test";
@@ -35,7 +35,7 @@ test("what is shown is in the address, without a step of history, and comes back
   await shows(page);
 });
 
-/** Has a link be followed while the program asks for its display; it goes on once the page has heard of it. */
+/** Follows a link while the program requests its display, and continues once the page has noticed. */
 function followMeanwhile(link) {
   const original = GPUAdapter.prototype.requestDevice;
   GPUAdapter.prototype.requestDevice = async function (...options) {
@@ -59,7 +59,7 @@ test("a link that is followed while a lost display is replaced is opened", async
   const { page } = await started(t, "?engine=cpu&display=webgl#v=1&seed=9&radius=0.02");
   await page.evaluate(() => {
     const canvas = document.getElementById("canvas");
-    // After the page has taken its leave of the program, which starts again.
+    // After the page has ended the program, which starts again.
     canvas.addEventListener("webglcontextlost", () => (location.hash = "v=1&seed=5&radius=0.02"));
     canvas.getContext("webgl2").getExtension("WEBGL_lose_context").loseContext();
   });
@@ -68,7 +68,7 @@ test("a link that is followed while a lost display is replaced is opened", async
   await shows(page);
 });
 
-/** Links that do harm or make no sense, and what is said of each. */
+/** Harmful or nonsensical links, and the notice for each. */
 const HOSTILE = {
   "numbers that are none": ["v=1&radius=NaN&leaf=-inf&seed=abc&camera=NaN,1e999,0", /radius.*NaN/],
   "a billion samples": ["v=1&radius=0.00000001&width=100000&height=100000", /radius|samples/],
@@ -85,7 +85,7 @@ const HOSTILE = {
 
 for (const [k, [name, [fragment, said]]] of Object.entries(HOSTILE).entries()) {
   test(`a link with ${name} opens the nearest valid state and says what was dropped`, async (t) => {
-    // The first as it is opened from elsewhere, the others as they are followed on the page.
+    // The first is opened in a new page, the others are followed on an open page.
     const { page } = k === 0 ? await started(t, `?engine=cpu#${fragment}`) : await reused(t);
     if (k > 0) {
       await follow(page, fragment);
@@ -105,7 +105,7 @@ test("a good link drops nothing", async (t) => {
   assert.equal(told.notice, null);
 });
 
-/** Has a page without a clipboard, as where it does not come by https; what is copied as of old is noted, if it may be. */
+/** Takes the clipboard from a page, as if it were not served by https. Texts copied with the old interface are recorded, if that is allowed. */
 function oldClipboard(allowed) {
   window.copied = null;
   Object.defineProperty(navigator, "clipboard", { value: undefined, configurable: true });
@@ -115,13 +115,13 @@ function oldClipboard(allowed) {
   };
 }
 
-/** Gives a page its clipboard back. */
+/** Gives the clipboard back to a page. */
 function newClipboard() {
   delete navigator.clipboard;
   delete document.execCommand;
 }
 
-/** Has a page copy its link without a clipboard, and returns what was copied how. */
+/** Makes a page copy its link without a clipboard, and returns the copied texts. */
 async function copied(page, allowed) {
   await page.evaluate(oldClipboard, allowed);
   await page.click("#canvas", { position: { x: 640, y: 300 } });
@@ -160,7 +160,7 @@ test("a link is copied to the clipboard", async (t) => {
   await context.grantPermissions(["clipboard-read", "clipboard-write"]);
   await load(page, "v=1&seed=9&radius=0.02");
   await page.click("#canvas", { position: { x: 640, y: 400 } });
-  // Whoever types does not wait for slow frames.
+  // Users type without waiting for slow frames.
   await page.keyboard.press("Control+k");
   await page.keyboard.type("copy link");
   await page.keyboard.press("Enter");

@@ -1,11 +1,11 @@
-// A device that is lost is replaced by what is left, which says so; nothing that was shown is lost with it.
+// A lost device is replaced by another display, with a notice, and the state is kept.
 
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { shows, state } from "./harness.mjs";
 import { started } from "./shared.mjs";
 
-/** Has a page remember its WebGPU devices, so that a test can take them away. */
+/** Records the WebGPU devices of a page, so that a test can destroy them. */
 function rememberDevices() {
   window.devices = [];
   const original = GPUAdapter.prototype.requestDevice;
@@ -32,7 +32,7 @@ test("a lost display is replaced by WebGL 2, with the same session", async (t) =
   await shows(page);
 });
 
-/** Has a page's clock go slowly, so that what a busy machine does late is soon by it. */
+/** Slows a page's clock down, so that delays of a busy machine seem short. */
 function slowClock() {
   const now = performance.now.bind(performance);
   performance.now = () => now() / 4;

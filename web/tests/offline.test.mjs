@@ -1,4 +1,5 @@
-// After the first visit the page needs no network; a new version is offered, not forced, and one that is not whole is refused.
+// After the first visit the page needs no network; a new version is offered, not forced, and an incomplete one is
+// refused.
 
 import assert from "node:assert/strict";
 import { createHash } from "node:crypto";
@@ -41,7 +42,7 @@ async function edit(copy, name, change) {
   const file = path.join(copy, name);
   const text = await readFile(file, "utf8");
   await writeFile(file, change(text));
-  // What they hold is no longer the same.
+  // Their content is outdated.
   await Promise.all([".br", ".gz"].map((ending) => rm(file + ending, { force: true })));
 }
 
@@ -74,7 +75,7 @@ test("the page works without a network after the first visit", async (t) => {
   await page.close();
   await server.stop();
   const again = await context.newPage();
-  // What the browser has kept by itself would hide what the page has not.
+  // The browser's own cache would hide files that the page has not stored.
   const session = await context.newCDPSession(again);
   await session.send("Network.clearBrowserCache");
   await again.goto(`${server.address}/${LINK}`);
@@ -98,7 +99,7 @@ test("a new version is offered, and comes with the user's consent", async (t) =>
     assert.match(await page.textContent("#notice"), /new version.*Escape, then Tab/is);
     assert.match(await page.textContent("#notice-said"), /new version/i);
     assert.equal(await colour(page), old, "it has come before it was accepted");
-    // As the notice says.
+    // Accept the offer.
     await ready(page);
     await page.focus("#canvas");
     await page.keyboard.press("Escape");
@@ -109,12 +110,12 @@ test("a new version is offered, and comes with the user's consent", async (t) =>
     assert.equal((await state(page)).seed, 6, "the address was kept");
     assert.equal((await colour(page)).trim(), wanted);
     versions.push(version);
-    // The one before may still be shown in another tab.
+    // Another tab may still show the version before.
     assert.deepEqual(await kept(page), versions.slice(-2), `after change ${number}`);
   }
 });
 
-/** Serves what another server does, and its page for all that it has not, as some servers do. */
+/** Serves the files of another server, and its page for all missing files, as some servers do. */
 async function pageForAll(t, server) {
   const pass = async (url, response) => {
     let answer = await fetch(server.address + url);
@@ -132,13 +133,13 @@ async function pageForAll(t, server) {
   return { address: `http://127.0.0.1:${own.address().port}` };
 }
 
-/** How a new version may be broken. */
+/** Ways in which a new version may be broken. */
 const BROKEN = {
   "lacks a file": (copy, { name }) => rm(path.join(copy, name)),
   "has the page of another one": (copy, { name, before }) => edit(copy, "index.html", (text) => text.replace(name, before)),
 };
 
-/** Has a page look for a new version, and returns what becomes of it. */
+/** Makes a page look for a new version, and returns the version's final state. */
 function update(page) {
   return page.evaluate(async () => {
     const registration = await navigator.serviceWorker.ready;

@@ -1,4 +1,4 @@
-// What an address may name as the origin of the page around it. No browser is needed.
+// Tests which origins an address may name for the page around it. Needs no browser.
 
 import assert from "node:assert/strict";
 import { test } from "node:test";

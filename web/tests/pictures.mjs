@@ -12,7 +12,7 @@ if (!into) {
 
 const PHONE = { viewport: { width: 390, height: 844 }, deviceScaleFactor: 2, hasTouch: true, isMobile: true };
 
-/** Who is shown, where, and what is done before. */
+/** The pictures: address, size, and the steps before each. */
 const PICTURES = {
   "web-phone": [PHONE, "/?engine=cpu#v=1&seed=3&radius=0.02&leaf=12", async (page) => {
     await ready(page, { x: 20, y: 120, width: 350, height: 250 });
@@ -36,7 +36,7 @@ for (const [name, [settings, query, prepare]] of Object.entries(PICTURES)) {
   const page = await context.newPage();
   await page.goto(server.address + query);
   await prepare(page);
-  // The frame that shows what was prepared.
+  // Wait for the frame that shows the prepared state.
   await page.waitForTimeout(3_000);
   await page.screenshot({ path: path.join(into, `${name}.png`) });
   console.log(`${name}.png`, ...wrong);

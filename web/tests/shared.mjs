@@ -1,12 +1,12 @@
-// The server, the browser and the pages that tests share, and the contexts in which a test opens pages of its own.
+// The server, the browser and the pages that tests share, and contexts for a test's own pages.
 
 import assert from "node:assert/strict";
 import { after } from "node:test";
 import { PATIENCE_MS, launch, load, nothingElse, ready, serve, state, watch } from "./harness.mjs";
 
-/** Begun by the first test. */
+/** Started by the first test. */
 const shared = {};
-/** The pages that tests share, by how they were opened. */
+/** The pages that tests share, by address and settings. */
 const pages = new Map();
 after(async () => {
   await (await shared.browser)?.close();
@@ -19,20 +19,20 @@ export function host() {
 }
 
 /**
- * How a test opens its pages.
+ * Options with which a test opens its pages.
  * @typedef {object} Wishes
- * @property {{address: string}} [server] another one than the one that is shared
+ * @property {{address: string}} [server] used instead of the shared one
  * @property {object} [settings] of the context
  * @property {(context: import("playwright-core").BrowserContext) => Promise<void>} [prepare] is called before a page is opened
- * @property {RegExp[]} [expected] what goes wrong on purpose; all else fails the test
- * @property {string[]} [origins] of other servers that may be asked for something
- * @property {{x: number, y: number, width: number, height: number}} [clip] where the run is seen
+ * @property {RegExp[]} [expected] expected errors; any other error fails the test
+ * @property {string[]} [origins] of other servers to which requests are allowed
+ * @property {{x: number, y: number, width: number, height: number}} [clip] the part of the page that shows the run
  */
 
-/** The layout of a desktop at half its pixels, each of which a renderer without a GPU has to draw. */
+/** The layout of a desktop at half its resolution, to save time for software renderers. */
 const DESKTOP = { viewport: { width: 1280, height: 800 }, deviceScaleFactor: 0.5 };
 
-/** Makes a context, and returns what goes wrong on its pages. @param {Wishes} wishes */
+/** Makes a context, and returns it with the list of errors on its pages. @param {Wishes} wishes */
 export async function makeContext({ server, settings = {}, prepare, origins = [] } = {}) {
   server ??= await host();
   shared.browser ??= launch();
@@ -45,14 +45,14 @@ export async function makeContext({ server, settings = {}, prepare, origins = []
 }
 
 /**
- * Returns a context of its own, which ends with the test.
+ * Returns a new context, which ends with the test.
  * @param {import("node:test").TestContext} t
  * @param {Wishes} wishes
  */
 export async function contextOf(t, wishes = {}) {
   const { server, context, wrong } = await makeContext(wishes);
   t.after(async () => {
-    // What goes wrong when it ends is nobody's.
+    // Errors while it ends are ignored.
     const all = [...wrong];
     await context.close();
     nothingElse(all, wishes.expected ?? []);
@@ -61,7 +61,7 @@ export async function contextOf(t, wishes = {}) {
 }
 
 /**
- * Opens the page in a context of its own.
+ * Opens the page in a new context.
  * @param {import("node:test").TestContext} t
  * @param {string} query the end of its address: query and fragment
  * @param {Wishes} wishes
@@ -73,32 +73,31 @@ export async function opened(t, query = "", wishes = {}) {
   return { server, context, page };
 }
 
-/** As `opened`, once the session is there, verified and seen. @param {Parameters<typeof opened>} given */
+/** As `opened`, once the session is there, verified and drawn. @param {Parameters<typeof opened>} given */
 export async function started(...given) {
   const made = await opened(...given);
   await ready(made.page, given[2]?.clip);
   return made;
 }
 
-/** What a shared page shows when a test begins. */
+/** The link of a shared page when a test begins. */
 const LINK = "v=1&radius=0.02";
 
-/** Opens a page for many tests, and keeps what its program says of itself at first. @param {string} query @param {Wishes} wishes */
+/** Opens a page for many tests, and stores the initial state of its program. @param {string} query @param {Wishes} wishes */
 async function openShared(query, wishes) {
   const made = await makeContext(wishes);
   const page = await made.context.newPage();
   await page.goto(`${made.server.address}/${query}#${LINK}`);
   await ready(page, wishes.clip);
   await state(page, (told) => told.gpu !== "testing");
-  // Made anew, by whoever makes all that follow: while a GPU is tested the CPU samples.
+  // Sample again with the final engine: while a GPU is tested the CPU samples.
   await load(page, "v=1&radius=0.03");
   return { ...made, page, fresh: await load(page, LINK) };
 }
 
 /**
- * Returns the page that tests share which ask for the same address and the same settings. Whatever the tests before
- * have done, it is in the state in which it was opened, to the last field of what the program says of itself. A test that
- * fails takes its page with it.
+ * Returns the page that tests with the same address and settings share. Whatever earlier tests did, it is in the state
+ * in which it was opened, in every field of the program's state. After a failed test its page is not used again.
  * @param {import("node:test").TestContext} t
  * @param {string} query the query of its address
  * @param {Wishes} wishes
@@ -120,7 +119,7 @@ export async function reused(t, query = "?engine=cpu", wishes = {}) {
   return made;
 }
 
-/** Brings a page to a state in which it was before. */
+/** Restores an earlier state of a page. */
 async function backTo(page, fresh) {
   await page.mouse.move(5, 795);
   await page.focus("#canvas");

@@ -1,4 +1,4 @@
-// The page begins: it shows the default session, verified, by either display, and says what it lacks where it cannot.
+// The page starts: it shows the default session, verified, with either display, and says what is missing if it cannot.
 
 import assert from "node:assert/strict";
 import { once } from "node:events";
@@ -10,7 +10,7 @@ import { host, opened, reused, started } from "./shared.mjs";
 /** The whole page. */
 const WHOLE = { x: 0, y: 0, width: 1280, height: 800 };
 
-/** Asserts that a picture of the page is loaded and seen. @param {import("playwright-core").Page} page @param {string} at */
+/** Asserts that a picture of the page is loaded and visible. @param {import("playwright-core").Page} page @param {string} at */
 async function pictured(page, at) {
   const image = page.locator(at);
   await image.scrollIntoViewIfNeeded();
@@ -30,7 +30,7 @@ for (const [display, name] of [["webgpu", "WebGPU"], ["webgl", "WebGL 2"]]) {
   });
 }
 
-/** Has the page's clock go on by 50 ms with each of its frames, however long they take, and counts what it draws. */
+/** Advances the page's clock by 50 ms for each of its frames, however long they take, and counts draws. */
 function slowClock() {
   let now_ms = performance.now();
   performance.now = () => now_ms;
@@ -55,14 +55,14 @@ function slowClock() {
 
 test("the first frame comes soon after the load, and the page is idle when nothing happens", async (t) => {
   const { page } = await started(t, "", { prepare: (context) => context.addInitScript(slowClock) });
-  // A figure to be read, not a limit to be met: machines differ.
+  // Printed only, without a limit, since machines differ.
   const marks = await page.evaluate(() => performance.getEntriesByType("mark").map((mark) => [mark.name, mark.startTime]));
   const first = new Map(marks).get("tilescope: first frame");
   assert.ok(first > 0, `no mark of the first frame among ${JSON.stringify(marks)}`);
   t.diagnostic(`first interactive frame ${Math.round(first)} ms after navigation`);
   await state(page, (told) => told.gpu !== "testing");
   await page.mouse.move(5, 795);
-  /** How much is drawn in two seconds of the page's clock. */
+  /** Returns how much is drawn in two seconds of the page's clock. */
   const drawn = () =>
     page.evaluate(async () => {
       const [before, start_ms] = [window.drawn, performance.now()];
@@ -74,7 +74,7 @@ test("the first frame comes soon after the load, and the page is idle when nothi
   // Once all is computed, nothing is drawn.
   await until("two seconds without a picture", async () => (await drawn()) === 0);
   assert.equal(await drawn(), 0, "it draws while nothing happens");
-  // What draws would be counted.
+  // Negative control: drawing is counted.
   const [count] = await Promise.all([drawn(), ask(page, { do: "seek", part: 0.5 })]);
   assert.ok(count > 0);
 });
@@ -156,7 +156,7 @@ test("keys that mean something here are not the browser's, others are", async (t
   }
 });
 
-/** Serves what another server does, but of the program only the share that was let through. */
+/** Serves the files of another server, but of the program only the share released so far. */
 async function doled(t, server) {
   const gate = { share: 0, more: () => {} };
   const allow = (share) => {
@@ -219,7 +219,7 @@ test("the page can be installed: its manifest is sound, and its icons are of the
   }
 });
 
-/** Has a page note each picture that the program draws. */
+/** Records each picture that the program draws on a page. */
 function film() {
   window.film = new Set();
   window.filmed = () => {
@@ -228,7 +228,7 @@ function film() {
     const place = [420, 200, 400, 350].map((length) => (length * canvas.width) / canvas.clientWidth);
     small.drawImage(canvas, ...place, 0, 0, 100, 90);
     const { data } = small.getImageData(0, 0, 100, 90);
-    // Where nothing was drawn there is nothing to be had.
+    // If nothing was drawn, the canvas is empty.
     if (data.some((value) => value > 0)) {
       window.film.add(data.join());
     }
@@ -248,7 +248,7 @@ async function filmed(t, reducedMotion) {
   return page;
 }
 
-/** Has the camera show all of the domain, and returns how many pictures that takes. */
+/** Makes the camera show the whole domain, and returns how many pictures that takes. */
 async function flown(page) {
   await load(page, "v=1&radius=0.02&camera=20,20,40");
   await shows(page);

@@ -1,4 +1,4 @@
-// Steps, breakpoints, seeking and going back, by the keys that the program has natively, too.
+// Steps, breakpoints, seeking and going back, by the same keys as in the native program.
 
 import assert from "node:assert/strict";
 import { test } from "node:test";
@@ -44,7 +44,7 @@ test("keys step, and the picture follows", async (t) => {
 
 test("a run stops at a breakpoint, forwards and backwards", async (t) => {
   const { page } = await reused(t);
-  // Line by line: the link brings the breakpoint, keys run to it.
+  // The link has the breakpoint, and keys run to it, line by line.
   const told = await load(page, "v=1&radius=0.02&at=0&break=insert.1");
   assert.deepEqual([told.notice, told.cursor], [null, 0]);
   await page.click("#canvas", { position: { x: 620, y: 400 } });

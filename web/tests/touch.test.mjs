@@ -8,7 +8,7 @@ import { reused, started } from "./shared.mjs";
 /** Within the canvas of the layout for phones. */
 const PICTURE = { x: 20, y: 120, width: 350, height: 250 };
 
-/** How the page is opened on a phone. */
+/** Browser settings of a phone. */
 const phone = (density) => ({
   clip: PICTURE,
   settings: {
@@ -20,12 +20,12 @@ const phone = (density) => ({
   },
 });
 
-/** Gestures are tried at one pixel a point: renderers without a GPU take their time for each. */
+/** Gestures are tested at one pixel a point, because software renderers are slow. */
 const touched = (t) => reused(t, "?engine=cpu&display=webgl", phone(1));
 
 /**
- * Moves fingers by the browser's own input; each is a list of places, as many as the others have. Moving begins with the
- * touch, so that a slow frame makes no long press of it, and each place is seen before the next.
+ * Moves fingers by the browser's own input; each finger is a list of places, all of the same length. Moving begins with
+ * the touch, so that a slow frame does not turn it into a long press, and each place is drawn before the next.
  */
 async function fingers(context, page, tracks) {
   const session = await context.newCDPSession(page);

@@ -1,7 +1,6 @@
-//! KDRT and the reference sampler beside published crates, on one thread, in one run. A rate says
-//! nothing without the density beside it, so every set is measured by the verifier: density,
-//! smallest distance and covering radius. Run with `cargo run --release -p tilescope-tests-peers`;
-//! the first number after `--` is the wanted count of samples.
+//! Compares KDRT and the reference sampler with published crates, on one thread, in one run. A rate means nothing
+//! without the density, so every set is measured by the verifier: density, smallest distance and covering radius. Run
+//! with `cargo run --release -p tilescope-tests-peers`; the first number after `--` is the wanted count of samples.
 
 use std::ops::ControlFlow;
 use std::sync::Arc;
@@ -21,7 +20,7 @@ type Sampler = Box<dyn Fn(f64, u64) -> Vec<[f64; 2]>>;
 struct Peer {
     name: &'static str,
     boundary: Boundary,
-    /// Slow peers make smaller sets, as a divisor of the count.
+    /// The divisor of the count, with which slow peers make smaller sets.
     smaller: f64,
     sampler: Sampler,
 }
@@ -164,7 +163,7 @@ fn crates() -> Vec<Peer> {
         peer("poisson_diskus (unseeded)", Periodic, 10.0, |radius, _| {
             poisson_diskus::bridson(&[1.0, 1.0], radius, 30, true).expect("a set")
         }),
-        // Its radius is half the smallest distance, relative to nothing.
+        // Its radius is half the smallest distance, in absolute units.
         peer("poisson, Ebeida", Periodic, 10.0, |radius, seed| {
             let builder = poisson::Builder::<f64, na::Vector2<f64>>::with_radius(
                 radius / 2.0,

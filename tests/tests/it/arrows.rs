@@ -1,4 +1,4 @@
-//! The crates depend on each other as the map in `crates/README.md` says, and only so.
+//! Checks that the crates depend on each other exactly as the map in `crates/README.md` says.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -34,7 +34,7 @@ fn metadata() -> Metadata {
     command.manifest_path(manifest).no_deps().exec().unwrap()
 }
 
-/// Every arrow between crates of the workspace that is used at run time.
+/// All run-time dependencies between crates of the workspace.
 fn arrows() -> BTreeMap<String, BTreeSet<String>> {
     let metadata = metadata();
     let packages = metadata
@@ -89,7 +89,7 @@ fn an_arrow_that_the_map_lacks_is_found() {
     );
 }
 
-/// What the judge and the accused are made of, at run time: no window, no GPU, no files, no clock.
+/// The run-time dependencies of the sampler and the verifier: no window, no GPU, no files, no clock.
 #[test]
 fn core_and_analysis_use_little_else() {
     let metadata = metadata();
@@ -117,7 +117,7 @@ fn core_and_analysis_use_little_else() {
     }
 }
 
-/// The judge does not know the accused, not even through another crate or in its tests.
+/// The verifier does not depend on the sampler, not even through another crate or in its tests.
 #[test]
 fn the_verifier_never_meets_the_sampler() {
     let metadata = metadata();
@@ -146,7 +146,7 @@ fn below(package: &str) -> BTreeSet<String> {
         let quoted = line.split('"').nth(1);
         match quoted {
             Some(own) if line.starts_with("name = ") => name = own,
-            // Behind the name there may be a version.
+            // A version may follow the name.
             Some(used) if line.starts_with(' ') => {
                 let used = used.split(' ').next().unwrap_or(used);
                 uses.entry(name).or_default().insert(used);

@@ -1,7 +1,7 @@
-//! Modules of a crate do not import each other in circles: what several need stands below all of them.
+//! Checks that modules of a crate do not import each other in circles.
 //!
-//! A module is a file or a folder directly in `src`, with all that lies under it; an import is any path that begins in the
-//! crate's root, also through a name that `lib.rs` re-exports. Tests may import what they like.
+//! A module is a file or a folder directly in `src`, with everything below it; an import is any path that begins in the
+//! crate's root, also through a name that `lib.rs` re-exports. Tests may import anything.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -10,7 +10,7 @@ use std::path::Path;
 /// What each module imports.
 type Graph = BTreeMap<String, BTreeSet<String>>;
 
-/// Returns the files of a folder by their paths from `src`, without those of tests.
+/// Returns the files of a folder with their paths in `src`, except those of tests.
 fn sources(folder: &Path, above: &str) -> Vec<(String, String)> {
     let mut all = Vec::new();
     for entry in fs::read_dir(folder).expect("a folder of sources") {
@@ -29,7 +29,8 @@ fn sources(folder: &Path, above: &str) -> Vec<(String, String)> {
     all
 }
 
-/// Returns the code without comments and without items under `#[cfg(test)]`, which rustfmt ends on a line as far indented.
+/// Returns the code without comments and without items under `#[cfg(test)]`, whose last line has, by rustfmt, the same
+/// indentation as the first.
 fn product(text: &str) -> String {
     let indent = |line: &str| line.len() - line.trim_start().len();
     let mut code = String::new();
@@ -46,13 +47,13 @@ fn product(text: &str) -> String {
     code
 }
 
-/// Returns the words of some code: names, without what stands between them.
+/// Returns the identifiers of some code.
 fn words(code: &str) -> impl Iterator<Item = &str> {
     let pieces = code.split(|c: char| !c.is_alphanumeric() && c != '_');
     pieces.filter(|word| !word.is_empty())
 }
 
-/// Returns the first names of what follows `crate::`, of which a group in braces has several.
+/// Returns the first names of a path after `crate::`; a group in braces has several.
 fn heads(path: &str) -> Vec<&str> {
     if !path.starts_with('{') {
         return words(path).take(1).collect();
@@ -104,7 +105,7 @@ fn graph(sources: &[(String, String)]) -> Graph {
     graph
 }
 
-/// Returns what a module imports, and what that imports, and so on.
+/// Returns all modules that a module imports, directly or indirectly.
 fn reached<'a>(graph: &'a Graph, from: &'a str) -> BTreeSet<&'a str> {
     let mut found = BTreeSet::new();
     let mut ahead = vec![from];
@@ -115,13 +116,13 @@ fn reached<'a>(graph: &'a Graph, from: &'a str) -> BTreeSet<&'a str> {
     found
 }
 
-/// Returns the modules of the largest circle; none where there is no circle.
+/// Returns the modules of the largest circle; empty if there is none.
 fn largest_circle(graph: &Graph) -> Vec<&str> {
     let all = graph
         .keys()
         .map(|from| (from.as_str(), reached(graph, from)));
     let all: BTreeMap<&str, BTreeSet<&str>> = all.collect();
-    // Those that a module reaches and that reach it; itself, too, if it is in a circle.
+    // The modules that a module reaches and that reach it, including itself if it is in a circle.
     let circle = |from: &&str| -> Vec<&str> {
         let both = all[from].iter().filter(|&to| all[to].contains(from));
         both.copied().collect()

@@ -1,6 +1,6 @@
-//! The GPU engine against the sequential one over random runs of every kind: patterns of every origin, also such as leave
-//! lattice points uncovered; one window and many; halos that must be repaired. Every result is verified, too. Needs
-//! an adapter; one that computes on the CPU will do.
+//! Compares the GPU engine with the sequential one over random runs of every kind: patterns of every origin, also those
+//! that leave lattice points uncovered; one window and many; halos that are too narrow. Every result is verified, too.
+//! Needs an adapter; a software one will do.
 
 use std::sync::{Arc, LazyLock};
 
@@ -35,7 +35,7 @@ fn sources(run: &Run) -> Vec<Source> {
 /// Compares the device's run of a case with the sequential one, and has it verified.
 fn compare(case: &Case, pattern: &Arc<Pattern>, options: Options) -> TestCaseResult {
     let run = sequential(case, pattern);
-    // Besides the pattern, which lies on the device under all its symmetries, 24 bytes a sample at most.
+    // Besides the pattern, which is stored on the device in all its symmetries, 24 bytes a sample at most.
     let symmetries = if case.parameters.dihedral { 8 } else { 1 };
     let pattern_bytes = 24 * symmetries * pattern.samples().len() as u64;
     let options = Options {
@@ -55,7 +55,8 @@ fn compare(case: &Case, pattern: &Arc<Pattern>, options: Options) -> TestCaseRes
     } = case.parameters;
     let is_narrow = boundary == Boundary::Periodic && width.min(height) < 30.0 * radius;
     let (found, summary) = found.map_err(|error| match error {
-        // There what is unsure may reach around the domain without end: then the run is the CPU's.
+        // In narrow domains uncertainty may spread around the domain without end; then only the CPU can compute the
+        // run.
         GpuError::Sample(SampleError::Entangled { .. }) if is_narrow => {
             TestCaseError::reject("depends on too much around it")
         }
@@ -98,7 +99,7 @@ proptest! {
         compare(&case, &case.pattern(), options)?;
     }
 
-    /// Patterns that leave lattice points uncovered make gaps that no lost sample made.
+    /// With patterns that leave lattice points uncovered there are gaps that no lost sample covered.
     #[test]
     fn inexact_patterns_make_equal_runs(
         case in cases(),

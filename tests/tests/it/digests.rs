@@ -1,5 +1,5 @@
-//! The definition of the points, pinned: these digests must never change, on any machine, engine,
-//! thread count or browser. A change of any of them is a change of what the program computes.
+//! Pins the definition of the points: these digests must never change, on any machine, engine, thread count or browser.
+//! If one changes, the program computes other points.
 
 use crate::support::pinned::{PINNED, cases};
 use crate::support::{digest, run};

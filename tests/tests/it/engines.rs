@@ -1,5 +1,5 @@
-//! The parallel engine decides as the sequential one: the same points, sources and counts for random
-//! parameters and patterns on any number of threads, and every window is what the whole run shows there.
+//! Compares the parallel engine with the sequential one: the same points, sources and counts for random parameters and
+//! patterns on any number of threads, and every window equals that part of the whole run.
 
 use std::ops::ControlFlow;
 use std::sync::{Arc, LazyLock};
@@ -50,7 +50,7 @@ fn compare_sweeps(case: &Case, pattern: &Arc<Pattern>, run: &Run) -> TestCaseRes
     Ok(())
 }
 
-/// A window by its place and size in sides of the domain.
+/// A window given by its place and size in sides of the domain.
 fn window_of(case: &Case, place: [f64; 2], size: [f64; 2]) -> ([f64; 2], [f64; 2]) {
     let sides = [case.parameters.width, case.parameters.height];
     let axis = |a: usize| {
@@ -91,7 +91,7 @@ proptest! {
         compare_sweeps(&case, &pattern, &run)?;
     }
 
-    /// Patterns that leave lattice points uncovered make gaps that no lost sample made.
+    /// With patterns that leave lattice points uncovered there are gaps that no lost sample covered.
     #[test]
     fn inexact_patterns_make_equal_runs(case in cases(), index in 0..INEXACT.len()) {
         let pattern = &INEXACT[index];
@@ -137,8 +137,8 @@ proptest! {
     }
 }
 
-/// In a narrow periodic domain what is unsure may reach around it without end, however wide the halo: these runs,
-/// found among thousands, were refused before the whole domain was run instead.
+/// In a narrow periodic domain uncertainty may spread around it without end, however wide the halo. These runs, found
+/// among thousands, failed before such domains were run as a whole.
 #[test]
 fn narrow_domains_make_equal_runs() {
     let found = [
@@ -260,7 +260,7 @@ fn progress_grows_to_its_end_and_stopping_is_an_error() {
     let observe = |stop_at: usize| {
         let mut seen: Vec<Progress> = Vec::new();
         let result = one.install(|| {
-            // A closure over `seen` crosses to the pool's thread and back.
+            // The observer, a closure over `seen`, is called on the pool's thread.
             sweep(false).finish(&mut |progress| {
                 seen.push(progress);
                 if seen.len() == stop_at {
@@ -319,7 +319,7 @@ fn what_cannot_be_computed_in_parts_is_refused() {
         sequential.finish(&mut Unobserved).expect_err("a refusal"),
         sweep.finish(&mut Unobserved).expect_err("a refusal"),
     ];
-    // Each names the block that it met first.
+    // Each error names the block that the engine met first.
     for refused in refusals {
         let named = matches!(refused, SampleError::Pattern(PatternError::TooSmall { .. }));
         assert!(named, "{refused}");

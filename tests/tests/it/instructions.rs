@@ -1,4 +1,4 @@
-//! Every instruction set of this machine gives the same points.
+//! Checks that every instruction set of this machine gives the same points.
 
 use crate::support::difference;
 use crate::support::random::{cases, sequential};

@@ -1,4 +1,4 @@
-//! Tests that span the crates.
+//! Tests across the crates.
 
 mod arrows;
 mod circles;

@@ -1,6 +1,5 @@
-//! Figures that the method must reproduce: counts seen in an independent prototype, the jamming
-//! density of random sequential addition, the spectrum of the reference sampler, and the search
-//! radius that the paper believed to suffice.
+//! Numbers that the method must reproduce: counts of an independent prototype, the jamming density of random sequential
+//! addition, the spectrum of the reference sampler, and the search radius that the paper believed to suffice.
 
 use crate::support::{judge, run};
 use std::ops::ControlFlow;
@@ -50,7 +49,7 @@ fn counts_agree_with_the_prototype() {
         near("tiled", mean(&|s| s.tiled), 71_957.0, 0.02);
         near("eliminated", mean(&|s| s.eliminated), eliminated, 0.06);
         near("iteration 1", mean(&|s| s.inserted[0]), first, 0.08);
-        // Dozens of samples: a single run of the prototype says little about their mean.
+        // Only dozens of samples, so a single run of the prototype gives their mean only roughly.
         near("iteration 2", mean(&|s| s.inserted[1]), second, 0.35);
         let density = mean(&|s| s.count) / 90_000.0;
         assert!((0.695..0.703).contains(&density), "{order:?}: {density}");

@@ -1,5 +1,5 @@
-//! Random parameters: the result is always valid by the independent verifier, and equal parameters
-//! always give equal bytes.
+//! For random parameters the independent verifier always accepts the result, and equal parameters always give equal
+//! bytes.
 
 use crate::support::{judge, run};
 use proptest::prelude::*;
@@ -85,7 +85,7 @@ proptest! {
     }
 }
 
-/// Patterns of the paper's bounded kind serve wherever blocks fit them.
+/// Bounded patterns, the paper's kind, can be used if all blocks fit them.
 #[test]
 fn bounded_patterns_serve() {
     for dihedral in [false, true] {
@@ -114,7 +114,7 @@ fn bounded_patterns_serve() {
     }
 }
 
-/// Taking one sample away, or moving one, is always noticed: the verifier is not asleep.
+/// Negative control: the verifier notices that one sample is missing or moved.
 #[test]
 fn a_spoiled_result_is_refused() {
     let result = run(&Parameters {

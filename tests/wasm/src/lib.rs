@@ -1,5 +1,5 @@
-//! The engines behind four plain exports: a host writes a task as JSON into memory, calls [`run`] and
-//! reads the points. No bindings and nothing imported, so that any WebAssembly host can run it.
+//! The engines as four plain exports: a host writes a task as JSON into memory, calls [`run`] and reads the points.
+//! There are no bindings and no imports, so that any WebAssembly host can run the module.
 #![allow(
     unsafe_code,
     reason = "exporting a function under its own name counts as unsafe; nothing else here is"
@@ -13,7 +13,7 @@ use tilescope_core::{
     reference_sample, sample,
 };
 
-/// What to compute.
+/// A computation.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub enum Task {
     /// A run of the sequential engine.
@@ -73,8 +73,8 @@ pub extern "C" fn resize(length: usize) -> *mut u8 {
     buffer.as_mut_ptr()
 }
 
-/// Carries out the task in the buffer. Returns how many bytes the answer has: [`bytes_of`] the points, or if
-/// negative a message that says why there are none.
+/// Runs the task in the buffer. Returns the number of bytes of the answer: [`bytes_of`] the points, or, if the number
+/// is negative, an error message.
 #[must_use]
 #[cfg_attr(target_arch = "wasm32", unsafe(no_mangle))]
 pub extern "C" fn run() -> i64 {
@@ -91,7 +91,7 @@ pub extern "C" fn run() -> i64 {
     sign * length
 }
 
-/// Returns where the answer is.
+/// Returns the address of the answer.
 #[must_use]
 #[cfg_attr(target_arch = "wasm32", unsafe(no_mangle))]
 pub extern "C" fn answer() -> *const u8 {

@@ -1,4 +1,4 @@
-//! What the page hears: each is a function that the page may or may not have given.
+//! Calls of the page's JavaScript functions. The page need not define all of them.
 
 use std::cell::RefCell;
 
@@ -9,69 +9,69 @@ thread_local! {
     static HOOKS: RefCell<Option<Object>> = const { RefCell::new(None) };
 }
 
-/// Tells this page from now on; nobody, if there is none.
+/// Sets the functions of the page; with `None` no more calls are made.
 pub fn tell(hooks: Option<Object>) {
     HOOKS.set(hooks);
 }
 
-/// Returns what the page gave under a name.
+/// Returns the page's function of this name.
 pub fn given(name: &str) -> Option<JsValue> {
     let hooks = HOOKS.with_borrow(Clone::clone)?;
     let value = Reflect::get(&hooks, &name.into()).ok()?;
     (!value.is_undefined() && !value.is_null()).then_some(value)
 }
 
-/// Calls a function, if there is one.
+/// Calls a function, if the page has it.
 fn call(name: &str, text: &str) -> bool {
     let hook = given(name).and_then(|value| value.dyn_into::<Function>().ok());
     if let Some(hook) = &hook {
-        // What the page makes of it is the page's business.
+        // Errors in the page's function are not this program's.
         let _ = hook.call1(&JsValue::NULL, &text.into());
     }
     hook.is_some()
 }
 
-/// A sentence for those who do not see the window.
+/// Announces a sentence to screen readers.
 pub fn announce(text: &str) {
     let _ = call("announce", text);
 }
 
-/// The name of the field into which the keyboard writes, empty if there is none.
+/// Reports the name of the text field that has the focus; empty if there is none.
 pub fn field(name: &str) {
     let _ = call("field", name);
 }
 
-/// A text for the clipboard; returns whether the page puts it there.
+/// Asks the page to copy a text to the clipboard; returns whether it will.
 pub fn copy(text: &str) -> bool {
     call("copy", text)
 }
 
-/// The full screen is asked for, or given back; returns whether the page sees to it.
+/// Asks the page to enter or leave full screen; returns whether it will.
 pub fn full_screen() -> bool {
     call("full_screen", "")
 }
 
-/// The link to what is shown has changed.
+/// Reports that the link to the current view has changed.
 pub fn link(fragment: &str) {
     let _ = call("link", fragment);
 }
 
-/// What is shown has changed.
+/// Reports that the state has changed.
 pub fn state(json: &str) {
     let _ = call("state", json);
 }
 
-/// The first frame is on the screen.
+/// Reports that the first frame is on the screen.
 pub fn drawn() {
     let _ = call("drawn", "");
 }
 
-/// The device that draws is lost.
+/// Reports that the display's device is lost.
 pub fn lost(reason: &str) {
     let _ = call("lost", reason);
 }
 
-/// The program is broken.
+/// Reports that the program has failed.
 pub fn failed(text: &str) {
     let _ = call("failed", text);
 }

@@ -1,5 +1,5 @@
-//! The app on a page. `page` is what the page starts and asks, `pool` takes tasks to workers, `worker` is what
-//! runs in one. Nothing is drawn or computed here.
+//! The app on a page. `page` is the interface to the page's JavaScript, `pool` sends tasks to workers, `worker` is the
+//! code that runs in one.
 
 #![cfg(target_arch = "wasm32")]
 
@@ -16,7 +16,7 @@ thread_local! {
     static PANIC: RefCell<Option<String>> = const { RefCell::new(None) };
 }
 
-/// Keeps what a panic says: the trap that follows would not tell.
+/// Stores the message of a panic, since the trap that follows has none.
 #[wasm_bindgen(start)]
 pub fn begin() {
     std::panic::set_hook(Box::new(|panic| {
@@ -25,7 +25,7 @@ pub fn begin() {
     }));
 }
 
-/// Returns what the last panic said.
+/// Returns the message of the last panic.
 #[wasm_bindgen]
 pub fn last_panic() -> Option<String> {
     PANIC.with_borrow(Clone::clone)

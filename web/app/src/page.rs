@@ -1,4 +1,5 @@
-//! What the page starts and asks: the app on a canvas, the display that draws it, and what the page is told of it.
+//! The interface to the page's JavaScript: starts the app on a canvas, chooses the display that draws it, answers
+//! requests and reports changes.
 
 use std::any::Any;
 use std::cell::Cell;
@@ -24,28 +25,28 @@ use web_sys::HtmlCanvasElement;
 use crate::hooks;
 use crate::pool::{Pool, Program};
 
-/// The page is told of changes at most once in so many seconds.
+/// Changes are reported to the page at most once in so many seconds.
 const TELLS_SECS: f64 = 0.25;
-/// The most workers, however many processors there are: each has a memory of its own.
+/// The most workers, whatever the number of processors, since each has its own memory.
 const MAX_WORKERS: usize = 2;
 
-/// How the app begins.
+/// Options for starting the app.
 #[derive(Default, Deserialize)]
 #[serde(default)]
 struct Options {
     /// What to open: a link's fragment.
     link: String,
-    /// A part of the app alone, for a page that holds it.
+    /// The part of the app to show when it is embedded in another page.
     embed: Option<String>,
-    /// Who samples: "cpu", "gpu" or who is best.
+    /// The engine: "cpu", "gpu", or the best one.
     engine: String,
-    /// Which display to use: "auto", "webgpu" or "webgl".
+    /// The display: "auto", "webgpu" or "webgl".
     display: String,
-    /// Why, if there is a reason to tell.
+    /// The reason for this display, if it must be reported.
     reason: String,
-    /// Whether nothing is to move by itself.
+    /// Whether animations are off.
     reduced_motion: bool,
-    /// Whether the browser lets the page have the full screen.
+    /// Whether the browser allows full screen.
     full_screen: bool,
     /// The address of the worker's script.
     worker: String,
@@ -62,12 +63,13 @@ pub struct Tilescope {
     shared: Rc<Shared>,
 }
 
-/// What decides who a touch or the wheel is for: asked while the runner is at work, where nothing else of it can be reached.
+/// State that decides whether a touch or the wheel belongs to the app or to the page around. It is separate because it
+/// is read while the runner is borrowed.
 #[derive(Default)]
 struct Shared {
-    /// Whether the touch at hand is left to the page around.
+    /// Whether the current touch is left to the page around.
     is_yielded: Cell<bool>,
-    /// Whether a list is open, which the wheel scrolls.
+    /// Whether a list is open, which then gets the wheel.
     has_list: Cell<bool>,
 }
 
@@ -75,7 +77,7 @@ struct Shared {
 ///
 /// # Errors
 ///
-/// A sentence, when the options are none or the browser gives no display.
+/// A sentence, if the options do not parse or the browser has no display.
 #[wasm_bindgen]
 pub async fn start(
     canvas: HtmlCanvasElement,
@@ -127,7 +129,7 @@ impl Tilescope {
         let Some(mut page) = self.runner.app_mut::<Page>() else {
             return busy.to_owned();
         };
-        // A page that is not shown has no frames in which its work would get on.
+        // A hidden page draws no frames, so the background work is advanced here.
         page.pool.tick();
         page.app.state.advance(0.0);
         let answer = page.app.state.ask(request);
@@ -145,13 +147,13 @@ impl Tilescope {
             page.app
                 .state
                 .apply(Command::Link(LinkCommand::Open(fragment)));
-            // What the address holds now may be none of this program's links, even if nothing else changes.
+            // The address may no longer hold this program's link, so it must be reported again even if nothing changed.
             page.link = None;
             page.ctx.request_repaint();
         }
     }
 
-    /// Returns whether a key means something to the app, so that the browser is not to take it for itself.
+    /// Returns whether the app uses a key, so that the browser must not handle it.
     pub fn takes_key(&self, key: &str, command: bool, shift: bool, alt: bool) -> bool {
         let modifiers = egui::Modifiers {
             alt,
@@ -173,12 +175,12 @@ impl Tilescope {
         })
     }
 
-    /// Leaves the touch at hand to the page around, or takes it.
+    /// Leaves the current touch to the page around, or takes it.
     pub fn yield_touch(&self, is_yielded: bool) {
         self.shared.is_yielded.set(is_yielded);
     }
 
-    /// Gives the focus to the first control, or to the last one.
+    /// Moves the focus to the first control, or to the last one.
     pub fn enter_by_tab(&self, backwards: bool) {
         if let Some(page) = self.runner.app_mut::<Page>() {
             let end = if backwards { End::Last } else { End::First };
@@ -186,14 +188,15 @@ impl Tilescope {
         }
     }
 
-    /// Returns whether Tab leads out: the focus is on the last control, or backwards on the first one, and leaves it.
+    /// Returns whether Tab leaves the app, because the focus is on the last control or, backwards, on the first. The
+    /// focus then leaves it.
     pub fn leaves_by_tab(&self, backwards: bool) -> bool {
         let page = self.runner.app_mut::<Page>();
         let end = if backwards { End::First } else { End::Last };
         page.is_some_and(|page| focus::leave(&page.ctx, end))
     }
 
-    /// Says that what was to be copied could not be.
+    /// Shows a notice that copying failed.
     pub fn copy_failed(&self) {
         if let Some(mut page) = self.runner.app_mut::<Page>() {
             page.app.state.tell_not_copied();
@@ -201,7 +204,7 @@ impl Tilescope {
         }
     }
 
-    /// Takes up whether the system wishes that nothing moves by itself; what the user chose here stays.
+    /// Follows the system's preference for reduced motion, unless the user chose otherwise in the app.
     pub fn prefer_reduced_motion(&self, reduced: bool) {
         if let Some(mut page) = self.runner.app_mut::<Page>() {
             page.app.state.prefer_reduced_motion(reduced);
@@ -209,7 +212,7 @@ impl Tilescope {
         }
     }
 
-    /// Returns what of the session the link does not hold, empty if it holds all.
+    /// Returns the parts of the session that the link cannot hold; empty if it holds all.
     pub fn left_out(&self) -> String {
         let page = self.runner.app_mut::<Page>();
         page.map_or_else(String::new, |page| {
@@ -217,12 +220,12 @@ impl Tilescope {
         })
     }
 
-    /// Returns what draws: "WebGPU" or "WebGL 2".
+    /// Returns the display in use: "WebGPU" or "WebGL 2".
     pub fn display(&self) -> String {
         self.display.clone()
     }
 
-    /// Ends the app: nothing is drawn or told any more.
+    /// Ends the app: it draws and reports nothing more.
     pub fn destroy(&self) {
         hooks::tell(None);
         set_task_pool(None);
@@ -248,8 +251,8 @@ fn web_options(options: &Options, shared: &Rc<Shared>) -> WebOptions {
     }
 }
 
-/// Returns whether the browser is kept from doing what it does on an event: in a frame the plain wheel and one finger scroll
-/// the page around.
+/// Returns whether the browser's default action of an event is prevented. In a frame the plain wheel and one finger
+/// scroll the page around.
 fn prevents(is_embedded: bool, shared: Rc<Shared>) -> impl Fn(&Event) -> bool {
     move |event| match event {
         Event::MouseWheel { modifiers, .. } => {
@@ -262,7 +265,7 @@ fn prevents(is_embedded: bool, shared: Rc<Shared>) -> impl Fn(&Event) -> bool {
     }
 }
 
-/// The app, and what the page was told last.
+/// The app, and the values that were last reported to the page.
 struct Page {
     app: App,
     ctx: egui::Context,
@@ -270,11 +273,11 @@ struct Page {
     shared: Rc<Shared>,
     display: String,
     stores: bool,
-    /// Frames that were begun, up to the second one.
+    /// The number of frames begun, counted up to two.
     frames: u8,
     told_secs: f64,
     announcement: Option<String>,
-    /// None where it has to be told whatever it is.
+    /// `None` if it must be reported in any case.
     link: Option<String>,
     state: String,
 }
@@ -308,7 +311,7 @@ impl Page {
         if let Some(storage) = creation.storage.filter(|_| stores) {
             app.remember(storage);
         }
-        // A link takes the notices away that were there before.
+        // Opening a link removes earlier notices.
         if !options.link.is_empty() {
             app.state
                 .apply(Command::Link(LinkCommand::Open(options.link.clone())));
@@ -342,7 +345,7 @@ impl Page {
         }
     }
 
-    /// Tells the page what has changed.
+    /// Reports changes to the page.
     fn tell(&mut self, now_secs: f64) {
         let state = &self.app.state;
         let announcement = state.announcement();
@@ -373,14 +376,14 @@ impl Page {
 
 impl eframe::App for Page {
     fn ui(&mut self, ui: &mut Ui, frame: &mut eframe::Frame) {
-        // The second one begins when the first is drawn.
+        // When the second frame begins, the first has been drawn.
         if self.frames == 1 {
             hooks::drawn();
         }
         self.frames = self.frames.saturating_add(1);
         eframe::App::ui(&mut self.app, ui, frame);
         self.shared.has_list.set(egui::Popup::is_any_open(ui.ctx()));
-        // What this frame has cancelled is seen to now: there may be no other one.
+        // Ends tasks that this frame has cancelled now, since no other frame may follow.
         self.pool.tick();
         self.tell(ui.input(|input| input.time));
     }
@@ -404,8 +407,8 @@ impl eframe::App for Page {
     }
 }
 
-/// Returns the address of the page without its fragment and without what is said to a page in a frame: a link leads to the
-/// whole app.
+/// Returns the address of the page without its fragment and without the parameters of an embedded page: a link opens
+/// the whole app.
 fn address() -> Option<String> {
     let location = web_sys::window()?.location();
     let (origin, path) = (location.origin().ok()?, location.pathname().ok()?);
@@ -422,7 +425,7 @@ fn address() -> Option<String> {
     Some(format!("{origin}{path}{question}{}", kept.join("&")))
 }
 
-/// Returns what a backend is called.
+/// Returns the name of a backend.
 fn name_of(backend: wgpu::Backend) -> &'static str {
     match backend {
         wgpu::Backend::BrowserWebGpu => "WebGPU",

@@ -1,10 +1,10 @@
-//! JavaScript bindings of the module, and the module without names of functions. No tool makes it smaller: what
-//! binaryen's `wasm-opt` saves is more than lost again when its output is compressed, which is what travels.
+//! Makes the JavaScript bindings of the module, and strips the names of functions. `wasm-opt` is not used: its output
+//! is smaller but compresses to more bytes, and the compressed file is what is downloaded.
 
 use anyhow::{Context, Result, ensure};
 use wasm_bindgen_cli_support::Bindgen;
 
-/// Both files' names, before hashes are put in.
+/// The stem of both files' names, without hashes.
 const NAME: &str = "tilescope";
 
 /// Returns `tilescope.js` and `tilescope_bg.wasm`.
@@ -15,7 +15,7 @@ pub fn bind(module: Vec<u8>) -> Result<[(String, Vec<u8>); 2]> {
         .typescript(false)
         .remove_name_section(true)
         .remove_producers_section(true)
-        // The page hands the module over: a second way to load it would go past the progress bar.
+        // The page passes the module itself, since loading it by the bindings would bypass the progress bar.
         .omit_default_module_path(true)
         .generate_output()
         .context("the module cannot be bound to JavaScript")?;

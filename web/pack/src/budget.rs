@@ -1,4 +1,4 @@
-//! How much has to travel before the program starts, as a table and as a limit.
+//! The bytes to be downloaded before the program starts, as a table and as a limit.
 
 use std::fmt;
 
@@ -9,7 +9,7 @@ use crate::compress::Packed;
 /// The most bytes, compressed, that may be needed to start.
 pub const MAX_TO_START: usize = 3_000_000;
 
-/// One file's sizes in bytes: as it is, by gzip, by brotli.
+/// A file's sizes in bytes: uncompressed, by gzip, by brotli.
 #[derive(Clone, Debug, PartialEq, Eq)]
 struct Row {
     path: String,
@@ -22,7 +22,7 @@ struct Row {
 pub struct Table(Vec<Row>);
 
 impl Table {
-    /// Returns the table, what is needed to start first and large files before small ones.
+    /// Returns the table: files needed to start first, then large files before small ones.
     pub fn of(packed: &[Packed]) -> Self {
         let row = |packed: &Packed| Row {
             path: packed.file.path.clone(),
@@ -38,7 +38,7 @@ impl Table {
         Self(rows)
     }
 
-    /// Returns the sizes of what is needed to start.
+    /// Returns the total sizes of the files needed to start.
     pub fn to_start(&self) -> [usize; 3] {
         let mut sum = [0; 3];
         for row in self.0.iter().filter(|row| row.to_start) {

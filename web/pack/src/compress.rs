@@ -1,4 +1,4 @@
-//! Compressed copies, as servers hand them out: gzip for all, brotli for browsers of the last ten years.
+//! Compressed copies for servers to send: gzip for all browsers, brotli for those of the last ten years.
 
 use std::io::Write;
 use std::path::Path;
@@ -9,7 +9,7 @@ use flate2::write::GzEncoder;
 use crate::names;
 use crate::page::File;
 
-/// A file with its compressed copies, which are missing where they would not be smaller.
+/// A file with its compressed copies, which are missing if they would not be smaller.
 #[derive(Debug)]
 pub struct Packed {
     /// The file.
@@ -32,7 +32,7 @@ impl Packed {
     }
 }
 
-/// Compresses files; copies that an earlier run left in `earlier` are taken over if they give the same bytes.
+/// Compresses files. Copies in `earlier`, from an earlier run, are reused if they decompress to the same bytes.
 pub fn all(files: Vec<File>, earlier: &Path) -> Vec<Packed> {
     let packed = files.into_iter().map(|file| {
         let worth = names::is_compressed(&file.path);
@@ -48,7 +48,7 @@ pub fn all(files: Vec<File>, earlier: &Path) -> Vec<Packed> {
     packed.collect()
 }
 
-/// Returns a copy that is there already. Making one of a module takes half a minute, reading it a moment.
+/// Returns the copy of an earlier run. Compressing the module takes half a minute, reading a copy a moment.
 fn kept(copy: &Path, bytes: &[u8]) -> Option<Vec<u8>> {
     let compressed = std::fs::read(copy).ok()?;
     let mut plain = Vec::with_capacity(bytes.len());
@@ -65,7 +65,7 @@ fn gzip(bytes: &[u8]) -> Vec<u8> {
 fn brotli(bytes: &[u8]) -> Vec<u8> {
     let parameters = brotli::enc::BrotliEncoderParams {
         quality: 11,
-        // The widest window that browsers take.
+        // The largest window that browsers accept.
         lgwin: 24,
         size_hint: bytes.len(),
         ..Default::default()
@@ -114,7 +114,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let copy = folder.path().join("a.js.br");
         let bytes = b"many words, many words, many words".to_vec();
-        // Of the same text, but not what would be made: so it is seen which was taken.
+        // Compressed with other settings, so that the reused copy can be recognised.
         let parameters = brotli::enc::BrotliEncoderParams {
             quality: 1,
             ..Default::default()

@@ -1,4 +1,4 @@
-//! The folder that is served, written beside its place and then put there, so that nobody is served a half of it.
+//! Writes the folder to be served beside its place and then renames it, so that an incomplete folder is never served.
 
 use std::fs;
 use std::path::Path;
@@ -7,7 +7,7 @@ use anyhow::{Context, Result, ensure};
 
 use crate::compress::Packed;
 
-/// Checks that `out` may be replaced: it is not there, empty, or what an earlier run wrote.
+/// Checks that `out` may be replaced: it does not exist, is empty, or was written by an earlier run.
 pub fn may_replace(out: &Path) -> Result<()> {
     let Ok(mut entries) = fs::read_dir(out) else {
         ensure!(!out.exists(), "{} is not a folder", out.display());
@@ -24,7 +24,7 @@ pub fn may_replace(out: &Path) -> Result<()> {
     Ok(())
 }
 
-/// Writes all files to `out` in place of what was there.
+/// Writes all files to `out`, replacing its content.
 pub fn write(out: &Path, files: &[Packed]) -> Result<()> {
     may_replace(out)?;
     let parent = match out.parent() {
@@ -32,7 +32,7 @@ pub fn write(out: &Path, files: &[Packed]) -> Result<()> {
         _ => Path::new("."),
     };
     fs::create_dir_all(parent).with_context(|| parent.display().to_string())?;
-    // Both go away with this, whatever happens.
+    // Both are removed with this folder in any case.
     let beside = tempfile::Builder::new()
         .prefix(".dist-")
         .suffix(".tmp")
@@ -60,7 +60,7 @@ pub fn write(out: &Path, files: &[Packed]) -> Result<()> {
         fs::rename(out, &old).with_context(|| format!("cannot move {}", out.display()))?;
     }
     if let Err(error) = fs::rename(&new, out) {
-        // What was there is better than nothing.
+        // Put the old folder back.
         let _ = fs::rename(&old, out);
         return Err(error).with_context(|| out.display().to_string());
     }

@@ -1,5 +1,5 @@
-//! Makes `web/dist` from a wasm module and the page: binds it to JavaScript, names files by their content, compresses
-//! them, and refuses what is too large to start quickly. It compiles nothing and knows nothing of the program.
+//! Makes `web/dist` from a wasm module and the page: binds the module to JavaScript, names files by their content,
+//! compresses them, and fails if the download is too large to start quickly. It does not compile the program.
 
 mod binding;
 mod budget;
@@ -28,10 +28,11 @@ struct Arguments {
     /// A folder that is copied as it is to `example/`
     #[arg(long, value_name = "FOLDER", default_value = "web/example")]
     example: PathBuf,
-    /// The folder to write; what an earlier run wrote there is replaced
+    /// The folder to write; the output of an earlier run is replaced
     #[arg(long, value_name = "FOLDER", default_value = "web/dist")]
     out: PathBuf,
-    /// Where the folder will lie, as `https://example.org/tilescope/`: those who show a picture with a link need its whole address
+    /// The folder's public address, as `https://example.org/tilescope/`: sites that show a preview picture of links
+    /// need its full address
     #[arg(long, value_name = "ADDRESS", value_parser = address)]
     address: Option<String>,
     /// The most bytes, compressed by brotli, that may be needed to start
@@ -71,7 +72,7 @@ fn pack(arguments: &Arguments) -> Result<()> {
     let packed = compress::all(files, &arguments.out);
     let table = budget::Table::of(&packed);
     print!("{table}");
-    // The table is worth most when the budget is exceeded, so it comes first.
+    // The table is most useful if the budget is exceeded, so print it first.
     table.check(arguments.most)?;
     folder::write(&arguments.out, &packed)?;
     println!("{} is ready", arguments.out.display());

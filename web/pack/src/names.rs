@@ -1,9 +1,10 @@
-//! Which files keep their names, and what the others are called: by their content, so that they may be kept forever.
+//! The names under which files are served: some keep their names, others are named by their content, so that browsers
+//! may cache them forever.
 
 /// Hexadecimal digits of a hash in a name.
 pub const DIGITS: usize = 12;
 
-/// Files that are asked for by name, again and again.
+/// Files whose addresses must not change.
 const STABLE: [&str; 3] = ["index.html", "manifest.webmanifest", "sw.js"];
 
 /// The endings of files that are text.
@@ -12,12 +13,12 @@ const TEXT: [&str; 7] = ["css", "html", "js", "json", "svg", "txt", "webmanifest
 /// The endings of files that are pictures.
 const PICTURES: [&str; 5] = ["ico", "jpg", "png", "svg", "webp"];
 
-/// Returns the part of a name behind its last dot, or nothing.
+/// Returns the part of a name after its last dot, or an empty text.
 fn ending(name: &str) -> &str {
     name.rsplit_once('.').map_or("", |(_, ending)| ending)
 }
 
-/// Whether a file has the same name whatever it holds.
+/// Whether a file keeps its name.
 pub fn is_stable(name: &str) -> bool {
     STABLE.contains(&name)
 }
@@ -27,17 +28,17 @@ pub fn is_text(name: &str) -> bool {
     TEXT.contains(&ending(name))
 }
 
-/// Whether a file is a picture, without which the program starts.
+/// Whether a file is a picture, which the program does not need to start.
 pub fn is_picture(name: &str) -> bool {
     PICTURES.contains(&ending(name))
 }
 
-/// Whether a compressed copy is worth its place.
+/// Whether compressed copies of a file are made.
 pub fn is_compressed(name: &str) -> bool {
     is_text(name) || ending(name) == "wasm"
 }
 
-/// Returns the hash of some bytes as it stands in names and versions.
+/// Returns the hash of some bytes as it is written in names and versions.
 pub fn digest(bytes: &[u8]) -> String {
     blake3::hash(bytes).to_hex()[..DIGITS].to_owned()
 }

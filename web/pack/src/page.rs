@@ -1,5 +1,5 @@
-//! The page's files, from sources to what is served: placeholders filled in, names given, the service worker's list
-//! written. Files are data here; who reads and writes them is elsewhere.
+//! Turns the page's sources into the files to be served: fills in placeholders, chooses names, writes the service
+//! worker's list.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -9,15 +9,15 @@ use anyhow::{Context, Result, bail, ensure};
 use crate::names;
 use crate::rewrite::{Placeholder, rewrite};
 
-/// A file as it was written.
+/// A source file.
 pub struct Source {
     bytes: Vec<u8>,
-    /// Whether it is the page's own, so that two opening braces begin a placeholder.
+    /// Whether two opening braces begin a placeholder in it, as in the page's own text files.
     has_placeholders: bool,
 }
 
 impl Source {
-    /// Returns a file that a tool made, taken as it is.
+    /// Returns a file that a tool made, without placeholders.
     pub const fn made(bytes: Vec<u8>) -> Self {
         Self {
             bytes,
@@ -41,9 +41,9 @@ pub struct File {
     pub path: String,
     /// What it holds.
     pub bytes: Vec<u8>,
-    /// Whether the program cannot start without it.
+    /// Whether the program needs it to start.
     pub to_start: bool,
-    /// Whether its name follows its content.
+    /// Whether its name contains a hash of its content.
     pub hashed: bool,
 }
 
@@ -57,7 +57,7 @@ pub fn read(folder: &Path) -> Result<BTreeMap<String, Source>> {
     Ok(sources.collect())
 }
 
-/// Returns the example's files, which keep their names: they are there to be read and copied.
+/// Returns the example's files, which keep their names, since they are meant to be read and copied.
 pub fn example(folder: &Path) -> Result<Vec<File>> {
     let files = read_folder(folder)?.into_iter();
     let file = |(name, bytes)| File {
@@ -76,7 +76,7 @@ fn read_folder(folder: &Path) -> Result<Vec<(String, Vec<u8>)>> {
         let path = entry.with_context(context)?.path();
         let name = path.file_name().and_then(|name| name.to_str());
         let name = name.with_context(|| format!("{} is not named in UTF-8", path.display()))?;
-        // Editors leave such files behind.
+        // Hidden files and backups of editors.
         if name.starts_with('.') || name.ends_with('~') {
             continue;
         }
@@ -88,7 +88,8 @@ fn read_folder(folder: &Path) -> Result<Vec<(String, Vec<u8>)>> {
     Ok(files)
 }
 
-/// Returns every file under its final name, the service worker last. `address` is where they will lie, or empty.
+/// Returns every file under its final name, the service worker last. `address` is the folder's public address, or
+/// empty.
 ///
 /// # Errors
 /// A placeholder that cannot be filled in, files that refer to each other in a circle, a missing `index.html`.
@@ -132,7 +133,7 @@ pub fn assemble(sources: &BTreeMap<String, Source>, address: &str) -> Result<Vec
 const WORKER: &str = "sw.js";
 
 fn service_worker(source: &Source, files: &[File]) -> Result<Vec<u8>> {
-    // The page goes by its folder's name: some servers answer `index.html` with a redirection.
+    // The page is requested by its folder's name, because some servers redirect `index.html`.
     let address = |file: &File| match file.path.as_str() {
         "index.html" => "./".to_owned(),
         path => path.to_owned(),
@@ -167,7 +168,7 @@ struct Assembly<'a> {
 }
 
 impl Assembly<'_> {
-    /// Finishes a file and all that it refers to; returns whether it was not finished before.
+    /// Finishes a file and all files that it refers to; returns whether it was not finished before.
     fn finish(&mut self, name: &str) -> Result<bool> {
         if self.done.contains_key(name) {
             return Ok(false);

@@ -1,5 +1,5 @@
-//! Placeholders in the page's own files: `{{asset:NAME}}`, `{{size:NAME}}`, `{{address}}`, `{{precache}}` and `{{version}}`.
-//! Two opening braces in a row mean nothing else there; one that is not understood is an error.
+//! Placeholders in the page's own files: `{{asset:NAME}}`, `{{size:NAME}}`, `{{address}}`, `{{precache}}` and
+//! `{{version}}`. Two opening braces always begin a placeholder there; an unknown one is an error.
 
 use anyhow::{Context, Result, bail};
 
@@ -10,7 +10,7 @@ pub enum Placeholder<'a> {
     Asset(&'a str),
     /// The number of bytes of a file, uncompressed.
     Size(&'a str),
-    /// Where the folder will lie, or nothing where that is not known.
+    /// The folder's public address, or empty if it is not known.
     Address,
     /// The service worker's list of addresses, as JSON.
     Precache,
@@ -31,7 +31,7 @@ impl<'a> Placeholder<'a> {
     }
 }
 
-/// Returns `text` with each placeholder replaced by what `value` gives for it.
+/// Returns `text` with each placeholder replaced by its `value`.
 ///
 /// # Errors
 /// One that is not closed, not known, or has no value.

@@ -1,5 +1,5 @@
-//! Patterns that are maximal but for a hair, as sets from files may be: made from exact ones by moving
-//! samples until lattice points come uncovered, by as little as patterns may leave uncovered.
+//! Patterns that are not quite maximal, as sets from files may be: made from exact ones by moving samples until lattice
+//! points are uncovered, by as little as patterns may leave uncovered.
 
 use std::sync::{Arc, LazyLock};
 
@@ -23,7 +23,7 @@ pub static INEXACT: LazyLock<Vec<Arc<Pattern>>> = LazyLock::new(|| {
     specs.iter().map(|spec| Arc::new(spoiled(spec))).collect()
 });
 
-/// Samples to move at most.
+/// The most samples to move.
 const MOVES: usize = 8;
 
 /// Units around the limit that are searched.
@@ -52,7 +52,8 @@ fn spoiled(spec: &PatternSpec) -> Pattern {
     pattern
 }
 
-/// Returns where one sample leaves a lattice point uncovered, but by no more than a pattern may.
+/// Returns a place to which a sample can be moved so that a lattice point is uncovered, but by no more than a pattern
+/// may leave it.
 fn moved_to_its_limit(exact: &Pattern, index: usize) -> Option<Point> {
     let domain = exact.domain();
     let with = |to: Option<Point>| {
@@ -79,7 +80,7 @@ fn moved_to_its_limit(exact: &Pattern, index: usize) -> Option<Point> {
             _ => fails = steps,
         }
     }
-    // The way may also have ended at another sample or at the border.
+    // The move may also have ended at another sample or at the border.
     let Some(Err(PatternError::NotMaximal { .. })) = with(at(fails, 0, 0)) else {
         return None;
     };

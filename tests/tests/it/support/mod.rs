@@ -1,4 +1,4 @@
-//! What the tests share.
+//! Helpers of the tests.
 
 pub mod inexact;
 pub mod pinned;
@@ -46,7 +46,7 @@ pub fn digest(points: &[Point]) -> String {
     tilescope_formats::bytes_digest(&bytes)
 }
 
-/// The points of a whole run that a window of its plane shows.
+/// The points of a whole run that lie in a window of its plane.
 pub fn shown(domain: &Domain, window: &Window, points: &[Point]) -> Vec<Point> {
     let within = |value: i32, axis: usize, side: i32| {
         let (value, low, high) = (i64::from(value), window.min[axis], window.max[axis]);
@@ -60,7 +60,7 @@ pub fn shown(domain: &Domain, window: &Window, points: &[Point]) -> Vec<Point> {
     points.iter().filter(inside).copied().collect()
 }
 
-/// What is wrong with `found`, which should be `wanted` to the bit and in order.
+/// How `found` differs from `wanted`, to which it should be equal to the bit and in order.
 pub fn difference(found: &[Point], wanted: &[Point]) -> Option<String> {
     if found == wanted {
         return None;

@@ -1,5 +1,5 @@
-//! What the definition of the points is pinned by. These digests must never change: a change of any
-//! of them is a change of what the program computes.
+//! The digests that pin the definition of the points. They must never change: if one changes, the program computes
+//! other points.
 
 use tilescope_core::{Boundary, Insertion, Order, Parameters, PatternSpec, Variant};
 

@@ -8,7 +8,7 @@ use tilescope_core::{
     Boundary, Insertion, Order, Parameters, Pattern, PatternSpec, Search, Sequential, Unobserved,
 };
 
-/// Where a pattern comes from.
+/// The origin of a pattern.
 #[derive(Clone, Copy, Debug)]
 pub enum PatternOrigin {
     /// The reference sampler.
@@ -19,7 +19,7 @@ pub enum PatternOrigin {
     Run,
 }
 
-/// A run to compare engines by.
+/// A run on which engines are compared.
 #[derive(Clone, Copy, Debug)]
 pub struct Case {
     pub parameters: Parameters,
@@ -52,8 +52,8 @@ impl Case {
     }
 }
 
-/// A pattern that a run made, longer than wide, or `None` where it leaves a lattice point uncovered by
-/// more than patterns may.
+/// A pattern made by a run, longer than wide, or `None` if it leaves a lattice point uncovered by more than patterns
+/// may.
 pub fn of_run(spec: &PatternSpec) -> Option<Pattern> {
     let size = [spec.side, 1.3 * spec.side];
     let parameters = Parameters {
@@ -108,7 +108,7 @@ pub fn cases() -> impl Strategy<Value = Case> {
         3 => Just(PatternOrigin::Run)
     ];
     let leaf = prop_oneof![2 => 6.0_f64..20.0, 1 => 20.0_f64..60.0];
-    // Its side beyond the shortest that may serve, its boundary, its seed.
+    // Its side beyond the shortest allowed, its boundary, its seed.
     let pattern = (0.0_f64..50.0, prop::bool::weighted(0.3), any::<u64>());
     let shape = (
         side(),

@@ -1,8 +1,8 @@
-//! The engines as WebAssembly give the points that they give here, bit for bit: built for wasm32 with and
+//! Checks that the engines as WebAssembly give the same points as natively, bit for bit: built for wasm32 with and
 //! without its vector instructions, and run in an interpreter.
 
 mod module;
-// The tests of the engines use all of it.
+// Only part of it is used here.
 #[allow(dead_code)]
 #[path = "../../../tests/it/support/mod.rs"]
 mod support;
@@ -66,7 +66,7 @@ impl Wasm {
         String::from_utf8(self.read(length as usize)).expect("a name")
     }
 
-    /// Has the bytes of a task carried out: x and y of each point, or why there are none.
+    /// Runs a task given as bytes. Returns x and y of each point, or the error message.
     fn carry_out(&mut self, task: &[u8]) -> Result<Vec<u8>, String> {
         let at: u32 = self.call("resize", task.len() as u32);
         self.memory.data_mut(&mut self.store)[at as usize..][..task.len()].copy_from_slice(task);
@@ -91,7 +91,7 @@ impl Wasm {
     }
 }
 
-/// What each build is told to do.
+/// Runs a test for each build.
 fn for_each_build(test: impl Fn(&str, &mut Wasm)) {
     for (name, module) in BUILDS.iter() {
         let mut wasm = Wasm::start(module);

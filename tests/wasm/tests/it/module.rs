@@ -1,12 +1,12 @@
-//! The package of this folder as WebAssembly.
+//! Builds the package of this folder as WebAssembly.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
 const TARGET: &str = "wasm32-unknown-unknown";
 
-/// Builds the package with compiler flags and returns the module. Its target folder is its own: whoever runs this test
-/// may hold the other one's lock.
+/// Builds the package with compiler flags and returns the module. It has its own target folder, because the lock of the
+/// usual one is held while this test runs under cargo.
 pub fn build(flags: &str) -> Vec<u8> {
     let target_dir = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("wasm");
     let manifest = Path::new(env!("CARGO_MANIFEST_DIR")).join("Cargo.toml");
