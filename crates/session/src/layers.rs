@@ -1,5 +1,7 @@
 //! What the canvas can show, layer by layer, and which layers are on.
 
+use crate::glossary;
+
 /// A layer of the canvas.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -98,12 +100,12 @@ impl Layer {
         }
     }
 
-    /// Returns what it shows, as a sentence.
+    /// Returns what it shows, in a sentence or two.
     #[must_use]
     pub const fn explanation(self) -> &'static str {
         match self {
-            Self::Pattern => "The pattern's clips: each block, enlarged by r on every side.",
-            Self::Blocks => "The building blocks: leaves of a random KD-tree.",
+            Self::Pattern => glossary::CLIP.meaning,
+            Self::Blocks => glossary::BLOCK.meaning,
             Self::Tree => {
                 "The splits of the KD-tree, numbered as they were made; the thicker, the fewer lie above."
             }
@@ -111,18 +113,16 @@ impl Layer {
                 "The lines along which the sets of a combination meet, and the band around them that gluing may touch."
             }
             Self::Samples => "The samples that are valid at this stage.",
-            Self::Disks => "A disk of radius r around each sample: no other sample may lie in it.",
-            Self::Conflicts => "Pairs of samples that lie in one another's disk.",
-            Self::Eliminated => "Samples that yielded to one which claimed the place first.",
-            Self::Gaps => "The area that no sample covers, exact for every pixel.",
-            Self::Detectors => "Samples that look for gaps around themselves.",
-            Self::Candidates => "Uncovered circumcentres: places where a sample may go.",
-            Self::Inserted => "Samples that were inserted into gaps.",
-            Self::Delaunay => "The Delaunay triangles of the samples that cover their disks.",
-            Self::Voronoi => "The Voronoi cells of these samples.",
-            Self::Circumcircles => {
-                "Empty circles through three samples that are larger than r: each proves a gap."
-            }
+            Self::Disks => glossary::DISK.meaning,
+            Self::Conflicts => glossary::CONFLICT.meaning,
+            Self::Eliminated => glossary::ELIMINATED.meaning,
+            Self::Gaps => glossary::GAP.meaning,
+            Self::Detectors => glossary::DETECTOR.meaning,
+            Self::Candidates => glossary::CANDIDATE.meaning,
+            Self::Inserted => glossary::INSERTED.meaning,
+            Self::Delaunay => glossary::DELAUNAY.meaning,
+            Self::Voronoi => glossary::VORONOI.meaning,
+            Self::Circumcircles => glossary::CIRCUMCIRCLE.meaning,
         }
     }
 }

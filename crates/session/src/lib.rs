@@ -1,13 +1,26 @@
 //! A run to look at: made and verified in the background, moment by moment, in words.
 //!
-//! Architecture invariant: nothing here knows a window. A [`Session`] is a finished run with its stages and events;
-//! [`task`]s are the work in the background that makes, verifies and measures one, carried out by [`jobs`] natively and
-//! by workers on a page; [`moment`] is the state at a cursor; [`sentence`] and [`words`] put it into English.
+//! It knows no window. A [`Session`] is a finished run with its stages and events; [`task`]s are the work in the background that
+//! makes, verifies and measures one, carried out by [`jobs`] natively and by workers on a page; [`moment`] is the state at a
+//! cursor; [`sentence`] and [`words`] put it into English, and [`glossary`] defines the terms.
+//!
+//! ```
+//! use tilescope_core::{Parameters, Stage};
+//! use tilescope_session::{Session, jobs::Monitor, moment::Moment, recipe::Recipe, sentence::stage_sentence};
+//!
+//! let parameters = Parameters { radius: 0.03, leaf: 10.0, ..Parameters::default() };
+//! let session = Session::sample(&Recipe::from(parameters), 1, &Monitor::reporting(|_, _| {}))?;
+//! let tiled = Moment::after(&session, session.place_of(Stage::Tile));
+//! assert!(tiled.samples(&session).len() > session.summary.count);
+//! assert!(stage_sentence(&session, Stage::Tile).starts_with("Tile: "));
+//! # Ok::<(), tilescope_core::SampleError>(())
+//! ```
 
 pub mod combination;
 pub mod combining;
 pub mod encoding;
 pub mod geometry;
+pub mod glossary;
 pub mod incoming;
 pub mod index;
 pub mod jobs;

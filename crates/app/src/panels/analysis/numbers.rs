@@ -3,6 +3,7 @@
 use egui::{Align2, Color32, FontId, Role, Sense, Ui, WidgetInfo, pos2, vec2};
 use tilescope_analysis::Report;
 use tilescope_analysis::measures::PowerCurve;
+use tilescope_session::glossary;
 use tilescope_session::words::{conflicts_in, counted, grouped};
 use tilescope_ui::widgets::Known;
 
@@ -28,7 +29,7 @@ const NUMBERS: [NumberRow; 8] = [
     },
     NumberRow {
         name: "Density N r\u{b2}/A",
-        explanation: "Samples times r\u{b2}, divided by the area: 0.6966 for maximal sets by dart throwing.",
+        explanation: glossary::DENSITY.meaning,
         value: |set, unit| {
             let density = set.samples as f64 * unit * unit / set.region.area();
             Some(format!("{density:.4}"))
@@ -36,32 +37,32 @@ const NUMBERS: [NumberRow; 8] = [
     },
     NumberRow {
         name: "Conflicts",
-        explanation: "Pairs closer than r.",
+        explanation: glossary::CONFLICT.meaning,
         value: |set, unit| Some(grouped(judged(set, unit)?.conflicts as usize)),
     },
     NumberRow {
         name: "Open places",
-        explanation: "Centres of empty circles larger than r: a gap has one or more.",
+        explanation: glossary::OPEN_PLACE.meaning,
         value: |set, unit| Some(grouped(judged(set, unit)?.gaps as usize)),
     },
     NumberRow {
         name: "Least distance, r",
-        explanation: "The smallest distance between two samples.",
+        explanation: glossary::MIN_DISTANCE.meaning,
         value: |set, unit| Some(finite(set.verdict()?.min_distance / unit)),
     },
     NumberRow {
         name: "Relative radius",
-        explanation: "The smallest distance, divided by that of the densest packing of as many samples.",
+        explanation: glossary::RELATIVE_RADIUS.meaning,
         value: |set, _| Some(finite(set.verdict()?.relative_radius)),
     },
     NumberRow {
         name: "Eff. Nyquist \u{3bd}",
-        explanation: "The largest frequency below which the mean power stays under 0.1, by the spectrum that follows from g(r); a square lattice has 1.",
+        explanation: glossary::NYQUIST.meaning,
         value: |set, _| of_curve(set, PowerCurve::effective_nyquist),
     },
     NumberRow {
         name: "Oscillation",
-        explanation: "10 times the root mean square of P \u{2212} 1 beyond the first frequency where P is nearly 1, P being the spectrum that follows from g(r). The scatter of a set of a few hundred samples adds to it.",
+        explanation: glossary::OSCILLATION.meaning,
         value: |set, _| of_curve(set, PowerCurve::oscillation),
     },
 ];
