@@ -1,8 +1,8 @@
 //! The window of Tilescope: a finished, verified run, stage by stage, on a canvas to pan and zoom.
 //!
-//! Architecture invariant: the window holds no algorithm and no state of its own but what egui needs. Panels read the
-//! [`State`](tilescope_workbench::State) of the workbench and push [`Command`](tilescope_workbench::Command)s, which it alone
-//! carries out.
+//! It holds no algorithm, and no state of its own but what egui needs. Panels read the
+//! [`State`](tilescope_workbench::State) of the workbench and push [`Command`](tilescope_workbench::Command)s, which the
+//! workbench alone carries out.
 
 pub mod actions;
 mod app;

@@ -1,6 +1,7 @@
-//! The picture of a moment: samples, disks, gaps and what lies over them, drawn from a [`Subject`](tilescope_drawing::subject::Subject).
-//! It knows neither the state of the window nor its commands; what it remembers between frames are pictures that can be
-//! made again.
+//! The picture of a moment in the window: samples, disks, gaps and what lies over them, drawn from a
+//! [`Subject`](tilescope_drawing::subject::Subject).
+//!
+//! It knows neither the state of the window nor its commands. What it keeps between frames are pictures that can be made again.
 
 mod brushed;
 mod contrast;

@@ -2,7 +2,21 @@
 //! HPG 2017), defined so exactly that every engine gives the same points, bit for bit.
 //!
 //! Architecture invariant: the core uses no files, no clock, no window and no GPU, and no float takes part in a
-//! decision. Every random draw is keyed by its purpose.
+//! decision. Every random draw is keyed by its purpose. Results are judged by `tilescope-analysis`.
+//!
+//! ```
+//! use tilescope_core::{Parameters, Pattern, Sweep, Unobserved, sample};
+//!
+//! let parameters = Parameters { radius: 0.02, ..Parameters::default() };
+//! let run = sample(&parameters, &mut Unobserved)?;
+//! assert!((1650..1850).contains(&run.summary().count));
+//!
+//! // The parallel engine gives the same points.
+//! let pattern = Pattern::of_spec(&parameters.pattern, &mut Unobserved)?;
+//! let parallel = Sweep::run(&parameters, &pattern, &mut Unobserved)?;
+//! assert_eq!(parallel.points(), run.points());
+//! # Ok::<(), tilescope_core::SampleError>(())
+//! ```
 
 mod circumcentre;
 pub mod combine;

@@ -2,6 +2,20 @@
 //!
 //! Architecture invariant: this crate uses no window, no GPU, no files and no clock, and implements no part of the
 //! algorithm. The sequential engine of `tilescope-core` runs and reports its events to a recorder.
+//!
+//! ```
+//! use std::sync::Arc;
+//! use tilescope_core::{Parameters, Unobserved};
+//! use tilescope_debugger::{DEFAULT_BUDGET, Debugger, Direction, Recording, Stop, Target, sentence};
+//!
+//! let parameters = Parameters { radius: 0.03, leaf: 10.0, ..Parameters::default() };
+//! let recording = Arc::new(Recording::new(&parameters, DEFAULT_BUDGET, &mut Unobserved)?);
+//! let mut debugger = Debugger::new(Arc::clone(&recording), DEFAULT_BUDGET);
+//! assert_eq!(debugger.run_to(Target::Elimination, Direction::Forwards), Stop::Target);
+//! let happened = sentence(&recording, debugger.state().cursor() - 1);
+//! assert!(happened.contains("eliminate"), "{happened}");
+//! # Ok::<(), tilescope_core::SampleError>(())
+//! ```
 
 mod anchor;
 mod context;

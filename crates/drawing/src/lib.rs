@@ -1,7 +1,17 @@
 //! How a moment of a run is drawn: what of the plane is seen, in which colours, how each sample looks, and every part of the
-//! picture on any [`Surface`](surface::Surface). The window's canvas and exported pictures are such surfaces, so that what is
-//! exported is what was seen, but for the marks of a comparison and the place that a verdict was followed to. It knows no
-//! window.
+//! picture on any [`Surface`](surface::Surface).
+//!
+//! The window's canvas and exported pictures are such surfaces, so an exported picture is what was seen, except for the marks
+//! of a comparison and the place that a verdict was followed to. It knows no window.
+//!
+//! ```
+//! use emath::{Rect, pos2};
+//! use tilescope_drawing::camera::Camera;
+//!
+//! let viewport = Rect::from_min_max(pos2(0.0, 0.0), pos2(800.0, 600.0));
+//! let camera = Camera::fitting([100.0, 100.0], viewport);
+//! assert_eq!(camera.screen_from_domain(viewport, [50.0, 50.0]), viewport.center());
+//! ```
 
 pub mod age;
 pub mod brushed;

@@ -1,8 +1,7 @@
 //! A scene of shapes, as SVG and as PNG, and frames as animations.
 //!
-//! The room for pictures that leave the program: one [`Scene`], several exporters that agree, and the [`Palette`]
-//! that the app's canvas shares. Invariant: the same scene gives the same bytes on every platform. Never opens
-//! a file or a window, and never computes what it draws.
+//! One [`Scene`], several exporters that agree, and the [`Palette`] that the app's canvas shares. The same scene gives the
+//! same bytes on every platform. It opens no file and no window, and never computes what it draws.
 //!
 //! ```
 //! use tilescope_figures::{Group, Marker, Palette, Scene, Shape, Style, to_png, to_svg};

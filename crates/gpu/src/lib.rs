@@ -4,6 +4,20 @@
 //!
 //! Architecture invariant: nothing here blocks, reads a clock or opens a file, so all of it works in a browser.
 //! Everything that waits is a future.
+//!
+//! ```no_run
+//! use std::sync::Arc;
+//! use tilescope_core::{Parameters, Pattern, Unobserved};
+//! use tilescope_gpu::{Choice, Gpu, GpuError, GpuSweep};
+//!
+//! async fn count() -> Result<usize, GpuError> {
+//!     let gpu = Arc::new(Gpu::open(&Choice::default()).await?);
+//!     let parameters = Parameters::default();
+//!     let pattern = Pattern::of_spec(&parameters.pattern, &mut Unobserved)?;
+//!     let run = GpuSweep::run(gpu, &parameters, &pattern, &mut Unobserved).await?;
+//!     Ok(run.summary().count)
+//! }
+//! ```
 
 pub mod adapter;
 mod buffer_rows;

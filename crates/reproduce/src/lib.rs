@@ -3,6 +3,23 @@
 //!
 //! Every set that a verdict rests on is judged by the verifier first. No number is written down by hand: a claim's verdict
 //! follows from what was measured in this run. It never draws on a screen and never asks anything.
+//!
+//! ```no_run
+//! use std::ops::ControlFlow;
+//! use tilescope_reproduce::{Experiment, Options, Settings, Verdict, Watch, reproduce};
+//!
+//! struct Quiet;
+//! impl Watch for Quiet {
+//!     fn progress(&self, _seconds: f64, _what: &str) -> ControlFlow<()> {
+//!         ControlFlow::Continue(())
+//!     }
+//! }
+//!
+//! let options = Options { settings: Settings::default(), out: "reproduction".into(), fresh: false };
+//! let summary = reproduce(&[Experiment::Eq4], &options, &Quiet)?;
+//! println!("{} claims reproduced, see {}", summary.count(Verdict::Reproduced), summary.report.display());
+//! # Ok::<(), tilescope_reproduce::ReproduceError>(())
+//! ```
 
 mod bars;
 mod control;

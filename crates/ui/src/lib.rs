@@ -1,5 +1,5 @@
-//! What every part of the window is drawn with: colours and type, buttons and symbols, the ring of the keyboard's focus, what
-//! screen readers say. Nothing here knows what a window shows.
+//! What every part of the window is drawn with: colours and type, buttons and symbols, the keyboard's focus, the words for
+//! screen readers. It does not know what a window shows.
 
 pub mod focus;
 pub mod presses;

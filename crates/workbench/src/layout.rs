@@ -11,7 +11,7 @@ pub mod text;
 
 pub use old::OldLayout;
 
-/// A panel of the window. What it shows is in the registry of `panels`; all else is a row of [`ROWS`]. The aliases are how earlier versions saved it.
+/// A panel of the window. What it shows is in the registry of `panels`; all else is a row of `ROWS`. The aliases are how earlier versions saved it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Panel {

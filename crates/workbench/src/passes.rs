@@ -1,5 +1,5 @@
 //! The passes of a run on a GPU, one by one: their times, their buffers before and after, and whether the CPU has the
-//! same. [`Passes`] is the state, [`PassCommand`]s change it, [`panel`] shows it. Nothing is shown that was not measured.
+//! same. [`Passes`] is the state, [`PassCommand`]s change it, a panel of the window shows it. Nothing is shown that was not measured.
 
 pub mod csv;
 mod device;

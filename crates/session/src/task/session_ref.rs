@@ -93,7 +93,7 @@ pub fn unpacked<'de, E: Deserialize<'de>>(bytes: &'de [u8]) -> Result<E, TaskErr
     })
 }
 
-/// Keeps a session, and drops those used longest ago above [`MAX_KEPT`].
+/// Keeps a session, and drops those used longest ago above `MAX_KEPT`.
 pub fn keep(session: Session) {
     KEPT.with_borrow_mut(|kept| {
         kept.retain(|other| other.generation != session.generation);

@@ -148,7 +148,7 @@ pub fn write(order: &ExportJob, monitor: &Monitor) -> Result<Written, WriteError
     finish(order, written, monitor)
 }
 
-/// Makes what was ordered in memory: the bytes that [`write`] puts on a disk. Samples are read back from them, verified
+/// Makes what was ordered in memory: the bytes that [`write()`] puts on a disk. Samples are read back from them, verified
 /// and certified.
 ///
 /// # Errors
