@@ -4,8 +4,11 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use cargo_metadata::{DependencyKind, Metadata, MetadataCommand};
 
+/// A crate, and the crates that it uses.
+pub type CrateMap = BTreeMap<String, BTreeSet<String>>;
+
 /// The rows of the map: a crate and what it may use, read from the README's table.
-fn map() -> BTreeMap<String, BTreeSet<String>> {
+pub fn map() -> CrateMap {
     let readme = include_str!("../../../crates/README.md");
     let rows = readme
         .lines()
@@ -35,7 +38,7 @@ fn metadata() -> Metadata {
 }
 
 /// All run-time dependencies between crates of the workspace.
-fn arrows() -> BTreeMap<String, BTreeSet<String>> {
+fn arrows() -> CrateMap {
     let metadata = metadata();
     let packages = metadata
         .packages
@@ -55,10 +58,7 @@ fn arrows() -> BTreeMap<String, BTreeSet<String>> {
         .collect()
 }
 
-fn strays(
-    arrows: &BTreeMap<String, BTreeSet<String>>,
-    map: &BTreeMap<String, BTreeSet<String>>,
-) -> Vec<String> {
+fn strays(arrows: &CrateMap, map: &CrateMap) -> Vec<String> {
     let none = BTreeSet::new();
     arrows
         .iter()
@@ -100,7 +100,14 @@ fn core_and_analysis_use_little_else() {
         ),
         (
             "tilescope-analysis",
-            &["rayon", "rustfft", "serde", "spade", "thiserror"],
+            &[
+                "postcard",
+                "rayon",
+                "rustfft",
+                "serde",
+                "spade",
+                "thiserror",
+            ],
         ),
     ] {
         let package = metadata

@@ -4,6 +4,7 @@ mod arrows;
 mod circles;
 mod device;
 mod digests;
+mod documents;
 mod engines;
 mod instructions;
 mod numbers;
