@@ -101,6 +101,7 @@ fn core_and_analysis_use_little_else() {
         (
             "tilescope-analysis",
             &[
+                "glam",
                 "postcard",
                 "rayon",
                 "rustfft",
