@@ -1,25 +1,22 @@
 //! `tilescope reproduce`: the paper's experiments by one command, with a report.
 
-mod given;
-
 use std::collections::BTreeSet;
 use std::fmt::Write;
 use std::ops::ControlFlow;
 use std::path::PathBuf;
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::atomic::{AtomicUsize, Ordering};
 
-use anyhow::{Context, Result, ensure};
+use anyhow::{Context, Result, bail, ensure};
 use clap::Args;
 use serde_json::json;
 use tilescope_reproduce::{
-    Experiment, Finished, Options, ReproduceError, Settings, Summary, Verdict, Watch, reproduce,
+    Experiment, Finished, Options, Planned, ReproduceError, Settings, Summary, Verdict, Watch,
+    plan, reproduce,
 };
 
 use crate::engine::ThreadArguments;
-use crate::options::SetArguments;
 use crate::progress::Bar;
 use crate::{EXIT_BAD_INPUT, EXIT_FINE, interrupt, output};
-use given::Refused;
 
 /// Arguments of `tilescope reproduce`.
 #[derive(Debug, Args)]
@@ -37,12 +34,9 @@ pub struct ReproduceArguments {
     /// Seed of the first set; every set has its own
     #[arg(long, value_name = "S", default_value_t = 1)]
     seed: u64,
-    /// A set of another method, to stand beside the others in figure 10; may be given several times, and those that
-    /// cannot be used are left out
-    #[arg(long, value_name = "FILE")]
+    /// An option of earlier versions, refused with the command that replaces it
+    #[arg(long, hide = true)]
     file: Vec<PathBuf>,
-    #[command(flatten)]
-    set: SetArguments,
     #[command(flatten)]
     before: Before,
     #[command(flatten)]
@@ -58,7 +52,7 @@ struct Before {
     /// Forget what an earlier run of these experiments left in the folder
     #[arg(long)]
     fresh: bool,
-    /// Only say how long it will take, without what --out has already
+    /// Only say how many units of work there are, and how many of them --out has already
     #[arg(long)]
     plan: bool,
 }
@@ -77,15 +71,16 @@ Experiments:
 
 The folder receives report.html and REPORT.md, figures (PNG, SVG) and data (CSV, JSON). When
 interrupted, the same command goes on where it stopped; what depends on other settings, another
-machine or another version is made anew. Sides, boundary and format are those of --file.
+machine or another version is made anew.
+
+A set of another method is compared by tilescope analyze theirs.txt --against ours-*.npy.
 
 Examples:
   tilescope reproduce all --quick --out reproduction
   tilescope reproduce fig13 search --out reproduction
-  tilescope reproduce fig10 --file bnot.txt --out reproduction
 
-Exit codes: 0 all experiments ended, whatever their verdicts, 2 one could not be carried out or a
-file not be used, 130 interrupted.";
+Exit codes: 0 all experiments ended, whatever their verdicts, 2 one could not be carried out,
+130 interrupted.";
 
 /// One experiment, or all.
 #[derive(Clone, Copy, Debug)]
@@ -104,23 +99,21 @@ pub fn run(arguments: &ReproduceArguments) -> Result<u8> {
     interrupt::listen();
     arguments.threads.set()?;
     let experiments = chosen(&arguments.experiments);
-    let (given, refused) = given::read_all(&arguments.file, &arguments.set);
-    for one in &refused {
-        output::note(&format!("error: {}", one.reason));
-    }
-    if given.is_empty() && !refused.is_empty() {
-        return Ok(EXIT_BAD_INPUT);
+    if let Some(path) = arguments.file.first() {
+        let path = path.display();
+        bail!(
+            "--file is no longer an option of reproduce: tilescope analyze {path} --against OURS compares the file with other sets, \
+             which tilescope sample makes"
+        );
     }
     let settings = Settings {
         quick: arguments.quick,
         seed: arguments.seed,
-        given,
-        stated: given::stated(&arguments.set),
     };
-    let watch = Told::default();
+    let watch = Progress::default();
     let (Some(out), false) = (&arguments.out, arguments.before.plan) else {
-        plan(&experiments, &settings, arguments)?;
-        return Ok(code(refused.is_empty()));
+        show_plan(&experiments, &settings, arguments)?;
+        return Ok(EXIT_FINE);
     };
     ensure!(
         !out.exists() || out.is_dir(),
@@ -138,19 +131,15 @@ pub fn run(arguments: &ReproduceArguments) -> Result<u8> {
     watch.bar.clear();
     let summary = outcome?;
     if arguments.json {
-        output::emit(&format!("{}\n", json(&summary, &refused)))?;
+        output::emit(&format!("{}\n", json(&summary)))?;
     } else {
-        output::emit(&text(&summary, &refused))?;
+        output::emit(&text(&summary))?;
     }
-    Ok(code(summary.failed.is_empty() && refused.is_empty()))
-}
-
-const fn code(all_went_well: bool) -> u8 {
-    if all_went_well {
+    Ok(if summary.failed.is_empty() {
         EXIT_FINE
     } else {
         EXIT_BAD_INPUT
-    }
+    })
 }
 
 /// Returns the experiments in the sequence of a report, each once.
@@ -161,47 +150,54 @@ fn chosen(wanted: &[Wanted]) -> Vec<Experiment> {
     each.filter(|one| all || named.contains(one)).collect()
 }
 
-fn plan(
+fn show_plan(
     experiments: &[Experiment],
     settings: &Settings,
     arguments: &ReproduceArguments,
 ) -> Result<()> {
     let kept = (arguments.out.as_deref()).filter(|_| !arguments.before.fresh);
-    let each = tilescope_reproduce::expected(experiments, settings, kept);
-    let each = each.context("measuring this machine")?;
-    let total: f64 = each.iter().map(|(_, seconds)| seconds).sum();
-    let out = if arguments.json {
-        let each = each
-            .iter()
-            .map(|(one, seconds)| json!({ "experiment": one, "seconds": seconds }));
-        let each: Vec<_> = each.collect();
-        format!("{}\n", json!({ "seconds": total, "experiments": each }))
-    } else {
-        expected(total, &each)
-    };
-    output::emit(&out)
+    let each = plan(experiments, settings, kept);
+    if !arguments.json {
+        return output::emit(&plan_text(&each));
+    }
+    let experiments: Vec<_> = (each.iter())
+        .map(|one| {
+            json!({
+                "experiment": one.experiment,
+                "units": one.units,
+                "kept": one.kept,
+                "kept_seconds": one.seconds,
+            })
+        })
+        .collect();
+    let [units, kept] = totals(&each);
+    let plan = json!({ "units": units, "kept": kept, "experiments": experiments });
+    output::emit(&format!("{plan}\n"))
 }
 
-fn expected(total: f64, each: &[(Experiment, f64)]) -> String {
-    let whole = if total < KEPT {
-        "nothing is left to compute".to_owned()
-    } else {
-        duration(total)
-    };
-    let mut out = format!("expected on this machine: {whole}\n");
-    for (one, seconds) in each {
-        let told = if *seconds < KEPT {
-            "kept from an earlier run".to_owned()
-        } else {
-            duration(*seconds)
-        };
-        let _ = writeln!(out, "  {:<12} {told}", one.name());
+/// Returns the units of all experiments, and how many of them are kept.
+fn totals(each: &[Planned]) -> [usize; 2] {
+    let sum = |count: fn(&Planned) -> usize| each.iter().map(count).sum();
+    [sum(|one| one.units), sum(|one| one.kept)]
+}
+
+fn plan_text(each: &[Planned]) -> String {
+    let [units, kept] = totals(each);
+    let mut out = format!("units of work: {units}, of which {kept} are kept from an earlier run\n");
+    for one in each {
+        let _ = write!(out, "  {:<12} {:>3}", one.experiment.name(), one.units);
+        if one.kept > 0 {
+            let took = duration(one.seconds);
+            let _ = write!(
+                out,
+                ", {} kept from an earlier run, made in {took}",
+                one.kept
+            );
+        }
+        out.push('\n');
     }
     out
 }
-
-/// Less than this many seconds are no work: sums of works may differ by a hair.
-const KEPT: f64 = 1e-6;
 
 fn duration(seconds: f64) -> String {
     if seconds < 90.0 {
@@ -211,43 +207,35 @@ fn duration(seconds: f64) -> String {
     }
 }
 
-/// Tells how far it is.
-struct Told {
+/// Shows how far a reproduction is.
+struct Progress {
     bar: Bar,
-    total: Mutex<f64>,
+    units: AtomicUsize,
 }
 
-impl Default for Told {
+impl Default for Progress {
     fn default() -> Self {
         Self {
             bar: Bar::new("reproduce"),
-            total: Mutex::default(),
+            units: AtomicUsize::default(),
         }
     }
 }
 
-impl Told {
-    fn total(&self) -> MutexGuard<'_, f64> {
-        self.total.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-}
-
-impl Watch for Told {
-    fn expected(&self, seconds: f64, each: &[(Experiment, f64)]) {
-        *self.total() = seconds;
-        output::note(expected(seconds, each).trim_end());
+impl Watch for Progress {
+    fn planned(&self, each: &[Planned]) {
+        self.units.store(totals(each)[0], Ordering::Relaxed);
+        output::note(plan_text(each).trim_end());
     }
 
     fn begins(&self, experiment: Experiment) {
         self.bar.suspend(|| output::note(experiment.title()));
     }
 
-    fn progress(&self, seconds: f64, what: &str) -> ControlFlow<()> {
-        const PER_SECOND: f64 = 1000.0;
-        let total = *self.total();
+    fn progress(&self, done: usize, what: &str) -> ControlFlow<()> {
         self.bar.name(what);
-        let done = seconds.min(total) * PER_SECOND;
-        self.bar.set(done as u64, (total * PER_SECOND) as u64);
+        let units = self.units.load(Ordering::Relaxed);
+        self.bar.set(done as u64, units as u64);
         interrupt::flow()
     }
 
@@ -272,7 +260,7 @@ impl Watch for Told {
 /// Room for the longest verdict.
 const VERDICT: usize = "not reproduced (quick)".len();
 
-fn text(summary: &Summary, refused: &[Refused]) -> String {
+fn text(summary: &Summary) -> String {
     let mut out = String::new();
     for one in &summary.finished {
         let _ = writeln!(out, "{}", one.experiment.title());
@@ -290,9 +278,6 @@ fn text(summary: &Summary, refused: &[Refused]) -> String {
             );
         }
     }
-    for one in refused {
-        let _ = writeln!(out, "left out       {}", one.reason);
-    }
     let _ = writeln!(
         out,
         "\nof the paper: {} reproduced, {} not reproduced, {} not comparable\nreport         {}",
@@ -304,20 +289,16 @@ fn text(summary: &Summary, refused: &[Refused]) -> String {
     out
 }
 
-fn json(summary: &Summary, refused: &[Refused]) -> serde_json::Value {
+fn json(summary: &Summary) -> serde_json::Value {
     let failed = summary.failed.iter();
     let failed = failed.map(|(one, reason)| json!({ "experiment": one, "reason": reason }));
     let failed: Vec<_> = failed.collect();
-    let refused = refused.iter();
-    let refused = refused.map(|one| json!({ "file": one.path, "reason": one.reason }));
-    let refused: Vec<_> = refused.collect();
     json!({
         "experiments": summary.finished,
         "reproduced": summary.count(Verdict::Reproduced),
         "not_reproduced": summary.count(Verdict::NotReproduced),
         "not_comparable": summary.count(Verdict::NotComparable),
         "failed": failed,
-        "left_out": refused,
         "report": summary.report.display().to_string(),
     })
 }
@@ -344,9 +325,15 @@ mod tests {
         assert_eq!(duration(0.2), "1 s");
         assert_eq!(duration(89.0), "89 s");
         assert_eq!(duration(600.0), "10 min");
-        let told = expected(2.0, &[(Experiment::Fig10, 2.0), (Experiment::Eq4, 0.0)]);
-        assert!(told.contains("fig10        2 s\n") && told.contains("eq4          kept"));
-        let told = expected(0.0, &[(Experiment::Eq4, 0.0)]);
-        assert!(told.starts_with("expected on this machine: nothing"));
+        let planned = |experiment, kept| Planned {
+            experiment,
+            units: 9,
+            kept,
+            seconds: 2.0,
+        };
+        let text = plan_text(&[planned(Experiment::Fig10, 0), planned(Experiment::Eq4, 3)]);
+        assert!(text.starts_with("units of work: 18, of which 3 are kept"));
+        assert!(text.contains("fig10          9\n"), "{text}");
+        assert!(text.contains("eq4            9, 3 kept from an earlier run, made in 2 s\n"));
     }
 }

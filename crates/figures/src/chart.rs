@@ -1,15 +1,19 @@
-//! Charts of curves and of grids of values, as a scene: data in, shapes out.
+//! Charts of curves, grids of values and bars, and square pictures, as a scene: data in, shapes out.
 //!
 //! Axes have round ticks; a series has a colour, a dash pattern and a mark of its own, so that nothing is told
 //! by colour alone. Never computes what it shows, and takes no logarithm.
 
+mod bars;
 mod frame;
 mod image;
 mod layout;
 mod lines;
 mod ticks;
+mod tiles;
 
+pub use bars::{Bar, BarChart, BarGroup};
 pub use layout::figure_scene;
+pub use tiles::{ColorScale, TileChart, TileContent};
 
 /// Colour, dash pattern and mark of a series.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -125,6 +129,12 @@ pub enum Panel {
     Lines(LineChart),
     /// A grid of values.
     Image(ImageChart),
+    /// Bars; the only panel of its row.
+    Bars(BarChart),
+    /// A square picture.
+    Tile(TileChart),
+    /// A scale of colours, which takes no room in its row.
+    Scale(ColorScale),
 }
 
 /// Panels under a common title and legend.
@@ -151,6 +161,9 @@ pub enum ChartError {
         /// Name of the series.
         series: String,
     },
+    /// Panels stand in one row that cannot: bars are alone, and tiles are among themselves.
+    #[error("\"{0}\" has bars or tiles beside other panels")]
+    Mixed(String),
     /// A number is NaN or infinite.
     #[error("value {index} of \"{series}\" in \"{chart}\" is {value}, which is not finite")]
     NotFinite {

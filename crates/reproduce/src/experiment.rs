@@ -69,12 +69,6 @@ impl Experiment {
             Self::Uniformity => "Equation 1 and section 5.1: uniformity",
         }
     }
-
-    /// Returns whether sets from files stand beside its own.
-    #[must_use]
-    pub const fn takes_files(self) -> bool {
-        matches!(self, Self::Fig10)
-    }
 }
 
 impl fmt::Display for Experiment {

@@ -1,5 +1,4 @@
-//! One file an experiment: its sets, its measures, its claims and its figures.
-//! None of them reads what another one has found. Which function carries one out is said here.
+//! The experiments, a module each: sets, measures, claims and figures. None of them reads what another one has found.
 
 mod common;
 mod eq4;
@@ -15,21 +14,20 @@ use crate::error::ReproduceError;
 use crate::experiment::Experiment;
 use crate::outcome::Outcome;
 use crate::study::{Settings, Study};
-use crate::work::Work;
 
 impl Experiment {
-    /// Returns the work that it takes: the sum of its units'.
+    /// Returns the number of units of work that it takes.
     #[must_use]
-    pub fn work(self, settings: &Settings) -> Work {
+    pub fn units(self, settings: &Settings) -> usize {
         match self {
-            Self::Fig10 => fig10::work(settings),
-            Self::Fig11 => fig11::work(settings),
-            Self::Fig12 => fig12::work(settings),
-            Self::Fig13 => fig13::work(settings),
-            Self::Iterations => iterations::work(settings),
-            Self::Eq4 => eq4::work(settings),
-            Self::Search => search::work(settings),
-            Self::Uniformity => uniformity::work(settings),
+            Self::Fig10 => fig10::units(settings),
+            Self::Fig11 => fig11::units(settings),
+            Self::Fig12 => fig12::units(settings),
+            Self::Fig13 => fig13::units(settings),
+            Self::Iterations => iterations::units(settings),
+            Self::Eq4 => eq4::units(),
+            Self::Search => search::units(settings),
+            Self::Uniformity => uniformity::units(settings),
         }
     }
 

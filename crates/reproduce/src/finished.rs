@@ -16,8 +16,6 @@ pub struct Finished {
     pub quick: bool,
     /// Seed of the first set.
     pub seed: u64,
-    /// The arguments that name the sets from files that it looked at.
-    pub given: String,
     /// The machine.
     pub machine: Machine,
     /// The program's version.
@@ -50,8 +48,8 @@ impl Finished {
             format!(" --threads {}", self.machine.threads)
         };
         format!(
-            "tilescope reproduce {}{quick} --seed {}{threads}{} --out DIR",
-            self.experiment, self.seed, self.given
+            "tilescope reproduce {}{quick} --seed {}{threads} --out DIR",
+            self.experiment, self.seed
         )
     }
 }

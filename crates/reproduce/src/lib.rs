@@ -21,7 +21,6 @@
 //! # Ok::<(), tilescope_reproduce::ReproduceError>(())
 //! ```
 
-mod bars;
 mod control;
 mod engines;
 mod error;
@@ -33,18 +32,17 @@ mod numbers;
 mod outcome;
 mod parts;
 mod report;
+mod rule;
 mod run;
 mod sets;
 mod study;
-mod work;
+mod table;
 
-pub use control::Watch;
+pub use control::{Planned, Watch};
 pub use error::ReproduceError;
 pub use experiment::Experiment;
 pub use finished::Finished;
 pub use machine::Machine;
 pub use outcome::{BEYOND, Cell, Claim, Column, Outcome, Picture, Table, Verdict};
-pub use run::{Options, Summary, expected, reproduce};
-pub use sets::GivenSet;
+pub use run::{Options, Summary, plan, reproduce};
 pub use study::Settings;
-pub use work::{Rates, Work};

@@ -83,3 +83,33 @@ fn grouped(whole: &str) -> String {
     }
     out
 }
+
+/// Returns a share as a percentage.
+pub fn percent(share: f64, digits: usize) -> String {
+    format!("{} %", number(100.0 * share, digits))
+}
+
+/// Returns a number with its sign.
+pub fn signed(value: f64, digits: usize) -> String {
+    let sign = if value > 0.0 { "+" } else { "" };
+    format!("{sign}{}", number(value, digits))
+}
+
+/// Returns a probability; numbers end before the smallest ones do.
+pub fn chance(probability: f64) -> String {
+    if probability < 1e-300 {
+        "below 1e-300".to_owned()
+    } else {
+        number(probability, 2)
+    }
+}
+
+/// Returns a number for pictures, whose fonts have no narrow space.
+pub fn drawn_number(value: f64, digits: usize) -> String {
+    number(value, digits).replace('\u{202f}', " ")
+}
+
+/// Returns a whole number for pictures.
+pub fn drawn_count(value: usize) -> String {
+    count(value as u64).replace('\u{202f}', " ")
+}

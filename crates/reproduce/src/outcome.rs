@@ -27,6 +27,35 @@ impl Verdict {
         }
     }
 
+    /// Reproduced or not, if the measurement can tell.
+    pub(crate) const fn if_known(known: bool, holds: bool) -> Self {
+        if known {
+            Self::of(holds)
+        } else {
+            Self::NotComparable
+        }
+    }
+
+    /// Returns the verdict of the opposite claim.
+    pub(crate) const fn opposite(self) -> Self {
+        match self {
+            Self::Reproduced => Self::NotReproduced,
+            Self::NotReproduced => Self::Reproduced,
+            Self::NotComparable => Self::NotComparable,
+        }
+    }
+
+    /// Returns the verdict of a claim of several parts: one that is contradicted contradicts it.
+    pub(crate) fn of_all(parts: impl IntoIterator<Item = Self>) -> Self {
+        let rank = |verdict: &Self| match verdict {
+            Self::Reproduced => 0,
+            Self::NotComparable => 1,
+            Self::NotReproduced => 2,
+        };
+        let worst = parts.into_iter().max_by_key(rank);
+        worst.unwrap_or(Self::Reproduced)
+    }
+
     /// Returns it in words.
     #[must_use]
     pub const fn words(self) -> &'static str {
@@ -59,6 +88,23 @@ pub struct Claim {
 }
 
 impl Claim {
+    /// Returns a claim with its place and what the paper has there, what was measured, and the verdict with its reason.
+    pub(crate) fn new(
+        [claim, place, paper]: [&str; 3],
+        ours: String,
+        verdict: Verdict,
+        reason: impl Into<String>,
+    ) -> Self {
+        Self {
+            claim: claim.to_owned(),
+            place: place.to_owned(),
+            paper: paper.to_owned(),
+            ours,
+            verdict,
+            reason: reason.into(),
+        }
+    }
+
     /// Returns whether the paper says it.
     #[must_use]
     pub fn is_of_the_paper(&self) -> bool {
@@ -156,6 +202,12 @@ impl From<&str> for Cell {
 impl From<String> for Cell {
     fn from(value: String) -> Self {
         Self::Text(value)
+    }
+}
+
+impl<T: Into<Self>> From<Option<T>> for Cell {
+    fn from(value: Option<T>) -> Self {
+        value.map_or(Self::Missing(()), Into::into)
     }
 }
 

@@ -1,5 +1,5 @@
-//! Carries experiments out one after another, tells how long that will take, and writes what they found into a folder.
-//! After every experiment the folder is complete; an interrupted one goes on where it stopped.
+//! Carries out experiments one after another and writes what they found into a folder. After every experiment the folder is
+//! complete; an interrupted reproduction goes on where it stopped.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use tilescope_figures::{to_png, to_svg_with_fonts};
 use tilescope_formats::write_whole;
 
-use crate::control::Watch;
+use crate::control::{Planned, Watch};
 use crate::error::ReproduceError;
 use crate::experiment::Experiment;
 use crate::finished::Finished;
@@ -17,7 +17,6 @@ use crate::outcome::{Outcome, Picture, Verdict};
 use crate::parts::Parts;
 use crate::report;
 use crate::study::{Settings, Study};
-use crate::work::{Rates, Work};
 
 /// What is asked for.
 #[derive(Clone, Debug)]
@@ -51,28 +50,23 @@ impl Summary {
     }
 }
 
-/// Returns the seconds that each experiment will take on this machine, without what was kept in the folder `out` of an earlier run.
-/// Measures the machine and makes nothing.
-pub fn expected(
-    experiments: &[Experiment],
-    settings: &Settings,
-    out: Option<&Path>,
-) -> Result<Vec<(Experiment, f64)>, ReproduceError> {
-    let rates = Rates::measure()?;
+/// Returns the units of work of each experiment, and how many of them are kept in the folder `out`. Makes nothing.
+#[must_use]
+pub fn plan(experiments: &[Experiment], settings: &Settings, out: Option<&Path>) -> Vec<Planned> {
     let made_by = made_by(&Machine::this());
-    let seconds = |one: &Experiment| rates.seconds(&left(*one, settings, out, &made_by));
-    Ok(experiments.iter().map(|one| (*one, seconds(one))).collect())
-}
-
-/// Returns the work of an experiment that is not kept in the folder `out`.
-fn left(experiment: Experiment, settings: &Settings, out: Option<&Path>, made_by: &str) -> Work {
-    let kept = |out| {
-        Parts::kept(
-            &folder(out, experiment),
-            &stamp(experiment, settings, made_by),
-        )
+    let planned = |&experiment: &Experiment| {
+        let stamp = stamp(experiment, settings, &made_by);
+        let kept = out.map(|out| Parts::kept(&folder(out, experiment), &stamp));
+        let kept = kept.unwrap_or_default();
+        let units = experiment.units(settings);
+        Planned {
+            experiment,
+            units,
+            kept: kept.len().min(units),
+            seconds: kept.iter().sum(),
+        }
     };
-    experiment.work(settings) - out.map(kept).unwrap_or_default()
+    experiments.iter().map(planned).collect()
 }
 
 /// Returns where an experiment's parts are kept.
@@ -90,26 +84,27 @@ pub fn reproduce(
     options: &Options,
     watch: &dyn Watch,
 ) -> Result<Summary, ReproduceError> {
-    let rates = Rates::measure()?;
     let settings = &options.settings;
     let machine = Machine::this();
     let made_by = made_by(&machine);
     let kept = Some(options.out.as_path()).filter(|_| !options.fresh);
-    let seconds = |one: &Experiment| rates.seconds(&left(*one, settings, kept, &made_by));
-    let each: Vec<(Experiment, f64)> = experiments.iter().map(|one| (*one, seconds(one))).collect();
-    watch.expected(each.iter().map(|(_, seconds)| seconds).sum(), &each);
+    let each = plan(experiments, settings, kept);
+    watch.planned(&each);
     let mut summary = Summary {
         finished: Vec::new(),
         failed: Vec::new(),
         report: options.out.join("report.html"),
     };
-    let mut before = 0.0;
-    for (experiment, seconds) in each {
+    let mut done = 0;
+    for Planned {
+        experiment, units, ..
+    } in each
+    {
         watch.begins(experiment);
         let stamp = stamp(experiment, settings, &made_by);
         let parts = Parts::open(folder(&options.out, experiment), stamp, options.fresh)?;
-        let study = Study::new(experiment, settings, (rates, before), parts, watch);
-        before += seconds;
+        let study = Study::new(experiment, settings, done, parts, watch);
+        done += units;
         let outcome = match experiment.carry_out(&study) {
             Ok(outcome) => outcome,
             Err(ReproduceError::Cancelled) => return Err(ReproduceError::Cancelled),
@@ -137,23 +132,10 @@ fn made_by(machine: &Machine) -> String {
     format!("{} {digest} {}", env!("CARGO_PKG_VERSION"), machine.line())
 }
 
-/// Numbers of another program, machine or setting are no parts of this run.
+/// Returns what must agree for kept numbers to be used: program, machine and settings.
 fn stamp(experiment: Experiment, settings: &Settings, made_by: &str) -> String {
-    let given = settings.given.iter().filter(|_| experiment.takes_files());
-    let given: Vec<String> = given
-        .map(|set| format!("{} {:?} {}", set.name, set.region, digest(&set.points)))
-        .collect();
     let (quick, seed) = (settings.quick, settings.seed);
-    format!("{experiment} quick {quick} seed {seed} {given:?} {made_by}")
-}
-
-fn digest(points: &[[f64; 2]]) -> String {
-    let bytes: Vec<u8> = points
-        .as_flattened()
-        .iter()
-        .flat_map(|v| v.to_le_bytes())
-        .collect();
-    tilescope_formats::bytes_digest(&bytes)
+    format!("{experiment} quick {quick} seed {seed} {made_by}")
 }
 
 /// Writes what an experiment found.
@@ -183,11 +165,6 @@ fn keep(
         experiment,
         quick: settings.quick,
         seed: settings.seed,
-        given: if experiment.takes_files() {
-            settings.arguments()
-        } else {
-            String::new()
-        },
         machine: machine.clone(),
         version: env!("CARGO_PKG_VERSION").to_owned(),
         claims: outcome.claims,

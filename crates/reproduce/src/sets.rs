@@ -11,27 +11,6 @@ use tilescope_core::{
 use crate::control::Control;
 use crate::error::ReproduceError;
 
-/// A set from a file, to stand beside the others.
-#[derive(Clone, Debug, PartialEq)]
-pub struct GivenSet {
-    /// Its name in figures, which no other has.
-    pub name: String,
-    /// The file, as it was given.
-    pub path: String,
-    /// The samples.
-    pub points: Vec<[f64; 2]>,
-    /// Where they are.
-    pub region: Region,
-}
-
-impl GivenSet {
-    /// Returns the argument that names its file, for a shell.
-    #[must_use]
-    pub fn argument(&self) -> String {
-        format!(" --file '{}'", self.path.replace('\'', "'\\''"))
-    }
-}
-
 /// A set that was made here.
 #[derive(Clone, Debug)]
 pub struct Set {

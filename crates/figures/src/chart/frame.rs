@@ -17,7 +17,7 @@ pub(super) const RIGHT: f64 = 18.0;
 pub(super) const HEADING: f64 = 15.0;
 
 const LABEL: f64 = 13.0;
-const TICK: f64 = 12.0;
+pub(super) const TICK: f64 = 12.0;
 
 /// The pixels of a plot and the values at its borders.
 pub(super) struct Frame<'a> {

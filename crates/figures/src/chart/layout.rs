@@ -1,19 +1,19 @@
-//! A figure's scene: title, legend and rows of panels.
-//! Never draws within a panel's frame.
+//! A figure's scene: title, legend, scales and rows of panels. What a panel shows is drawn by the modules beside this one.
 
 use super::frame::{FOOT, Frame, HEAD, LEFT, RIGHT};
 use super::lines::{self, drawn};
+use super::tiles::{self, TileChart};
 use super::{ChartError, Figure, ImageChart, Look, Panel, image};
 use crate::fonts::{Font, text_width};
 use crate::palette::Palette;
 use crate::scene::{Baseline, Group, Rect, Scene, Shape, Text};
 
 /// Width of a figure in pixels.
-const WIDTH: f64 = 1200.0;
+pub(super) const WIDTH: f64 = 1200.0;
 /// Height of a row of curves, and the least one of images.
 const ROW: f64 = 380.0;
 /// Left and right of everything, and below.
-const MARGIN: f64 = 20.0;
+pub(super) const MARGIN: f64 = 20.0;
 const TITLE: f64 = 52.0;
 const LEGEND_LINE: f64 = 24.0;
 const LEGEND_TEXT: f64 = 13.0;
@@ -24,7 +24,8 @@ const GAP: f64 = 28.0;
 /// Cells of whole pixels may leave a tenth of an image's room unused.
 const MIN_SHARE_OF_ROOM: f64 = 0.9;
 
-/// Returns the scene of a figure, 1200 pixels wide; its height follows from the number of rows.
+/// Returns the scene of a figure, 1200 pixels wide, or as wide as its tiles where it has nothing but tiles of a given side. Its height
+/// follows from the rows.
 ///
 /// Above the panels stands a legend with the name of each series, once.
 ///
@@ -55,30 +56,53 @@ pub fn figure_scene(figure: &Figure, palette: &Palette) -> Result<Scene, ChartEr
         return Err(ChartError::Empty(figure.title.clone()));
     }
     let (legend, mut top) = legend(figure, palette, TITLE);
-    let mut scene = Scene::new(WIDTH, 1.0, palette.background);
+    let tiles = tiles_width(figure);
+    let mut scene = Scene::new(tiles.unwrap_or(WIDTH), 1.0, palette.background);
     scene.title.clone_from(&figure.title);
     let mut title = Text::new([MARGIN, 34.0], &figure.title, 20.0, palette.text);
     title.font = Font::SemiBold;
     let mut head = Group::new("title");
     head.shapes.push(Shape::Text(title));
     scene.groups.extend([head, legend]);
+    for panel in figure.rows.iter().flatten() {
+        if let Panel::Scale(scale) = panel {
+            scene.groups.push(scale.group(scene.width, palette));
+        }
+    }
     let mut columns = 1;
+    let first = MARGIN + names_width(figure);
     for row in &figure.rows {
+        let row: Vec<&Panel> = (row.iter())
+            .filter(|panel| !matches!(panel, Panel::Scale(_)))
+            .collect();
+        if let [Panel::Bars(chart)] = row[..] {
+            chart.check()?;
+            scene.groups.extend(chart.groups(top, palette));
+            top += chart.height();
+            continue;
+        }
+        if row.is_empty() {
+            continue;
+        }
+        if row.iter().any(|panel| matches!(panel, Panel::Tile(_))) {
+            top = tile_row(&row, [first, top], &mut scene, palette)?;
+            continue;
+        }
         // A last row of fewer images has them as large as the rows before.
-        columns = if images(row) {
+        columns = if images(&row) {
             columns.max(row.len())
         } else {
             row.len()
         };
         let width = (WIDTH - 2.0 * MARGIN) / columns as f64;
-        let height = row_height(row, width);
+        let height = row_height(&row, width);
         for (index, panel) in row.iter().enumerate() {
             let left = (MARGIN + index as f64 * width).round();
             let cell = Rect::new([left, top], [left + width, top + height]);
             scene.groups.extend(panel_groups(panel, cell, palette)?);
         }
         top += height;
-        if !images(row) {
+        if !images(&row) {
             columns = 1;
         }
     }
@@ -86,12 +110,69 @@ pub fn figure_scene(figure: &Figure, palette: &Palette) -> Result<Scene, ChartEr
     Ok(scene)
 }
 
-fn images(row: &[Panel]) -> bool {
+/// Adds a row of tiles and returns its lower end.
+fn tile_row(
+    row: &[&Panel],
+    [first, top]: [f64; 2],
+    scene: &mut Scene,
+    palette: &Palette,
+) -> Result<f64, ChartError> {
+    let all: Vec<&TileChart> = tiles_of(row.iter().copied()).collect();
+    if all.len() != row.len() {
+        return Err(ChartError::Mixed(scene.title.clone()));
+    }
+    let [head, foot] = tiles::room(&all);
+    let column = (WIDTH - 2.0 * MARGIN) / all.len() as f64;
+    let mut below = top;
+    for (index, tile) in (0..).map(f64::from).zip(all) {
+        let (left, side) = match tile.side {
+            Some(side) => (first + index * (side + tiles::GAP), side),
+            None => (MARGIN + index * column + LEFT, column - LEFT - RIGHT),
+        };
+        let corner = [left, top + head];
+        let frame = Rect::new(corner, corner.map(|at| at + side));
+        scene.groups.extend(tile.groups(frame, palette)?);
+        below = frame.max[1].max(below);
+    }
+    Ok(below + foot)
+}
+
+fn tiles_of<'a>(panels: impl Iterator<Item = &'a Panel>) -> impl Iterator<Item = &'a TileChart> {
+    panels.filter_map(|panel| match panel {
+        Panel::Tile(tile) => Some(tile),
+        _ => None,
+    })
+}
+
+/// Returns the width of a figure that has nothing but tiles of a given side; none for others.
+fn tiles_width(figure: &Figure) -> Option<f64> {
+    let mut widest = text_width(&figure.title, Font::SemiBold, 20.0);
+    for row in &figure.rows {
+        let mut width = -tiles::GAP;
+        for panel in row {
+            match panel {
+                Panel::Tile(tile) => width += tile.side? + tiles::GAP,
+                Panel::Scale(_) => {}
+                _ => return None,
+            }
+        }
+        widest = widest.max(names_width(figure) + width);
+    }
+    Some((widest + 2.0 * MARGIN).ceil())
+}
+
+/// Returns the room left of tiles, which their rows' names take.
+fn names_width(figure: &Figure) -> f64 {
+    let named = tiles_of(figure.rows.iter().flatten()).any(|tile| tile.y.is_some());
+    if named { tiles::NAMES } else { 0.0 }
+}
+
+fn images(row: &[&Panel]) -> bool {
     row.iter().all(|panel| matches!(panel, Panel::Image(_)))
 }
 
 /// Rows of images are as high as makes them square.
-fn row_height(row: &[Panel], width: f64) -> f64 {
+fn row_height(row: &[&Panel], width: f64) -> f64 {
     if images(row) {
         let plot = width - LEFT - RIGHT;
         return (plot.min(480.0) + HEAD + FOOT).round();
@@ -133,6 +214,9 @@ fn panel_groups(panel: &Panel, cell: Rect, palette: &Palette) -> Result<Vec<Grou
             let mut groups = image::groups(chart, &frame);
             groups.push(frame.border(&chart.title));
             Ok(groups)
+        }
+        Panel::Bars(_) | Panel::Tile(_) | Panel::Scale(_) => {
+            Err(ChartError::Mixed("bars and tiles".to_owned()))
         }
     }
 }

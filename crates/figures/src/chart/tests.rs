@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::palette::Palette;
-use crate::scene::{Group, Scene, Shape};
+use crate::scene::{Group, Rect, Scene, Shape};
 use crate::{to_png, to_svg};
 
 fn series(name: &str, number: usize, points: Vec<[f64; 2]>) -> Series {
@@ -381,4 +381,114 @@ fn equal_figures_have_equal_bytes() {
     assert_eq!(to_png(&make(), 1.0).unwrap(), to_png(&make(), 1.0).unwrap());
     assert_eq!(to_svg(&make()).unwrap(), to_svg(&make()).unwrap());
     assert!(to_svg(&make()).unwrap().contains("Radial mean power"));
+}
+
+fn scene_texts(scene: &Scene) -> impl Iterator<Item = &crate::scene::Text> {
+    let shapes = scene.groups.iter().flat_map(|group| &group.shapes);
+    shapes.filter_map(|shape| match shape {
+        Shape::Text(text) => Some(text),
+        _ => None,
+    })
+}
+
+#[test]
+fn bars_are_as_long_as_their_values_and_their_texts_stay_inside() {
+    let bar = |value: f64, text: &str| Bar {
+        name: "a long name of a bar".to_owned(),
+        value,
+        whisker: Some([0.9 * value, 1.1 * value]),
+        text: text.to_owned(),
+        color: 1,
+    };
+    let chart = |bars: Vec<Bar>| BarChart {
+        label: "quantity, unit".to_owned(),
+        groups: vec![BarGroup {
+            heading: "group".to_owned(),
+            bars,
+        }],
+    };
+    let bars = chart(vec![bar(1.0, "1 of something"), bar(4.0, "4 of something")]);
+    let drawn = scene(Panel::Bars(bars.clone())).unwrap();
+    drawn.validate().unwrap();
+    let width = |shape: &Shape| match shape {
+        Shape::Rect { rect, .. } => Some(rect.max[0] - rect.min[0]),
+        _ => None,
+    };
+    let widths: Vec<f64> = group(&drawn, "bars")
+        .shapes
+        .iter()
+        .filter_map(width)
+        .collect();
+    assert!((widths[1] / widths[0] - 4.0).abs() < 1e-9);
+    for text in scene_texts(&drawn).filter(|text| text.anchor == crate::Anchor::Start) {
+        let end = text.at[0] + crate::text_width(&text.text, text.font, text.size);
+        assert!(end < drawn.width, "{end}");
+    }
+    let empty = scene(Panel::Bars(chart(Vec::new())));
+    assert!(matches!(empty, Err(ChartError::Empty(_))));
+    let infinite = scene(Panel::Bars(chart(vec![bar(f64::INFINITY, "")])));
+    assert!(matches!(infinite, Err(ChartError::NotFinite { .. })));
+    let mixed = figure(vec![Panel::Bars(bars), Panel::Image(image())]);
+    let mixed = figure_scene(&mixed, &Palette::LIGHT);
+    assert!(matches!(mixed, Err(ChartError::Mixed(_))));
+}
+
+fn tile(title: &str) -> TileChart {
+    let bitmap = crate::Bitmap::grey(2, vec![0, 255, 255, 0]).unwrap();
+    TileChart {
+        title: title.to_owned(),
+        note: "note".to_owned(),
+        y: None,
+        side: Some(100.0),
+        content: TileContent::Pixels(bitmap),
+    }
+}
+
+#[test]
+fn tiles_of_a_given_side_make_the_figure_as_wide_as_they_are_and_keep_their_pixels() {
+    let row = |count: usize| (0..count).map(|_| Panel::Tile(tile("a"))).collect();
+    let sheet = Figure {
+        title: String::new(),
+        rows: vec![row(2), row(1)],
+    };
+    let drawn = figure_scene(&sheet, &Palette::LIGHT).unwrap();
+    assert!((drawn.width - 250.0).abs() < 1e-9, "{}", drawn.width);
+    let Rect { min, max } = group(&drawn, "tile").clip.unwrap();
+    assert!((max[0] - min[0] - 100.0).abs() < 1e-9);
+    let pixels = crate::to_pixels(&drawn, 1.0).unwrap();
+    let at = |x: f64, y: f64| {
+        let pixel = pixels.at((min[0] + x) as u32, (min[1] + y) as u32);
+        pixel.map(|p| p[0])
+    };
+    assert_eq!(at(49.0, 49.0), Some(0));
+    assert_eq!(at(50.0, 49.0), Some(255));
+    assert_eq!(at(50.0, 50.0), Some(0));
+    let mixed = figure(vec![Panel::Tile(tile("a")), Panel::Image(image())]);
+    let mixed = figure_scene(&mixed, &Palette::LIGHT);
+    assert!(matches!(mixed, Err(ChartError::Mixed(_))));
+}
+
+#[test]
+fn long_titles_of_tiles_are_made_to_fit_and_axes_and_scales_have_their_words() {
+    let ticks = vec![(-1.0, "low".to_owned()), (1.0, "high".to_owned())];
+    let named = TileChart {
+        y: Some(Axis::new("row").with_range(-1.0, 1.0).with_ticks(ticks)),
+        ..tile(&"wide ".repeat(30))
+    };
+    let scale = ColorScale {
+        ends: ["power 0".to_owned(), "3".to_owned()],
+        colors: vec![[255; 3], [0; 3]],
+    };
+    let drawn = figure(vec![Panel::Tile(named), Panel::Scale(scale)]);
+    let drawn = figure_scene(&drawn, &Palette::LIGHT).unwrap();
+    let place = |name: &str| {
+        scene_texts(&drawn)
+            .find(|text| text.text.starts_with(name))
+            .unwrap()
+    };
+    let wide = place("wide");
+    assert!(crate::text_width(&wide.text, wide.font, wide.size) <= 100.0 + 1e-9);
+    let [low, high] = ["low", "high"].map(|name| place(name).at);
+    assert!((low[1] - high[1] - 100.0).abs() < 1e-9 && low[0] < wide.at[0]);
+    assert!(place("row").quarter_turns == 3 && place("3").at[0] > place("power 0").at[0]);
 }

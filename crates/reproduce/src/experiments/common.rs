@@ -1,14 +1,15 @@
-//! What several experiments have in common: parameters of sets with seeds of their own, intervals of counts, and charts.
-//! Nothing here measures or decides.
+//! What several experiments share: parameters of sets with seeds of their own, intervals of counts, charts and pictures.
 
-use tilescope_analysis::measures::chi_square_quantile;
+use tilescope_analysis::measures::{Summary, chi_square_quantile};
 use tilescope_core::{Parameters, PatternSpec};
-use tilescope_figures::chart::{Axis, Figure, LineChart, Look, Panel, Series, figure_scene};
-use tilescope_figures::{Anchor, Group, Palette, Rect, Shape, Style, Text};
+use tilescope_figures::Palette;
+use tilescope_figures::chart::{
+    Axis, BarChart, BarGroup, ColorScale, Figure, LineChart, Look, Panel, Series, figure_scene,
+};
 
 use crate::error::ReproduceError;
 use crate::numbers::number;
-use crate::outcome::{Column, Picture};
+use crate::outcome::Picture;
 use crate::study::Settings;
 
 /// About the samples of a KDRT set to a squared radius.
@@ -93,35 +94,58 @@ pub fn picture(
     })
 }
 
-/// Returns what shades of power mean, from white to what is black, beside a title; it ends before `right`.
-pub fn ramp(right: f64, black: f64, palette: &Palette) -> Group {
-    let (steps, wide, at) = (32_u8, 4.0, [right - 170.0, 20.0]);
-    let mut group = Group::new("ramp");
-    for step in 0..steps {
-        let x = at[0] + wide * f64::from(step);
-        let level = 255 - (255 * u16::from(step) / u16::from(steps - 1)) as u8;
-        group.shapes.push(Shape::Rect {
-            rect: Rect::new([x, at[1]], [x + wide, at[1] + 14.0]),
-            style: Style::filled([level, level, level, 255]),
-        });
-    }
-    let end = at[0] + wide * f64::from(steps);
-    group.shapes.push(Shape::Rect {
-        rect: Rect::new(at, [end, at[1] + 14.0]),
-        style: Style::stroked(palette.muted, 1.0),
-    });
-    let base = at[1] + 12.0;
-    let mut zero = Text::new([at[0] - 8.0, base], "power 0", 13.0, palette.text);
-    zero.anchor = Anchor::End;
-    let most = Text::new([end + 8.0, base], format!("{black}"), 13.0, palette.text);
-    group.shapes.extend([zero, most].map(Shape::Text));
-    group
+/// Returns the picture of groups of bars over an axis of one quantity.
+pub fn bar_picture(
+    name: &str,
+    title: &str,
+    caption: String,
+    (label, groups): (&str, Vec<BarGroup>),
+) -> Result<Picture, ReproduceError> {
+    let label = label.to_owned();
+    let bars = Panel::Bars(BarChart { label, groups });
+    picture(name, title, caption, vec![vec![bars]])
 }
 
-/// Returns columns of their keys, heads and digits.
-pub fn columns(heads: &[(&str, &str, usize)]) -> Vec<Column> {
-    let column = |(key, head, digits): &(&str, &str, usize)| Column::new(key, head, *digits);
-    heads.iter().map(column).collect()
+/// Returns the scale of shades of power, from white at 0 to black.
+pub fn power_scale(black: f64) -> Panel {
+    let shades = (0..32_u16).map(|step| [255 - (255 * step / 31) as u8; 3]);
+    Panel::Scale(ColorScale {
+        ends: ["power 0".to_owned(), black.to_string()],
+        colors: shades.collect(),
+    })
+}
+
+/// Quartiles of fewer values would be interpolations.
+const FEW: usize = 5;
+
+/// Returns where a whisker begins and ends: quartiles, or of few values the least and the most.
+pub fn whisker(summary: &Summary) -> [f64; 2] {
+    if summary.count < FEW {
+        [summary.least, summary.most]
+    } else {
+        [summary.quartiles[0], summary.quartiles[2]]
+    }
+}
+
+/// Returns what [`whisker`] is of so many rounds, for captions.
+pub const fn whisker_words(rounds: usize) -> &'static str {
+    if rounds < FEW {
+        "from least to most"
+    } else {
+        "from quartile to quartile"
+    }
+}
+
+/// Returns key and heading of columns with both ends of [`whisker`] of so many rounds.
+pub const fn whisker_columns(rounds: usize) -> [(&'static str, &'static str); 2] {
+    if rounds < FEW {
+        [("least", "least"), ("most", "most")]
+    } else {
+        [
+            ("quartile_1", "first quartile"),
+            ("quartile_3", "third quartile"),
+        ]
+    }
 }
 
 /// Returns a count with all its digits, in groups of three.
@@ -139,4 +163,21 @@ pub fn poisson_interval(count: usize) -> [f64; 2] {
         bound(1.0 - 0.5 * MISSED, count)
     };
     [low, bound(0.5 * MISSED, count + 1)]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn few_values_have_no_quartiles() {
+        let of = |values: &[f64]| {
+            whisker(&Summary::of(values.iter().copied()).unwrap()).map(|end| end as i32)
+        };
+        assert_eq!(of(&[1.0, 3.0]), [1, 3]);
+        assert_eq!(of(&[1.0, 2.0, 3.0, 4.0]), [1, 4]);
+        assert_eq!(of(&[1.0, 2.0, 3.0, 4.0, 5.0]), [2, 4]);
+        assert_eq!(whisker_words(2), "from least to most");
+        assert_eq!(whisker_columns(5)[0].0, "quartile_1");
+    }
 }

@@ -13,8 +13,7 @@ use crate::numbers::number;
 use crate::outcome::{Claim, Outcome, Verdict};
 use crate::sets::{Set, pattern};
 use crate::study::{Settings, Study};
-use crate::work::Work;
-use found::Found;
+use found::LeafShares;
 
 /// Shortest edges of blocks, in radii.
 const LEAVES: [f64; 9] = [6.0, 8.0, 10.0, 15.0, 20.0, 30.0, 40.0, 60.0, 80.0];
@@ -31,39 +30,27 @@ fn amounts(settings: &Settings) -> (usize, f64) {
     settings.pick((8, 200_000.0), (2, 50_000.0))
 }
 
-/// All sets of a leaf, each made on one thread and verified.
-fn unit_work(settings: &Settings) -> Work {
-    let (sets, samples) = amounts(settings);
-    let threads = rayon::current_num_threads().min(sets) as f64;
-    let all = sets as f64 * samples;
-    Work {
-        sequential: all / threads,
-        verified: all,
-        ..Work::default()
-    }
-}
-
-pub fn work(settings: &Settings) -> Work {
-    unit_work(settings) * LEAVES.len() as f64
+pub const fn units() -> usize {
+    LEAVES.len()
 }
 
 pub fn run(study: &Study<'_>) -> Result<Outcome, ReproduceError> {
     let settings = study.settings;
     let mut found = Vec::new();
     for leaf in LEAVES {
-        let unit = (&*format!("leaf-{leaf}"), &*format!("leaf {leaf} r"));
-        let sets: Vec<Found> = study.unit(unit, unit_work(settings), |control| {
+        let (key, what) = (format!("leaf-{leaf}"), format!("leaf {leaf} r"));
+        let sets: Vec<LeafShares> = study.unit(&key, &what, |control| {
             (0..amounts(settings).0)
                 .into_par_iter()
                 .map(|index| measure(leaf, index, settings, control))
                 .collect()
         })?;
-        found.push(Found::sum(&sets));
+        found.push(LeafShares::sum(&sets));
     }
     Ok(Outcome {
         claims: claims(&found),
         pictures: vec![found::curves(&found)?],
-        tables: vec![found::table(&found)],
+        tables: vec![found::shares(&found)],
         notes: vec![NOTE.to_owned()],
     })
 }
@@ -80,7 +67,7 @@ fn measure(
     index: usize,
     settings: &Settings,
     control: &Control<'_>,
-) -> Result<Found, ReproduceError> {
+) -> Result<LeafShares, ReproduceError> {
     let parameters = seeded(square(amounts(settings).1, leaf), seed(settings, index));
     let engine = Sequential::new(&parameters, pattern(&parameters.pattern, control)?)?;
     let run = engine.finish(&mut control.observer())?;
@@ -90,13 +77,13 @@ fn measure(
 }
 
 /// Counts what equation 4 is about.
-fn counts(leaf: f64, run: &Run) -> Found {
-    let mut found = Found {
+fn counts(leaf: f64, run: &Run) -> LeafShares {
+    let mut found = LeafShares {
         leaf,
         count: run.result.len(),
         area: run.domain.area_radii(),
         inserted: run.summary().inserted.iter().sum(),
-        ..Found::default()
+        ..LeafShares::default()
     };
     for block in &run.blocks.leaves {
         let [width, height] =
@@ -142,7 +129,7 @@ fn conflicts(domain: &Domain, run: &Run) -> Vec<bool> {
 }
 
 /// Returns the exponent of the power law that fits values over leaves best, or NaN.
-fn exponent(found: &[Found], value: fn(&Found) -> f64) -> f64 {
+fn exponent(found: &[LeafShares], value: fn(&LeafShares) -> f64) -> f64 {
     let logs = || found.iter().map(|one| [one.leaf.ln(), value(one).ln()]);
     let mean = |k: usize| logs().map(|at| at[k]).sum::<f64>() / found.len() as f64;
     let [x, y] = [mean(0), mean(1)];
@@ -151,21 +138,15 @@ fn exponent(found: &[Found], value: fn(&Found) -> f64) -> f64 {
 }
 
 fn percent(share: f64) -> String {
-    format!("{} %", number(100.0 * share, 3))
+    crate::numbers::percent(share, 3)
 }
 
 fn claim(claim: &str, paper: &str, ours: String, holds: bool, reason: String) -> Claim {
-    Claim {
-        claim: claim.to_owned(),
-        place: "section 5.1, equation 4".to_owned(),
-        paper: paper.to_owned(),
-        ours,
-        verdict: Verdict::of(holds),
-        reason,
-    }
+    let names = [claim, "section 5.1, equation 4", paper];
+    Claim::new(names, ours, Verdict::of(holds), reason)
 }
 
-fn claims(found: &[Found]) -> Vec<Claim> {
+fn claims(found: &[LeafShares]) -> Vec<Claim> {
     let Some(first) = found.iter().find(|one| one.leaf >= FROM) else {
         return Vec::new();
     };
@@ -178,14 +159,14 @@ fn claims(found: &[Found]) -> Vec<Claim> {
 }
 
 /// The equation itself.
-fn area(found: &[Found], first: &Found) -> Claim {
-    let ratios = |share: fn(&Found) -> f64| {
+fn area(found: &[LeafShares], first: &LeafShares) -> Claim {
+    let ratios = |share: fn(&LeafShares) -> f64| {
         let ratios = found.iter().map(move |one| share(one) / one.predicted());
         let most = ratios.clone().fold(0.0, f64::max);
         [ratios.fold(f64::INFINITY, f64::min), most]
     };
-    let [least, most] = ratios(Found::margin_share);
-    let plane = ratios(Found::overlap);
+    let [least, most] = ratios(LeafShares::margin_share);
+    let plane = ratios(LeafShares::overlap);
     let mended = (found.iter())
         .map(|one| (one.margin_share() / one.mended() - 1.0).abs())
         .fold(0.0, f64::max);
@@ -214,14 +195,14 @@ fn area(found: &[Found], first: &Found) -> Claim {
     )
 }
 
-fn below(found: &[Found]) -> Claim {
+fn below(found: &[LeafShares]) -> Claim {
     let large = || found.iter().filter(|one| one.leaf >= FROM);
-    let most = |share: fn(&Found) -> f64| large().map(share).fold(0.0, f64::max);
-    let from = |share: fn(&Found) -> f64| {
+    let most = |share: fn(&LeafShares) -> f64| large().map(share).fold(0.0, f64::max);
+    let from = |share: fn(&LeafShares) -> f64| {
         let from = large().find(|one| share(one) < PAPER);
         from.map_or_else(|| "no N".to_owned(), |one| format!("N = {}", one.leaf))
     };
-    let [margin, overlap] = [most(Found::margin_share), most(Found::overlap)];
+    let [margin, overlap] = [most(LeafShares::margin_share), most(LeafShares::overlap)];
     claim(
         "The affected share is below 10 % for N above 19",
         "below 10 %",
@@ -229,9 +210,9 @@ fn below(found: &[Found]) -> Claim {
             "up to {} of the clips lies beyond their blocks from N = {FROM} on, below {limit} from {} on; beside it, clips overlap on \
              up to {} of the plane, below {limit} from {} on",
             percent(margin),
-            from(Found::margin_share),
+            from(LeafShares::margin_share),
             percent(overlap),
-            from(Found::overlap),
+            from(LeafShares::overlap),
             limit = percent(PAPER)
         ),
         margin < PAPER,
@@ -242,8 +223,8 @@ fn below(found: &[Found]) -> Claim {
     )
 }
 
-fn bounded(found: &[Found], first: &Found) -> Claim {
-    let bound = |one: &Found| one.inserted_share() < one.predicted();
+fn bounded(found: &[LeafShares], first: &LeafShares) -> Claim {
+    let bound = |one: &LeafShares| one.inserted_share() < one.predicted();
     claim(
         "The samples that introduce bias are bounded by equation 4",
         &format!("{} at N = {}", percent(first.predicted()), first.leaf),
@@ -258,10 +239,10 @@ fn bounded(found: &[Found], first: &Found) -> Claim {
     )
 }
 
-fn inverse(found: &[Found]) -> Claim {
+fn inverse(found: &[LeafShares]) -> Claim {
     let exponents = [
-        exponent(found, Found::margin_share),
-        exponent(found, Found::inserted_share),
+        exponent(found, LeafShares::margin_share),
+        exponent(found, LeafShares::inserted_share),
     ];
     let holds = |exponent: f64| (exponent + 1.0).abs() <= EXPONENT;
     claim(
@@ -272,8 +253,8 @@ fn inverse(found: &[Found]) -> Claim {
              plane); the equation's own is {}",
             number(exponents[0], 3),
             number(exponents[1], 3),
-            number(exponent(found, Found::overlap), 3),
-            number(exponent(found, Found::predicted), 3)
+            number(exponent(found, LeafShares::overlap), 3),
+            number(exponent(found, LeafShares::predicted), 3)
         ),
         exponents.into_iter().all(holds),
         format!(

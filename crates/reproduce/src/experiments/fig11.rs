@@ -1,5 +1,5 @@
-//! Figure 11: the time of each procedure for a million samples. The engine whose stages run one after another is timed, by stage; the others
-//! are timed where they have stages. Patterns are ready-made.
+//! Figure 11: the time of each procedure for a million samples. The sequential engine is timed by stage; the other engines
+//! where they have stages. Patterns are ready-made.
 
 mod claims;
 mod picture;
@@ -11,15 +11,14 @@ use crate::error::ReproduceError;
 use crate::machine::no_gpu;
 use crate::outcome::Outcome;
 use crate::study::{Settings, Study};
-use crate::work::Work;
 
-use stages::{Plan, Round};
+use stages::{StagePlan, StageRound};
 
 /// Leaf sizes, in radii.
 const LEAVES: [f64; 3] = [20.0, 40.0, 80.0];
 
-fn plan(settings: &Settings) -> Plan {
-    Plan {
+fn plan(settings: &Settings) -> StagePlan {
+    StagePlan {
         samples: settings.pick(1_000_000, 100_000),
         rounds: settings.pick(5, 2),
         leaves: LEAVES.to_vec(),
@@ -27,14 +26,13 @@ fn plan(settings: &Settings) -> Plan {
     }
 }
 
-pub fn work(settings: &Settings) -> Work {
-    let plan = plan(settings);
-    plan.round_work() * plan.rounds as f64
+pub fn units(settings: &Settings) -> usize {
+    plan(settings).rounds as usize
 }
 
 pub fn run(study: &Study<'_>) -> Result<Outcome, ReproduceError> {
     let plan = plan(study.settings);
-    let rounds: Vec<Round> = plan.run(study)?;
+    let rounds: Vec<StageRound> = plan.run(study)?;
     let rows = rows::rows(&rounds);
     let passes = rows::passes(&rounds);
     let mut tables = vec![tables::stages(&rows, rounds.len()), tables::counts(&rounds)];
@@ -42,10 +40,10 @@ pub fn run(study: &Study<'_>) -> Result<Outcome, ReproduceError> {
         tables.push(tables::passes(&passes));
     }
     let mut notes = vec![HOW.to_owned()];
-    notes.extend(no_gpu().map(|why| format!("Passes of a GPU were not timed: {why}.")));
+    notes.extend(no_gpu().map(|why| format!("StagePasses of a GPU were not timed: {why}.")));
     Ok(Outcome {
         claims: claims::claims(&rows),
-        pictures: vec![picture::shares(&rows, &plan)],
+        pictures: vec![picture::shares(&rows, &plan)?],
         tables,
         notes,
     })
@@ -65,7 +63,7 @@ mod tests {
     use crate::study::tests::quick_run;
 
     #[test]
-    fn a_quick_run_is_the_work_it_said_and_its_shares_make_a_whole() {
+    fn a_quick_run_has_the_units_it_said_and_its_shares_make_a_whole() {
         let outcome = quick_run(Experiment::Fig11, &Settings::default());
         assert_eq!(outcome.claims.len(), 2);
         assert_ne!(outcome.claims[0].verdict, Verdict::NotComparable);

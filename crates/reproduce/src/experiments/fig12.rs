@@ -12,11 +12,11 @@ use tilescope_core::{Boundary, Domain, R, reference_sample};
 use crate::control::Control;
 use crate::engines::{nine, nine_rects};
 use crate::error::ReproduceError;
-use crate::numbers::{count, number};
-use crate::outcome::{Claim, Column, Outcome, Table, Verdict};
+use crate::numbers::{count, number, percent};
+use crate::outcome::{Claim, Outcome, Table, Verdict};
 use crate::sets::Set;
 use crate::study::{Settings, Study};
-use crate::work::Work;
+use crate::table::table;
 
 /// Losses up to this share of all samples count as minor.
 const MINOR: f64 = 0.02;
@@ -34,7 +34,7 @@ fn sides(settings: &Settings) -> Vec<f64> {
 
 /// What is found of one layout.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-struct Found {
+struct LayoutResult {
     side: f64,
     /// Samples of the nine sets.
     before: usize,
@@ -56,7 +56,7 @@ struct Found {
     covering_radius: f64,
 }
 
-impl Found {
+impl LayoutResult {
     fn lost_share(&self) -> f64 {
         self.lost as f64 / self.before as f64
     }
@@ -70,29 +70,17 @@ impl Found {
     }
 }
 
-pub fn work(settings: &Settings) -> Work {
-    sides(settings).into_iter().map(unit_work).sum()
-}
-
-/// A set of the whole domain, nine sets of its ninths, and one verification.
-fn unit_work(side: f64) -> Work {
-    let samples = 0.7 * side * side;
-    let threads = rayon::current_num_threads() as f64;
-    Work {
-        reference: samples * (1.0 + 1.0 / threads),
-        verified: samples,
-        ..Work::default()
-    }
+pub fn units(settings: &Settings) -> usize {
+    sides(settings).len()
 }
 
 pub fn run(study: &Study<'_>) -> Result<Outcome, ReproduceError> {
     let seed = study.settings.seed;
-    let found: Result<Vec<Found>, _> = sides(study.settings)
+    let found: Result<Vec<LayoutResult>, _> = sides(study.settings)
         .into_iter()
         .map(|side| {
             let what = format!("nine sets on {side} r");
-            let names = (&*format!("side-{side}"), &*what);
-            study.unit(names, unit_work(side), |control| {
+            study.unit(&format!("side-{side}"), &what, |control| {
                 measure(side, seed, control)
             })
         })
@@ -104,7 +92,7 @@ pub fn run(study: &Study<'_>) -> Result<Outcome, ReproduceError> {
     Ok(Outcome {
         claims: claims(&found),
         pictures: picture::pictures(&glued, &nine_rects(&domain)),
-        tables: vec![table(&found)],
+        tables: vec![layouts(&found)],
         notes: vec![NOTE.to_owned()],
     })
 }
@@ -145,7 +133,7 @@ struct Glued {
     before: usize,
 }
 
-fn measure(side: f64, seed: u64, control: &Control<'_>) -> Result<Found, ReproduceError> {
+fn measure(side: f64, seed: u64, control: &Control<'_>) -> Result<LayoutResult, ReproduceError> {
     let domain = domain(side)?;
     control.go_on()?;
     let one = rayon::ThreadPoolBuilder::new().num_threads(1).build();
@@ -163,7 +151,7 @@ fn measure(side: f64, seed: u64, control: &Control<'_>) -> Result<Found, Reprodu
         .clone()
         .map(|lost| rects[lost.piece as usize].depth(lost.point));
     let summary = combined.summary();
-    Ok(Found {
+    Ok(LayoutResult {
         side,
         before,
         after: combined.points.len(),
@@ -182,7 +170,7 @@ fn measure(side: f64, seed: u64, control: &Control<'_>) -> Result<Found, Reprodu
     })
 }
 
-fn claims(found: &[Found]) -> Vec<Claim> {
+fn claims(found: &[LayoutResult]) -> Vec<Claim> {
     let Some(largest) = found.last() else {
         return Vec::new();
     };
@@ -193,13 +181,15 @@ fn claims(found: &[Found]) -> Vec<Claim> {
     ]
 }
 
-fn maximal(found: &[Found], largest: &Found) -> Claim {
+fn maximal(found: &[LayoutResult], largest: &LayoutResult) -> Claim {
     let faults = found.iter().map(|one| one.conflicts + one.gaps).sum();
-    Claim {
-        claim: "Independent maximal sets combine into one maximal set".to_owned(),
-        place: "section 4.2, figure 12".to_owned(),
-        paper: "nine sets become one".to_owned(),
-        ours: format!(
+    Claim::new(
+        [
+            "Independent maximal sets combine into one maximal set",
+            "section 4.2, figure 12",
+            "nine sets become one",
+        ],
+        format!(
             "nine sets become one of {} samples; {} in {}",
             count(largest.after as u64),
             match faults {
@@ -212,111 +202,95 @@ fn maximal(found: &[Found], largest: &Found) -> Claim {
                 layouts => format!("{layouts} layouts"),
             }
         ),
-        verdict: Verdict::of(faults == 0),
-        reason: "Reproduced if the verifier finds neither a conflict nor a gap in any layout."
-            .to_owned(),
-    }
+        Verdict::of(faults == 0),
+        "Reproduced if the verifier finds neither a conflict nor a gap in any layout.",
+    )
 }
 
-fn losses(found: &[Found], largest: &Found) -> Claim {
-    let worst = found.iter().map(Found::lost_share).fold(0.0, f64::max);
+fn losses(found: &[LayoutResult], largest: &LayoutResult) -> Claim {
+    let worst = found
+        .iter()
+        .map(LayoutResult::lost_share)
+        .fold(0.0, f64::max);
     let deepest = found.iter().map(|one| one.deepest).fold(0.0, f64::max);
-    Claim {
-        claim: "Only few samples are lost, near the seams".to_owned(),
-        place: "figure 12, caption".to_owned(),
-        paper: "minor loss in the margins".to_owned(),
-        ours: format!(
-            "{} of {} samples lost ({} %; at most {} % of any layout), none deeper than {} r",
+    Claim::new(
+        [
+            "Only few samples are lost, near the seams",
+            "figure 12, caption",
+            "minor loss in the margins",
+        ],
+        format!(
+            "{} of {} samples lost ({}; at most {} of any layout), none deeper than {} r",
             count(largest.lost as u64),
             count(largest.before as u64),
-            number(100.0 * largest.lost_share(), 2),
-            number(100.0 * worst, 2),
+            percent(largest.lost_share(), 2),
+            percent(worst, 2),
             number(deepest, 3),
         ),
-        verdict: Verdict::of(largest.lost_share() <= MINOR && deepest <= 3.0),
-        reason: format!(
+        Verdict::of(largest.lost_share() <= MINOR && deepest <= 3.0),
+        format!(
             "Reproduced if the largest layout loses at most {} % and nothing deeper than 3 r. The share falls with the \
              size of the sets, as their border does against their area.",
             100.0 * MINOR
         ),
-    }
+    )
 }
 
-fn cost(largest: &Found) -> Claim {
+fn cost(largest: &LayoutResult) -> Claim {
     let threads = largest.threads;
-    Claim {
-        claim: "A serial sampler becomes a parallel one at little cost".to_owned(),
-        place: "section 4.2".to_owned(),
-        paper: "very small overhead".to_owned(),
-        ours: format!(
-            "{} times as fast on {threads} {}; gluing takes {} % of the time",
+    Claim::new(
+        [
+            "A serial sampler becomes a parallel one at little cost",
+            "section 4.2",
+            "very small overhead",
+        ],
+        format!(
+            "{} times as fast on {threads} {}; gluing takes {} of the time",
             number(largest.speedup(), 3),
             if threads == 1 { "thread" } else { "threads" },
-            number(100.0 * largest.overhead(), 2)
+            percent(largest.overhead(), 2)
         ),
-        verdict: if threads < 2 || largest.side < LARGE {
-            Verdict::NotComparable
-        } else {
-            Verdict::of(largest.overhead() <= SMALL && largest.speedup() > 1.0)
-        },
-        reason: format!(
+        Verdict::if_known(
+            threads >= 2 && largest.side >= LARGE,
+            largest.overhead() <= SMALL && largest.speedup() > 1.0,
+        ),
+        format!(
             "Reproduced if the largest layout is made faster on all threads than a set of its size on one, and gluing \
              takes at most {} % of that. That needs two threads, and a side of {LARGE} r: the seams of small sets are most \
              of their work.",
             100.0 * SMALL
         ),
-    }
+    )
 }
 
-fn table(found: &[Found]) -> Table {
-    let row = |one: &Found| {
-        vec![
-            one.side.into(),
-            one.before.into(),
-            one.after.into(),
-            one.lost.into(),
-            (100.0 * one.lost_share()).into(),
-            one.deepest.into(),
-            one.inserted.into(),
-            one.iterations.into(),
-            one.alone.into(),
-            one.making.into(),
-            one.gluing.into(),
-            one.threads.into(),
-            one.speedup().into(),
-            one.conflicts.into(),
-            one.gaps.into(),
-            one.min_distance.into(),
-            one.covering_radius.into(),
-        ]
-    };
-    Table {
-        name: "layouts".to_owned(),
-        title: "Nine sets in one".to_owned(),
-        columns: [
-            ("side_r", "side, r", 4),
-            ("samples_before", "samples of the nine", 9),
-            ("samples_after", "samples combined", 9),
-            ("lost", "lost", 6),
-            ("lost_percent", "lost, %", 3),
-            ("deepest_r", "deepest loss, r", 3),
-            ("inserted", "inserted", 6),
-            ("iterations", "iterations", 2),
-            ("seconds_alone", "whole on one thread, s", 3),
-            ("seconds_making", "nine on all threads, s", 3),
-            ("seconds_gluing", "gluing, s", 3),
-            ("threads", "threads", 3),
-            ("speedup", "speed-up", 3),
-            ("conflicts", "conflicts", 3),
-            ("gaps", "gaps", 3),
-            ("min_distance_r", "min. distance, r", 6),
-            ("covering_radius_r", "covering radius, r", 6),
-        ]
-        .map(|(key, head, digits)| Column::new(key, head, digits))
-        .to_vec(),
-        rows: found.iter().map(row).collect(),
-        shown: true,
-    }
+fn layouts(found: &[LayoutResult]) -> Table {
+    table("layouts", "Nine sets in one", found)
+        .column("side_r", "side, r", 4, |one| one.side)
+        .column("samples_before", "samples of the nine", 9, |one| one.before)
+        .column("samples_after", "samples combined", 9, |one| one.after)
+        .column("lost", "lost", 6, |one| one.lost)
+        .column("lost_percent", "lost, %", 3, |one| 100.0 * one.lost_share())
+        .column("deepest_r", "deepest loss, r", 3, |one| one.deepest)
+        .column("inserted", "inserted", 6, |one| one.inserted)
+        .column("iterations", "iterations", 2, |one| one.iterations)
+        .column("seconds_alone", "whole on one thread, s", 3, |one| {
+            one.alone
+        })
+        .column("seconds_making", "nine on all threads, s", 3, |one| {
+            one.making
+        })
+        .column("seconds_gluing", "gluing, s", 3, |one| one.gluing)
+        .column("threads", "threads", 3, |one| one.threads)
+        .column("speedup", "speed-up", 3, |one| one.speedup())
+        .column("conflicts", "conflicts", 3, |one| one.conflicts)
+        .column("gaps", "gaps", 3, |one| one.gaps)
+        .column("min_distance_r", "min. distance, r", 6, |one| {
+            one.min_distance
+        })
+        .column("covering_radius_r", "covering radius, r", 6, |one| {
+            one.covering_radius
+        })
+        .shown()
 }
 
 #[cfg(test)]
@@ -325,8 +299,8 @@ mod tests {
     use crate::experiment::Experiment;
     use crate::study::tests::quick_run;
 
-    fn found() -> Found {
-        Found {
+    fn found() -> LayoutResult {
+        LayoutResult {
             side: 1800.0,
             before: 2_000_000,
             after: 1_990_000,
@@ -350,26 +324,26 @@ mod tests {
         let holds = claims(&[found()]);
         assert_eq!(holds[1].verdict, Verdict::Reproduced);
         assert!(holds[0].ours.ends_with("neither conflict nor gap in it"));
-        let open = Found { gaps: 1, ..found() };
+        let open = LayoutResult { gaps: 1, ..found() };
         let refuted = &claims(&[open, found()])[0];
         assert_eq!(refuted.verdict, Verdict::NotReproduced);
         assert!(refuted.ours.ends_with("1 conflict or gap in 2 layouts"));
-        let lossy = Found {
+        let lossy = LayoutResult {
             lost: 60_000,
             ..found()
         };
         assert_eq!(claims(&[lossy])[1].verdict, Verdict::NotReproduced);
-        let deep = Found {
+        let deep = LayoutResult {
             deepest: 3.5,
             ..found()
         };
         assert_eq!(claims(&[deep])[1].verdict, Verdict::NotReproduced);
-        let single = Found {
+        let single = LayoutResult {
             threads: 1,
             ..found()
         };
         assert_eq!(claims(&[single])[2].verdict, Verdict::NotComparable);
-        let slow = Found {
+        let slow = LayoutResult {
             gluing: 1.0,
             ..found()
         };
@@ -377,7 +351,7 @@ mod tests {
     }
 
     #[test]
-    fn a_quick_run_is_the_work_it_said_and_loses_what_it_counts() {
+    fn a_quick_run_has_the_units_it_said_and_loses_what_it_counts() {
         let outcome = quick_run(Experiment::Fig12, &Settings::default());
         assert_eq!(outcome.claims.len(), 3);
         assert_eq!(outcome.claims[0].verdict, Verdict::Reproduced);

@@ -1,5 +1,5 @@
-//! Figure 13 and sections 4.1.1 to 4.1.3: radii and leaf sizes against the reference sampler, by their samples, periodograms, radial means and
-//! anisotropies; and the rates of every engine. Compares only sets of one radius.
+//! Figure 13 and sections 4.1.1 to 4.1.3: radii and leaf sizes against the reference sampler, by their samples, periodograms,
+//! radial means and anisotropies; and the rates of every engine. Only sets of one radius are compared.
 
 mod against;
 mod claims;
@@ -16,12 +16,11 @@ use crate::machine::no_gpu;
 use crate::numbers::number;
 use crate::outcome::{Outcome, Picture};
 use crate::study::{Settings, Study};
-use crate::work::Work;
 use tilescope_analysis::measures::Summary;
 
-use method::{Group, Method, PATTERN};
-use rates::{Plan, Round};
-use spectra::Found;
+use method::{Method, PATTERN, SetGroup};
+use rates::{RatePlan, RateRound};
+use spectra::MethodSpectra;
 
 /// The paper's leaf sizes, in radii.
 const LEAVES: [f64; 3] = [20.0, 40.0, 80.0];
@@ -29,10 +28,10 @@ const LEAVES: [f64; 3] = [20.0, 40.0, 80.0];
 const SHARED: f64 = 40.0;
 
 /// The paper's radii, of the unit square, and sets of each.
-fn groups(settings: &Settings) -> Vec<Group> {
+fn groups(settings: &Settings) -> Vec<SetGroup> {
     let radii = settings.pick(vec![0.01, 0.005, 0.0025], vec![0.01, 0.005]);
     let sets = settings.pick(10, 3);
-    let group = |radius| Group::of(settings, radius, sets);
+    let group = |radius| SetGroup::of(settings, radius, sets);
     radii.into_iter().map(group).collect()
 }
 
@@ -56,7 +55,7 @@ fn methods(last: bool) -> Vec<Method> {
     methods
 }
 
-fn units(settings: &Settings) -> Vec<(Group, Method)> {
+fn spectra_units(settings: &Settings) -> Vec<(SetGroup, Method)> {
     let groups = groups(settings);
     let last = groups.len() - 1;
     let each = groups.iter().enumerate();
@@ -64,8 +63,8 @@ fn units(settings: &Settings) -> Vec<(Group, Method)> {
         .collect()
 }
 
-fn plan(settings: &Settings) -> Plan {
-    Plan {
+fn plan(settings: &Settings) -> RatePlan {
+    RatePlan {
         samples: settings.pick(2_000_000, 200_000),
         rounds: settings.pick(10, 2),
         leaves: LEAVES.to_vec(),
@@ -73,17 +72,13 @@ fn plan(settings: &Settings) -> Plan {
     }
 }
 
-pub fn work(settings: &Settings) -> Work {
-    let plan = plan(settings);
-    let spectra = units(settings)
-        .into_iter()
-        .map(|(group, method)| group.work(method));
-    spectra.sum::<Work>() + plan.round_work() * plan.rounds as f64
+pub fn units(settings: &Settings) -> usize {
+    spectra_units(settings).len() + plan(settings).rounds as usize
 }
 
 pub fn run(study: &Study<'_>) -> Result<Outcome, ReproduceError> {
-    let units = units(study.settings).into_iter();
-    let found: Result<Vec<Found>, _> = units
+    let units = spectra_units(study.settings).into_iter();
+    let found: Result<Vec<MethodSpectra>, _> = units
         .map(|(group, method)| unit(study, &group, method))
         .collect();
     let found = found?;
@@ -92,7 +87,7 @@ pub fn run(study: &Study<'_>) -> Result<Outcome, ReproduceError> {
     let rows = rates::rows(&rounds);
     let against = against::against(&found);
     let mut pictures = spectra_pictures(study, &found)?;
-    pictures.push(picture::rates(&rows, plan.samples, plan.rounds));
+    pictures.push(picture::rates(&rows, plan.samples, plan.rounds)?);
     Ok(Outcome {
         claims: claims::claims(&against, &rows),
         pictures,
@@ -105,7 +100,11 @@ pub fn run(study: &Study<'_>) -> Result<Outcome, ReproduceError> {
     })
 }
 
-fn unit(study: &Study<'_>, group: &Group, method: Method) -> Result<Found, ReproduceError> {
+fn unit(
+    study: &Study<'_>,
+    group: &SetGroup,
+    method: Method,
+) -> Result<MethodSpectra, ReproduceError> {
     // A name that no file of other measures has.
     let key = format!("groups-{}-{}", group.radius, method.key());
     let what = format!(
@@ -114,21 +113,24 @@ fn unit(study: &Study<'_>, group: &Group, method: Method) -> Result<Found, Repro
         group.radius,
         method.name()
     );
-    study.unit((&key, &what), group.work(method), |control| {
+    study.unit(&key, &what, |control| {
         spectra::measure(group, method, control)
     })
 }
 
 /// The figures show one set of each method, made anew.
-fn spectra_pictures(study: &Study<'_>, found: &[Found]) -> Result<Vec<Picture>, ReproduceError> {
+fn spectra_pictures(
+    study: &Study<'_>,
+    found: &[MethodSpectra],
+) -> Result<Vec<Picture>, ReproduceError> {
     let control = study.control("the pictures");
-    let picture = |group: Group, names, columns: Vec<(Method, Method)>| {
+    let picture = |group: SetGroup, names, columns: Vec<(Method, Method)>| {
         let of = |method: Method| {
-            let same = |one: &&Found| one.radius.to_bits() == group.radius.to_bits();
+            let same = |one: &&MethodSpectra| one.radius.to_bits() == group.radius.to_bits();
             found.iter().filter(same).find(|one| one.method == method)
         };
         let columns = columns.into_iter();
-        let columns: Vec<(&Found, &Found)> = columns
+        let columns: Vec<(&MethodSpectra, &MethodSpectra)> = columns
             .filter_map(|(one, below)| Some((of(one)?, of(below)?)))
             .collect();
         let sets: Result<Vec<_>, _> = (columns.iter())
@@ -149,7 +151,7 @@ fn spectra_pictures(study: &Study<'_>, found: &[Found]) -> Result<Vec<Picture>, 
     Ok(pictures)
 }
 
-fn notes(found: &[Found], rounds: &[Round]) -> Vec<String> {
+fn notes(found: &[MethodSpectra], rounds: &[RateRound]) -> Vec<String> {
     let mut notes = vec![HOW.to_owned()];
     let whole: Vec<String> = (found.iter())
         .filter(|one| one.method.leaf().is_some() && !one.method.tiles(one.radius))
@@ -210,7 +212,7 @@ mod tests {
     use crate::study::tests::quick_run;
 
     #[test]
-    fn a_quick_run_is_the_work_it_said_and_fills_figures_and_tables() {
+    fn a_quick_run_has_the_units_it_said_and_fills_figures_and_tables() {
         let outcome = quick_run(Experiment::Fig13, &Settings::default());
         assert_eq!(outcome.claims.len(), 7);
         // Copies side by side are what the regularity of the others is held against; leaves of 80 r make few blocks.

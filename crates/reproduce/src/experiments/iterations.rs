@@ -9,12 +9,11 @@ use tilescope_core::{Order, Parameters};
 use crate::control::Control;
 use crate::error::ReproduceError;
 use crate::experiments::common::{counted, poisson_interval, seed, seeded, square};
-use crate::numbers::number;
+use crate::numbers::percent;
 use crate::outcome::{Claim, Outcome, Verdict};
 use crate::sets::Set;
 use crate::study::{Settings, Study};
-use crate::work::Work;
-use found::{Case, Found};
+use found::{InsertionCase, IterationCounts};
 use variants::Printed;
 
 /// Sets of each case, as in the paper.
@@ -32,8 +31,8 @@ fn samples(settings: &Settings) -> f64 {
     settings.pick(PAPER_SAMPLES, 60_000.0)
 }
 
-fn cases() -> [Case; 4] {
-    let case = |order, leaf| Case { order, leaf };
+fn cases() -> [InsertionCase; 4] {
+    let case = |order, leaf| InsertionCase { order, leaf };
     [
         case(Order::Index, 20.0),
         case(Order::Index, 40.0),
@@ -42,17 +41,8 @@ fn cases() -> [Case; 4] {
     ]
 }
 
-fn unit_work(settings: &Settings) -> Work {
-    Work {
-        tiled: samples(settings),
-        verified: samples(settings),
-        ..Work::default()
-    }
-}
-
-pub fn work(settings: &Settings) -> Work {
-    let sets = (cases().len() * SETS) as f64;
-    unit_work(settings) * sets + variants::work(settings)
+pub fn units(settings: &Settings) -> usize {
+    cases().len() * SETS + variants::units(settings)
 }
 
 pub fn run(study: &Study<'_>) -> Result<Outcome, ReproduceError> {
@@ -62,8 +52,7 @@ pub fn run(study: &Study<'_>) -> Result<Outcome, ReproduceError> {
         for index in 0..SETS {
             let key = format!("{}-{index}", case.key());
             let what = format!("set {} of {SETS}, {}", index + 1, case.name());
-            let unit = (&*key, &*what);
-            found.push(study.unit(unit, unit_work(settings), |control| {
+            found.push(study.unit(&key, &what, |control| {
                 measure(case, index, settings, control)
             })?);
         }
@@ -73,10 +62,13 @@ pub fn run(study: &Study<'_>) -> Result<Outcome, ReproduceError> {
     printed.extend(variants::printed(study)?);
     Ok(Outcome {
         claims: claims(&found, &printed),
-        pictures: found::pictures(&found, &cases()),
+        pictures: vec![
+            found::inserted(&found, &cases())?,
+            found::needed(&found, &cases())?,
+        ],
         tables: vec![
             found::by_case(&found, &cases()),
-            variants::table(&compared),
+            variants::compared_table(&compared),
             variants::printed_table(&printed),
             found::by_set(&found),
         ],
@@ -90,11 +82,11 @@ its loop (by index) and with this program's default (own block first). An iterat
 the last look, which finds nothing, is not counted.";
 
 fn measure(
-    case: Case,
+    case: InsertionCase,
     index: usize,
     settings: &Settings,
     control: &Control<'_>,
-) -> Result<Found, ReproduceError> {
+) -> Result<IterationCounts, ReproduceError> {
     let parameters = Parameters {
         order: case.order,
         ..square(samples(settings), case.leaf)
@@ -102,7 +94,7 @@ fn measure(
     let seed = seed(settings, index);
     let (set, summary) = Set::kdrt(&seeded(parameters, seed), control)?;
     let report = set.verified(&format!("{}, seed {seed}", case.name()), control)?;
-    Ok(Found {
+    Ok(IterationCounts {
         case,
         seed,
         count: summary.count,
@@ -115,7 +107,7 @@ fn measure(
 }
 
 /// A way to make sets, with what was found of it.
-struct Way {
+struct Arrangement {
     name: &'static str,
     place: &'static str,
     /// What it counts as an iteration.
@@ -124,8 +116,8 @@ struct Way {
     sets: Vec<(usize, Vec<usize>)>,
 }
 
-fn claims(found: &[Found], printed: &[Printed]) -> Vec<Claim> {
-    let printed = Way {
+fn claims(found: &[IterationCounts], printed: &[Printed]) -> Vec<Claim> {
+    let printed = Arrangement {
         name: "Algorithm 4 as printed",
         place: "section 3.2.3",
         counts: "The first loop of Algorithm 4 inserts while it eliminates and counts as one iteration, as does each round of its \
@@ -135,7 +127,7 @@ fn claims(found: &[Found], printed: &[Printed]) -> Vec<Claim> {
             .map(|one| (one.count, one.inserted.clone()))
             .collect(),
     };
-    let staged = Way {
+    let staged = Arrangement {
         name: "in this program's arrangement in stages",
         place: crate::outcome::BEYOND,
         counts: "Here all conflicts are resolved before the first insertion, which the paper does not do.",
@@ -152,7 +144,7 @@ fn claims(found: &[Found], printed: &[Printed]) -> Vec<Claim> {
     ]
 }
 
-fn suffices(way: &Way) -> Claim {
+fn suffices(way: &Arrangement) -> Claim {
     let counts = || way.sets.iter().map(|set| set.1.len());
     let (least, most) = (counts().min().unwrap_or(0), counts().max().unwrap_or(0));
     let within = counts().filter(|count| *count <= PAPER).count();
@@ -165,29 +157,25 @@ fn suffices(way: &Way) -> Claim {
     let large = way.sets.iter().filter(large).count();
     let (sets, are) = (way.sets.len(), if large == 1 { "is" } else { "are" });
     let smallest = way.sets.iter().map(|set| set.0).min().unwrap_or(0);
-    Claim {
-        claim: format!("Two iterations of insertion suffice ({})", way.name),
-        place: way.place.to_owned(),
-        paper: "2 iterations for each of 10 sets of 10 million samples".to_owned(),
-        ours: format!(
+    let claim = format!("Two iterations of insertion suffice ({})", way.name);
+    let paper = "2 iterations for each of 10 sets of 10 million samples";
+    Claim::new(
+        [&claim, way.place, paper],
+        format!(
             "{range} iterations; {within} of {sets} sets need no more than {PAPER}; {large} of {sets} sets {are} of the paper's size \
              (the smallest has {} samples)",
             counted(smallest),
         ),
-        verdict: if most <= PAPER && large < ENOUGH {
-            Verdict::NotComparable
-        } else {
-            Verdict::of(most <= PAPER)
-        },
-        reason: format!(
+        Verdict::if_known(most > PAPER || large >= ENOUGH, most <= PAPER),
+        format!(
             "Holds if no set needs more than {PAPER} and at least {ENOUGH} sets have the paper's size, which is 9 million \
              samples or more; smaller sets can refute it but not confirm it. That is {large} here. {}",
             way.counts
         ),
-    }
+    )
 }
 
-fn rare(way: &Way) -> Claim {
+fn rare(way: &Arrangement) -> Claim {
     let after = |from: usize| -> usize {
         let late = |set: &(usize, Vec<usize>)| set.1.iter().skip(from).sum::<usize>();
         way.sets.iter().map(late).sum()
@@ -196,29 +184,24 @@ fn rare(way: &Way) -> Claim {
     let of_all = |count: f64| count / inserted.max(1) as f64;
     let share = of_all(late as f64);
     let [low, high] = poisson_interval(late).map(of_all);
-    Claim {
-        claim: format!("Gaps that need more iterations are rare ({})", way.name),
-        place: way.place.to_owned(),
-        paper: "special cases rarely showed".to_owned(),
-        ours: format!(
-            "{} of {} inserted samples came after iteration {PAPER}: {} %",
+    let claim = format!("Gaps that need more iterations are rare ({})", way.name);
+    Claim::new(
+        [&claim, way.place, "special cases rarely showed"],
+        format!(
+            "{} of {} inserted samples came after iteration {PAPER}: {}",
             counted(late),
             counted(inserted),
-            number(100.0 * share, 2)
+            percent(share, 2)
         ),
-        verdict: if low <= RARE && high > RARE {
-            Verdict::NotComparable
-        } else {
-            Verdict::of(high <= RARE)
-        },
-        reason: format!(
+        Verdict::if_known(low > RARE || high <= RARE, high <= RARE),
+        format!(
             "Holds if at most {} % of all inserted samples come after iteration {PAPER}, and the 99 % interval of a Poisson variable tells \
-             (it ends at {} %). {}",
+             (it ends at {}). {}",
             100.0 * RARE,
-            number(100.0 * high, 2),
+            percent(high, 2),
             way.counts
         ),
-    }
+    )
 }
 
 #[cfg(test)]
@@ -227,8 +210,8 @@ mod tests {
     use crate::experiment::Experiment;
     use crate::study::tests::quick_run;
 
-    fn found(count: usize, inserted: &[usize]) -> Found {
-        Found {
+    fn found(count: usize, inserted: &[usize]) -> IterationCounts {
+        IterationCounts {
             case: cases()[0],
             seed: 1,
             count,
@@ -241,20 +224,20 @@ mod tests {
     }
 
     /// Of sets made in stages, and of the same made as printed with one iteration less.
-    fn both(found: &[Found]) -> Vec<Claim> {
-        let printed = |one: &Found| Printed {
+    fn both(found: &[IterationCounts]) -> Vec<Claim> {
+        let printed = |one: &IterationCounts| Printed {
             count: one.count,
             inserted: one.inserted[..1].to_vec(),
         };
         claims(found, &found.iter().map(printed).collect::<Vec<_>>())
     }
 
-    fn verdicts(found: &[Found]) -> Vec<Verdict> {
+    fn verdicts(found: &[IterationCounts]) -> Vec<Verdict> {
         let of = both(found);
         assert_eq!(of[1].verdict, Verdict::Reproduced);
         let staged: Vec<Verdict> = of[2..].iter().map(|claim| claim.verdict).collect();
         // The same numbers as printed have the same verdicts.
-        let printed = |one: &Found| Printed {
+        let printed = |one: &IterationCounts| Printed {
             count: one.count,
             inserted: one.inserted.clone(),
         };
@@ -308,7 +291,7 @@ mod tests {
     }
 
     #[test]
-    fn a_quick_run_is_the_work_it_said() {
+    fn a_quick_run_has_the_units_it_said() {
         let outcome = quick_run(Experiment::Iterations, &Settings::default());
         assert_eq!(outcome.claims.len(), 4);
         assert_eq!(outcome.tables[3].rows.len(), 4 * SETS);

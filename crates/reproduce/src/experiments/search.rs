@@ -1,5 +1,5 @@
 //! Section 3.2.2: how far detectors have to look. Runs that look 2r far are held against runs that look 4r far; a set that is
-//! not maximal is what this experiment is about, so the verifier counts here and refuses nothing.
+//! not maximal is what this experiment is about, so the verifier counts gaps here and no set is refused.
 
 mod found;
 mod picture;
@@ -15,25 +15,19 @@ use crate::numbers::number;
 use crate::outcome::{Claim, Outcome, Verdict};
 use crate::sets::{Set, pattern};
 use crate::study::{Settings, Study};
-use crate::work::Work;
-use found::{Found, Judged};
-
-/// The sequential engine takes about so many times as long for Algorithm 4 as printed.
-const PRINTED_COST: f64 = 3.0;
-/// Taking a set with gaps apart takes about as long as verifying it so many times.
-const APART_COST: f64 = 4.0;
+use found::{GapCounts, GapStatistics};
 
 /// Fewer samples than this cannot confirm that there are no gaps in practice.
 const ENOUGH: usize = 1_000_000;
 
 /// A leaf and an arrangement of the two loops.
 #[derive(Clone, Copy, Debug)]
-struct Case {
+struct SearchCase {
     leaf: f64,
     variant: Variant,
 }
 
-impl Case {
+impl SearchCase {
     /// Sets of this case, and the samples of each.
     fn amounts(self, settings: &Settings) -> (usize, f64) {
         match self.variant {
@@ -59,10 +53,10 @@ impl Case {
     }
 }
 
-fn cases(settings: &Settings) -> Vec<Case> {
+fn cases(settings: &Settings) -> Vec<SearchCase> {
     let leaves = settings.pick(vec![10.0, 20.0, 40.0, 80.0], vec![20.0, 40.0]);
     let of = |variant| {
-        let case = move |leaf: &f64| Case {
+        let case = move |leaf: &f64| SearchCase {
             leaf: *leaf,
             variant,
         };
@@ -71,45 +65,16 @@ fn cases(settings: &Settings) -> Vec<Case> {
     [of(Variant::Staged), of(Variant::AsPrinted)].concat()
 }
 
-pub fn work(settings: &Settings) -> Work {
-    let of = |case: Case| unit_work(case, settings);
-    cases(settings).into_iter().map(of).sum()
-}
-
-/// All sets of a case, each made and verified twice, and the one with gaps taken apart.
-fn unit_work(case: Case, settings: &Settings) -> Work {
-    let (sets, samples) = case.amounts(settings);
-    let all = sets as f64 * samples;
-    let apart = match case.variant {
-        Variant::Staged => APART_COST,
-        Variant::AsPrinted => 0.0,
-    };
-    let base = Work {
-        verified: (2.0 + apart) * all,
-        ..Work::default()
-    };
-    let threads = rayon::current_num_threads().min(sets) as f64;
-    match case.variant {
-        Variant::Staged => Work {
-            tiled: 2.0 * all,
-            ..base
-        },
-        Variant::AsPrinted => Work {
-            sequential: 2.0 * PRINTED_COST * all / threads,
-            ..base
-        },
-    }
+pub fn units(settings: &Settings) -> usize {
+    cases(settings).len()
 }
 
 pub fn run(study: &Study<'_>) -> Result<Outcome, ReproduceError> {
     let settings = study.settings;
-    let mut found: Vec<Found> = Vec::new();
+    let mut found: Vec<GapStatistics> = Vec::new();
     for case in cases(settings) {
-        let unit = (
-            &*case.key(),
-            &*format!("{} r, {:?}", case.leaf, case.variant),
-        );
-        let sets: Vec<Found> = study.unit(unit, unit_work(case, settings), |control| {
+        let what = format!("{} r, {:?}", case.leaf, case.variant);
+        let sets: Vec<GapStatistics> = study.unit(&case.key(), &what, |control| {
             let sets = 0..case.amounts(settings).0;
             sets.into_par_iter()
                 .map(|index| measure(case, settings, index, control))
@@ -118,9 +83,9 @@ pub fn run(study: &Study<'_>) -> Result<Outcome, ReproduceError> {
         found.extend(sets);
     }
     let control = study.control("the pictures");
-    let mut pictures = vec![found::bars(&found)];
+    let mut pictures = vec![found::bars(&found)?];
     if let Some(worst) = found::worst(&found) {
-        let case = Case {
+        let case = SearchCase {
             leaf: worst.leaf,
             variant: Variant::Staged,
         };
@@ -163,17 +128,17 @@ fn make(
 }
 
 fn measure(
-    case: Case,
+    case: SearchCase,
     settings: &Settings,
     index: usize,
     control: &Control<'_>,
-) -> Result<Found, ReproduceError> {
+) -> Result<GapStatistics, ReproduceError> {
     let parameters = case.parameters(settings, index);
-    let judged = |search| -> Result<Judged, ReproduceError> {
+    let judged = |search| -> Result<GapCounts, ReproduceError> {
         let (set, inserted) = make(&parameters, search, control)?;
-        Judged::of(&set, inserted, control)
+        GapCounts::of(&set, inserted, control)
     };
-    Ok(Found {
+    Ok(GapStatistics {
         leaf: case.leaf,
         printed: case.variant == Variant::AsPrinted,
         index,
@@ -183,12 +148,12 @@ fn measure(
     })
 }
 
-fn claims(found: &[Found]) -> Vec<Claim> {
+fn claims(found: &[GapStatistics]) -> Vec<Claim> {
     let sight = found::sight(found);
     let again = "Here every marked sample looks again in each round.";
     let enough = "2r is enough in practice, not proved";
     let follows = "follows from theorem 3.2";
-    let of = |printed, pick: fn(&Found) -> &Judged| -> Vec<&Judged> {
+    let of = |printed, pick: fn(&GapStatistics) -> &GapCounts| -> Vec<&GapCounts> {
         let fits = found.iter().filter(|one| one.printed == printed);
         fits.map(pick).collect()
     };
@@ -210,7 +175,7 @@ const IN_STAGES: [&str; 2] = [
 ];
 
 fn claim(
-    (claim, sets): (&str, Vec<&Judged>),
+    (claim, sets): (&str, Vec<&GapCounts>),
     [way, place]: [&str; 2],
     paper: &str,
     more: &str,
@@ -223,11 +188,9 @@ fn claim(
         .fold(0.0, f64::max);
     let holds = holes == 0 && sets.iter().all(|one| one.places == 0);
     let rule = "Holds if the verifier finds no gap in any set; less than a million samples can refute it but not confirm it.";
-    Claim {
-        claim: format!("{claim} ({way})"),
-        place: place.to_owned(),
-        paper: paper.to_owned(),
-        ours: format!(
+    Claim::new(
+        [&format!("{claim} ({way})"), place, paper],
+        format!(
             "{} in {} sets of {} samples in all ({}); covering radius up to {} r",
             match holes {
                 0 => "no gap".to_owned(),
@@ -239,13 +202,9 @@ fn claim(
             rate(holes, samples),
             number(worst, 7)
         ),
-        verdict: if holds && samples < ENOUGH {
-            Verdict::NotComparable
-        } else {
-            Verdict::of(holds)
-        },
-        reason: format!("{rule} {more}").trim_end().to_owned(),
-    }
+        Verdict::if_known(!holds || samples >= ENOUGH, holds),
+        format!("{rule} {more}").trim_end(),
+    )
 }
 
 /// Returns how often gaps are; where there is none, how often they may be all the same.

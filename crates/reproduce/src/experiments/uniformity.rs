@@ -5,7 +5,6 @@ mod bias;
 mod claims;
 mod counted;
 mod gaps;
-mod maps;
 mod shown;
 mod subject;
 
@@ -15,17 +14,14 @@ use crate::error::ReproduceError;
 use crate::experiments::common::{seed, square};
 use crate::outcome::Outcome;
 use crate::study::{Settings, Study};
-use crate::work::Work;
-use counted::OneSeed;
-use subject::Found;
+use counted::SeedCounts;
+use subject::UniformityResults;
 
 const LEAF: f64 = 20.0;
 /// Seeds of a unit of work.
 const BATCH: usize = 25;
 /// Side of a cell of the grid, in radii: as near to it as whole cells allow.
 pub const CELL: f64 = 3.74;
-/// Looking for gaps and places in them takes about as long as verifying so many samples for each one.
-const RANK_COST: f64 = 6.0;
 
 /// Batches of seeds, samples of a set, cells along a side of the grid.
 fn amounts(settings: &Settings) -> (usize, f64, usize) {
@@ -34,40 +30,26 @@ fn amounts(settings: &Settings) -> (usize, f64, usize) {
     (batches, samples, cells as usize)
 }
 
-/// A pattern, a reference set and three runs for each seed.
-fn unit_work(settings: &Settings) -> Work {
-    let threads = rayon::current_num_threads().min(BATCH) as f64;
-    let (_, samples, _) = amounts(settings);
-    let sets = BATCH as f64 * samples;
-    Work {
-        sequential: 3.0 * sets / threads,
-        reference: (sets + BATCH as f64 * 7_000.0) / threads,
-        verified: (4.0 + RANK_COST) * sets,
-        ..Work::default()
-    }
-}
-
-pub fn work(settings: &Settings) -> Work {
-    unit_work(settings) * amounts(settings).0 as f64
+pub fn units(settings: &Settings) -> usize {
+    amounts(settings).0
 }
 
 pub fn run(study: &Study<'_>) -> Result<Outcome, ReproduceError> {
     let settings = study.settings;
     let (batches, samples, cells) = amounts(settings);
     let parameters = square(samples, LEAF);
-    let mut seeds: Vec<OneSeed> = Vec::new();
+    let mut seeds: Vec<SeedCounts> = Vec::new();
     for batch in 0..batches {
         let what = format!("sets of batch {} of {batches}", batch + 1);
-        let unit = (&*format!("batch-{batch}"), &*what);
-        let made: Vec<OneSeed> = study.unit(unit, unit_work(settings), |control| {
+        let made: Vec<SeedCounts> = study.unit(&format!("batch-{batch}"), &what, |control| {
             (batch * BATCH..(batch + 1) * BATCH)
                 .into_par_iter()
-                .map(|index| OneSeed::of(&parameters, cells, seed(settings, index), control))
+                .map(|index| SeedCounts::of(&parameters, cells, seed(settings, index), control))
                 .collect()
         })?;
         seeds.extend(made);
     }
-    let found = Found::of(&seeds)?;
+    let found = UniformityResults::of(&seeds)?;
     Ok(Outcome {
         claims: claims::claims(&found),
         pictures: shown::pictures(&found, cells)?,

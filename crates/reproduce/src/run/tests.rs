@@ -25,32 +25,38 @@ fn parts(out: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
         .collect()
 }
 
-/// Cancels as soon as so many parts are kept, and notes what was expected.
+/// Cancels as soon as so many parts are kept, and notes what was planned.
 struct Until<'a> {
     out: &'a Path,
     parts: usize,
-    expected: Mutex<Vec<f64>>,
+    planned: Mutex<Vec<Planned>>,
 }
 
 impl<'a> Until<'a> {
     fn of(out: &'a Path, parts: usize) -> Self {
-        let expected = Mutex::default();
+        let planned = Mutex::default();
         Self {
             out,
             parts,
-            expected,
+            planned,
         }
+    }
+
+    /// Units that were kept when the reproduction began.
+    fn kept(&self) -> usize {
+        let planned = self.planned.lock().unwrap();
+        planned.iter().map(|one| one.kept).sum()
     }
 }
 
 impl Watch for Until<'_> {
-    fn expected(&self, seconds: f64, _: &[(Experiment, f64)]) {
-        self.expected.lock().unwrap().push(seconds);
+    fn planned(&self, each: &[Planned]) {
+        self.planned.lock().unwrap().extend(each);
     }
 
-    fn progress(&self, seconds: f64, _: &str) -> ControlFlow<()> {
-        let expected = self.expected.lock().unwrap();
-        assert!(seconds <= expected[expected.len() - 1] + 1e-6);
+    fn progress(&self, done: usize, _: &str) -> ControlFlow<()> {
+        let planned = self.planned.lock().unwrap();
+        assert!(done <= planned.iter().map(|one| one.units).sum());
         if parts(self.out).len() >= self.parts {
             ControlFlow::Break(())
         } else {
@@ -60,7 +66,7 @@ impl Watch for Until<'_> {
 }
 
 #[test]
-fn a_cancelled_run_keeps_its_parts_and_the_next_one_expects_and_makes_only_the_rest() {
+fn a_cancelled_run_keeps_its_parts_and_the_next_one_makes_only_the_rest() {
     let folder = tempfile::tempdir().unwrap();
     let [whole, broken] = ["whole", "broken"].map(|name| folder.path().join(name));
     let never = Until::of(&whole, usize::MAX);
@@ -72,52 +78,33 @@ fn a_cancelled_run_keeps_its_parts_and_the_next_one_expects_and_makes_only_the_r
     assert!(!broken.join("report.html").exists());
 
     let settings = Settings::default();
-    let made_by = made_by(&Machine::this());
-    let of = |out: Option<&Path>| left(OF, &settings, out, &made_by);
-    let samples = |work: Work| work.sequential + work.verified;
-    assert_eq!(of(None), OF.work(&settings));
-    assert_eq!(of(Some(&folder.path().join("nowhere"))), OF.work(&settings));
-    assert!(samples(of(Some(&broken))) < samples(OF.work(&settings)));
-    assert!(samples(of(Some(&broken))) > 0.0);
-    let rest = of(Some(&broken));
+    let units = OF.units(&settings);
+    let planned = |out: Option<&Path>| plan(&[OF], &settings, out)[0];
+    assert_eq!(planned(None).kept, 0);
+    assert_eq!(planned(Some(&folder.path().join("nowhere"))).kept, 0);
+    let rest = planned(Some(&broken));
+    assert_eq!((rest.units, rest.kept), (units, 2));
+    assert!(rest.seconds > 0.0);
 
     let never = Until::of(&broken, usize::MAX);
     let later = reproduce(&[OF], &options(&broken), &never).unwrap();
     let all = parts(&broken);
     assert!(kept.iter().all(|(path, bytes)| all[path] == *bytes));
-    assert!(all.len() > kept.len() && samples(rest) > 0.0);
+    assert_eq!(all.len(), units);
     assert_eq!(later.finished[0].claims, at_once.finished[0].claims);
     assert_eq!(later.finished[0].tables, at_once.finished[0].tables);
     // Nothing is left to do, and that is said.
-    assert!(samples(of(Some(&broken))) < 1e-3);
+    assert_eq!(planned(Some(&broken)).kept, units);
     let again = Until::of(&broken, usize::MAX);
     let same = reproduce(&[OF], &options(&broken), &again).unwrap();
     assert_eq!(same.finished, later.finished);
-    assert!(again.expected.lock().unwrap()[0] < 1e-6);
-    // What is forgotten is expected again.
+    assert_eq!(again.kept(), units);
+    // What is forgotten is planned again.
     let fresh = Options {
         fresh: true,
         ..options(&broken)
     };
     let anew = Until::of(&broken, usize::MAX);
     reproduce(&[OF], &fresh, &anew).unwrap();
-    assert!(anew.expected.lock().unwrap()[0] > 1e-3);
-}
-
-/// On two cores of a shared server, a busy one at that: samples a second.
-const SLOW: Rates = Rates {
-    tiled: 6e6,
-    sequential: 1e6,
-    reference: 0.2e6,
-    verified: 0.8e6,
-    transformed: 0.6e6,
-};
-
-#[test]
-fn everything_in_its_quick_form_takes_less_than_two_minutes() {
-    let settings = Settings::default();
-    assert!(settings.quick);
-    let each = Experiment::ALL.map(|one| SLOW.seconds(&one.work(&settings)));
-    let all: f64 = each.iter().sum();
-    assert!(all < 120.0, "{all} s: {each:?}");
+    assert_eq!(anew.kept(), 0);
 }

@@ -1,15 +1,16 @@
-//! What is found of the sets of one leaf, its table and its chart. No verdict is decided here.
+//! Counts and areas of the sets of one leaf, the shares that follow from them, and their table and chart.
 
 use serde::{Deserialize, Serialize};
 use tilescope_figures::chart::{Panel, Series};
 
 use crate::error::ReproduceError;
-use crate::experiments::common::{chart, columns, curve, picture, reference};
-use crate::outcome::{Cell, Column, Picture, Table};
+use crate::experiments::common::{chart, curve, picture, reference};
+use crate::outcome::{Picture, Table};
+use crate::table::table;
 
 /// Counts and areas (in squared radii) of one set or of several.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
-pub struct Found {
+pub struct LeafShares {
     pub leaf: f64,
     pub count: usize,
     pub inserted: usize,
@@ -31,7 +32,7 @@ pub struct Found {
     pub lost: usize,
 }
 
-impl Found {
+impl LeafShares {
     /// Returns the sum over sets of one leaf.
     pub fn sum(sets: &[Self]) -> Self {
         let sum = |mut all: Self, one: &Self| {
@@ -104,35 +105,44 @@ impl Found {
 }
 
 /// A measured share: its name in files, in tables and in the chart.
-type Share = (&'static str, &'static str, fn(&Found) -> f64);
+type Share = (&'static str, &'static str, fn(&LeafShares) -> f64);
 
 const SHARES: [Share; 6] = [
     (
         "clip_margin",
         "clips beyond their blocks",
-        Found::margin_share,
+        LeafShares::margin_share,
     ),
-    ("overlap", "plane where clips overlap", Found::overlap),
+    ("overlap", "plane where clips overlap", LeafShares::overlap),
     (
         "in_conflict",
         "tiled samples in conflict",
-        Found::conflict_share,
+        LeafShares::conflict_share,
     ),
-    ("touched", "samples eliminated or inserted", Found::touched),
-    ("lost", "samples lost of their own block", Found::lost_share),
+    (
+        "touched",
+        "samples eliminated or inserted",
+        LeafShares::touched,
+    ),
+    (
+        "lost",
+        "samples lost of their own block",
+        LeafShares::lost_share,
+    ),
     (
         "inserted",
         "result that was inserted",
-        Found::inserted_share,
+        LeafShares::inserted_share,
     ),
 ];
 
 /// Returns all shares by leaf, and their products with it.
-pub fn curves(found: &[Found]) -> Result<Picture, ReproduceError> {
-    let of =
-        |value: &dyn Fn(&Found) -> f64| found.iter().map(|one| [one.leaf, value(one)]).collect();
-    let all = |scale: &dyn Fn(&Found) -> f64| -> Vec<Series> {
-        let predicted = |one: &Found| one.predicted() * scale(one);
+pub fn curves(found: &[LeafShares]) -> Result<Picture, ReproduceError> {
+    let of = |value: &dyn Fn(&LeafShares) -> f64| {
+        found.iter().map(|one| [one.leaf, value(one)]).collect()
+    };
+    let all = |scale: &dyn Fn(&LeafShares) -> f64| -> Vec<Series> {
+        let predicted = |one: &LeafShares| one.predicted() * scale(one);
         let mut series = vec![reference("equation 4", of(&predicted))];
         for (number, (_, name, share)) in SHARES.iter().enumerate() {
             series.push(curve(name, number, of(&|one| share(one) * scale(one))));
@@ -156,51 +166,28 @@ pub fn curves(found: &[Found]) -> Result<Picture, ReproduceError> {
     picture("shares", "The affected share", caption, rows)
 }
 
-const HEADS: [(&str, &str, usize); 6] = [
-    ("leaf_r", "N, r", 3),
-    ("mean_edge_r", "mean edge, r", 4),
-    ("samples", "samples", 9),
-    ("predicted_percent", "equation 4, %", 3),
-    (
-        "mended_percent",
-        "equation 4 with 2 r and the mean edge, %",
-        3,
-    ),
-    (
-        "margin_samples_percent",
-        "tiled samples beyond their blocks, %",
-        3,
-    ),
-];
-
 /// Returns all numbers by leaf.
-pub fn table(found: &[Found]) -> Table {
-    let mut heads = columns(&HEADS);
-    for (key, head, _) in SHARES {
-        heads.push(Column::new(
-            &format!("{key}_percent"),
-            &format!("{head}, %"),
-            3,
-        ));
+pub fn shares(found: &[LeafShares]) -> Table {
+    let of_leaf: [Share; 3] = [
+        ("predicted", "equation 4", LeafShares::predicted),
+        (
+            "mended",
+            "equation 4 with 2 r and the mean edge",
+            LeafShares::mended,
+        ),
+        (
+            "margin_samples",
+            "tiled samples beyond their blocks",
+            LeafShares::margin_samples,
+        ),
+    ];
+    let mut shares = table("shares", "What elimination and insertion touch", found)
+        .column("leaf_r", "N, r", 3, |one| one.leaf)
+        .column("mean_edge_r", "mean edge, r", 4, |one| one.mean_edge())
+        .column("samples", "samples", 9, |one| one.count);
+    for (key, head, share) in of_leaf.into_iter().chain(SHARES) {
+        let (key, head) = (format!("{key}_percent"), format!("{head}, %"));
+        shares = shares.column(&key, &head, 3, |one| 100.0 * share(one));
     }
-    let row = |one: &Found| {
-        let percent = |share: f64| Cell::from(100.0 * share);
-        let mut row: Vec<Cell> = vec![
-            one.leaf.into(),
-            one.mean_edge().into(),
-            one.count.into(),
-            percent(one.predicted()),
-            percent(one.mended()),
-            percent(one.margin_samples()),
-        ];
-        row.extend(SHARES.iter().map(|(_, _, share)| percent(share(one))));
-        row
-    };
-    Table {
-        name: "shares".to_owned(),
-        title: "What elimination and insertion touch".to_owned(),
-        columns: heads,
-        rows: found.iter().map(row).collect(),
-        shown: true,
-    }
+    shares.shown()
 }

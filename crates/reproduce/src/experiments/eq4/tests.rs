@@ -3,13 +3,13 @@ use crate::experiment::Experiment;
 use crate::study::tests::{alone, quick_run};
 
 /// What would be found if the equation held: `factor` times its share, of clips and of inserted samples.
-fn found(leaf: f64, factor: [f64; 2]) -> Found {
-    let predicted = Found {
+fn found(leaf: f64, factor: [f64; 2]) -> LeafShares {
+    let predicted = LeafShares {
         leaf,
-        ..Found::default()
+        ..LeafShares::default()
     }
     .predicted();
-    Found {
+    LeafShares {
         leaf,
         count: 1_000_000,
         area: 1e6,
@@ -21,12 +21,12 @@ fn found(leaf: f64, factor: [f64; 2]) -> Found {
         tiled: 1_500_000,
         margin: 300_000,
         inserted: (1e6 * factor[1] * predicted) as usize,
-        ..Found::default()
+        ..LeafShares::default()
     }
 }
 
 fn verdicts(factor: impl Fn(f64) -> [f64; 2]) -> Vec<Verdict> {
-    let found: Vec<Found> = LEAVES
+    let found: Vec<LeafShares> = LEAVES
         .iter()
         .map(|&leaf| found(leaf, factor(leaf)))
         .collect();
@@ -82,7 +82,7 @@ fn what_is_counted_is_what_there_is() {
 }
 
 #[test]
-fn a_quick_run_is_the_work_it_said() {
+fn a_quick_run_has_the_units_it_said() {
     let outcome = quick_run(Experiment::Eq4, &Settings::default());
     assert_eq!(outcome.claims.len(), 4);
     assert_eq!(outcome.tables[0].rows.len(), LEAVES.len());

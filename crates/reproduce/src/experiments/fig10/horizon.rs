@@ -10,7 +10,6 @@ use super::shades::shade;
 use crate::control::Control;
 use crate::error::ReproduceError;
 use crate::study::Settings;
-use crate::work::Work;
 
 /// Height of the eye above the board, in cells.
 const EYE: f64 = 8.0;
@@ -116,7 +115,7 @@ fn triangle(at: f64) -> f64 {
 
 /// How wrong the image of a set is.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Rendered {
+pub struct HorizonErrors {
     /// Index of the set.
     pub index: u64,
     pub per_pixel: usize,
@@ -131,41 +130,29 @@ pub struct Rendered {
 
 /// A sampler at a number of samples per pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Task {
+pub struct HorizonTask {
     pub sampler: Sampler,
     pub per_pixel: usize,
     pub horizon: Horizon,
     pub sets: u64,
 }
 
-impl Task {
-    /// Returns what a sampler is to render; a file only what it has samples for.
+impl HorizonTask {
+    /// Returns what a sampler is to render.
     pub fn of(sampler: Sampler, settings: &Settings) -> Vec<Self> {
         let horizon = Horizon::of(settings);
         let each: &[usize] = settings.pick(&[1, 2, 4, 8, 16], &[1, 4, 16]);
-        let task = |&per_pixel: &usize| {
-            let count = per_pixel * horizon.side * horizon.side;
-            Self {
-                sampler,
-                per_pixel,
-                horizon,
-                sets: sampler.sets(count, settings.pick(5, 3), settings),
-            }
+        let task = |&per_pixel: &usize| Self {
+            sampler,
+            per_pixel,
+            horizon,
+            sets: sampler.sets(settings.pick(5, 3)),
         };
-        each.iter().map(task).filter(|task| task.sets > 0).collect()
+        each.iter().map(task).collect()
     }
 
     fn count(&self) -> usize {
         self.per_pixel * self.horizon.side * self.horizon.side
-    }
-
-    pub fn work(&self) -> Work {
-        let pixels = (self.horizon.side * self.horizon.side) as f64;
-        let rendering = Work {
-            other: (3e-8 * self.count() as f64 + 3e-8 * pixels) * self.sets as f64 + 8e-6 * pixels,
-            ..Work::default()
-        };
-        self.sampler.work(self.count()) * self.sets as f64 + rendering
     }
 
     /// Renders all sets.
@@ -173,7 +160,7 @@ impl Task {
         &self,
         settings: &Settings,
         control: &Control<'_>,
-    ) -> Result<Vec<Rendered>, ReproduceError> {
+    ) -> Result<Vec<HorizonErrors>, ReproduceError> {
         let exact = self.horizon.exact();
         (0..self.sets)
             .map(|index| {
@@ -184,7 +171,7 @@ impl Task {
             .collect()
     }
 
-    fn rendered(&self, index: u64, points: &[[f64; 2]], exact: &[f64]) -> Rendered {
+    fn rendered(&self, index: u64, points: &[[f64; 2]], exact: &[f64]) -> HorizonErrors {
         let side = self.horizon.side;
         let placed: Vec<[f64; 2]> = (points.iter())
             .map(|at| at.map(|v| v * side as f64))
@@ -194,7 +181,7 @@ impl Task {
         let pairs = image.values[board.clone()].iter().zip(&exact[board]);
         let squares: f64 = pairs.clone().map(|(a, b)| (a - b).powi(2)).sum();
         let shown = index == 0 && self.per_pixel == SHOWN;
-        Rendered {
+        HorizonErrors {
             index,
             per_pixel: self.per_pixel,
             count: points.len(),
@@ -266,7 +253,7 @@ mod tests {
         alone(&settings, |control| {
             for sampler in [Sampler::Random, Sampler::Jittered, Sampler::Kdrt] {
                 let rmse = |per_pixel| -> Result<f64, ReproduceError> {
-                    let task = Task {
+                    let task = HorizonTask {
                         sampler,
                         per_pixel,
                         horizon: Horizon { side: 64 },

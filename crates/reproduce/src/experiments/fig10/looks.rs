@@ -9,7 +9,6 @@ use super::samplers::Sampler;
 use crate::control::Control;
 use crate::error::ReproduceError;
 use crate::study::Settings;
-use crate::work::Work;
 
 /// Relative frequencies up to this one are low.
 pub const LOW: f64 = 0.5;
@@ -17,12 +16,10 @@ pub const LOW: f64 = 0.5;
 pub const DRAWN: usize = 1000;
 /// Squares of frequencies along a picture of a spectrum; an odd number.
 pub const CELLS: usize = 113;
-/// Fewer say nothing about a spectrum.
-const MIN_SAMPLES: usize = 500;
 
 /// The mean spectrum of a sampler's sets.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Look {
+pub struct MeanSpectrum {
     pub sets: u64,
     /// Samples of a set, on average.
     pub count: usize,
@@ -38,41 +35,30 @@ pub struct Look {
 
 /// A sampler and its sets.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Task {
+pub struct SpectrumTask {
     pub sampler: Sampler,
     pub count: usize,
     pub sets: u64,
 }
 
-impl Task {
-    /// Returns what is looked at of a sampler; none for a file of too few samples.
-    pub fn of(sampler: Sampler, settings: &Settings) -> Option<Self> {
-        let count = settings.pick(25_000, 12_800).min(sampler.most(settings));
-        let sets = sampler.sets(count, settings.pick(10, 4), settings);
-        (count >= MIN_SAMPLES && sets > 0).then_some(Self {
+impl SpectrumTask {
+    pub fn of(sampler: Sampler, settings: &Settings) -> Self {
+        Self {
             sampler,
-            count,
-            sets,
-        })
-    }
-
-    pub fn work(&self) -> Work {
-        let transformed = Work {
-            transformed: self.count as f64,
-            ..Work::default()
-        };
-        (self.sampler.work(self.count) + transformed) * self.sets as f64
+            count: settings.pick(25_000, 12_800),
+            sets: sampler.sets(settings.pick(10, 4)),
+        }
     }
 
     pub fn carry_out(
         &self,
         settings: &Settings,
         control: &Control<'_>,
-    ) -> Result<Look, ReproduceError> {
+    ) -> Result<MeanSpectrum, ReproduceError> {
         let region = Region {
             width: 1.0,
             height: 1.0,
-            boundary: self.boundary(settings),
+            boundary: Boundary::Periodic,
         };
         let window = window(self.count);
         let mut mean = MeanPeriodogram::default();
@@ -90,7 +76,7 @@ impl Task {
         })?;
         let spectrum = Spectrum::of(&mean)?;
         let power = spectrum.power();
-        Ok(Look {
+        Ok(MeanSpectrum {
             sets: self.sets,
             count: mean.samples.round() as usize,
             low: low(&spectrum),
@@ -100,23 +86,6 @@ impl Task {
                 .map(|power| if power.is_finite() { *power } else { 0.0 })
                 .collect(),
         })
-    }
-
-    /// A part of a file's set does not go on at its border.
-    fn boundary(&self, settings: &Settings) -> Boundary {
-        match self.sampler {
-            Sampler::Given(index) => {
-                let set = &settings.given[index];
-                let whole = set.points.len() == self.count;
-                let square = set.region.width.to_bits() == set.region.height.to_bits();
-                if whole && square {
-                    set.region.boundary
-                } else {
-                    Boundary::Bounded
-                }
-            }
-            _ => Boundary::Periodic,
-        }
     }
 
     /// Returns about [`DRAWN`] samples in a corner of the first set, scaled to the unit square.
@@ -161,7 +130,7 @@ mod tests {
         let settings = Settings::default();
         alone(&settings, |control| {
             let look = |sampler| {
-                let task = Task {
+                let task = SpectrumTask {
                     sampler,
                     count: 4000,
                     sets: 2,
@@ -179,7 +148,7 @@ mod tests {
                 kdrt.reach
             );
             assert!(kdrt.picture.iter().all(|power| power.is_finite()));
-            let task = Task::of(Sampler::Kdrt, &settings).unwrap();
+            let task = SpectrumTask::of(Sampler::Kdrt, &settings);
             let corner = task.corner(&settings, control)?;
             assert!(corner.len().abs_diff(DRAWN) < 100, "{}", corner.len());
             Ok(())

@@ -12,7 +12,6 @@ use super::shades::{error_shade, shade};
 use crate::control::Control;
 use crate::error::ReproduceError;
 use crate::study::Settings;
-use crate::work::Work;
 
 /// Local frequency at the right and the upper edge, in cycles per pixel; the image's own Nyquist frequency is 1/2.
 pub const EDGE: f64 = 1.5;
@@ -22,8 +21,6 @@ pub const NYQUIST: f64 = 0.5;
 const CLASS: f64 = 0.05;
 /// A class of fewer pixels says nothing.
 const MIN_PIXELS: f64 = 40.0;
-/// An image of fewer pixels along a side says nothing.
-const MIN_SIDE: usize = 32;
 
 /// A zone plate about the lower left corner of an image.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -92,7 +89,7 @@ fn mean_of_chirp(center: f64, deviation: f64) -> [f64; 2] {
 
 /// How wrong an image is.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Plated {
+pub struct PlateErrors {
     /// Index of the set.
     pub index: u64,
     pub count: usize,
@@ -131,42 +128,22 @@ impl Squares {
 
 /// How large a zone plate is and from how many samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Task {
+pub struct PlateTask {
     pub sampler: Sampler,
     pub count: usize,
     pub plate: Plate,
     pub sets: u64,
 }
 
-impl Task {
-    /// Returns what a sampler is to render: the whole image, or one as small as its samples call for, so that a pixel has as
-    /// many of them; none for too few.
-    pub fn of(sampler: Sampler, settings: &Settings) -> Option<Self> {
-        let whole: (usize, usize) = settings.pick((1_000_000, 512), (250_000, 256));
-        let count = whole.0.min(sampler.most(settings));
-        let share = (count as f64 / whole.0 as f64).sqrt();
-        // A file that lacks a hundredth renders the whole image all the same.
-        let side = if share > 0.995 {
-            whole.1
-        } else {
-            let sides = share * (whole.1 + 2 * MARGIN) as f64;
-            (sides as usize).saturating_sub(2 * MARGIN)
-        };
-        (side >= MIN_SIDE).then(|| Self {
+impl PlateTask {
+    pub fn of(sampler: Sampler, settings: &Settings) -> Self {
+        let (count, side) = settings.pick((1_000_000, 512), (250_000, 256));
+        Self {
             sampler,
             count,
             plate: Plate { side },
-            sets: sampler.sets(count, settings.pick(5, 3), settings),
-        })
-    }
-
-    pub fn work(&self) -> Work {
-        let pixels = (self.plate.side * self.plate.side) as f64;
-        let rendering = Work {
-            other: 2.5e-7 * self.count as f64 + 1e-7 * pixels,
-            ..Work::default()
-        };
-        self.sampler.work(self.count) + rendering
+            sets: sampler.sets(settings.pick(5, 3)),
+        }
     }
 
     /// Renders set number `index`.
@@ -175,7 +152,7 @@ impl Task {
         index: u64,
         settings: &Settings,
         control: &Control<'_>,
-    ) -> Result<Plated, ReproduceError> {
+    ) -> Result<PlateErrors, ReproduceError> {
         let points = (self.sampler).points((self.count, index), settings, control)?;
         control.go_on()?;
         let exact = self.plate.exact();
@@ -187,7 +164,7 @@ impl Task {
             let result = image.values.iter().map(|v| shade(*v)).collect();
             [result, errors.iter().map(|v| error_shade(*v)).collect()]
         };
-        Ok(Plated {
+        Ok(PlateErrors {
             index,
             count: points.len(),
             empty: image.empty,
@@ -197,7 +174,7 @@ impl Task {
     }
 }
 
-fn measured(plate: Plate, exact: &[f64], errors: &[f64]) -> Plated {
+fn measured(plate: Plate, exact: &[f64], errors: &[f64]) -> PlateErrors {
     let highest = EDGE * std::f64::consts::SQRT_2;
     let mut classes = vec![Squares::default(); (highest / CLASS).ceil() as usize];
     let [mut below, mut above, mut all, mut signal] = [Squares::default(); 4];
@@ -216,7 +193,7 @@ fn measured(plate: Plate, exact: &[f64], errors: &[f64]) -> Plated {
     }
     let full = classes.iter().enumerate();
     let full = full.filter(|one| one.1.count >= MIN_PIXELS);
-    Plated {
+    PlateErrors {
         index: 0,
         count: 0,
         side: plate.side,
@@ -291,7 +268,7 @@ mod tests {
         let settings = Settings::default();
         alone(&settings, |control| {
             let rendered = |count, sampler| {
-                let task = Task {
+                let task = PlateTask {
                     sampler,
                     count,
                     plate: Plate { side: 64 },

@@ -2,16 +2,14 @@
 //! Sets that claim to be maximal are verified here; nothing is measured.
 
 use rayon::prelude::*;
-use tilescope_analysis::Region;
 use tilescope_core::{
     Boundary, Domain, Key, MAXIMAL_DENSITY, Parameters, PatternSpec, Stream, radius_estimate,
 };
 
 use crate::control::Control;
 use crate::error::ReproduceError;
-use crate::sets::{GivenSet, Set};
+use crate::sets::Set;
 use crate::study::Settings;
-use crate::work::Work;
 
 /// Shortest edge of a block of KDRT, in radii.
 pub const LEAF: f64 = 40.0;
@@ -31,13 +29,11 @@ pub enum Sampler {
     Reference,
     /// Maximal Poisson-disk samples by randomized tiling.
     Kdrt,
-    /// Samples of a file, by its index.
-    Given(usize),
 }
 
 impl Sampler {
-    /// Those made here.
-    pub const MADE: [Self; 5] = [
+    /// All of them, in the sequence of the figure.
+    pub const ALL: [Self; 5] = [
         Self::Random,
         Self::Jittered,
         Self::Grid,
@@ -45,73 +41,31 @@ impl Sampler {
         Self::Kdrt,
     ];
 
-    /// Returns those made here and those from files.
-    pub fn all(settings: &Settings) -> Vec<Self> {
-        let given = (0..settings.given.len()).map(Self::Given);
-        Self::MADE.into_iter().chain(given).collect()
-    }
-
     /// Returns its name for readers.
-    pub fn name(self, settings: &Settings) -> String {
+    pub const fn name(self) -> &'static str {
         match self {
             Self::Random => "uniform random",
             Self::Jittered => "jittered",
             Self::Grid => "regular grid",
             Self::Reference => "reference (MPS)",
             Self::Kdrt => "KDRT",
-            Self::Given(index) => &settings.given[index].name,
         }
-        .to_owned()
     }
 
     /// Returns its name in keys of units.
-    pub fn key(self) -> String {
+    pub const fn key(self) -> &'static str {
         match self {
-            Self::Random => "random".to_owned(),
-            Self::Jittered => "jittered".to_owned(),
-            Self::Grid => "grid".to_owned(),
-            Self::Reference => "reference".to_owned(),
-            Self::Kdrt => "kdrt".to_owned(),
-            Self::Given(index) => format!("given-{index}"),
+            Self::Random => "random",
+            Self::Jittered => "jittered",
+            Self::Grid => "grid",
+            Self::Reference => "reference",
+            Self::Kdrt => "kdrt",
         }
     }
 
-    /// Returns the largest number of samples that it has.
-    pub fn most(self, settings: &Settings) -> usize {
-        match self {
-            Self::Given(index) => held(&settings.given[index]) as usize,
-            _ => usize::MAX,
-        }
-    }
-
-    /// Returns how many different sets of about `count` samples it has, `wanted` at most.
-    pub fn sets(self, count: usize, wanted: u64, settings: &Settings) -> u64 {
-        match self {
-            Self::Grid => 1,
-            Self::Given(index) => (cuts(&settings.given[index], count)).min(wanted),
-            _ => wanted,
-        }
-    }
-
-    /// Returns the work of a set.
-    pub fn work(self, count: usize) -> Work {
-        let count = count as f64;
-        match self {
-            Self::Random | Self::Jittered | Self::Grid | Self::Given(_) => Work {
-                other: 2e-8 * count,
-                ..Work::default()
-            },
-            Self::Reference => Work {
-                reference: count,
-                verified: count,
-                ..Work::default()
-            },
-            Self::Kdrt => Work {
-                tiled: count,
-                verified: count,
-                ..Work::default()
-            },
-        }
+    /// Returns how many different sets of one size it has, `wanted` at most.
+    pub fn sets(self, wanted: u64) -> u64 {
+        if self == Self::Grid { 1 } else { wanted }
     }
 
     /// Returns about `count` samples in the unit square, those of set number `index`.
@@ -141,7 +95,6 @@ impl Sampler {
                 let (set, _) = Set::kdrt(&kdrt(count, seed, index)?, control)?;
                 verified(set, "KDRT", control)
             }
-            Self::Given(given) => Ok(cut(&settings.given[given], count, index)),
         }
     }
 }
@@ -185,62 +138,10 @@ fn in_cell(cell: u32, [x, y]: [f64; 2], along: u32) -> [f64; 2] {
     [column, row].map(|at| at / f64::from(along))
 }
 
-/// Returns the samples that the largest square of a set's region holds, on average.
-fn held(set: &GivenSet) -> f64 {
-    let Region { width, height, .. } = set.region;
-    let side = width.min(height);
-    set.points.len() as f64 * (side * side / set.region.area()).min(1.0)
-}
-
-/// Returns the side of a square that holds `count` samples on average, and how many fit along x and y. A set that lacks
-/// up to a hundredth of the samples gives what it has.
-fn squares(set: &GivenSet, count: usize) -> (f64, [u64; 2]) {
-    let Region { width, height, .. } = set.region;
-    let least = width.min(height);
-    let share = count as f64 / held(set).max(1.0);
-    let side = if share > 1.0 && share < 1.01 {
-        least
-    } else {
-        least * share.sqrt()
-    };
-    let along = |extent: f64| (extent / side * (1.0 + 1e-9)).floor() as u64;
-    (side, [along(width), along(height)])
-}
-
-fn cuts(set: &GivenSet, count: usize) -> u64 {
-    let (_, [columns, rows]) = squares(set, count);
-    columns * rows
-}
-
-/// Returns the samples in square number `index`, scaled to the unit square.
-fn cut(set: &GivenSet, count: usize, index: u64) -> Vec<[f64; 2]> {
-    let (side, [columns, _]) = squares(set, count);
-    let columns = columns.max(1);
-    let corner = [index % columns, index / columns].map(|cell| cell as f64 * side);
-    (set.points.iter())
-        .map(|point| [0, 1].map(|axis| (point[axis] - corner[axis]) / side))
-        .filter(|at| at.iter().all(|v| (0.0..1.0).contains(v)))
-        .collect()
-}
-
 #[cfg(test)]
-pub mod tests {
+mod tests {
     use super::*;
     use crate::study::tests::alone;
-
-    /// A set of the unit square as a file would have it: other units.
-    pub fn given(name: &str, points: &[[f64; 2]]) -> GivenSet {
-        GivenSet {
-            name: name.to_owned(),
-            path: name.to_owned(),
-            points: points.iter().map(|p| p.map(|v| 3.0 * v)).collect(),
-            region: Region {
-                width: 3.0,
-                height: 3.0,
-                boundary: tilescope_analysis::Boundary::Periodic,
-            },
-        }
-    }
 
     #[test]
     fn jittered_samples_are_one_in_each_cell_and_random_ones_are_not() {
@@ -264,7 +165,7 @@ pub mod tests {
     #[test]
     fn a_seed_gives_the_same_samples_and_another_one_others() {
         alone(&Settings::default(), |control| {
-            for sampler in Sampler::MADE {
+            for sampler in Sampler::ALL {
                 let made = |seed, index| {
                     let settings = Settings {
                         seed,
@@ -282,33 +183,6 @@ pub mod tests {
                 let inside = first.iter().flatten().all(|v| (0.0..1.0).contains(v));
                 assert!(inside, "{sampler:?}");
             }
-            Ok(())
-        });
-    }
-
-    #[test]
-    fn files_are_cut_into_squares_as_large_as_asked() {
-        let settings = Settings::default();
-        alone(&settings, |control| {
-            let points = Sampler::Random.points((6400, 0), &settings, control)?;
-            let with = Settings {
-                given: vec![given("a.csv", &points)],
-                ..Settings::default()
-            };
-            let file = Sampler::Given(0);
-            assert_eq!((file.most(&with), file.sets(1600, 9, &with)), (6400, 4));
-            assert_eq!(
-                (file.sets(6440, 9, &with), file.sets(6500, 9, &with)),
-                (1, 0)
-            );
-            assert_eq!(file.points((6400, 0), &with, control)?.len(), 6400);
-            let mut all = 0;
-            for index in 0..4 {
-                let part = file.points((1600, index), &with, control)?;
-                assert!(part.len().abs_diff(1600) < 160, "{}", part.len());
-                all += part.len();
-            }
-            assert_eq!(all, 6400);
             Ok(())
         });
     }

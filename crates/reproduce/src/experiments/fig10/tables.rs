@@ -2,12 +2,13 @@
 
 use tilescope_analysis::measures::Summary;
 
-use super::found::{DENSE, Found};
-use super::plate::Plated;
-use crate::outcome::{Cell, Column, Table};
+use super::plate::PlateErrors;
+use super::results::{DENSE, SamplerResults};
+use crate::outcome::Table;
+use crate::table::table;
 
 /// Returns the tables.
-pub fn tables(all: &[Found]) -> Vec<Table> {
+pub fn tables(all: &[SamplerResults]) -> Vec<Table> {
     vec![
         plates(all),
         horizons(all),
@@ -18,225 +19,154 @@ pub fn tables(all: &[Found]) -> Vec<Table> {
     ]
 }
 
-type Columns<'a> = &'a [(&'a str, &'a str, usize)];
-
-fn table(
-    (name, title): (&str, &str),
-    columns: Columns<'_>,
-    rows: Vec<Vec<Cell>>,
-    shown: bool,
-) -> Table {
-    Table {
-        name: name.to_owned(),
-        title: title.to_owned(),
-        columns: (columns.iter())
-            .map(|(key, head, digits)| Column::new(key, head, *digits))
-            .collect(),
-        rows,
-        shown,
-    }
+fn mean(one: &SamplerResults, value: fn(&PlateErrors) -> f64) -> Option<f64> {
+    Some(Summary::of(one.plates.iter().map(value))?.mean)
 }
 
-/// Zone plates of a sampler, and those of KDRT with as many samples as a file has.
-fn groups(one: &Found) -> [(String, &[Plated]); 2] {
-    [
-        (one.name.clone(), &one.plates),
-        (format!("KDRT, as many as {}", one.name), &one.beside),
-    ]
+fn deviation(one: &SamplerResults) -> Option<f64> {
+    let errors = Summary::of(one.plate_errors())?;
+    (errors.count > 1).then_some(errors.deviation)
 }
 
-fn plates(all: &[Found]) -> Table {
-    let columns: Columns<'_> = &[
-        ("sampler", "sampler", 0),
-        ("sets", "sets", 3),
-        ("samples", "samples", 9),
-        ("side_pixels", "side, pixels", 5),
-        ("rmse", "RMSE", 4),
-        ("rmse_deviation", "deviation", 2),
-        ("rmse_below_nyquist", "RMSE below Nyquist", 4),
-        ("rmse_above_nyquist", "RMSE above Nyquist", 4),
-        ("signal_to_noise_db", "signal to noise, dB", 3),
-        ("low_power", "mean power at \u{3bd} \u{2264} 0.5", 3),
-    ];
-    let row = |(name, plates): (String, &[Plated]), low: Option<f64>| {
-        let first = plates.first()?;
-        let of = |value: fn(&Plated) -> f64| Summary::of(plates.iter().map(value));
-        let mean = |value: fn(&Plated) -> f64| of(value).map_or(f64::NAN, |found| found.mean);
-        let deviation = of(|plate| plate.rmse).filter(|found| found.count > 1);
-        Some(vec![
-            name.into(),
-            plates.len().into(),
-            first.count.into(),
-            first.side.into(),
-            mean(|plate| plate.rmse).into(),
-            deviation.map_or(f64::NAN, |found| found.deviation).into(),
-            mean(|plate| plate.below).into(),
-            mean(|plate| plate.above).into(),
-            mean(|plate| plate.signal_db).into(),
-            low.unwrap_or(f64::NAN).into(),
-        ])
-    };
-    let rows = all.iter().flat_map(|one| {
-        let low = one.look.as_ref().map(|look| look.low);
-        let [own, beside] = groups(one);
-        [row(own, low), row(beside, None)]
-    });
-    let rows = rows.flatten().collect();
-    table(("zone-plates", "Zone plate"), columns, rows, true)
-}
-
-fn horizons(all: &[Found]) -> Table {
-    let each: Vec<usize> = (all.iter())
-        .map(|one| one.horizons.iter().map(|sets| sets[0].per_pixel).collect())
-        .max_by_key(Vec::len)
-        .unwrap_or_default();
-    // Quick runs have too few numbers of samples for exponents.
-    let fitted = all.iter().any(|one| one.slope().is_some());
-    let exponent = format!("exponent from {DENSE} on");
-    let mut columns = vec![Column::new("sampler", "sampler", 0)];
-    columns.extend(fitted.then(|| Column::new("exponent", &exponent, 3)));
-    columns.push(Column::new(
-        "empty_percent_sparsest",
-        "pixels without a sample at the least, %",
-        3,
-    ));
-    columns.extend(each.iter().map(|per_pixel| {
-        let key = format!("rmse_{per_pixel}_per_pixel");
-        Column::new(&key, &format!("RMSE at {per_pixel} per pixel"), 4)
-    }));
-    let rendered = all.iter().filter(|one| !one.horizons.is_empty());
-    let rows = rendered
-        .map(|one| horizon_row(one, &each, fitted))
-        .collect();
-    Table {
-        columns,
-        ..table(("horizons", "Horizon"), &[], rows, true)
-    }
-}
-
-fn horizon_row(one: &Found, each: &[usize], fitted: bool) -> Vec<Cell> {
-    let mean = |per_pixel: &usize| {
-        let mut all = one.horizons.iter();
-        let sets = all.find(|sets| sets[0].per_pixel == *per_pixel)?;
-        Some(Summary::of(sets.iter().map(|set| set.rmse))?.mean)
-    };
-    let empty = one.horizons.first().map(|sets| 100.0 * sets[0].empty);
-    let slope = fitted.then(|| one.slope());
-    let numbers = slope
-        .into_iter()
-        .chain([empty])
-        .chain(each.iter().map(mean));
-    let numbers = numbers.map(|value| Cell::from(value.unwrap_or(f64::NAN)));
-    std::iter::once(one.name.clone().into())
-        .chain(numbers)
-        .collect()
-}
-
-fn plate_sets(all: &[Found]) -> Table {
-    let columns: Columns<'_> = &[
-        ("sampler", "sampler", 0),
-        ("set", "set", 3),
-        ("samples", "samples", 9),
-        ("side_pixels", "side, pixels", 5),
-        ("empty_pixels", "empty pixels", 6),
-        ("rmse", "RMSE", 6),
-        ("rmse_below_nyquist", "RMSE below Nyquist", 6),
-        ("rmse_above_nyquist", "RMSE above Nyquist", 6),
-        ("signal_to_noise_db", "signal to noise, dB", 4),
-    ];
-    let groups = all.iter().flat_map(groups);
-    let rows = groups.flat_map(|(name, plates)| {
-        let row = move |plate: &Plated| {
-            vec![
-                name.clone().into(),
-                plate.index.into(),
-                plate.count.into(),
-                plate.side.into(),
-                plate.empty.into(),
-                plate.rmse.into(),
-                plate.below.into(),
-                plate.above.into(),
-                plate.signal_db.into(),
-            ]
-        };
-        plates.iter().map(row).collect::<Vec<_>>()
-    });
-    let rows = rows.collect();
-    table(
-        ("zone-plate-sets", "Zone plates, each set"),
-        columns,
-        rows,
-        false,
-    )
-}
-
-fn plate_classes(all: &[Found]) -> Table {
-    let columns: Columns<'_> = &[
-        ("sampler", "sampler", 0),
-        ("set", "set", 3),
-        ("cycles_per_pixel", "local frequency, cycles per pixel", 3),
-        ("rmse", "RMSE", 6),
-    ];
-    let groups = all.iter().flat_map(groups);
-    let rows = groups.flat_map(|(name, plates)| {
-        let rows = plates.iter().flat_map(|plate| {
-            let row = |class: &[f64; 2]| {
-                vec![
-                    name.clone().into(),
-                    plate.index.into(),
-                    class[0].into(),
-                    class[1].into(),
-                ]
-            };
-            plate.classes.iter().map(row).collect::<Vec<_>>()
-        });
-        rows.collect::<Vec<Vec<Cell>>>()
-    });
-    let rows = rows.collect();
-    table(
-        ("zone-plate-frequencies", "Zone plates by local frequency"),
-        columns,
-        rows,
-        false,
-    )
-}
-
-fn horizon_sets(all: &[Found]) -> Table {
-    let columns: Columns<'_> = &[
-        ("sampler", "sampler", 0),
-        ("samples_per_pixel", "samples per pixel", 4),
-        ("set", "set", 3),
-        ("samples", "samples", 9),
-        ("rmse", "RMSE", 6),
-        ("empty_share", "share of pixels without a sample", 4),
-    ];
-    let rows = all.iter().flat_map(|one| {
-        let sets = one.horizons.iter().flatten();
-        sets.map(|set| {
-            vec![
-                one.name.clone().into(),
-                set.per_pixel.into(),
-                set.index.into(),
-                set.count.into(),
-                set.rmse.into(),
-                set.empty.into(),
-            ]
+fn plates(all: &[SamplerResults]) -> Table {
+    let rendered = all.iter().filter(|one| !one.plates.is_empty());
+    table("zone-plates", "Zone plate", rendered)
+        .column("sampler", "sampler", 0, |one| one.sampler.name())
+        .column("sets", "sets", 3, |one| one.plates.len())
+        .column("samples", "samples", 9, |one| one.plates[0].count)
+        .column("side_pixels", "side, pixels", 5, |one| one.plates[0].side)
+        .column("rmse", "RMSE", 4, |one| mean(one, |plate| plate.rmse))
+        .column("rmse_deviation", "deviation", 2, |one| deviation(one))
+        .column("rmse_below_nyquist", "RMSE below Nyquist", 4, |one| {
+            mean(one, |plate| plate.below)
         })
-    });
-    let rows = rows.collect();
-    table(("horizon-sets", "Horizons, each set"), columns, rows, false)
+        .column("rmse_above_nyquist", "RMSE above Nyquist", 4, |one| {
+            mean(one, |plate| plate.above)
+        })
+        .column("signal_to_noise_db", "signal to noise, dB", 3, |one| {
+            mean(one, |plate| plate.signal_db)
+        })
+        .column(
+            "low_power",
+            "mean power at \u{3bd} \u{2264} 0.5",
+            3,
+            |one| one.spectrum.low,
+        )
+        .shown()
 }
 
-fn power(all: &[Found]) -> Table {
-    let columns: Columns<'_> = &[
-        ("sampler", "sampler", 0),
-        ("nu", "\u{3bd}", 4),
-        ("power", "radial mean power", 4),
-    ];
-    let rows = all.iter().flat_map(|one| {
-        let places = one.look.iter().flat_map(|look| &look.power);
-        places.map(|[nu, power]| vec![one.name.clone().into(), (*nu).into(), (*power).into()])
+fn horizons(all: &[SamplerResults]) -> Table {
+    let rendered = || all.iter().filter(|one| !one.horizons.is_empty());
+    let longest = rendered().max_by_key(|one| one.horizons.len());
+    let mut horizons =
+        table("horizons", "Horizon", rendered())
+            .column("sampler", "sampler", 0, |one| one.sampler.name());
+    // Quick runs have too few numbers of samples for exponents.
+    if rendered().any(|one| one.slope().is_some()) {
+        let head = format!("exponent from {DENSE} on");
+        horizons = horizons.column("exponent", &head, 3, |one| one.slope());
+    }
+    let head = "pixels without a sample at the least, %";
+    horizons = horizons.column("empty_percent_sparsest", head, 3, |one| {
+        100.0 * one.horizons[0][0].empty
     });
-    let rows = rows.collect();
-    table(("power", "Radial mean power"), columns, rows, false)
+    for sets in longest.iter().flat_map(|one| &one.horizons) {
+        let per_pixel = sets[0].per_pixel;
+        let key = format!("rmse_{per_pixel}_per_pixel");
+        let head = format!("RMSE at {per_pixel} per pixel");
+        horizons = horizons.column(&key, &head, 4, |one| {
+            let mut all = one.horizons.iter();
+            let sets = all.find(|sets| sets[0].per_pixel == per_pixel)?;
+            Some(Summary::of(sets.iter().map(|set| set.rmse))?.mean)
+        });
+    }
+    horizons.shown()
+}
+
+/// Each zone plate with the name of its sampler.
+fn each_plate(all: &[SamplerResults]) -> impl Iterator<Item = (&'static str, &PlateErrors)> {
+    all.iter()
+        .flat_map(|one| one.plates.iter().map(|plate| (one.sampler.name(), plate)))
+}
+
+fn plate_sets(all: &[SamplerResults]) -> Table {
+    table("zone-plate-sets", "Zone plates, each set", each_plate(all))
+        .column("sampler", "sampler", 0, |(name, _)| *name)
+        .column("set", "set", 3, |(_, plate)| plate.index)
+        .column("samples", "samples", 9, |(_, plate)| plate.count)
+        .column("side_pixels", "side, pixels", 5, |(_, plate)| plate.side)
+        .column("empty_pixels", "empty pixels", 6, |(_, plate)| plate.empty)
+        .column("rmse", "RMSE", 6, |(_, plate)| plate.rmse)
+        .column(
+            "rmse_below_nyquist",
+            "RMSE below Nyquist",
+            6,
+            |(_, plate)| plate.below,
+        )
+        .column(
+            "rmse_above_nyquist",
+            "RMSE above Nyquist",
+            6,
+            |(_, plate)| plate.above,
+        )
+        .column(
+            "signal_to_noise_db",
+            "signal to noise, dB",
+            4,
+            |(_, plate)| plate.signal_db,
+        )
+        .hidden()
+}
+
+fn plate_classes(all: &[SamplerResults]) -> Table {
+    let rows = each_plate(all).flat_map(|(name, plate)| {
+        let classes = plate.classes.iter();
+        classes.map(move |class| (name, plate.index, *class))
+    });
+    let title = "Zone plates by local frequency";
+    table("zone-plate-frequencies", title, rows)
+        .column("sampler", "sampler", 0, |row| row.0)
+        .column("set", "set", 3, |row| row.1)
+        .column(
+            "cycles_per_pixel",
+            "local frequency, cycles per pixel",
+            3,
+            |row| row.2[0],
+        )
+        .column("rmse", "RMSE", 6, |row| row.2[1])
+        .hidden()
+}
+
+fn horizon_sets(all: &[SamplerResults]) -> Table {
+    let sets = all.iter().flat_map(|one| {
+        let sets = one.horizons.iter().flatten();
+        sets.map(|set| (one.sampler.name(), set))
+    });
+    table("horizon-sets", "Horizons, each set", sets)
+        .column("sampler", "sampler", 0, |(name, _)| *name)
+        .column("samples_per_pixel", "samples per pixel", 4, |(_, set)| {
+            set.per_pixel
+        })
+        .column("set", "set", 3, |(_, set)| set.index)
+        .column("samples", "samples", 9, |(_, set)| set.count)
+        .column("rmse", "RMSE", 6, |(_, set)| set.rmse)
+        .column(
+            "empty_share",
+            "share of pixels without a sample",
+            4,
+            |(_, set)| set.empty,
+        )
+        .hidden()
+}
+
+fn power(all: &[SamplerResults]) -> Table {
+    let places = all.iter().flat_map(|one| {
+        let places = one.spectrum.power.iter();
+        places.map(|place| (one.sampler.name(), *place))
+    });
+    table("power", "Radial mean power", places)
+        .column("sampler", "sampler", 0, |(name, _)| *name)
+        .column("nu", "\u{3bd}", 4, |(_, place)| place[0])
+        .column("power", "radial mean power", 4, |(_, place)| place[1])
+        .hidden()
 }

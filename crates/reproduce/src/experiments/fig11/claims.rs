@@ -1,51 +1,48 @@
-//! The verdict on figure 11: which procedure takes longest.
+//! The verdicts on figure 11: which procedure takes longest.
 
-use super::rows::Row;
-use crate::numbers::number;
-use crate::outcome::{Claim, Verdict};
+use super::rows::LeafTimes;
+use crate::numbers::percent;
+use crate::outcome::{BEYOND, Claim, Verdict};
 
 /// Returns the claims: of the staged algorithm, and of Algorithm 4 as printed.
-pub fn claims(rows: &[Row]) -> Vec<Claim> {
-    let of = |printed: bool| {
-        rows.iter()
-            .filter(|row| row.printed == printed)
-            .collect::<Vec<_>>()
-    };
+pub fn claims(rows: &[LeafTimes]) -> Vec<Claim> {
     vec![
-        Claim {
-            claim: "Elimination and the first insertion together take longest".to_owned(),
-            paper: "one part of the run, the longest, as it is operated against the most samples"
-                .to_owned(),
-            reason: format!(
-                "{RULE} at every leaf size; the paper has both as one part. It does not say which leaf size its figure is of. Shares depend less on how busy the machine is \
-                 than times do."
-            ),
-            ..claim(&of(false))
-        },
-        Claim {
-            claim:
-                "Elimination and the first insertion together take longest in Algorithm 4 as printed, too"
-                    .to_owned(),
-            place: crate::outcome::BEYOND.to_owned(),
-            paper: "figure 11's caption does not tell which arrangement was timed".to_owned(),
-            reason: format!(
-                "{BEYOND_RULE}. As printed, marks of gap detectors are never taken back: every iteration after the first looks around all of them again, out \
-                 to 4 r. The staged algorithm looks around the samples just inserted, and is what the other engines compute."
-            ),
-            ..claim(&of(true))
-        },
+        claim(
+            [
+                "Elimination and the first insertion together take longest",
+                "figure 11, caption",
+                "one part of the run, the longest, as it is operated against the most samples",
+            ],
+            rows,
+            false,
+            "Reproduced if elimination with the first detection and insertion has a larger median share of the sequential engine's \
+             time than any other procedure at every leaf size; the paper has both as one part. It does not say which leaf size its figure \
+             is of. Shares depend less on how busy the machine is than times do.",
+        ),
+        claim(
+            [
+                "Elimination and the first insertion together take longest in Algorithm 4 as printed, too",
+                BEYOND,
+                "figure 11's caption does not tell which arrangement was timed",
+            ],
+            rows,
+            true,
+            "Confirmed by the same rule: if that loop has a larger median share of the time than any other procedure. As printed, marks \
+             of gap detectors are never taken back: every iteration after the first looks around all of them again, out to 4 r. The staged \
+             algorithm looks around the samples just inserted, and is what the other engines compute.",
+        ),
     ]
 }
 
-const RULE: &str = "Reproduced if elimination with the first detection and insertion has a larger median share of the sequential engine's \
-                    time than any other procedure";
-const BEYOND_RULE: &str = "Confirmed by the same rule: if that loop has a larger median share of the time than any other procedure";
-
-fn claim(rows: &[&Row]) -> Claim {
-    let text = |row: &&Row| {
-        let percent = |share: f64| format!("{} %", number(100.0 * share, 2));
-        let [first, other] = row.shares().map(percent);
-        let parts: Vec<String> = row.first_shares().into_iter().map(percent).collect();
+fn claim(names: [&str; 3], rows: &[LeafTimes], printed: bool, reason: &str) -> Claim {
+    let rows = || rows.iter().filter(|row| row.printed == printed);
+    let text = |row: &LeafTimes| {
+        let [first, other] = row.shares().map(|share| percent(share, 2));
+        let parts = row
+            .first_shares()
+            .into_iter()
+            .map(|share| percent(share, 2));
+        let parts: Vec<String> = parts.collect();
         let parts = if parts.len() > 1 {
             format!(" ({})", parts.join(" and "))
         } else {
@@ -56,23 +53,14 @@ fn claim(rows: &[&Row]) -> Claim {
             row.name()
         )
     };
-    let texts: Vec<String> = rows.iter().map(text).collect();
-    let holds = |row: &&Row| {
-        let [first, other] = row.shares();
-        first > other
-    };
-    Claim {
-        claim: String::new(),
-        place: "figure 11, caption".to_owned(),
-        paper: String::new(),
-        ours: format!("share of a run's time: {}", texts.join("; ")),
-        verdict: if rows.is_empty() {
-            Verdict::NotComparable
-        } else {
-            Verdict::of(rows.iter().all(holds))
-        },
-        reason: String::new(),
-    }
+    let texts: Vec<String> = rows().map(text).collect();
+    let holds = |row: &LeafTimes| row.shares()[0] > row.shares()[1];
+    Claim::new(
+        names,
+        format!("share of a run's time: {}", texts.join("; ")),
+        Verdict::if_known(!texts.is_empty(), rows().all(holds)),
+        reason,
+    )
 }
 
 #[cfg(test)]
@@ -81,12 +69,12 @@ mod tests {
     use super::*;
     use tilescope_analysis::measures::Summary;
 
-    fn row(shares: &[(Procedure, f64)]) -> Row {
+    fn row(shares: &[(Procedure, f64)]) -> LeafTimes {
         let of = |value| Summary::of([value]).unwrap();
         let each = shares
             .iter()
             .map(|(procedure, share)| (*procedure, of(*share), of(*share)));
-        Row {
+        LeafTimes {
             leaf: 20.0,
             printed: false,
             procedures: each.collect(),
@@ -122,7 +110,7 @@ mod tests {
             Verdict::NotReproduced
         );
         assert_eq!(claims(&[])[0].verdict, Verdict::NotComparable);
-        let printed = Row {
+        let printed = LeafTimes {
             printed: true,
             ..bad.clone()
         };

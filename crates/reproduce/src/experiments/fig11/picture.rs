@@ -1,40 +1,35 @@
 //! The figure: each procedure's share of a run, for every leaf size.
 
-use tilescope_figures::Palette;
+use tilescope_figures::chart::{Bar, BarGroup};
 
-use super::rows::Row;
-use super::stages::Plan;
-use crate::bars::{
-    Bar, Bars, bars_scene, drawn_count, drawn_number as number, whisker, whisker_words,
-};
+use super::rows::LeafTimes;
+use super::stages::StagePlan;
+use crate::error::ReproduceError;
+use crate::experiments::common::{bar_picture, whisker, whisker_words};
+use crate::numbers::{drawn_count, drawn_number as number};
 use crate::outcome::Picture;
 
 /// Returns the figure.
-pub fn shares(rows: &[Row], plan: &Plan) -> Picture {
-    let groups: Vec<Bars> = rows.iter().map(group).collect();
-    let title = format!(
-        "Share of the time that each procedure takes, about {} samples, one thread",
-        number(plan.samples as f64, 3)
+pub fn shares(rows: &[LeafTimes], plan: &StagePlan) -> Result<Picture, ReproduceError> {
+    let samples = number(plan.samples as f64, 3);
+    let title =
+        format!("Share of the time that each procedure takes, about {samples} samples, one thread");
+    let caption = format!(
+        "Each procedure's share of a run's time and its milliseconds, for about {samples} samples on one thread: medians of {} rounds, whiskers \
+         {}. Elimination and the first insertion in the first colour.",
+        plan.rounds,
+        whisker_words(plan.rounds as usize)
     );
-    Picture {
-        name: "procedures".to_owned(),
-        caption: format!(
-            "Each procedure's share of a run's time and its milliseconds, for about {} samples on one thread: medians of {} rounds, whiskers \
-             {}. Elimination and the first insertion in the first colour.",
-            number(plan.samples as f64, 3),
-            plan.rounds,
-            whisker_words(plan.rounds as usize)
-        ),
-        scene: bars_scene(
-            &title,
-            "share of the run's time, %",
-            &groups,
-            &Palette::LIGHT,
-        ),
-    }
+    let groups = rows.iter().map(group).collect();
+    bar_picture(
+        "procedures",
+        &title,
+        caption,
+        ("share of the run's time, %", groups),
+    )
 }
 
-fn group(row: &Row) -> Bars {
+fn group(row: &LeafTimes) -> BarGroup {
     // Iterations that most rounds lack are in the table.
     let most = row
         .procedures
@@ -45,16 +40,16 @@ fn group(row: &Row) -> Bars {
         Bar {
             name: procedure.name(),
             value: median,
-            spread: Some(whisker(share).map(|part| 100.0 * part)),
+            whisker: Some(whisker(share).map(|part| 100.0 * part)),
             text: format!(
                 "{} %, {} ms",
                 number(median, 2),
                 number(1e3 * seconds.quartiles[1], 3)
             ),
-            kind: usize::from(!procedure.is_first()),
+            color: usize::from(!procedure.is_first()),
         }
     });
-    Bars {
+    BarGroup {
         heading: format!(
             "Leaf {} r{}: {} ms, {} samples",
             row.leaf,

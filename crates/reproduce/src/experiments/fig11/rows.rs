@@ -2,11 +2,11 @@
 
 use tilescope_analysis::measures::Summary;
 
-use super::stages::{Passes, Procedure, Round, Timed};
+use super::stages::{Procedure, StagePasses, StageRound, StageTimes};
 
 /// A leaf size over all rounds.
 #[derive(Clone, Debug)]
-pub struct Row {
+pub struct LeafTimes {
     pub leaf: f64,
     pub printed: bool,
     /// Seconds of each procedure, and its share of the run.
@@ -17,7 +17,7 @@ pub struct Row {
     pub count: usize,
 }
 
-impl Row {
+impl LeafTimes {
     pub fn name(&self) -> String {
         let printed = if self.printed { ", as printed" } else { "" };
         format!("leaf {} r{printed}", self.leaf)
@@ -42,15 +42,15 @@ impl Row {
 }
 
 /// Returns a row for each leaf size in the sequence of the rounds. Iterations that not every round has count as no time there.
-pub fn rows(rounds: &[Round]) -> Vec<Row> {
+pub fn rows(rounds: &[StageRound]) -> Vec<LeafTimes> {
     let Some(first) = rounds.first() else {
         return Vec::new();
     };
     let row = |index: usize| {
-        let of: Vec<&Timed> = (rounds.iter())
+        let of: Vec<&StageTimes> = (rounds.iter())
             .filter_map(|round| round.timed.get(index))
             .collect();
-        let whole = |one: &Timed| one.seconds.iter().map(|(_, seconds)| seconds).sum::<f64>();
+        let whole = |one: &StageTimes| one.seconds.iter().map(|(_, seconds)| seconds).sum::<f64>();
         let mut all: Vec<Procedure> = of
             .iter()
             .flat_map(|one| &one.seconds)
@@ -59,7 +59,7 @@ pub fn rows(rounds: &[Round]) -> Vec<Row> {
         all.sort_unstable();
         all.dedup();
         let each = all.into_iter().filter_map(|procedure| {
-            let seconds = |one: &&Timed| {
+            let seconds = |one: &&StageTimes| {
                 let found = one.seconds.iter().find(|(of, _)| *of == procedure);
                 found.map_or(0.0, |(_, seconds)| *seconds)
             };
@@ -70,7 +70,7 @@ pub fn rows(rounds: &[Round]) -> Vec<Row> {
                 Summary::of(shares)?,
             ))
         });
-        Some(Row {
+        Some(LeafTimes {
             leaf: first.timed[index].leaf,
             printed: first.timed[index].printed,
             procedures: each.collect(),
@@ -83,14 +83,14 @@ pub fn rows(rounds: &[Round]) -> Vec<Row> {
 }
 
 /// Returns the medians of what GPUs took for each stage.
-pub fn passes(rounds: &[Round]) -> Vec<Passes> {
+pub fn passes(rounds: &[StageRound]) -> Vec<StagePasses> {
     let Some(first) = rounds.last() else {
         return Vec::new();
     };
-    let median = |one: &Passes| {
-        let same = |other: &&Passes| other.adapter == one.adapter && other.stage == one.stage;
+    let median = |one: &StagePasses| {
+        let same = |other: &&StagePasses| other.adapter == one.adapter && other.stage == one.stage;
         let each = rounds.iter().flat_map(|round| &round.passes).filter(same);
-        Passes {
+        StagePasses {
             seconds: Summary::of(each.filter_map(|one| one.seconds)).map(|s| s.quartiles[1]),
             ..one.clone()
         }
@@ -100,12 +100,12 @@ pub fn passes(rounds: &[Round]) -> Vec<Passes> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::stages::Counts;
+    use super::super::stages::StageCounts;
     use super::*;
 
     #[test]
     fn shares_are_medians_of_shares_and_rounds_without_an_iteration_count_as_none() {
-        let counts = Counts {
+        let counts = StageCounts {
             blocks: 1,
             tiled: 1,
             eliminated: 0,
@@ -122,8 +122,8 @@ mod tests {
             if third {
                 seconds.push((Procedure::Iterate(3), 10.0 * slow));
             }
-            Round {
-                timed: vec![Timed {
+            StageRound {
+                timed: vec![StageTimes {
                     leaf: 20.0,
                     printed: false,
                     seconds,

@@ -18,7 +18,6 @@ use crate::error::ReproduceError;
 use crate::machine::gpus;
 use crate::sets::{Set, pattern, pattern_side};
 use crate::study::Study;
-use crate::work::Work;
 
 /// Leaf size at which the algorithm as printed and GPUs are timed, in radii.
 const ONE_LEAF: f64 = 40.0;
@@ -63,19 +62,19 @@ impl Procedure {
 
 /// A run whose stages were timed.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Timed {
+pub struct StageTimes {
     pub leaf: f64,
     /// Whether it was Algorithm 4 as printed.
     pub printed: bool,
     pub seconds: Vec<(Procedure, f64)>,
-    pub counts: Counts,
+    pub counts: StageCounts,
     /// Seconds of the parallel engine on all threads for the same set, which has one stage; none for the algorithm as printed.
     pub parallel: Option<f64>,
 }
 
 /// What a run's stages worked on.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Counts {
+pub struct StageCounts {
     pub blocks: usize,
     pub tiled: usize,
     pub eliminated: usize,
@@ -87,7 +86,7 @@ pub struct Counts {
 
 /// Time of the passes of one stage of a GPU.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Passes {
+pub struct StagePasses {
     pub adapter: String,
     pub stage: String,
     pub times: usize,
@@ -97,37 +96,25 @@ pub struct Passes {
 
 /// A round.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Round {
-    pub timed: Vec<Timed>,
-    pub passes: Vec<Passes>,
+pub struct StageRound {
+    pub timed: Vec<StageTimes>,
+    pub passes: Vec<StagePasses>,
 }
 
 /// How much is timed.
 #[derive(Clone, Debug)]
-pub struct Plan {
+pub struct StagePlan {
     pub samples: u64,
     pub rounds: u64,
     pub leaves: Vec<f64>,
     pub seed: u64,
 }
 
-impl Plan {
-    /// Returns the work of a round: every leaf size, the algorithm as printed, every GPU.
-    pub fn round_work(&self) -> Work {
-        let (samples, leaves) = (self.samples as f64, self.leaves.len() as f64);
-        let gpus = gpus().len() as f64;
-        Work {
-            tiled: samples * (leaves + gpus),
-            sequential: samples * (leaves + 20.0 / FEWER as f64),
-            verified: samples * (leaves + 1.0 / FEWER as f64),
-            ..Work::default()
-        }
-    }
-
-    pub fn run(&self, study: &Study<'_>) -> Result<Vec<Round>, ReproduceError> {
+impl StagePlan {
+    pub fn run(&self, study: &Study<'_>) -> Result<Vec<StageRound>, ReproduceError> {
         study.rounds(
-            ("round", "stages"),
-            (self.rounds, self.round_work()),
+            "stages",
+            self.rounds,
             |_| Engines::open(),
             |number, engines, control| self.round(number, engines, control),
         )
@@ -138,7 +125,7 @@ impl Plan {
         number: u64,
         engines: &Engines,
         control: &Control<'_>,
-    ) -> Result<Round, ReproduceError> {
+    ) -> Result<StageRound, ReproduceError> {
         let base = Parameters {
             leaf: ONE_LEAF,
             seed: self.seed.wrapping_mul(1000).wrapping_add(number),
@@ -169,7 +156,7 @@ impl Plan {
             let gpu = engines.gpu(&gpu.name)?;
             passes.extend(on_gpu(&gpu, &base, &pattern, control)?);
         }
-        Ok(Round { timed, passes })
+        Ok(StageRound { timed, passes })
     }
 }
 
@@ -188,7 +175,7 @@ fn staged(
     pattern: &Arc<Pattern>,
     engines: &Engines,
     control: &Control<'_>,
-) -> Result<Timed, ReproduceError> {
+) -> Result<StageTimes, ReproduceError> {
     let (mut timed, points) = verified(parameters, pattern, control)?;
     let began = Instant::now();
     let all = Engine::Parallel { all: true };
@@ -206,7 +193,7 @@ fn verified(
     parameters: &Parameters,
     pattern: &Arc<Pattern>,
     control: &Control<'_>,
-) -> Result<(Timed, Vec<Point>), ReproduceError> {
+) -> Result<(StageTimes, Vec<Point>), ReproduceError> {
     let printed = parameters.variant == Variant::AsPrinted;
     let mut engine = Sequential::new(parameters, Arc::clone(pattern))?;
     let mut seconds = Vec::new();
@@ -237,7 +224,7 @@ fn verified(
     let points = run.points();
     let name = format!("leaf {} r", parameters.leaf);
     Set::of(&run.domain, &points).verified(&name, control)?;
-    let timed = Timed {
+    let timed = StageTimes {
         leaf: parameters.leaf,
         printed,
         seconds,
@@ -258,9 +245,9 @@ const fn procedure(stage: Stage, printed: bool) -> Procedure {
     }
 }
 
-fn counts(run: &Run) -> Counts {
+fn counts(run: &Run) -> StageCounts {
     let summary = run.summary();
-    Counts {
+    StageCounts {
         blocks: summary.blocks,
         tiled: summary.tiled,
         eliminated: summary.eliminated,
@@ -280,7 +267,7 @@ fn on_gpu(
     parameters: &Parameters,
     pattern: &Arc<Pattern>,
     control: &Control<'_>,
-) -> Result<Vec<Passes>, ReproduceError> {
+) -> Result<Vec<StagePasses>, ReproduceError> {
     let options = Options {
         timed: true,
         ..Options::default()
@@ -293,14 +280,14 @@ fn on_gpu(
         .map_err(failed)?
         .is_some()
     {}
-    let mut passes: Vec<Passes> = Vec::new();
+    let mut passes: Vec<StagePasses> = Vec::new();
     for report in sweep.reports() {
         let stage = report.stage.to_string();
         if let Some(known) = passes.iter_mut().find(|one| one.stage == stage) {
             known.times += 1;
             known.seconds = known.seconds.zip(report.seconds).map(|(a, b)| a + b);
         } else {
-            passes.push(Passes {
+            passes.push(StagePasses {
                 adapter: adapter.clone(),
                 stage,
                 times: 1,
@@ -327,7 +314,8 @@ mod tests {
             };
             let pattern = Pattern::of_spec(&parameters.pattern, &mut control.observer())?;
             let (staged, _) = verified(&parameters, &pattern, control)?;
-            let of = |timed: &Timed| timed.seconds.iter().map(|(of, _)| *of).collect::<Vec<_>>();
+            let of =
+                |timed: &StageTimes| timed.seconds.iter().map(|(of, _)| *of).collect::<Vec<_>>();
             let mut expected = vec![Procedure::Blocks, Procedure::Tile, Procedure::Eliminate];
             let iterations = staged.counts.inserted.len() as u32;
             expected.extend((1..=iterations).map(Procedure::Iterate));

@@ -2,7 +2,7 @@
 //! It judges nothing.
 
 use super::method::Method;
-use super::spectra::{Found, difference};
+use super::spectra::{MethodSpectra, difference};
 
 /// A leaf size at a radius against the reference sampler.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,11 +41,11 @@ impl Against {
 }
 
 /// Holds every method against both groups of reference sets of its radius.
-pub fn against(found: &[Found]) -> Vec<Against> {
+pub fn against(found: &[MethodSpectra]) -> Vec<Against> {
     let of = |radius: f64, method: Method| {
         (found.iter()).find(|one| one.radius.to_bits() == radius.to_bits() && one.method == method)
     };
-    let compare = |one: &Found| {
+    let compare = |one: &MethodSpectra| {
         let groups = [Method::Reference, Method::Again].map(|method| of(one.radius, method));
         let [Some(a), Some(b)] = groups else {
             return None;
@@ -68,26 +68,9 @@ pub fn against(found: &[Found]) -> Vec<Against> {
             peak: one.peaks.over(),
         })
     };
-    let others = |one: &&Found| !matches!(one.method, Method::Reference | Method::Again);
+    let others = |one: &&MethodSpectra| !matches!(one.method, Method::Reference | Method::Again);
     found.iter().filter(others).filter_map(compare).collect()
 }
 
 #[cfg(test)]
-pub mod tests {
-    use super::*;
-
-    /// Numbers of a good tiling.
-    pub fn one() -> Against {
-        Against {
-            radius: 0.005,
-            method: Method::kdrt(40.0),
-            difference: 0.03,
-            chance: 0.02,
-            left: 0.02,
-            excess: 0.3,
-            apart: 0.03,
-            reach: 0.05,
-            peak: 0.9,
-        }
-    }
-}
+pub mod tests;

@@ -3,7 +3,7 @@
 
 use super::against::Against;
 use super::method::Method;
-use super::rates::Row;
+use super::rates::EngineRate;
 use super::speed;
 use crate::numbers::number;
 use crate::outcome::{Claim, Verdict};
@@ -35,7 +35,7 @@ const PEAK: Measure = Measure {
 };
 
 /// Returns the claims.
-pub fn claims(each: &[Against], rows: &[Row]) -> Vec<Claim> {
+pub fn claims(each: &[Against], rows: &[EngineRate]) -> Vec<Claim> {
     let kdrt = |holds: bool| -> Vec<Against> {
         let kind = |one: &&Against| matches!(one.method, Method::Kdrt { .. });
         let kind = each.iter().filter(kind);
@@ -78,20 +78,22 @@ fn similar(each: &[Against]) -> Claim {
             (Verdict::of(left <= SIMILAR), ours)
         }
     };
-    Claim {
-        claim: "Spectra are very similar to those of reference sets".to_owned(),
-        place: "section 4.1.1, figure 13".to_owned(),
-        paper: "very similar".to_owned(),
+    Claim::new(
+        [
+            "Spectra are very similar to those of reference sets",
+            "section 4.1.1, figure 13",
+            "very similar",
+        ],
         ours,
         verdict,
-        reason: format!(
+        format!(
             "Radial mean powers between 0.1 and 2 nu against two groups of reference sets, root mean square of relative differences; the \
              difference of the two groups is what chance makes, and is subtracted as squares are. Reproduced if what is left is at most {} % at \
              every radius and leaf size where there is more than one block. Radii at which chance makes more than {} % are not judged.",
             100.0 * SIMILAR,
             200.0 * SIMILAR
         ),
-    }
+    )
 }
 
 /// Anisotropy, with patterns that hold the largest block and with one that leaves come close to.
@@ -104,19 +106,21 @@ fn level([holding, close]: [&[Against]; 2], apart: f64, control: Option<&Against
          two groups of reference sets differ by is detectable, and is named.",
         number(measure.limit, 2)
     );
-    let claim = |each: &[Against], claim: &str, paper: &str| Claim {
-        claim: claim.to_owned(),
-        place: "section 4.1.2".to_owned(),
-        paper: paper.to_owned(),
-        ours: format!(
+    let claim = |each: &[Against], claim: &str, paper: &str| {
+        let ours = format!(
             "anisotropy above reference sets', in dB: {}{}{}{}",
             by_leaf(each, &measure),
             chance(each),
             detectable(each, apart),
             beside(control, &measure)
-        ),
-        verdict: verdict(each, &measure),
-        reason: format!("{reason} {}", floor(each)),
+        );
+        let reason = format!("{reason} {}", floor(each));
+        Claim::new(
+            [claim, "section 4.1.2", paper],
+            ours,
+            verdict(each, &measure),
+            reason,
+        )
     };
     [
         claim(
@@ -134,24 +138,23 @@ fn level([holding, close]: [&[Against]; 2], apart: f64, control: Option<&Against
 
 /// Single frequencies, with the same two kinds of patterns.
 fn spikes(holding: &[Against], close: &[Against], control: Option<&Against>) -> [Claim; 2] {
-    let claim = |each: &[Against], which: &str| Claim {
-        claim: format!(
-            "Even tiles of 80 r leave hardly any regular pattern in the spectrum{which}"
-        ),
-        place: "section 4.1.3, figure 13".to_owned(),
-        paper: "barely any regularity to be seen".to_owned(),
-        ours: format!(
+    let claim = |each: &[Against], which: &str| {
+        let claim =
+            format!("Even tiles of 80 r leave hardly any regular pattern in the spectrum{which}");
+        let paper = "barely any regularity to be seen";
+        let ours = format!(
             "highest power of a frequency, times what chance passes in one of a hundred such periodograms: {}{}",
             by_leaf(each, &PEAK),
             beside(control, &PEAK)
-        ),
-        verdict: verdict(each, &PEAK),
-        reason: format!(
+        );
+        let reason = format!(
             "A regular repetition is a spike: a frequency whose power is far above the radial mean. Powers of irregular sets are \
              exponentially distributed, so what chance allows is known; above it a spike is detectable. It is seen beside chance's own highest ones where it is as \
              much again: reproduced if no frequency has more than {SERIOUS} times what chance allows. {}",
             floor(each)
-        ),
+        );
+        let names = [&*claim, "section 4.1.3, figure 13", paper];
+        Claim::new(names, ours, verdict(each, &PEAK), reason)
     };
     [
         claim(holding, " while the pattern holds the largest block"),

@@ -8,7 +8,6 @@ use crate::control::Control;
 use crate::error::ReproduceError;
 use crate::sets::{Set, pattern_side};
 use crate::study::Settings;
-use crate::work::Work;
 
 /// Side in radii of the default pattern.
 pub const PATTERN: f64 = 100.0;
@@ -98,13 +97,13 @@ impl Method {
 
 /// The periodic unit square with a radius, and how many sets it is looked at with.
 #[derive(Clone, Copy, Debug)]
-pub struct Group {
+pub struct SetGroup {
     pub radius: f64,
     pub sets: u64,
     pub seed: u64,
 }
 
-impl Group {
+impl SetGroup {
     pub const fn of(settings: &Settings, radius: f64, sets: u64) -> Self {
         Self {
             radius,
@@ -123,28 +122,6 @@ impl Group {
     /// Samples of a set, about.
     pub fn samples(&self) -> f64 {
         0.698 / (self.radius * self.radius)
-    }
-
-    /// Returns the work of [`measure`].
-    pub fn work(&self, method: Method) -> Work {
-        let (samples, sets) = (self.samples(), self.sets as f64);
-        let pattern = |side: f64| 0.698 * side * side;
-        let [reference, tiled] = match method {
-            Method::Reference | Method::Again => [samples, 0.0],
-            Method::Kdrt { side, .. } => [pattern(side), samples],
-            Method::OnePattern { .. } => [pattern(PATTERN) / sets, samples],
-            Method::Copies => [samples / f64::from(COPIES * COPIES), 0.0],
-        };
-        let one = Work {
-            tiled,
-            reference,
-            verified: samples,
-            transformed: samples,
-            // Pairs of the pair correlation.
-            other: 0.4e-6 * samples,
-            ..Work::default()
-        };
-        one * sets
     }
 
     /// Returns the set of a method by its number.
@@ -227,7 +204,7 @@ mod tests {
     #[test]
     fn a_leaf_that_takes_the_whole_domain_gives_the_pattern_shifted() {
         alone(&Settings::default(), |control| {
-            let group = Group {
+            let group = SetGroup {
                 radius: 0.01,
                 sets: 1,
                 seed: 1,

@@ -1,20 +1,17 @@
-//! The figures: for each radius a column a method, from samples to anisotropy; and the rates.
+//! The figures: for each radius a column for each method, from samples to anisotropy; and the rates.
 
 use tilescope_analysis::measures::anisotropy_reference_db;
 use tilescope_figures::chart::{
-    Axis, Figure, ImageChart, LineChart, Look, Panel, Series, figure_scene,
-};
-use tilescope_figures::{
-    Font, Group, Marker, Palette, Rect, Scene, Shape, Style, Text, View, text_width,
+    Axis, Bar, BarGroup, ImageChart, LineChart, Look, Panel, Series, TileChart, TileContent,
 };
 
 use super::SHARED;
 use super::method::{Method, PATTERN};
-use super::rates::Row;
-use super::spectra::Found;
-use crate::bars::{Bar, Bars, bars_scene, drawn_number as number, whisker, whisker_words};
+use super::rates::EngineRate;
+use super::spectra::MethodSpectra;
 use crate::error::ReproduceError;
-use crate::experiments::common::ramp;
+use crate::experiments::common::{bar_picture, picture, power_scale, whisker, whisker_words};
+use crate::numbers::drawn_number as number;
 use crate::outcome::Picture;
 use crate::sets::Set;
 
@@ -22,16 +19,11 @@ use crate::sets::Set;
 const SHOWN: f64 = 36.0;
 /// Frequencies are shown up to this `nu`.
 const NU: f64 = 2.5;
-/// Width of the figure, its margin, and the plot's place in a column, as charts have them.
+/// Width of the figure, its margin, and the room left and right of a plot, as charts have them.
 const WIDTH: f64 = 1200.0;
 const MARGIN: f64 = 20.0;
 const LEFT: f64 = 66.0;
 const RIGHT: f64 = 18.0;
-/// Room above and below a square of samples.
-const ABOVE: f64 = 34.0;
-const BELOW: f64 = 16.0;
-/// Size of a column's heading.
-const HEADING: f64 = 15.0;
 /// Power that is black: between the mean and what rings of ten sets reach.
 const BLACK: f64 = 2.5;
 
@@ -61,7 +53,7 @@ pub fn regular() -> Vec<(Method, Method)> {
 }
 
 /// A method, and what its curves are drawn over.
-type Column<'a> = (&'a Found, &'a Found);
+type Column<'a> = (&'a MethodSpectra, &'a MethodSpectra);
 
 /// Returns the figure of a radius: a column for each method with its set, the reference first.
 pub fn spectra(
@@ -73,49 +65,31 @@ pub fn spectra(
         let nothing = "there is no column to draw".to_owned();
         return Err(ReproduceError::Engine(nothing));
     };
-    let palette = Palette::LIGHT;
     let range = decibels(columns);
-    let row = |panel: &dyn Fn(&Found, &Found) -> Panel| -> Vec<Panel> {
-        columns
-            .iter()
-            .map(|(one, below)| panel(one, below))
-            .collect()
+    let row = |panel: &dyn Fn(&MethodSpectra, &MethodSpectra) -> Panel| -> Vec<Panel> {
+        let panels = columns.iter().map(|(one, below)| panel(one, below));
+        panels.collect()
     };
-    let figure = Figure {
-        title: format!(
-            "{title}: radius {}, about {} samples, {} sets of each",
-            reference.radius,
-            number(reference.count[0], 3),
-            reference.sets
-        ),
-        rows: vec![
-            row(&image),
-            row(&power),
-            row(&|one, below| anisotropy(one, below, range)),
-        ],
-    };
-    let mut scene = figure_scene(&figure, &palette)?;
-    let column = (WIDTH - 2.0 * MARGIN) / columns.len() as f64;
-    let side = column - LEFT - RIGHT;
-    let top = first_panel(&scene);
-    lower(&mut scene, ABOVE + side + BELOW);
-    for (index, set) in sets.iter().enumerate() {
-        let at = [MARGIN + index as f64 * column + LEFT, top + ABOVE];
-        scene.groups.push(samples(set, at, side, &palette));
-        scene.groups.push(border(at, side, &palette));
-        scene
-            .groups
-            .push(heading(&columns[index].0.method, at, side, &palette));
-    }
-    scene.groups.push(ramp(WIDTH - MARGIN, BLACK, &palette));
-    Ok(Picture {
-        name: format!("{name}-{}", reference.radius.to_string().replace('.', "-")),
-        caption: caption(title, reference, columns),
-        scene,
-    })
+    let samples = columns.iter().zip(sets);
+    let samples = samples.map(|((one, _), set)| samples_tile(one.method, set));
+    let figure_title = format!(
+        "{title}: radius {}, about {} samples, {} sets of each",
+        reference.radius,
+        number(reference.count[0], 3),
+        reference.sets
+    );
+    let rows = vec![
+        samples.chain([power_scale(BLACK)]).collect(),
+        row(&image),
+        row(&power),
+        row(&|one, below| anisotropy(one, below, range)),
+    ];
+    let radius = reference.radius.to_string().replace('.', "-");
+    let caption = caption(title, reference, columns);
+    picture(&format!("{name}-{radius}"), &figure_title, caption, rows)
 }
 
-fn caption(title: &str, first: &Found, columns: &[Column<'_>]) -> String {
+fn caption(title: &str, first: &MethodSpectra, columns: &[Column<'_>]) -> String {
     let side =
         (2.0 * first.picture.reach * first.count[0].sqrt() / first.picture.columns as f64).round();
     let second = columns
@@ -136,64 +110,20 @@ fn caption(title: &str, first: &Found, columns: &[Column<'_>]) -> String {
     )
 }
 
-/// Returns where the panels begin: below the legend.
-fn first_panel(scene: &Scene) -> f64 {
-    let clips = scene.groups.iter().filter_map(|group| group.clip);
-    let top = clips.map(|clip| clip.min[1]).fold(f64::INFINITY, f64::min);
-    // The heading's room stays above the plot.
-    if top.is_finite() { top - 34.0 } else { 60.0 }
-}
-
-/// Moves all panels down.
-fn lower(scene: &mut Scene, by: f64) {
-    let heads = ["title", "legend"];
-    for group in &mut scene.groups {
-        if heads.contains(&group.name.as_str()) {
-            continue;
-        }
-        group.view.origin[1] += by;
-        if let Some(clip) = &mut group.clip {
-            clip.min[1] += by;
-            clip.max[1] += by;
-        }
-    }
-    scene.height += by;
-}
-
-/// The dots of a part of a set, y upwards.
-fn samples(set: &Set, at: [f64; 2], side: f64, palette: &Palette) -> Group {
-    let scale = side / (SHOWN * set.radius);
-    let inside = |p: &&[f64; 2]| p.iter().all(|x| *x < (SHOWN + 1.0) * set.radius);
-    let mark = |p: &[f64; 2]| {
-        let place = [p[0], SHOWN * set.radius - p[1]];
-        Shape::marker(Marker::Dot, place, 2.6, Style::filled(palette.sample))
-    };
-    Group {
-        view: View { scale, origin: at },
-        clip: Some(Rect::new(at, at.map(|x| x + side))),
-        shapes: set.points.iter().filter(inside).map(mark).collect(),
-        ..Group::new("samples")
-    }
-}
-
-/// A method's name, no wider than its column.
-fn heading(method: &Method, at: [f64; 2], side: f64, palette: &Palette) -> Group {
-    let name = method.name();
-    let size = HEADING * (side / text_width(&name, Font::SemiBold, HEADING)).min(1.0);
-    let mut text = Text::new([at[0], at[1] - 12.0], name, size, palette.text);
-    text.font = Font::SemiBold;
-    let mut group = Group::new("heading");
-    group.shapes.push(Shape::Text(text));
-    group
-}
-
-fn border(at: [f64; 2], side: f64, palette: &Palette) -> Group {
-    let mut group = Group::new("border");
-    group.shapes.push(Shape::Rect {
-        rect: Rect::new(at, at.map(|x| x + side)),
-        style: Style::stroked(palette.muted, 1.0),
-    });
-    group
+/// Returns the dots of a part of a set under its method's name.
+fn samples_tile(method: Method, set: &Set) -> Panel {
+    let scaled = set
+        .points
+        .iter()
+        .map(|p| p.map(|x| x / (SHOWN * set.radius)));
+    let inside = |p: &[f64; 2]| p.iter().all(|x| *x < (SHOWN + 1.0) / SHOWN);
+    Panel::Tile(TileChart {
+        title: method.name(),
+        note: String::new(),
+        y: None,
+        side: None,
+        content: TileContent::Dots(scaled.filter(inside).collect()),
+    })
 }
 
 /// Returns how many of so many cells, an odd number, fill a quarter of the width with cells of half pixels: what they leave out is the rim.
@@ -204,7 +134,7 @@ fn cells(columns: usize) -> usize {
     fit.min(columns) - usize::from(fit < columns && fit.is_multiple_of(2))
 }
 
-fn image(one: &Found, _: &Found) -> Panel {
+fn image(one: &MethodSpectra, _: &MethodSpectra) -> Panel {
     let grid = &one.picture;
     let shown = cells(grid.columns);
     let cut = (grid.columns - shown) / 2;
@@ -256,8 +186,8 @@ fn look(method: Method) -> Look {
     }
 }
 
-fn power(one: &Found, below: &Found) -> Panel {
-    let series = |of: &Found, band: bool| Series {
+fn power(one: &MethodSpectra, below: &MethodSpectra) -> Panel {
+    let series = |of: &MethodSpectra, band: bool| Series {
         name: of.method.name(),
         look: look(of.method),
         points: places(of, |index| Some(of.curves.power[index])),
@@ -291,8 +221,8 @@ fn decibels(columns: &[Column<'_>]) -> [f64; 2] {
     [low - room, high + room]
 }
 
-fn anisotropy(one: &Found, below: &Found, [low, high]: [f64; 2]) -> Panel {
-    let series = |of: &Found| Series {
+fn anisotropy(one: &MethodSpectra, below: &MethodSpectra, [low, high]: [f64; 2]) -> Panel {
+    let series = |of: &MethodSpectra| Series {
         name: of.method.name(),
         look: look(of.method),
         points: places(of, |index| of.curves.anisotropy[index]),
@@ -309,7 +239,7 @@ fn anisotropy(one: &Found, below: &Found, [low, high]: [f64; 2]) -> Panel {
 }
 
 /// The level of sets without preferred directions, and where chance takes their rings.
-fn noise(one: &Found) -> Series {
+fn noise(one: &MethodSpectra) -> Series {
     let level = anisotropy_reference_db(one.sets);
     let rings = one.curves.nu.iter().zip(&one.curves.noise);
     let rings = rings.filter_map(|(nu, ends)| Some((*nu, (*ends)?)));
@@ -322,62 +252,50 @@ fn noise(one: &Found) -> Series {
     }
 }
 
-fn places(of: &Found, value: impl Fn(usize) -> Option<f64>) -> Vec<[f64; 2]> {
+fn places(of: &MethodSpectra, value: impl Fn(usize) -> Option<f64>) -> Vec<[f64; 2]> {
     let each = of.curves.nu.iter().enumerate();
     each.filter_map(|(index, nu)| Some([*nu, value(index)?]))
         .collect()
 }
 
 /// Returns the figure of the rates.
-pub fn rates(rows: &[Row], samples: u64, rounds: u64) -> Picture {
-    let mut groups: Vec<Bars> = Vec::new();
+pub fn rates(rows: &[EngineRate], samples: u64, rounds: u64) -> Result<Picture, ReproduceError> {
+    let mut groups: Vec<BarGroup> = Vec::new();
     for row in rows {
         let heading = row.leaf.map_or_else(
             || "From scratch".to_owned(),
             |leaf| format!("KDRT, leaf {leaf} r"),
         );
-        let kind = groups.iter().position(|group| group.heading == heading);
-        let kind = kind.unwrap_or_else(|| {
-            groups.push(Bars {
-                heading,
-                bars: Vec::new(),
-            });
+        let known = groups.iter().position(|group| group.heading == heading);
+        let group = known.unwrap_or_else(|| {
+            let bars = Vec::new();
+            groups.push(BarGroup { heading, bars });
             groups.len() - 1
         });
-        groups[kind].bars.push(bar(row, kind));
+        groups[group].bars.push(bar(row, group));
     }
     let title = format!(
         "Millions of samples a second, sets of about {}, and times the reference on one thread",
         number(samples as f64, 3)
     );
-    Picture {
-        name: "rates".to_owned(),
-        caption: format!(
-            "Rates of every engine, the pattern ready-made: medians of {rounds} rounds, whiskers {}; behind them the ratio to \
-             the reference sampler on one thread in the same round.",
-            whisker_words(rounds as usize)
-        ),
-        scene: bars_scene(
-            &title,
-            "rate, millions of samples a second",
-            &groups,
-            &Palette::LIGHT,
-        ),
-    }
+    let caption = format!(
+        "Rates of every engine, the pattern ready-made: medians of {rounds} rounds, whiskers {}; behind them the ratio to \
+         the reference sampler on one thread in the same round.",
+        whisker_words(rounds as usize)
+    );
+    let bars = ("rate, millions of samples a second", groups);
+    bar_picture("rates", &title, caption, bars)
 }
 
-fn bar(row: &Row, kind: usize) -> Bar {
+fn bar(row: &EngineRate, color: usize) -> Bar {
     let median = row.rate.quartiles[1] / 1e6;
+    let ratio = number(row.ratio.quartiles[1], 3);
     Bar {
         name: format!("{}{}", row.name, threads(row.threads)),
         value: median,
-        spread: Some(whisker(&row.rate).map(|rate| rate / 1e6)),
-        text: format!(
-            "{} ({} x)",
-            number(median, 3),
-            number(row.ratio.quartiles[1], 3)
-        ),
-        kind,
+        whisker: Some(whisker(&row.rate).map(|rate| rate / 1e6)),
+        text: format!("{} ({ratio} x)", number(median, 3)),
+        color,
     }
 }
 

@@ -15,11 +15,10 @@ use crate::error::ReproduceError;
 use crate::machine::gpus;
 use crate::sets::{Set, pattern_side};
 use crate::study::Study;
-use crate::work::Work;
 
 /// A set that was timed.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Timed {
+pub struct EngineTime {
     pub name: String,
     pub leaf: Option<f64>,
     pub threads: Option<usize>,
@@ -33,8 +32,8 @@ pub struct Timed {
 
 /// A round.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Round {
-    pub timed: Vec<Timed>,
+pub struct RateRound {
+    pub timed: Vec<EngineTime>,
     /// Sides in radii of the patterns, and the seconds that making each took.
     pub patterns: Vec<(f64, f64)>,
 }
@@ -42,28 +41,28 @@ pub struct Round {
 /// What tells a method from others in all rounds: name, bits of the leaf, threads.
 type Key<'a> = (&'a str, Option<u64>, Option<usize>);
 
-impl Timed {
+impl EngineTime {
     fn key(&self) -> Key<'_> {
         (&self.name, self.leaf.map(f64::to_bits), self.threads)
     }
 }
 
-impl Round {
-    fn of(&self, key: &Key<'_>) -> Option<&Timed> {
+impl RateRound {
+    fn of(&self, key: &Key<'_>) -> Option<&EngineTime> {
         self.timed.iter().find(|one| one.key() == *key)
     }
 }
 
 /// How much is timed.
 #[derive(Clone, Debug)]
-pub struct Plan {
+pub struct RatePlan {
     pub samples: u64,
     pub rounds: u64,
     pub leaves: Vec<f64>,
     pub seed: u64,
 }
 
-impl Plan {
+impl RatePlan {
     /// Returns the engines of KDRT; the first one's set is verified.
     fn engines() -> Vec<Engine> {
         let mut engines = vec![Engine::Parallel { all: false }, Engine::Sequential];
@@ -82,27 +81,11 @@ impl Plan {
         }
     }
 
-    /// Returns the work of a round.
-    pub fn round_work(&self) -> Work {
-        let samples = self.samples as f64;
-        let threads = rayon::current_num_threads() as f64;
-        let (references, leaves) = (Self::references().len() as f64, self.leaves.len() as f64);
-        let all = (threads - 1.0).min(1.0);
-        let gpus = gpus().len() as f64;
-        Work {
-            tiled: samples * leaves * (threads + all + gpus),
-            sequential: samples * leaves,
-            reference: samples * (1.0 + all / threads),
-            verified: samples * (references + leaves),
-            ..Work::default()
-        }
-    }
-
     /// Carries out all rounds.
-    pub fn run(&self, study: &Study<'_>) -> Result<Vec<Round>, ReproduceError> {
+    pub fn run(&self, study: &Study<'_>) -> Result<Vec<RateRound>, ReproduceError> {
         study.rounds(
-            ("rates", "rates"),
-            (self.rounds, self.round_work()),
+            "rates",
+            self.rounds,
             Self::warm,
             |number, engines, control| self.round(number, engines, control),
         )
@@ -124,7 +107,7 @@ impl Plan {
         number: u64,
         engines: &Engines,
         control: &Control<'_>,
-    ) -> Result<Round, ReproduceError> {
+    ) -> Result<RateRound, ReproduceError> {
         let base = Parameters {
             leaf: 40.0,
             seed: self.seed.wrapping_mul(1000).wrapping_add(number),
@@ -134,7 +117,7 @@ impl Plan {
             radius: radius_estimate(&base, self.samples)?,
             ..base
         };
-        let place = Place { engines, control };
+        let place = TimedRound { engines, control };
         let (mut timed, mut patterns) = (Vec::new(), Vec::new());
         let pattern = place.pattern(pattern_side(base.leaf), &mut patterns)?;
         for engine in Self::references() {
@@ -150,16 +133,16 @@ impl Plan {
         }
         patterns.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
         patterns.dedup_by_key(|(side, _)| side.to_bits());
-        Ok(Round { timed, patterns })
+        Ok(RateRound { timed, patterns })
     }
 }
 
-struct Place<'a> {
+struct TimedRound<'a> {
     engines: &'a Engines,
     control: &'a Control<'a>,
 }
 
-impl Place<'_> {
+impl TimedRound<'_> {
     /// Makes a pattern and notes how long that took.
     fn pattern(
         &self,
@@ -183,7 +166,7 @@ impl Place<'_> {
         parameters: &Parameters,
         pattern: &Arc<Pattern>,
         leaf: Option<f64>,
-    ) -> Result<Vec<Timed>, ReproduceError> {
+    ) -> Result<Vec<EngineTime>, ReproduceError> {
         let mut first = None;
         let mut timed = Vec::new();
         for engine in engines {
@@ -193,7 +176,7 @@ impl Place<'_> {
                 .make(engine, parameters, pattern, self.control)?;
             let seconds = began.elapsed().as_secs_f64();
             let report = self.judge(&engine.name(), parameters, points, &mut first)?;
-            timed.push(Timed {
+            timed.push(EngineTime {
                 name: engine.name(),
                 leaf,
                 threads: engine.threads(),
@@ -238,7 +221,7 @@ fn same(name: &str, points: &[Point], verified: &[Point]) -> Result<(), Reproduc
 
 /// A method over all rounds.
 #[derive(Clone, Debug)]
-pub struct Row {
+pub struct EngineRate {
     pub name: String,
     pub leaf: Option<f64>,
     pub threads: Option<usize>,
@@ -254,9 +237,13 @@ pub struct Row {
 
 /// Returns the methods' rows in the sequence in which the rounds have them. Rounds may have been kept from machines with other threads
 /// and GPUs: a row is of the rounds that have it.
-pub fn rows(rounds: &[Round]) -> Vec<Row> {
+pub fn rows(rounds: &[RateRound]) -> Vec<EngineRate> {
     let mut keys: Vec<Key<'_>> = Vec::new();
-    for key in rounds.iter().flat_map(|round| &round.timed).map(Timed::key) {
+    for key in rounds
+        .iter()
+        .flat_map(|round| &round.timed)
+        .map(EngineTime::key)
+    {
         if !keys.contains(&key) {
             keys.push(key);
         }
@@ -270,19 +257,19 @@ pub fn rows(rounds: &[Round]) -> Vec<Row> {
         .collect()
 }
 
-fn row(rounds: &[Round], key: &Key<'_>, first: &Key<'_>) -> Option<Row> {
-    let of: Vec<&Timed> = rounds.iter().filter_map(|round| round.of(key)).collect();
-    let rate = |one: &Timed| one.count as f64 / one.seconds;
+fn row(rounds: &[RateRound], key: &Key<'_>, first: &Key<'_>) -> Option<EngineRate> {
+    let of: Vec<&EngineTime> = rounds.iter().filter_map(|round| round.of(key)).collect();
+    let rate = |one: &EngineTime| one.count as f64 / one.seconds;
     let ratios = rounds
         .iter()
         .filter_map(|round| Some(rate(round.of(key)?) / rate(round.of(first)?)));
-    let median = |value: fn(&Timed) -> f64| {
+    let median = |value: fn(&EngineTime) -> f64| {
         Summary::of(of.iter().map(|one| value(one))).map(|s| s.quartiles[1])
     };
     let least = of.iter().map(|one| one.min_distance);
     let most = of.iter().map(|one| one.covering_radius);
     let one = of.first()?;
-    Some(Row {
+    Some(EngineRate {
         name: one.name.clone(),
         leaf: one.leaf,
         threads: one.threads,
@@ -299,8 +286,8 @@ fn row(rounds: &[Round], key: &Key<'_>, first: &Key<'_>) -> Option<Row> {
 mod tests {
     use super::*;
 
-    pub fn timed(name: &str, leaf: Option<f64>, seconds: f64) -> Timed {
-        Timed {
+    pub fn timed(name: &str, leaf: Option<f64>, seconds: f64) -> EngineTime {
+        EngineTime {
             name: name.to_owned(),
             leaf,
             threads: Some(1),
@@ -315,7 +302,7 @@ mod tests {
     #[test]
     fn ratios_are_taken_within_a_round() {
         // The second round was disturbed: both took ten times as long.
-        let round = |slow: f64| Round {
+        let round = |slow: f64| RateRound {
             timed: vec![timed("a", None, 4.0 * slow), timed("b", Some(20.0), slow)],
             patterns: Vec::new(),
         };
@@ -330,11 +317,11 @@ mod tests {
 
     #[test]
     fn rounds_of_other_threads_and_gpus_do_not_mix_methods() {
-        let round = |timed: Vec<Timed>| Round {
+        let round = |timed: Vec<EngineTime>| RateRound {
             timed,
             patterns: Vec::new(),
         };
-        let all = |seconds: f64| Timed {
+        let all = |seconds: f64| EngineTime {
             threads: Some(8),
             ..timed("b", Some(20.0), seconds)
         };

@@ -8,7 +8,7 @@ use tilescope_analysis::measures::{
     Spectrum, Summary, anisotropy_reference_db,
 };
 
-use super::method::{Group, Method};
+use super::method::{Method, SetGroup};
 use super::peaks::Peaks;
 use crate::control::Control;
 use crate::error::ReproduceError;
@@ -19,7 +19,7 @@ const MIN_PAIRS: u64 = 100;
 
 /// What is kept of the sets of one method and radius.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Found {
+pub struct MethodSpectra {
     pub radius: f64,
     pub method: Method,
     pub sets: u64,
@@ -39,10 +39,10 @@ pub struct Found {
     /// How far the first of sets without preferred directions may be from zero, with probability 99 %.
     pub excess_reach: f64,
     pub peaks: Peaks,
-    pub picture: Grid,
+    pub picture: MeanPicture,
 }
 
-impl Found {
+impl MethodSpectra {
     pub fn density(&self) -> f64 {
         self.count[0] * self.radius * self.radius
     }
@@ -72,7 +72,7 @@ pub struct Curves {
 
 /// The periodogram to be looked at, rows of equal ky.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
-pub struct Grid {
+pub struct MeanPicture {
     pub columns: usize,
     pub values: Vec<f32>,
     pub reach: f64,
@@ -80,10 +80,10 @@ pub struct Grid {
 
 /// Makes, verifies and measures the sets of a method.
 pub fn measure(
-    group: &Group,
+    group: &SetGroup,
     method: Method,
     control: &Control<'_>,
-) -> Result<Found, ReproduceError> {
+) -> Result<MethodSpectra, ReproduceError> {
     let mut sums = Sums::default();
     for number in 0..group.sets {
         let set = group.set(method, number, control)?;
@@ -128,7 +128,7 @@ impl Sums {
         Ok(())
     }
 
-    fn found(&self, group: &Group, method: Method) -> Result<Found, ReproduceError> {
+    fn found(&self, group: &SetGroup, method: Method) -> Result<MethodSpectra, ReproduceError> {
         let nothing = || ReproduceError::Engine("there is no set to look at".to_owned());
         let mean = self.mean.mean().ok_or_else(nothing)?;
         let spectrum = Spectrum::of(&mean)?;
@@ -138,7 +138,7 @@ impl Sums {
         let alone = Summary::of(self.excess.iter().copied()).ok_or_else(nothing)?;
         let (frequencies, powers) = self.smooth.as_ref().ok_or_else(nothing)?;
         let smooth = PowerCurve::new(frequencies.clone(), powers.means().to_vec())?;
-        Ok(Found {
+        Ok(MethodSpectra {
             radius: group.radius,
             method,
             sets: group.sets,
@@ -215,7 +215,7 @@ fn curves(spectrum: &Spectrum) -> Curves {
 }
 
 /// The zero frequency, which may have no value, becomes white.
-fn grid(spectrum: &Spectrum) -> Grid {
+fn grid(spectrum: &Spectrum) -> MeanPicture {
     let picture = &spectrum.picture;
     let value = |power: &f64| {
         if power.is_finite() {
@@ -224,7 +224,7 @@ fn grid(spectrum: &Spectrum) -> Grid {
             0.0
         }
     };
-    Grid {
+    MeanPicture {
         columns: picture.size,
         values: picture.power.iter().map(value).collect(),
         reach: spectrum.picture_reach[0],
@@ -252,7 +252,7 @@ mod tests {
     #[test]
     fn copies_are_a_valid_set_whose_regularity_shows_and_reference_sets_show_none() {
         alone(&Settings::default(), |control| {
-            let group = Group {
+            let group = SetGroup {
                 radius: 0.01,
                 sets: 2,
                 seed: 1,
@@ -266,7 +266,7 @@ mod tests {
             // Chance holds reference sets as it says, and copies not at all.
             let reach = reference.excess_reach;
             assert!(reach < 0.2 && reference.excess.abs() <= reach, "{reach}");
-            let within = |found: &Found| {
+            let within = |found: &MethodSpectra| {
                 let rings = found.curves.anisotropy.iter().zip(&found.curves.noise);
                 let rings = rings.filter_map(|(db, ends)| Some(((*db)?, (*ends)?)));
                 let inside =

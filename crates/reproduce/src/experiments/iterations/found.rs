@@ -1,24 +1,26 @@
-//! What is found of each set, its tables and its charts. No verdict is decided here.
+//! The iterations and inserted samples of each set, their tables and their charts.
 
 use serde::{Deserialize, Serialize};
 use tilescope_core::Order;
-use tilescope_figures::Palette;
+use tilescope_figures::chart::{Bar, BarGroup};
 
-use crate::bars::{Bar, Bars, bars_scene, drawn_count, drawn_number};
-use crate::experiments::common::{columns, counted};
-use crate::outcome::{Cell, Column, Picture, Table};
+use crate::error::ReproduceError;
+use crate::experiments::common::{bar_picture, counted};
+use crate::numbers::{drawn_count, drawn_number};
+use crate::outcome::{Picture, Table};
+use crate::table::table;
 
 /// Columns of iterations in the table of all sets.
 const COLUMNS: usize = 8;
 
 /// What the sets of a case have in common.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Case {
+pub struct InsertionCase {
     pub order: Order,
     pub leaf: f64,
 }
 
-impl Case {
+impl InsertionCase {
     fn order(self) -> &'static str {
         match self.order {
             Order::Index => "by index",
@@ -39,8 +41,8 @@ impl Case {
 
 /// What is found of one set.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Found {
-    pub case: Case,
+pub struct IterationCounts {
+    pub case: InsertionCase,
     pub seed: u64,
     pub count: usize,
     pub tiled: usize,
@@ -51,9 +53,14 @@ pub struct Found {
     pub covering_radius: f64,
 }
 
-impl Found {
+impl IterationCounts {
     pub fn iterations(&self) -> usize {
         self.inserted.len()
+    }
+
+    /// Returns the samples inserted in an iteration, counted from 0.
+    fn in_iteration(&self, k: usize) -> usize {
+        self.inserted.get(k).copied().unwrap_or(0)
     }
 
     /// Returns the samples inserted after so many iterations.
@@ -62,150 +69,128 @@ impl Found {
     }
 }
 
-fn of(found: &[Found], case: Case) -> impl Iterator<Item = &Found> + Clone {
+fn of(
+    found: &[IterationCounts],
+    case: InsertionCase,
+) -> impl Iterator<Item = &IterationCounts> + Clone {
     found.iter().filter(move |one| one.case == case)
 }
 
-fn most(found: &[Found]) -> usize {
-    found.iter().map(Found::iterations).max().unwrap_or(0)
+fn most(found: &[IterationCounts]) -> usize {
+    found
+        .iter()
+        .map(IterationCounts::iterations)
+        .max()
+        .unwrap_or(0)
 }
 
-const CASE: [(&str, &str, usize); 7] = [
-    ("order", "order", 3),
-    ("leaf_r", "leaf, r", 3),
-    ("sets", "sets", 3),
-    ("samples", "samples of a set, mean", 4),
-    ("inserted_percent", "inserted, % of samples", 3),
-    ("least", "fewest iterations", 2),
-    ("most", "most iterations", 2),
-];
+/// A case and its sets.
+type Sets<'a> = (InsertionCase, Vec<&'a IterationCounts>);
 
 /// Returns the numbers of each case over its sets.
-pub fn by_case(found: &[Found], cases: &[Case]) -> Table {
-    let most = most(found);
-    let mut heads = columns(&CASE);
-    for k in 1..=most {
-        let head = format!("inserted in iteration {k}, all sets");
-        heads.push(Column::new(&format!("inserted_{k}"), &head, 8));
-    }
-    let row = |&case: &Case| {
-        let sets = || of(found, case);
-        let total = |count: fn(&Found) -> usize| sets().map(count).sum::<usize>() as f64;
-        let number = sets().count();
-        let iterations = || sets().map(Found::iterations);
-        let mut row: Vec<Cell> = vec![
-            case.order().into(),
-            case.leaf.into(),
-            number.into(),
-            (total(|one| one.count) / number as f64).into(),
-            (100.0 * total(|one| one.after(0)) / total(|one| one.count)).into(),
-            iterations().min().unwrap_or(0).into(),
-            iterations().max().unwrap_or(0).into(),
-        ];
-        let in_iteration = |k: usize| sets().filter_map(|one| one.inserted.get(k)).sum::<usize>();
-        row.extend((0..most).map(|k| Cell::from(in_iteration(k))));
-        row
+pub fn by_case(found: &[IterationCounts], cases: &[InsertionCase]) -> Table {
+    let total = |sets: &Sets<'_>, count: fn(&IterationCounts) -> usize| {
+        sets.1.iter().map(|one| count(one)).sum::<usize>() as f64
     };
-    Table {
-        name: "cases".to_owned(),
-        title: "Samples inserted by iteration".to_owned(),
-        columns: heads,
-        rows: cases.iter().map(row).collect(),
-        shown: true,
+    let iterations =
+        |sets: &Sets<'_>| -> Vec<usize> { sets.1.iter().map(|one| one.iterations()).collect() };
+    let rows = cases
+        .iter()
+        .map(|&case| -> Sets<'_> { (case, of(found, case).collect()) });
+    let mut numbers = table("cases", "Samples inserted by iteration", rows)
+        .column("order", "order", 3, |sets| sets.0.order())
+        .column("leaf_r", "leaf, r", 3, |sets| sets.0.leaf)
+        .column("sets", "sets", 3, |sets| sets.1.len())
+        .column("samples", "samples of a set, mean", 4, |sets| {
+            total(sets, |one| one.count) / sets.1.len() as f64
+        })
+        .column("inserted_percent", "inserted, % of samples", 3, |sets| {
+            100.0 * total(sets, |one| one.after(0)) / total(sets, |one| one.count)
+        })
+        .column("least", "fewest iterations", 2, |sets| {
+            iterations(sets).into_iter().min()
+        })
+        .column("most", "most iterations", 2, |sets| {
+            iterations(sets).into_iter().max()
+        });
+    for k in 0..most(found) {
+        let head = format!("inserted in iteration {}, all sets", k + 1);
+        numbers = numbers.column(&format!("inserted_{}", k + 1), &head, 8, |sets| {
+            sets.1.iter().map(|one| one.in_iteration(k)).sum::<usize>()
+        });
     }
+    numbers.shown()
 }
-
-const SET: [(&str, &str, usize); 9] = [
-    ("order", "order", 3),
-    ("leaf_r", "leaf, r", 3),
-    ("seed", "seed", 6),
-    ("samples", "samples", 9),
-    ("tiled", "tiled", 9),
-    ("eliminated", "eliminated", 9),
-    ("iterations", "iterations", 2),
-    ("min_distance_r", "min. distance, r", 7),
-    ("covering_radius_r", "covering radius, r", 7),
-];
 
 /// Returns the numbers of every set.
-pub fn by_set(found: &[Found]) -> Table {
-    let most = most(found).max(COLUMNS);
-    let mut heads = columns(&SET);
-    for k in 1..=most {
-        heads.push(Column::new(
-            &format!("inserted_{k}"),
-            &format!("inserted {k}"),
-            8,
-        ));
+pub fn by_set(found: &[IterationCounts]) -> Table {
+    let mut numbers = table("sets", "Every set", found)
+        .column("order", "order", 3, |one| one.case.order())
+        .column("leaf_r", "leaf, r", 3, |one| one.case.leaf)
+        .column("seed", "seed", 6, |one| one.seed)
+        .column("samples", "samples", 9, |one| one.count)
+        .column("tiled", "tiled", 9, |one| one.tiled)
+        .column("eliminated", "eliminated", 9, |one| one.eliminated)
+        .column("iterations", "iterations", 2, |one| one.iterations())
+        .column("min_distance_r", "min. distance, r", 7, |one| {
+            one.min_distance
+        })
+        .column("covering_radius_r", "covering radius, r", 7, |one| {
+            one.covering_radius
+        });
+    for k in 0..most(found).max(COLUMNS) {
+        let (key, head) = (format!("inserted_{}", k + 1), format!("inserted {}", k + 1));
+        numbers = numbers.column(&key, &head, 8, |one| one.in_iteration(k));
     }
-    let row = |one: &Found| {
-        let mut row: Vec<Cell> = vec![
-            one.case.order().into(),
-            one.case.leaf.into(),
-            one.seed.into(),
-            one.count.into(),
-            one.tiled.into(),
-            one.eliminated.into(),
-            one.iterations().into(),
-            one.min_distance.into(),
-            one.covering_radius.into(),
-        ];
-        row.extend((0..most).map(|k| Cell::from(one.inserted.get(k).copied().unwrap_or(0))));
-        row
-    };
-    Table {
-        name: "sets".to_owned(),
-        title: "Every set".to_owned(),
-        columns: heads,
-        rows: found.iter().map(row).collect(),
-        shown: false,
-    }
+    numbers.hidden()
 }
 
-/// Returns the pictures: samples by iteration, and sets by the number of iterations.
-pub fn pictures(found: &[Found], cases: &[Case]) -> Vec<Picture> {
-    vec![inserted(found, cases), needed(found, cases)]
+/// Returns a group of bars for each case, in one colour.
+fn groups(cases: &[InsertionCase], bars: impl Fn(InsertionCase) -> Vec<Bar>) -> Vec<BarGroup> {
+    let group = |(color, &case): (usize, &InsertionCase)| {
+        let bars = bars(case).into_iter().map(|bar| Bar { color, ..bar });
+        BarGroup {
+            heading: case.name(),
+            bars: bars.collect(),
+        }
+    };
+    cases.iter().enumerate().map(group).collect()
 }
 
 /// Returns bars of the samples by iteration.
-fn inserted(found: &[Found], cases: &[Case]) -> Picture {
+pub fn inserted(
+    found: &[IterationCounts],
+    cases: &[InsertionCase],
+) -> Result<Picture, ReproduceError> {
     let most = most(found);
-    let group = |(kind, &case): (usize, &Case)| {
-        let bar = |k: usize| {
-            let counts = || of(found, case).map(|one| one.inserted.get(k).copied().unwrap_or(0));
-            let (low, high) = (counts().min().unwrap_or(0), counts().max().unwrap_or(0));
-            let mean = counts().sum::<usize>() as f64 / counts().count().max(1) as f64;
-            Bar {
-                name: format!("iteration {}", k + 1),
-                value: mean,
-                spread: Some([low, high].map(|count| count as f64)),
-                text: format!(
-                    "{} ({} to {})",
-                    drawn_mean(mean),
-                    drawn_count(low),
-                    drawn_count(high)
-                ),
-                kind,
-            }
-        };
-        Bars {
-            heading: case.name(),
-            bars: (0..most).map(bar).collect(),
+    let bar = |case: InsertionCase, k: usize| {
+        let counts = || of(found, case).map(|one| one.in_iteration(k));
+        let (low, high) = (counts().min().unwrap_or(0), counts().max().unwrap_or(0));
+        let mean = counts().sum::<usize>() as f64 / counts().count().max(1) as f64;
+        let [least, most] = [low, high].map(drawn_count);
+        Bar {
+            name: format!("iteration {}", k + 1),
+            value: mean,
+            whisker: Some([low, high].map(|count| count as f64)),
+            text: format!("{} ({least} to {most})", drawn_mean(mean)),
+            color: 0,
         }
     };
-    let groups: Vec<Bars> = cases.iter().enumerate().map(group).collect();
+    let groups = groups(cases, |case| (0..most).map(|k| bar(case, k)).collect());
     let largest = found.iter().map(|one| one.count).max().unwrap_or(0);
     let title = "Samples inserted by iteration (in stages), mean of the sets";
-    Picture {
-        name: "iterations".to_owned(),
-        caption: format!(
-            "Samples inserted by iteration, in stages, {} sets of up to {} samples. Whiskers, and the numbers in brackets: fewest and \
-             most of a set.",
-            found.len(),
-            counted(largest)
-        ),
-        scene: bars_scene(title, "samples inserted in a set", &groups, &Palette::LIGHT),
-    }
+    let caption = format!(
+        "Samples inserted by iteration, in stages, {} sets of up to {} samples. Whiskers, and the numbers in brackets: fewest and \
+         most of a set.",
+        found.len(),
+        counted(largest)
+    );
+    bar_picture(
+        "iterations",
+        title,
+        caption,
+        ("samples inserted in a set", groups),
+    )
 }
 
 /// Returns a mean of counts with no more digits than a few sets tell: tenths of small ones alone.
@@ -217,34 +202,26 @@ fn drawn_mean(mean: f64) -> String {
 }
 
 /// Returns bars of the sets by the iterations that they need.
-fn needed(found: &[Found], cases: &[Case]) -> Picture {
-    let counts = || found.iter().map(Found::iterations);
-    let (least, most) = (counts().min().unwrap_or(0), counts().max().unwrap_or(0));
-    let group = |(kind, &case): (usize, &Case)| {
-        let all = of(found, case).count();
-        let bar = |iterations: usize| {
-            let sets = of(found, case).filter(|one| one.iterations() == iterations);
-            let sets = sets.count();
-            let plural = if iterations == 1 { "" } else { "s" };
-            Bar {
-                name: format!("{iterations} iteration{plural}"),
-                value: sets as f64,
-                spread: None,
-                text: format!("{sets} of {all} sets"),
-                kind,
-            }
-        };
-        Bars {
-            heading: case.name(),
-            bars: (least..=most).map(bar).collect(),
+pub fn needed(
+    found: &[IterationCounts],
+    cases: &[InsertionCase],
+) -> Result<Picture, ReproduceError> {
+    let least = found.iter().map(IterationCounts::iterations).min();
+    let bar = |case: InsertionCase, iterations: usize| {
+        let sets = of(found, case).filter(|one| one.iterations() == iterations);
+        let sets = sets.count();
+        let plural = if iterations == 1 { "" } else { "s" };
+        Bar {
+            name: format!("{iterations} iteration{plural}"),
+            value: sets as f64,
+            whisker: None,
+            text: format!("{sets} of {} sets", of(found, case).count()),
+            color: 0,
         }
     };
-    let groups: Vec<Bars> = cases.iter().enumerate().map(group).collect();
+    let range = least.unwrap_or(0)..=most(found);
+    let groups = groups(cases, |case| range.clone().map(|k| bar(case, k)).collect());
     let title = "Sets by the iterations that they need (in stages)";
-    Picture {
-        name: "needed".to_owned(),
-        caption: "How many iterations of insertion in stages sets need, by order and leaf."
-            .to_owned(),
-        scene: bars_scene(title, "sets", &groups, &Palette::LIGHT),
-    }
+    let caption = "How many iterations of insertion in stages sets need, by order and leaf.";
+    bar_picture("needed", title, caption.to_owned(), ("sets", groups))
 }

@@ -1,5 +1,5 @@
-//! Two ways to count: insertion in stages, and Algorithm 4 as printed, whose first loop inserts while it eliminates.
-//! Only the sequential engine makes the latter, so the sets are smaller.
+//! Insertion in stages against Algorithm 4 as printed, whose first loop inserts while it eliminates. Only the sequential engine
+//! carries out the latter, so these sets are smaller.
 
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -8,14 +8,12 @@ use tilescope_core::{Order, Parameters, Sequential, Variant};
 use crate::control::Control;
 use crate::error::ReproduceError;
 use crate::experiments::common::{seed, seeded, square};
-use crate::outcome::{Column, Table};
+use crate::outcome::Table;
 use crate::sets::{Set, pattern};
 use crate::study::{Settings, Study};
-use crate::work::Work;
+use crate::table::table;
 
 const LEAF: f64 = 20.0;
-/// The loop as printed searches all pairs around every mark: it takes about as long as so many staged runs.
-const PRINTED_COST: f64 = 3.0;
 
 /// Samples inserted by iteration in one set, by variant.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -51,15 +49,6 @@ impl From<&Compared> for Printed {
     }
 }
 
-fn large_work(settings: &Settings) -> Work {
-    let (sets, samples) = large(settings);
-    Work {
-        sequential: PRINTED_COST * samples * sets as f64,
-        verified: samples * sets as f64,
-        ..Work::default()
-    }
-}
-
 /// Returns the sets made as printed that are as large as the paper's.
 pub fn printed(study: &Study<'_>) -> Result<Vec<Printed>, ReproduceError> {
     let settings = study.settings;
@@ -67,8 +56,7 @@ pub fn printed(study: &Study<'_>) -> Result<Vec<Printed>, ReproduceError> {
     if sets == 0 {
         return Ok(Vec::new());
     }
-    let unit = ("printed", "large sets as printed");
-    study.unit(unit, large_work(settings), |control| {
+    study.unit("printed", "large sets as printed", |control| {
         let make = |index| {
             let seed = seed(settings, index);
             let (inserted, count) = inserted(&base(samples, seed), Variant::AsPrinted, control)?;
@@ -79,26 +67,15 @@ pub fn printed(study: &Study<'_>) -> Result<Vec<Printed>, ReproduceError> {
     })
 }
 
-/// One set by both variants, each verified, among as many at once as there are threads.
-pub fn work(settings: &Settings) -> Work {
-    compare_work(settings) + large_work(settings)
+pub fn units(settings: &Settings) -> usize {
+    if large(settings).0 == 0 { 1 } else { 2 }
 }
 
-fn compare_work(settings: &Settings) -> Work {
-    let (sets, samples) = amounts(settings);
-    let threads = rayon::current_num_threads().min(sets) as f64;
-    Work {
-        sequential: (1.0 + PRINTED_COST) * samples * sets as f64 / threads,
-        verified: 2.0 * samples * sets as f64,
-        ..Work::default()
-    }
-}
-
+/// Returns one set of each seed by both variants, verified.
 pub fn compare(study: &Study<'_>) -> Result<Vec<Compared>, ReproduceError> {
     let settings = study.settings;
     let (sets, _) = amounts(settings);
-    let unit = ("variants", "staged and as printed");
-    study.unit(unit, compare_work(settings), |control| {
+    study.unit("variants", "staged and as printed", |control| {
         (0..sets)
             .into_par_iter()
             .map(|index| one(seed(settings, index), settings, control))
@@ -141,67 +118,43 @@ fn inserted(
     Ok((summary.inserted, summary.count))
 }
 
-pub fn table(compared: &[Compared]) -> Table {
-    let late = |inserted: &[usize], from: usize| inserted.iter().skip(from).sum::<usize>();
+pub fn compared_table(compared: &[Compared]) -> Table {
     let at = |inserted: &[usize], k: usize| inserted.get(k).copied().unwrap_or(0);
-    let row = |one: &Compared| {
-        let mut row = vec![one.seed.into(), one.count.into()];
-        for inserted in [&one.staged, &one.printed] {
-            row.push(inserted.len().into());
-            row.extend([at(inserted, 0), at(inserted, 1), late(inserted, 2)].map(Into::into));
-        }
-        row
-    };
-    Table {
-        name: "variants".to_owned(),
-        title: "Insertion in stages and as printed, leaf 20 r, order by index".to_owned(),
-        columns: [
-            ("seed", "seed", 6),
-            ("samples", "samples", 7),
-            ("staged_iterations", "iterations, staged", 2),
-            ("staged_1", "inserted in 1, staged", 6),
-            ("staged_2", "in 2", 6),
-            ("staged_late", "later", 6),
-            (
-                "printed_iterations",
-                "first loop and rounds that insert, as printed",
-                2,
-            ),
-            ("printed_1", "inserted in first loop", 6),
-            ("printed_2", "in round 1", 6),
-            ("printed_late", "later", 6),
-        ]
-        .map(|(key, head, digits)| Column::new(key, head, digits))
-        .to_vec(),
-        rows: compared.iter().map(row).collect(),
-        shown: true,
-    }
+    let late = |inserted: &[usize]| inserted.iter().skip(2).sum::<usize>();
+    let iterations = "first loop and rounds that insert, as printed";
+    let title = "Insertion in stages and as printed, leaf 20 r, order by index";
+    table("variants", title, compared)
+        .column("seed", "seed", 6, |one| one.seed)
+        .column("samples", "samples", 7, |one| one.count)
+        .column("staged_iterations", "iterations, staged", 2, |one| {
+            one.staged.len()
+        })
+        .column("staged_1", "inserted in 1, staged", 6, |one| {
+            at(&one.staged, 0)
+        })
+        .column("staged_2", "in 2", 6, |one| at(&one.staged, 1))
+        .column("staged_late", "later", 6, |one| late(&one.staged))
+        .column("printed_iterations", iterations, 2, |one| one.printed.len())
+        .column("printed_1", "inserted in first loop", 6, |one| {
+            at(&one.printed, 0)
+        })
+        .column("printed_2", "in round 1", 6, |one| at(&one.printed, 1))
+        .column("printed_late", "later", 6, |one| late(&one.printed))
+        .shown()
 }
 
 pub fn printed_table(printed: &[Printed]) -> Table {
-    let most = printed
-        .iter()
-        .map(|one| one.inserted.len())
-        .max()
-        .unwrap_or(0);
-    let mut columns = vec![
-        Column::new("samples", "samples", 9),
-        Column::new("first_loop", "inserted in the first loop", 8),
-    ];
-    for k in 1..most {
+    let most = printed.iter().map(|one| one.inserted.len()).max();
+    let at = |one: &Printed, k: usize| one.inserted.get(k).copied().unwrap_or(0);
+    let title = "Algorithm 4 as printed, leaf 20 r, order by index";
+    let mut rounds = table("printed", title, printed)
+        .column("samples", "samples", 9, |one| one.count)
+        .column("first_loop", "inserted in the first loop", 8, |one| {
+            at(one, 0)
+        });
+    for k in 1..most.unwrap_or(0) {
         let head = format!("in round {k} of the second");
-        columns.push(Column::new(&format!("round_{k}"), &head, 8));
+        rounds = rounds.column(&format!("round_{k}"), &head, 8, |one| at(one, k));
     }
-    let row = |one: &Printed| {
-        let at = |k: usize| one.inserted.get(k).copied().unwrap_or(0);
-        let inserted = (0..most.max(1)).map(|k| at(k).into());
-        std::iter::once(one.count.into()).chain(inserted).collect()
-    };
-    Table {
-        name: "printed".to_owned(),
-        title: "Algorithm 4 as printed, leaf 20 r, order by index".to_owned(),
-        columns,
-        rows: printed.iter().map(row).collect(),
-        shown: true,
-    }
+    rounds.shown()
 }

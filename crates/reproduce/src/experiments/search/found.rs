@@ -1,17 +1,17 @@
-//! What is found of each set: gaps as the verifier lists them, the holes that they belong to, and who could have seen them.
-//! No verdict is decided here.
+//! The gaps of each set as the verifier lists them, the holes that they belong to, and which detectors could have seen them.
 
 use serde::{Deserialize, Serialize};
 use tilescope_analysis::{Report, Tessellation, VerifyOptions};
-use tilescope_figures::Palette;
+use tilescope_figures::chart::{Bar, BarGroup};
 
-use super::witness::{HAIR, Near, Witness};
-use crate::bars::{Bar, Bars, bars_scene, drawn_count, drawn_number};
+use super::witness::{CellIndex, HAIR, Witness};
 use crate::control::Control;
 use crate::error::ReproduceError;
-use crate::experiments::common::poisson_interval;
-use crate::outcome::{Cell, Column, Picture, Table};
+use crate::experiments::common::{bar_picture, poisson_interval};
+use crate::numbers::{drawn_count, drawn_number};
+use crate::outcome::{Picture, Table};
 use crate::sets::Set;
+use crate::table::{TypedTable, table};
 
 /// Places of gaps that are looked at in each set.
 const PLACES: usize = 100_000;
@@ -22,7 +22,7 @@ const ASK: usize = 1024;
 
 /// What the verifier says of one set, and more about its gaps.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
-pub struct Judged {
+pub struct GapCounts {
     pub count: usize,
     pub inserted: usize,
     /// Centres of empty circles that are too large.
@@ -38,7 +38,7 @@ pub struct Judged {
     pub worst: Vec<Witness>,
 }
 
-impl Judged {
+impl GapCounts {
     pub fn of(set: &Set, inserted: usize, control: &Control<'_>) -> Result<Self, ReproduceError> {
         let options = VerifyOptions {
             witnesses: PLACES,
@@ -80,7 +80,7 @@ impl Judged {
         let mut worst = Vec::new();
         let mut out_of_sight = 0;
         let mut seen = Vec::new();
-        let near = Near::of(set, report.covering_radius + HAIR * set.radius);
+        let near = CellIndex::of(set, report.covering_radius + HAIR * set.radius);
         for (index, gap) in report.worst_gaps.iter().enumerate() {
             if index % ASK == 0 {
                 control.go_on()?;
@@ -105,17 +105,17 @@ impl Judged {
 
 /// What is found of one seed.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Found {
+pub struct GapStatistics {
     pub leaf: f64,
     pub printed: bool,
     pub index: usize,
     pub seed: u64,
-    pub two: Judged,
-    pub four: Judged,
+    pub two: GapCounts,
+    pub four: GapCounts,
 }
 
 /// Returns the staged set with the largest gap.
-pub fn worst(found: &[Found]) -> Option<&Found> {
+pub fn worst(found: &[GapStatistics]) -> Option<&GapStatistics> {
     let gaps = found
         .iter()
         .filter(|one| !one.printed && !one.two.worst.is_empty());
@@ -123,7 +123,7 @@ pub fn worst(found: &[Found]) -> Option<&Found> {
 }
 
 /// Returns what is known of who could have seen the gaps.
-pub fn sight(found: &[Found]) -> String {
+pub fn sight(found: &[GapStatistics]) -> String {
     let staged = || found.iter().filter(|one| !one.printed);
     let places: u64 = staged().map(|one| one.two.places).sum();
     let out: usize = staged().map(|one| one.two.out_of_sight).sum();
@@ -138,19 +138,20 @@ fn share(part: f64, whole: usize) -> f64 {
 }
 
 /// Returns the sets of a leaf and a variant.
-fn of(found: &[Found], leaf: f64, printed: bool) -> Vec<&Found> {
-    let fits = |one: &&Found| one.leaf.to_bits() == leaf.to_bits() && one.printed == printed;
+fn of(found: &[GapStatistics], leaf: f64, printed: bool) -> Vec<&GapStatistics> {
+    let fits =
+        |one: &&GapStatistics| one.leaf.to_bits() == leaf.to_bits() && one.printed == printed;
     found.iter().filter(fits).collect()
 }
 
-fn leaves(found: &[Found]) -> Vec<f64> {
+fn leaves(found: &[GapStatistics]) -> Vec<f64> {
     let mut leaves: Vec<f64> = found.iter().map(|one| one.leaf).collect();
     leaves.sort_by(f64::total_cmp);
     leaves.dedup();
     leaves
 }
 
-type Kind = (&'static str, bool, fn(&Found) -> &Judged);
+type Kind = (&'static str, bool, fn(&GapStatistics) -> &GapCounts);
 
 const KINDS: [Kind; 4] = [
     ("2 r, as printed", true, |one| &one.two),
@@ -160,7 +161,7 @@ const KINDS: [Kind; 4] = [
 ];
 
 /// Returns bars of the gaps in a million samples, by leaf.
-pub fn bars(found: &[Found]) -> Picture {
+pub fn bars(found: &[GapStatistics]) -> Result<Picture, ReproduceError> {
     let group = |leaf: &f64| {
         let bar = |(kind, (name, printed, pick)): (usize, &Kind)| {
             let sets = of(found, *leaf, *printed);
@@ -170,7 +171,7 @@ pub fn bars(found: &[Found]) -> Picture {
             Bar {
                 name: (*name).to_owned(),
                 value: share(holes as f64, samples),
-                spread: Some(spread),
+                whisker: Some(spread),
                 text: format!(
                     "{} gaps in {} samples (99 %: {} to {} a million)",
                     drawn_count(holes),
@@ -178,117 +179,95 @@ pub fn bars(found: &[Found]) -> Picture {
                     drawn_number(spread[0], 2),
                     drawn_number(spread[1], 2)
                 ),
-                kind,
+                color: kind,
             }
         };
-        Bars {
+        BarGroup {
             heading: format!("leaf {leaf} r"),
             bars: KINDS.iter().enumerate().map(bar).collect(),
         }
     };
-    let groups: Vec<Bars> = leaves(found).iter().map(group).collect();
+    let groups = leaves(found).iter().map(group).collect();
     let title = "Gaps left in a million samples (99 % intervals)";
-    Picture {
-        name: "gaps".to_owned(),
-        caption: "Gaps in a million samples that runs leave when detectors look 2 r and 4 r far, by the shortest edge of a block, as \
-                  printed and in stages. Whiskers: 99 % intervals of a Poisson variable; behind each bar what was counted."
-            .to_owned(),
-        scene: bars_scene(title, "gaps in a million samples", &groups, &Palette::LIGHT),
-    }
+    let caption = "Gaps in a million samples that runs leave when detectors look 2 r and 4 r far, by the shortest edge of a block, as \
+                   printed and in stages. Whiskers: 99 % intervals of a Poisson variable; behind each bar what was counted.";
+    let bars = ("gaps in a million samples", groups);
+    bar_picture("gaps", title, caption.to_owned(), bars)
 }
 
-const HEADS: [(&str, &str, usize); 9] = [
-    ("samples", "samples", 9),
-    ("inserted", "inserted, 2 r", 7),
-    ("gaps_2r", "gaps, 2 r", 6),
-    ("gaps_2r_per_million", "gaps a million, 2 r", 4),
-    ("places_2r", "centres, 2 r", 6),
-    ("out_of_sight", "out of sight", 6),
-    ("area_2r", "area of gaps, r^2", 3),
-    ("covering_2r", "covering radius, 2 r", 7),
-    ("gaps_4r", "gaps, 4 r", 6),
-];
+/// Sets that a row of a table sums up.
+type Sets<'a> = Vec<&'a GapStatistics>;
 
-fn cells(sets: &[&Found]) -> Vec<Cell> {
-    let total = |pick: fn(&Judged) -> usize| sets.iter().map(|one| pick(&one.two)).sum::<usize>();
-    let most = |pick: fn(&Found) -> f64| sets.iter().map(|one| pick(one)).fold(0.0, f64::max);
-    let places: u64 = sets.iter().map(|one| one.two.places).sum();
-    let count = total(|two| two.count);
-    let holes = total(|two| two.holes);
-    vec![
-        count.into(),
-        total(|two| two.inserted).into(),
-        holes.into(),
-        share(holes as f64, count).into(),
-        places.into(),
-        total(|two| two.out_of_sight).into(),
-        sets.iter().map(|one| one.two.area).sum::<f64>().into(),
-        most(|one| one.two.covering_radius).into(),
-        sets.iter().map(|one| one.four.holes).sum::<usize>().into(),
-        most(|one| one.four.covering_radius).into(),
-    ]
+fn total(sets: &Sets<'_>, count: fn(&GapCounts) -> usize) -> usize {
+    sets.iter().map(|one| count(&one.two)).sum()
 }
 
-fn table(name: &str, title: &str, first: &[(&str, &str, usize)], rows: Vec<Vec<Cell>>) -> Table {
-    let last = [("covering_4r", "covering radius, 4 r", 7)];
-    let heads = first.iter().chain(&HEADS).chain(&last);
-    Table {
-        name: name.to_owned(),
-        title: title.to_owned(),
-        columns: heads
-            .map(|(key, head, digits)| Column::new(key, head, *digits))
-            .collect(),
-        rows,
-        shown: name == "leaves",
-    }
+fn most(sets: &Sets<'_>, value: fn(&GapStatistics) -> f64) -> f64 {
+    sets.iter().map(|one| value(one)).fold(0.0, f64::max)
 }
 
-fn variant(printed: bool) -> &'static str {
-    if printed { "as printed" } else { "in stages" }
+/// Returns a table of sums over sets; `third` is its third column, a count of them or their seed.
+fn sums<'a>(
+    [name, title]: [&str; 2],
+    rows: impl IntoIterator<Item = Sets<'a>>,
+    (key, digits, third): (&str, usize, fn(&Sets<'_>) -> u64),
+) -> TypedTable<Sets<'a>> {
+    let variant = |printed: bool| if printed { "as printed" } else { "in stages" };
+    table(name, title, rows)
+        .column("variant", "variant", 3, |sets| variant(sets[0].printed))
+        .column("leaf_r", "leaf, r", 3, |sets| sets[0].leaf)
+        .column(key, key, digits, third)
+        .column("samples", "samples", 9, |sets| total(sets, |two| two.count))
+        .column("inserted", "inserted, 2 r", 7, |sets| {
+            total(sets, |two| two.inserted)
+        })
+        .column("gaps_2r", "gaps, 2 r", 6, |sets| {
+            total(sets, |two| two.holes)
+        })
+        .column("gaps_2r_per_million", "gaps a million, 2 r", 4, |sets| {
+            share(
+                total(sets, |two| two.holes) as f64,
+                total(sets, |two| two.count),
+            )
+        })
+        .column("places_2r", "centres, 2 r", 6, |sets| {
+            sets.iter().map(|one| one.two.places).sum::<u64>()
+        })
+        .column("out_of_sight", "out of sight", 6, |sets| {
+            total(sets, |two| two.out_of_sight)
+        })
+        .column("area_2r", "area of gaps, r^2", 3, |sets| {
+            sets.iter().map(|one| one.two.area).sum::<f64>()
+        })
+        .column("covering_2r", "covering radius, 2 r", 7, |sets| {
+            most(sets, |one| one.two.covering_radius)
+        })
+        .column("gaps_4r", "gaps, 4 r", 6, |sets| {
+            sets.iter().map(|one| one.four.holes).sum::<usize>()
+        })
+        .column("covering_4r", "covering radius, 4 r", 7, |sets| {
+            most(sets, |one| one.four.covering_radius)
+        })
 }
 
 /// Returns the numbers of each leaf, over its sets.
-pub fn by_leaf(found: &[Found]) -> Table {
-    let mut rows = Vec::new();
-    for printed in [true, false] {
-        for leaf in leaves(found) {
-            let sets = of(found, leaf, printed);
-            let mut row: Vec<Cell> = vec![variant(printed).into(), leaf.into(), sets.len().into()];
-            row.extend(cells(&sets));
-            rows.push(row);
-        }
-    }
-    let first = [
-        ("variant", "variant", 3),
-        ("leaf_r", "leaf, r", 3),
-        ("sets", "sets", 3),
-    ];
-    table(
-        "leaves",
-        "Gaps left by looking 2 r and 4 r far",
-        &first,
-        rows,
-    )
+pub fn by_leaf(found: &[GapStatistics]) -> Table {
+    let leaves = leaves(found);
+    let leaves = |printed| leaves.iter().map(move |leaf| of(found, *leaf, printed));
+    let names = ["leaves", "Gaps left by looking 2 r and 4 r far"];
+    let rows = leaves(true).chain(leaves(false));
+    sums(names, rows, ("sets", 3, |sets| sets.len() as u64)).shown()
 }
 
 /// Returns the numbers of every seed.
-pub fn by_set(found: &[Found]) -> Table {
-    let row = |one: &Found| {
-        let mut row: Vec<Cell> = vec![
-            variant(one.printed).into(),
-            one.leaf.into(),
-            one.seed.into(),
-        ];
-        row.extend(cells(&[one]));
-        row
-    };
-    let first = [
-        ("variant", "variant", 3),
-        ("leaf_r", "leaf, r", 3),
-        ("seed", "seed", 6),
-    ];
-    let rows = found.iter().map(row).collect();
-    table("sets", "Every seed", &first, rows)
+pub fn by_set(found: &[GapStatistics]) -> Table {
+    let rows = found.iter().map(|one| vec![one]);
+    sums(
+        ["sets", "Every seed"],
+        rows,
+        ("seed", 6, |sets| sets[0].seed),
+    )
+    .hidden()
 }
 
 #[cfg(test)]

@@ -2,19 +2,19 @@ use super::*;
 use crate::experiment::Experiment;
 use crate::study::tests::quick_run;
 
-fn judged(holes: usize) -> Judged {
-    Judged {
+fn judged(holes: usize) -> GapCounts {
+    GapCounts {
         count: ENOUGH,
         inserted: 30,
         holes,
         places: holes as u64,
         covering_radius: if holes > 0 { 1.05 } else { 1.0 },
-        ..Judged::default()
+        ..GapCounts::default()
     }
 }
 
-fn found(printed: bool, two: usize, four: usize) -> Found {
-    Found {
+fn found(printed: bool, two: usize, four: usize) -> GapStatistics {
+    GapStatistics {
         leaf: 20.0,
         printed,
         index: 0,
@@ -27,7 +27,7 @@ fn found(printed: bool, two: usize, four: usize) -> Found {
 #[test]
 fn one_gap_decides_and_only_where_it_is() {
     use Verdict::{NotComparable, NotReproduced, Reproduced};
-    let verdicts = |found: &[Found]| {
+    let verdicts = |found: &[GapStatistics]| {
         let claims = claims(found);
         claims.iter().map(|claim| claim.verdict).collect::<Vec<_>>()
     };
@@ -45,7 +45,7 @@ fn one_gap_decides_and_only_where_it_is() {
         .collect();
     assert_eq!(places[..2], ["section 3.2.2"; 2]);
     assert_eq!(places[2..], ["beyond the paper"; 2]);
-    let ours = |found: &[Found]| claims(found)[2].ours.clone();
+    let ours = |found: &[GapStatistics]| claims(found)[2].ours.clone();
     assert!(
         ours(&clean).starts_with("no gap in 1 sets of 1"),
         "{}",
@@ -77,9 +77,9 @@ fn a_hole_that_was_made_is_found_with_its_sites() {
     let settings = Settings::default();
     crate::study::tests::alone(&settings, |control| {
         let (mut set, inserted) = make(&square(2_000.0, 10.0), Search::Complete, control)?;
-        assert_eq!(Judged::of(&set, inserted, control)?.holes, 0);
+        assert_eq!(GapCounts::of(&set, inserted, control)?.holes, 0);
         let lost = set.points.remove(700);
-        let judged = Judged::of(&set, inserted, control)?;
+        let judged = GapCounts::of(&set, inserted, control)?;
         assert!(judged.holes >= 1 && judged.places >= judged.holes as u64);
         let near = |at: [f64; 2]| (at[0] - lost[0]).hypot(at[1] - lost[1]) < 1.0;
         assert!(judged.worst.iter().all(|witness| near(witness.center)));

@@ -32,14 +32,14 @@ impl Witness {
 }
 
 /// The samples of a set by cell; cells are no shorter than the largest distance that is asked for.
-pub struct Near<'a> {
+pub struct CellIndex<'a> {
     set: &'a Set,
     period: [f64; 2],
     counts: [usize; 2],
     cells: Vec<Vec<[f64; 2]>>,
 }
 
-impl<'a> Near<'a> {
+impl<'a> CellIndex<'a> {
     pub fn of(set: &'a Set, reach: f64) -> Self {
         let period = [set.region.width, set.region.height];
         let mut near = Self {
@@ -126,7 +126,7 @@ mod tests {
                 region,
                 radius: 0.8,
             };
-            let witness = Near::of(&set, 1.0).witness([0.0, 0.0], 0.9);
+            let witness = CellIndex::of(&set, 1.0).witness([0.0, 0.0], 0.9);
             let expected = [[0.0, -0.9], [0.9, 0.0], [-0.9, 0.0]];
             for (site, expected) in witness.sites.iter().zip(expected) {
                 let off = (site[0] - expected[0]).hypot(site[1] - expected[1]);

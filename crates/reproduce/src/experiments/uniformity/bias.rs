@@ -2,28 +2,28 @@
 
 use tilescope_analysis::measures::{Deviation, Uniformity, student_quantile};
 
-use super::counted::OneSeed;
-use super::subject::{BANDS, LEVEL, Off};
+use super::counted::SeedCounts;
+use super::subject::{BANDS, DensityOffset, LEVEL};
 
 /// What intervals miss, of one statement or of several together.
 pub const MISSED: f64 = 1.0 - LEVEL;
 
 /// Density within 1 r of blocks' borders by circumcentres, less that by uniform insertion: same seeds, patterns and blocks.
 #[derive(Clone, Copy, Debug)]
-pub struct Paired {
+pub struct PairedBias {
     /// The difference, in shares of the reference sampler's density.
-    pub difference: Off,
+    pub difference: DensityOffset,
     /// In standard deviations of the difference of a pair.
     pub effect: f64,
     /// The share of the excess by circumcentres that uniform insertion does not have.
-    pub removed: Off,
+    pub removed: DensityOffset,
 }
 
-impl Paired {
-    pub fn of(seeds: &[OneSeed]) -> Self {
+impl PairedBias {
+    pub fn of(seeds: &[SeedCounts]) -> Self {
         let sets = seeds.len() as f64;
         let near = |classes: &[u64]| classes[..BANDS[1]].iter().sum::<u64>() as f64;
-        let share = |seed: &OneSeed| seed.block_shares[..BANDS[1]].iter().sum::<f64>();
+        let share = |seed: &SeedCounts| seed.block_shares[..BANDS[1]].iter().sum::<f64>();
         let mean = seeds
             .iter()
             .map(|seed| seed.reference.count as f64)
@@ -52,7 +52,7 @@ impl Paired {
         };
         let off = |relative: f64, deviation: f64| {
             let reach = quantile * deviation / sets.sqrt();
-            Off {
+            DensityOffset {
                 relative,
                 interval: [relative - reach, relative + reach],
             }
@@ -72,7 +72,7 @@ impl Paired {
 
 /// How far the true shares of classes are from uniform, once the noise that the spread between sets predicts is taken off.
 #[derive(Clone, Copy, Debug)]
-pub struct Bias {
+pub struct ClassBias {
     /// Root mean square relative deviation, and an interval for it.
     pub rms: f64,
     pub interval: [f64; 2],
@@ -81,7 +81,7 @@ pub struct Bias {
 }
 
 /// Returns the bias of counts of at least two runs; its interval misses it with probability `missed`.
-pub fn bias(test: &Uniformity, missed: f64) -> Bias {
+pub fn bias(test: &Uniformity, missed: f64) -> ClassBias {
     let classes = test.deviations.len() as f64;
     let quantile = student_quantile(MISSED, test.runs as f64 - 1.0);
     let noise =
@@ -99,7 +99,7 @@ pub fn bias(test: &Uniformity, missed: f64) -> Bias {
     let error = ((2.0 * noise.powi(2) + 4.0 * noise * excess.max(0.0)) / classes).sqrt();
     let reach = student_quantile(missed, f64::INFINITY) * error;
     let root = |square: f64| square.max(0.0).sqrt();
-    Bias {
+    ClassBias {
         rms: root(excess),
         interval: [root(excess - reach), root(excess + reach)],
         sigmas: excess / alone,
@@ -172,10 +172,11 @@ mod tests {
                 (0.004 + 0.004 * (draws.next() - 0.5), 0.04 + both)
             })
             .collect();
-        let paired = Paired::from_pairs(&pairs);
-        assert!(paired.difference.beyond(0.0) && paired.difference.within(0.006));
+        let paired = PairedBias::from_pairs(&pairs);
+        let [low, high] = paired.difference.interval;
+        assert!(low > 0.0 && high <= 0.006);
         assert!((paired.removed.interval[0]..=paired.removed.interval[1]).contains(&0.1));
         let none: Vec<(f64, f64)> = pairs.iter().map(|pair| (pair.0 - 0.004, pair.1)).collect();
-        assert!(Paired::from_pairs(&none).difference.around_zero());
+        assert!(PairedBias::from_pairs(&none).difference.around_zero());
     }
 }

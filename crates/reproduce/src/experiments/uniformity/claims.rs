@@ -1,18 +1,19 @@
-//! The claims of equation 1 and their verdicts, from what was counted. It measures nothing.
+//! The claims of equation 1 and their verdicts, from what was counted.
 
 use super::CELL;
 use super::counted::MOVED;
-use super::subject::{Found, JUDGED, Off, Subject};
-use crate::numbers::number;
+use super::subject::{DensityOffset, JUDGED, SamplerUniformity, UniformityResults};
+use crate::numbers::{chance, number};
 use crate::outcome::{BEYOND, Claim, Verdict};
+use crate::rule::Rule;
 
 /// Deeper than this many radii lies no conflict; the second of the bands' borders.
 const INTERIOR: f64 = 3.0;
-/// A density this far from the reference sampler's is none at all, whatever the number of sets.
+/// Deviations up to this from the reference sampler's density are treated as zero, whatever the number of sets.
 const NEGLIGIBLE: f64 = 0.005;
 /// An interval that reaches further than this to either side contains too much to say that two densities are alike.
 const TELLING: f64 = 0.02;
-/// Of fewer inserted samples ranks do not say that none is preferred.
+/// Fewer inserted samples cannot show that no rank is preferred.
 const RANKED: u64 = 1000;
 /// Below this probability counts are not uniform.
 const UNLIKELY: f64 = 1e-3;
@@ -20,13 +21,12 @@ const UNLIKELY: f64 = 1e-3;
 const EVEN: f64 = 0.01;
 
 fn percent(share: f64) -> String {
-    format!("{} %", number(100.0 * share, 3))
+    crate::numbers::percent(share, 3)
 }
 
 /// Returns a deviation, with its sign.
 fn signed(share: f64) -> String {
-    let sign = if share > 0.0 { "+" } else { "" };
-    format!("{sign}{}", percent(share))
+    format!("{} %", crate::numbers::signed(100.0 * share, 3))
 }
 
 fn between(interval: [f64; 2]) -> String {
@@ -34,21 +34,16 @@ fn between(interval: [f64; 2]) -> String {
 }
 
 /// Returns a deviation with its interval.
-fn told(off: &Off) -> String {
+fn told(off: &DensityOffset) -> String {
     format!("{} (99 %: {})", signed(off.relative), between(off.interval))
 }
 
-/// Returns a probability; numbers end before the smallest ones do.
-fn chance(probability: f64) -> String {
-    if probability < 1e-300 {
-        "below 1e-300".to_owned()
-    } else {
-        number(probability, 2)
-    }
+fn within(off: &DensityOffset, limit: f64) -> Verdict {
+    Rule::near(0.0, limit).verdict(Some(off.interval))
 }
 
-pub fn claims(found: &Found) -> Vec<Claim> {
-    let Found {
+pub fn claims(found: &UniformityResults) -> Vec<Claim> {
+    let UniformityResults {
         reference,
         moved,
         circumcentre,
@@ -76,71 +71,47 @@ pub fn claims(found: &Found) -> Vec<Claim> {
 }
 
 fn claim(claim: &str, paper: &str, ours: String, verdict: Verdict, reason: String) -> Claim {
-    Claim {
-        claim: claim.to_owned(),
-        place: "equation 1, section 5.1".to_owned(),
-        paper: paper.to_owned(),
-        ours,
-        verdict,
-        reason,
-    }
+    let names = [claim, "equation 1, section 5.1", paper];
+    Claim::new(names, ours, verdict, reason)
 }
 
-fn beyond(name: &str, ours: String, verdict: Verdict, reason: String) -> Claim {
-    Claim {
-        place: BEYOND.to_owned(),
-        ..claim(name, "not in the paper", ours, verdict, reason)
-    }
+fn beyond(claim: &str, ours: String, verdict: Verdict, reason: String) -> Claim {
+    let names = [claim, BEYOND, "not in the paper"];
+    Claim::new(names, ours, verdict, reason)
 }
 
-/// What is known of all places together.
-struct Places {
-    worst: (&'static str, Off),
-    verdict: Verdict,
+/// Returns the verdict on all places together: bands, strips and cells of sets that need no control.
+fn even(ours: &SamplerUniformity) -> Verdict {
+    let cells = Rule::Within([f64::NEG_INFINITY, EVEN]).verdict(Some(ours.grid().interval));
+    let places = ours.places().into_iter();
+    Verdict::of_all(places.map(|(_, off)| within(&off, EVEN)).chain([cells]))
 }
 
-impl Places {
-    /// The bands, strips and cells of sets that need no control.
-    fn of(ours: &Subject) -> Self {
-        let places = ours.places();
-        let grid = ours.grid();
-        let uneven = grid.interval[0] > EVEN || places.iter().any(|(_, off)| off.beyond(EVEN));
-        let even = grid.interval[1] <= EVEN && places.iter().all(|(_, off)| off.within(EVEN));
-        let worst = places
-            .into_iter()
-            .max_by(|a, b| a.1.relative.abs().total_cmp(&b.1.relative.abs()));
-        let nothing = Off {
-            relative: f64::NAN,
-            interval: [f64::NAN; 2],
-        };
-        Self {
-            worst: worst.unwrap_or(("nowhere", nothing)),
-            verdict: match (even, uneven) {
-                (true, _) => Verdict::Reproduced,
-                (_, true) => Verdict::NotReproduced,
-                _ => Verdict::NotComparable,
-            },
-        }
-    }
+/// Returns the band or strip that is furthest from the sets' mean, in words.
+fn worst(ours: &SamplerUniformity) -> (&'static str, String) {
+    let far = |(_, off): &(&str, DensityOffset)| off.relative.abs();
+    let places = ours.places().into_iter();
+    let worst = places.max_by(|a, b| far(a).total_cmp(&far(b)));
+    worst.map_or(("nowhere", String::new()), |(name, off)| (name, told(&off)))
 }
 
 /// Returns whether sets that have no bias show none: neither in cells nor in any band or strip.
-fn clean(reference: &Subject) -> bool {
+fn clean(reference: &SamplerUniformity) -> bool {
     let grid = reference.grid().interval;
-    let even = |off: &Off| off.around_zero() || off.within(NEGLIGIBLE);
+    let even =
+        |off: &DensityOffset| off.around_zero() || within(off, NEGLIGIBLE) == Verdict::Reproduced;
     (grid[0] <= 0.0 || grid[1] <= NEGLIGIBLE) && reference.places().iter().all(|(_, off)| even(off))
 }
 
 /// Places of the domain.
-fn everywhere(how: &str, [reference, moved, ours]: [&Subject; 3]) -> Claim {
-    let found = Places::of(ours);
+fn everywhere(how: &str, [reference, moved, ours]: [&SamplerUniformity; 3]) -> Claim {
     let seen = moved.grid().interval[0] > EVEN && clean(reference);
     let verdict = if seen {
-        found.verdict
+        even(ours)
     } else {
         Verdict::NotComparable
     };
-    let (name, worst) = found.worst;
+    let (name, worst) = worst(ours);
     let grid = ours.grid();
     claim(
         &format!("Every place of the domain is as likely to hold a sample ({how}; worst {name})"),
@@ -148,7 +119,7 @@ fn everywhere(how: &str, [reference, moved, ours]: [&Subject; 3]) -> Claim {
         format!(
             "{name}: {} from the sets' mean; {} cells of about {CELL} r: bias {} (99 %: {} to {}), {} standard deviations above noise; \
              Cramer's V {}, {} for the reference sampler",
-            told(&worst),
+            worst,
             ours.cells.deviations.len(),
             percent(grid.rms),
             percent(grid.interval[0]),
@@ -162,8 +133,8 @@ fn everywhere(how: &str, [reference, moved, ours]: [&Subject; 3]) -> Claim {
     )
 }
 
-fn everywhere_rule(reference: &Subject, moved: &Subject) -> String {
-    let (name, worst) = Places::of(reference).worst;
+fn everywhere_rule(reference: &SamplerUniformity, moved: &SamplerUniformity) -> String {
+    let (name, worst) = worst(reference);
     format!(
         "Judged by eight bands and strips along borders, not narrower than 1 r, and by the root mean square deviation of cells \
          without the noise that the spread between sets predicts; the {JUDGED} intervals hold together with 99 % confidence. \
@@ -174,22 +145,22 @@ fn everywhere_rule(reference: &Subject, moved: &Subject) -> String {
         percent(moved.grid().rms),
         percent(NEGLIGIBLE),
         percent(reference.grid().rms),
-        told(&worst),
+        worst,
         even = percent(EVEN),
     )
 }
 
 /// The border of a periodic domain.
-fn frame(reference: &Subject, ours: &Subject) -> Claim {
-    let [here, control] = [ours, reference].map(Subject::frame);
+fn frame(reference: &SamplerUniformity, ours: &SamplerUniformity) -> Claim {
+    let [here, control] = [ours, reference].map(SamplerUniformity::frame);
     beyond(
         "A periodic domain has no special places",
         format!(
             "density within 1 r of the domain's border: {} from the reference sampler's",
             told(&here)
         ),
-        if control.around_zero() && (here.tells(TELLING) || !here.around_zero()) {
-            Verdict::of(here.around_zero())
+        if control.around_zero() {
+            there(&[here]).opposite()
         } else {
             Verdict::NotComparable
         },
@@ -204,12 +175,13 @@ fn frame(reference: &Subject, ours: &Subject) -> Claim {
 }
 
 /// Which side of the border of a periodic domain has more samples.
-fn sides(order: &str, reference: &Subject, ours: &Subject) -> Claim {
-    let even = |subject: &Subject| {
+fn sides(order: &str, reference: &SamplerUniformity, ours: &SamplerUniformity) -> Claim {
+    let even = |subject: &SamplerUniformity| {
         let [after, before] = subject.sides();
         after.interval[0] <= before.interval[1] && before.interval[0] <= after.interval[1]
     };
     let [after, before] = ours.sides();
+    let telling = after.tells(TELLING) && before.tells(TELLING);
     beyond(
         &format!("Both sides of a border have as many samples ({order})"),
         format!(
@@ -217,13 +189,7 @@ fn sides(order: &str, reference: &Subject, ours: &Subject) -> Claim {
             told(&after),
             told(&before)
         ),
-        if even(reference)
-            && ([after, before].iter().all(|side| side.tells(TELLING)) || !even(ours))
-        {
-            Verdict::of(even(ours))
-        } else {
-            Verdict::NotComparable
-        },
+        Verdict::if_known(even(reference) && (telling || !even(ours)), even(ours)),
         format!(
             "Confirmed if the two intervals meet, as they must for the reference sampler, and reach no further than {} to either side; refuted \
              if they do not meet. By index, of two samples in conflict the one of the block with the lower index stays; indices rise with \
@@ -234,10 +200,10 @@ fn sides(order: &str, reference: &Subject, ours: &Subject) -> Claim {
 }
 
 /// Where no clip overlaps.
-fn interior(reference: &Subject, ours: &Subject) -> Claim {
+fn interior(reference: &SamplerUniformity, ours: &SamplerUniformity) -> Claim {
     let [.., deep] = ours.bands();
     let [.., control] = reference.bands();
-    let even = control.around_zero() || control.within(NEGLIGIBLE);
+    let clean = control.around_zero() || within(&control, NEGLIGIBLE) == Verdict::Reproduced;
     claim(
         "The method is biased in the conflict area only",
         "bias in the conflict area",
@@ -245,10 +211,8 @@ fn interior(reference: &Subject, ours: &Subject) -> Claim {
             "density deeper than {INTERIOR} r in a block: {} from the reference sampler's",
             told(&deep)
         ),
-        if even && deep.within(NEGLIGIBLE) {
-            Verdict::Reproduced
-        } else if even && deep.beyond(NEGLIGIBLE) {
-            Verdict::NotReproduced
+        if clean {
+            within(&deep, NEGLIGIBLE)
         } else {
             Verdict::NotComparable
         },
@@ -263,7 +227,7 @@ fn interior(reference: &Subject, ours: &Subject) -> Claim {
 }
 
 /// Where clips overlap.
-fn border(how: &str, ours: &Subject) -> Claim {
+fn border(how: &str, ours: &SamplerUniformity) -> Claim {
     let [near, middle, _] = ours.bands().map(|band| band.among(2, ours.sets));
     let worst = ours.worst_block_class();
     claim(
@@ -286,18 +250,16 @@ fn border(how: &str, ours: &Subject) -> Claim {
 }
 
 /// Whether there is a deviation: intervals that contain zero deny it only if they are not wide.
-fn there(each: &[Off]) -> Verdict {
-    if each.iter().any(|off| !off.around_zero()) {
-        Verdict::Reproduced
-    } else if each.iter().all(|off| off.tells(TELLING)) {
-        Verdict::NotReproduced
-    } else {
-        Verdict::NotComparable
-    }
+fn there(each: &[DensityOffset]) -> Verdict {
+    let nowhere = |off: &DensityOffset| {
+        let there = Rule::NotZero(TELLING).verdict(Some(off.interval));
+        there.opposite()
+    };
+    Verdict::of_all(each.iter().map(nowhere)).opposite()
 }
 
 /// What the place of an inserted sample adds to the bias in density.
-fn deterministic(found: &Found) -> Claim {
+fn deterministic(found: &UniformityResults) -> Claim {
     let pair = &found.paired;
     claim(
         "Deterministic insertion introduces bias (density near borders, against uniform insertion)",
@@ -320,7 +282,7 @@ fn deterministic(found: &Found) -> Claim {
 }
 
 /// Whether there is a bias without deterministic insertion.
-fn removes(found: &Found) -> Claim {
+fn removes(found: &UniformityResults) -> Claim {
     let [with, without] = [&found.circumcentre, &found.uniform].map(|subject| subject.bands()[0]);
     let removed = &found.paired.removed;
     beyond(
@@ -334,13 +296,7 @@ fn removes(found: &Found) -> Claim {
             number(100.0 * removed.interval[0], 2),
             number(100.0 * removed.interval[1], 2),
         ),
-        if without.within(NEGLIGIBLE) {
-            Verdict::Reproduced
-        } else if without.beyond(NEGLIGIBLE) {
-            Verdict::NotReproduced
-        } else {
-            Verdict::NotComparable
-        },
+        within(&without, NEGLIGIBLE),
         format!(
             "Confirmed if the interval of uniform insertion lies within {even}, refuted if it lies beyond {even}. What is left comes \
              from resolving conflicts, which both have in common.",
@@ -349,7 +305,7 @@ fn removes(found: &Found) -> Claim {
     )
 }
 
-fn farthest(ours: &Subject) -> Claim {
+fn farthest(ours: &SamplerUniformity) -> Claim {
     let (probability, effect) = ours.ranks();
     beyond(
         "Within gaps, circumcentres are the farthest places (by construction)",
@@ -365,16 +321,15 @@ fn farthest(ours: &Subject) -> Claim {
     )
 }
 
-fn unbiased(ours: &Subject) -> Claim {
+fn unbiased(ours: &SamplerUniformity) -> Claim {
     let (probability, effect) = ours.ranks();
     beyond(
         "Uniform insertion has no bias within gaps",
         rank_words(ours),
-        if probability >= UNLIKELY && ours.rank_count() < RANKED {
-            Verdict::NotComparable
-        } else {
-            Verdict::of(probability >= UNLIKELY)
-        },
+        Verdict::if_known(
+            probability < UNLIKELY || ours.rank_count() >= RANKED,
+            probability >= UNLIKELY,
+        ),
         format!(
             "Confirmed if uniform ranks of at least {RANKED} samples have a probability of at least {UNLIKELY} (it is {}); the effect is V = {}.",
             chance(probability),
@@ -383,7 +338,7 @@ fn unbiased(ours: &Subject) -> Claim {
     )
 }
 
-fn rank_words(ours: &Subject) -> String {
+fn rank_words(ours: &SamplerUniformity) -> String {
     let [low, high] = ours.extreme_ranks();
     format!(
         "of {} inserted samples {} are among the tenth of their gap nearest to other samples, {} among the farthest",
@@ -399,7 +354,7 @@ mod tests {
 
     #[test]
     fn wide_intervals_around_zero_deny_nothing() {
-        let off = |relative: f64, reach: f64| Off {
+        let off = |relative: f64, reach: f64| DensityOffset {
             relative,
             interval: [relative - reach, relative + reach],
         };

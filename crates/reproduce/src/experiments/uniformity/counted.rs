@@ -23,7 +23,7 @@ pub const MOVED: f64 = 0.05;
 
 /// Counts of one set.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
-pub struct Counted {
+pub struct SetCounts {
     pub count: u64,
     /// By cell of the domain.
     pub cells: Vec<u64>,
@@ -42,20 +42,20 @@ pub struct Counted {
 
 /// Counts of the sets of one seed, and each class's share of the area.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct OneSeed {
-    pub reference: Counted,
+pub struct SeedCounts {
+    pub reference: SetCounts,
     /// The reference set with a bias put in.
-    pub moved: Counted,
-    pub circumcentre: Counted,
-    pub uniform: Counted,
+    pub moved: SetCounts,
+    pub circumcentre: SetCounts,
+    pub uniform: SetCounts,
     /// Circumcentres again, samples eliminated in random order.
-    pub random: Counted,
+    pub random: SetCounts,
     pub block_shares: Vec<f64>,
     pub domain_shares: Vec<f64>,
     pub side_shares: Vec<f64>,
 }
 
-impl OneSeed {
+impl SeedCounts {
     /// Makes and counts the sets of one seed. The reference set is held against the blocks of the others, of which it
     /// knows nothing.
     pub fn of(
@@ -81,7 +81,7 @@ impl OneSeed {
         let domain = circumcentre.domain;
         let own = seed ^ (1 << 40);
         let reference = reference_sample(domain, own, &mut control.observer())?;
-        let eye = Eye::of(&circumcentre, cells);
+        let eye = Counter::of(&circumcentre, cells);
         let survivors = survivors(&circumcentre);
         let gaps = Gaps::of(&survivors, region(&domain), domain.radius())?;
         Ok(Self {
@@ -125,7 +125,7 @@ fn moved(domain: &Domain, points: &[Point]) -> Vec<Point> {
 }
 
 /// What counts.
-struct Eye {
+struct Counter {
     domain: Domain,
     /// Cells along each side of the domain.
     cells: usize,
@@ -133,7 +133,7 @@ struct Eye {
     rects: Vec<Rect>,
 }
 
-impl Eye {
+impl Counter {
     /// Counts by the blocks of a run.
     fn of(run: &Run, cells: usize) -> Self {
         Self {
@@ -143,7 +143,7 @@ impl Eye {
         }
     }
 
-    fn count(&self, points: &[Point]) -> Result<Counted, ReproduceError> {
+    fn count(&self, points: &[Point]) -> Result<SetCounts, ReproduceError> {
         let classes = PositionClasses {
             region: region(&self.domain),
             columns: self.cells,
@@ -151,13 +151,13 @@ impl Eye {
         };
         let user = |p: &Point| self.domain.user_from_lattice(*p);
         let positions: Vec<[f64; 2]> = points.iter().map(user).collect();
-        Ok(Counted {
+        Ok(SetCounts {
             count: points.len() as u64,
             cells: classes.counts(&positions)?,
             blocks: depths(points, &self.rects)?,
             domain: depths(points, &[self.domain.rect()])?,
             sides: sides(&self.domain, points),
-            ..Counted::default()
+            ..SetCounts::default()
         })
     }
 
@@ -166,7 +166,7 @@ impl Eye {
         points: &[Point],
         what: &str,
         control: &Control<'_>,
-    ) -> Result<Counted, ReproduceError> {
+    ) -> Result<SetCounts, ReproduceError> {
         Set::of(&self.domain, points).verified(what, control)?;
         self.count(points)
     }
@@ -176,7 +176,7 @@ impl Eye {
         run: &Run,
         gaps: &Gaps<'_>,
         control: &Control<'_>,
-    ) -> Result<Counted, ReproduceError> {
+    ) -> Result<SetCounts, ReproduceError> {
         let seed = run.parameters.seed;
         let what = format!("{:?}, seed {seed}", run.parameters.insertion);
         let counted = self.verified(&run.points(), &what, control)?;
@@ -188,7 +188,7 @@ impl Eye {
         let user = |p: &Point| self.domain.user_from_lattice(*p);
         let places: Vec<[f64; 2]> = inserted.iter().map(user).collect();
         let ranked = gaps.ranked(&places, seed);
-        Ok(Counted {
+        Ok(SetCounts {
             inserted: depths(&inserted, &self.rects)?,
             ranks: ranked.classes,
             skipped: ranked.skipped,
@@ -247,9 +247,9 @@ fn shares(rects: &[Rect]) -> Vec<f64> {
 
 /// Joins the counts of all seeds.
 pub fn joined(
-    seeds: &[OneSeed],
-    counts: impl Fn(&OneSeed) -> Vec<u64>,
-    shares: impl Fn(&OneSeed) -> Vec<f64>,
+    seeds: &[SeedCounts],
+    counts: impl Fn(&SeedCounts) -> Vec<u64>,
+    shares: impl Fn(&SeedCounts) -> Vec<f64>,
 ) -> Result<ClassCounts, ReproduceError> {
     let mut all = ClassCounts::new(seeds.first().map_or(1, |seed| counts(seed).len()))?;
     for seed in seeds {

@@ -1,20 +1,25 @@
-//! Charts and tables of what was counted. They show and decide nothing.
+//! Charts, maps and tables of what was counted.
 
-use tilescope_analysis::measures::Uniformity;
-use tilescope_figures::chart::{Axis, Level, LineChart, Panel, Series};
+use tilescope_analysis::measures::{Deviation, Uniformity};
+use tilescope_figures::Bitmap;
+use tilescope_figures::chart::{
+    Axis, ColorScale, Level, LineChart, Panel, Series, TileChart, TileContent,
+};
 
 use super::counted::EDGES;
-use super::maps::maps;
-use super::subject::{Found, Subject};
+use super::gaps::CLASSES;
+use super::subject::{DensityOffset, SamplerUniformity, UniformityResults};
 use crate::error::ReproduceError;
-use crate::experiments::common::{chart, columns, curve, picture};
-use crate::outcome::{Cell, Picture, Table};
+use crate::experiments::common::{chart, curve, picture};
+use crate::numbers::{number, signed};
+use crate::outcome::{Picture, Table};
+use crate::table::table;
 
 /// Largest distance from a border that charts show, in radii.
 const FAR: f64 = 10.0;
 
-pub fn pictures(found: &Found, cells: usize) -> Result<Vec<Picture>, ReproduceError> {
-    let Found {
+pub fn pictures(found: &UniformityResults, cells: usize) -> Result<Vec<Picture>, ReproduceError> {
+    let UniformityResults {
         reference,
         circumcentre,
         uniform,
@@ -51,10 +56,10 @@ fn middle(class: usize) -> Option<f64> {
 
 fn chart_of(
     title: &str,
-    subjects: &[(usize, &Subject)],
-    pick: fn(&Subject) -> &Uniformity,
+    subjects: &[(usize, &SamplerUniformity)],
+    pick: fn(&SamplerUniformity) -> &Uniformity,
 ) -> LineChart {
-    let series = |&(number, subject): &(usize, &Subject)| {
+    let series = |&(number, subject): &(usize, &SamplerUniformity)| {
         let (mut points, mut band) = (Vec::new(), Vec::new());
         for (class, deviation) in pick(subject).deviations.iter().enumerate() {
             if let Some(x) = middle(class) {
@@ -78,8 +83,8 @@ fn chart_of(
     chart
 }
 
-fn ranks(subjects: &[(usize, &Subject)]) -> LineChart {
-    let series = |&(number, subject): &(usize, &Subject)| {
+fn ranks(subjects: &[(usize, &SamplerUniformity)]) -> LineChart {
+    let series = |&(number, subject): &(usize, &SamplerUniformity)| {
         let inside = subject.inside.as_ref()?;
         let classes = inside.deviations.len() as f64;
         let place = |class: usize| (class as f64 + 0.5) / classes;
@@ -109,8 +114,8 @@ fn ranks(subjects: &[(usize, &Subject)]) -> LineChart {
     chart
 }
 
-fn inserted(subjects: &[(usize, &Subject)]) -> LineChart {
-    let series = |&(number, subject): &(usize, &Subject)| {
+fn inserted(subjects: &[(usize, &SamplerUniformity)]) -> LineChart {
+    let series = |&(number, subject): &(usize, &SamplerUniformity)| {
         let total = subject.inserted.iter().sum::<u64>().max(1) as f64;
         let mut sum = 0;
         let mut points = vec![[0.0, 0.0]];
@@ -135,135 +140,184 @@ fn inserted(subjects: &[(usize, &Subject)]) -> LineChart {
     chart
 }
 
-pub fn tables(found: &Found) -> Vec<Table> {
+pub fn tables(found: &UniformityResults) -> Vec<Table> {
     vec![tests(found), distances(found), in_gaps(found)]
 }
 
-const TESTS: [(&str, &str, usize); 10] = [
-    ("sets_by", "sets by", 3),
-    ("classes_by", "classes by", 3),
-    ("sets", "sets", 4),
-    ("samples", "samples", 8),
-    ("classes", "classes", 4),
-    ("chi_square", "chi-square", 5),
-    ("chi_square_by_freedom", "by degree of freedom", 4),
-    ("probability", "probability", 3),
-    ("cramers_v", "Cramer's V", 3),
-    ("largest_percent", "largest deviation, %", 3),
-];
-
 /// Returns each test with its effect.
-fn tests(found: &Found) -> Table {
-    let mut rows: Vec<Vec<Cell>> = Vec::new();
-    for subject in found.all() {
+fn tests(found: &UniformityResults) -> Table {
+    let rows = found.all().into_iter().flat_map(|one| {
         let of = [
-            ("cells of the domain", Some(&subject.cells)),
-            ("distance from block borders", Some(&subject.blocks)),
-            ("distance from the domain's border", Some(&subject.domain)),
-            ("side of the domain's border", Some(&subject.sides)),
-            ("rank in the gap", subject.inside.as_ref()),
+            ("cells of the domain", Some(&one.cells)),
+            ("distance from block borders", Some(&one.blocks)),
+            ("distance from the domain's border", Some(&one.domain)),
+            ("side of the domain's border", Some(&one.sides)),
+            ("rank in the gap", one.inside.as_ref()),
         ];
-        for (name, test) in of {
-            let Some(test) = test else { continue };
-            rows.push(vec![
-                subject.name.into(),
-                name.into(),
-                test.runs.into(),
-                test.samples.into(),
-                test.deviations.len().into(),
-                test.chi_square.statistic.into(),
-                (test.chi_square.statistic / test.chi_square.freedom as f64).into(),
-                test.chi_square.probability.into(),
-                test.chi_square.cramers_v.into(),
-                (100.0 * test.largest_deviation()).into(),
-            ]);
-        }
-    }
-    Table {
-        name: "tests".to_owned(),
-        title: "Each test; probabilities as if samples were independent, which makes them too large but for ranks".to_owned(),
-        columns: columns(&TESTS),
-        rows,
-        shown: true,
-    }
+        let of = of.into_iter();
+        of.filter_map(move |(by, test)| Some((one.name, by, test?)))
+    });
+    let title = "Each test; probabilities as if samples were independent, which makes them too large but for ranks";
+    table("tests", title, rows)
+        .column("sets_by", "sets by", 3, |row| row.0)
+        .column("classes_by", "classes by", 3, |row| row.1)
+        .column("sets", "sets", 4, |row| row.2.runs)
+        .column("samples", "samples", 8, |row| row.2.samples)
+        .column("classes", "classes", 4, |row| row.2.deviations.len())
+        .column("chi_square", "chi-square", 5, |row| {
+            row.2.chi_square.statistic
+        })
+        .column("chi_square_by_freedom", "by degree of freedom", 4, |row| {
+            row.2.chi_square.statistic / row.2.chi_square.freedom as f64
+        })
+        .column("probability", "probability", 3, |row| {
+            row.2.chi_square.probability
+        })
+        .column("cramers_v", "Cramer's V", 3, |row| {
+            row.2.chi_square.cramers_v
+        })
+        .column("largest_percent", "largest deviation, %", 3, |row| {
+            100.0 * row.2.largest_deviation()
+        })
+        .shown()
 }
-
-const DISTANCES: [(&str, &str, usize); 9] = [
-    ("sets_by", "sets by", 3),
-    ("border", "border of", 3),
-    ("from_r", "from, r", 3),
-    ("observed", "samples", 8),
-    ("expected", "at the reference's density", 8),
-    ("deviation_percent", "deviation, %", 3),
-    ("low_percent", "99 % from, %", 3),
-    ("high_percent", "to, %", 3),
-    ("inserted", "inserted", 7),
-];
 
 /// Returns densities by distance from both kinds of border.
-fn distances(found: &Found) -> Table {
-    let mut rows: Vec<Vec<Cell>> = Vec::new();
-    for subject in found.all() {
-        for (name, test) in [("block", &subject.blocks), ("domain", &subject.domain)] {
-            for (class, deviation) in test.deviations.iter().enumerate() {
-                let off = subject.against(deviation);
-                let inserted = subject.inserted.get(class).filter(|_| name == "block");
-                rows.push(vec![
-                    subject.name.into(),
-                    name.into(),
-                    EDGES[class].into(),
-                    deviation.observed.into(),
-                    (deviation.expected * subject.density.recip()).into(),
-                    (100.0 * off.relative).into(),
-                    (100.0 * off.interval[0]).into(),
-                    (100.0 * off.interval[1]).into(),
-                    inserted.map_or(Cell::Missing(()), |count| (*count).into()),
-                ]);
-            }
-        }
+fn distances(found: &UniformityResults) -> Table {
+    struct Distance<'a> {
+        of: &'a SamplerUniformity,
+        border: &'static str,
+        class: usize,
+        deviation: &'a Deviation,
+        offset: DensityOffset,
     }
-    Table {
-        name: "distances".to_owned(),
-        title: "Density by distance from borders".to_owned(),
-        columns: columns(&DISTANCES),
-        rows,
-        shown: false,
-    }
+    let rows = found.all().into_iter().flat_map(|of| {
+        let borders = [("block", &of.blocks), ("domain", &of.domain)].into_iter();
+        borders.flat_map(move |(border, test)| {
+            let classes = test.deviations.iter().enumerate();
+            classes.map(move |(class, deviation)| Distance {
+                of,
+                border,
+                class,
+                deviation,
+                offset: of.against(deviation),
+            })
+        })
+    });
+    table("distances", "Density by distance from borders", rows)
+        .column("sets_by", "sets by", 3, |row| row.of.name)
+        .column("border", "border of", 3, |row| row.border)
+        .column("from_r", "from, r", 3, |row| EDGES[row.class])
+        .column("observed", "samples", 8, |row| row.deviation.observed)
+        .column("expected", "at the reference's density", 8, |row| {
+            row.deviation.expected * row.of.density.recip()
+        })
+        .column("deviation_percent", "deviation, %", 3, |row| {
+            100.0 * row.offset.relative
+        })
+        .column("low_percent", "99 % from, %", 3, |row| {
+            100.0 * row.offset.interval[0]
+        })
+        .column("high_percent", "to, %", 3, |row| {
+            100.0 * row.offset.interval[1]
+        })
+        .column("inserted", "inserted", 7, |row| {
+            let inserted = row.of.inserted.get(row.class);
+            inserted.copied().filter(|_| row.border == "block")
+        })
+        .hidden()
 }
 
-const RANKS: [(&str, &str, usize); 6] = [
-    ("sets_by", "sets by", 3),
-    ("rank_from", "rank from", 2),
-    ("observed", "samples", 7),
-    ("expected", "uniform", 7),
-    ("deviation_percent", "deviation, %", 3),
-    ("skipped", "samples without rank: gap too small", 5),
-];
-
 /// Returns inserted samples by rank.
-fn in_gaps(found: &Found) -> Table {
-    let mut rows: Vec<Vec<Cell>> = Vec::new();
-    for subject in found.all() {
-        let Some(inside) = &subject.inside else {
-            continue;
-        };
-        let classes = inside.deviations.len() as f64;
-        for (class, of) in inside.deviations.iter().enumerate() {
-            rows.push(vec![
-                subject.name.into(),
-                (class as f64 / classes).into(),
-                of.observed.into(),
-                of.expected.into(),
-                (100.0 * of.relative).into(),
-                subject.skipped.into(),
-            ]);
-        }
+fn in_gaps(found: &UniformityResults) -> Table {
+    let rows = found.all().into_iter().flat_map(|one| {
+        let ranks = one.inside.iter().flat_map(|inside| &inside.deviations);
+        ranks.enumerate().map(move |(class, of)| (one, class, of))
+    });
+    table("ranks", "Inserted samples by rank in their gap", rows)
+        .column("sets_by", "sets by", 3, |row| row.0.name)
+        .column("rank_from", "rank from", 2, |row| {
+            row.1 as f64 / CLASSES as f64
+        })
+        .column("observed", "samples", 7, |row| row.2.observed)
+        .column("expected", "uniform", 7, |row| row.2.expected)
+        .column("deviation_percent", "deviation, %", 3, |row| {
+            100.0 * row.2.relative
+        })
+        .column("skipped", "samples without rank: gap too small", 5, |row| {
+            row.0.skipped
+        })
+        .hidden()
+}
+
+/// Deviation at which colours end.
+const END: f64 = 0.1;
+/// From blue over nearly white to red, in equal steps: told apart without red or without green as well.
+const COLORS: [[u8; 3]; 5] = [
+    [5, 48, 97],
+    [67, 147, 195],
+    [247, 247, 247],
+    [214, 96, 77],
+    [103, 0, 31],
+];
+/// Maps beside each other, and the side of each in pixels.
+const MAPS: usize = 3;
+const SIDE: f64 = 380.0;
+
+/// Returns the colour of a deviation.
+fn color(deviation: f64) -> [u8; 3] {
+    let steps = (COLORS.len() - 1) as f64;
+    let at = (0.5 * (deviation / END).clamp(-1.0, 1.0) + 0.5) * steps;
+    let from = (at as usize).min(COLORS.len() - 2);
+    let part = at - from as f64;
+    [0, 1, 2].map(|k| {
+        let [a, b] = [COLORS[from][k], COLORS[from + 1][k]].map(f64::from);
+        (a + part * (b - a)).round() as u8
+    })
+}
+
+/// Returns the maps of all sets: how far each cell of the domain is from the mean.
+fn maps(found: &UniformityResults, cells: usize) -> Result<Picture, ReproduceError> {
+    let [reference, moved, others @ ..] = found.all();
+    let mut tiles = Vec::new();
+    for one in [&[reference], &others[..], &[moved]].concat() {
+        let rows = one.cells.deviations.chunks(cells).rev().flatten();
+        let colors: Vec<[u8; 3]> = rows.map(|cell| color(cell.relative)).collect();
+        tiles.push(Panel::Tile(TileChart {
+            title: one.name.to_owned(),
+            note: String::new(),
+            y: None,
+            side: Some(SIDE),
+            content: TileContent::Cells(Bitmap::rgb(cells, &colors)?),
+        }));
     }
-    Table {
-        name: "ranks".to_owned(),
-        title: "Inserted samples by rank in their gap".to_owned(),
-        columns: columns(&RANKS),
-        rows,
-        shown: false,
+    let ends = [-100.0 * END, 100.0 * END];
+    let mut rows: Vec<Vec<Panel>> = tiles.chunks(MAPS).map(<[Panel]>::to_vec).collect();
+    let deviation = |step: i32| END * f64::from(step) / 32.0;
+    let [low, high] = ends.map(|end| format!("{} %", signed(end, 2)));
+    rows[0].push(Panel::Scale(ColorScale {
+        ends: [format!("samples of a cell, from the mean: {low}"), high],
+        colors: (-32..=32).map(|step| color(deviation(step))).collect(),
+    }));
+    let caption = format!(
+        "Samples in each of {cells} x {cells} cells of the domain, against the mean: blue fewer, red more, from {} % to +{} %. \
+         The last map is the control with a bias put in.",
+        number(ends[0], 2),
+        number(ends[1], 2)
+    );
+    picture("maps", "Samples by place in the domain", caption, rows)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn colours_are_white_in_the_middle_and_end_at_the_ends() {
+        assert_eq!(color(0.0), COLORS[2]);
+        assert_eq!([color(-END), color(-1.0)], [COLORS[0]; 2]);
+        assert_eq!([color(END), color(1.0)], [COLORS[4]; 2]);
+        let [less, more] = [-0.05, 0.05].map(color);
+        assert!(less[2] > less[0] && more[0] > more[2]);
     }
 }

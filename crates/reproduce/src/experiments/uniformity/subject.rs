@@ -1,10 +1,9 @@
-//! What is found of each way to make sets: how far its counts are from uniform and from the reference sampler's.
-//! No verdict is decided here.
+//! How far the counts of each way to make sets are from uniform and from the reference sampler's.
 
 use tilescope_analysis::measures::{Deviation, Uniformity, student_quantile};
 
-use super::bias::{Bias, MISSED, Paired, bias};
-use super::counted::{Counted, EDGES, OneSeed, joined};
+use super::bias::{ClassBias, MISSED, PairedBias, bias};
+use super::counted::{EDGES, SeedCounts, SetCounts, joined};
 use super::gaps::CLASSES;
 use crate::error::ReproduceError;
 
@@ -31,18 +30,18 @@ const SIDES: [&str; 2] = [
 pub const JUDGED: usize = 1 + BLOCK_BANDS.len() + DOMAIN_BANDS.len() + SIDES.len();
 
 /// Everything that was counted.
-pub struct Found {
-    pub reference: Subject,
-    pub moved: Subject,
-    pub circumcentre: Subject,
-    pub uniform: Subject,
-    pub random: Subject,
+pub struct UniformityResults {
+    pub reference: SamplerUniformity,
+    pub moved: SamplerUniformity,
+    pub circumcentre: SamplerUniformity,
+    pub uniform: SamplerUniformity,
+    pub random: SamplerUniformity,
     /// Insertion at circumcentres against uniform insertion.
-    pub paired: Paired,
+    pub paired: PairedBias,
 }
 
 /// Sets that were made in one way.
-pub struct Subject {
+pub struct SamplerUniformity {
     pub name: &'static str,
     pub sets: u64,
     /// Samples for one of the reference sampler.
@@ -64,24 +63,14 @@ pub struct Subject {
 
 /// How far a density is from the reference sampler's.
 #[derive(Clone, Copy, Debug)]
-pub struct Off {
+pub struct DensityOffset {
     pub relative: f64,
     pub interval: [f64; 2],
 }
 
-impl Off {
+impl DensityOffset {
     pub fn around_zero(&self) -> bool {
         (self.interval[0]..=self.interval[1]).contains(&0.0)
-    }
-
-    /// Returns whether the whole interval is no further from zero than `limit`.
-    pub fn within(&self, limit: f64) -> bool {
-        self.interval.iter().all(|end| end.abs() <= limit)
-    }
-
-    /// Returns whether the whole interval is further from zero than `limit`, on one side.
-    pub fn beyond(&self, limit: f64) -> bool {
-        self.interval[0] > limit || self.interval[1] < -limit
     }
 
     /// Returns whether the interval reaches no further than `limit` from its middle.
@@ -102,22 +91,22 @@ impl Off {
     }
 }
 
-type Pick = fn(&OneSeed) -> &Counted;
+type Pick = fn(&SeedCounts) -> &SetCounts;
 
-impl Found {
-    pub fn of(seeds: &[OneSeed]) -> Result<Self, ReproduceError> {
-        let subject = |name, pick| Subject::of(name, seeds, pick);
+impl UniformityResults {
+    pub fn of(seeds: &[SeedCounts]) -> Result<Self, ReproduceError> {
+        let subject = |name, pick| SamplerUniformity::of(name, seeds, pick);
         Ok(Self {
             reference: subject("reference sampler", |seed| &seed.reference)?,
             moved: subject("reference, moved", |seed| &seed.moved)?,
             circumcentre: subject("circumcentres", |seed| &seed.circumcentre)?,
             uniform: subject("uniform insertion", |seed| &seed.uniform)?,
             random: subject("circumcentres, random order", |seed| &seed.random)?,
-            paired: Paired::of(seeds),
+            paired: PairedBias::of(seeds),
         })
     }
 
-    pub fn all(&self) -> [&Subject; 5] {
+    pub fn all(&self) -> [&SamplerUniformity; 5] {
         [
             &self.reference,
             &self.moved,
@@ -128,17 +117,17 @@ impl Found {
     }
 }
 
-impl Subject {
-    fn of(name: &'static str, seeds: &[OneSeed], pick: Pick) -> Result<Self, ReproduceError> {
+impl SamplerUniformity {
+    fn of(name: &'static str, seeds: &[SeedCounts], pick: Pick) -> Result<Self, ReproduceError> {
         let even = |classes: usize| vec![1.0 / classes as f64; classes];
-        let test = |counts: &dyn Fn(&OneSeed) -> Vec<u64>,
-                    shares: &dyn Fn(&OneSeed) -> Vec<f64>|
+        let test = |counts: &dyn Fn(&SeedCounts) -> Vec<u64>,
+                    shares: &dyn Fn(&SeedCounts) -> Vec<f64>|
          -> Result<Uniformity, ReproduceError> {
             Ok(joined(seeds, counts, shares)?.uniformity(LEVEL)?)
         };
-        let cells = |s: &OneSeed| even(s.reference.cells.len());
-        let blocks = |s: &OneSeed| s.block_shares.clone();
-        let domain = |s: &OneSeed| s.domain_shares.clone();
+        let cells = |s: &SeedCounts| even(s.reference.cells.len());
+        let blocks = |s: &SeedCounts| s.block_shares.clone();
+        let domain = |s: &SeedCounts| s.domain_shares.clone();
         let ranked = seeds.iter().any(|s| pick(s).ranks.iter().sum::<u64>() > 0);
         let ranks = || test(&|s| pick(s).ranks.clone(), &|_| even(CLASSES));
         let count = |pick: Pick| seeds.iter().map(|seed| pick(seed).count).sum::<u64>() as f64;
@@ -159,37 +148,37 @@ impl Subject {
     }
 
     /// Returns a class's density against the reference sampler's mean. Its own mean is known far better than its classes.
-    pub fn against(&self, class: &Deviation) -> Off {
+    pub fn against(&self, class: &Deviation) -> DensityOffset {
         let scaled = |relative: f64| (1.0 + relative) * self.density - 1.0;
-        Off {
+        DensityOffset {
             relative: scaled(class.relative),
             interval: class.interval.map(scaled),
         }
     }
 
     /// Returns the bands within 1 r of a block's border, within 3 r and deeper.
-    pub fn bands(&self) -> [Off; 3] {
+    pub fn bands(&self) -> [DensityOffset; 3] {
         [0, 1, 2].map(|band| self.against(&self.wide.deviations[band]))
     }
 
     /// Returns the band within 1 r of the domain's border.
-    pub fn frame(&self) -> Off {
+    pub fn frame(&self) -> DensityOffset {
         self.against(&self.frame.deviations[0])
     }
 
     /// Returns the strips of 1 r after and before the domain's border.
-    pub fn sides(&self) -> [Off; 2] {
+    pub fn sides(&self) -> [DensityOffset; 2] {
         [0, 1].map(|side| self.against(&self.sides.deviations[side]))
     }
 
     /// Returns what is judged of places besides the grid: bands and strips not narrower than 1 r, against the sets' own mean,
     /// with intervals that hold together with the grid's.
-    pub fn places(&self) -> Vec<(&'static str, Off)> {
+    pub fn places(&self) -> Vec<(&'static str, DensityOffset)> {
         let all = (self.wide.deviations.iter().zip(BLOCK_BANDS))
             .chain(self.frame.deviations.iter().zip(DOMAIN_BANDS))
             .chain(self.sides.deviations.iter().zip(SIDES));
         let own = |(class, name): (&Deviation, &'static str)| {
-            let off = Off {
+            let off = DensityOffset {
                 relative: class.relative,
                 interval: class.interval,
             };
@@ -199,7 +188,7 @@ impl Subject {
     }
 
     /// Returns the bias of the grid's cells, with an interval that holds together with those of [`Self::places`].
-    pub fn grid(&self) -> Bias {
+    pub fn grid(&self) -> ClassBias {
         bias(&self.cells, MISSED / JUDGED as f64)
     }
 
@@ -247,7 +236,7 @@ fn banded<T: Copy + std::iter::Sum>(classes: &[T]) -> Vec<T> {
     (0..BANDS.len()).map(band).collect()
 }
 
-fn total(seeds: &[OneSeed], pick: impl Fn(&OneSeed) -> &Vec<u64>) -> Vec<u64> {
+fn total(seeds: &[SeedCounts], pick: impl Fn(&SeedCounts) -> &Vec<u64>) -> Vec<u64> {
     let mut all: Vec<u64> = Vec::new();
     for seed in seeds {
         let counts = pick(seed);
@@ -272,7 +261,7 @@ mod tests {
 
     #[test]
     fn one_of_several_intervals_is_wider_and_around_the_same_place() {
-        let one = Off {
+        let one = DensityOffset {
             relative: 0.1,
             interval: [0.0, 0.2],
         };

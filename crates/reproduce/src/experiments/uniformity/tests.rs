@@ -1,5 +1,5 @@
 use super::claims::claims;
-use super::counted::{Counted, EDGES};
+use super::counted::{EDGES, SetCounts};
 use super::*;
 use crate::experiment::Experiment;
 use crate::outcome::Verdict;
@@ -21,7 +21,7 @@ struct Made {
 }
 
 /// Counts with these deviations and a noise of their own.
-fn counted(made: Made, stream: u32, index: usize) -> Counted {
+fn counted(made: Made, stream: u32, index: usize) -> SetCounts {
     let mut draws = gaps::Draws::new(stream.into(), index as u32);
     let mut noisy =
         |mean: f64| (mean + mean.sqrt() * (draws.next() + draws.next() - 1.0)).round() as u64;
@@ -50,7 +50,7 @@ fn counted(made: Made, stream: u32, index: usize) -> Counted {
     let framed = (1.0 + made.frame) / (1.0 + more);
     let domain = bands(10.0 * framed / (14.0 - 4.0 * framed) - 1.0, 0.0);
     let rank = |k: usize| 200.0 * (1.0 + made.high * (k as f64 / 4.5 - 1.0));
-    Counted {
+    SetCounts {
         count: blocks.iter().sum(),
         cells,
         domain,
@@ -73,7 +73,7 @@ fn verdicts(reference: Made, moved: Made, circumcentre: Made, uniform: Made) -> 
 
 fn with_random([reference, moved, circumcentre, uniform, random]: [Made; 5]) -> Vec<Verdict> {
     let even = vec![1.0 / EDGES.len() as f64; EDGES.len()];
-    let seed = |index: usize| OneSeed {
+    let seed = |index: usize| SeedCounts {
         reference: counted(reference, 1, index),
         moved: counted(moved, 2, index),
         circumcentre: counted(circumcentre, 3, index),
@@ -83,8 +83,8 @@ fn with_random([reference, moved, circumcentre, uniform, random]: [Made; 5]) -> 
         domain_shares: even.clone(),
         side_shares: vec![0.05, 0.05, 0.9],
     };
-    let seeds: Vec<OneSeed> = (0..SEEDS).map(seed).collect();
-    let claims = claims(&Found::of(&seeds).unwrap());
+    let seeds: Vec<SeedCounts> = (0..SEEDS).map(seed).collect();
+    let claims = claims(&UniformityResults::of(&seeds).unwrap());
     claims.iter().map(|claim| claim.verdict).collect()
 }
 
@@ -193,7 +193,7 @@ fn a_control_that_fails_says_nothing_about_places() {
 }
 
 #[test]
-fn a_quick_run_is_the_work_it_said() {
+fn a_quick_run_has_the_units_it_said() {
     let outcome = quick_run(Experiment::Uniformity, &Settings::default());
     assert_eq!(outcome.claims.len(), 12);
     assert_eq!(outcome.pictures.len(), 2);

@@ -1,10 +1,10 @@
-//! What was found of all samplers, and how two of them compare. It decides nothing.
+//! The results of each sampler, and how those of two compare.
 
 use tilescope_analysis::measures::{Summary, student_quantile};
 
-use super::horizon::Rendered;
-use super::looks::Look;
-use super::plate::Plated;
+use super::horizon::HorizonErrors;
+use super::looks::MeanSpectrum;
+use super::plate::PlateErrors;
 use super::samplers::Sampler;
 
 /// Samples per pixel from which on few pixels are without a sample, even if these are independent of each other.
@@ -14,22 +14,19 @@ pub const LEVEL: f64 = 0.95;
 
 /// Everything about one sampler.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Found {
+pub struct SamplerResults {
     pub sampler: Sampler,
-    pub name: String,
-    pub look: Option<Look>,
+    pub spectrum: MeanSpectrum,
     /// Zone plates, a set each.
-    pub plates: Vec<Plated>,
-    /// The zone plates of as many samples of KDRT as a file has, where it has fewer than the others.
-    pub beside: Vec<Plated>,
+    pub plates: Vec<PlateErrors>,
     /// Images of the horizon, by samples per pixel, a set each.
-    pub horizons: Vec<Vec<Rendered>>,
+    pub horizons: Vec<Vec<HorizonErrors>>,
 }
 
-impl Found {
+impl SamplerResults {
     /// Returns the errors of the zone plates.
     pub fn plate_errors(&self) -> Vec<f64> {
-        errors_of(&self.plates)
+        self.plates.iter().map(|plate| plate.rmse).collect()
     }
 
     /// Returns the middle of each class of local frequency and the error there, a mean over sets.
@@ -48,11 +45,11 @@ impl Found {
     }
 
     /// Returns the horizon's error by samples per pixel.
-    pub fn curve(&self) -> Vec<Place> {
-        let at = |sets: &Vec<Rendered>| {
+    pub fn curve(&self) -> Vec<HorizonPoint> {
+        let at = |sets: &Vec<HorizonErrors>| {
             let logs = Summary::of(sets.iter().map(|one| one.rmse.log10()))?;
             let reach = (logs.count > 1).then(|| spread(&logs) * quantile(logs.count));
-            Some(Place {
+            Some(HorizonPoint {
                 per_pixel: sets[0].per_pixel as f64,
                 log: logs.mean,
                 band: reach.map(|reach| [logs.mean - reach, logs.mean + reach]),
@@ -93,14 +90,9 @@ impl Found {
     }
 }
 
-/// Returns the errors of zone plates.
-pub fn errors_of(plates: &[Plated]) -> Vec<f64> {
-    plates.iter().map(|plate| plate.rmse).collect()
-}
-
 /// A place of a curve of the horizon's error.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Place {
+pub struct HorizonPoint {
     pub per_pixel: f64,
     /// Mean of the logarithm of the error to base 10.
     pub log: f64,
@@ -142,90 +134,4 @@ fn quantile(sets: usize) -> f64 {
 }
 
 #[cfg(test)]
-pub mod tests {
-    use super::*;
-
-    pub fn plated(rmse: f64, index: u64) -> Plated {
-        Plated {
-            index,
-            count: 1000,
-            side: 32,
-            empty: 0,
-            rmse,
-            below: rmse,
-            above: rmse,
-            signal_db: 1.0,
-            classes: vec![[0.1, rmse]],
-            shades: None,
-        }
-    }
-
-    pub fn rendered(rmse: f64, per_pixel: usize, index: u64) -> Rendered {
-        Rendered {
-            index,
-            per_pixel,
-            count: 1000,
-            rmse,
-            empty: 0.0,
-            shades: None,
-        }
-    }
-
-    /// A sampler whose errors scatter a little about given ones.
-    pub fn found(sampler: Sampler, plate: f64, horizon: f64, low: f64) -> Found {
-        let scatter = |error: f64, index: u64| error * (1.0 + 0.001 * index as f64);
-        let at = |per_pixel: usize| {
-            let error = horizon / (per_pixel as f64).sqrt();
-            (0..3)
-                .map(|index| rendered(scatter(error, index), per_pixel, index))
-                .collect()
-        };
-        Found {
-            sampler,
-            name: format!("{sampler:?}"),
-            look: Some(Look {
-                sets: 3,
-                count: 1000,
-                power: vec![[0.1, low], [1.0, 1.0]],
-                low,
-                picture: vec![0.0, 1.0, 1.0, 0.0],
-                reach: 2.5,
-            }),
-            plates: (0..3).map(|i| plated(scatter(plate, i), i)).collect(),
-            beside: Vec::new(),
-            horizons: [1, 4, 16].map(at).to_vec(),
-        }
-    }
-
-    #[test]
-    fn slopes_and_means_are_those_of_the_errors() {
-        let mut found = found(Sampler::Random, 0.2, 0.4, 1.0);
-        assert_eq!(found.slope(), None, "from 4 on there are two numbers");
-        let eight = rendered(0.4 * 1.001 / 8_f64.sqrt(), 8, 0);
-        found.horizons.insert(2, vec![eight]);
-        assert!((found.slope().unwrap() + 0.5).abs() < 1e-3);
-        found.horizons.remove(2);
-        assert!((found.densest()[0] - 0.1).abs() < 1e-12);
-        assert!((found.overall()[0] - 0.2).abs() < 1e-12);
-        let Place {
-            per_pixel,
-            log,
-            band,
-        } = found.curve()[0];
-        assert!((per_pixel - 1.0).abs() < 1e-12);
-        assert!((log - 0.4004_f64.log10()).abs() < 1e-4);
-        let [low, high] = band.unwrap();
-        assert!(low < log && log < high && high - low < 0.01);
-    }
-
-    #[test]
-    fn ratios_of_scattered_errors_have_wide_intervals() {
-        let narrow = Ratio::of(&[2.0, 2.02, 1.98], &[1.0, 1.01, 0.99]).unwrap();
-        let wide = Ratio::of(&[1.0, 3.0, 2.0], &[1.0, 1.01, 0.99]).unwrap();
-        let width = |ratio: Ratio| ratio.interval.map(|[low, high]| high - low);
-        assert!((narrow.value - 2.0).abs() < 0.01);
-        assert!(width(wide).unwrap() > 10.0 * width(narrow).unwrap());
-        assert_eq!(Ratio::of(&[2.0], &[1.0, 1.0]).unwrap().interval, None);
-        assert_eq!(Ratio::of(&[], &[1.0]), None);
-    }
-}
+pub mod tests;

@@ -1,0 +1,190 @@
+//! Groups of horizontal bars over one axis, each with its name before it and its value behind it, so that no legend is needed.
+
+use super::frame::HEADING;
+use super::layout::{MARGIN, WIDTH};
+use super::ticks::Ticks;
+use super::{ChartError, finite};
+use crate::fonts::{Font, text_width};
+use crate::palette::Palette;
+use crate::scene::{Anchor, Baseline, Group, Rect, Shape, Stroke, Style, Text};
+
+/// A bar.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Bar {
+    /// What is written before it.
+    pub name: String,
+    /// Its length.
+    pub value: f64,
+    /// Where a whisker begins and ends.
+    pub whisker: Option<[f64; 2]>,
+    /// What is written behind it.
+    pub text: String,
+    /// The number of its colour: bars of one kind in several groups have the same.
+    pub color: usize,
+}
+
+impl Bar {
+    fn end(&self) -> f64 {
+        let end = self.whisker.map_or(self.value, |ends| ends[1]);
+        end.max(self.value)
+    }
+}
+
+/// Bars under a heading.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BarGroup {
+    /// The heading, which may be empty.
+    pub heading: String,
+    /// The bars, from above.
+    pub bars: Vec<Bar>,
+}
+
+/// Groups of bars over one axis from zero, as wide as the figure.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BarChart {
+    /// The quantity and its unit.
+    pub label: String,
+    /// The groups, from above.
+    pub groups: Vec<BarGroup>,
+}
+
+const HEAD: f64 = 34.0;
+const LINE: f64 = 27.0;
+const THICK: f64 = 17.0;
+/// Room below a group, and below all of them for the axis.
+const GAP: f64 = 10.0;
+const AXIS: f64 = 46.0;
+const SIZE: f64 = 13.0;
+const TICK: f64 = 12.0;
+const MAX_TICKS: usize = 9;
+
+impl BarChart {
+    fn bars(&self) -> impl Iterator<Item = &Bar> {
+        self.groups.iter().flat_map(|group| &group.bars)
+    }
+
+    pub(super) fn check(&self) -> Result<(), ChartError> {
+        if self.bars().next().is_none() {
+            return Err(ChartError::Empty(self.label.clone()));
+        }
+        let ends = self.bars().flat_map(|bar| {
+            let [low, high] = bar.whisker.unwrap_or([bar.value; 2]);
+            [bar.value, low, high]
+        });
+        finite(&self.label, "the bars", ends.enumerate())
+    }
+
+    pub(super) fn height(&self) -> f64 {
+        let group = |group: &BarGroup| head(group) + LINE * group.bars.len() as f64 + GAP;
+        self.groups.iter().map(group).sum::<f64>() + AXIS
+    }
+
+    /// Returns the shapes of the bars and of the axis, below `top`.
+    pub(super) fn groups(&self, top: f64, palette: &Palette) -> Vec<Group> {
+        let widest = |text: fn(&Bar) -> &str| {
+            let widths = self
+                .bars()
+                .map(|bar| text_width(text(bar), Font::Regular, SIZE));
+            widths.fold(0.0, f64::max)
+        };
+        let left = MARGIN + widest(|bar| &bar.name) + 12.0;
+        let right = WIDTH - MARGIN - widest(|bar| &bar.text) - 12.0;
+        let most = self.bars().map(Bar::end).fold(f64::MIN_POSITIVE, f64::max);
+        let row = BarScale {
+            left,
+            scale: (right - left) / most,
+            palette,
+        };
+        let ticks = Ticks::of([0.0, most], MAX_TICKS);
+        let mut drawn = Group::new("bars");
+        let mut y = top;
+        for group in &self.groups {
+            if !group.heading.is_empty() {
+                let mut text = Text::new([MARGIN, y + 20.0], &group.heading, HEADING, palette.text);
+                text.font = Font::SemiBold;
+                drawn.shapes.push(Shape::Text(text));
+            }
+            y += head(group);
+            let end = y + LINE * group.bars.len() as f64;
+            let lines = ticks
+                .values
+                .iter()
+                .map(|value| [y, end].map(|y| [row.at(*value), y]));
+            drawn.shapes.push(Shape::Segments {
+                segments: lines.collect(),
+                stroke: Stroke::new(palette.line, 0.6),
+            });
+            for (index, bar) in group.bars.iter().enumerate() {
+                row.draw(bar, y + (index as f64 + 0.5) * LINE, &mut drawn);
+            }
+            let stroke = Stroke::new(palette.muted, 1.0);
+            drawn
+                .shapes
+                .push(Shape::line([left, y], [left, end], stroke));
+            y = end + GAP;
+        }
+        vec![drawn, row.axis(&self.label, most, &ticks, y)]
+    }
+}
+
+fn head(group: &BarGroup) -> f64 {
+    if group.heading.is_empty() { 0.0 } else { HEAD }
+}
+
+/// Where bars begin and how long a unit is.
+struct BarScale<'a> {
+    left: f64,
+    scale: f64,
+    palette: &'a Palette,
+}
+
+impl BarScale<'_> {
+    fn at(&self, value: f64) -> f64 {
+        self.left + self.scale * value.max(0.0)
+    }
+
+    /// Returns the axis below all groups.
+    fn axis(&self, label: &str, most: f64, ticks: &Ticks, y: f64) -> Group {
+        let mut group = Group::new("axis");
+        let (color, stroke) = (self.palette.muted, Stroke::new(self.palette.muted, 1.0));
+        let [left, right] = [0.0, most].map(|value| self.at(value));
+        group
+            .shapes
+            .push(Shape::line([left, y], [right, y], stroke));
+        for value in &ticks.values {
+            let x = self.at(*value);
+            group.shapes.push(Shape::line([x, y], [x, y + 5.0], stroke));
+            let mut text = Text::new([x, y + 9.0], ticks.label(*value), TICK, color);
+            (text.anchor, text.baseline) = (Anchor::Middle, Baseline::Top);
+            group.shapes.push(Shape::Text(text));
+        }
+        let mut text = Text::new([f64::midpoint(left, right), y + 40.0], label, SIZE, color);
+        text.anchor = Anchor::Middle;
+        group.shapes.push(Shape::Text(text));
+        group
+    }
+
+    fn draw(&self, bar: &Bar, middle: f64, group: &mut Group) {
+        let colors = self.palette.block_borders;
+        let [top, bottom] = [-0.5, 0.5].map(|half| middle + half * THICK);
+        group.shapes.push(Shape::Rect {
+            rect: Rect::new([self.left, top], [self.at(bar.value), bottom]),
+            style: Style::filled(colors[bar.color % colors.len()]),
+        });
+        if let Some(ends) = bar.whisker {
+            let [low, high] = ends.map(|end| self.at(end));
+            let across = |x: f64| [[x, middle - 4.0], [x, middle + 4.0]];
+            group.shapes.push(Shape::Segments {
+                segments: vec![[[low, middle], [high, middle]], across(low), across(high)],
+                stroke: Stroke::new(self.palette.text, 1.4),
+            });
+        }
+        let at = [self.left - 10.0, middle];
+        let mut name = Text::new(at, &bar.name, SIZE, self.palette.text);
+        (name.anchor, name.baseline) = (Anchor::End, Baseline::Middle);
+        let at = [self.at(bar.end()) + 8.0, middle];
+        let mut text = Text::new(at, &bar.text, SIZE, self.palette.muted);
+        text.baseline = Baseline::Middle;
+        group.shapes.extend([name, text].map(Shape::Text));
+    }
+}

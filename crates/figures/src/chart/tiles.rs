@@ -1,0 +1,191 @@
+//! Square pictures with words about them, and scales of colours.
+//! Pixels are never scaled by anything but a whole number, unless there are more of them than the tile has.
+
+use super::frame::{HEADING, TICK};
+use super::layout::MARGIN;
+use super::{Axis, ChartError};
+use crate::bitmap::Bitmap;
+use crate::fonts::{Font, text_width};
+use crate::palette::{Color, Palette};
+use crate::scene::{Anchor, Baseline, Group, Marker, Rect, Shape, Stroke, Style, Text};
+
+/// What a tile shows.
+#[derive(Clone, Debug, PartialEq)]
+pub enum TileContent {
+    /// Pixels as large as a whole number allows, from the upper left corner.
+    Pixels(Bitmap),
+    /// Cells that fill the tile, framed.
+    Cells(Bitmap),
+    /// Dots at places of the unit square, y upwards, framed.
+    Dots(Vec<[f64; 2]>),
+    /// Nothing.
+    Empty,
+}
+
+/// A square picture.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TileChart {
+    /// Above it.
+    pub title: String,
+    /// Below it.
+    pub note: String,
+    /// Its vertical axis: a name left of the tile, and the ticks that are given, over its range.
+    pub y: Option<Axis>,
+    /// Its side in pixels; none makes it as wide as the plots of charts above and below.
+    pub side: Option<f64>,
+    /// The picture.
+    pub content: TileContent,
+}
+
+/// What colours mean, drawn at the right of the figure's title.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ColorScale {
+    /// What is written at its beginning and at its end.
+    pub ends: [String; 2],
+    /// Colours in equal steps from the one to the other.
+    pub colors: Vec<[u8; 3]>,
+}
+
+/// Room left of tiles whose row has a name, between tiles, above and below.
+pub(super) const NAMES: f64 = 52.0;
+pub(super) const GAP: f64 = 10.0;
+const HEAD: f64 = 24.0;
+const NOTE: f64 = 26.0;
+/// Where the name of a row stands, left of its tiles.
+const NAME: f64 = 39.0;
+const LABEL: f64 = 13.0;
+
+/// Returns the room above and below the tiles of a row.
+pub(super) fn room(row: &[&TileChart]) -> [f64; 2] {
+    let some = |text: fn(&TileChart) -> &str| row.iter().any(|tile| !text(tile).is_empty());
+    let head = if some(|tile| &tile.title) { HEAD } else { 0.0 };
+    [head, if some(|tile| &tile.note) { NOTE } else { GAP }]
+}
+
+impl TileChart {
+    /// Returns the picture within a frame, and the words about it.
+    pub(super) fn groups(&self, frame: Rect, palette: &Palette) -> Result<[Group; 2], ChartError> {
+        let mut group = Group {
+            clip: Some(frame),
+            ..Group::new("tile")
+        };
+        let side = frame.max[0] - frame.min[0];
+        match &self.content {
+            TileContent::Pixels(bitmap) => {
+                let [width, height] = bitmap.size().map(|cells| cells as f64);
+                let pixel = (side / width).floor().max(1.0);
+                let end = [frame.min[0] + width * pixel, frame.min[1] + height * pixel];
+                let (rect, bitmap) = (Rect::new(frame.min, end), bitmap.clone());
+                group.shapes.push(Shape::Image { rect, bitmap });
+            }
+            TileContent::Cells(bitmap) => {
+                let (rect, bitmap) = (frame, bitmap.clone());
+                group.shapes.push(Shape::Image { rect, bitmap });
+            }
+            TileContent::Dots(places) => {
+                let style = Style::filled(palette.sample);
+                let mark = |[x, y]: &[f64; 2]| {
+                    let at = [frame.min[0] + side * x, frame.max[1] - side * y];
+                    Shape::marker(Marker::Dot, at, 3.0, style)
+                };
+                group.shapes.extend(places.iter().map(mark));
+            }
+            TileContent::Empty => {}
+        }
+        if matches!(self.content, TileContent::Cells(_) | TileContent::Dots(_)) {
+            let style = Style::stroked(palette.muted, 2.0);
+            group.shapes.push(Shape::Rect { rect: frame, style });
+        }
+        Ok([group, self.words(frame, palette)?])
+    }
+
+    fn words(&self, frame: Rect, palette: &Palette) -> Result<Group, ChartError> {
+        let side = frame.max[0] - frame.min[0];
+        let middle = f64::midpoint(frame.min[0], frame.max[0]);
+        let [above, below] = [
+            [frame.min[0], frame.min[1] - 8.0],
+            [middle, frame.max[1] + 16.0],
+        ];
+        let mut title = fitting(above, &self.title, HEADING, Font::SemiBold, side);
+        let mut note = fitting(below, &self.note, TICK, Font::Regular, side);
+        (title.color, note.color, note.anchor) = (palette.text, palette.muted, Anchor::Middle);
+        let mut words = Group::new("words");
+        let both = [title, note]
+            .into_iter()
+            .filter(|text| !text.text.is_empty());
+        words.shapes.extend(both.map(Shape::Text));
+        if let Some(axis) = &self.y {
+            words.shapes.extend(ordinate(axis, frame, palette)?);
+        }
+        Ok(words)
+    }
+}
+
+/// Returns a text that is made smaller if it is wider than its room.
+fn fitting(at: [f64; 2], text: &str, size: f64, font: Font, room: f64) -> Text {
+    let width = text_width(text, font, size).max(1.0);
+    let mut text = Text::new(at, text, size * (room / width).min(1.0), [0; 4]);
+    text.font = font;
+    text
+}
+
+/// Returns the name and the ticks of a tile's vertical axis.
+fn ordinate(axis: &Axis, frame: Rect, palette: &Palette) -> Result<Vec<Shape>, ChartError> {
+    let middle = f64::midpoint(frame.min[1], frame.max[1]);
+    let mut name = Text::new(
+        [frame.min[0] - NAME, middle],
+        &axis.label,
+        LABEL,
+        palette.text,
+    );
+    (name.anchor, name.quarter_turns) = (Anchor::Middle, 3);
+    let mut shapes = vec![Shape::Text(name)];
+    let Some(ticks) = &axis.ticks else {
+        return Ok(shapes);
+    };
+    let [low, high] = axis.checked_range()?;
+    for (value, label) in ticks {
+        let share = (high - value) / (high - low);
+        let at = [
+            frame.min[0] - 1.0,
+            frame.min[1] + share * (frame.max[1] - frame.min[1]),
+        ];
+        let stroke = Stroke::new(palette.muted, 1.0);
+        shapes.push(Shape::line([at[0] - 5.0, at[1]], at, stroke));
+        let mut text = Text::new([at[0] - 8.0, at[1]], label, TICK, palette.muted);
+        (text.anchor, text.baseline) = (Anchor::End, Baseline::Middle);
+        shapes.push(Shape::Text(text));
+    }
+    Ok(shapes)
+}
+
+const SCALE: [f64; 2] = [128.0, 14.0];
+
+impl ColorScale {
+    /// Returns its shapes, at the upper right corner of a figure of this width.
+    pub(super) fn group(&self, width: f64, palette: &Palette) -> Group {
+        let mut group = Group::new("scale");
+        let [low, high] = &self.ends;
+        let right = width - MARGIN - text_width(high, Font::Regular, LABEL) - 8.0;
+        let [left, top] = [right - SCALE[0], 20.0];
+        let step = SCALE[0] / self.colors.len().max(1) as f64;
+        for (index, [r, g, b]) in self.colors.iter().enumerate() {
+            let x = left + step * index as f64;
+            let color: Color = [*r, *g, *b, 255];
+            group.shapes.push(Shape::Rect {
+                rect: Rect::new([x, top], [x + step, top + SCALE[1]]),
+                style: Style::filled(color),
+            });
+        }
+        group.shapes.push(Shape::Rect {
+            rect: Rect::new([left, top], [right, top + SCALE[1]]),
+            style: Style::stroked(palette.muted, 1.0),
+        });
+        let base = top + 12.0;
+        let mut low = Text::new([left - 8.0, base], low, LABEL, palette.text);
+        low.anchor = Anchor::End;
+        let high = Text::new([right + 8.0, base], high, LABEL, palette.text);
+        group.shapes.extend([low, high].map(Shape::Text));
+        group
+    }
+}
