@@ -1,4 +1,4 @@
-//! Why a reproduction ends early. What was finished before is kept.
+//! Why a reproduction ended early. What was finished before is kept.
 
 use std::path::PathBuf;
 
@@ -49,66 +49,33 @@ pub enum ReproduceError {
     /// An engine failed.
     #[error("{0}")]
     Engine(String),
-    /// Parameters are out of range.
+    /// A set could not be made, verified or measured, a figure not drawn, or a file not written.
     #[error(transparent)]
-    Parameters(#[from] ParameterError),
-    /// A set could not be made.
-    #[error(transparent)]
-    Sample(SampleError),
-    /// Sets could not be combined.
-    #[error(transparent)]
-    Combine(CombineError),
-    /// The verifier gave no verdict.
-    #[error(transparent)]
-    Verify(VerifyError),
-    /// A measure could not be taken.
-    #[error(transparent)]
-    Measure(MeasureError),
-    /// A figure could not be laid out.
-    #[error(transparent)]
-    Chart(#[from] ChartError),
-    /// A figure could not be drawn.
-    #[error(transparent)]
-    Figure(#[from] FigureError),
-    /// A file of the result could not be written.
-    #[error(transparent)]
-    Format(#[from] FormatError),
+    Failed(Box<dyn std::error::Error + Send + Sync>),
 }
 
-// Cancelling is one thing, wherever it is noticed.
-impl From<SampleError> for ReproduceError {
-    fn from(error: SampleError) -> Self {
-        match error {
-            SampleError::Cancelled { .. } => Self::Cancelled,
-            other => Self::Sample(other),
+/// Makes errors of other crates into [`ReproduceError::Failed`], and those that say that the caller stopped it into
+/// [`ReproduceError::Cancelled`].
+macro_rules! failures {
+    ($($error:ty $(=> $cancelled:pat)?,)*) => {$(
+        impl From<$error> for ReproduceError {
+            fn from(error: $error) -> Self {
+                $(if matches!(&error, $cancelled) {
+                    return Self::Cancelled;
+                })?
+                Self::Failed(Box::new(error))
+            }
         }
-    }
+    )*};
 }
 
-impl From<CombineError> for ReproduceError {
-    fn from(error: CombineError) -> Self {
-        match error {
-            CombineError::Sample(error) => error.into(),
-            other => Self::Combine(other),
-        }
-    }
-}
-
-impl From<VerifyError> for ReproduceError {
-    fn from(error: VerifyError) -> Self {
-        match error {
-            VerifyError::Cancelled => Self::Cancelled,
-            other => Self::Verify(other),
-        }
-    }
-}
-
-impl From<MeasureError> for ReproduceError {
-    fn from(error: MeasureError) -> Self {
-        match error {
-            MeasureError::Cancelled => Self::Cancelled,
-            MeasureError::Set(error) => error.into(),
-            other => Self::Measure(other),
-        }
-    }
+failures! {
+    ParameterError,
+    SampleError => SampleError::Cancelled { .. },
+    CombineError => CombineError::Sample(SampleError::Cancelled { .. }),
+    VerifyError => VerifyError::Cancelled,
+    MeasureError => MeasureError::Cancelled | MeasureError::Set(VerifyError::Cancelled),
+    ChartError,
+    FigureError,
+    FormatError,
 }

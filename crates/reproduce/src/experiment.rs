@@ -1,4 +1,4 @@
-//! The list of experiments: names and titles. Which function carries one out stands in `experiments`.
+//! The list of experiments with their names and titles. The functions that carry them out are in `experiments`.
 
 use std::fmt;
 use std::str::FromStr;
@@ -43,30 +43,26 @@ impl Experiment {
     /// Returns its name, as it is asked for.
     #[must_use]
     pub const fn name(self) -> &'static str {
-        match self {
-            Self::Fig10 => "fig10",
-            Self::Fig11 => "fig11",
-            Self::Fig12 => "fig12",
-            Self::Fig13 => "fig13",
-            Self::Iterations => "iterations",
-            Self::Eq4 => "eq4",
-            Self::Search => "search",
-            Self::Uniformity => "uniformity",
-        }
+        self.words()[0]
     }
 
     /// Returns its title.
     #[must_use]
     pub const fn title(self) -> &'static str {
+        self.words()[1]
+    }
+
+    /// Returns name and title.
+    const fn words(self) -> [&'static str; 2] {
         match self {
-            Self::Fig10 => "Figure 10: quality of integration",
-            Self::Fig11 => "Figure 11: time of each procedure",
-            Self::Fig12 => "Figure 12: combining independent sets",
-            Self::Fig13 => "Figure 13: spectra and rates",
-            Self::Iterations => "Section 3.2.3: iterations of insertion",
-            Self::Eq4 => "Equation 4: the affected share",
-            Self::Search => "Section 3.2.2: how far detectors look",
-            Self::Uniformity => "Equation 1 and section 5.1: uniformity",
+            Self::Fig10 => ["fig10", "Figure 10: quality of integration"],
+            Self::Fig11 => ["fig11", "Figure 11: time of each procedure"],
+            Self::Fig12 => ["fig12", "Figure 12: combining independent sets"],
+            Self::Fig13 => ["fig13", "Figure 13: spectra and rates"],
+            Self::Iterations => ["iterations", "Section 3.2.3: iterations of insertion"],
+            Self::Eq4 => ["eq4", "Equation 4: the affected share"],
+            Self::Search => ["search", "Section 3.2.2: how far detectors look"],
+            Self::Uniformity => ["uniformity", "Equation 1 and section 5.1: uniformity"],
         }
     }
 }

@@ -8,6 +8,7 @@ mod fig12;
 mod fig13;
 mod iterations;
 mod search;
+mod timing;
 mod uniformity;
 
 use crate::error::ReproduceError;

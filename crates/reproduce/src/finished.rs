@@ -1,5 +1,4 @@
-//! An experiment that has ended: what it found, with all that it was made from. Plain data that survives a round trip
-//! through JSON.
+//! An experiment that has ended: its results and what they were made from, as it is kept in JSON.
 
 use serde::{Deserialize, Serialize};
 

@@ -1,4 +1,4 @@
-//! The machine that a result comes from, and its GPUs. It never measures anything.
+//! The machine that results come from, and its GPUs.
 
 use std::fs;
 use std::sync::OnceLock;
@@ -76,7 +76,7 @@ pub fn gpus() -> &'static [AdapterReport] {
     })
 }
 
-/// Returns why there is no row for a GPU; none where there is one.
+/// Returns why no GPU is timed, or `None` if one is.
 pub fn no_gpu() -> Option<String> {
     if !gpus().is_empty() {
         return None;

@@ -1,4 +1,4 @@
-//! Cells as text: all digits for data files, significant ones for readers.
+//! Numbers and cells as text: all digits for data files, significant ones for readers.
 
 use std::fmt::Write;
 

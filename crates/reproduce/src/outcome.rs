@@ -1,5 +1,5 @@
-//! What an experiment found: claims with verdicts, pictures, tables. Plain data that survives a round trip through JSON.
-//! It never decides a verdict.
+//! The results of an experiment: claims with verdicts, pictures and tables. Rules of verdicts are in `rule` and
+//! beside each claim.
 
 use serde::{Deserialize, Serialize};
 use tilescope_figures::Scene;
@@ -181,28 +181,22 @@ impl From<f64> for Cell {
     }
 }
 
-impl From<u64> for Cell {
-    fn from(value: u64) -> Self {
-        Self::Count(value)
-    }
+/// Makes values of other types into cells.
+macro_rules! cells {
+    ($($from:ty, $value:ident => $cell:expr;)*) => {$(
+        impl From<$from> for Cell {
+            fn from($value: $from) -> Self {
+                $cell
+            }
+        }
+    )*};
 }
 
-impl From<usize> for Cell {
-    fn from(value: usize) -> Self {
-        Self::Count(value as u64)
-    }
-}
-
-impl From<&str> for Cell {
-    fn from(value: &str) -> Self {
-        Self::Text(value.to_owned())
-    }
-}
-
-impl From<String> for Cell {
-    fn from(value: String) -> Self {
-        Self::Text(value)
-    }
+cells! {
+    u64, value => Self::Count(value);
+    usize, value => Self::Count(value as u64);
+    &str, value => Self::Text(value.to_owned());
+    String, value => Self::Text(value);
 }
 
 impl<T: Into<Self>> From<Option<T>> for Cell {

@@ -1,5 +1,5 @@
-//! The report of a folder: every experiment that was finished there, whenever that was.
-//! It reads what was kept and computes nothing.
+//! The report of a folder: every experiment that was finished there, whenever that was. It is composed once, as blocks, and written
+//! as HTML and as Markdown.
 
 mod html;
 mod markdown;
@@ -12,51 +12,72 @@ use tilescope_formats::write_whole;
 use crate::error::ReproduceError;
 use crate::experiment::Experiment;
 use crate::finished::Finished;
-use crate::outcome::Claim;
+use crate::numbers::readable;
+use crate::outcome::{Claim, Verdict};
+
+const TITLE: &str =
+    "Reproduction of Wang & Suda 2017, \"Fast Maximal Poisson-Disk Sampling by Randomized Tiling\"";
 
 /// What every report begins with.
 const INTRODUCTION: &str = "Sets by KDRT and by the reference sampler were made by the commands below, on the machines named there, and \
 judged by an independent verifier before anything was concluded from them; sets that are no maximal Poisson-disk sets by design (random, \
-jittered, controls, files) are measured as they are. A verdict follows from the numbers by the rule beside it. \"Not comparable\" \
+jittered, controls) are measured as they are. A verdict follows from the numbers by the rule beside it. \"Not comparable\" \
 means that the numbers decide nothing. Rates are the machine's; the paper's are of an Intel Core i7-4930K and an NVIDIA GTX 1080.";
 
-/// What a report is made of.
-struct Pages {
-    finished: Vec<Finished>,
-    /// What was kept and cannot be read, a sentence each.
-    broken: Vec<String>,
+/// A piece of text.
+enum Span {
+    Plain(String),
+    Strong(String),
+    Code(String),
+    Verdict(Verdict, String),
+    /// Leads to the section of an experiment.
+    Link(Experiment, String),
 }
 
-impl Pages {
-    /// Returns claims of the paper, or those beyond it, with their experiments.
-    fn claims(&self, of_the_paper: bool) -> Vec<(&Finished, &Claim)> {
-        let each = self.finished.iter();
-        let each = each.flat_map(|one| one.claims.iter().map(move |claim| (one, claim)));
-        each.filter(|(_, claim)| claim.is_of_the_paper() == of_the_paper)
-            .collect()
-    }
+/// A part of the report.
+enum Block {
+    /// The heading of an experiment's section.
+    Section(Experiment),
+    Text(Vec<Span>),
+    Facts(Vec<(&'static str, Span)>),
+    Table {
+        title: String,
+        /// Whether its cells are numbers.
+        numbers: bool,
+        heads: Vec<String>,
+        rows: Vec<Vec<Span>>,
+    },
+    /// The name of its files, without extension, and its caption.
+    Picture(String, String),
 }
 
 /// Writes `REPORT.md` and `report.html` of a folder.
 pub fn write(out: &Path) -> Result<(), ReproduceError> {
-    let mut pages = Pages {
-        finished: Vec::new(),
-        broken: Vec::new(),
-    };
+    let blocks = blocks(out);
+    let page = html::page(&blocks, &out.join("figures"));
+    write_whole(&out.join("REPORT.md"), markdown::page(&blocks).as_bytes())?;
+    write_whole(&out.join("report.html"), page.as_bytes())?;
+    Ok(())
+}
+
+fn plain(text: &str) -> Span {
+    Span::Plain(text.to_owned())
+}
+
+fn blocks(out: &Path) -> Vec<Block> {
+    let mut blocks = vec![Block::Text(vec![plain(INTRODUCTION)])];
+    let mut finished: Vec<Finished> = Vec::new();
     for experiment in Experiment::ALL {
         match read(out, experiment) {
-            Some(Ok(finished)) => pages.finished.push(finished),
-            Some(Err(error)) => pages.broken.push(error),
+            Some(Ok(one)) => finished.push(one),
+            Some(Err(error)) => blocks.push(Block::Text(vec![Span::Strong(error)])),
             None => {}
         }
     }
-    write_whole(&out.join("REPORT.md"), markdown::page(&pages).as_bytes())?;
-    let figures = out.join("figures");
-    write_whole(
-        &out.join("report.html"),
-        html::page(&pages, &figures).as_bytes(),
-    )?;
-    Ok(())
+    blocks.extend(claims("What the paper says", &finished, true));
+    blocks.extend(claims("Beyond the paper", &finished, false));
+    blocks.extend(finished.iter().flat_map(section));
+    blocks
 }
 
 /// Returns what was kept of an experiment, if anything was.
@@ -67,6 +88,77 @@ fn read(out: &Path, experiment: Experiment) -> Option<Result<Finished, String>> 
     Some(found.map_err(|error| {
         format!("What was kept of {experiment} cannot be read ({error}); tilescope reproduce {experiment} makes it anew.")
     }))
+}
+
+/// Returns the table of claims of the paper, or of those beyond it, if there are any.
+fn claims(title: &str, finished: &[Finished], of_the_paper: bool) -> Option<Block> {
+    let row = |one: &Finished, claim: &Claim| {
+        vec![
+            Span::Link(one.experiment, claim.claim.clone()),
+            plain(&claim.place),
+            plain(&claim.paper),
+            plain(&claim.ours),
+            Span::Verdict(claim.verdict, one.words(claim)),
+        ]
+    };
+    let rows = finished.iter().flat_map(|one| {
+        let claims = one.claims.iter();
+        let claims = claims.filter(|claim| claim.is_of_the_paper() == of_the_paper);
+        claims.map(move |claim| row(one, claim))
+    });
+    let rows: Vec<_> = rows.collect();
+    let heads = ["claim", "place", "the paper", "here", "verdict"];
+    (!rows.is_empty()).then(|| Block::Table {
+        title: title.to_owned(),
+        numbers: false,
+        heads: heads.map(str::to_owned).to_vec(),
+        rows,
+    })
+}
+
+/// Returns what is said of an experiment.
+fn section(one: &Finished) -> Vec<Block> {
+    let mut facts = vec![
+        ("Command", Span::Code(one.command())),
+        ("Seed", Span::Plain(one.seed.to_string())),
+        ("Machine", Span::Plain(one.machine.line())),
+        ("Program", Span::Plain(format!("tilescope {}", one.version))),
+    ];
+    if one.quick {
+        facts.push(("Quick", plain("small sets, few of them")));
+    }
+    let mut blocks = vec![Block::Section(one.experiment), Block::Facts(facts)];
+    blocks.extend(one.claims.iter().map(|claim| {
+        let Claim {
+            place, paper, ours, ..
+        } = claim;
+        Block::Text(vec![
+            Span::Strong(claim.claim.clone()),
+            Span::Plain(format!(
+                " ({place}). The paper: {paper}. Here: {ours}. Verdict: "
+            )),
+            Span::Verdict(claim.verdict, one.words(claim)),
+            Span::Plain(format!(". {}", claim.reason)),
+        ])
+    }));
+    blocks.extend(one.notes.iter().map(|note| Block::Text(vec![plain(note)])));
+    for table in one.tables.iter().filter(|table| table.shown) {
+        let rows = table.rows.iter().map(|row| {
+            let cells = row.iter().zip(&table.columns);
+            let cells = cells.map(|(cell, column)| Span::Plain(readable(cell, column.digits)));
+            cells.collect()
+        });
+        blocks.push(Block::Table {
+            title: table.title.clone(),
+            numbers: true,
+            heads: table.columns.iter().map(|c| c.head.clone()).collect(),
+            rows: rows.collect(),
+        });
+    }
+    blocks.extend(one.pictures.iter().map(|(name, caption)| {
+        Block::Picture(format!("{}-{name}", one.experiment), caption.clone())
+    }));
+    blocks
 }
 
 #[cfg(test)]

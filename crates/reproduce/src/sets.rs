@@ -1,5 +1,5 @@
-//! Sets for experiments: made by either sampler, and verified before anything is concluded from them.
-//! Nothing here measures time or quality.
+//! The sets that experiments are about: made by either sampler, and verified. Time and quality are measured
+//! elsewhere.
 
 use std::sync::Arc;
 

@@ -83,29 +83,6 @@ impl<'a> Study<'a> {
         Ok(result)
     }
 
-    /// Carries out rounds, a unit each. `open` prepares what all of them use, before the first round that was not kept.
-    pub fn rounds<T: Serialize + DeserializeOwned, E>(
-        &self,
-        what: &str,
-        rounds: u64,
-        open: impl Fn(&Control<'_>) -> Result<E, ReproduceError>,
-        round: impl Fn(u64, &E, &Control<'_>) -> Result<T, ReproduceError>,
-    ) -> Result<Vec<T>, ReproduceError> {
-        let mut opened = None;
-        let one = |number: u64| {
-            let key = format!("{what}-{number}");
-            let what = format!("{what}, round {} of {rounds}", number + 1);
-            self.unit(&key, &what, |control| {
-                let opened = match &mut opened {
-                    Some(opened) => opened,
-                    none => none.insert(open(control)?),
-                };
-                round(number, opened, control)
-            })
-        };
-        (0..rounds).map(one).collect()
-    }
-
     /// Returns the control of work that is no unit: pictures, which are made anew each time.
     pub fn control(&self, what: &str) -> Control<'_> {
         let what = format!("{}: {what}", self.experiment);

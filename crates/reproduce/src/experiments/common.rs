@@ -1,6 +1,6 @@
 //! What several experiments share: parameters of sets with seeds of their own, intervals of counts, charts and pictures.
 
-use tilescope_analysis::measures::{Summary, chi_square_quantile};
+use tilescope_analysis::measures::chi_square_quantile;
 use tilescope_core::{Parameters, PatternSpec};
 use tilescope_figures::Palette;
 use tilescope_figures::chart::{
@@ -57,7 +57,7 @@ pub fn curve(name: &str, number: usize, points: Vec<[f64; 2]>) -> Series {
     }
 }
 
-/// Returns what others are held against.
+/// Returns the curve that others are compared with.
 pub fn reference(name: &str, points: Vec<[f64; 2]>) -> Series {
     Series {
         look: Look::Reference,
@@ -115,39 +115,6 @@ pub fn power_scale(black: f64) -> Panel {
     })
 }
 
-/// Quartiles of fewer values would be interpolations.
-const FEW: usize = 5;
-
-/// Returns where a whisker begins and ends: quartiles, or of few values the least and the most.
-pub fn whisker(summary: &Summary) -> [f64; 2] {
-    if summary.count < FEW {
-        [summary.least, summary.most]
-    } else {
-        [summary.quartiles[0], summary.quartiles[2]]
-    }
-}
-
-/// Returns what [`whisker`] is of so many rounds, for captions.
-pub const fn whisker_words(rounds: usize) -> &'static str {
-    if rounds < FEW {
-        "from least to most"
-    } else {
-        "from quartile to quartile"
-    }
-}
-
-/// Returns key and heading of columns with both ends of [`whisker`] of so many rounds.
-pub const fn whisker_columns(rounds: usize) -> [(&'static str, &'static str); 2] {
-    if rounds < FEW {
-        [("least", "least"), ("most", "most")]
-    } else {
-        [
-            ("quartile_1", "first quartile"),
-            ("quartile_3", "third quartile"),
-        ]
-    }
-}
-
 /// Returns a count with all its digits, in groups of three.
 pub fn counted(count: usize) -> String {
     let digits = count.checked_ilog10().unwrap_or(0) as usize + 1;
@@ -165,19 +132,10 @@ pub fn poisson_interval(count: usize) -> [f64; 2] {
     [low, bound(0.5 * MISSED, count + 1)]
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn few_values_have_no_quartiles() {
-        let of = |values: &[f64]| {
-            whisker(&Summary::of(values.iter().copied()).unwrap()).map(|end| end as i32)
-        };
-        assert_eq!(of(&[1.0, 3.0]), [1, 3]);
-        assert_eq!(of(&[1.0, 2.0, 3.0, 4.0]), [1, 4]);
-        assert_eq!(of(&[1.0, 2.0, 3.0, 4.0, 5.0]), [2, 4]);
-        assert_eq!(whisker_words(2), "from least to most");
-        assert_eq!(whisker_columns(5)[0].0, "quartile_1");
-    }
+/// Returns the slope of the straight line that fits places best, by least squares, or NaN.
+pub fn slope(places: impl Iterator<Item = [f64; 2]> + Clone) -> f64 {
+    let count = places.clone().count() as f64;
+    let [x, y] = [0, 1].map(|axis| places.clone().map(|at| at[axis]).sum::<f64>() / count);
+    let both: f64 = places.clone().map(|at| (at[0] - x) * (at[1] - y)).sum();
+    both / places.map(|at| (at[0] - x).powi(2)).sum::<f64>()
 }

@@ -1,19 +1,19 @@
-//! Equation 4: which share of the plane and of the samples elimination and insertion touch, by the shortest edge of a block.
-//! The sequential engine makes the sets, because it knows the fate of every sample.
+//! Equation 4: which share of the plane and of the samples elimination and insertion touch, by the shortest edge of a
+//! block. The sequential engine makes the sets, because it records what became of every sample.
 
-mod found;
+mod shares;
 
 use rayon::prelude::*;
 use tilescope_core::{Domain, Fate, Origin, R, Run, SampleGrid, Sequential, covers_offset};
 
 use crate::control::Control;
 use crate::error::ReproduceError;
-use crate::experiments::common::{seed, seeded, square};
+use crate::experiments::common::{seed, seeded, slope, square};
 use crate::numbers::number;
 use crate::outcome::{Claim, Outcome, Verdict};
 use crate::sets::{Set, pattern};
 use crate::study::{Settings, Study};
-use found::LeafShares;
+use shares::LeafShares;
 
 /// Shortest edges of blocks, in radii.
 const LEAVES: [f64; 9] = [6.0, 8.0, 10.0, 15.0, 20.0, 30.0, 40.0, 60.0, 80.0];
@@ -49,8 +49,8 @@ pub fn run(study: &Study<'_>) -> Result<Outcome, ReproduceError> {
     }
     Ok(Outcome {
         claims: claims(&found),
-        pictures: vec![found::curves(&found)?],
-        tables: vec![found::shares(&found)],
+        pictures: vec![shares::curves(&found)?],
+        tables: vec![shares::shares(&found)],
         notes: vec![NOTE.to_owned()],
     })
 }
@@ -130,11 +130,7 @@ fn conflicts(domain: &Domain, run: &Run) -> Vec<bool> {
 
 /// Returns the exponent of the power law that fits values over leaves best, or NaN.
 fn exponent(found: &[LeafShares], value: fn(&LeafShares) -> f64) -> f64 {
-    let logs = || found.iter().map(|one| [one.leaf.ln(), value(one).ln()]);
-    let mean = |k: usize| logs().map(|at| at[k]).sum::<f64>() / found.len() as f64;
-    let [x, y] = [mean(0), mean(1)];
-    let both: f64 = logs().map(|at| (at[0] - x) * (at[1] - y)).sum();
-    both / logs().map(|at| (at[0] - x).powi(2)).sum::<f64>()
+    slope(found.iter().map(|one| [one.leaf.ln(), value(one).ln()]))
 }
 
 fn percent(share: f64) -> String {

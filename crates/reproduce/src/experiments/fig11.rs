@@ -12,17 +12,13 @@ use crate::machine::no_gpu;
 use crate::outcome::Outcome;
 use crate::study::{Settings, Study};
 
-use stages::{StagePlan, StageRound};
+use super::timing::TimingPlan;
+use stages::StageRound;
 
-/// Leaf sizes, in radii.
-const LEAVES: [f64; 3] = [20.0, 40.0, 80.0];
-
-fn plan(settings: &Settings) -> StagePlan {
-    StagePlan {
+fn plan(settings: &Settings) -> TimingPlan {
+    TimingPlan {
         samples: settings.pick(1_000_000, 100_000),
         rounds: settings.pick(5, 2),
-        leaves: LEAVES.to_vec(),
-        seed: settings.seed,
     }
 }
 
@@ -32,7 +28,7 @@ pub fn units(settings: &Settings) -> usize {
 
 pub fn run(study: &Study<'_>) -> Result<Outcome, ReproduceError> {
     let plan = plan(study.settings);
-    let rounds: Vec<StageRound> = plan.run(study)?;
+    let rounds: Vec<StageRound> = stages::run(plan, study)?;
     let rows = rows::rows(&rounds);
     let passes = rows::passes(&rounds);
     let mut tables = vec![tables::stages(&rows, rounds.len()), tables::counts(&rounds)];
@@ -43,7 +39,7 @@ pub fn run(study: &Study<'_>) -> Result<Outcome, ReproduceError> {
     notes.extend(no_gpu().map(|why| format!("StagePasses of a GPU were not timed: {why}.")));
     Ok(Outcome {
         claims: claims::claims(&rows),
-        pictures: vec![picture::shares(&rows, &plan)?],
+        pictures: vec![picture::shares(&rows, plan)?],
         tables,
         notes,
     })

@@ -1,5 +1,6 @@
-//! Figure 12 and section 4.2: nine sets made independently of each other become one, with small losses near the seams, and a
-//! serial sampler becomes a parallel one. Pieces are reference sets; gluing is the core's.
+//! Figure 12 and section 4.2: nine sets that were made independently of each other become one, with small losses near
+//! the seams, so that a serial sampler becomes a parallel one. The pieces are reference sets;
+//! `tilescope_core::combine` glues them.
 
 mod picture;
 

@@ -16,16 +16,11 @@ use crate::machine::no_gpu;
 use crate::numbers::number;
 use crate::outcome::{Outcome, Picture};
 use crate::study::{Settings, Study};
-use tilescope_analysis::measures::Summary;
 
+use super::timing::{LEAVES, ONE_LEAF, TimingPlan, median};
 use method::{Method, PATTERN, SetGroup};
-use rates::{RatePlan, RateRound};
+use rates::RateRound;
 use spectra::MethodSpectra;
-
-/// The paper's leaf sizes, in radii.
-const LEAVES: [f64; 3] = [20.0, 40.0, 80.0];
-/// The leaf size that is looked at with one pattern for all sets, too.
-const SHARED: f64 = 40.0;
 
 /// The paper's radii, of the unit square, and sets of each.
 fn groups(settings: &Settings) -> Vec<SetGroup> {
@@ -48,7 +43,7 @@ fn methods(last: bool) -> Vec<Method> {
             methods.push(default);
         }
     }
-    methods.push(Method::OnePattern { leaf: SHARED });
+    methods.push(Method::OnePattern { leaf: ONE_LEAF });
     if last {
         methods.push(Method::Copies);
     }
@@ -63,12 +58,10 @@ fn spectra_units(settings: &Settings) -> Vec<(SetGroup, Method)> {
         .collect()
 }
 
-fn plan(settings: &Settings) -> RatePlan {
-    RatePlan {
+fn plan(settings: &Settings) -> TimingPlan {
+    TimingPlan {
         samples: settings.pick(2_000_000, 200_000),
         rounds: settings.pick(10, 2),
-        leaves: LEAVES.to_vec(),
-        seed: settings.seed,
     }
 }
 
@@ -83,7 +76,7 @@ pub fn run(study: &Study<'_>) -> Result<Outcome, ReproduceError> {
         .collect();
     let found = found?;
     let plan = plan(study.settings);
-    let rounds = plan.run(study)?;
+    let rounds = rates::run(plan, study)?;
     let rows = rates::rows(&rounds);
     let against = against::against(&found);
     let mut pictures = spectra_pictures(study, &found)?;
@@ -175,7 +168,7 @@ fn notes(found: &[MethodSpectra], rounds: &[RateRound]) -> Vec<String> {
         })
         .collect();
     notes.push(format!(
-        "Sets with one pattern in common repeat each other as well as themselves: with a leaf of {SHARED} r their anisotropy is {} above that of noise. \
+        "Sets with one pattern in common repeat each other as well as themselves: with a leaf of {ONE_LEAF} r their anisotropy is {} above that of noise. \
          The table has them beside sets of the same leaf whose patterns differ.",
         shared.join(", ")
     ));
@@ -183,8 +176,8 @@ fn notes(found: &[MethodSpectra], rounds: &[RateRound]) -> Vec<String> {
     let pattern = |(side, _): &(f64, f64)| {
         let all = rounds.iter().flat_map(|round| &round.patterns);
         let seconds = all.filter(|(of, _)| of.to_bits() == side.to_bits());
-        let seconds = Summary::of(seconds.map(|(_, seconds)| *seconds));
-        let median = seconds.map_or(f64::NAN, |summary| 1e3 * summary.quartiles[1]);
+        let median = median(seconds.map(|(_, seconds)| 1e3 * seconds));
+        let median = median.unwrap_or(f64::NAN);
         format!("that of {side} r takes {} ms", number(median, 3))
     };
     let patterns: Vec<String> = sides.map(pattern).collect();

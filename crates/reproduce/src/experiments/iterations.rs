@@ -1,7 +1,7 @@
 //! Section 3.2.3: how many iterations of insertion a run takes until no gap is left. The parallel engine makes the sets,
 //! each with seeds of its own; every one is verified.
 
-mod found;
+mod counts;
 mod variants;
 
 use tilescope_core::{Order, Parameters};
@@ -13,7 +13,7 @@ use crate::numbers::percent;
 use crate::outcome::{Claim, Outcome, Verdict};
 use crate::sets::Set;
 use crate::study::{Settings, Study};
-use found::{InsertionCase, IterationCounts};
+use counts::{InsertionCase, IterationCounts};
 use variants::Printed;
 
 /// Sets of each case, as in the paper.
@@ -63,14 +63,14 @@ pub fn run(study: &Study<'_>) -> Result<Outcome, ReproduceError> {
     Ok(Outcome {
         claims: claims(&found, &printed),
         pictures: vec![
-            found::inserted(&found, &cases())?,
-            found::needed(&found, &cases())?,
+            counts::inserted(&found, &cases())?,
+            counts::needed(&found, &cases())?,
         ],
         tables: vec![
-            found::by_case(&found, &cases()),
+            counts::by_case(&found, &cases()),
             variants::compared_table(&compared),
             variants::printed_table(&printed),
-            found::by_set(&found),
+            counts::by_set(&found),
         ],
         notes: vec![NOTE.to_owned()],
     })

@@ -1,7 +1,7 @@
-//! Section 3.2.2: how far detectors have to look. Runs that look 2r far are held against runs that look 4r far; a set that is
-//! not maximal is what this experiment is about, so the verifier counts gaps here and no set is refused.
+//! Section 3.2.2: how far detectors have to look. Runs that look 2r far are compared with runs that look 4r far. Sets
+//! with gaps are what this experiment is about, so the verifier counts gaps here and no set is refused.
 
-mod found;
+mod gaps;
 mod picture;
 mod witness;
 
@@ -15,7 +15,7 @@ use crate::numbers::number;
 use crate::outcome::{Claim, Outcome, Verdict};
 use crate::sets::{Set, pattern};
 use crate::study::{Settings, Study};
-use found::{GapCounts, GapStatistics};
+use gaps::{GapCounts, GapStatistics};
 
 /// Fewer samples than this cannot confirm that there are no gaps in practice.
 const ENOUGH: usize = 1_000_000;
@@ -83,8 +83,8 @@ pub fn run(study: &Study<'_>) -> Result<Outcome, ReproduceError> {
         found.extend(sets);
     }
     let control = study.control("the pictures");
-    let mut pictures = vec![found::bars(&found)?];
-    if let Some(worst) = found::worst(&found) {
+    let mut pictures = vec![gaps::bars(&found)?];
+    if let Some(worst) = gaps::worst(&found) {
         let case = SearchCase {
             leaf: worst.leaf,
             variant: Variant::Staged,
@@ -96,7 +96,7 @@ pub fn run(study: &Study<'_>) -> Result<Outcome, ReproduceError> {
     Ok(Outcome {
         claims: claims(&found),
         pictures,
-        tables: vec![found::by_leaf(&found), found::by_set(&found)],
+        tables: vec![gaps::by_leaf(&found), gaps::by_set(&found)],
         notes: vec![NOTE.to_owned()],
     })
 }
@@ -149,7 +149,7 @@ fn measure(
 }
 
 fn claims(found: &[GapStatistics]) -> Vec<Claim> {
-    let sight = found::sight(found);
+    let sight = gaps::sight(found);
     let again = "Here every marked sample looks again in each round.";
     let enough = "2r is enough in practice, not proved";
     let follows = "follows from theorem 3.2";
@@ -207,7 +207,7 @@ fn claim(
     )
 }
 
-/// Returns how often gaps are; where there is none, how often they may be all the same.
+/// Returns how frequent gaps are; without any gap, how frequent they may be with 99 % confidence.
 fn rate(holes: usize, samples: usize) -> String {
     let a_million = |gaps: f64| number(1e6 * gaps / samples.max(1) as f64, 2);
     let [low, high] = poisson_interval(holes).map(a_million);

@@ -1,12 +1,13 @@
-//! Equation 1 and section 5.1: whether every place is as likely to hold a sample as any other. Many small sets are counted by
-//! place: on a grid of the domain, by distance from borders, and within gaps; with a control that has no bias and one that has.
+//! Equation 1 and section 5.1: whether every place is as likely to hold a sample as any other. The samples of many
+//! small sets are counted by place: on a grid of the domain, by distance from borders, and within gaps. One control
+//! has no bias, another one has a known bias.
 
 mod bias;
 mod claims;
 mod counted;
 mod gaps;
+mod offsets;
 mod shown;
-mod subject;
 
 use rayon::prelude::*;
 
@@ -15,7 +16,7 @@ use crate::experiments::common::{seed, square};
 use crate::outcome::Outcome;
 use crate::study::{Settings, Study};
 use counted::SeedCounts;
-use subject::UniformityResults;
+use offsets::UniformityResults;
 
 const LEAF: f64 = 20.0;
 /// Seeds of a unit of work.

@@ -67,7 +67,7 @@ fn clearly(ratios: &[Option<Ratio>]) -> Verdict {
     Verdict::of_all(each.map(|interval| Rule::Above(CLEARLY).verdict(interval)))
 }
 
-/// Why intervals give no verdict, if they give none.
+/// Returns why there is no verdict; empty if there is one.
 fn undecided(verdict: Verdict, ratios: &[Option<Ratio>]) -> &'static str {
     let known = |ratio: &Option<Ratio>| ratio.is_some_and(|ratio| ratio.interval.is_some());
     match verdict {

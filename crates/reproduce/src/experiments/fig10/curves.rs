@@ -7,17 +7,8 @@ use super::plate::NYQUIST;
 use super::results::SamplerResults;
 use super::samplers::Sampler;
 
-/// A curve and its band, if there is one everywhere.
-struct Curve {
-    points: Vec<[f64; 2]>,
-    band: Option<Vec<[f64; 2]>>,
-}
-
-impl Curve {
-    fn of(points: Vec<[f64; 2]>) -> Self {
-        Self { points, band: None }
-    }
-}
+/// Places of a curve, and its band if there is one everywhere.
+type Curve = (Vec<[f64; 2]>, Option<Vec<[f64; 2]>>);
 
 /// Returns the charts, in rows.
 pub fn panels(all: &[SamplerResults]) -> Vec<Vec<Panel>> {
@@ -32,7 +23,7 @@ pub fn panels(all: &[SamplerResults]) -> Vec<Vec<Panel>> {
 /// Returns the curves of those samplers that have one.
 fn series(all: &[SamplerResults], curve: impl Fn(&SamplerResults) -> Option<Curve>) -> Vec<Series> {
     let each = all.iter().enumerate().filter_map(|(index, one)| {
-        let Curve { points, band } = curve(one).filter(|curve| !curve.points.is_empty())?;
+        let (points, band) = curve(one).filter(|(points, _)| !points.is_empty())?;
         Some(Series {
             name: one.sampler.name().to_owned(),
             look: Look::Numbered(index),
@@ -44,7 +35,7 @@ fn series(all: &[SamplerResults], curve: impl Fn(&SamplerResults) -> Option<Curv
 }
 
 fn plate(all: &[SamplerResults]) -> LineChart {
-    let series = series(all, |one| Some(Curve::of(one.classes())));
+    let series = series(all, |one| Some((one.classes(), None)));
     let ends = series.iter().filter_map(|series| series.points.last());
     let end = ends.map(|point| point[0]).fold(NYQUIST, f64::max);
     LineChart {
@@ -87,7 +78,7 @@ fn round_numbers() -> Vec<(f64, String)> {
 fn power(all: &[SamplerResults]) -> LineChart {
     let curve = |one: &SamplerResults| {
         let power = &one.spectrum.power;
-        (one.sampler != Sampler::Grid).then(|| Curve::of(power.clone()))
+        (one.sampler != Sampler::Grid).then(|| (power.clone(), None))
     };
     LineChart {
         title: "Power".to_owned(),
@@ -103,7 +94,7 @@ fn power(all: &[SamplerResults]) -> LineChart {
 
 /// The line with which the error of independent samples falls, through the last place of a sampler's curve.
 fn independent(one: &SamplerResults) -> Option<Series> {
-    let Curve { points, .. } = logarithms(one);
+    let (points, _) = logarithms(one);
     let (first, last) = (points.first()?, points.last()?);
     let at = |x: f64| [x, last[1] - 0.5 * (x - last[0]) * 2_f64.log10()];
     (first[0] < last[0]).then(|| Series {
@@ -117,10 +108,8 @@ fn independent(one: &SamplerResults) -> Option<Series> {
 /// The horizon's curve, to base 2 and 10.
 fn logarithms(one: &SamplerResults) -> Curve {
     let curve = one.curve();
-    Curve {
-        points: (curve.iter().map(|at| [at.per_pixel.log2(), at.log])).collect(),
-        band: curve.iter().map(|at| at.band).collect(),
-    }
+    let places = curve.iter().map(|at| [at.per_pixel.log2(), at.log]);
+    (places.collect(), curve.iter().map(|at| at.band).collect())
 }
 
 #[cfg(test)]
@@ -135,7 +124,7 @@ mod tests {
         let [near, far] = [line[0], line[1]];
         assert!(near[0].abs() < 1e-12 && (far[0] - 4.0).abs() < 1e-12);
         assert!((near[1] - far[1] - 4_f64.log10()).abs() < 1e-12);
-        assert_eq!(logarithms(&random).band.unwrap().len(), 3);
+        assert_eq!(logarithms(&random).1.unwrap().len(), 3);
     }
 
     #[test]

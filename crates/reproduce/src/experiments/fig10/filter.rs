@@ -120,80 +120,39 @@ pub fn pixel_means(
     function: impl Fn([f64; 2]) -> f64,
     side: usize,
 ) -> Filtered {
-    let held = Held::new(samples, side);
+    let mut pixels = vec![Vec::new(); side * side];
+    for at in samples {
+        let [column, row] = at.map(|v| (v.max(0.0) as usize).min(side - 1));
+        pixels[row * side + column].push(*at);
+    }
     let mut empty = 0;
-    let value = |index: usize| {
-        let (sum, count) = held.of(index).fold((0.0, 0.0), |(sum, count), at| {
-            (sum + function(at), count + 1.0)
-        });
-        if count > 0.0 {
-            return sum / count;
+    let value = |(index, held): (usize, &Vec<[f64; 2]>)| {
+        if !held.is_empty() {
+            let sum = held.iter().fold(0.0, |sum, at| sum + function(*at));
+            return sum / held.len() as f64;
         }
         empty += 1;
-        held.nearest(index).map_or(0.0, &function)
+        nearest(&pixels, side, index).map_or(0.0, &function)
     };
     Filtered {
-        values: (0..side * side).map(value).collect(),
+        values: pixels.iter().enumerate().map(value).collect(),
         empty,
     }
 }
 
-/// Samples by the pixel that they are in.
-struct Held<'a> {
-    samples: &'a [[f64; 2]],
-    side: usize,
-    /// Samples in the sequence of pixels, and where each pixel's begin.
-    sorted: Vec<u32>,
-    starts: Vec<usize>,
-}
-
-impl<'a> Held<'a> {
-    fn new(samples: &'a [[f64; 2]], side: usize) -> Self {
-        let pixel = |at: &[f64; 2]| {
-            let [column, row] = at.map(|v| (v.max(0.0) as usize).min(side - 1));
-            row * side + column
-        };
-        let mut starts = vec![0; side * side + 1];
-        for at in samples {
-            starts[pixel(at) + 1] += 1;
-        }
-        for index in 0..side * side {
-            starts[index + 1] += starts[index];
-        }
-        let mut next = starts.clone();
-        let mut sorted = vec![0; samples.len()];
-        for (index, at) in samples.iter().enumerate() {
-            let place = &mut next[pixel(at)];
-            sorted[*place] = index as u32;
-            *place += 1;
-        }
-        Self {
-            samples,
-            side,
-            sorted,
-            starts,
-        }
-    }
-
-    fn of(&self, pixel: usize) -> impl Iterator<Item = [f64; 2]> + '_ {
-        let held = &self.sorted[self.starts[pixel]..self.starts[pixel + 1]];
-        held.iter().map(|index| self.samples[*index as usize])
-    }
-
-    fn nearest(&self, pixel: usize) -> Option<[f64; 2]> {
-        let [x, y] = [pixel % self.side, pixel / self.side];
-        let away = |at: &[f64; 2]| {
-            let [dx, dy] = [at[0] - x as f64 - 0.5, at[1] - y as f64 - 0.5];
-            dx * dx + dy * dy
-        };
-        (1..self.side).find_map(|reach| {
-            let near = |at: usize| at.saturating_sub(reach)..(at + reach + 1).min(self.side);
-            let pixels =
-                near(y).flat_map(|row| near(x).map(move |column| row * self.side + column));
-            let held = pixels.flat_map(|pixel| self.of(pixel));
-            held.min_by(|a, b| away(a).total_cmp(&away(b)))
-        })
-    }
+/// Returns the sample nearest to the centre of a pixel, in the smallest square of pixels about it that has one.
+fn nearest(pixels: &[Vec<[f64; 2]>], side: usize, index: usize) -> Option<[f64; 2]> {
+    let [x, y] = [index % side, index / side];
+    let away = |at: &[f64; 2]| {
+        let [dx, dy] = [at[0] - x as f64 - 0.5, at[1] - y as f64 - 0.5];
+        dx * dx + dy * dy
+    };
+    (1..side).find_map(|reach| {
+        let near = |at: usize| at.saturating_sub(reach)..(at + reach + 1).min(side);
+        let around = near(y).flat_map(|row| near(x).map(move |column| row * side + column));
+        let held = around.flat_map(|pixel| &pixels[pixel]).copied();
+        held.min_by(|a, b| away(a).total_cmp(&away(b)))
+    })
 }
 
 #[cfg(test)]

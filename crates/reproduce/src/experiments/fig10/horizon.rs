@@ -1,5 +1,4 @@
-//! An infinite checkerboard up to its horizon: rendered from samples, and integrated over each pixel.
-//! The integral knows no samples.
+//! An infinite checkerboard up to its horizon: rendered from samples, and integrated exactly over each pixel.
 
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};

@@ -1,5 +1,4 @@
 //! Samples and power spectra of the samplers: the first two rows of the figure.
-//! It renders nothing.
 
 use serde::{Deserialize, Serialize};
 use tilescope_analysis::measures::{FrequencyWindow, MeanPeriodogram, Periodogram, Spectrum};

@@ -1,5 +1,5 @@
-//! The zone plate `sin(x^2 + y^2)`: rendered from samples, exactly filtered, and the difference of the two.
-//! The exact image knows no samples.
+//! The zone plate `sin(x^2 + y^2)`: rendered from samples, exactly filtered, and the difference of the two. The exact
+//! image does not depend on samples.
 
 use std::f64::consts::PI;
 

@@ -6,6 +6,7 @@ use super::horizon::HorizonErrors;
 use super::looks::MeanSpectrum;
 use super::plate::PlateErrors;
 use super::samplers::Sampler;
+use crate::experiments::common::slope;
 
 /// Samples per pixel from which on few pixels are without a sample, even if these are independent of each other.
 pub const DENSE: usize = 4;
@@ -64,13 +65,7 @@ impl SamplerResults {
         let mut curve = self.curve();
         curve.retain(|at| at.per_pixel >= DENSE as f64);
         let places = curve.iter().map(|at| [at.per_pixel.log10(), at.log]);
-        let count = curve.len() as f64;
-        let [x, y] = [0, 1].map(|axis| places.clone().map(|at| at[axis]).sum::<f64>() / count);
-        let offsets = places.map(|at| [at[0] - x, at[1] - y]);
-        let (both, squares) = offsets.fold((0.0, 0.0), |(both, squares), [dx, dy]| {
-            (both + dx * dy, squares + dx * dx)
-        });
-        (curve.len() > 2).then(|| both / squares)
+        (curve.len() > 2).then(|| slope(places))
     }
 
     /// Returns the horizon's errors at the most samples per pixel.

@@ -1,5 +1,5 @@
-//! The samplers that are compared: each gives a number of samples in the unit square, by a seed.
-//! Sets that claim to be maximal are verified here; nothing is measured.
+//! The samplers that are compared: each gives a number of samples in the unit square, by a seed. Sets of the
+//! reference sampler and of KDRT are verified here.
 
 use rayon::prelude::*;
 use tilescope_core::{

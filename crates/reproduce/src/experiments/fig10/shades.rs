@@ -1,4 +1,4 @@
-//! Values as shades of grey, for images. It knows no image.
+//! Values as shades of grey.
 
 /// Errors of this size and beyond are black or white.
 pub const ERROR_SHOWN: f64 = 0.5;
@@ -8,7 +8,7 @@ pub fn shade(value: f64) -> u8 {
     (127.5 + 127.5 * value).round().clamp(0.0, 255.0) as u8
 }
 
-/// Returns the shade of an error; none is middle grey.
+/// Returns the shade of an error; zero is middle grey.
 pub fn error_shade(error: f64) -> u8 {
     shade(error / ERROR_SHOWN)
 }

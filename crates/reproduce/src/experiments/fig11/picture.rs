@@ -3,14 +3,14 @@
 use tilescope_figures::chart::{Bar, BarGroup};
 
 use super::rows::LeafTimes;
-use super::stages::StagePlan;
 use crate::error::ReproduceError;
-use crate::experiments::common::{bar_picture, whisker, whisker_words};
+use crate::experiments::common::bar_picture;
+use crate::experiments::timing::{TimingPlan, whisker, whisker_words};
 use crate::numbers::{drawn_count, drawn_number as number};
 use crate::outcome::Picture;
 
 /// Returns the figure.
-pub fn shares(rows: &[LeafTimes], plan: &StagePlan) -> Result<Picture, ReproduceError> {
+pub fn shares(rows: &[LeafTimes], plan: TimingPlan) -> Result<Picture, ReproduceError> {
     let samples = number(plan.samples as f64, 3);
     let title =
         format!("Share of the time that each procedure takes, about {samples} samples, one thread");

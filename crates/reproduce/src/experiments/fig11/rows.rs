@@ -1,4 +1,4 @@
-//! Rounds summed up: medians of times and shares by leaf size. It takes no time.
+//! Medians of the times and shares of all rounds, by leaf size.
 
 use tilescope_analysis::measures::Summary;
 

@@ -1,4 +1,4 @@
-//! Stages timed one by one, in rounds in each of which every leaf size has its turn.
+//! The time of each stage of a run. Every leaf size has its turn in each round.
 
 use std::ops::ControlFlow;
 use std::sync::Arc;
@@ -15,12 +15,10 @@ use tilescope_gpu::{GpuSweep, Options};
 use crate::control::Control;
 use crate::engines::{Engine, Engines};
 use crate::error::ReproduceError;
+use crate::experiments::timing::{LEAVES, ONE_LEAF, TimingPlan, same, timed};
 use crate::machine::gpus;
 use crate::sets::{Set, pattern, pattern_side};
 use crate::study::Study;
-
-/// Leaf size at which the algorithm as printed and GPUs are timed, in radii.
-const ONE_LEAF: f64 = 40.0;
 
 /// The algorithm as printed is timed with so many times fewer samples: it takes about twenty times as long for each.
 const FEWER: u64 = 10;
@@ -35,7 +33,7 @@ pub enum Procedure {
     Both,
     /// An iteration of detection and insertion.
     Iterate(u32),
-    /// The last look for gaps, which finds none.
+    /// The last detection, which finds no gap.
     Check,
     /// The result in canonical order.
     Finish,
@@ -101,63 +99,33 @@ pub struct StageRound {
     pub passes: Vec<StagePasses>,
 }
 
-/// How much is timed.
-#[derive(Clone, Debug)]
-pub struct StagePlan {
-    pub samples: u64,
-    pub rounds: u64,
-    pub leaves: Vec<f64>,
-    pub seed: u64,
-}
-
-impl StagePlan {
-    pub fn run(&self, study: &Study<'_>) -> Result<Vec<StageRound>, ReproduceError> {
-        study.rounds(
-            "stages",
-            self.rounds,
-            |_| Engines::open(),
-            |number, engines, control| self.round(number, engines, control),
-        )
-    }
-
-    fn round(
-        &self,
-        number: u64,
-        engines: &Engines,
-        control: &Control<'_>,
-    ) -> Result<StageRound, ReproduceError> {
-        let base = Parameters {
-            leaf: ONE_LEAF,
-            seed: self.seed.wrapping_mul(1000).wrapping_add(number),
-            ..Parameters::default()
-        };
-        let base = Parameters {
-            radius: radius_estimate(&base, self.samples)?,
-            ..base
-        };
-        let mut timed = Vec::new();
-        for leaf in &self.leaves {
-            let parameters = Parameters {
-                leaf: *leaf,
-                ..base
+/// Carries out all rounds.
+pub fn run(plan: TimingPlan, study: &Study<'_>) -> Result<Vec<StageRound>, ReproduceError> {
+    let fewer = plan.samples / FEWER;
+    plan.run(
+        study,
+        "stages",
+        |_| Engines::open(),
+        |base, engines, control| {
+            let mut timed = Vec::new();
+            for leaf in LEAVES {
+                timed.push(staged(&Parameters { leaf, ..*base }, engines, control)?);
+            }
+            let printed = Parameters {
+                variant: Variant::AsPrinted,
+                radius: radius_estimate(base, fewer)?,
+                ..*base
             };
-            let pattern = pattern_of(*leaf, control)?;
-            timed.push(staged(&parameters, &pattern, engines, control)?);
-        }
-        let printed = Parameters {
-            variant: Variant::AsPrinted,
-            radius: radius_estimate(&base, self.samples / FEWER)?,
-            ..base
-        };
-        let pattern = pattern_of(ONE_LEAF, control)?;
-        timed.push(verified(&printed, &pattern, control)?.0);
-        let mut passes = Vec::new();
-        for gpu in gpus() {
-            let gpu = engines.gpu(&gpu.name)?;
-            passes.extend(on_gpu(&gpu, &base, &pattern, control)?);
-        }
-        Ok(StageRound { timed, passes })
-    }
+            let pattern = pattern_of(ONE_LEAF, control)?;
+            timed.push(verified(&printed, &pattern, control)?.0);
+            let mut passes = Vec::new();
+            for gpu in gpus() {
+                let gpu = engines.gpu(&gpu.name)?;
+                passes.extend(on_gpu(&gpu, base, &pattern, control)?);
+            }
+            Ok(StageRound { timed, passes })
+        },
+    )
 }
 
 /// Returns a pattern that blocks of a leaf size fit into.
@@ -172,20 +140,18 @@ fn pattern_of(leaf: f64, control: &Control<'_>) -> Result<Arc<Pattern>, Reproduc
 /// Times the sequential engine's stages and the parallel engine for the same set.
 fn staged(
     parameters: &Parameters,
-    pattern: &Arc<Pattern>,
     engines: &Engines,
     control: &Control<'_>,
 ) -> Result<StageTimes, ReproduceError> {
-    let (mut timed, points) = verified(parameters, pattern, control)?;
-    let began = Instant::now();
+    let pattern = pattern_of(parameters.leaf, control)?;
+    let (times, points) = verified(parameters, &pattern, control)?;
     let all = Engine::Parallel { all: true };
-    let same = engines.make(&all, parameters, pattern, control)?;
-    timed.parallel = Some(began.elapsed().as_secs_f64());
-    if same != points {
-        let differ = "the parallel engine made another set than the sequential one".to_owned();
-        return Err(ReproduceError::Engine(differ));
-    }
-    Ok(timed)
+    let (made, seconds) = timed(|| engines.make(&all, parameters, &pattern, control));
+    same(&all.name(), &made?, &points)?;
+    Ok(StageTimes {
+        parallel: Some(seconds),
+        ..times
+    })
 }
 
 /// Times the stages of a run and verifies its set.

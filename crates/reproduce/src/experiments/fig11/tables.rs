@@ -2,7 +2,7 @@
 
 use super::rows::LeafTimes;
 use super::stages::{StagePasses, StageRound};
-use crate::experiments::common::{whisker, whisker_columns};
+use crate::experiments::timing::{whisker, whisker_columns};
 use crate::outcome::Table;
 use crate::table::table;
 

@@ -1,5 +1,4 @@
-//! Every method held against both groups of reference sets of its radius: numbers in, numbers out.
-//! It judges nothing.
+//! Every method compared with both groups of reference sets of its radius. Verdicts are in `claims`.
 
 use super::method::Method;
 use super::spectra::{MethodSpectra, difference};

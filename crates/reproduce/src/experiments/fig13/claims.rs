@@ -1,5 +1,6 @@
-//! Verdicts on figure 13's spectra: radial mean powers, and regularity with patterns that hold the largest block and with smaller ones.
-//! Sets of a single block are no evidence of a tiling, and those of few blocks no evidence of a good one. Numbers in, claims out.
+//! Verdicts on figure 13's spectra: radial mean powers, and regularity, with patterns that hold the largest block and
+//! with smaller ones. Sets of a single block do not count as tilings, and sets of few blocks can refute a claim but
+//! not confirm it.
 
 use super::against::Against;
 use super::method::Method;
@@ -55,7 +56,7 @@ pub fn claims(each: &[Against], rows: &[EngineRate]) -> Vec<Claim> {
 }
 
 fn similar(each: &[Against]) -> Claim {
-    // Where chance is loud, what is left without it is known badly.
+    // Where chance differences are large, the remainder after subtracting them is uncertain.
     let judged = |one: &&Against| one.tiled() && one.chance <= 2.0 * SIMILAR;
     let each: Vec<Against> = each.iter().filter(judged).copied().collect();
     let (verdict, ours) = match largest(&each, Against::ratio) {
@@ -289,7 +290,7 @@ fn by_leaf(each: &[Against], measure: &Measure) -> String {
     format!("{} (radii {})", texts.join(", "), radii.join(" / "))
 }
 
-/// Returns hundredths with a sign; nothing has none.
+/// Returns a number with two decimals and its sign; zero has no sign.
 fn signed(value: f64) -> String {
     match (100.0 * value).round() as i64 {
         0 => "0.00".to_owned(),

@@ -1,5 +1,4 @@
-//! How the sets of figure 13 are made: methods, and the radius and seeds of a group of sets.
-//! It measures nothing.
+//! How the sets of figure 13 are made: the methods, and the radius and seeds of a group of sets.
 
 use serde::{Deserialize, Serialize};
 use tilescope_core::{Domain, Parameters, PatternSpec, Point, Rect};
@@ -95,7 +94,7 @@ impl Method {
     }
 }
 
-/// The periodic unit square with a radius, and how many sets it is looked at with.
+/// The periodic unit square with a radius, and the number of sets that are measured.
 #[derive(Clone, Copy, Debug)]
 pub struct SetGroup {
     pub radius: f64,

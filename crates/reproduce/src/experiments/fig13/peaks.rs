@@ -1,5 +1,5 @@
-//! Single frequencies that stand out of the radial mean: what repetition would look like. Chance lets some stand out of many, by how much is
-//! known. It never looks at the lowest rings, whose few frequencies make no mean.
+//! Single frequencies whose power stands out of the radial mean, as repetition makes them, against the highest that
+//! chance allows among so many. The lowest rings are left out: a mean of few frequencies is not known well enough.
 
 use serde::{Deserialize, Serialize};
 use tilescope_analysis::measures::{Periodogram, chi_square_quantile};

@@ -5,12 +5,12 @@ use tilescope_figures::chart::{
     Axis, Bar, BarGroup, ImageChart, LineChart, Look, Panel, Series, TileChart, TileContent,
 };
 
-use super::SHARED;
 use super::method::{Method, PATTERN};
 use super::rates::EngineRate;
 use super::spectra::MethodSpectra;
 use crate::error::ReproduceError;
-use crate::experiments::common::{bar_picture, picture, power_scale, whisker, whisker_words};
+use crate::experiments::common::{bar_picture, picture, power_scale};
+use crate::experiments::timing::{ONE_LEAF, whisker, whisker_words};
 use crate::numbers::drawn_number as number;
 use crate::outcome::Picture;
 use crate::sets::Set;
@@ -46,7 +46,7 @@ pub fn regular() -> Vec<(Method, Method)> {
             leaf,
             side: PATTERN,
         },
-        Method::OnePattern { leaf: SHARED },
+        Method::OnePattern { leaf: ONE_LEAF },
         Method::Copies,
     ];
     methods.map(|method| (method, Method::Reference)).to_vec()

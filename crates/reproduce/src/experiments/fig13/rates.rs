@@ -1,17 +1,17 @@
-//! Rates of every engine, in rounds in each of which every one of them makes one set: what disturbs a round disturbs all of
-//! it, and ratios are taken within it. Every set is verified, or equal to one that is.
+//! Rates of every engine. In each round every engine makes one set, and ratios are taken within a round, so that what
+//! disturbs a round disturbs both sides. Every set is verified, or equal to one that is.
 
 use std::sync::Arc;
-use std::time::Instant;
 
 use serde::{Deserialize, Serialize};
 use tilescope_analysis::Report;
 use tilescope_analysis::measures::Summary;
-use tilescope_core::{Parameters, Pattern, PatternSpec, Point, radius_estimate};
+use tilescope_core::{Parameters, Pattern, PatternSpec, Point};
 
 use crate::control::Control;
 use crate::engines::{Engine, Engines};
 use crate::error::ReproduceError;
+use crate::experiments::timing::{LEAVES, TimingPlan, median, same, timed};
 use crate::machine::gpus;
 use crate::sets::{Set, pattern_side};
 use crate::study::Study;
@@ -53,170 +53,110 @@ impl RateRound {
     }
 }
 
-/// How much is timed.
-#[derive(Clone, Debug)]
-pub struct RatePlan {
-    pub samples: u64,
-    pub rounds: u64,
-    pub leaves: Vec<f64>,
-    pub seed: u64,
+/// Returns the engines of KDRT; the first one's set is verified.
+fn engines() -> Vec<Engine> {
+    let mut engines = vec![Engine::Parallel { all: false }, Engine::Sequential];
+    if rayon::current_num_threads() > 1 {
+        engines.insert(1, Engine::Parallel { all: true });
+    }
+    let name = |gpu: &tilescope_gpu::AdapterReport| gpu.name.clone();
+    engines.extend(gpus().iter().map(|gpu| Engine::Gpu { adapter: name(gpu) }));
+    engines
 }
 
-impl RatePlan {
-    /// Returns the engines of KDRT; the first one's set is verified.
-    fn engines() -> Vec<Engine> {
-        let mut engines = vec![Engine::Parallel { all: false }, Engine::Sequential];
-        if rayon::current_num_threads() > 1 {
-            engines.insert(1, Engine::Parallel { all: true });
-        }
-        let name = |gpu: &tilescope_gpu::AdapterReport| gpu.name.clone();
-        engines.extend(gpus().iter().map(|gpu| Engine::Gpu { adapter: name(gpu) }));
-        engines
-    }
-
-    fn references() -> Vec<Engine> {
-        match rayon::current_num_threads() {
-            1 => vec![Engine::Reference],
-            _ => vec![Engine::Reference, Engine::Combined],
-        }
-    }
-
-    /// Carries out all rounds.
-    pub fn run(&self, study: &Study<'_>) -> Result<Vec<RateRound>, ReproduceError> {
-        study.rounds(
-            "rates",
-            self.rounds,
-            Self::warm,
-            |number, engines, control| self.round(number, engines, control),
-        )
-    }
-
-    /// Opens the engines and makes a small set with each: the first one of a GPU compiles its passes.
-    fn warm(control: &Control<'_>) -> Result<Engines, ReproduceError> {
-        let open = Engines::open()?;
-        let base = Parameters::default();
-        let pattern = Arc::new(Pattern::generate(&base.pattern, &mut control.observer())?);
-        for engine in Self::references().iter().chain(&Self::engines()) {
-            open.make(engine, &base, &pattern, control)?;
-        }
-        Ok(open)
-    }
-
-    fn round(
-        &self,
-        number: u64,
-        engines: &Engines,
-        control: &Control<'_>,
-    ) -> Result<RateRound, ReproduceError> {
-        let base = Parameters {
-            leaf: 40.0,
-            seed: self.seed.wrapping_mul(1000).wrapping_add(number),
-            ..Parameters::default()
-        };
-        let base = Parameters {
-            radius: radius_estimate(&base, self.samples)?,
-            ..base
-        };
-        let place = TimedRound { engines, control };
-        let (mut timed, mut patterns) = (Vec::new(), Vec::new());
-        let pattern = place.pattern(pattern_side(base.leaf), &mut patterns)?;
-        for engine in Self::references() {
-            timed.extend(place.timed(&[engine], &base, &pattern, None)?);
-        }
-        for leaf in &self.leaves {
-            let parameters = Parameters {
-                leaf: *leaf,
-                ..base
-            };
-            let pattern = place.pattern(pattern_side(*leaf), &mut patterns)?;
-            timed.extend(place.timed(&Self::engines(), &parameters, &pattern, Some(*leaf))?);
-        }
-        patterns.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
-        patterns.dedup_by_key(|(side, _)| side.to_bits());
-        Ok(RateRound { timed, patterns })
+fn references() -> Vec<Engine> {
+    match rayon::current_num_threads() {
+        1 => vec![Engine::Reference],
+        _ => vec![Engine::Reference, Engine::Combined],
     }
 }
 
-struct TimedRound<'a> {
-    engines: &'a Engines,
-    control: &'a Control<'a>,
+/// Carries out all rounds.
+pub fn run(plan: TimingPlan, study: &Study<'_>) -> Result<Vec<RateRound>, ReproduceError> {
+    plan.run(study, "rates", warm, round)
 }
 
-impl TimedRound<'_> {
-    /// Makes a pattern and notes how long that took.
-    fn pattern(
-        &self,
-        side: f64,
-        seconds: &mut Vec<(f64, f64)>,
-    ) -> Result<Arc<Pattern>, ReproduceError> {
+/// Opens the engines and makes a small set with each: the first one of a GPU compiles its passes.
+fn warm(control: &Control<'_>) -> Result<Engines, ReproduceError> {
+    let open = Engines::open()?;
+    let base = Parameters::default();
+    let pattern = Arc::new(Pattern::generate(&base.pattern, &mut control.observer())?);
+    for engine in references().iter().chain(&engines()) {
+        open.make(engine, &base, &pattern, control)?;
+    }
+    Ok(open)
+}
+
+fn round(
+    base: &Parameters,
+    open: &Engines,
+    control: &Control<'_>,
+) -> Result<RateRound, ReproduceError> {
+    let (mut all, mut patterns) = (Vec::new(), Vec::new());
+    let mut pattern = |leaf: f64| -> Result<Arc<Pattern>, ReproduceError> {
+        let side = pattern_side(leaf);
         let spec = PatternSpec {
             side,
             ..PatternSpec::default()
         };
-        let began = Instant::now();
-        let pattern = Pattern::generate(&spec, &mut self.control.observer())?;
-        seconds.push((side, began.elapsed().as_secs_f64()));
-        Ok(Arc::new(pattern))
+        let (pattern, seconds) = timed(|| Pattern::generate(&spec, &mut control.observer()));
+        patterns.push((side, seconds));
+        Ok(Arc::new(pattern?))
+    };
+    let of_base = pattern(base.leaf)?;
+    for engine in references() {
+        all.extend(times(open, &[engine], base, &of_base, control)?);
     }
-
-    /// Makes the same set with each engine; the first one's is verified, and the others must be equal to it.
-    fn timed(
-        &self,
-        engines: &[Engine],
-        parameters: &Parameters,
-        pattern: &Arc<Pattern>,
-        leaf: Option<f64>,
-    ) -> Result<Vec<EngineTime>, ReproduceError> {
-        let mut first = None;
-        let mut timed = Vec::new();
-        for engine in engines {
-            let began = Instant::now();
-            let points = self
-                .engines
-                .make(engine, parameters, pattern, self.control)?;
-            let seconds = began.elapsed().as_secs_f64();
-            let report = self.judge(&engine.name(), parameters, points, &mut first)?;
-            timed.push(EngineTime {
-                name: engine.name(),
-                leaf,
-                threads: engine.threads(),
-                seconds,
-                count: report.count,
-                density: report.density,
-                min_distance: report.min_distance / report.radius,
-                covering_radius: report.covering_radius / report.radius,
-            });
-        }
-        Ok(timed)
+    for leaf in LEAVES {
+        let (parameters, pattern) = (Parameters { leaf, ..*base }, pattern(leaf)?);
+        all.extend(times(open, &engines(), &parameters, &pattern, control)?);
     }
-
-    /// Returns the report of the first set, which every other one must be equal to.
-    fn judge(
-        &self,
-        name: &str,
-        parameters: &Parameters,
-        points: Vec<Point>,
-        first: &mut Option<(Vec<Point>, Report)>,
-    ) -> Result<Report, ReproduceError> {
-        if let Some((verified, report)) = first {
-            same(name, &points, verified)?;
-            return Ok(report.clone());
-        }
-        let set = Set::of(&parameters.validate()?, &points);
-        let report = set.verified(name, self.control)?;
-        *first = Some((points, report.clone()));
-        Ok(report)
-    }
+    patterns.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
+    patterns.dedup_by_key(|(side, _)| side.to_bits());
+    Ok(RateRound {
+        timed: all,
+        patterns,
+    })
 }
 
-/// Fails where an engine's set is not the one that was verified.
-fn same(name: &str, points: &[Point], verified: &[Point]) -> Result<(), ReproduceError> {
-    if points == verified {
-        return Ok(());
+/// Makes the same set with each engine; the first one's is verified, and the others must be equal to it.
+fn times(
+    open: &Engines,
+    engines: &[Engine],
+    parameters: &Parameters,
+    pattern: &Arc<Pattern>,
+    control: &Control<'_>,
+) -> Result<Vec<EngineTime>, ReproduceError> {
+    let mut first: Option<(Vec<Point>, Report)> = None;
+    let mut all = Vec::new();
+    for engine in engines {
+        let name = engine.name();
+        let (points, seconds) = timed(|| open.make(engine, parameters, pattern, control));
+        let points = points?;
+        let (_, report) = match &mut first {
+            Some(verified) => {
+                same(&name, &points, &verified.0)?;
+                verified
+            }
+            none => {
+                let set = Set::of(&parameters.validate()?, &points);
+                let report = set.verified(&name, control)?;
+                none.insert((points, report))
+            }
+        };
+        let from_scratch = matches!(engine, Engine::Reference | Engine::Combined);
+        all.push(EngineTime {
+            name,
+            leaf: (!from_scratch).then_some(parameters.leaf),
+            threads: engine.threads(),
+            seconds,
+            count: report.count,
+            density: report.density,
+            min_distance: report.min_distance / report.radius,
+            covering_radius: report.covering_radius / report.radius,
+        });
     }
-    Err(ReproduceError::Engine(format!(
-        "{name} made another set than the engine before it"
-    )))
+    Ok(all)
 }
 
 /// A method over all rounds.
@@ -263,9 +203,7 @@ fn row(rounds: &[RateRound], key: &Key<'_>, first: &Key<'_>) -> Option<EngineRat
     let ratios = rounds
         .iter()
         .filter_map(|round| Some(rate(round.of(key)?) / rate(round.of(first)?)));
-    let median = |value: fn(&EngineTime) -> f64| {
-        Summary::of(of.iter().map(|one| value(one))).map(|s| s.quartiles[1])
-    };
+    let median = |value: fn(&EngineTime) -> f64| median(of.iter().map(|one| value(one)));
     let least = of.iter().map(|one| one.min_distance);
     let most = of.iter().map(|one| one.covering_radius);
     let one = of.first()?;
@@ -348,13 +286,5 @@ mod tests {
         assert_eq!(found, expected);
         // Places in the list would have given the second row eight times the reference in one round.
         assert!((rows[1].ratio.most - 2.0).abs() < 1e-12);
-    }
-
-    #[test]
-    fn a_set_that_is_not_the_verified_one_has_no_rate() {
-        let points = [Point::new(1, 2), Point::new(3, 4)];
-        assert!(same("a", &points, &points).is_ok());
-        let other = [Point::new(1, 2), Point::new(3, 5)];
-        assert!(same("a", &points, &other).is_err());
     }
 }

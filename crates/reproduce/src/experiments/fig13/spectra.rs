@@ -1,5 +1,5 @@
-//! What is measured of ten sets of one method and radius: their mean periodogram as it is looked at, and a few numbers.
-//! No set is kept, and nothing is compared with another method.
+//! What is measured of the sets of one method and radius: their mean periodogram and a few numbers. The sets
+//! themselves are not kept.
 
 use serde::{Deserialize, Serialize};
 use tilescope_analysis::Report;
@@ -70,7 +70,7 @@ pub struct Curves {
     pub noise: Vec<Option<[f64; 2]>>,
 }
 
-/// The periodogram to be looked at, rows of equal ky.
+/// The mean periodogram for pictures, rows of equal ky.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct MeanPicture {
     pub columns: usize,

@@ -1,5 +1,5 @@
-//! Verdicts on figure 13's rates: whether tiling is several times as fast, and what the paper's own ratio can be held against.
-//! It takes no time itself.
+//! Verdicts on figure 13's rates: whether tiling is several times as fast as sampling from scratch, and why the
+//! paper's own ratio cannot be compared.
 
 use super::rates::EngineRate;
 use crate::numbers::number;

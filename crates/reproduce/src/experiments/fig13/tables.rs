@@ -3,7 +3,7 @@
 use super::against::Against;
 use super::rates::EngineRate;
 use super::spectra::MethodSpectra;
-use crate::experiments::common::{whisker, whisker_columns};
+use crate::experiments::timing::{whisker, whisker_columns};
 use crate::outcome::Table;
 use crate::table::table;
 

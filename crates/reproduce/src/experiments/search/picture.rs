@@ -68,13 +68,18 @@ fn scene(set: &Set, witness: &Witness) -> Result<Scene, ReproduceError> {
     };
     let parts = Tessellation::of(&points, region, set.radius)?;
     let gap = parts.gap_at(middle).map(|gap| &parts.gaps[gap].fill[..]);
-    let mut shapes = hole(gap.unwrap_or_default(), &options.palette);
-    shapes.extend(sites(witness, middle, set.radius, &options.palette));
-    // Positions of a picture point down.
-    let flip = |[x, y]: [f64; 2]| [x, window.min[1] + window.max[1] - y];
-    for shape in &mut shapes {
-        turned(shape, flip);
-    }
+    // Positions of a picture point down; its middle stays where it is.
+    let flip = |[x, y]: [f64; 2]| [x, 2.0 * middle[1] - y];
+    let triangles = gap.unwrap_or_default().iter();
+    let triangles: Vec<_> = triangles.map(|corners| corners.map(flip)).collect();
+    let sites = witness.sites.map(|[x, y]| [middle[0] + x, middle[1] - y]);
+    let mut shapes = hole(&triangles, &options.palette);
+    shapes.extend(triangle(
+        witness,
+        sites,
+        middle,
+        (set.radius, &options.palette),
+    ));
     above_samples(&mut scene, shapes);
     Ok(scene)
 }
@@ -88,24 +93,6 @@ fn above_samples(scene: &mut Scene, shapes: Vec<Shape>) {
             ..samples.clone()
         };
         scene.groups.push(group);
-    }
-}
-
-/// Moves the places of a shape.
-fn turned(shape: &mut Shape, place: impl Fn([f64; 2]) -> [f64; 2]) {
-    let places: Vec<&mut [f64; 2]> = match shape {
-        Shape::Circle { center, .. } | Shape::Marker { center, .. } => vec![center],
-        Shape::Polygon { points, .. } | Shape::Polyline { points, .. } => {
-            points.iter_mut().collect()
-        }
-        Shape::Segments { segments, .. } => segments.as_flattened_mut().iter_mut().collect(),
-        Shape::Text(text) => vec![&mut text.at],
-        Shape::Rect { rect, .. } | Shape::Image { rect, .. } => {
-            vec![&mut rect.min, &mut rect.max]
-        }
-    };
-    for at in places {
-        *at = place(*at);
     }
 }
 
@@ -142,10 +129,12 @@ fn hole(triangles: &[[DVec2; 3]], palette: &Palette) -> Vec<Shape> {
 }
 
 /// Returns the three sites, what each of them sees, and how far apart they are.
-fn sites(witness: &Witness, middle: [f64; 2], radius: f64, palette: &Palette) -> Vec<Shape> {
-    let at = witness
-        .sites
-        .map(|site| [0, 1].map(|k| middle[k] + site[k]));
+fn triangle(
+    witness: &Witness,
+    at: [[f64; 2]; 3],
+    middle: [f64; 2],
+    (radius, palette): (f64, &Palette),
+) -> Vec<Shape> {
     let colors: [Color; 3] = [palette.conflict, palette.detector, palette.inserted];
     let mut shapes = vec![Shape::circle(
         middle,

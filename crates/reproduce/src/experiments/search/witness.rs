@@ -1,4 +1,4 @@
-//! Places that no sample covers, with the three samples nearest to each. It decides nothing.
+//! Places that no sample covers, with the three samples nearest to each.
 
 use serde::{Deserialize, Serialize};
 

@@ -1,9 +1,9 @@
-//! Two measures of a bias with intervals: of many classes together, and of pairs of sets. They decide nothing.
+//! Two measures of a bias with intervals: of many classes together, and of pairs of sets.
 
 use tilescope_analysis::measures::{Deviation, Uniformity, student_quantile};
 
 use super::counted::SeedCounts;
-use super::subject::{BANDS, DensityOffset, LEVEL};
+use super::offsets::{BANDS, DensityOffset, LEVEL};
 
 /// What intervals miss, of one statement or of several together.
 pub const MISSED: f64 = 1.0 - LEVEL;

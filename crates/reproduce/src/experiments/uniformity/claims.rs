@@ -2,7 +2,7 @@
 
 use super::CELL;
 use super::counted::MOVED;
-use super::subject::{DensityOffset, JUDGED, SamplerUniformity, UniformityResults};
+use super::offsets::{DensityOffset, JUDGED, SamplerUniformity, UniformityResults};
 use crate::numbers::{chance, number};
 use crate::outcome::{BEYOND, Claim, Verdict};
 use crate::rule::Rule;
@@ -95,7 +95,7 @@ fn worst(ours: &SamplerUniformity) -> (&'static str, String) {
     worst.map_or(("nowhere", String::new()), |(name, off)| (name, told(&off)))
 }
 
-/// Returns whether sets that have no bias show none: neither in cells nor in any band or strip.
+/// Returns whether no bias is measured of sets that have no bias, neither in cells nor in any band or strip.
 fn clean(reference: &SamplerUniformity) -> bool {
     let grid = reference.grid().interval;
     let even =

@@ -1,5 +1,5 @@
-//! What is counted of one run: samples by place in the domain, by distance from borders, and by where in gaps they are inserted.
-//! It judges nothing; classes are the analysis'.
+//! The counts of one run: samples by place in the domain, by distance from borders, and by where in gaps they are
+//! inserted. Tests of these counts are in `offsets`.
 
 use serde::{Deserialize, Serialize};
 use tilescope_analysis::measures::{ClassCounts, DistanceClasses, PositionClasses};
@@ -56,8 +56,8 @@ pub struct SeedCounts {
 }
 
 impl SeedCounts {
-    /// Makes and counts the sets of one seed. The reference set is held against the blocks of the others, of which it
-    /// knows nothing.
+    /// Makes and counts the sets of one seed. The reference set, which was made without blocks, is counted by the blocks of the
+    /// others.
     pub fn of(
         parameters: &Parameters,
         cells: usize,

@@ -1,5 +1,5 @@
-//! Where in a gap samples are inserted: the rank of an inserted sample's distance from all others among those of uniform places
-//! of the same gap. It knows gaps and places, and no sampler.
+//! Where in a gap samples are inserted: the rank of an inserted sample's distance from all others among those of
+//! uniform places of the same gap.
 
 use glam::DVec2;
 

@@ -1,6 +1,6 @@
 //! Charts, maps and tables of what was counted.
 
-use tilescope_analysis::measures::{Deviation, Uniformity};
+use tilescope_analysis::measures::Uniformity;
 use tilescope_figures::Bitmap;
 use tilescope_figures::chart::{
     Axis, ColorScale, Level, LineChart, Panel, Series, TileChart, TileContent,
@@ -8,7 +8,7 @@ use tilescope_figures::chart::{
 
 use super::counted::EDGES;
 use super::gaps::CLASSES;
-use super::subject::{DensityOffset, SamplerUniformity, UniformityResults};
+use super::offsets::{SamplerUniformity, UniformityResults};
 use crate::error::ReproduceError;
 use crate::experiments::common::{chart, curve, picture};
 use crate::numbers::{number, signed};
@@ -184,46 +184,33 @@ fn tests(found: &UniformityResults) -> Table {
 
 /// Returns densities by distance from both kinds of border.
 fn distances(found: &UniformityResults) -> Table {
-    struct Distance<'a> {
-        of: &'a SamplerUniformity,
-        border: &'static str,
-        class: usize,
-        deviation: &'a Deviation,
-        offset: DensityOffset,
-    }
-    let rows = found.all().into_iter().flat_map(|of| {
-        let borders = [("block", &of.blocks), ("domain", &of.domain)].into_iter();
+    let rows = found.all().into_iter().flat_map(|one| {
+        let borders = [("block", &one.blocks), ("domain", &one.domain)].into_iter();
         borders.flat_map(move |(border, test)| {
             let classes = test.deviations.iter().enumerate();
-            classes.map(move |(class, deviation)| Distance {
-                of,
-                border,
-                class,
-                deviation,
-                offset: of.against(deviation),
-            })
+            classes.map(move |(class, deviation)| (one, border, class, deviation))
         })
     });
+    let interval =
+        |one: &SamplerUniformity, class| one.against(class).interval.map(|end| 100.0 * end);
     table("distances", "Density by distance from borders", rows)
-        .column("sets_by", "sets by", 3, |row| row.of.name)
-        .column("border", "border of", 3, |row| row.border)
-        .column("from_r", "from, r", 3, |row| EDGES[row.class])
-        .column("observed", "samples", 8, |row| row.deviation.observed)
+        .column("sets_by", "sets by", 3, |row| row.0.name)
+        .column("border", "border of", 3, |row| row.1)
+        .column("from_r", "from, r", 3, |row| EDGES[row.2])
+        .column("observed", "samples", 8, |row| row.3.observed)
         .column("expected", "at the reference's density", 8, |row| {
-            row.deviation.expected * row.of.density.recip()
+            row.3.expected * row.0.density.recip()
         })
         .column("deviation_percent", "deviation, %", 3, |row| {
-            100.0 * row.offset.relative
+            100.0 * row.0.against(row.3).relative
         })
         .column("low_percent", "99 % from, %", 3, |row| {
-            100.0 * row.offset.interval[0]
+            interval(row.0, row.3)[0]
         })
-        .column("high_percent", "to, %", 3, |row| {
-            100.0 * row.offset.interval[1]
-        })
+        .column("high_percent", "to, %", 3, |row| interval(row.0, row.3)[1])
         .column("inserted", "inserted", 7, |row| {
-            let inserted = row.of.inserted.get(row.class);
-            inserted.copied().filter(|_| row.border == "block")
+            let inserted = row.0.inserted.get(row.2).copied();
+            inserted.filter(|_| row.1 == "block")
         })
         .hidden()
 }

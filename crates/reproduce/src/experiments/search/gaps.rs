@@ -13,7 +13,7 @@ use crate::outcome::{Picture, Table};
 use crate::sets::Set;
 use crate::table::{TypedTable, table};
 
-/// Places of gaps that are looked at in each set.
+/// Centres of gaps that are examined in each set, at most.
 const PLACES: usize = 100_000;
 /// Witnesses that are kept of each set.
 const KEPT: usize = 4;
@@ -122,7 +122,7 @@ pub fn worst(found: &[GapStatistics]) -> Option<&GapStatistics> {
     gaps.max_by(|a, b| a.two.covering_radius.total_cmp(&b.two.covering_radius))
 }
 
-/// Returns what is known of who could have seen the gaps.
+/// Returns how many gaps no detector could have seen.
 pub fn sight(found: &[GapStatistics]) -> String {
     let staged = || found.iter().filter(|one| !one.printed);
     let places: u64 = staged().map(|one| one.two.places).sum();

@@ -1,0 +1,140 @@
+//! Timing in rounds: every engine or leaf size has its turn in each round, so that what disturbs a round disturbs all of it.
+
+use std::time::Instant;
+
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use tilescope_analysis::measures::Summary;
+use tilescope_core::{Parameters, Point, radius_estimate};
+
+use super::common::seed;
+use crate::control::Control;
+use crate::engines::Engines;
+use crate::error::ReproduceError;
+use crate::study::Study;
+
+/// Leaf sizes that are timed, in radii.
+pub const LEAVES: [f64; 3] = [20.0, 40.0, 80.0];
+/// The leaf size where one is enough.
+pub const ONE_LEAF: f64 = 40.0;
+
+/// How much is timed.
+#[derive(Clone, Copy, Debug)]
+pub struct TimingPlan {
+    /// Samples of a set, about.
+    pub samples: u64,
+    pub rounds: u64,
+}
+
+impl TimingPlan {
+    /// Carries out all rounds, a unit each. `open` prepares the engines before the first round that was not kept; `round` is given
+    /// the parameters of its sets.
+    pub fn run<T: Serialize + DeserializeOwned>(
+        self,
+        study: &Study<'_>,
+        what: &str,
+        open: impl Fn(&Control<'_>) -> Result<Engines, ReproduceError>,
+        round: impl Fn(&Parameters, &Engines, &Control<'_>) -> Result<T, ReproduceError>,
+    ) -> Result<Vec<T>, ReproduceError> {
+        let rounds = self.rounds;
+        let mut opened = None;
+        let one = |number: u64| {
+            let base = Parameters {
+                leaf: ONE_LEAF,
+                seed: seed(study.settings, number as usize),
+                ..Parameters::default()
+            };
+            let radius = radius_estimate(&base, self.samples)?;
+            let key = format!("{what}-{number}");
+            let what = format!("{what}, round {} of {rounds}", number + 1);
+            study.unit(&key, &what, |control| {
+                let engines = match &mut opened {
+                    Some(opened) => opened,
+                    none => none.insert(open(control)?),
+                };
+                round(&Parameters { radius, ..base }, engines, control)
+            })
+        };
+        (0..rounds).map(one).collect()
+    }
+}
+
+/// Returns a result and the seconds that it took.
+pub fn timed<T>(make: impl FnOnce() -> T) -> (T, f64) {
+    let began = Instant::now();
+    let made = make();
+    (made, began.elapsed().as_secs_f64())
+}
+
+/// Returns the median of values; none where there is no value.
+pub fn median(values: impl IntoIterator<Item = f64>) -> Option<f64> {
+    Summary::of(values).map(|summary| summary.quartiles[1])
+}
+
+/// Fails where an engine's set is not the one that was verified.
+pub fn same(name: &str, points: &[Point], verified: &[Point]) -> Result<(), ReproduceError> {
+    if points == verified {
+        return Ok(());
+    }
+    Err(ReproduceError::Engine(format!(
+        "{name} made another set than the engine before it"
+    )))
+}
+
+/// Quartiles of fewer values would be interpolations.
+const FEW: usize = 5;
+
+/// Returns where a whisker begins and ends: quartiles, or of few values the least and the most.
+pub fn whisker(summary: &Summary) -> [f64; 2] {
+    if summary.count < FEW {
+        [summary.least, summary.most]
+    } else {
+        [summary.quartiles[0], summary.quartiles[2]]
+    }
+}
+
+/// Returns what [`whisker`] is of so many rounds, for captions.
+pub const fn whisker_words(rounds: usize) -> &'static str {
+    if rounds < FEW {
+        "from least to most"
+    } else {
+        "from quartile to quartile"
+    }
+}
+
+/// Returns key and heading of columns with both ends of [`whisker`] of so many rounds.
+pub const fn whisker_columns(rounds: usize) -> [(&'static str, &'static str); 2] {
+    if rounds < FEW {
+        [("least", "least"), ("most", "most")]
+    } else {
+        [
+            ("quartile_1", "first quartile"),
+            ("quartile_3", "third quartile"),
+        ]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_set_that_is_not_the_verified_one_has_no_rate() {
+        let points = [Point::new(1, 2), Point::new(3, 4)];
+        assert!(same("a", &points, &points).is_ok());
+        let other = [Point::new(1, 2), Point::new(3, 5)];
+        assert!(same("a", &points, &other).is_err());
+    }
+
+    #[test]
+    fn few_values_have_no_quartiles() {
+        let of = |values: &[f64]| {
+            whisker(&Summary::of(values.iter().copied()).unwrap()).map(|end| end as i32)
+        };
+        assert_eq!(of(&[1.0, 3.0]), [1, 3]);
+        assert_eq!(of(&[1.0, 2.0, 3.0, 4.0]), [1, 4]);
+        assert_eq!(of(&[1.0, 2.0, 3.0, 4.0, 5.0]), [2, 4]);
+        assert_eq!(whisker_words(2), "from least to most");
+        assert_eq!(whisker_columns(5)[0].0, "quartile_1");
+    }
+}
