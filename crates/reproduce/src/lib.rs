@@ -10,7 +10,7 @@
 //!
 //! struct Quiet;
 //! impl Watch for Quiet {
-//!     fn progress(&self, _seconds: f64, _what: &str) -> ControlFlow<()> {
+//!     fn progress(&self, _done: usize, _what: &str) -> ControlFlow<()> {
 //!         ControlFlow::Continue(())
 //!     }
 //! }

@@ -1,7 +1,5 @@
 //! Pictures of the largest gaps that looking 2r far leaves: what is uncovered, and why no site sees both others.
 
-use glam::DVec2;
-
 use tilescope_analysis::{Boundary, Region, Tessellation};
 use tilescope_core::Boundary as Ends;
 use tilescope_figures::{
@@ -71,7 +69,9 @@ fn scene(set: &Set, witness: &Witness) -> Result<Scene, ReproduceError> {
     // Positions of a picture point down; its middle stays where it is.
     let flip = |[x, y]: [f64; 2]| [x, 2.0 * middle[1] - y];
     let triangles = gap.unwrap_or_default().iter();
-    let triangles: Vec<_> = triangles.map(|corners| corners.map(flip)).collect();
+    let triangles: Vec<_> = triangles
+        .map(|corners| corners.map(|corner| flip(corner.to_array())))
+        .collect();
     let sites = witness.sites.map(|[x, y]| [middle[0] + x, middle[1] - y]);
     let mut shapes = hole(&triangles, &options.palette);
     shapes.extend(triangle(
@@ -108,7 +108,7 @@ fn around(set: &Set, center: [f64; 2], middle: [f64; 2]) -> Vec<[f64; 2]> {
 }
 
 /// Returns the uncovered place, solid below a hatch.
-fn hole(triangles: &[[DVec2; 3]], palette: &Palette) -> Vec<Shape> {
+fn hole(triangles: &[[[f64; 2]; 3]], palette: &Palette) -> Vec<Shape> {
     let solid = Fill::Solid(with_alpha(palette.gap, 170));
     let hatch = Fill::Hatch(Hatch {
         color: palette.gap,
@@ -121,7 +121,7 @@ fn hole(triangles: &[[DVec2; 3]], palette: &Palette) -> Vec<Shape> {
             stroke: None,
         };
         triangles.iter().map(move |corners| Shape::Polygon {
-            points: corners.map(|corner| corner.to_array()).to_vec(),
+            points: corners.to_vec(),
             style,
         })
     };
