@@ -98,7 +98,7 @@ pub(crate) struct CoverSearch<'a> {
 pub(crate) fn same_place(domain: &Domain, length: f64) -> f64 {
     // A place is known to about 2^-50 of the extent, and Voronoi vertices of a random set
     // are hardly ever closer than 2^-30 r.
-    let longer = domain.extent[0].max(domain.extent[1]);
+    let longer = domain.extent.max_element();
     (length * 2f64.powi(-30)).max(longer * 2f64.powi(-46))
 }
 

@@ -3,6 +3,7 @@
 //! expected work is then that of a random order whatever the set is like, and each site lies near the one before it.
 //! It knows nothing of circles and regions. The order is the same in every run.
 
+use glam::DVec2;
 use spade::{DelaunayTriangulation, HasPosition, Point2, Triangulation, validate_vertex};
 
 /// Sites that are inserted before the rounds begin.
@@ -49,13 +50,13 @@ fn along_a_tree<V: HasPosition<Scalar = f64>>(sites: &mut [V]) {
     if sites.len() < 3 {
         return;
     }
-    let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
+    let (mut low, mut high) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
     for site in sites.iter() {
         let at = place(site);
-        low = [0, 1].map(|axis| at[axis].min(low[axis]));
-        high = [0, 1].map(|axis| at[axis].max(high[axis]));
+        low = at.min(low);
+        high = at.max(high);
     }
-    let axis = usize::from(high[1] - low[1] > high[0] - low[0]);
+    let axis = (high - low).max_position();
     let middle = sites.len() / 2;
     sites.select_nth_unstable_by(middle, |a, b| place(a)[axis].total_cmp(&place(b)[axis]));
     let (before, after) = sites.split_at_mut(middle);
@@ -82,14 +83,14 @@ fn begin_with_a_triangle<V: HasPosition<Scalar = f64>>(sites: &mut [V]) -> bool 
     true
 }
 
-fn place<V: HasPosition<Scalar = f64>>(site: &V) -> [f64; 2] {
+fn place<V: HasPosition<Scalar = f64>>(site: &V) -> DVec2 {
     let Point2 { x, y } = site.position();
-    [x, y]
+    DVec2::new(x, y)
 }
 
 /// Whether three points are exactly on one line: the predicates are exact, so there is a face if and only if the points span one.
-fn on_a_line(points: [[f64; 2]; 3]) -> bool {
-    let corners = points.map(|[x, y]| Point2::new(x, y)).to_vec();
+fn on_a_line(points: [DVec2; 3]) -> bool {
+    let corners = points.map(|p| Point2::new(p.x, p.y)).to_vec();
     DelaunayTriangulation::<_>::bulk_load(corners).is_ok_and(|found| found.num_inner_faces() == 0)
 }
 

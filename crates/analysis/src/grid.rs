@@ -5,7 +5,6 @@
 use std::ops::Range;
 
 use glam::DVec2;
-
 use rayon::prelude::*;
 
 use serde::{Deserialize, Serialize};
@@ -60,8 +59,9 @@ impl Grid {
     pub fn new(points: &[[f64; 2]], domain: Domain, side: f64) -> Self {
         let side = side.max(domain.spacing(points.len()));
         // Along a thin region the cap matters: there, cells of that side would outnumber the samples.
-        let cells = (domain.extent / side).to_array();
-        let cells = cells.map(|cells| (cells as usize).clamp(1, points.len()));
+        let cells = (domain.extent / side)
+            .to_array()
+            .map(|cells| (cells as usize).clamp(1, points.len()));
         let rows = Rows {
             first: 0,
             count: cells[1],
@@ -131,9 +131,8 @@ impl Grid {
 
     fn sort_cells(&mut self) {
         let order = |a: &Entry, b: &Entry| {
-            let (p, q) = (a.position, b.position);
-            (p.x.total_cmp(&q.x))
-                .then_with(|| p.y.total_cmp(&q.y))
+            (a.position.x.total_cmp(&b.position.x))
+                .then_with(|| a.position.y.total_cmp(&b.position.y))
                 .then_with(|| a.id.cmp(&b.id))
         };
         for bounds in self.starts.windows(2) {
@@ -150,8 +149,7 @@ impl Grid {
 
     /// Sides of a cell.
     pub fn cell_sides(&self) -> DVec2 {
-        let [columns, rows] = self.cells.map(|count| count as f64);
-        self.domain.extent / DVec2::new(columns, rows)
+        self.domain.extent / DVec2::from(self.cells.map(|cells| cells as f64))
     }
 
     /// Number of cells held.
@@ -262,7 +260,7 @@ mod tests {
         assert!(ids.iter().copied().eq(0..1000));
         for row in 0..grid.cells[1] {
             let run = grid.run(row, &(0..grid.cells[0]));
-            assert!(run.is_sorted_by_key(|entry| entry.position[0]));
+            assert!(run.is_sorted_by_key(|entry| entry.position.x));
         }
         assert_eq!(grid.count(&(0..grid.cells[0]), &(0..grid.cells[1])), 1000);
     }

@@ -250,14 +250,14 @@ impl Intake {
         }
         let position = search.domain.scale_point(point);
         let limit = self.highest - STREAM_LAG * search.scaled_radius;
-        if position[1] < limit && !(search.domain.periodic && search.row(position[1]) == 0) {
+        if position.y < limit && !(search.domain.periodic && search.row(position.y) == 0) {
             return Err(VerifyError::OutOfOrder {
                 index,
                 value: point[1],
                 limit: limit / search.domain.scale,
             });
         }
-        self.highest = self.highest.max(position[1]);
+        self.highest = self.highest.max(position.y);
         self.count += 1;
         let id = index as u32;
         Ok(Entry { position, id })

@@ -1,9 +1,8 @@
 //! What is under the pointer, in words: a sample and how it stands, else the gap, else the block. The tag keeps clear of
 //! what it names.
 
-use glam::DVec2;
-
 use egui::{Align2, FontId, Painter, Pos2, Rect, Response, Stroke, StrokeKind, Ui, vec2};
+use glam::DVec2;
 use tilescope_analysis::tessellation::Edge;
 use tilescope_core::{Origin, Stage, Standing};
 use tilescope_drawing::palette::Palette;
@@ -163,7 +162,7 @@ fn block(subject: &Subject<'_>, place: DVec2) -> Option<[String; 2]> {
     let blocks = &subject.shown.session.run().blocks;
     let holds = |rect: &tilescope_core::Rect| {
         let axis = |low: i32, high: i32, at: f64| radii(low) <= at && at < radii(high);
-        axis(rect.min.x, rect.max.x, place[0]) && axis(rect.min.y, rect.max.y, place[1])
+        axis(rect.min.x, rect.max.x, place.x) && axis(rect.min.y, rect.max.y, place.y)
     };
     let leaves = &blocks.leaves[..made.leaves];
     let number = leaves.iter().position(|leaf| holds(&leaf.rect))?;

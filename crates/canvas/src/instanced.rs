@@ -11,18 +11,17 @@ mod view;
 use std::cell::Cell;
 use std::ops::Range;
 
-use glam::DVec2;
-
 use eframe::egui_wgpu::{Callback, RenderState, wgpu};
 use egui::{Painter, Rect};
+use glam::DVec2;
 use tilescope_core::{Domain, Point};
+use tilescope_session::units;
 
 use gpu::{Gpu, InstanceKind, InstanceRange};
 use order::{CellOrder, LEVELS};
 pub use set::Symbols;
 use tilescope_drawing::camera::Camera;
 use tilescope_drawing::look::SampleLook;
-use tilescope_session::units::radii;
 use view::{Copy, PlaneView};
 pub use view::{Marks, PaintOptions};
 
@@ -163,7 +162,7 @@ impl InstancedCanvas {
             return Err(InstancedError::TooMany { count, limit });
         }
         self.order = CellOrder::new(domain, points);
-        self.size = DVec2::new(radii(domain.width()), radii(domain.height()));
+        self.size = units::size(domain);
         self.periodic = domain.is_periodic();
         let at = |&id: &u32| [points[id as usize].x, points[id as usize].y];
         let places: Vec<[i32; 2]> = self.order.ids.iter().map(at).collect();
@@ -359,7 +358,7 @@ impl InstancedCanvas {
     /// Returns the opacity of points when `share` of all samples are drawn: less than 1 where several are expected
     /// on a pixel, so that all of them are seen in the mixture.
     fn point_opacity(&self, scale: f64, share: f32) -> f32 {
-        let per_pixel = self.order.ids.len() as f64 / (self.size[0] * self.size[1] * scale * scale);
+        let per_pixel = self.order.ids.len() as f64 / (self.size.element_product() * scale * scale);
         (1.0 / (per_pixel as f32 * share)).clamp(MIN_POINT_OPACITY, 1.0)
     }
 }

@@ -6,7 +6,7 @@ use tilescope_core::{Point, Rect as LatticeRect, Stage};
 use tilescope_session::layers::Layer;
 use tilescope_session::moment::ShownMoment;
 use tilescope_session::session::Session;
-use tilescope_session::units::radii;
+use tilescope_session::units::{place, size};
 
 use crate::made::Made;
 use crate::palette::Palette;
@@ -63,7 +63,7 @@ impl<'a> Scene<'a> {
     /// Returns where a point of the lattice is seen.
     #[must_use]
     pub fn point(&self, point: Point) -> Pos2 {
-        self.at([radii(point.x), radii(point.y)])
+        self.at(place(point))
     }
 
     /// Returns the screen points in one r.
@@ -94,10 +94,7 @@ impl<'a> Scene<'a> {
     #[must_use]
     pub fn domain(&self) -> Rect {
         let size = match self.stage {
-            Stage::Pattern => {
-                let domain = self.session.run().pattern.domain();
-                DVec2::new(radii(domain.width()), radii(domain.height()))
-            }
+            Stage::Pattern => size(self.session.run().pattern.domain()),
             _ => self.session.size_radii(),
         };
         self.screen_rect(DVec2::ZERO, size)

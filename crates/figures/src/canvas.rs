@@ -1,6 +1,7 @@
 //! A canvas for pictures of samples: user units with y upwards, one frame below a caption. It knows
 //! marks, disks, blocks and gaps, and no run.
 
+use glam::DVec2;
 use tilescope_core::Boundary;
 
 use crate::palette::{Palette, with_alpha};
@@ -116,43 +117,35 @@ impl<'a> Canvas<'a> {
         Rect::new([a[0], b[1]], [b[0], a[1]])
     }
 
-    /// Returns the images of a disk that touch the shown part.
-    pub(crate) fn images(&self, point: [f64; 2]) -> impl Iterator<Item = [f64; 2]> {
-        let shifts: &[f64] = if self.periodic {
+    /// Returns the shifts that lead from a place to its images.
+    fn shifts(&self) -> impl Iterator<Item = DVec2> + use<> {
+        let periods: &[f64] = if self.periodic {
             &[0.0, -1.0, 1.0]
         } else {
             &[0.0]
         };
-        let (size, shown, radius) = (self.size, self.shown, self.radius);
-        shifts
-            .iter()
-            .flat_map(move |dx| {
-                shifts
-                    .iter()
-                    .map(move |dy| [point[0] + dx * size[0], point[1] + dy * size[1]])
-            })
-            .filter(move |p| {
-                (0..2).all(|k| shown.min[k] - radius <= p[k] && p[k] <= shown.max[k] + radius)
-            })
+        let size = DVec2::from(self.size);
+        let along = move |&dx| periods.iter().map(move |&dy| DVec2::new(dx, dy) * size);
+        periods.iter().flat_map(along)
+    }
+
+    /// Returns the images of a disk that touch the shown part.
+    pub(crate) fn images(&self, point: [f64; 2]) -> impl Iterator<Item = [f64; 2]> + use<> {
+        let [low, high] = [self.shown.min, self.shown.max].map(DVec2::from);
+        let (low, high) = (low - self.radius, high + self.radius);
+        let images = self.shifts().map(move |shift| shift + DVec2::from(point));
+        let seen = images.filter(move |p| (p.cmpge(low) & p.cmple(high)).all());
+        seen.map(Into::into)
     }
 
     /// Returns the copies of a rectangle that reach into the shown part.
     fn copies(&self, rect: Rect) -> impl Iterator<Item = Rect> + use<> {
-        let steps: &[f64] = if self.periodic {
-            &[0.0, -1.0, 1.0]
-        } else {
-            &[0.0]
-        };
-        let (size, shown) = (self.size, self.shown);
-        let shifts = steps
-            .iter()
-            .flat_map(|&dx| steps.iter().map(move |&dy| [dx, dy]));
-        shifts
-            .map(move |shift| {
-                let moved = |p: [f64; 2]| [0, 1].map(|k| p[k] + shift[k] * size[k]);
-                Rect::new(moved(rect.min), moved(rect.max))
-            })
-            .filter(move |r| (0..2).all(|k| r.min[k] < shown.max[k] && shown.min[k] < r.max[k]))
+        let shown = self.shown;
+        let copies = self.shifts().map(move |shift| {
+            let [min, max] = [rect.min, rect.max].map(|p| (shift + DVec2::from(p)).to_array());
+            Rect::new(min, max)
+        });
+        copies.filter(move |r| (0..2).all(|k| r.min[k] < shown.max[k] && shown.min[k] < r.max[k]))
     }
 
     /// Pixels of one radius.

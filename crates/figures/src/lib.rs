@@ -2,6 +2,7 @@
 //!
 //! One [`Scene`], several exporters that agree, and the [`Palette`] that the app's canvas shares. The same scene gives the
 //! same bytes on every platform. It opens no file and no window, and never computes what it draws.
+//! Shapes hold their coordinates as plain `[f64; 2]`.
 //!
 //! ```
 //! use tilescope_figures::{Group, Marker, Palette, Scene, Shape, Style, to_png, to_svg};

@@ -3,6 +3,8 @@
 //! Plain data in painting order. Never draws; exporters read it. y points down, as on screens; a group's view
 //! turns its own units into the scene's pixels, so stroke widths and markers keep their size.
 
+use glam::DVec2;
+
 use crate::bitmap::Bitmap;
 use crate::error::{FigureError, MAX_SIDE};
 use crate::fonts::Font;
@@ -124,14 +126,15 @@ impl View {
     /// ```
     #[must_use]
     pub fn fit(domain: Rect, frame: Rect) -> Self {
-        let size = |r: Rect| [r.max[0] - r.min[0], r.max[1] - r.min[1]];
-        let (from, to) = (size(domain), size(frame));
-        let scale = (to[0] / from[0]).min(to[1] / from[1]);
-        let origin = [0, 1].map(|axis| {
-            let middle = f64::midpoint(frame.min[axis], frame.max[axis]);
-            middle - scale * f64::midpoint(domain.min[axis], domain.max[axis])
-        });
-        Self { scale, origin }
+        let corners = |r: Rect| [r.min, r.max].map(DVec2::from);
+        let ([a, b], [c, d]) = (corners(domain), corners(frame));
+        let scales = (d - c) / (b - a);
+        let scale = scales.x.min(scales.y);
+        let origin = c.midpoint(d) - scale * a.midpoint(b);
+        Self {
+            scale,
+            origin: origin.to_array(),
+        }
     }
 
     /// The scene pixel of `position`.

@@ -1,6 +1,7 @@
 //! Pictures of sets and of the stages of a run, in the visual language that the window shares.
 //! They show a run as it stood after a stage; they never compute one.
 
+use glam::DVec2;
 use tilescope_core::{
     Boundary, Domain, Origin, Parameters, Point, Run, Search, Stage, Standing, Variant,
 };
@@ -208,10 +209,9 @@ impl Canvas<'_> {
                 run.samples.points[by as usize],
             );
             let (dx, dy) = run.domain.difference(a, b);
-            let [x, y] = run.domain.user_from_lattice(a);
-            let [ux, uy] = unit(&run.domain);
-            let to = [x + f64::from(dx) * ux, y + f64::from(dy) * uy];
-            segments.push([self.flip([x, y]), self.flip(to)]);
+            let from = DVec2::from(run.domain.user_from_lattice(a));
+            let to = from + DVec2::new(f64::from(dx), f64::from(dy)) * unit(&run.domain);
+            segments.push([from, to].map(|end| self.flip(end.into())));
         }
         if !segments.is_empty() {
             group.shapes.push(Shape::Segments { segments, stroke });
@@ -259,12 +259,9 @@ impl Canvas<'_> {
     }
 }
 
-pub(crate) fn unit(domain: &Domain) -> [f64; 2] {
-    let [width, height] = domain.size();
-    [
-        width / f64::from(domain.width()),
-        height / f64::from(domain.height()),
-    ]
+fn unit(domain: &Domain) -> DVec2 {
+    let units = [domain.width(), domain.height()].map(f64::from);
+    DVec2::from(domain.size()) / DVec2::from(units)
 }
 
 fn is_inserted(run: &Run, id: u32, by: Option<u32>) -> bool {

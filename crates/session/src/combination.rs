@@ -1,6 +1,7 @@
 //! What is known of a combination: sets that a layout places side by side, glued along their seams. It is shown as a
 //! session whose blocks are the pieces; [`crate::combining`] makes it.
 
+use glam::DVec2;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use tilescope_core::combine::file::{Layout, LayoutError, PieceError, PieceSource, PlacedLayout};
@@ -8,7 +9,7 @@ use tilescope_core::combine::{CombineError, Seam};
 use tilescope_core::{Domain, Rect, SampleError, Stage};
 
 use crate::encoding::as_json;
-use crate::units::radii;
+use crate::units::{place, radii};
 use crate::words::grouped;
 
 /// The layout of the paper's figure 12: nine independent sets.
@@ -43,7 +44,7 @@ pub struct Combination {
     pub band: Vec<Rect>,
     /// Where seams are drawn: the ends of every line, in r. A seam on the border of a periodic domain is a line on both
     /// sides of it.
-    pub lines: Vec<[[f64; 2]; 2]>,
+    pub lines: Vec<[DVec2; 2]>,
     /// How long the seams are together, in r.
     pub length: f64,
     /// The part of the domain that the band covers, from 0 to 1.
@@ -81,11 +82,11 @@ impl Combination {
     }
 }
 
-fn lines(domain: &Domain, seams: &[Seam]) -> Vec<[[f64; 2]; 2]> {
+fn lines(domain: &Domain, seams: &[Seam]) -> Vec<[DVec2; 2]> {
     let size = [domain.width(), domain.height()].map(radii);
     let mut lines = Vec::with_capacity(seams.len());
     for seam in seams {
-        let line = [seam.from, seam.to].map(|point| [point.x, point.y].map(radii));
+        let line = [seam.from, seam.to].map(place);
         lines.push(line);
         for axis in 0..2 {
             if line.iter().all(|end| end[axis] <= 0.0) {

@@ -4,7 +4,7 @@
 use glam::DVec2;
 use tilescope_core::{Domain, Point};
 
-use crate::units::radii;
+use crate::units::{place, radii, size};
 
 /// Most cells of the grid: 32 MB of offsets.
 const MAX_CELLS: f64 = 8e6;
@@ -36,10 +36,10 @@ impl SampleIndex {
     /// Returns the index of `points`, whose ids are their places in the list.
     #[must_use]
     pub fn new(domain: &Domain, points: &[Point]) -> Self {
-        let size = DVec2::new(radii(domain.width()), radii(domain.height()));
+        let size = size(domain);
         let cell = (size.element_product() / MAX_CELLS).sqrt().max(2.0);
-        let columns = (size[0] / cell) as usize + 1;
-        let rows = (size[1] / cell) as usize + 1;
+        let columns = (size.x / cell) as usize + 1;
+        let rows = (size.y / cell) as usize + 1;
         let cell_of = |point: &Point| {
             let column = ((radii(point.x) / cell).max(0.0) as usize).min(columns - 1);
             let row = ((radii(point.y) / cell).max(0.0) as usize).min(rows - 1);
@@ -56,7 +56,7 @@ impl SampleIndex {
         let mut entries = vec![(0, [0.0; 2]); points.len()];
         for (point, id) in points.iter().zip(0..) {
             let slot = &mut next[cell_of(point)];
-            entries[*slot as usize] = (id, [radii(point.x) as f32, radii(point.y) as f32]);
+            entries[*slot as usize] = (id, place(*point).as_vec2().to_array());
             *slot += 1;
         }
         Self {

@@ -3,6 +3,7 @@
 //! It knows no window. A [`Session`] is a finished run with its stages and events; [`task`]s are the work in the background that
 //! makes, verifies and measures one, carried out by [`jobs`] natively and by workers on a page; [`moment`] is the state at a
 //! cursor; [`sentence`] and [`words`] put it into English, and [`glossary`] defines the terms.
+//! Places in r are [`glam::DVec2`]; sets in user units are plain `[f64; 2]`.
 //!
 //! ```
 //! use tilescope_core::{Parameters, Stage};

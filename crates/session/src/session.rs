@@ -6,7 +6,6 @@ mod report;
 use std::sync::{Arc, OnceLock};
 
 use glam::DVec2;
-
 use serde::{Deserialize, Serialize};
 
 use tilescope_core::{
@@ -21,7 +20,7 @@ use crate::index::SampleIndex;
 use crate::jobs::Monitor;
 use crate::limits::MAX_STAGED;
 use crate::recipe::{OwnPattern, Recipe};
-use crate::units::radii;
+use crate::units;
 pub use report::MakeError;
 pub use report::Reporter;
 
@@ -272,15 +271,13 @@ impl Session {
     /// Returns the domain's sides in r.
     #[must_use]
     pub fn size_radii(&self) -> DVec2 {
-        let domain = &self.run().domain;
-        DVec2::new(radii(domain.width()), radii(domain.height()))
+        units::size(&self.run().domain)
     }
 
     /// Returns where sample `id` lies, in r.
     #[must_use]
     pub fn place(&self, id: u32) -> DVec2 {
-        let point = self.run().samples.points[id as usize];
-        DVec2::new(radii(point.x), radii(point.y))
+        units::place(self.run().samples.points[id as usize])
     }
 
     /// Returns where the nearest image of sample `id` to `place` lies, in r.

@@ -1,9 +1,22 @@
 //! Units of length: the lattice of the core and r.
 
-use tilescope_core::R;
+use glam::DVec2;
+use tilescope_core::{Domain, Point, R};
 
 /// Returns lattice units in r.
 #[must_use]
 pub fn radii(units: i32) -> f64 {
     f64::from(units) / f64::from(R)
+}
+
+/// Returns a point of the lattice in r.
+#[must_use]
+pub fn place(point: Point) -> DVec2 {
+    DVec2::new(radii(point.x), radii(point.y))
+}
+
+/// Returns the size of a domain in r.
+#[must_use]
+pub fn size(domain: &Domain) -> DVec2 {
+    DVec2::new(radii(domain.width()), radii(domain.height()))
 }

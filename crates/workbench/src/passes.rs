@@ -13,8 +13,6 @@ mod work;
 use std::sync::Arc;
 
 use glam::DVec2;
-use tilescope_session::units::radii;
-
 use tilescope_core::{Parameters, Stage};
 use tilescope_gpu::Gpu;
 
@@ -310,8 +308,7 @@ impl Passes {
     pub fn picked_place(&self) -> Option<DVec2> {
         let rows = self.on_canvas()?.rows?;
         let spot = rows.places.of(rows.shown.picked()? as usize).first()?;
-        let tilescope_core::Point { x, y } = placed::middle(spot);
-        Some(DVec2::new(radii(x), radii(y)))
+        Some(tilescope_session::units::place(placed::middle(spot)))
     }
 
     /// Notes the moment of the timeline at which the passes were dealt with.

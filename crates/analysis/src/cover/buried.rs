@@ -25,7 +25,7 @@ pub(crate) struct Buried {
 impl Buried {
     pub fn new(grid: &Grid) -> Self {
         let sides = grid.cell_sides();
-        let diagonal = sides.length() * (1.0 + 4.0 * Grid::ROUNDING);
+        let diagonal = sides.x.hypot(sides.y) * (1.0 + 4.0 * Grid::ROUNDING);
         // Of two or more cells along an axis none is longer than twice another side, so that is 3 at
         // most; a region fewer cells wide is seen whole.
         let reach = [0, 1].map(|axis| {
@@ -87,9 +87,10 @@ fn eroded(grid: &Grid, kept: &[bool], axis: usize, reach: usize) -> Vec<bool> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use glam::DVec2;
+
     use crate::domain::Domain;
     use crate::region::{Boundary, Region};
-    use glam::DVec2;
 
     /// A dense block in a corner of an otherwise empty region.
     fn grid(boundary: Boundary, height: f64) -> Grid {
@@ -123,29 +124,26 @@ mod tests {
             let buried = Buried::new(&grid);
             assert!(buried.cells.iter().filter(|&&buried| buried).count() > 200);
             for index in 0..61 * 61 {
-                let place = [
-                    f64::from(index % 61) / 60.0,
-                    height * f64::from(index / 61) / 60.0,
-                ];
+                let at = [index % 61, index / 61].map(|k| f64::from(k) / 60.0);
+                let place = DVec2::new(1.0, height) * DVec2::from(at);
                 check_nearest(&grid, &buried, place);
             }
         }
     }
 
-    fn check_nearest(grid: &Grid, buried: &Buried, place: [f64; 2]) {
+    fn check_nearest(grid: &Grid, buried: &Buried, place: DVec2) {
         let periods = grid.domain.periods();
-        let offset = |value: f64, axis: usize| {
-            let direct = (value - place[axis]).abs();
-            direct.min(periods[axis] - direct)
+        let distance = |position: DVec2| {
+            let direct = (position - place).abs();
+            direct.min(periods - direct).length()
         };
-        let distance = |position: DVec2| offset(position.x, 0).hypot(offset(position.y, 1));
         let nearest = (grid.entries().iter())
             .min_by(|a, b| distance(a.position).total_cmp(&distance(b.position)))
             .expect("samples");
         let sides = grid.cell_sides();
         let cell = [0, 1].map(|axis| (nearest.position[axis] / sides[axis]) as usize);
         let buried = buried.cells[cell[1] * grid.cells[0] + cell[0]];
-        assert!(!buried || distance(nearest.position) <= sides.length() * 1.001);
+        assert!(!buried || distance(nearest.position) <= sides.x.hypot(sides.y) * 1.001);
     }
 
     #[test]

@@ -20,9 +20,7 @@ pub(crate) struct Circle {
 pub(crate) fn circumcircle(points: [DVec2; 3]) -> Circle {
     let [apex, second, third] = from_widest(points);
     let (a, b) = (second - apex, third - apex);
-    let scale = 0.5 / cross(a, b);
-    let (aa, bb) = (a.length_squared(), b.length_squared());
-    let offset = DVec2::new(b.y * aa - a.y * bb, a.x * bb - b.x * aa) * scale;
+    let offset = (a * b.length_squared() - b * a.length_squared()).perp() * (0.5 / cross(a, b));
     Circle {
         center: apex + offset,
         square: offset.length_squared(),
@@ -45,8 +43,8 @@ pub(crate) fn is_below(points: [DVec2; 3], square: f64) -> bool {
 /// Rotates the triangle so that its longest side is opposite the first vertex; between equals the
 /// smaller vertex comes first.
 fn from_widest([a, b, c]: [DVec2; 3]) -> [DVec2; 3] {
-    let (opposite_a, opposite_b) = (b.distance_squared(c), c.distance_squared(a));
-    let opposite_c = a.distance_squared(b);
+    let [opposite_a, opposite_b, opposite_c] =
+        [(b, c), (c, a), (a, b)].map(|(p, q)| p.distance_squared(q));
     let before =
         |x: f64, p: DVec2, y: f64, q: DVec2| x > y || (x == y && p.to_array() < q.to_array());
     if before(opposite_a, a, opposite_b, b) && before(opposite_a, a, opposite_c, c) {
@@ -74,17 +72,9 @@ fn cross(a: DVec2, b: DVec2) -> f64 {
 mod tests {
     use super::*;
 
-    fn circumcircle(points: [[f64; 2]; 3]) -> Circle {
-        super::circumcircle(points.map(DVec2::from))
-    }
-
-    fn is_below(points: [[f64; 2]; 3], square: f64) -> bool {
-        super::is_below(points.map(DVec2::from), square)
-    }
-
     #[test]
     fn right_triangles_have_their_centre_on_the_hypotenuse() {
-        let circle = circumcircle([[0.0, 0.0], [3.0, 0.0], [0.0, 4.0]]);
+        let circle = circumcircle([[0.0, 0.0], [3.0, 0.0], [0.0, 4.0]].map(DVec2::from));
         assert_eq!(circle.center, DVec2::new(1.5, 2.0));
         assert_eq!(circle.square, 6.25);
     }
@@ -96,7 +86,8 @@ mod tests {
             [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]],
             [[0.3, 0.1], [0.9, 0.1], [0.6, 0.7]],
         ];
-        for [a, b, c] in triangles {
+        for triangle in triangles {
+            let [a, b, c] = triangle.map(DVec2::from);
             let circle = circumcircle([a, b, c]);
             assert_eq!(circle, circumcircle([b, c, a]));
             assert_eq!(circle, circumcircle([c, a, b]));
@@ -112,7 +103,7 @@ mod tests {
             let flat = if i % 3 == 0 { 1e-4 } else { 1.0 };
             let corner = |j: u32| {
                 let k = 3 * i + j;
-                [pseudo(k, 0.754_877_666), flat * pseudo(k, 0.569_840_29)]
+                DVec2::new(pseudo(k, 0.754_877_666), flat * pseudo(k, 0.569_840_29))
             };
             let points = [corner(0), corner(1), corner(2)];
             let square = circumcircle(points).square;
@@ -124,7 +115,7 @@ mod tests {
         }
         assert!(said > 12_000 && kept > 0, "{said} {kept}");
         assert!(!is_below(
-            [[0.0, 0.0], [1.0, 1.0], [2.0, 2.0]],
+            [DVec2::ZERO, DVec2::ONE, DVec2::splat(2.0)],
             f64::INFINITY
         ));
     }
@@ -133,7 +124,7 @@ mod tests {
     fn slivers_keep_their_precision() {
         // Exactly representable sliver: offsets 2^-20 over a base of 2, by hand.
         let height = 2f64.powi(-20);
-        let circle = circumcircle([[0.0, 0.0], [2.0, 0.0], [1.0, height]]);
+        let circle = circumcircle([[0.0, 0.0], [2.0, 0.0], [1.0, height]].map(DVec2::from));
         let exact = (1.0 + height * height) / (2.0 * height);
         assert!((circle.square.sqrt() - exact).abs() <= exact * 4e-16);
     }
@@ -142,7 +133,7 @@ mod tests {
     #[test]
     fn the_determinant_survives_cancellation() {
         let (k, l) = (2f64.powi(40) + 12_345.0, 2f64.powi(40) - 6_789.0);
-        let points = [[0.0, 0.0], [2.0 * k, 2.0 * l], [k, l + 1.0]];
+        let points = [[0.0, 0.0], [2.0 * k, 2.0 * l], [k, l + 1.0]].map(DVec2::from);
         let sides = k.hypot(l + 1.0) * k.hypot(l - 1.0) * (2.0 * k).hypot(2.0 * l);
         let exact = sides / (2.0 * 2.0 * k);
         let found = circumcircle(points).square.sqrt();
@@ -151,7 +142,7 @@ mod tests {
 
     #[test]
     fn points_on_a_line_have_no_finite_circle() {
-        let circle = circumcircle([[0.0, 0.0], [1.0, 1.0], [2.0, 2.0]]);
+        let circle = circumcircle([[0.0, 0.0], [1.0, 1.0], [2.0, 2.0]].map(DVec2::from));
         assert!(!circle.square.is_finite());
     }
 }

@@ -41,10 +41,8 @@ impl Places {
         // Other tiles claim up to `same` beyond their sides; twice that leaves no doubt.
         let margin = 2.0 * task.same;
         let inner = |gap: &Gap| {
-            (0..2).all(|axis| {
-                let at = gap.center[axis];
-                at > tile.low[axis] + margin && at < tile.high[axis] - margin
-            })
+            let at = DVec2::from(gap.center);
+            (at.cmpgt(tile.low + margin) & at.cmplt(tile.high - margin)).all()
         };
         for gap in survey.gaps {
             if inner(&gap) {
@@ -74,7 +72,7 @@ impl Places {
         let mut shared = std::mem::take(&mut self.shared);
         if domain.periodic {
             for gap in &mut shared {
-                gap.center = wrapped(gap.center, domain.extent, same);
+                gap.center = wrapped(gap.center.into(), domain.extent, same).into();
             }
         }
         merge_same(&mut shared, same);
@@ -99,15 +97,9 @@ impl Places {
 
 /// Moves a place into the region such that places at the seam, from either side, come out near zero,
 /// possibly just below.
-fn wrapped(center: [f64; 2], extent: DVec2, same: f64) -> [f64; 2] {
-    [0, 1].map(|axis| {
-        let (value, period) = (center[axis], extent[axis]);
-        if value >= period - 2.0 * same {
-            value - period
-        } else {
-            value
-        }
-    })
+fn wrapped(center: DVec2, extent: DVec2, same: f64) -> DVec2 {
+    let beyond = center.cmpge(extent - 2.0 * same);
+    DVec2::select(beyond, center - extent, center)
 }
 
 /// Replaces gaps whose places are within `same` along both axes by one. Which bits survive does not
@@ -185,9 +177,10 @@ mod tests {
     #[test]
     fn a_place_on_the_seam_is_the_same_from_both_sides() {
         let extent = DVec2::new(1.5, 1.0);
-        let [x, y] = wrapped([1.5 - 1e-14, 0.25], extent, 1e-10);
+        let wrapped = |x, y| wrapped(DVec2::new(x, y), extent, 1e-10).to_array();
+        let [x, y] = wrapped(1.5 - 1e-14, 0.25);
         assert!(x.abs() < 1e-13 && y == 0.25);
-        assert_eq!(wrapped([-1e-14, 0.25], extent, 1e-10), [-1e-14, 0.25]);
-        assert_eq!(wrapped([1.25, 0.0], extent, 1e-10), [1.25, 0.0]);
+        assert_eq!(wrapped(-1e-14, 0.25), [-1e-14, 0.25]);
+        assert_eq!(wrapped(1.25, 0.0), [1.25, 0.0]);
     }
 }

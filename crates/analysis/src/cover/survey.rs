@@ -3,7 +3,6 @@
 //! It never judges whether the window was wide enough; its caller compares `side_reach` with the halo.
 
 use glam::DVec2;
-
 use spade::{Point2, Triangulation};
 
 use super::CoverSearch;
@@ -119,7 +118,8 @@ impl Survey {
         // Beyond the border of a bounded region no place counts, however close.
         let (mut low, mut high) = (tile.low - task.same, tile.high + task.same);
         if !domain.periodic {
-            (low, high) = (low.max(DVec2::ZERO), high.min(domain.extent));
+            low = low.max(DVec2::ZERO);
+            high = high.min(domain.extent);
         }
         let inside = |place: DVec2| (place.cmpge(low) & place.cmple(high)).all();
         let limit = task.limit * task.limit * (1.0 - 1e-12);

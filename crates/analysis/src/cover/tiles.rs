@@ -5,7 +5,6 @@
 use std::ops::Range;
 
 use glam::DVec2;
-
 use spade::Point2;
 
 use super::CoverSearch;
@@ -31,9 +30,9 @@ pub(crate) struct Tile {
 
 impl Tile {
     fn new(grid: &Grid, columns: Range<usize>, rows: Range<usize>) -> Self {
-        let [across, along] = grid.cells.map(|cells| cells as f64);
+        let cells = DVec2::from(grid.cells.map(|cells| cells as f64));
         let at = |column: usize, row: usize| {
-            grid.domain.extent * DVec2::new(column as f64 / across, row as f64 / along)
+            grid.domain.extent * (DVec2::new(column as f64, row as f64) / cells)
         };
         Self {
             count: grid.count(&columns, &rows),
@@ -46,9 +45,9 @@ impl Tile {
 
     /// Two halves across the longer side; none for a single cell.
     fn halves(&self, grid: &Grid) -> Option<[Self; 2]> {
-        let side = |axis: usize| self.high[axis] - self.low[axis];
+        let sides = self.high - self.low;
         let (columns, rows) = (self.columns.clone(), self.rows.clone());
-        let upright = rows.len() > 1 && (columns.len() == 1 || side(1) > side(0));
+        let upright = rows.len() > 1 && (columns.len() == 1 || sides.y > sides.x);
         if upright {
             let middle = rows.start.midpoint(rows.end);
             Some(
@@ -216,8 +215,8 @@ fn wrap(grid: &Grid, axis: usize, cell: i64) -> (usize, f64) {
 
 fn shifted(position: DVec2, shift: DVec2) -> Point2<f64> {
     let accepted = |value: f64| if value.abs() < TINY { 0.0 } else { value };
-    let place = position + shift;
-    Point2::new(accepted(place.x), accepted(place.y))
+    let place = (position + shift).map(accepted);
+    Point2::new(place.x, place.y)
 }
 
 #[cfg(test)]
@@ -273,10 +272,7 @@ mod tests {
 
     fn check(grid: &Grid, tile: &Tile, window: &TileWindow, halo: f64) {
         let periodic = grid.domain.periodic;
-        let DVec2 {
-            x: width,
-            y: height,
-        } = grid.domain.extent;
+        let [width, height] = grid.domain.extent.to_array();
         let copies = if periodic { -1..=1 } else { 0..=0 };
         for entry in grid.entries() {
             for i in copies.clone() {

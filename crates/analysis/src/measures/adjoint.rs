@@ -4,6 +4,7 @@
 
 use std::f64::consts::TAU;
 
+use glam::DVec2;
 use rayon::prelude::*;
 use rustfft::FftPlanner;
 use rustfft::num_complex::Complex;
@@ -45,9 +46,9 @@ pub(super) fn at_samples(
     }
     let cells = back_along_y_complex(plan, &half, monitor)?;
     drop(half);
-    let middle = plan.axes.map(|axis| axis.middle as f64);
+    let middle = DVec2::from(plan.axes.map(|axis| axis.middle as f64));
     let value = |sample: &Sample, [re, im]: [f64; 2]| {
-        let turns = middle[0] * sample.at[0] + middle[1] * sample.at[1];
+        let turns = middle.dot(sample.at);
         let (sin, cos) = (TAU * (turns - turns.round())).sin_cos();
         2.0 * (re * cos - im * sin)
     };

@@ -4,6 +4,7 @@
 
 use std::ops::ControlFlow;
 
+use glam::DVec2;
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -49,8 +50,9 @@ impl Discrepancy {
         check_set(points, region, 1)?;
         let monitor = Monitor::new(control, (count * (count + 1) / 2) as u64);
         monitor.advance(0)?;
-        let points: Vec<[f64; 2]> = (points.iter())
-            .map(|point| [point[0] / region.width, point[1] / region.height])
+        let extent = DVec2::new(region.width, region.height);
+        let points: Vec<_> = (points.iter())
+            .map(|&point| DVec2::from(point) / extent)
             .collect();
         let chunks = points.par_chunks(CHUNK).enumerate();
         let sums: Vec<[f64; 4]> = chunks
@@ -80,22 +82,18 @@ impl Discrepancy {
 }
 
 /// For both forms: the single term of a sample, and its terms with all before, twice, and with itself.
-fn row(before: &[[f64; 2]], b: [f64; 2]) -> [f64; 4] {
-    let off = b.map(|x| (x - 0.5).abs());
+fn row(before: &[DVec2], b: DVec2) -> [f64; 4] {
+    let off = (b - 0.5).abs();
     let mut pairs = [0.0; 2];
-    for a in before {
-        pairs[0] += (1.0 - a[0].max(b[0])) * (1.0 - a[1].max(b[1]));
-        let factor = |axis: usize| {
-            let offs = (a[axis] - 0.5).abs() + off[axis];
-            1.0 + 0.5 * (offs - (a[axis] - b[axis]).abs())
-        };
-        pairs[1] += factor(0) * factor(1);
+    for &a in before {
+        pairs[0] += (1.0 - a.max(b)).element_product();
+        let offs = (a - 0.5).abs() + off;
+        pairs[1] += (1.0 + 0.5 * (offs - (a - b).abs())).element_product();
     }
-    let product = |f: &dyn Fn(usize) -> f64| f(0) * f(1);
     [
-        product(&|axis| 1.0 - b[axis] * b[axis]),
-        2.0 * pairs[0] + product(&|axis| 1.0 - b[axis]),
-        product(&|axis| 1.0 + 0.5 * off[axis] - 0.5 * off[axis] * off[axis]),
-        2.0 * pairs[1] + product(&|axis| 1.0 + off[axis]),
+        (1.0 - b * b).element_product(),
+        2.0 * pairs[0] + (1.0 - b).element_product(),
+        (1.0 + 0.5 * off - 0.5 * off * off).element_product(),
+        2.0 * pairs[1] + (1.0 + off).element_product(),
     ]
 }

@@ -4,6 +4,7 @@
 
 use std::ops::ControlFlow;
 
+use glam::{BVec2, DVec2};
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -178,16 +179,14 @@ impl RangeSearch<'_> {
     fn pair(&self, a: &Entry, b: &Entry) -> DistantPair {
         let (one, two) = if a.id < b.id { (a, b) } else { (b, a) };
         let domain = &self.neighbors.grid.domain;
-        let offset = [0, 1].map(|axis| {
-            let (direct, extent) = (two.position[axis] - one.position[axis], domain.extent[axis]);
-            let around = direct - extent.copysign(direct);
-            let shorter = domain.periodic && around.abs() < direct.abs();
-            (if shorter { around } else { direct }) / domain.scale
-        });
+        let direct = two.position - one.position;
+        let around = direct - domain.extent.copysign(direct);
+        let shorter = around.abs().cmplt(direct.abs()) & BVec2::splat(domain.periodic);
+        let offset = DVec2::select(shorter, around, direct) / domain.scale;
         DistantPair {
             first: one.id,
             second: two.id,
-            offset,
+            offset: offset.to_array(),
         }
     }
 }

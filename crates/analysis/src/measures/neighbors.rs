@@ -16,10 +16,9 @@ pub(super) struct Neighbors<'a> {
 impl Neighbors<'_> {
     /// Magnitudes of the coordinate differences of two samples, the short way around.
     pub fn offset(&self, a: &Entry, b: &Entry) -> DVec2 {
-        let domain = &self.grid.domain;
         let direct = (a.position - b.position).abs();
-        if domain.periodic {
-            direct.min(domain.extent - direct)
+        if self.grid.domain.periodic {
+            direct.min(self.grid.domain.extent - direct)
         } else {
             direct
         }
@@ -34,8 +33,8 @@ impl Neighbors<'_> {
         mut see: impl FnMut(&[Entry], bool),
     ) {
         let (grid, cells, sides) = (self.grid, self.grid.cells, self.grid.cell_sides());
-        let reach = (distance / sides + 2.0 * Grid::ROUNDING).ceil();
-        let reach = reach.to_array().map(|cells| cells as usize);
+        let reach =
+            (sides.to_array()).map(|side| (distance / side + 2.0 * Grid::ROUNDING).ceil() as usize);
         let periodic = grid.domain.periodic;
         // Cells that reach around the torus to each other cannot tell which of them is ahead.
         let [all_columns, all_rows] = [0, 1].map(|axis| 2 * reach[axis] + 1 >= cells[axis]);
@@ -97,14 +96,13 @@ impl Neighbors<'_> {
     /// The smaller of a squared distance and that to the nearest other sample of a row.
     fn nearest_in_row(&self, entry: &Entry, row: usize, mut best: f64) -> f64 {
         let run = self.grid.run(row, &(0..self.grid.cells[0]));
-        let x = entry.position[0];
-        let start = run.partition_point(|other| other.position[0] < x);
-        let width = self.grid.domain.extent[0];
+        let x = entry.position.x;
+        let start = run.partition_point(|other| other.position.x < x);
+        let width = self.grid.domain.extent.x;
         let mut closer = |other: &Entry| {
-            let direct = (other.position[0] - x).abs();
-            let offset = self.offset(entry, other);
+            let direct = (other.position.x - x).abs();
             if other.id != entry.id {
-                best = best.min(offset.length_squared());
+                best = best.min(self.offset(entry, other).length_squared());
             }
             // Going on, differences grow until they are shorter the other way around, where
             // the walk from the other end finds them.
@@ -114,10 +112,9 @@ impl Neighbors<'_> {
         let _ = run[..start].iter().rev().all(&mut closer);
         if self.grid.domain.periodic {
             let mut across = |other: &Entry| {
-                let around = width - (other.position[0] - x).abs();
-                let offset = self.offset(entry, other);
+                let around = width - (other.position.x - x).abs();
                 if other.id != entry.id {
-                    best = best.min(offset.length_squared());
+                    best = best.min(self.offset(entry, other).length_squared());
                 }
                 around * around <= best
             };

@@ -5,6 +5,7 @@
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
+use glam::DVec2;
 use rayon::prelude::*;
 use rustfft::num_complex::Complex;
 use rustfft::{Fft, FftPlanner};
@@ -205,9 +206,9 @@ impl TransformPlan {
             let spread = Spread::<1>::new(samples, self.sizes(), |sample| [sample.weight]);
             self.along_y_real(&spread.run(monitor)?, monitor)?
         } else {
-            let middle = self.axes.map(|axis| axis.middle as f64);
+            let middle = DVec2::from(self.axes.map(|axis| axis.middle as f64));
             let moved = |sample: &Sample| {
-                let turns = middle[0] * sample.at[0] + middle[1] * sample.at[1];
+                let turns = middle.dot(sample.at);
                 let (sin, cos) = (TAU * (turns - turns.round())).sin_cos();
                 [sample.weight * cos, -sample.weight * sin]
             };

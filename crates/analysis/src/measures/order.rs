@@ -99,7 +99,8 @@ impl Order {
 fn order(cell: &VoronoiCell, mean_area: f64) -> CellOrder {
     let mut sum = [0.0; 2];
     for offset in &cell.neighbors {
-        let [re, im] = sixth_power((*offset / offset.length()).to_array());
+        let length = offset.x.hypot(offset.y);
+        let [re, im] = sixth_power((offset / length).to_array());
         sum = [sum[0] + re, sum[1] + im];
     }
     let count = cell.neighbors.len().max(1) as f64;

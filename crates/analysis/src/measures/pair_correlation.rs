@@ -5,7 +5,6 @@
 use std::ops::{ControlFlow, Range};
 
 use glam::DVec2;
-
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -266,11 +265,13 @@ impl PairSearch<'_> {
         let per_length = self.bins as f64 / self.distance;
         for b in run {
             let offset = self.neighbors.offset(a, b);
-            let bin = ((offset.length() * per_length) as usize).min(self.bins);
+            let length = offset.length();
+            let bin = ((length * per_length) as usize).min(self.bins);
             let new = once || a.id < b.id;
             found.counts[bin] += u64::from(new);
             if !domain.periodic && new && bin < self.bins {
-                found.weights[bin] += 1.0 / (domain.extent - offset).element_product();
+                let overlap = (domain.extent - offset).element_product();
+                found.weights[bin] += 1.0 / overlap;
             }
         }
     }
@@ -282,10 +283,10 @@ impl PairSearch<'_> {
         if !is_crowd || !self.neighbors.grid.domain.periodic {
             return false;
         }
-        let places = runs.into_iter().flatten().map(|entry| entry.position);
+        let all = runs.into_iter().flatten().map(|entry| entry.position);
         let ends = (DVec2::INFINITY, DVec2::NEG_INFINITY);
-        let (low, high) = places.fold(ends, |(low, high), p| (low.min(p), high.max(p)));
-        (high - low).length() * (self.bins as f64 / self.distance) < 1.0
+        let (low, high) = all.fold(ends, |(low, high), at| (low.min(at), high.max(at)));
+        low.distance(high) * (self.bins as f64 / self.distance) < 1.0
     }
 }
 

@@ -4,6 +4,7 @@
 
 use std::ops::ControlFlow;
 
+use glam::DVec2;
 use rustfft::num_complex::Complex;
 use serde::Serialize;
 
@@ -38,13 +39,12 @@ impl Taper {
     }
 
     /// The weight at a place of the unit square.
-    fn weight(self, at: [f64; 2]) -> f64 {
+    fn weight(self, at: DVec2) -> f64 {
         match self {
             Self::Flat => 1.0,
             Self::Hann => at
                 .map(|x| (std::f64::consts::PI * x).sin().powi(2))
-                .iter()
-                .product(),
+                .element_product(),
         }
     }
 
@@ -73,7 +73,7 @@ pub(super) struct Weighed {
 impl Weighed {
     pub fn new(points: &[[f64; 2]], region: Region, taper: Taper) -> Self {
         let sample = |point: &[f64; 2]| {
-            let at = [point[0] / region.width, point[1] / region.height];
+            let at = DVec2::from(*point) / DVec2::new(region.width, region.height);
             let weight = taper.weight(at);
             Sample { at, weight }
         };

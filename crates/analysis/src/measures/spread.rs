@@ -2,6 +2,7 @@
 //! Samples are sorted by tile first; even bands go before odd ones, so that sums have one order.
 //! It never wraps an index: the grid has margins, and readers fold them back.
 
+use glam::DVec2;
 use rayon::prelude::*;
 
 use super::error::MeasureError;
@@ -18,7 +19,7 @@ const TILE: usize = 64;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Sample {
     /// From 0 to 1, both included.
-    pub at: [f64; 2],
+    pub at: DVec2,
     pub weight: f64,
 }
 
@@ -194,9 +195,9 @@ impl<const C: usize> Spread<C> {
 
 /// The first grid point that a sample's kernel reaches, moved up by half a kernel, and how far it lies behind the
 /// kernel's lower end. It is at most the grid's size.
-pub(super) fn place(at: [f64; 2], sizes: [usize; 2]) -> ([u32; 2], [f64; 2]) {
-    let position = [0, 1].map(|axis| at[axis] * sizes[axis] as f64);
-    let first = position.map(f64::ceil);
-    let ahead = [0, 1].map(|axis| first[axis] - position[axis]);
-    (first.map(|value| value as u32), ahead)
+pub(super) fn place(at: DVec2, sizes: [usize; 2]) -> ([u32; 2], [f64; 2]) {
+    let position = at * DVec2::from(sizes.map(|size| size as f64));
+    let first = position.ceil();
+    let indices = first.to_array().map(|value| value as u32);
+    (indices, (first - position).to_array())
 }

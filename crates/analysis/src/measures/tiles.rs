@@ -3,7 +3,6 @@
 //! It keeps of a cell only what the caller makes of it.
 
 use glam::DVec2;
-
 use rayon::prelude::*;
 
 use super::error::MeasureError;
@@ -147,10 +146,10 @@ impl<'a> CellTile<'a> {
     /// The cells of its samples from those in view; none if one depends on what is out of view.
     fn seen(&self, view: &TileView) -> Result<Option<Vec<VoronoiCell>>, VerifyError> {
         let (places, own) = self.places(view);
-        let size = [0, 1].map(|axis| view.high[axis] - view.low[axis]);
+        let size = view.high - view.low;
         let region = Region {
-            width: size[0],
-            height: size[1],
+            width: size.x,
+            height: size.y,
             boundary: Boundary::Bounded,
         };
         let cells = voronoi_cells(&places, region)?;
@@ -181,15 +180,13 @@ impl<'a> CellTile<'a> {
         let (mut places, mut own) = (Vec::new(), Vec::new());
         for cell in rows.flat_map(|row| columns.clone().map(move |column| [column, row])) {
             let [column, row] = [0, 1].map(|axis| cell[axis].rem_euclid(all[axis]) as usize);
-            let [x, y] = [0, 1].map(|axis| {
-                let turns = cell[axis].div_euclid(all[axis]);
-                turns as f64 * extent[axis] - view.low[axis]
-            });
+            let turns = [0, 1].map(|axis| cell[axis].div_euclid(all[axis]) as f64);
+            let shift = DVec2::from(turns) * extent - view.low;
             let run = self.grid.run(row, &(column..column + 1));
             if self.holds(cell) {
                 own.extend(places.len()..places.len() + run.len());
             }
-            places.extend((run.iter()).map(|entry| [entry.position[0] + x, entry.position[1] + y]));
+            places.extend((run.iter()).map(|entry| (entry.position + shift).to_array()));
         }
         (places, own)
     }
@@ -203,14 +200,13 @@ impl<'a> CellTile<'a> {
 }
 
 fn in_unit_of_caller(cell: &VoronoiCell, scale: f64) -> VoronoiCell {
-    let length = |value: f64| value / scale;
     VoronoiCell {
         area: cell.area / (scale * scale),
         neighbors: (cell.neighbors.iter())
-            .map(|offset| offset.map(length))
+            .map(|offset| offset / scale)
             .collect(),
         at_border: cell.at_border,
-        reach: cell.reach.map(|corner| corner.map(length)),
+        reach: cell.reach.map(|corner| corner / scale),
     }
 }
 

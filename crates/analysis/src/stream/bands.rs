@@ -6,7 +6,6 @@ use std::mem;
 use std::ops::Range;
 
 use glam::DVec2;
-
 use serde::{Deserialize, Serialize};
 
 use crate::cover::{self, CoverSearch, Places, Visit};
@@ -57,9 +56,10 @@ impl StreamSearch {
         domain: Domain,
         scaled_radius: f64,
     ) -> Self {
-        // The largest counts are not used: no set of that many cells is streamed.
-        let cells = (domain.extent / (CELL * scaled_radius)).to_array();
-        let cells = cells.map(|cells| cells.clamp(1.0, 1e12) as usize);
+        let cells = domain.extent.to_array().map(|extent| {
+            // The largest counts are not used: no set of that many cells is streamed.
+            (extent / (CELL * scaled_radius)).clamp(1.0, 1e12) as usize
+        });
         Self {
             region,
             radius,

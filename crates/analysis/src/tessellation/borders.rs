@@ -96,7 +96,7 @@ impl Runs<'_> {
             angle += from.perp_dot(to).atan2(from.dot(to)).max(0.0);
             last = to;
         }
-        let from_angle = last.y.atan2(last.x);
+        let from_angle = last.to_angle();
         let turn = if self.list[run].closed { TAU } else { angle };
         Edge::Arc {
             sample,

@@ -104,9 +104,10 @@ impl Cells {
     pub fn place(&self, side: usize, at: f64) -> DVec2 {
         let [from, to] = self.ends(side);
         if at >= 1.0 {
-            return to;
+            to
+        } else {
+            from.lerp_monotonic(to, at)
         }
-        from + at * (to - from)
     }
 
     pub fn shifted(&self, place: DVec2, shift: IVec2) -> DVec2 {
@@ -170,7 +171,7 @@ impl Cells {
         }
         let sample = self.samples[side.cell];
         let [from, to] = self.ends(index);
-        let whole = (to - from).length();
+        let whole = from.distance(to);
         let along = (to - from) / whole;
         let to_sample = sample - from;
         // Beyond a side lies the mirror image of the sample, which both cells see at the same distance.
@@ -178,7 +179,7 @@ impl Cells {
             Some(Seen {
                 sample: other,
                 shift,
-            }) => 0.5 * (self.shifted(self.samples[other as usize], shift) - sample).length(),
+            }) => 0.5 * sample.distance(self.shifted(self.samples[other as usize], shift)),
             None => along.perp_dot(to_sample).abs(),
         };
         let foot = to_sample.dot(along);
@@ -239,11 +240,11 @@ fn cut(
                 (b.at, a.at)
             };
             let part = (bound - low[axis]) / (high[axis] - low[axis]);
-            let mut at = low + (high - low) * part;
+            let mut at = low.lerp_monotonic(high, part);
             at[axis] = bound;
             Corner {
                 at,
-                reach: (at - sample).length(),
+                reach: at.distance(sample),
                 beyond,
             }
         };
@@ -264,6 +265,6 @@ fn without_short(corners: &[Corner], same: f64) -> impl Iterator<Item = &Corner>
         .enumerate()
         .filter_map(move |(index, corner)| {
             let next = &corners[(index + 1) % corners.len()];
-            ((next.at - corner.at).length() > same).then_some(corner)
+            (next.at.distance(corner.at) > same).then_some(corner)
         })
 }

@@ -65,6 +65,13 @@ struct Strip {
     to: DVec2,
 }
 
+impl Strip {
+    /// Its ends from the centre of the disk.
+    fn ends(&self) -> [DVec2; 2] {
+        [self.from - self.center, self.to - self.center]
+    }
+}
+
 impl GapRegion {
     /// Returns whether a place lies in the gap; in a periodic domain any of its copies will do.
     #[must_use]
@@ -76,7 +83,7 @@ impl GapRegion {
                 // No place of a cell is further than half a period from its sample.
                 offset -= period * (offset / period).round();
             }
-            let (from, to) = (strip.from - strip.center, strip.to - strip.center);
+            let [from, to] = strip.ends();
             // A place on a side between two cells must not fall between them by rounding.
             let least = -SEAM * from.length_squared().max(to.length_squared());
             from.perp_dot(offset) >= least
@@ -273,7 +280,7 @@ impl<'a> Runs<'a> {
 impl GapRegion {
     /// Adds what lies between the disk and a part of a side: a triangle less a sector.
     fn add_strip(&mut self, strip: Strip) {
-        let (from, to) = (strip.from - strip.center, strip.to - strip.center);
+        let [from, to] = strip.ends();
         let angle = from.perp_dot(to).atan2(from.dot(to));
         // Along a border through the sample there is nothing between.
         if angle <= 0.0 {
@@ -283,11 +290,10 @@ impl GapRegion {
         self.strips.push(strip);
         let count = (angle / CHORD).ceil().max(1.0);
         self.fill.reserve(2 * count as usize);
-        let first = from.y.atan2(from.x);
+        let first = from.to_angle();
         let across = to - from;
         let at = |k: f64| {
-            let (sin, cos) = (first + angle * (k / count)).sin_cos();
-            let ray = DVec2::new(cos, sin);
+            let ray = DVec2::from_angle(first + angle * (k / count));
             let reach = from.perp_dot(across) / ray.perp_dot(across);
             let inner = ray * self.radius;
             let outer = match k {
@@ -295,7 +301,7 @@ impl GapRegion {
                 _ if k >= count => to,
                 _ => ray * reach,
             };
-            [inner, outer].map(|offset| strip.center + offset)
+            [strip.center + inner, strip.center + outer]
         };
         let mut before = at(0.0);
         for k in 1..=count as u32 {

@@ -65,11 +65,8 @@ fn cell(cells: &Cells, index: usize) -> VoronoiCell {
         let [from, to] = cells.ends(side).map(|end| end - sample);
         found.area += 0.5 * from.perp_dot(to) / (scale * scale);
         let radius = cells.sides[side].reach;
-        let [low, high] = found.reach;
-        found.reach = [
-            low.min((from - radius) / scale),
-            high.max((from + radius) / scale),
-        ];
+        found.reach[0] = found.reach[0].min((from - radius) / scale);
+        found.reach[1] = found.reach[1].max((from + radius) / scale);
         match cells.sides[side].beyond {
             Some(seen) => {
                 let other = cells.shifted(cells.samples[seen.sample as usize], seen.shift);

@@ -2,7 +2,6 @@
 //! It gives the polygon around each sample, not clipped. It knows no radius but as a first guess.
 
 use glam::{DVec2, IVec2};
-
 use spade::{DelaunayTriangulation, HasPosition, Point2, Triangulation};
 
 use super::triangles::Triangle;
@@ -56,7 +55,7 @@ pub(super) struct Window {
 
 impl Window {
     pub fn new(points: &[[f64; 2]], domain: Domain, radius: f64) -> Result<Self, VerifyError> {
-        let samples: Vec<DVec2> = points.iter().map(|&p| domain.scale_point(p)).collect();
+        let samples: Vec<_> = points.iter().map(|&p| domain.scale_point(p)).collect();
         let failed = |cause| VerifyError::Triangulation {
             corner: [0.0; 2],
             cause,
@@ -81,7 +80,7 @@ impl Window {
                     found = delaunay(sites.chain(guards).collect()).map_err(failed)?;
                 }
             }
-            let all = !domain.periodic || domain.extent.cmple(DVec2::splat(halo)).all();
+            let all = !domain.periodic || halo >= domain.extent.max_element();
             let polygons = found.and_then(|found| polygons(&found, &samples, &domain, halo, all));
             if let Some(polygons) = polygons {
                 return Ok(Self {
@@ -99,10 +98,12 @@ impl Window {
 /// always enough: the nearest copies are half a period away at most, from places as far beyond.
 fn home_and_copies(samples: &[DVec2], domain: &Domain, halo: f64) -> Vec<Site> {
     let mut order: Vec<u32> = (0..samples.len() as u32).collect();
-    let at = |id: u32| samples[id as usize];
+    let at = |id: u32| samples[id as usize].to_array();
     order.sort_unstable_by(|&a, &b| {
-        let by_place = at(a).x.total_cmp(&at(b).x);
-        by_place.then(at(a).y.total_cmp(&at(b).y)).then(a.cmp(&b))
+        at(a)
+            .partial_cmp(&at(b))
+            .unwrap_or(std::cmp::Ordering::Equal)
+            .then(a.cmp(&b))
     });
     order.dedup_by(|later, first| at(*later) == at(*first));
     let shifts: &[i32] = if domain.periodic { &[0, -1, 1] } else { &[0] };
@@ -111,10 +112,11 @@ fn home_and_copies(samples: &[DVec2], domain: &Domain, halo: f64) -> Vec<Site> {
         for &across in shifts {
             for &along in shifts {
                 let shift = IVec2::new(across, along);
-                let place = shifted(at(sample), shift, domain);
-                let near = |k: usize| (-halo..=domain.extent[k] + halo).contains(&place[k]);
-                if shift == IVec2::ZERO || (near(0) && near(1)) {
-                    let position = Point2::new(accepted(place.x), accepted(place.y));
+                let place = shifted(samples[sample as usize], shift, domain);
+                let near = place.cmpge(-DVec2::splat(halo)) & place.cmple(domain.extent + halo);
+                if shift == IVec2::ZERO || near.all() {
+                    let [x, y] = place.map(accepted).to_array();
+                    let position = Point2::new(x, y);
                     let seen = Seen { sample, shift };
                     sites.push(Site { position, seen });
                 }
@@ -140,8 +142,8 @@ pub(super) fn shifted(place: DVec2, shift: IVec2, domain: &Domain) -> DVec2 {
 
 /// Sites so far off that no place of the domain is nearest to them, on all sides.
 fn guards(domain: &Domain) -> [Site; 4] {
-    let far = 16.0 * domain.extent.length();
-    let DVec2 { x, y } = domain.extent / 2.0;
+    let far = 16.0 * domain.extent.x.hypot(domain.extent.y);
+    let [x, y] = (domain.extent / 2.0).to_array();
     [[x - far, y], [x + far, y], [x, y - far], [x, y + far]].map(|[x, y]| Site {
         position: Point2::new(x, y),
         seen: Seen {
@@ -183,11 +185,9 @@ fn polygons(
             let face = edge.cw().face().as_inner()?;
             let circle = circumcircle(face.positions().map(|p| DVec2::new(p.x, p.y)));
             let reach = circle.square.sqrt();
-            let inside = |k: usize| {
-                circle.center[k] - reach >= -halo
-                    && circle.center[k] + reach <= domain.extent[k] + halo
-            };
-            if !(all || inside(0) && inside(1)) {
+            let inside = (circle.center - reach).cmpge(-DVec2::splat(halo))
+                & (circle.center + reach).cmple(domain.extent + halo);
+            if !(all || inside.all()) {
                 return None;
             }
             let beyond = edge.to().data().seen;

@@ -47,14 +47,12 @@ fn is_closed(gap: &GapRegion, radius: f64, around: Option<Region>) -> bool {
             let end = ends(&edges[k], radius)[1];
             let start = ends(&edges[(k + 1) % edges.len()], radius)[0];
             let last = k + 1 == edges.len();
-            (0..2).all(|axis| {
-                let mut off = start[axis] - end[axis];
-                if let (true, Some(region)) = (last, around) {
-                    let period = [region.width, region.height][axis];
-                    off -= period * (off / period).round();
-                }
-                off.abs() < 1e-7 * radius.max(1.0)
-            })
+            let mut off = start - end;
+            if let (true, Some(region)) = (last, around) {
+                let period = DVec2::new(region.width, region.height);
+                off -= period * (off / period).round();
+            }
+            off.abs().max_element() < 1e-7 * radius.max(1.0)
         })
     })
 }
@@ -69,15 +67,15 @@ fn area_by_loops(gap: &GapRegion, radius: f64) -> f64 {
             to_angle: b,
             ..
         } => {
-            let [cx, cy] = center.to_array();
-            0.5 * (radius * radius * (b - a)
-                + radius * (cx * (b.sin() - a.sin()) - cy * (b.cos() - a.cos())))
+            let chord = DVec2::from_angle(b) - DVec2::from_angle(a);
+            0.5 * (radius * radius * (b - a) + radius * center.perp_dot(chord))
         }
     };
     gap.boundary.iter().flatten().map(of).sum()
 }
 
-fn nearest(place: [f64; 2], points: &[[f64; 2]], region: Region) -> f64 {
+fn nearest(place: impl Into<DVec2>, points: &[[f64; 2]], region: Region) -> f64 {
+    let place = place.into();
     let distances = points.iter().map(|&p| distance(place, p, region));
     distances.fold(f64::INFINITY, f64::min)
 }
@@ -156,7 +154,7 @@ fn a_sample_taken_from_a_hexagonal_lattice_leaves_a_gap() {
     );
     assert!(
         distance(
-            gap.deepest.0.into(),
+            gap.deepest.0,
             [3.0, 4.0 * row],
             region(8.0, 8.0, Boundary::Bounded)
         ) < 1e-9
@@ -276,13 +274,11 @@ fn check_set(points: &[[f64; 2]], region: Region, radius: f64) {
             assert!((area_by_loops(gap, radius) - gap.area).abs() < 1e-7 * region.area());
         }
         check_near(
-            nearest(wrapped(gap.deepest.0.into(), region), points, region),
+            nearest(wrapped(gap.deepest.0, region), points, region),
             gap.deepest.1,
         );
         let fill: f64 = (gap.fill.iter())
-            .map(|[a, b, c]| {
-                0.5 * ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])).abs()
-            })
+            .map(|[a, b, c]| 0.5 * (b - a).perp_dot(c - a).abs())
             .sum();
         let arcs = TAU * radius * gap.sites.len() as f64;
         assert!((fill - gap.area) > -1e-7 && fill - gap.area < 0.003 * radius * arcs + 1e-9);
@@ -307,12 +303,9 @@ fn check_set(points: &[[f64; 2]], region: Region, radius: f64) {
     assert!((found.uncovered_area() - estimate).abs() < 0.02 * region.area());
 }
 
-fn wrapped(place: [f64; 2], region: Region) -> [f64; 2] {
+fn wrapped(place: DVec2, region: Region) -> DVec2 {
     match region.boundary {
-        Boundary::Periodic => [
-            place[0].rem_euclid(region.width),
-            place[1].rem_euclid(region.height),
-        ],
+        Boundary::Periodic => place.rem_euclid(DVec2::new(region.width, region.height)),
         Boundary::Bounded => place,
     }
 }
@@ -379,13 +372,12 @@ fn is_delaunay(found: &Tessellation, points: &[[f64; 2]], region: Region) -> boo
     found.triangles.iter().all(|triangle| {
         let near = |a: f64, b: f64| (a - b).abs() < 1e-7;
         let corners = (0..3).all(|k| {
-            let corner = wrapped(triangle.corners[k].into(), region);
-            let to_center = (triangle.corners[k][0] - triangle.center[0])
-                .hypot(triangle.corners[k][1] - triangle.center[1]);
+            let corner = wrapped(triangle.corners[k], region);
+            let to_center = triangle.corners[k].distance(triangle.center);
             near(distance(corner, points[triangle.sites[k]], region), 0.0)
                 && (to_center / triangle.circumradius - 1.0).abs() < 1e-7
         });
-        let center = wrapped(triangle.center.into(), region);
+        let center = wrapped(triangle.center, region);
         corners && nearest(center, points, region) > triangle.circumradius * (1.0 - 1e-7) - 1e-9
     })
 }
@@ -429,13 +421,11 @@ fn edges_of_a_bounded_domain_stay_inside_and_between_two_samples() {
     let points = Random::new(2).points(80, region);
     let found = tessellation(&points, region, 0.05);
     for place in found.voronoi_edges.iter().flatten() {
-        assert!(
-            (-1e-12..=1.0 + 1e-12).contains(&place[0])
-                && (-1e-12..=2.0 + 1e-12).contains(&place[1])
-        );
+        let inside = place.clamp(DVec2::ZERO, DVec2::new(1.0, 2.0));
+        assert!(place.abs_diff_eq(inside, 1e-12));
     }
     for [a, b] in &found.voronoi_edges {
-        let middle = [a[0].midpoint(b[0]), a[1].midpoint(b[1])];
+        let middle = a.midpoint(*b);
         let mut distances: Vec<f64> = points
             .iter()
             .map(|&p| distance(middle, p, region))

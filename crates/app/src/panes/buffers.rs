@@ -8,7 +8,7 @@ use egui::{Color32, FontId, Mesh, Painter, Pos2, Rect, Stroke, StrokeKind, Ui, V
 use tilescope_core::{Rect as LatticeRect, Stage};
 use tilescope_drawing::palette::Palette;
 use tilescope_gpu::RowPlace;
-use tilescope_session::units::radii;
+use tilescope_session::units::place;
 use tilescope_ui::widgets::Known;
 
 use tilescope_canvas::sprites::{Sprite, Sprites, Stamp};
@@ -125,8 +125,8 @@ struct Scene<'a> {
 
 impl Scene<'_> {
     fn at(&self, point: tilescope_core::Point) -> Pos2 {
-        let place = [radii(point.x), radii(point.y)];
-        self.subject.camera.screen_from_domain(self.rect, place)
+        let camera = self.subject.camera;
+        camera.screen_from_domain(self.rect, place(point))
     }
 
     fn square(&self, rect: &LatticeRect) -> Rect {

@@ -6,6 +6,7 @@
 use egui::{
     Context, Event, EventFilter, Id, Key, Modifiers, PointerButton, Pos2, Response, Ui, Vec2, vec2,
 };
+use glam::DVec2;
 use tilescope_core::Standing;
 use tilescope_session::selection::Selection;
 
@@ -181,7 +182,7 @@ fn nearest(response: &Response, subject: &Subject<'_>, pos: Pos2, reach: f64) ->
     let reach = (reach / subject.camera.scale).min(1.5);
     let mut best: Option<(f64, u32)> = None;
     shown.session.index.visit(place, place, reach, |seen| {
-        let distance = (seen.place[0] - place[0]).hypot(seen.place[1] - place[1]);
+        let distance = seen.place.distance(place);
         let visible = !seen.image && shown.standing(seen.id) != Standing::Absent;
         if visible && distance <= reach && best.is_none_or(|(d, _)| distance < d) {
             best = Some((distance, seen.id));
@@ -194,8 +195,8 @@ fn nearest(response: &Response, subject: &Subject<'_>, pos: Pos2, reach: f64) ->
 fn place(response: &Response, subject: &Subject<'_>, pos: Pos2) -> Selection {
     let place = subject.camera.domain_from_screen(response.rect, pos);
     let size = subject.shown.session.size_radii();
-    let inside = (0..2).all(|k| (0.0..size[k]).contains(&place[k]));
-    if inside {
+    let inside = place.cmpge(DVec2::ZERO) & place.cmplt(size);
+    if inside.all() {
         Selection::Place(place)
     } else {
         Selection::Nothing

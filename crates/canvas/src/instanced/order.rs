@@ -3,9 +3,9 @@
 
 use std::ops::Range;
 
-use glam::{DVec2, IVec2};
-
-use tilescope_core::{Domain, Point, R};
+use glam::DVec2;
+use tilescope_core::{Domain, Point};
+use tilescope_session::units::{radii, size};
 
 /// Every 64th sample, up to every 16th, up to every fourth, the rest.
 pub const LEVELS: usize = 4;
@@ -35,11 +35,11 @@ pub struct CellOrder {
 impl CellOrder {
     /// Returns the order of `points`: the same for the same points.
     pub fn new(domain: &Domain, points: &[Point]) -> Self {
-        let size = IVec2::new(domain.width(), domain.height()).as_dvec2() / f64::from(R);
+        let size = size(domain);
         let side = (size.element_product() / MAX_CELLS).sqrt().max(MIN_CELL);
         let mut order = Self {
             side,
-            cells: (size / side).to_array().map(|cells| cells as usize + 1),
+            cells: size.to_array().map(|length| (length / side) as usize + 1),
             size,
             ..Self::default()
         };
@@ -50,8 +50,7 @@ impl CellOrder {
 
     fn cell_of(&self, point: Point) -> usize {
         let axis = |units: i32, k: usize| {
-            let cell = f64::from(units) / f64::from(R) / self.side;
-            (cell.max(0.0) as usize).min(self.cells[k] - 1)
+            ((radii(units) / self.side).max(0.0) as usize).min(self.cells[k] - 1)
         };
         axis(point.y, 1) * self.cells[0] + axis(point.x, 0)
     }
@@ -166,7 +165,7 @@ const fn hash(point: Point) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use tilescope_core::Boundary;
+    use tilescope_core::{Boundary, R};
 
     const SIDE: f64 = 100.0;
 
@@ -178,8 +177,8 @@ mod tests {
         (domain, points)
     }
 
-    fn ids(order: &CellOrder, low: DVec2, high: DVec2, levels: usize) -> Vec<u32> {
-        let ranges = order.ranges(low, high, levels);
+    fn ids(order: &CellOrder, low: [f64; 2], high: [f64; 2], levels: usize) -> Vec<u32> {
+        let ranges = order.ranges(low.into(), high.into(), levels);
         let places = ranges.into_iter().flatten();
         places.map(|place| order.ids[place as usize]).collect()
     }
@@ -194,7 +193,7 @@ mod tests {
         for (id, &place) in (0..).zip(&order.places) {
             assert_eq!(order.ids[place as usize], id);
         }
-        let whole = order.ranges([-9.0; 2].into(), [SIDE + 9.0; 2].into(), LEVELS);
+        let whole = order.ranges(DVec2::splat(-9.0), DVec2::splat(SIDE + 9.0), LEVELS);
         assert_eq!(whole, vec![0..10_000], "all of it is one call");
     }
 
@@ -203,8 +202,7 @@ mod tests {
         let (domain, points) = grid();
         let order = CellOrder::new(&domain, &points);
         let (low, high) = ([20.0, 31.0], [40.0, 44.0]);
-        let seen = ids(&order, low.into(), high.into(), LEVELS);
-        let radii = |units: i32| f64::from(units) / f64::from(R);
+        let seen = ids(&order, low, high, LEVELS);
         for (id, point) in (0..).zip(&points) {
             let (x, y) = (radii(point.x), radii(point.y));
             if low[0] <= x && x <= high[0] && low[1] <= y && y <= high[1] {
@@ -212,15 +210,7 @@ mod tests {
             }
         }
         assert!(seen.len() < 1_500, "{}", seen.len());
-        assert!(
-            ids(
-                &order,
-                [SIDE + 2.0, 0.0].into(),
-                [SIDE + 9.0, 9.0].into(),
-                LEVELS
-            )
-            .is_empty()
-        );
+        assert!(ids(&order, [SIDE + 2.0, 0.0], [SIDE + 9.0, 9.0], LEVELS).is_empty());
     }
 
     #[test]
@@ -231,11 +221,10 @@ mod tests {
             for corner in [[0.0, 0.0], [0.0, 50.0], [50.0, 0.0], [50.0, 50.0]] {
                 let far = corner.map(|from| from + 49.0);
                 let inside = |&id: &u32| {
-                    let place = [points[id as usize].x, points[id as usize].y];
-                    let place = place.map(|units| f64::from(units) / f64::from(R));
+                    let place = [points[id as usize].x, points[id as usize].y].map(radii);
                     (0..2).all(|k| corner[k] <= place[k] && place[k] <= far[k])
                 };
-                let seen = |levels| ids(&order, corner.into(), far.into(), levels);
+                let seen = |levels| ids(&order, corner, far, levels);
                 let count = |levels| seen(levels).iter().filter(|id| inside(id)).count() as f64;
                 let (all, some) = (count(LEVELS), count(levels));
                 let ratio = some * f64::from(share) / all;
@@ -243,7 +232,7 @@ mod tests {
             }
         }
         assert_eq!(
-            count(&order.ranges([0.0; 2].into(), [SIDE; 2].into(), 3)),
+            count(&order.ranges(DVec2::ZERO, DVec2::splat(SIDE), 3)),
             2_500
         );
     }
@@ -252,14 +241,11 @@ mod tests {
     fn samples_outside_the_domain_are_found_and_none_is_well() {
         let domain = Domain::from_size([SIDE; 2], 1.0, Boundary::Bounded).unwrap();
         let order = CellOrder::new(&domain, &[Point::new(-R, 5 * R)]);
-        assert_eq!(
-            ids(&order, [-1.2, 4.0].into(), [-0.9, 6.0].into(), LEVELS),
-            [0]
-        );
+        assert_eq!(ids(&order, [-1.2, 4.0], [-0.9, 6.0], LEVELS), [0]);
         let empty = CellOrder::new(&domain, &[]);
         assert!(
             empty
-                .ranges([0.0; 2].into(), [SIDE; 2].into(), LEVELS)
+                .ranges(DVec2::ZERO, DVec2::splat(SIDE), LEVELS)
                 .is_empty()
         );
     }

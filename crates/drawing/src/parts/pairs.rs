@@ -34,8 +34,7 @@ pub fn in_view(scene: &Scene<'_>) -> (Vec<[Pos2; 2]>, usize) {
     };
     let ends = pairs.iter().map(|pair| {
         let from = scene.session.place(pair.ids[0]);
-        let to = [from[0] + pair.offset[0], from[1] + pair.offset[1]];
-        [scene.at(from), scene.at(to)]
+        [scene.at(from), scene.at(from + pair.offset)]
     });
     let seen = |ends: &[Pos2; 2]| scene.rect.intersects(Rect::from_two_pos(ends[0], ends[1]));
     let mut ends: Vec<[Pos2; 2]> = ends.filter(seen).collect();

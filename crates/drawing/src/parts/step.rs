@@ -1,10 +1,9 @@
 //! What is going on at the moment: the current sample, its search disk and test buffer, the circumcircle under
 //! test with its verdict, the pair that was compared, and what changed last.
 
-use glam::DVec2;
-
 use ecolor::Color32;
 use emath::{Align2, vec2};
+use glam::DVec2;
 use tilescope_core::stages::detect::Sites;
 use tilescope_core::{RunEvent, Verdict};
 use tilescope_debugger::{Event, Examined};
@@ -64,11 +63,11 @@ fn shift_of(scene: &Scene<'_>, examined: &Examined) -> DVec2 {
     if !scene.session.run().domain.is_periodic() {
         return DVec2::ZERO;
     }
+    let detector = scene.session.place(examined.detector);
     let size = scene.session.size_radii();
     let offset = DVec2::from(examined.offset.map(radii));
-    let place = scene.session.place(examined.detector) + offset;
-    let home = -(place / size).floor() * size;
-    DVec2::select(offset.abs().cmplt(size), home, DVec2::ZERO)
+    let shift = -((detector + offset) / size).floor() * size;
+    DVec2::select(offset.abs().cmplt(size), shift, DVec2::ZERO)
 }
 
 fn ring(scene: &Scene<'_>) -> f32 {
@@ -118,7 +117,7 @@ fn last_event(scene: &Scene<'_>, surface: &mut impl Surface) {
 fn pair(scene: &Scene<'_>, surface: &mut impl Surface, [a, b]: [u32; 2], color: Color32) {
     let from = scene.session.place(a);
     let to = scene.session.image_near(b, from);
-    let distance = (to[0] - from[0]).hypot(to[1] - from[1]);
+    let distance = from.distance(to);
     let ends = [scene.at(from), scene.at(to)];
     surface.dashes(ends, Stroke::new(2.2, color));
     let middle = ends[0].lerp(ends[1], 0.5) + vec2(10.0, -12.0);

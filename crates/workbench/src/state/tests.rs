@@ -134,8 +134,7 @@ fn a_failing_verdict_leads_to_its_witness() {
     };
     assert!(radius > 1.0);
     while state.advance(0.1) {}
-    let off = [0, 1].map(|k| (state.runs.first.camera.center[k] - center[k]).abs());
-    assert!(off[0] < 1e-9 && off[1] < 1e-9);
+    assert!(state.runs.first.camera.center.abs_diff_eq(center, 1e-9));
 }
 
 #[test]

@@ -4,6 +4,7 @@
 use std::collections::BTreeSet;
 use std::ops::ControlFlow;
 
+use glam::DVec2;
 use tilescope_analysis::measures::{Periodogram, Spectrum};
 use tilescope_analysis::{Boundary, Region};
 use tilescope_core::Boundary as Border;
@@ -35,12 +36,11 @@ fn cause(state: &State) -> &Cause {
 }
 
 /// The samples that stand, by id, with their places in r.
-fn standing(state: &State) -> Vec<(u32, [f64; 2])> {
+fn standing(state: &State) -> Vec<(u32, DVec2)> {
     let shown = state.shown().unwrap();
     let all = 0..shown.session.run().samples.len() as u32;
     let ids = all.filter(|id| shown.covers(*id));
-    ids.map(|id| (id, shown.session.place(id).to_array()))
-        .collect()
+    ids.map(|id| (id, shown.session.place(id))).collect()
 }
 
 /// Every pair of samples at the distances, from every pair of samples.
@@ -51,15 +51,13 @@ fn brute_force(state: &State, [least, most]: [f64; 2]) -> BTreeSet<[u32; 2]> {
     let mut pairs = BTreeSet::new();
     for (k, (a, from)) in samples.iter().enumerate() {
         for (b, to) in &samples[k + 1..] {
-            let along = |axis: usize| {
-                let straight = (to[axis] - from[axis]).abs();
-                if periodic {
-                    straight.min(size[axis] - straight)
-                } else {
-                    straight
-                }
+            let straight = (to - from).abs();
+            let offset = if periodic {
+                straight.min(size - straight)
+            } else {
+                straight
             };
-            let distance = along(0).hypot(along(1));
+            let distance = offset.x.hypot(offset.y);
             if least <= distance && distance < most {
                 pairs.insert([*a.min(b), *a.max(b)]);
             }
@@ -77,11 +75,8 @@ fn found_pairs(state: &State) -> BTreeSet<[u32; 2]> {
     for pair in pairs {
         // The offset leads to an image of the second sample.
         let [from, to] = pair.ids.map(|id| session.place(id));
-        for axis in 0..2 {
-            let off = from[axis] + pair.offset[axis] - to[axis];
-            let turns = off / session.size_radii()[axis];
-            assert!((turns - turns.round()).abs() < 1e-9, "{pair:?}");
-        }
+        let turns = (from + pair.offset - to) / session.size_radii();
+        assert!(turns.abs_diff_eq(turns.round(), 1e-9), "{pair:?}");
     }
     let ids = pairs.iter().map(|pair| pair.ids);
     ids.map(|[a, b]| [a.min(b), a.max(b)]).collect()
@@ -145,7 +140,7 @@ fn shares_add_up_to_the_power_of_the_ring_and_belong_to_samples_that_stand() {
             height,
             boundary: Boundary::Periodic,
         };
-        let points: Vec<[f64; 2]> = samples.iter().map(|(_, place)| *place).collect();
+        let points: Vec<[f64; 2]> = samples.iter().map(|(_, place)| place.to_array()).collect();
         let window = Spectrum::window(points.len() as f64, region);
         let go_on = |_| ControlFlow::Continue(());
         let periodogram = Periodogram::of(&points, region, &window, &go_on).unwrap();

@@ -5,10 +5,9 @@ use std::fs;
 use std::io::BufReader;
 use std::path::Path;
 
-use glam::DVec2;
-
 use ecolor::Color32;
 use emath::{Rect, pos2, vec2};
+use glam::DVec2;
 use serde_json::Value;
 use tilescope_core::{Origin, Stage};
 use tilescope_drawing::palette::{DARK, LIGHT};
@@ -385,7 +384,7 @@ fn state_cursor(certificate: &Certificate) -> usize {
 }
 
 /// The pixel of a place, given in r, in a picture of this view at scale 1.
-fn pixel(picture: &Decoded, view: &PictureView, place: [f64; 2]) -> [u8; 3] {
+fn pixel(picture: &Decoded, view: &PictureView, place: DVec2) -> [u8; 3] {
     let at = view.camera.screen_from_domain(view.frame(), place);
     let at = [at.x as usize, at.y as usize];
     let first = (at[1] * picture.info.width as usize + at[0]) * picture.info.color_type.samples();
@@ -404,7 +403,7 @@ fn are_alike(a: [u8; 3], b: [u8; 3]) -> bool {
 }
 
 /// A place of a block that neither a sample nor a line is near, and one of its samples, in r.
-fn places(state: &State, block: u32) -> ([f64; 2], [f64; 2]) {
+fn places(state: &State, block: u32) -> (DVec2, DVec2) {
     let session = state.runs.first.session.as_ref().unwrap();
     let run = session.run();
     let shown = state.shown().unwrap();
@@ -412,23 +411,20 @@ fn places(state: &State, block: u32) -> ([f64; 2], [f64; 2]) {
     let rect = run.blocks.leaves[block as usize].rect;
     let ids = (0..run.samples.len() as u32).filter(|&id| shown.covers(id));
     let all: Vec<(u32, DVec2)> = ids.map(|id| (id, session.place(id))).collect();
-    let is_inside = |place: [f64; 2]| {
-        let [low, high] = [rect.min, rect.max].map(|p| [radii(p.x), radii(p.y)]);
-        (0..2).all(|k| low[k] + 1.0 < place[k] && place[k] < high[k] - 1.0)
-    };
+    let [low, high] = [rect.min, rect.max].map(|p| DVec2::new(radii(p.x), radii(p.y)));
+    let is_inside = |at: DVec2| (at.cmpgt(low + 1.0) & at.cmplt(high - 1.0)).all();
     let of_block = |id: u32| matches!(run.samples.origins[id as usize], Origin::Tiled { block: other, .. } if other == block);
     let (_, sample) = all
         .iter()
         .copied()
-        .find(|&(id, place)| is_inside(place.into()) && of_block(id))
+        .find(|&(id, place)| is_inside(place) && of_block(id))
         .unwrap();
     let steps = (0..400).map(|k| f64::from(k) * 0.01);
-    let mut around = steps.map(|by| [sample[0] + by, sample[1]]);
-    let is_free = |place: &[f64; 2]| {
-        let far = |other: [f64; 2]| (place[0] - other[0]).hypot(place[1] - other[1]) > 0.35;
-        is_inside(*place) && all.iter().all(|&(_, other)| far(other.into()))
+    let mut around = steps.map(|by| sample + DVec2::new(by, 0.0));
+    let is_free = |place: &DVec2| {
+        is_inside(*place) && (all.iter()).all(|(_, other)| place.distance(*other) > 0.35)
     };
-    (around.find(is_free).unwrap(), sample.into())
+    (around.find(is_free).unwrap(), sample)
 }
 
 #[test]
@@ -494,7 +490,7 @@ fn a_picture_has_the_colours_of_the_canvas_at_every_moment() {
             } else {
                 palette.outside
             };
-            let corner = [-0.6, 25.0];
+            let corner = DVec2::new(-0.6, 25.0);
             assert!(are_alike(
                 pixel(&picture, &view, corner),
                 mixed(outside, outside, 0.0)

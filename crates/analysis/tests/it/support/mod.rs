@@ -10,6 +10,7 @@ use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicU64, Ordering};
 
+use glam::DVec2;
 use tilescope_analysis::measures::MeasureError;
 use tilescope_analysis::{Boundary, Progress, Region};
 
@@ -54,16 +55,13 @@ pub fn direct_power(points: &[[f64; 2]], region: Region, [kx, ky]: [i64; 2]) -> 
 }
 
 /// Distance of two places, around the torus when periodic.
-pub fn distance(a: [f64; 2], b: [f64; 2], region: Region) -> f64 {
-    let offset = |a: f64, b: f64, extent: f64| {
-        let direct = (a - b).abs();
-        match region.boundary {
-            Boundary::Periodic => direct.min(extent - direct),
-            Boundary::Bounded => direct,
-        }
+pub fn distance(a: impl Into<DVec2>, b: impl Into<DVec2>, region: Region) -> f64 {
+    let direct = (a.into() - b.into()).abs();
+    let offset = match region.boundary {
+        Boundary::Periodic => direct.min(DVec2::new(region.width, region.height) - direct),
+        Boundary::Bounded => direct,
     };
-    let dx = offset(a[0], b[0], region.width);
-    dx.hypot(offset(a[1], b[1], region.height))
+    offset.x.hypot(offset.y)
 }
 
 /// A maximal Poisson-disk set: darts into the squares still uncovered, which are quartered

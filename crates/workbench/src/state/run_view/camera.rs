@@ -1,11 +1,10 @@
 //! Moving the camera of a run, and pointing at what it shows.
 
-use glam::DVec2;
-
 use emath::Rect;
-use tilescope_core::{Point, Stage};
+use glam::DVec2;
+use tilescope_core::Stage;
 use tilescope_session::selection::Selection;
-use tilescope_session::units::radii;
+use tilescope_session::units::{self, radii};
 use tilescope_session::verification::{Witness, WitnessMark};
 
 use super::RunView;
@@ -184,7 +183,7 @@ impl RunView {
             shown.debugger?.recording().place(event)
         });
         if let Some(point) = place {
-            self.fly_to(DVec2::new(radii(point.x), radii(point.y)), 12.0, context);
+            self.fly_to(units::place(point), 12.0, context);
         }
     }
 
@@ -207,12 +206,11 @@ impl RunView {
         let holds = |low: i32, high: i32, at: f64| radii(low) <= at && at < radii(high);
         let block = leaves.iter().find(|block| {
             let rect = &block.rect;
-            holds(rect.min.x, rect.max.x, place[0]) && holds(rect.min.y, rect.max.y, place[1])
+            holds(rect.min.x, rect.max.x, place.x) && holds(rect.min.y, rect.max.y, place.y)
         });
         if let Some(rect) = block.map(|block| block.rect) {
             self.pick(Selection::Place(place), context);
-            let corner = |point: Point| DVec2::new(radii(point.x), radii(point.y));
-            let center = corner(rect.min).midpoint(corner(rect.max));
+            let center = units::place(rect.min).midpoint(units::place(rect.max));
             let size = radii((rect.max.x - rect.min.x).max(rect.max.y - rect.min.y));
             self.fly_to(center, 1.1 * size, context);
         }
@@ -229,8 +227,7 @@ impl RunView {
             WitnessMark::Circle(center, _) => center,
             WitnessMark::Pair([a, b], _) => {
                 let from = session.place(a);
-                let to = session.image_near(b, from);
-                from.midpoint(to)
+                from.midpoint(session.image_near(b, from))
             }
         };
         // The verdict is about the result.
