@@ -77,7 +77,7 @@ const HOSTILE = {
   "thousands of bookmarks": [`v=1&mark=${"1:a;".repeat(12_000)}`, /12,001 of the kind "mark"; the first 64 were read/],
   "more bytes than are read": [
     `v=1&radius=0.02&mark=${"1:a;".repeat(20_000)}`,
-    /link has 80,021 bytes; what lies behind the first 65,536 was left out/,
+    /link has 80,021 bytes; everything after the first 65,536 was left out/,
   ],
   "escapes and layouts that are none": ["v=1&layout=!!!!&watch=%zz%&select=sample:99999999999", /layout/],
   "nothing but noise": ["\u{1F9E8}=%00&&&===&v=v=v", /version/],

@@ -108,7 +108,7 @@ pub struct Session {
 #[derive(Debug, thiserror::Error)]
 pub enum SessionError {
     /// The text does not parse as a session.
-    #[error("this is no saved session: {0}")]
+    #[error("this is not a saved session: {0}")]
     Corrupt(#[from] serde_json::Error),
     /// It was written by a newer version of the program.
     #[error("the session has version {found}; this program reads versions up to {VERSION}")]

@@ -1,32 +1,32 @@
-//! When samples came, as places on a ramp from 0 to 1: tiled ones first, in their sequence, then one step for each
-//! iteration that inserted some. It knows no colours.
+//! The age of samples as a number from 0, early, to 1, late: tiled ones first, in order, then one step for each
+//! iteration that inserted some. The colours are in [`crate::palette`].
 
 use tilescope_core::Origin;
 
 use tilescope_session::session::Session;
 
-/// Where the last tiled sample is on the ramp.
+/// The age of the last tiled sample.
 pub const LAST_TILED: f32 = 0.62;
-/// Where the samples of the first iteration are: clearly apart.
+/// The age of the samples of the first iteration, clearly above the tiled ones.
 const FIRST_INSERTED: f32 = 0.78;
 
 /// The ages of a session's samples.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Ages {
-    /// How many samples were tiled, where ids follow their sequence; else how many blocks there are.
+    /// The number of tiled samples, if ids are in the order of tiling; otherwise the number of blocks.
     tiled: Result<u32, u32>,
-    /// How many iterations inserted samples.
+    /// The number of iterations that inserted samples.
     pub iterations: u32,
 }
 
 impl Ages {
-    /// Returns the ages of a session's samples. It takes the logarithm of their number.
+    /// The ages of a session's samples. It takes time logarithmic in their number.
     pub fn of(session: &Session) -> Self {
         let run = session.run();
         let origins = &run.samples.origins;
         let is_tiled = |origin: &Origin| matches!(origin, Origin::Tiled { .. });
         Self {
-            // Without stages samples are in the order of their places: blocks tell how early they came.
+            // Without stages samples are ordered by place, and their block is all that is known of their age.
             tiled: if session.has_stages() {
                 Ok(origins.partition_point(is_tiled) as u32)
             } else {
@@ -36,7 +36,7 @@ impl Ages {
         }
     }
 
-    /// Returns the place of a sample on the ramp.
+    /// The age of a sample.
     #[must_use]
     pub fn of_sample(&self, id: u32, origin: &Origin) -> f32 {
         match *origin {
@@ -52,7 +52,7 @@ impl Ages {
         }
     }
 
-    /// Returns the place of the samples of an iteration, counted from 1, on the ramp.
+    /// The age of the samples of an iteration, counted from 1.
     #[must_use]
     pub fn of_iteration(&self, iteration: u32) -> f32 {
         let share = match self.iterations {
@@ -70,7 +70,7 @@ mod tests {
 
     #[test]
     #[allow(clippy::float_cmp, reason = "the ends of the ramp are exact")]
-    fn who_came_later_is_farther_on_the_ramp() {
+    fn ages_grow_with_the_order_of_samples() {
         let tiled = |block| Origin::Tiled {
             block,
             pattern: 0,

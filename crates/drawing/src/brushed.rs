@@ -1,5 +1,5 @@
-//! What is brushed in the curves of the analysis: the pairs at the chosen distances, or what samples add to the power of the
-//! chosen frequencies, which tints them.
+//! The causes of a brush over the curves of the analysis: pairs at the brushed distances, or each sample's
+//! share of the power at the brushed frequencies, which tints the sample.
 
 use glam::DVec2;
 
@@ -7,9 +7,9 @@ use ecolor::Color32;
 
 use crate::palette::Palette;
 
-/// Pairs that are kept to be drawn.
+/// The most pairs that are kept for drawing.
 pub const MAX_PAIRS: usize = 500_000;
-/// By how much samples of the strongest shares are larger or smaller than others, of their size.
+/// The relative change in size of samples with the strongest shares.
 const SWELL: f32 = 0.5;
 
 /// Two samples.
@@ -21,42 +21,42 @@ pub struct Pair {
     pub offset: DVec2,
 }
 
-/// What causes what is seen in a brush.
+/// The causes of a brush.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub enum Cause {
     /// The pairs at the distances.
     Pairs {
-        /// How many there are.
+        /// The number of all pairs.
         total: u64,
         /// At most [`MAX_PAIRS`] of them.
         pairs: Vec<Pair>,
     },
-    /// What each sample contributes to the power at the frequencies.
+    /// The contribution of each sample to the power at the frequencies.
     Shares {
-        /// How many frequencies there are.
+        /// The number of frequencies.
         frequencies: u64,
         /// Their mean power.
         mean_power: f64,
-        /// By id: the share over what is expected of a sample of noise in its place, so that those of noise have a mean of 1 all over the
-        /// domain. It is the mean power, which has no tint, where a bounded domain's taper leaves too little of a sample. NaN for
-        /// samples that do not stand.
+        /// By id: the share divided by the one expected of a sample of noise in the same place, so that noise
+        /// has a mean of 1 all over the domain. Samples that a bounded domain's taper leaves too little of have
+        /// the mean power and so no tint; samples that do not cover their disks have NaN.
         shares: Vec<f32>,
-        /// Shares that are so far from the mean power have the strongest colour.
+        /// The distance from the mean power at which a share gets the strongest colour.
         strongest: f32,
     },
 }
 
-/// What was found, with a number of its own.
+/// The causes found, with a serial number.
 #[derive(Clone, Debug)]
 pub struct BrushedCause {
-    /// Changes with everything that is found, so that pictures made from another are not reused.
+    /// Changes with each result, so that cached pictures of another one are not reused.
     pub serial: u64,
     /// The causes.
     pub cause: Cause,
 }
 
-/// Returns the colour of a sample by how far its share is from the mean one, and its size, 1 for the mean share: what adds
-/// more to the power is large, what adds less small. None where no shares are known.
+/// The colour of a sample by the deviation of its share from the mean, and its size relative to that of the
+/// mean: samples that add more to the power are larger. `None` if shares are not known.
 #[must_use]
 pub fn tint(found: Option<&BrushedCause>, id: u32, palette: &Palette) -> Option<(Color32, f32)> {
     let Cause::Shares {

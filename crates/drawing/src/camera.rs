@@ -1,20 +1,20 @@
-//! The view of the domain: which place is at the centre of the canvas and how large a radius appears.
-//! Lengths are in r, y points upwards as in the domain; only here do they become screen points.
+//! The camera: which place of the domain is at the centre of the canvas, and how large one r appears. Domain
+//! coordinates are in r with y upwards; the camera converts them to screen points.
 
 use emath::{Pos2, Rect, Vec2, vec2};
 use glam::DVec2;
 
-/// The smallest scale of any domain, in screen points per r: the longest then spans 300 points.
+/// The smallest scale of any domain, in screen points per r; the longest domain then spans 300 points.
 pub const MIN_SCALE: f64 = 0.005;
 /// The largest scale, in screen points per r: beyond it lattice units would become visible.
 pub const MAX_SCALE: f64 = 4_000.0;
-/// How small a domain may appear, as part of its size where it is fitted: smaller, nothing of it can be told apart.
+/// The smallest size of a domain relative to its size when fitted: below this, nothing can be recognised.
 const MIN_SHARE_OF_FIT: f64 = 0.25;
 /// Seconds that a flight takes.
 const FLIGHT_SECS: f32 = 0.7;
 /// Empty space around a fitted domain, in screen points.
 const FIT_MARGIN: f32 = 28.0;
-/// The most of a small canvas that this is, on each side.
+/// The largest margin on each side, as a share of a small canvas.
 const FIT_MARGIN_PART: f32 = 0.08;
 
 /// A view of the domain plane.
@@ -49,7 +49,7 @@ impl Camera {
         }
     }
 
-    /// Returns the smallest and the largest scale at which a domain of `size` r is looked at in `viewport`.
+    /// The smallest and the largest scale allowed for a domain of `size` r in `viewport`.
     #[must_use]
     pub fn scales(size: impl Into<DVec2>, viewport: Rect) -> [f64; 2] {
         let least = MIN_SHARE_OF_FIT * Self::fitting(size, viewport).scale;
@@ -131,7 +131,7 @@ impl Flight {
         self.to
     }
 
-    /// Goes on by `dt_secs`; returns the camera and whether it has arrived.
+    /// Advances by `dt_secs`; returns the camera and whether it has arrived.
     pub fn advance(&mut self, dt_secs: f32) -> (Camera, bool) {
         self.elapsed_secs += dt_secs;
         let t = (self.elapsed_secs / FLIGHT_SECS).clamp(0.0, 1.0);

@@ -1,5 +1,7 @@
-//! How a moment of a run is drawn: what of the plane is seen, in which colours, how each sample looks, and every part of the
-//! picture on any [`Surface`](surface::Surface).
+//! Draws a moment of a run: the visible part of the plane, colours, the look of each sample, and every part of
+//! the picture on any [`Surface`](surface::Surface). The window's canvas and exported pictures are such
+//! surfaces, so that exports look like the canvas; only the marks of a comparison and the witness of a verdict
+//! are drawn on the canvas alone. Begin with [`parts`].
 //!
 //! The window's canvas and exported pictures are such surfaces, so an exported picture is what was seen, except for the marks
 //! of a comparison and the place that a verdict was followed to. It knows no window.
@@ -25,5 +27,5 @@ pub mod scene;
 pub mod subject;
 pub mod surface;
 
-/// Disks and gaps are drawn from this many screen points per r.
+/// The scale, in screen points per r, above which disks and gaps are drawn.
 pub const MIN_DISK_SCALE: f64 = 1.25;

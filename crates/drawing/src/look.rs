@@ -1,5 +1,5 @@
-//! How a sample looks: a symbol, a colour, whether it shows its disk, packed into eight bytes. It knows nothing of
-//! stages or layers: whoever sets looks decides what they mean.
+//! The look of a sample: symbol, colour, disk, outline and size, packed into eight bytes. [`crate::looks`]
+//! chooses it by stage and layers.
 
 use ecolor::Color32;
 
@@ -30,12 +30,12 @@ pub struct SampleLook {
     pub disk: bool,
     /// Whether the symbol has an outline in the colour that the paint options name.
     pub outlined: bool,
-    /// The symbol's size relative to other symbols of its kind: 1 as a rule, 0 to 15, kept in sixteenths.
+    /// The symbol's size relative to other symbols of its kind: normally 1, from 0 to 15 in sixteenths.
     pub size: f32,
 }
 
 impl SampleLook {
-    /// Nothing is drawn.
+    /// A sample that is not drawn.
     pub const HIDDEN: Self = Self {
         symbol: Symbol::None,
         color: Color32::TRANSPARENT,
@@ -84,8 +84,9 @@ impl SampleLook {
     }
 }
 
-/// Returns the radii of dot, cross, diamond and ring at `scale` screen points per r, in screen points. They are parts of r,
-/// so that the symbols of neighbours never run together, up to the sizes at which they would hide their surroundings.
+/// The radii of dot, cross, diamond and ring at `scale` screen points per r, in screen points. They are
+/// fractions of r, so that symbols of neighbours never overlap, up to sizes at which they would hide their
+/// surroundings.
 #[must_use]
 pub const fn radii(scale: f32) -> [f32; 4] {
     [
@@ -96,7 +97,7 @@ pub const fn radii(scale: f32) -> [f32; 4] {
     ]
 }
 
-/// Returns how wide the outline around a symbol of `radius` is, in screen points.
+/// The width of the outline around a symbol of `radius`, in screen points.
 #[must_use]
 pub const fn outline(radius: f32) -> f32 {
     (0.8 * radius).min(1.6)

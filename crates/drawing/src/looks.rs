@@ -1,5 +1,5 @@
-//! How every sample looks at a moment: symbol, colour, disk. Both painters, the instancing one and the one of meshes,
-//! draw what this says; it draws nothing itself.
+//! The look of every sample at a moment: symbol, colour, disk. Both painters of the canvas, by instances and by
+//! meshes, and exported pictures draw these looks.
 
 use std::ops::Range;
 
@@ -13,7 +13,7 @@ use crate::brushed;
 use crate::look::{SampleLook, Symbol};
 use crate::subject::Subject;
 
-/// All that looks follow from.
+/// Everything that looks depend on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Key {
     generation: u64,
@@ -22,7 +22,7 @@ pub struct Key {
     layers: Layers,
     colouring: Colouring,
     dark: bool,
-    /// Which causes of what is brushed are shown.
+    /// The serial number of the causes shown.
     causes: Option<u64>,
 }
 
@@ -41,7 +41,7 @@ impl Key {
         }
     }
 
-    /// Returns the cursors between which two keys differ, if they differ in nothing else.
+    /// The range between the two keys' cursors, if nothing else differs.
     #[must_use]
     pub fn span(self, other: Self) -> Option<Range<usize>> {
         let cursor = self.cursor;
@@ -50,20 +50,20 @@ impl Key {
     }
 }
 
-/// The colours of the blocks, which take too long to compute for each sample.
+/// The colours of blocks and ages, which take too long to compute for each sample.
 #[derive(Default)]
 pub struct Swatches {
     dark: bool,
     blocks: Vec<Color32>,
-    /// From early to late.
+    /// The colours of ages, from early to late.
     ages: Vec<Color32>,
 }
 
-/// Colours of ages.
+/// The number of colours of ages.
 const SHADES: u32 = 256;
 
 impl Swatches {
-    /// Makes them fit `palette` and as many blocks as the subject has.
+    /// Updates them for `palette` and the number of blocks of the subject.
     pub fn follow(&mut self, subject: &Subject<'_>, palette: &Palette) {
         let count = subject.shown.session.run().blocks.leaves.len();
         if self.dark != palette.dark {
@@ -99,10 +99,10 @@ pub struct Looks<'a> {
 }
 
 impl<'a> Looks<'a> {
-    /// Returns how samples look; `swatches` must follow the same subject and palette.
+    /// The looks of a subject's samples; `swatches` must have been updated for the same subject and palette.
     #[must_use]
     pub fn new(subject: &Subject<'a>, palette: &'a Palette, swatches: &'a Swatches) -> Self {
-        // Once the result stands, those it does not hold step back.
+        // When the result is shown, samples outside it are dimmed.
         let presence = match subject.shown.stage {
             Stage::Finish => 0.3,
             Stage::Iterate(_) => 0.6,
@@ -146,7 +146,7 @@ impl<'a> Looks<'a> {
         }
     }
 
-    /// Returns the colour of a sample's share in what is brushed, and its size.
+    /// The colour and size of a sample by its share of the brushed power.
     fn tint(&self, id: u32) -> Option<(Color32, f32)> {
         brushed::tint(self.subject.causes, id, self.palette)
     }

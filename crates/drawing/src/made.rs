@@ -1,19 +1,19 @@
-//! How much of the KD-tree there is at a moment.
+//! The part of the KD-tree that exists at a moment.
 
 use tilescope_core::{RunEvent, Stage};
 use tilescope_session::moment::ShownMoment;
 
-/// How many splits and leaves there are at a moment.
+/// The numbers of splits and leaves that exist at a moment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Made {
-    /// The splits.
+    /// The number of splits.
     pub splits: usize,
-    /// The leaves, which are the blocks.
+    /// The number of leaves, which are the blocks.
     pub leaves: usize,
 }
 
 impl Made {
-    /// Returns how many there are: all of them unless the moment lies within the stage that makes them.
+    /// The counts at a moment: all, unless the moment lies within the stage that makes them.
     #[must_use]
     pub fn at(shown: &ShownMoment<'_>) -> Self {
         let blocks = &shown.session.run().blocks;

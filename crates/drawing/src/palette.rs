@@ -1,5 +1,5 @@
-//! Colours by meaning, light and dark: one palette (after Okabe and Ito) and one accent. The meaning of a colour is the same
-//! on the canvas, in pictures, in chips and in the legend.
+//! Colours by meaning, for the dark and the light look, after Okabe and Ito, with one accent. A colour means
+//! the same on the canvas, in pictures, in chips and in the legend.
 
 use ecolor::Color32;
 use tilescope_figures::Palette as Marks;
@@ -8,13 +8,13 @@ use tilescope_session::look::Look;
 /// Colours by meaning.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Palette {
-    /// Whether it is the dark one.
+    /// Whether it is the dark palette.
     pub dark: bool,
     /// Panels.
     pub panel: Color32,
     /// Cards and fields on panels.
     pub raised: Color32,
-    /// Thin lines between things.
+    /// Thin lines between widgets.
     pub line: Color32,
     /// The canvas outside the domain.
     pub outside: Color32,
@@ -34,7 +34,7 @@ pub struct Palette {
     pub sample: Color32,
     /// A sample from the margin around its block.
     pub margin: Color32,
-    /// A conflict; also what is wrong.
+    /// A conflict; also errors.
     pub conflict: Color32,
     /// An eliminated sample.
     pub eliminated: Color32,
@@ -44,13 +44,13 @@ pub struct Palette {
     pub gap: Color32,
     /// A candidate.
     pub candidate: Color32,
-    /// An inserted sample; also what is well.
+    /// An inserted sample; also success.
     pub inserted: Color32,
     /// The halo of the current sample.
     pub halo: Color32,
 }
 
-/// Returns a colour of the figures: what marks mean looks the same in the window and on paper.
+/// A colour of the figures crate: marks have the same colours in the window and on paper.
 const fn mark([red, green, blue, _]: tilescope_figures::Color) -> Color32 {
     Color32::from_rgb(red, green, blue)
 }
@@ -120,7 +120,7 @@ impl Palette {
     /// Returns the colour of a building block: neighbours in the list differ strongly.
     #[must_use]
     pub fn block(&self, index: u32) -> Color32 {
-        // The golden angle spreads hues; lightness alternates so that hue is not all.
+        // The golden angle spreads hues; lightness alternates so that blocks do not differ by hue alone.
         let hue = f64::from(index) * 137.507_764 + 210.0;
         let step = f64::from(index % 3) * 0.045;
         let (lightness, chroma) = if self.dark {
@@ -131,8 +131,8 @@ impl Palette {
         oklch(lightness, chroma, hue)
     }
 
-    /// Returns the colour of an age between 0, early, and 1, late: from blue over grey to yellow, ever lighter, so that
-    /// the order is seen whichever colours the eye tells apart.
+    /// The colour of an age between 0, early, and 1, late: from blue over grey to yellow with growing
+    /// lightness, so that the order is visible with colour blindness, too.
     #[must_use]
     pub fn age(&self, age: f32) -> Color32 {
         let (early, late) = if self.dark {
@@ -187,7 +187,7 @@ mod tests {
     }
 
     #[test]
-    fn the_ramp_of_ages_can_be_read_and_grows_lighter() {
+    fn colours_of_ages_are_readable_and_grow_lighter() {
         for palette in [DARK, LIGHT] {
             let ramp: Vec<Color32> = (0..=32).map(|k| palette.age(k as f32 / 32.0)).collect();
             for color in &ramp {
@@ -201,14 +201,14 @@ mod tests {
     }
 
     #[test]
-    fn text_and_symbols_can_be_read() {
+    fn text_and_symbols_have_enough_contrast() {
         for palette in [DARK, LIGHT] {
             for ground in [palette.panel, palette.raised, palette.domain] {
                 assert!(contrast(palette.text, ground) > 7.0);
                 assert!(contrast(palette.muted, ground) > 4.5);
             }
             assert!(contrast(palette.on_accent, palette.accent) > 4.5);
-            // The ring of the focus.
+            // The focus ring.
             for ground in [
                 palette.panel,
                 palette.raised,

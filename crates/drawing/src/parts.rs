@@ -1,4 +1,5 @@
-//! The parts of a picture, from the ground up, each drawn once for the window's canvas and for exported pictures.
+//! The parts of a picture from bottom to top, each drawn by one function for both the window's canvas and
+//! exported pictures. Begin with [`Part`].
 
 mod blocks;
 mod geometry;
@@ -17,13 +18,12 @@ use crate::looks::Looks;
 use crate::scene::Scene;
 use crate::surface::Surface;
 
-/// A part of a picture. Gaps are not among them: the canvas finds them pixel by pixel, a picture by its disks. They lie
-/// between the domain and all parts.
+/// A part of a picture. Gaps are not listed: each surface draws them itself, between the domain and all parts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Part {
     /// The tints of the blocks.
     Tints,
-    /// What gluing may touch.
+    /// The band that gluing may change.
     Band,
     /// The edges of the Delaunay triangulation.
     Delaunay,
@@ -43,11 +43,11 @@ pub enum Part {
     Seams,
     /// The lines of the KD-tree.
     Tree,
-    /// The blocks' clips.
+    /// The clips around the blocks.
     Clips,
     /// Conflicts, and how they were resolved.
     Conflicts,
-    /// Brushed pairs.
+    /// The pairs at brushed distances.
     Pairs,
     /// The samples.
     Samples,
@@ -55,14 +55,14 @@ pub enum Part {
     Search,
     /// The numbers of the KD-tree's splits.
     TreeNumbers,
-    /// What the last step tests and changes.
+    /// What the last event tests and changes.
     Step,
-    /// What is selected or pointed at.
+    /// The selected sample or place, and the one under the pointer.
     Selection,
 }
 
 impl Part {
-    /// Every part, from the ground up.
+    /// Every part, from bottom to top.
     pub const ALL: [Self; 19] = [
         Self::Tints,
         Self::Band,
@@ -111,7 +111,7 @@ impl Part {
         }
     }
 
-    /// Returns whether the part has something to show: its layer is on, at a stage that has it.
+    /// Whether the part is drawn: its layer is on, and the stage has it.
     #[must_use]
     pub fn is_on(self, scene: &Scene<'_>) -> bool {
         let has = |layer| scene.has(layer);
@@ -128,13 +128,13 @@ impl Part {
             Self::Clips => has(Layer::Pattern),
             Self::Conflicts => has(Layer::Conflicts),
             Self::Pairs => is_tiled && scene.subject.causes.is_some(),
-            // At the end of a stage the stage itself is what there is to see.
+            // At the end of a stage the whole stage is shown, not its last event.
             Self::Step => !scene.shown.ends_stage(),
             Self::Samples | Self::Search | Self::Selection => true,
         }
     }
 
-    /// Returns where the part is seen.
+    /// The rectangle that the part is clipped to.
     #[must_use]
     pub fn clip(self, scene: &Scene<'_>) -> Rect {
         match self {

@@ -1,4 +1,5 @@
-//! A subject in a rectangle: what of the plane is seen where.
+//! A subject in a rectangle of the screen: coordinate conversion, the visible range, and the ground below all
+//! parts.
 
 use emath::{Align2, Pos2, Rect, vec2};
 use glam::DVec2;
@@ -15,9 +16,9 @@ use crate::surface::{Stroke, Surface, Tag};
 
 /// A subject in a rectangle.
 pub struct Scene<'a> {
-    /// Where it is seen, in screen points.
+    /// The rectangle, in screen points.
     pub rect: Rect,
-    /// The moment, and how it is seen.
+    /// The subject.
     pub subject: Subject<'a>,
     /// The run.
     pub session: &'a Session,
@@ -31,12 +32,12 @@ pub struct Scene<'a> {
     pub low: DVec2,
     /// The highest visible coordinates, in r.
     pub high: DVec2,
-    /// How much of the KD-tree there is.
+    /// The part of the KD-tree that exists.
     pub made: Made,
 }
 
 impl<'a> Scene<'a> {
-    /// Returns what is seen of a subject in a rectangle.
+    /// The scene of a subject in a rectangle.
     #[must_use]
     pub fn new(rect: Rect, subject: Subject<'a>, palette: &'a Palette) -> Self {
         let (low, high) = subject.camera.visible(rect);
@@ -54,13 +55,13 @@ impl<'a> Scene<'a> {
         }
     }
 
-    /// Returns where a place, given in r, is seen.
+    /// The position of a place, given in r, on the screen.
     #[must_use]
     pub fn at(&self, place: impl Into<DVec2>) -> Pos2 {
         self.subject.camera.screen_from_domain(self.rect, place)
     }
 
-    /// Returns where a point of the lattice is seen.
+    /// The position of a lattice point on the screen.
     #[must_use]
     pub fn point(&self, point: Point) -> Pos2 {
         self.at(place(point))
@@ -78,19 +79,19 @@ impl<'a> Scene<'a> {
         self.subject.layers.has(layer)
     }
 
-    /// Returns where a rectangle between two places is seen.
+    /// The rectangle between two places, on the screen.
     #[must_use]
     pub fn screen_rect(&self, low: impl Into<DVec2>, high: impl Into<DVec2>) -> Rect {
         Rect::from_two_pos(self.at(low), self.at(high))
     }
 
-    /// Returns where a rectangle of the lattice is seen.
+    /// A lattice rectangle on the screen.
     #[must_use]
     pub fn lattice_rect(&self, rect: &LatticeRect) -> Rect {
         Rect::from_two_pos(self.point(rect.min), self.point(rect.max))
     }
 
-    /// Returns where the domain is seen: that of the run, or of the pattern where the pattern is shown.
+    /// The domain on the screen: the run's, or the pattern's where the pattern is shown.
     #[must_use]
     pub fn domain(&self) -> Rect {
         let size = match self.stage {
@@ -100,8 +101,8 @@ impl<'a> Scene<'a> {
         self.screen_rect(DVec2::ZERO, size)
     }
 
-    /// Returns where what reaches over the border of a periodic domain is seen: within it, as it comes in again at the
-    /// other side.
+    /// The clip rectangle of parts that reach across the domain's border: the domain itself if it is periodic,
+    /// since their images come in on the other side.
     #[must_use]
     pub fn inside(&self) -> Rect {
         if self.session.run().domain.is_periodic() {
@@ -117,7 +118,7 @@ impl<'a> Scene<'a> {
         self.subject.camera.scale >= crate::MIN_DISK_SCALE
     }
 
-    /// Draws a text with a ground, so that it can be read over anything.
+    /// Draws a text with a background, so that it is readable over anything.
     pub(crate) fn tag(&self, surface: &mut impl Surface, pos: Pos2, anchor: Align2, text: String) {
         surface.tag(&Tag {
             text,
@@ -132,7 +133,7 @@ impl<'a> Scene<'a> {
         });
     }
 
-    /// Returns the ends of a line as far as it is in view, unless it is nowhere; the line must be upright or level.
+    /// The ends of the visible part of a horizontal or vertical line; `None` if no part is visible.
     pub(crate) fn visible_line(&self, ends: [Pos2; 2], width: f32) -> Option<[Pos2; 2]> {
         let line = Rect::from_two_pos(ends[0], ends[1]);
         let seen = line.intersect(self.rect.expand(width));
@@ -140,7 +141,7 @@ impl<'a> Scene<'a> {
         is_seen.then_some([seen.min, seen.max])
     }
 
-    /// Draws the border of the domain and what lies within.
+    /// Fills the domain and draws its border.
     pub fn ground(&self, surface: &mut impl Surface) {
         let border = Stroke::new(1.2, self.palette.border);
         surface.rect(self.domain(), Some(self.palette.domain), Some(border));

@@ -1,5 +1,5 @@
-//! What a canvas shows and how: a moment of a run, seen through a camera. Two canvases side by side have one each;
-//! neither knows which of two runs it shows.
+//! The subject of a canvas: a moment of a run with everything that its drawing depends on. Two canvases side by
+//! side have one subject each.
 
 use glam::DVec2;
 
@@ -12,7 +12,7 @@ use tilescope_session::verification::WitnessMark;
 use crate::brushed::BrushedCause;
 use crate::camera::Camera;
 
-/// A moment, and how it is seen.
+/// A moment, and how it is drawn.
 #[derive(Clone, Copy)]
 pub struct Subject<'a> {
     /// The moment.
@@ -21,7 +21,7 @@ pub struct Subject<'a> {
     pub camera: Camera,
     /// The layers shown.
     pub layers: Layers,
-    /// What the colour of samples means.
+    /// What the colour of samples stands for.
     pub colouring: Colouring,
     /// The sample under the pointer.
     pub hovered: Option<u32>,
@@ -29,22 +29,22 @@ pub struct Subject<'a> {
     pub selected: Option<u32>,
     /// The selected place, in r.
     pub place: Option<DVec2>,
-    /// The place that a verdict was followed to.
+    /// The witness of a verdict that the user flew to.
     pub witness_mark: Option<WitnessMark>,
     /// The triangulation of the moment, as far as it is known.
     pub geometry: &'a Geometry,
-    /// What only one of two compared runs has.
+    /// The samples that only one of two compared runs has.
     pub contrast: Option<Contrast<'a>>,
-    /// The causes of what is brushed.
+    /// The causes of the brush.
     pub causes: Option<&'a BrushedCause>,
 }
 
 /// The samples that only one of two compared runs has, seen from one of them.
 #[derive(Clone, Copy)]
 pub struct Contrast<'a> {
-    /// Those that this run alone has.
+    /// The samples of this run alone.
     pub here: &'a [u32],
-    /// Those that the other run alone has.
+    /// The samples of the other run alone.
     pub there: &'a [u32],
     /// The other run.
     pub other: &'a Session,

@@ -1,4 +1,5 @@
-//! What parts of a picture are drawn on: the window's canvas, or the scene of an exported picture.
+//! The surface that parts of a picture are drawn on: implemented for the window's canvas and for the scene of
+//! an exported picture.
 
 use ecolor::Color32;
 use emath::{Align2, Pos2, Rect, Vec2};
@@ -51,7 +52,7 @@ impl Mark {
         }
     }
 
-    /// Every kind, from below.
+    /// Every kind, from bottom to top.
     pub const ALL: [Self; 6] = [
         Self::Cross,
         Self::Dot,
@@ -62,30 +63,31 @@ impl Mark {
     ];
 }
 
-/// A word or number on a ground of its own.
+/// A short text with a background.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tag {
-    /// The text, in letters of one width.
+    /// The text, in a monospaced font.
     pub text: String,
-    /// Its place.
+    /// Its position.
     pub pos: Pos2,
-    /// Which point of the text lies there.
+    /// The point of the text at that position.
     pub anchor: Align2,
-    /// The height of its letters, in screen points.
+    /// The font size, in screen points.
     pub size: f32,
     /// The colour of the text.
     pub ink: Color32,
-    /// The colour of the ground.
+    /// The background colour.
     pub ground: Color32,
-    /// A line around the ground.
+    /// The border of the background.
     pub border: Option<Stroke>,
-    /// By how much the ground is larger than the text, on each side.
+    /// The margin of the background around the text, on each side.
     pub padding: Vec2,
-    /// How round the ground's corners are.
+    /// The radius of the background's corners.
     pub rounding: f32,
 }
 
-/// What is drawn on. Places and lengths are screen points, y pointing down; what is drawn later lies above.
+/// A surface to draw on. Positions and lengths are in screen points, with y downwards; later drawings cover
+/// earlier ones.
 pub trait Surface {
     /// Draws a rectangle.
     fn rect(&mut self, rect: Rect, fill: Option<Color32>, stroke: Option<Stroke>);
@@ -105,11 +107,11 @@ pub trait Surface {
     /// Draws the disk of a sample: a thin ring, faintly filled.
     fn disk(&mut self, center: Pos2, radius: f32, color: Color32);
 
-    /// Draws a mark. `size` is the radius of its kind, and by how much it is larger itself. Within a part the marks of one
-    /// kind lie above those of the kinds before it.
+    /// Draws a mark. `size` is the radius of its kind and this mark's own size factor. Within a part, marks of
+    /// one kind cover those of kinds before it.
     fn mark(&mut self, mark: Mark, center: Pos2, size: [f32; 2], color: Color32);
 
-    /// Draws a closed polygon of three or more corners as a line.
+    /// Draws the outline of a polygon with at least three corners.
     fn outline(&mut self, corners: &[Pos2], stroke: Stroke);
 
     /// Draws a tag.
@@ -118,16 +120,16 @@ pub trait Surface {
     /// Returns the size of a tag's text.
     fn text_size(&self, text: &str, size: f32) -> Vec2;
 
-    /// Makes room for so many lines.
+    /// Reserves room for that many lines.
     fn reserve(&mut self, _lines: usize) {}
 }
 
 /// A part of a circle, in radians with y upwards.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Arc {
-    /// Where it begins.
+    /// The angle at which it begins.
     pub from: f32,
-    /// How far it goes on, counterclockwise where it is positive.
+    /// The angle it spans, counterclockwise if positive.
     pub sweep: f32,
 }
 
@@ -148,7 +150,7 @@ pub(crate) fn dashed_circle(
     stroke: Stroke,
 ) {
     let around = std::f32::consts::TAU * radius;
-    // A circle far larger than any window would take dashes without end.
+    // A circle far larger than the window would need very many dashes.
     let count = (around / (dash + gap)).round().clamp(4.0, 720.0);
     let step = std::f32::consts::TAU / count;
     for k in 0..count as u32 {

@@ -1,5 +1,5 @@
-//! What is known of a combination: sets that a layout places side by side, glued along their seams. It is shown as a
-//! session whose blocks are the pieces; [`crate::combining`] makes it.
+//! The description of a combination: sets that a layout places side by side and glues along their seams. It is
+//! shown as a session whose blocks are the pieces; [`crate::combining`] makes it.
 
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
@@ -15,21 +15,22 @@ use crate::words::grouped;
 /// The layout of the paper's figure 12: nine independent sets.
 pub const NINE: &str = include_str!("../../../assets/layouts/nine.json");
 
-/// The most samples of a combination in the window: a file may ask for it, so that it is no more than what a session's
-/// file may ask for.
+/// The most samples of a combination in the window: the same limit as for a session file, since either can come
+/// from anywhere.
 pub const MAX_COMBINED: usize = tilescope_debugger::MAX_SAMPLES;
 
 /// An action that makes a combination.
 #[derive(Clone, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum CombineCommand {
-    /// That of figure 12.
+    /// Makes the one of figure 12.
     Nine,
-    /// That of a layout's text; sets from files have no folder to be in.
+    /// Makes the one that a layout's text describes; its sets cannot come from files, as the text has no
+    /// folder.
     Text(String),
 }
 
-/// What a session that shows a combination knows beside its run.
+/// The description of a combination, which its session has beside the run.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Combination {
     /// The layout.
@@ -40,22 +41,21 @@ pub struct Combination {
     pub stated: Value,
     /// The lines along which different sets meet.
     pub seams: Vec<Seam>,
-    /// Where gluing can have touched anything: rectangles that do not overlap.
+    /// The area that gluing can have changed, as rectangles that do not overlap.
     pub band: Vec<Rect>,
-    /// Where seams are drawn: the ends of every line, in r. A seam on the border of a periodic domain is a line on both
-    /// sides of it.
+    /// The seams as drawn: the ends of every line, in r. A seam on the border of a periodic domain is a line on
+    /// both sides of it.
     pub lines: Vec<[DVec2; 2]>,
-    /// How long the seams are together, in r.
+    /// The total length of the seams, in r.
     pub length: f64,
-    /// The part of the domain that the band covers, from 0 to 1.
+    /// The share of the domain that the band covers, from 0 to 1.
     pub in_reach: f64,
-    /// How many pieces come from files.
+    /// The number of pieces that come from files.
     pub files: usize,
 }
 
 impl Combination {
-    /// Returns the combination of a layout: what its certificate states of it, where its pieces lie and meet, and the parts that
-    /// gluing can have changed.
+    /// The combination of a layout. `stated` is the layout as its certificate states it.
     #[must_use]
     pub fn of(
         layout: Layout,
@@ -101,17 +101,17 @@ fn lines(domain: &Domain, seams: &[Seam]) -> Vec<[DVec2; 2]> {
     lines
 }
 
-/// Why there is no combination.
+/// Why a combination could not be made.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum CombinationError {
-    /// The layout cannot serve.
+    /// The layout is invalid.
     #[error(transparent)]
     Layout(#[from] LayoutError),
     /// The pieces cannot be glued.
     #[error(transparent)]
     Combine(#[from] CombineError),
-    /// A set cannot be made, or somebody asked to stop.
+    /// A set cannot be made, or the work was cancelled.
     #[error(transparent)]
     Sample(#[from] SampleError),
     /// It is too large for the window.
@@ -121,23 +121,23 @@ pub enum CombinationError {
         grouped(MAX_COMBINED)
     )]
     TooManySamples {
-        /// How many.
+        /// The expected number of samples.
         expected: f64,
     },
-    /// A set lies in a file, and there are none.
+    /// A set lies in a file, but the layout has no folder to read it from.
     #[error(
         "its set is in the file {path}, and files are read only with a layout that is in a file, too; sets by \"seed\" or \"parameters\" serve everywhere"
     )]
     NoFiles {
-        /// The file, as the layout has it.
+        /// The path as written in the layout.
         path: String,
     },
-    /// A file cannot serve.
+    /// A file cannot be used.
     #[error("{path}: {why}")]
     File {
         /// The file.
         path: String,
-        /// Why.
+        /// The reason.
         why: String,
     },
     /// Something is wrong with a piece.
@@ -145,7 +145,7 @@ pub enum CombinationError {
     Piece(Box<PieceError<CombinationError>>),
 }
 
-/// Returns a number with two digits that say something, as "3,100,000".
+/// A number rounded to two significant digits, such as "3,100,000".
 fn about(expected: f64) -> String {
     let unit = 10_f64.powi((expected.max(1.0).log10().floor() as i32 - 1).max(0));
     grouped(((expected / unit).round() * unit) as usize)

@@ -1,4 +1,5 @@
-//! Makes combinations: sets are sampled or read from files, placed, glued by the core and made ready to be looked at.
+//! Makes combinations in the background: samples the sets or reads them from files, places them, has the core
+//! glue them, and prepares the session.
 
 mod band;
 mod files;
@@ -29,7 +30,7 @@ pub struct CombineTask {
     /// The layout.
     #[serde(with = "as_json")]
     pub layout: Layout,
-    /// What the session is known by.
+    /// The session's generation.
     pub generation: u64,
 }
 
@@ -50,10 +51,11 @@ impl Task for CombineTask {
     }
 }
 
-/// Makes what a layout describes; its files are those that came with the file `around` or lie in its folder, where it was
-/// in a file.
+/// Makes the combination of a layout. Its files are taken from those that came with `around`, or read from the
+/// folder of `around`.
 ///
-/// Fails as [`Layout::placed`] and [`combine`], where a set cannot be made or read, and when the monitor's owner cancels.
+/// Fails as [`Layout::placed`] and [`combine`] do, when a set cannot be made or read, and when `monitor` is
+/// cancelled.
 pub fn make(
     layout: Layout,
     around: Option<&Incoming>,
@@ -90,7 +92,7 @@ pub fn make(
     Ok(session)
 }
 
-/// Makes or reads all sets, on all threads at once.
+/// Makes or reads all sets in parallel.
 fn pieces(
     placed: &PlacedLayout,
     files: &Files<'_>,

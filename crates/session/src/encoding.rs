@@ -1,6 +1,6 @@
-//! Values in forms that tasks can carry.
+//! Serde helpers for tasks' input and outcome, which are sent as postcard.
 
-/// Values that only a format can hold that says what follows, within one that does not.
+/// Values that need a self-describing format, as JSON text inside one that is not.
 pub mod as_json {
     use serde::de::{Deserialize, DeserializeOwned, Deserializer, Error as _};
     use serde::ser::{Error as _, Serialize, Serializer};
@@ -23,7 +23,7 @@ pub mod as_json {
     }
 }
 
-/// Bytes as a whole: one after the other they would take a hundred times as long.
+/// Bytes as one block: element by element they would take a hundred times as long.
 pub mod as_bytes {
     use serde::de::{Deserializer, Visitor};
     use serde::ser::Serializer;
@@ -33,7 +33,7 @@ pub mod as_bytes {
         serializer.serialize_bytes(bytes)
     }
 
-    /// Reads bytes, from formats that hold them as such.
+    /// Reads bytes.
     pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<u8>, D::Error> {
         struct Bytes;
         impl Visitor<'_> for Bytes {

@@ -1,5 +1,5 @@
-//! The triangulation of the moment: Delaunay triangles, Voronoi edges and exact gaps of the samples that cover their
-//! disks. It is asked of `tilescope_analysis` in the background; nothing is decided by it.
+//! The triangulation at the current moment: Delaunay triangles, Voronoi edges and exact gaps of the samples
+//! that cover their disks. `tilescope_analysis` computes it in the background, for display only.
 
 use std::sync::Arc;
 
@@ -11,7 +11,7 @@ use crate::session::Session;
 use crate::task::{self, Task};
 use crate::units::radii;
 
-/// Sets with more samples than this are not triangulated for the canvas: it would take seconds for each moment.
+/// Larger sets are not triangulated for the canvas: it would take seconds at each moment.
 pub const MAX_SAMPLES: usize = 200_000;
 
 /// A session's generation and a cursor.
@@ -22,11 +22,11 @@ pub type Key = (u64, usize);
 pub struct Geometry {
     work: Option<(Key, Job<Option<Tessellation>>)>,
     ready: Option<(Key, Arc<Tessellation>)>,
-    /// The last moment that has none.
+    /// The last moment that could not be triangulated.
     failed: Option<Key>,
 }
 
-/// Has samples triangulated, in r.
+/// Triangulates samples, in r.
 #[derive(serde::Serialize, serde::Deserialize)]
 pub struct TriangulateTask {
     points: Vec<[f64; 2]>,
@@ -42,14 +42,15 @@ impl Task for TriangulateTask {
     }
 }
 
-/// Returns what a moment is known by.
+/// The key of a moment.
 #[must_use]
 pub fn key_of(shown: &ShownMoment<'_>) -> Key {
     (shown.session.generation, shown.cursor())
 }
 
 impl Geometry {
-    /// Returns the triangulation of a moment, made now; none where there is none, or too many samples for it.
+    /// The triangulation of a moment, computed at once; empty where there is none or there are too many
+    /// samples.
     #[must_use]
     pub fn made(shown: &ShownMoment<'_>) -> Self {
         let mut geometry = Self::default();
@@ -60,15 +61,15 @@ impl Geometry {
         geometry
     }
 
-    /// Returns the triangulation of a moment, in r, if it is the one that is known.
+    /// The triangulation of a moment, in r, if that is the one computed last.
     #[must_use]
     pub fn of(&self, shown: &ShownMoment<'_>) -> Option<&Arc<Tessellation>> {
         let (key, ready) = self.ready.as_ref()?;
         (*key == key_of(shown)).then_some(ready)
     }
 
-    /// Takes what is finished, and has the moment's triangulation made if it is neither known nor on its way. One is made
-    /// at a time; the one that is asked for last is made in the end.
+    /// Takes a finished triangulation and starts the one of the moment unless it is known or running. One runs
+    /// at a time; repeated calls end with the moment asked for last.
     pub fn want(&mut self, shown: &ShownMoment<'_>, wake: &Wake) {
         self.poll();
         let key = key_of(shown);
@@ -103,7 +104,7 @@ impl Geometry {
         }
     }
 
-    /// Waits for what is on its way.
+    /// Waits for the running triangulation.
     #[cfg(not(target_arch = "wasm32"))]
     pub fn settle(&mut self) {
         if let Some((key, job)) = self.work.take() {
@@ -113,14 +114,14 @@ impl Geometry {
     }
 }
 
-/// Returns the places of the samples that cover their disks, in r.
+/// The places of the samples that cover their disks, in r.
 fn covering(shown: &ShownMoment<'_>) -> Vec<[f64; 2]> {
     let covering = shown.moment().covering(shown.session);
     let places = covering.into_iter();
     (places.map(|(_, id)| shown.session.place(id).to_array())).collect()
 }
 
-/// Returns the region of a session, in r.
+/// The region of a session, in r.
 #[must_use]
 pub fn region_of(session: &Session) -> Region {
     let domain = &session.run().domain;

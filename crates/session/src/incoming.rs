@@ -1,5 +1,5 @@
-//! Files as bytes: one that is to be opened, and what came with it. It opens no file; limits and names are the same
-//! wherever the bytes are from.
+//! Files as bytes: one to be opened, and the files that came with it. The same limits and rules about names
+//! apply on a disk ([`disk`]) and in a browser.
 
 #[cfg(not(target_arch = "wasm32"))]
 pub mod disk;
@@ -14,15 +14,15 @@ use tilescope_formats::{CERTIFICATE_SUFFIX, Hint, ReadSet, read_bytes};
 use crate::limits::MAX_PATTERN_BYTES;
 use crate::words::last_part;
 
-/// The most files that are looked at when several come together.
+/// The most files that are read when several are opened together.
 pub const MAX_FILES: usize = 64;
 
 /// A file in memory.
 #[derive(Clone, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct NamedBytes {
-    /// Its name, natively with its path.
+    /// Its name; natively its path.
     pub name: String,
-    /// What it holds.
+    /// Its content.
     #[serde(with = "crate::encoding::as_bytes")]
     pub bytes: Vec<u8>,
 }
@@ -45,13 +45,13 @@ impl fmt::Debug for NamedBytes {
 /// Why a file was not read.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Unread {
-    /// Somebody asked to stop.
+    /// The work was cancelled.
     #[cfg_attr(
         target_arch = "wasm32",
         allow(dead_code, reason = "what is in memory is not read in parts")
     )]
     Stopped,
-    /// A sentence.
+    /// It failed; the reason in words.
     Failed(String),
 }
 
@@ -61,21 +61,21 @@ impl<E: std::fmt::Display> From<E> for Unread {
     }
 }
 
-/// A file to be opened, with the files that came along.
+/// A file to be opened, with the files that came with it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Incoming {
-    /// Its name, as sentences have it: natively with its path.
+    /// Its name as messages show it; natively its path.
     pub name: String,
-    /// What it holds.
+    /// Its content.
     pub bytes: Vec<u8>,
     /// Files that came with it: its certificate, and what it names.
     pub beside: Vec<NamedBytes>,
-    /// Where else files that it names are looked for; a browser has no such place.
+    /// The folder in which files that it names are looked for, too; `None` in a browser.
     pub folder: Option<PathBuf>,
 }
 
 impl Incoming {
-    /// Returns a file that came alone.
+    /// A file that came alone.
     #[must_use]
     pub fn new(file: NamedBytes) -> Self {
         Self {
@@ -86,7 +86,7 @@ impl Incoming {
         }
     }
 
-    /// Fails with a sentence where it is longer than `limit` bytes.
+    /// Fails if it is longer than `limit` bytes.
     pub fn within(&self, limit: u64) -> Result<(), String> {
         match too_long(&self.name, self.bytes.len() as u64, limit) {
             Some(why) => Err(why),
@@ -94,25 +94,24 @@ impl Incoming {
         }
     }
 
-    /// Returns it as text; fails with a sentence where it is none, or longer than a session may be.
+    /// Its text; fails if it is not text or is longer than a session may be.
     pub fn text(&self) -> Result<&str, String> {
         self.within(MAX_BYTES as u64)?;
         let text = std::str::from_utf8(&self.bytes);
         text.map_err(|_| {
             let name = &self.name;
-            format!("{name}: this is no saved session: it is not text")
+            format!("{name}: this is not a saved session: it is not text")
         })
     }
 
-    /// Returns the certificate that came with it.
+    /// The certificate that came with it.
     #[must_use]
     pub fn certificate(&self) -> Option<&NamedBytes> {
         let of_this = |other: &&NamedBytes| is_certificate_of(&other.name, &self.name);
         self.beside.iter().find(of_this)
     }
 
-    /// Returns the point set that it holds, in domain units where it has a certificate. Fails with a sentence that names
-    /// it.
+    /// The point set in it, in domain units if it has a certificate. Errors begin with the file's name.
     pub fn point_set(&self) -> Result<ReadSet, String> {
         self.within(MAX_PATTERN_BYTES)?;
         let name = last_part(&self.name);
@@ -135,8 +134,8 @@ impl Incoming {
         })
     }
 
-    /// Returns a file that it names, and the certificate of that, if they came along. Folders are left out of account:
-    /// what comes along has none.
+    /// A file that it names, with that file's certificate, if they came with it. Only the last part of the path
+    /// is compared, since files that came together have no folders.
     #[must_use]
     pub fn companion(&self, named: &str) -> Option<Self> {
         let last = last_part(named);
@@ -147,7 +146,8 @@ impl Incoming {
         Some(found)
     }
 
-    /// Returns those of other files that it does not name, if it is a session or a layout; else all of them.
+    /// The files among `others` that it does not use: for a session or a layout those that it does not name,
+    /// otherwise all.
     #[must_use]
     pub fn without_named(&self, mut others: Vec<String>) -> Vec<String> {
         if !others.is_empty() && self.is_document() {
@@ -157,14 +157,14 @@ impl Incoming {
         others
     }
 
-    /// Returns whether it is an archive of files.
+    /// Whether it is an archive of files.
     #[must_use]
     pub fn is_archive(&self) -> bool {
         ends_with(&self.name, "zip") || self.bytes.starts_with(b"PK\x03\x04")
     }
 
-    /// Returns whether it is a session, a layout or another file of JSON that cannot be a point set. What it holds decides,
-    /// and the name only where that is broken.
+    /// Whether it is a session, a layout or other JSON that cannot be a point set. The content decides; the
+    /// name counts only if the content is broken.
     #[must_use]
     pub fn is_document(&self) -> bool {
         self.bytes.len() <= MAX_BYTES
@@ -172,14 +172,14 @@ impl Incoming {
     }
 }
 
-/// Returns why a file of this length is not read, or `None` if it is.
+/// Why a file of this length is not read, or `None` if it is.
 pub fn too_long(name: &str, length: u64, limit: u64) -> Option<String> {
     let [has, most] = [length, limit].map(tilescope_debugger::grouped);
     (length > limit).then(|| format!("{name} has {has} bytes; at most {most} are read"))
 }
 
-/// Returns for each of several files, given by name and length, why it is not read, or `None` if it is: one alone may be
-/// as long as a point set, and all together twice as long.
+/// Why each of several files, given by name and length, is not read, or `None` if it is. One file may be as
+/// long as a point set, all together twice as long.
 #[must_use]
 pub fn refusals(files: &[(&str, u64)]) -> Vec<Option<String>> {
     let mut left = 2 * MAX_PATTERN_BYTES;
@@ -215,13 +215,13 @@ fn is_certificate_of(name: &str, set: &str) -> bool {
         .is_some_and(|stem| last_part(stem) == last_part(set))
 }
 
-/// Returns whether bytes begin as an object of JSON does.
+/// Whether bytes begin like a JSON object.
 #[must_use]
 pub fn begins_as_object(bytes: &[u8]) -> bool {
     bytes.trim_ascii_start().starts_with(b"{")
 }
 
-/// Returns whether JSON is a session or a layout; `None` if it is no JSON.
+/// Whether JSON is a session or a layout; `None` if it is not JSON.
 #[must_use]
 pub fn holds_document(bytes: &[u8]) -> Option<bool> {
     let value: Value = serde_json::from_slice(bytes).ok()?;
@@ -229,9 +229,9 @@ pub fn holds_document(bytes: &[u8]) -> Option<bool> {
     Some(is_session || holds_combination(&value))
 }
 
-/// Returns which of several files is to be opened, and which belong neither to it nor to another one. A certificate goes
-/// with its set; a session or a layout, which `holds_document` recognises by its place, goes before the sets that it
-/// may name.
+/// Which of several files is to be opened, and which files belong neither to it nor to another one. A
+/// certificate goes with its set. A session or layout (`holds_document` tests the file at an index) is opened
+/// before the sets that it may name.
 pub fn pick(
     names: &[&str],
     mut holds_document: impl FnMut(usize) -> bool,
@@ -255,8 +255,8 @@ pub fn pick(
     Some((opened, left))
 }
 
-/// Puts files that came together in order: the one that is to be opened, with the others beside it, and the names of
-/// those that it can have no use for. `None` without any file.
+/// Sorts files that came together: returns the one to be opened, with the others beside it, and the names of
+/// those that it cannot use. `None` if there are no files.
 #[must_use]
 pub fn gather(mut files: Vec<NamedBytes>) -> Option<(Incoming, Vec<String>)> {
     let names: Vec<&str> = files.iter().map(|file| file.name.as_str()).collect();
@@ -274,7 +274,7 @@ pub fn gather(mut files: Vec<NamedBytes>) -> Option<(Incoming, Vec<String>)> {
     Some((incoming, left))
 }
 
-/// Returns whether a JSON object is a layout or a saved combination, rather than a session or a point set.
+/// Whether a JSON object is a layout or a saved combination, rather than a session or a point set.
 #[must_use]
 pub fn holds_combination(value: &Value) -> bool {
     value.get("combination").is_some() || value.get("pieces").is_some()

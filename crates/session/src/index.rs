@@ -1,12 +1,12 @@
-//! Samples by place: which ones lie in a part of the domain, with their images across a periodic
-//! border. A compact sorted grid, built once per session.
+//! A spatial index of samples: which ones lie in a part of the domain, with their images across a periodic
+//! border. A compact grid, built once per session.
 
 use glam::DVec2;
 use tilescope_core::{Domain, Point};
 
 use crate::units::{place, radii, size};
 
-/// Most cells of the grid: 32 MB of offsets.
+/// The most cells of the grid: 32 MB of offsets.
 const MAX_CELLS: f64 = 8e6;
 
 /// A grid of sample ids, sorted by cell.

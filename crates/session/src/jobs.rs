@@ -1,6 +1,6 @@
-//! Background work: a job runs on its own thread natively; on the web a task runs in a worker, a function at once and a
-//! future beside the window. It reports progress, can be cancelled, and hands over its result when asked.
-//! It never touches the window but to wake it.
+//! Background work. Natively a job runs on a thread of its own; on the web a task runs in a worker, while
+//! functions and futures run on the page's thread. A job reports progress, can be cancelled, is polled for its
+//! result, and requests a new frame when it has one.
 
 use std::future::Future;
 use std::ops::ControlFlow;
@@ -9,21 +9,21 @@ use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::sync::mpsc::{Receiver, Sender, TryRecvError, channel};
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// Asks the window for a new frame; called from any thread.
+/// Requests a new frame of the window; may be called from any thread.
 pub type Wake = Arc<dyn Fn() + Send + Sync>;
 
-/// What can be handed to a job: on the web, where there are no threads, everything.
+/// What a job can be given: natively only what can be sent to a thread, on the web, which has none, anything.
 #[cfg(not(target_arch = "wasm32"))]
 pub trait Portable: Send + 'static {}
 #[cfg(not(target_arch = "wasm32"))]
 impl<T: Send + 'static> Portable for T {}
-/// What can be handed to a job: on the web, where there are no threads, everything.
+/// What a job can be given: natively only what can be sent to a thread, on the web, which has none, anything.
 #[cfg(target_arch = "wasm32")]
 pub trait Portable: 'static {}
 #[cfg(target_arch = "wasm32")]
 impl<T: 'static> Portable for T {}
 
-/// What a job and its owner share while it runs.
+/// Progress and cancellation, shared by a job and its owner.
 pub struct Monitor {
     cancelled: AtomicBool,
     fraction_bits: AtomicU32,
@@ -32,7 +32,7 @@ pub struct Monitor {
 }
 
 impl Monitor {
-    /// Returns the monitor of work for somebody far away, who is told its activity and how much of it is done.
+    /// The monitor of work whose owner is elsewhere: `tell` receives the activity and the fraction done.
     #[must_use]
     pub fn reporting(tell: impl Fn(&str, f32) + Send + Sync + 'static) -> Arc<Self> {
         Arc::new_cyclic(|monitor: &std::sync::Weak<Self>| {
@@ -55,38 +55,38 @@ impl Monitor {
         }
     }
 
-    /// Returns how far the job has come, from 0 to 1.
+    /// The fraction done, from 0 to 1.
     #[must_use]
     pub fn fraction(&self) -> f32 {
         f32::from_bits(self.fraction_bits.load(Ordering::Relaxed))
     }
 
-    /// Returns what the job is doing.
+    /// What the job is doing now.
     #[must_use]
     pub fn activity(&self) -> String {
         let current = self.activity.lock();
         current.unwrap_or_else(PoisonError::into_inner).clone()
     }
 
-    /// Asks the job to stop.
+    /// Requests that the job stop.
     pub fn cancel(&self) {
         self.cancelled.store(true, Ordering::Relaxed);
     }
 
-    /// Returns whether the owner has asked the job to stop.
+    /// Whether the job was cancelled.
     #[must_use]
     pub fn is_cancelled(&self) -> bool {
         self.cancelled.load(Ordering::Relaxed)
     }
 
-    /// Says how far the job has come, from 0 to 1.
+    /// Sets the fraction done, from 0 to 1.
     pub fn set_fraction(&self, fraction: f32) {
         self.fraction_bits
             .store(fraction.clamp(0.0, 1.0).to_bits(), Ordering::Relaxed);
         (self.wake)();
     }
 
-    /// Passes on how far the verifier has come, and answers whether it shall go on.
+    /// Reports the verifier's progress; breaks if the job was cancelled.
     pub fn follow(&self, progress: tilescope_analysis::Progress) -> ControlFlow<()> {
         self.set_fraction(progress.done as f32 / progress.total.max(1) as f32);
         if self.is_cancelled() {
@@ -96,7 +96,7 @@ impl Monitor {
         }
     }
 
-    /// Says what the job is doing.
+    /// Sets what the job is doing.
     pub fn set_activity(&self, activity: &str) {
         let mut current = self.activity.lock().unwrap_or_else(PoisonError::into_inner);
         if *current != activity {
@@ -105,7 +105,7 @@ impl Monitor {
     }
 }
 
-/// Work in the background that ends with a `T`, or with a sentence should it panic.
+/// Work in the background that ends with a `T`, or with a message if it panics.
 pub struct Job<T> {
     monitor: Arc<Monitor>,
     result: Receiver<Result<T, String>>,
@@ -124,8 +124,8 @@ impl<T: Portable> Job<T> {
         job
     }
 
-    /// Starts the work of the future that `work` returns: natively on a thread of its own that drives it, on
-    /// the web between the window's frames.
+    /// Starts the future that `work` returns: natively on a thread of its own, on the web between the window's
+    /// frames.
     #[must_use]
     pub fn start_future<F: Future<Output = T> + 'static>(
         wake: &Wake,
@@ -146,43 +146,43 @@ impl<T: Portable> Job<T> {
         job
     }
 
-    /// Returns a job that ends with what is sent, and whom it reports to.
+    /// A job that ends with the value sent through the sender.
     pub fn begun(wake: &Wake) -> (Self, Sender<Result<T, String>>) {
         let monitor = Arc::new(Monitor::waking(Arc::clone(wake)));
         let (sender, result) = channel();
         (Self { monitor, result }, sender)
     }
 
-    /// Returns what its work reports to.
+    /// The monitor of its work.
     #[must_use]
     pub const fn monitor(&self) -> &Arc<Monitor> {
         &self.monitor
     }
 
-    /// Asks the job to stop; it ends soon after.
+    /// Requests that the job stop; it ends soon after.
     pub fn cancel(&self) {
         self.monitor.cancel();
     }
 
-    /// Returns whether it was asked to stop.
+    /// Whether it was cancelled.
     #[must_use]
     pub fn is_cancelled(&self) -> bool {
         self.monitor.is_cancelled()
     }
 
-    /// Returns how far it has come, from 0 to 1.
+    /// The fraction done, from 0 to 1.
     #[must_use]
     pub fn fraction(&self) -> f32 {
         self.monitor.fraction()
     }
 
-    /// Returns what it is doing.
+    /// What it is doing now.
     #[must_use]
     pub fn activity(&self) -> String {
         self.monitor.activity()
     }
 
-    /// Returns the result once it is there. It is handed out once.
+    /// The result, once, when it is there.
     #[must_use]
     pub fn poll(&self) -> Option<Result<T, String>> {
         match self.result.try_recv() {
@@ -192,7 +192,7 @@ impl<T: Portable> Job<T> {
         }
     }
 
-    /// Waits for the result. For tests and scripts: a window polls.
+    /// Waits for the result. For tests and scripts; a window polls.
     #[cfg(not(target_arch = "wasm32"))]
     pub fn wait(&self) -> Result<T, String> {
         let outcome = self.result.recv();
@@ -201,7 +201,7 @@ impl<T: Portable> Job<T> {
 }
 
 impl<T> Drop for Job<T> {
-    /// Nobody wants the result any more.
+    /// Cancels the work, since its result cannot be received any more.
     fn drop(&mut self) {
         self.monitor.cancel();
     }
@@ -212,7 +212,7 @@ fn hand_over<T>(
     outcome: std::thread::Result<T>,
     monitor: &Monitor,
 ) {
-    // An owner that is gone does not want the result.
+    // Fails only if the owner has dropped the job.
     let _ = sender.send(outcome.map_err(|panic| panic_sentence(&*panic)));
     (monitor.wake)();
 }
@@ -221,7 +221,7 @@ const NO_THREAD: &str = "the system gave no thread to work in the background";
 
 #[cfg(not(target_arch = "wasm32"))]
 fn spawn(body: impl FnOnce() + Portable) {
-    // Without a thread the body is dropped, and the job reports it on the next poll.
+    // If there is no thread, the body is dropped and the next poll reports NO_THREAD.
     let _ = std::thread::Builder::new()
         .name("tilescope job".to_owned())
         .spawn(body);
@@ -232,7 +232,7 @@ fn spawn(body: impl FnOnce() + Portable) {
     body();
 }
 
-/// Returns what a panic said, in a sentence.
+/// The message of a panic, in a sentence.
 pub fn panic_sentence(panic: &(dyn std::any::Any + Send)) -> String {
     let text = panic
         .downcast_ref::<&str>()

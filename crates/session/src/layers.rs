@@ -1,4 +1,4 @@
-//! What the canvas can show, layer by layer, and which layers are on.
+//! The layers of the canvas, sets of them, and the meaning of samples' colours.
 
 use crate::glossary;
 
@@ -14,7 +14,7 @@ pub enum Layer {
     Samples,
     /// Disks of radius r.
     Disks,
-    /// Pairs of samples that cover one another.
+    /// Pairs of samples in each other's disks.
     Conflicts,
     /// Eliminated samples.
     Eliminated,
@@ -34,7 +34,7 @@ pub enum Layer {
     Circumcircles,
     /// The splits of the KD-tree.
     Tree,
-    /// The seams of a combination, and what gluing can have touched.
+    /// The seams of a combination, and the band that gluing can have changed.
     Seams,
 }
 
@@ -80,8 +80,7 @@ impl Layer {
         }
     }
 
-    /// Returns whether a session has something that the layer shows: seams are those of combinations, and their pieces
-    /// are cut by no tree.
+    /// Whether a kind of session has this layer: seams belong to combinations, the tree to runs.
     #[must_use]
     pub const fn is_of(self, combination: bool) -> bool {
         match self {
@@ -91,7 +90,7 @@ impl Layer {
         }
     }
 
-    /// Returns its name in a session: what a combination is made of are pieces.
+    /// The name in a session: the blocks of a combination are its pieces.
     #[must_use]
     pub const fn name_in(self, combination: bool) -> &'static str {
         match self {
@@ -174,7 +173,7 @@ impl Layers {
     }
 }
 
-/// What the colour of a sample means.
+/// What the colour of a sample stands for.
 #[derive(
     Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize,
 )]

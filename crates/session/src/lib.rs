@@ -1,4 +1,4 @@
-//! A run to look at: made and verified in the background, moment by moment, in words.
+//! A run for display: made and verified in the background, with its moments and their description in words.
 //!
 //! It knows no window. A [`Session`] is a finished run with its stages and events; [`task`]s are the work in the background that
 //! makes, verifies and measures one, carried out by [`jobs`] natively and by workers on a page; [`moment`] is the state at a

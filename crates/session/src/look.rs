@@ -1,6 +1,6 @@
-//! The looks of a window: light, dark, and for a projector. What they look like is not known here.
+//! The looks of a window: light, dark, and for a projector. Their colours are in `tilescope_drawing::palette`.
 
-/// A look of the window. The aliases are how earlier versions saved it.
+/// A look of the window. Earlier versions saved the aliases.
 #[derive(
     Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize,
 )]
@@ -13,7 +13,8 @@ pub enum Look {
     /// Dark on light.
     #[serde(alias = "Light")]
     Light,
-    /// Dark on light at nearly twice the size, with the canvas, the sentence, the controls and the line alone.
+    /// Dark on light at nearly twice the size, showing only the canvas, the sentence, the controls and the
+    /// timeline.
     #[serde(alias = "Projector")]
     Projector,
 }
@@ -32,7 +33,7 @@ impl Look {
         }
     }
 
-    /// Returns the light look for the dark one, and the dark one for the others.
+    /// The light look for the dark one, and the dark one for the others.
     #[must_use]
     pub const fn other(self) -> Self {
         match self {

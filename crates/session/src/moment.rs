@@ -1,5 +1,5 @@
-//! Moments: a session after some of its events, or after a stage where there are none. They answer how samples stand; they
-//! never move.
+//! Moments: the state of a session after some of its events, or after a stage if no events were recorded, and
+//! the status of each sample then. `workbench` moves from moment to moment.
 
 use std::sync::Arc;
 
@@ -29,7 +29,7 @@ impl Moment {
         }
     }
 
-    /// Returns the end of a stage, which is given by its place in the session's list.
+    /// The end of the stage at index `place` of the session.
     #[must_use]
     pub fn after(session: &Session, place: usize) -> Self {
         Self {
@@ -38,7 +38,7 @@ impl Moment {
         }
     }
 
-    /// Returns how a sample stands.
+    /// The status of a sample.
     #[must_use]
     pub fn standing(&self, session: &Session, id: u32) -> Standing {
         let run = session.run();
@@ -57,7 +57,7 @@ impl Moment {
         }
     }
 
-    /// Returns whether a sample covers its disk: it is there, and nothing has eliminated it.
+    /// Whether a sample covers its disk: it exists and is not eliminated.
     #[must_use]
     pub fn covers(&self, session: &Session, id: u32) -> bool {
         let standing = self.standing(session, id);
@@ -89,14 +89,14 @@ impl Moment {
         self.stage >= Stage::Tile && ids.into_iter().any(|id| self.covers(session, id))
     }
 
-    /// Returns whether a stage is whole at this moment.
+    /// Whether a stage ends at this moment.
     #[must_use]
     pub fn ends_stage(&self, session: &Session) -> bool {
         self.cursor
             .is_none_or(|cursor| session.stage_end(session.stage_at(cursor)) == Some(cursor))
     }
 
-    /// Returns what files say about the moment.
+    /// The description of the moment for files.
     #[must_use]
     pub fn description(&self, session: &Session) -> Value {
         json!({
@@ -112,14 +112,14 @@ impl Moment {
 pub struct ShownMoment<'a> {
     /// The session.
     pub session: &'a Session,
-    /// Where its cursor stands, if events were kept.
+    /// The recorded events with the current cursor, if any were recorded.
     pub debugger: Option<&'a Debugger>,
     /// The stage that is current.
     pub stage: Stage,
 }
 
 impl<'a> ShownMoment<'a> {
-    /// Returns the moment without what it is of.
+    /// The moment alone.
     #[must_use]
     pub fn moment(&self) -> Moment {
         Moment {
@@ -128,19 +128,19 @@ impl<'a> ShownMoment<'a> {
         }
     }
 
-    /// Returns how a sample stands.
+    /// The status of a sample.
     #[must_use]
     pub fn standing(&self, id: u32) -> Standing {
         self.moment().standing(self.session, id)
     }
 
-    /// Returns whether a sample covers its disk: it is there, and nothing has eliminated it.
+    /// Whether a sample covers its disk: it exists and is not eliminated.
     #[must_use]
     pub fn covers(&self, id: u32) -> bool {
         self.moment().covers(self.session, id)
     }
 
-    /// Returns how many events have happened; for a session without events, the stage's number.
+    /// The number of events that have happened; without events, the stage's index.
     #[must_use]
     pub fn cursor(&self) -> usize {
         self.debugger.map_or_else(
@@ -155,19 +155,19 @@ impl<'a> ShownMoment<'a> {
         )
     }
 
-    /// Returns whether the moment is the end of a stage, where its picture is whole.
+    /// Whether the moment is the end of a stage.
     #[must_use]
     pub fn ends_stage(&self) -> bool {
         self.moment().ends_stage(self.session)
     }
 
-    /// Returns what is current.
+    /// The objects that the algorithm works on at this moment.
     #[must_use]
     pub fn context(&self) -> Option<&'a Context> {
         self.debugger.map(|debugger| debugger.state().context())
     }
 
-    /// Returns the event that has just happened.
+    /// The last event that has happened.
     #[must_use]
     pub fn last_event(&self) -> Option<&'a Event> {
         let debugger = self.debugger?;
@@ -176,7 +176,7 @@ impl<'a> ShownMoment<'a> {
             .event(debugger.state().cursor().checked_sub(1)?)
     }
 
-    /// Returns whether the sample is looking for gaps at this moment, or will in the coming iteration.
+    /// Whether the sample is a detector at this moment, or will be one in the coming iteration.
     #[must_use]
     pub fn is_marked(&self, id: u32) -> bool {
         let Some(debugger) = self.debugger else {
@@ -195,7 +195,7 @@ impl<'a> ShownMoment<'a> {
     }
 }
 
-/// A moment with its session, which can be taken to another thread.
+/// A moment with its session, which can be sent to another thread.
 #[derive(serde::Serialize, serde::Deserialize)]
 pub struct Still {
     session: SessionRef,

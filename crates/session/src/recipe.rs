@@ -1,5 +1,5 @@
-//! What a session is made from: parameters, and a pattern of one's own where it comes from a file. What a pattern must be
-//! is the core's business.
+//! The input of a session: its parameters, and the pattern, if that comes from a file. The core checks
+//! patterns.
 
 use std::sync::Arc;
 
@@ -13,7 +13,7 @@ use crate::incoming::Incoming;
 /// A pattern that was read from a file.
 #[derive(Clone, serde::Serialize, serde::Deserialize)]
 pub struct OwnPattern {
-    /// The file, and the digest of what it held.
+    /// The file, and the digest of its content.
     pub file: PatternFile,
     /// The pattern.
     pub pattern: Arc<Pattern>,
@@ -31,12 +31,12 @@ impl PartialEq for OwnPattern {
     }
 }
 
-/// What a session is made from.
+/// The input of a session.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Recipe {
     /// The parameters.
     pub parameters: Parameters,
-    /// The pattern that takes the place of the one that the parameters describe.
+    /// The pattern to use instead of the one that the parameters describe.
     pub own: Option<OwnPattern>,
 }
 
@@ -50,7 +50,7 @@ impl From<Parameters> for Recipe {
 }
 
 impl Recipe {
-    /// Returns the pattern: the own one, else the one that the parameters describe.
+    /// The pattern: the own one, otherwise the one that the parameters describe.
     pub fn pattern(&self, observer: &mut dyn Observer) -> Result<Arc<Pattern>, SampleError> {
         match &self.own {
             Some(own) => Ok(Arc::clone(&own.pattern)),
@@ -74,14 +74,14 @@ impl Recipe {
 
 /// Reads a pattern from a point set that was exported with its certificate.
 ///
-/// Fails with a sentence when the file cannot be read, has no certificate, or holds no maximal set.
+/// Fails when the file cannot be read, has no certificate, or is not a maximal set.
 pub fn load(incoming: &Incoming) -> Result<OwnPattern, String> {
     pattern_of(&incoming.point_set()?, &incoming.name)
 }
 
-/// Takes the point set of a file called `name` as a pattern.
+/// Makes a pattern of the point set of a file called `name`.
 ///
-/// Fails with a sentence when it has no certificate or is no maximal set.
+/// Fails when the set has no certificate or is not maximal.
 pub fn pattern_of(read: &ReadSet, name: &str) -> Result<OwnPattern, String> {
     let certificate = read.certificate.as_ref().ok_or_else(|| {
         format!("{name} has no certificate, which says how large its domain and its radius are")

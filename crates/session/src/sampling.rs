@@ -1,4 +1,4 @@
-//! Makes sessions: tasks that sample on the CPU, and a run on a GPU.
+//! Makes sessions on the CPU or the GPU.
 
 use std::sync::Arc;
 
@@ -11,15 +11,15 @@ use crate::recipe::Recipe;
 use crate::session::{Failure, MakeError, Reporter, Session, keeps_everything};
 use crate::task::{self, SessionRef, Task};
 
-/// What comes of making a session.
+/// The result of making a session.
 pub type Made = Result<Session, MakeError>;
 
-/// Samples on the CPU.
+/// The task of sampling on the CPU.
 #[derive(Serialize, Deserialize)]
 pub struct SampleTask {
-    /// What is made.
+    /// The input.
     pub recipe: Recipe,
-    /// What the session is known by.
+    /// The session's generation.
     pub generation: u64,
 }
 
@@ -40,7 +40,7 @@ impl Task for SampleTask {
     }
 }
 
-/// Makes the pattern that a description asks for.
+/// The task of generating the pattern that a description asks for.
 #[derive(Serialize, Deserialize)]
 pub struct PatternTask(pub PatternSpec);
 
@@ -58,14 +58,14 @@ impl Task for PatternTask {
     }
 }
 
-/// Prepares what a GPU has made, with the events of the same run on the CPU.
+/// The task of preparing a GPU's run as a session, with the events of the same run on the CPU.
 #[derive(Serialize, Deserialize)]
 pub struct GpuSessionTask {
-    /// What the GPU made.
+    /// The GPU's run.
     pub run: Run,
-    /// What it was asked to make.
+    /// The input of that run.
     pub recipe: Recipe,
-    /// What the session is known by.
+    /// The session's generation.
     pub generation: u64,
 }
 
@@ -93,13 +93,13 @@ impl Task for GpuSessionTask {
     }
 }
 
-/// The first stage that a GPU runs of a run that is kept stage by stage.
+/// The first stage that runs on the GPU when all stages are kept.
 const FIRST_GPU_STAGE: Stage = Stage::Blocks;
 
-/// Samples by `recipe` on `gpu` and prepares the result: with all its stages where the CPU would keep
-/// them, too. If the device fails, the CPU makes the same session, which then knows of the failure.
+/// Samples by `recipe` on `gpu` and prepares the result, with all its stages if the CPU would keep them, too.
+/// If the device fails, the CPU makes the same session, which reports the failure.
 ///
-/// Fails as [`Session::sample`], never because of the device.
+/// Fails as [`Session::sample`] does, never because of the device.
 pub async fn on_gpu(
     gpu: Arc<Gpu>,
     recipe: &Recipe,
@@ -140,7 +140,7 @@ pub async fn on_gpu(
     Ok(session)
 }
 
-/// Runs parameters on a device: to the last stage with all of them kept, or for the result alone.
+/// Runs parameters on a device, keeping either all stages or only the result.
 async fn run_on(
     gpu: Arc<Gpu>,
     parameters: &Parameters,

@@ -1,8 +1,8 @@
-//! What a user has selected: a sample or a place.
+//! The user's selection: a sample, a place, or nothing.
 
 use glam::DVec2;
 
-/// What is selected.
+/// A selection.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Selection {

@@ -1,4 +1,4 @@
-//! What happened at a stage, in one sentence. Numbers come from the run; nothing is computed here.
+//! What happened at a stage, in one sentence. The numbers come from the run.
 
 use tilescope_core::{Boundary, Stage};
 
@@ -17,7 +17,7 @@ pub fn name_in(session: &Session, stage: Stage) -> String {
     }
 }
 
-/// Returns what has happened last at a moment: the stage, where it is whole, else the event.
+/// What happened last at a moment: the stage, if the moment is its end, otherwise the event.
 #[must_use]
 pub fn happened(shown: Option<&ShownMoment<'_>>) -> String {
     let Some(shown) = shown else {
@@ -98,7 +98,7 @@ pub fn stage_sentence(session: &Session, stage: Stage) -> String {
     }
 }
 
-/// Returns what happened at a stage of a combination that is not what happens in a run.
+/// The sentence for a stage of a combination, if that differs from the stage of a run.
 fn combination_sentence(session: &Session, stage: Stage) -> Option<String> {
     let combination = session.combination.as_ref()?;
     let summary = &session.summary;

@@ -1,5 +1,5 @@
-//! A finished run made ready to be looked at: its stages, an index of its samples by place, the
-//! conflicts that elimination resolved. Immutable once built; it is built in the background.
+//! A finished run prepared for display: its stages, an index of its samples by place, and the conflicts that
+//! elimination resolved. Built once, in the background; immutable.
 
 mod report;
 
@@ -24,39 +24,39 @@ use crate::units;
 pub use report::MakeError;
 pub use report::Reporter;
 
-/// Returns whether a run is small enough to keep every stage of it; Algorithm 4 as printed always does.
+/// Whether a run is small enough to keep every stage of it. Algorithm 4 as printed always keeps them.
 pub fn keeps_everything(parameters: &Parameters) -> Result<bool, SampleError> {
     let expected = parameters.validate()?.area_radii() * MAXIMAL_DENSITY;
     Ok(expected <= MAX_STAGED || parameters.variant == Variant::AsPrinted)
 }
 
-/// A run and what the window needs to show it.
+/// A run with everything that the window needs to show it.
 #[derive(Serialize, Deserialize)]
 pub struct Session {
     source: RunSource,
     /// Its stages, in their sequence.
     pub stages: Vec<Stage>,
-    /// The event that begins each stage but the first, where there are events.
+    /// The first event of each stage but the first, if events were recorded.
     starts: Vec<usize>,
-    /// The iteration that found nothing, which ends a run with events. The run does not keep it.
+    /// The iteration that found nothing and so ended the recording; the run does not contain it.
     last: Option<Iteration>,
     /// Its counts.
     pub summary: Summary,
-    /// All samples by place.
+    /// The index of all samples by place.
     pub index: SampleIndex,
-    /// Pairs of tiled samples that cover one another: the conflicts before elimination.
+    /// Pairs of tiled samples in each other's disks: the conflicts before elimination.
     pub conflicts: Vec<[u32; 2]>,
-    /// The tree of its events, where they were kept.
+    /// The tree of its events, if they were recorded.
     pub outline: Option<Outline>,
-    /// Changes with every session, so that pictures made from an old one are not reused.
+    /// The session's number. Each session gets another, so that cached pictures of an old one are not reused.
     pub generation: u64,
-    /// Who made it: "CPU", or "GPU" with the adapter's name.
+    /// The engine that made it: "CPU", or "GPU" with the adapter's name.
     pub engine: String,
-    /// The pattern of one's own that it was made with.
+    /// The pattern from a file that it was made with, if any.
     pub own: Option<OwnPattern>,
-    /// What it was glued from, if it is a combination: its blocks are the pieces.
+    /// The combination, if it is one; its blocks are the pieces.
     pub combination: Option<Combination>,
-    /// What befell the GPU that was to make it, until somebody has been told.
+    /// Why the GPU run failed, if the CPU had to make the session instead; taken when the user is notified.
     #[serde(skip)]
     pub failure: Option<Failure>,
     #[serde(skip)]
@@ -65,10 +65,10 @@ pub struct Session {
     positions_digest: OnceLock<String>,
 }
 
-/// Where a session's run is kept.
+/// A session's run, with or without its events.
 #[derive(Serialize, Deserialize)]
 enum RunSource {
-    /// With every event of it.
+    /// With all events.
     Recorded(Arc<Recording>),
     /// The run alone.
     Run(Box<Run>),
@@ -79,14 +79,14 @@ enum RunSource {
 pub struct Failure {
     /// The adapter's name.
     pub name: String,
-    /// What befell it.
+    /// The error.
     pub error: GpuError,
 }
 
 impl Session {
     /// Samples by `recipe` on the CPU and prepares the result.
     ///
-    /// Fails as the engines of the core, and when the monitor's owner cancels.
+    /// Fails as the engines of the core do, and when `monitor` is cancelled.
     pub fn sample(
         recipe: &Recipe,
         generation: u64,
@@ -106,7 +106,7 @@ impl Session {
         made.map(|session| session.with(recipe))
     }
 
-    /// Returns the session with the pattern of one's own that it was made with.
+    /// This session, with the own pattern of `recipe` noted.
     #[must_use]
     pub fn with(self, recipe: &Recipe) -> Self {
         Self {
@@ -115,7 +115,7 @@ impl Session {
         }
     }
 
-    /// Returns what it was made from.
+    /// The recipe it was made from.
     #[must_use]
     pub fn recipe(&self) -> Recipe {
         Recipe {
@@ -124,8 +124,8 @@ impl Session {
         }
     }
 
-    /// Prepares a run of the GPU. Where all its stages are kept, the CPU makes the same run with its events; what the
-    /// GPU made is shown as it is, without events, if the two differ.
+    /// Prepares a run of the GPU. If all its stages are kept, the CPU records the same run with its events. If
+    /// the two differ, the GPU's run is shown as it is, without events.
     pub fn of_gpu(
         run: Run,
         recipe: &Recipe,
@@ -154,22 +154,21 @@ impl Session {
         }
     }
 
-    /// Returns the digest of the result's positions in user units, as certificates have it: computed once, when it is
-    /// first asked for.
+    /// The digest of the result's positions in user units, as in certificates. Computed at the first call.
     #[must_use]
     pub fn positions_digest(&self) -> &str {
         let digest = || tilescope_formats::positions_digest(&self.run().positions());
         self.positions_digest.get_or_init(digest)
     }
 
-    /// Returns the digest of the result, 16 hexadecimal digits: computed once, when it is first asked for.
+    /// The digest of the result, 16 hexadecimal digits. Computed at the first call.
     #[must_use]
     pub fn digest(&self) -> &str {
         self.digest
             .get_or_init(|| tilescope_debugger::digest(self.run()))
     }
 
-    /// Returns the events of the run, where they were kept.
+    /// The events of the run, if they were recorded.
     #[must_use]
     pub const fn recording(&self) -> Option<&Arc<Recording>> {
         match &self.source {
@@ -178,20 +177,20 @@ impl Session {
         }
     }
 
-    /// Returns the place of a stage in the list, else of the last one before it.
+    /// The index of a stage, otherwise of the last stage before it.
     #[must_use]
     pub fn place_of(&self, stage: Stage) -> usize {
         let place = self.stages.iter().rposition(|&other| other <= stage);
         place.unwrap_or(0)
     }
 
-    /// Returns the stage, as its place in the list, that is current when `cursor` events have happened.
+    /// The index of the stage that is current when `cursor` events have happened.
     #[must_use]
     pub fn stage_at(&self, cursor: usize) -> usize {
         self.starts.partition_point(|&start| start < cursor)
     }
 
-    /// Returns the cursor behind the last event of the stage at `place`, where there are events.
+    /// The cursor after the last event of the stage at index `place`, if events were recorded.
     #[must_use]
     pub fn stage_end(&self, place: usize) -> Option<usize> {
         let recording = self.recording()?;
@@ -199,7 +198,7 @@ impl Session {
         Some(next.unwrap_or_else(|| recording.len()))
     }
 
-    /// Returns whether every sample's fate was kept, so that every stage can be visited.
+    /// Whether every sample's fate was kept, so that every stage can be shown.
     #[must_use]
     pub fn has_stages(&self) -> bool {
         self.run().counted.is_none()
@@ -217,7 +216,7 @@ impl Session {
         Self::of(RunSource::Recorded(recording), generation)
     }
 
-    /// Prepares a combination. It clips from no common pattern, so that its first stage is that of its pieces.
+    /// Prepares a combination. Its first stage is that of its pieces, since they have no common pattern.
     #[must_use]
     pub fn from_combination(run: Run, combination: Combination, generation: u64) -> Self {
         let mut session = Self::from_run(run, generation);
@@ -234,7 +233,7 @@ impl Session {
         let (mut stages, mut starts, mut last, mut outline) =
             (run.stages(), Vec::new(), None, None);
         if let RunSource::Recorded(recording) = &source {
-            // Now, in the background, rather than with the first search.
+            // Prepare the search index here, in the background, not at the first search.
             recording.prepare();
             last = last_iteration(recording);
             if last.is_some() {
@@ -291,7 +290,7 @@ impl Session {
         there - ((there - place) / size).round() * size
     }
 
-    /// Returns iteration `k`, from 1; the one that found nothing, too, where there are events.
+    /// Iteration `k`, from 1; with events, also the last one, which found nothing.
     #[must_use]
     pub fn iteration(&self, k: u32) -> Option<&Iteration> {
         let place = (k as usize).checked_sub(1)?;
@@ -300,7 +299,7 @@ impl Session {
         kept.get(place).or_else(last)
     }
 
-    /// Returns how many samples are valid (or, before elimination, tiled) after the stage at `place`.
+    /// The number of samples that are valid (or, before elimination, tiled) after the stage at index `place`.
     #[must_use]
     pub fn count_after(&self, place: usize) -> usize {
         let summary = &self.summary;
@@ -317,7 +316,7 @@ impl Session {
         }
     }
 
-    /// Returns how many samples elimination itself inserts: Algorithm 4 as printed fills gaps at once.
+    /// The number of samples that elimination itself inserts: Algorithm 4 as printed fills gaps at once.
     #[must_use]
     pub fn inserted_at_once(&self) -> usize {
         match self.run().parameters.variant {
@@ -327,7 +326,7 @@ impl Session {
     }
 }
 
-/// Returns the iteration behind those that the run keeps, if the recording has one: it found nothing.
+/// The iteration after those that the run keeps, if the recording has one; it found nothing.
 fn last_iteration(recording: &Recording) -> Option<Iteration> {
     let run = recording.run();
     let number = run.iterations.len() as u32 + 1;
@@ -345,12 +344,12 @@ fn last_iteration(recording: &Recording) -> Option<Iteration> {
     };
     let detectors = match (run.parameters.insertion, run.parameters.variant) {
         (Insertion::Uniform, Variant::Staged) => Vec::new(),
-        // Samples that were inserted in the iteration before look for what is left.
+        // The detectors are the samples inserted in the iteration before.
         (_, Variant::Staged) => match run.iterations.last() {
             Some(before) => before.inserted.clone().collect(),
             None => all.clone().filter(stays).filter(is_marked).collect(),
         },
-        // Marks are never taken back.
+        // Samples stay marked as detectors.
         (_, Variant::AsPrinted) => {
             let inserted =
                 |id: &u32| matches!(run.samples.origins[*id as usize], Origin::Inserted { .. });
@@ -365,7 +364,7 @@ fn last_iteration(recording: &Recording) -> Option<Iteration> {
     })
 }
 
-/// Returns the event that begins each of `stages` but the first.
+/// The first event of each of `stages` but the first.
 fn stage_starts(recording: &Recording, stages: &[Stage]) -> Vec<usize> {
     let mut starts = Vec::with_capacity(stages.len());
     for (index, event) in recording.tape().from(0) {
@@ -381,7 +380,7 @@ fn stage_starts(recording: &Recording, stages: &[Stage]) -> Vec<usize> {
     starts
 }
 
-/// Returns every pair of tiled samples inside the domain that cover one another.
+/// All pairs of tiled samples inside the domain that lie in each other's disks.
 fn tiled_conflicts(run: &Run) -> Vec<[u32; 2]> {
     let is_tiled = |id: u32| run.standing(id, Stage::Tile) == Standing::Tiled;
     let points = &run.samples.points;

@@ -118,7 +118,7 @@ pub fn start<T: Task>(wake: &Wake, task: T) -> Job<T::Outcome> {
     let failed = sender.clone();
     let waker = Arc::clone(wake);
     let take = move |outcome| {
-        // An owner that is gone does not want the result.
+        // Fails only if the owner has dropped the job.
         let _ = sender.send(outcome);
         waker();
     };
@@ -138,7 +138,7 @@ pub async fn run_for<T: Task>(task: T, monitor: &Arc<Monitor>) -> Result<T::Outc
     };
     let (sender, receiver) = futures_channel::oneshot::channel();
     let take = move |outcome| {
-        // A future that is gone does not want the outcome.
+        // Fails only if the future was dropped.
         let _ = sender.send(outcome);
     };
     pool.run(pending(&task, Arc::clone(monitor), take)?);
@@ -148,9 +148,7 @@ pub async fn run_for<T: Task>(task: T, monitor: &Arc<Monitor>) -> Result<T::Outc
 }
 
 fn fault(name: &str, error: &dyn std::fmt::Display) -> String {
-    format!(
-        "a background job ({name}) could not be handed over: {error}; this is a fault of the program"
-    )
+    format!("a background job ({name}) could not be sent: {error}; this is a fault of the program")
 }
 
 /// Why a worker did not run a task.
@@ -158,7 +156,7 @@ fn fault(name: &str, error: &dyn std::fmt::Display) -> String {
 pub enum TaskError {
     /// It refers to sessions, by generation, that this worker lacks: [`keep_session`] them first.
     UnknownSessions(Vec<u64>),
-    /// It is no task of this program, or its input cannot be read.
+    /// The task is unknown, or its input cannot be read.
     Failed(String),
 }
 

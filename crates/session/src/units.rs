@@ -1,4 +1,4 @@
-//! Units of length: the lattice of the core and r.
+//! Conversion from lattice units to r.
 
 use glam::DVec2;
 use tilescope_core::{Domain, Point, R};

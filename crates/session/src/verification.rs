@@ -1,5 +1,5 @@
-//! What the independent verifier says about the session at hand, with places to look at.
-//! It only asks `tilescope_analysis`; it never judges.
+//! The independent verifier's report on a session, and the places in the plane that decide it. The verdict
+//! itself is computed by `tilescope_analysis`.
 
 use glam::DVec2;
 
@@ -23,9 +23,9 @@ pub enum Witness {
     LargestHole,
 }
 
-/// Most samples for which the extremes of a valid set are looked up as well.
+/// The most samples for which the extremes of a valid set are looked up as well.
 const MAX_EXTREMES: usize = 3_000_000;
-/// By how much a judgement is sharpened to make the extremes of a valid set its witnesses.
+/// A valid set's extremes are found by verifying it once more with limits that much tighter than them.
 const HAIR: f64 = 1e-9;
 
 /// A report and the places that decide it.
@@ -49,7 +49,7 @@ pub enum WitnessMark {
 }
 
 impl Verdict {
-    /// Asks the verifier about the result of a run. `points` are its positions.
+    /// Verifies the result of a run. `points` are its positions.
     pub fn of(
         points: &[[f64; 2]],
         region: Region,
@@ -85,7 +85,7 @@ impl Verdict {
         })
     }
 
-    /// Returns the place that shows `witness`, if it is known.
+    /// The place of `witness`, if it is known.
     #[must_use]
     pub fn witness_mark(&self, witness: Witness, session: &Session) -> Option<WitnessMark> {
         let radius = self.report.radius;
@@ -112,7 +112,7 @@ impl Verdict {
     }
 }
 
-/// Has the result of a session judged.
+/// The task of verifying a session's result.
 #[derive(serde::Serialize, serde::Deserialize)]
 pub struct VerifyTask(pub SessionRef);
 

@@ -1,9 +1,9 @@
-//! Numbers, counts and sentences as the window writes them. Nothing here needs a session.
+//! Formats numbers, counts and sentences as the window shows them.
 
 use tilescope_analysis::Report;
 use tilescope_core::Stage;
 
-/// Returns `text` with a capital letter and a full stop. The name of a file in front stays as it is.
+/// `text` with a capital letter and a full stop. The name of a file at its beginning is left unchanged.
 #[must_use]
 pub fn sentence(text: &str) -> String {
     let word = text.split([' ', ':', ',']).next().unwrap_or_default();
@@ -15,7 +15,7 @@ pub fn sentence(text: &str) -> String {
     ended(&(first.unwrap_or_default() + letters.as_str()))
 }
 
-/// Returns `text` with a full stop. It begins with a name, which stays as it is.
+/// `text` with a full stop. For text that begins with a name, which keeps its case.
 #[must_use]
 pub fn ended(text: &str) -> String {
     let stop = if text.ends_with(['.', '!', '?']) {
@@ -32,7 +32,7 @@ pub fn grouped(count: usize) -> String {
     tilescope_debugger::grouped(count as u64)
 }
 
-/// Returns the number of an event as it is shown: from 1, so that the last one's is how many have happened.
+/// The number of an event as shown. Events count from 1, so the last event's number is how many have happened.
 #[must_use]
 pub fn event_number(index: usize) -> String {
     grouped(index + 1)

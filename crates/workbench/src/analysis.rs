@@ -1,10 +1,10 @@
-//! The live analysis: what is measured of the samples that stand at the moment, what they are held against, and what is
-//! brushed. It is measured in the background, one part after the other, and only while somebody looks.
+//! The live analysis: measures the samples of the current moment, compares them with a reference, and finds the
+//! causes of a brush. It works in the background, part by part, and only while its panel is visible.
 
 pub mod brush;
-pub mod held;
 pub mod measured;
 pub mod reference;
+pub mod reference_file;
 
 use std::sync::Arc;
 
@@ -12,9 +12,9 @@ use serde::{Deserialize, Serialize};
 use tilescope_core::Stage;
 
 use brush::{Brush, Marks};
-use held::Held;
 use measured::{MeasurePart, MeasuredSet, Samples, refusal};
 pub use reference::Reference;
+use reference_file::ReferenceFile;
 use tilescope_session::geometry::{Key, key_of, region_of};
 use tilescope_session::jobs::{Job, Monitor, Wake};
 use tilescope_session::moment::{ShownMoment, Still};
@@ -24,7 +24,7 @@ use tilescope_session::task::{self, Task};
 use tilescope_session::units::radii;
 use tilescope_session::words::grouped;
 
-/// Moments whose measures are kept, so that going back to them takes no time.
+/// The most moments whose measures are cached.
 pub const MAX_KEPT: usize = 48;
 
 /// An action of the analysis.
@@ -33,26 +33,26 @@ pub const MAX_KEPT: usize = 48;
 pub enum AnalysisCommand {
     /// Stops measuring this moment.
     Stop,
-    /// Measures this moment after all.
+    /// Resumes measuring this moment.
     Resume,
-    /// Forgets the file.
+    /// Removes the reference file.
     Clear,
-    /// Chooses what to look for the causes of, or nothing.
+    /// Sets the brush whose causes are looked for, or removes it.
     Brush(Option<Brush>),
 }
 
-/// A moment and what is known of it.
+/// The measures of a moment.
 #[derive(Clone)]
 pub struct Known {
     /// Which moment.
     pub key: Key,
-    /// Its name.
+    /// The moment's name.
     pub name: String,
-    /// What is measured of it.
+    /// The measures, possibly in part.
     pub measured: Arc<MeasuredSet>,
 }
 
-/// A set, and what is known of it after one more part.
+/// The set and its measures after one more part; an error without text means that it was stopped.
 pub type Step = Result<(Arc<Samples>, MeasuredSet), Option<String>>;
 
 struct MeasureWork {
@@ -62,32 +62,32 @@ struct MeasureWork {
     job: Job<Step>,
 }
 
-/// What is known, and what is at work.
+/// The state of the analysis.
 #[derive(Default)]
 pub struct Analysis {
     /// The moment of the frame before.
     at: Option<Key>,
     work: Option<MeasureWork>,
-    /// What is known of the moment at hand, and its samples, while not all is known.
+    /// The measures of the current moment and its samples, while they are incomplete.
     growing: Option<(Known, Arc<Samples>)>,
-    /// All that is known of moments, the one looked at last at the end.
+    /// The complete measures of moments, the one shown last at the end.
     kept: Vec<Known>,
-    /// The moment that the user does not want measured.
+    /// The moment at which the user stopped measuring.
     stopped: Option<Key>,
     /// The last moment that could not be measured, and why.
     failed: Option<(Key, String)>,
-    /// What maximal sets are like.
+    /// The measures of a typical maximal set.
     pub reference: Reference,
-    /// The file that moments are held against.
-    pub held: Option<Arc<Held>>,
-    /// What is looked for.
+    /// The file that moments are compared with.
+    pub reference_file: Option<Arc<ReferenceFile>>,
+    /// The brush.
     pub brush: Option<Brush>,
-    /// What was found.
+    /// The causes of the brush.
     pub marks: Marks,
 }
 
 impl Analysis {
-    /// Returns what is known of a moment; in part, while it is being measured.
+    /// The measures of a moment, incomplete while it is being measured.
     #[must_use]
     pub fn of(&self, shown: &ShownMoment<'_>) -> Option<&Known> {
         let key = key_of(shown);
@@ -98,8 +98,8 @@ impl Analysis {
             .find(|known| known.key == key)
     }
 
-    /// Returns the moment of the session shown that was measured last as a whole: it is shown, faded, until another takes
-    /// its place.
+    /// The moment of this session that was last measured completely. It is shown, faded, until a newer one
+    /// replaces it.
     #[must_use]
     pub fn last(&self, shown: &ShownMoment<'_>) -> Option<&Known> {
         let generation = shown.session.generation;
@@ -107,14 +107,14 @@ impl Analysis {
         own.find(|known| known.key.0 == generation)
     }
 
-    /// Returns what is being measured and how much of it is done, from 0 to 1.
+    /// The part being measured and the fraction of it done, from 0 to 1.
     #[must_use]
     pub fn progress(&self) -> Option<(MeasurePart, f32)> {
         let work = self.work.as_ref()?;
         Some((work.part, work.job.fraction()))
     }
 
-    /// Returns whether the user does not want this moment measured.
+    /// Whether the user stopped measuring this moment.
     #[must_use]
     pub fn is_stopped(&self, shown: &ShownMoment<'_>) -> bool {
         self.stopped == Some(key_of(shown))
@@ -127,14 +127,14 @@ impl Analysis {
         (*key == key_of(shown)).then_some(why)
     }
 
-    /// Returns whether a moment is known as a whole.
+    /// Whether a moment is measured completely.
     #[must_use]
     pub fn is_whole(&self, shown: &ShownMoment<'_>) -> bool {
         self.of(shown)
             .is_some_and(|known| known.measured.missing().is_none())
     }
 
-    /// Carries out a command while the moment `shown` is looked at.
+    /// Applies a command at the moment `shown`.
     pub fn apply(&mut self, command: AnalysisCommand, shown: Option<&ShownMoment<'_>>) {
         match command {
             AnalysisCommand::Stop => {
@@ -144,13 +144,13 @@ impl Analysis {
                 }
             }
             AnalysisCommand::Resume => (self.stopped, self.failed) = (None, None),
-            AnalysisCommand::Clear => self.held = None,
+            AnalysisCommand::Clear => self.reference_file = None,
             AnalysisCommand::Brush(brush) => self.brush = brush,
         }
     }
 
-    /// Takes what is finished, and has the next part of the moment measured. Whatever is at work for another moment is
-    /// stopped; a new one begins when the cursor has rested from one call to the next.
+    /// Takes finished work and starts measuring the next part of the moment. Work for another moment is
+    /// stopped; a new moment is started once the cursor stayed there from one call to the next.
     pub fn want(&mut self, session: &Arc<Session>, shown: &ShownMoment<'_>, wake: &Wake) {
         self.poll();
         self.reference.want(wake);
@@ -172,14 +172,14 @@ impl Analysis {
         }
     }
 
-    /// Stops what is at work and forgets what is half known: nobody looks. What is known as a whole stays.
+    /// Stops the work and drops incomplete measures, since the panel is hidden. Complete measures stay.
     pub fn rest(&mut self) {
         (self.at, self.work, self.growing) = (None, None, None);
         self.marks.rest();
         self.reference.rest();
     }
 
-    /// What is known of the moment goes to the end of the list; what was half known of another is forgotten.
+    /// Moves a moment's measures to the end of the list, and drops incomplete ones of another.
     fn look_at(&mut self, key: Key) {
         if let Some(place) = self.kept.iter().position(|known| known.key == key) {
             let known = self.kept.remove(place);
@@ -248,7 +248,7 @@ impl Analysis {
         }
     }
 
-    /// Waits for what is at work; returns whether anything was.
+    /// Waits for the running work; returns whether there was any.
     #[cfg(not(target_arch = "wasm32"))]
     pub fn settle(&mut self) -> bool {
         let found = self.marks.settle();
@@ -262,7 +262,7 @@ impl Analysis {
     }
 }
 
-/// Has the first part of a moment measured.
+/// The task of measuring the first part of a moment.
 #[derive(Serialize, Deserialize)]
 pub struct StartMeasuringTask(Still);
 
@@ -278,7 +278,7 @@ impl Task for StartMeasuringTask {
     }
 }
 
-/// Has one more part of a moment measured.
+/// The task of measuring one more part of a moment.
 #[derive(Serialize, Deserialize)]
 pub struct ContinueMeasuringTask {
     measured: MeasuredSet,
@@ -307,7 +307,7 @@ fn one_more(
     done.map_err(|error| refusal(&error))
 }
 
-/// Returns the samples that stand at a moment, in r.
+/// The samples that cover their disks at a moment, in r.
 #[must_use]
 pub fn samples(still: &Still) -> Samples {
     let covering = still.covering().into_iter();
@@ -320,7 +320,7 @@ pub fn samples(still: &Still) -> Samples {
     }
 }
 
-/// Returns what a moment is called.
+/// The name of a moment.
 #[must_use]
 pub fn name_of(shown: &ShownMoment<'_>) -> String {
     let stage = match shown.stage {

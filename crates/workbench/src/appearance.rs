@@ -1,24 +1,24 @@
-//! How moments are drawn.
+//! The appearance of moments: layers, colouring, look, and whether the camera may fly.
 
 use tilescope_session::layers::{Colouring, Layers};
 use tilescope_session::look::Look;
 
 use crate::command::AppearanceCommand;
 
-/// How moments are drawn.
+/// The appearance of moments.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Appearance {
     /// The layers shown.
     pub layers: Layers,
-    /// What the colour of samples means.
+    /// What the colour of samples stands for.
     pub colouring: Colouring,
     /// Light, dark or for a projector; [`Self::choose_look`] changes it.
     pub look: Look,
-    /// The look to which the projector mode returns.
+    /// The look to return to from projector mode.
     pub(crate) look_before: Look,
     /// Whether the camera jumps instead of flying.
     pub reduced_motion: bool,
-    /// What the user chose of that; the system's wish counts otherwise.
+    /// The user's choice of that, if any; otherwise the system's preference counts.
     motion_chosen: Option<bool>,
 }
 
@@ -53,30 +53,30 @@ impl Appearance {
         }
     }
 
-    /// Takes up layers, colouring and look of another appearance.
+    /// Copies layers, colouring and look from another appearance.
     pub(crate) fn take(&mut self, other: &Self) {
         (self.layers, self.colouring) = (other.layers, other.colouring);
         self.choose_look(other.look);
     }
 
-    /// Returns what the user chose of motion, if anything.
+    /// The user's choice of reduced motion, if any.
     #[must_use]
     pub const fn motion_chosen(&self) -> Option<bool> {
         self.motion_chosen
     }
 
-    /// Takes up what the user chose earlier.
+    /// Restores the user's earlier choice.
     pub(crate) fn choose_motion(&mut self, chosen: Option<bool>) {
         self.motion_chosen = chosen.or(self.motion_chosen);
         self.reduced_motion = chosen.unwrap_or(self.reduced_motion);
     }
 
-    /// Takes up what the system prefers, which counts until the user chooses.
+    /// Sets the system's preference, which counts until the user chooses.
     pub(crate) fn prefer_reduced_motion(&mut self, reduced: bool) {
         self.reduced_motion = self.motion_chosen.unwrap_or(reduced);
     }
 
-    /// Chooses a look. The projector mode is left for the one before it.
+    /// Chooses a look. Leaving projector mode returns to the look before it.
     pub fn choose_look(&mut self, look: Look) {
         if look == Look::Projector && self.look != look {
             self.look_before = self.look;
@@ -90,7 +90,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_projector_mode_is_left_for_the_look_before_it() {
+    fn leaving_projector_mode_restores_the_look_before_it() {
         let mut appearance = Appearance::default();
         for command in [
             AppearanceCommand::Look(Look::Light),
@@ -105,7 +105,7 @@ mod tests {
     }
 
     #[test]
-    fn what_the_user_chose_counts_more_than_what_the_system_prefers() {
+    fn the_users_choice_overrides_the_systems_preference() {
         let mut appearance = Appearance::default();
         appearance.prefer_reduced_motion(true);
         assert!(appearance.reduced_motion && appearance.motion_chosen().is_none());

@@ -1,23 +1,23 @@
-//! How the window is arranged in the room it has: tiles where there is enough, else the canvas with one panel at a time.
-//! Tiles stay as they are meanwhile. What is shown where is not known here.
+//! The arrangement of the window by its size: tiles if there is room for them, otherwise the canvas with one
+//! panel at a time. The layout of the tiles is kept meanwhile.
 
 use emath::{Vec2, vec2};
 use tilescope_session::look::Look;
 
 use crate::layout::Panel;
 
-/// Narrower windows, in screen points, have no room for tiles.
+/// The smallest window, in screen points, that has room for tiles.
 pub const ROOM_FOR_TILES: Vec2 = vec2(960.0, 420.0);
-/// Narrower windows, in screen points, have no room for panels beside the canvas.
+/// The smallest width, in screen points, that has room for panels beside the canvas.
 pub const ROOM_BESIDE: f32 = 560.0;
-/// Smaller windows have no room for the projector's larger type.
+/// The smallest window, in screen points, that has room for the projector's larger type.
 pub const ROOM_FOR_PROJECTOR: Vec2 = vec2(700.0, 420.0);
 
-/// How the window is arranged.
+/// The arrangement of the window.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Arrangement {
-    /// As the layout of the tiles says, or as a projector needs it.
+    /// By the layout of the tiles, or as projector mode needs it.
     #[default]
     Tiles,
     /// The canvas on top, everything else below.
@@ -27,7 +27,7 @@ pub enum Arrangement {
 }
 
 impl Arrangement {
-    /// Returns how a window of `size`, in screen points before any look enlarges them, is arranged.
+    /// The arrangement of a window of `size`, in screen points before the look's enlargement.
     #[must_use]
     pub fn of(size: Vec2, look: Look) -> Self {
         let room = match look {
@@ -53,23 +53,24 @@ impl Arrangement {
 /// The one panel of a compact window.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Drawer {
-    /// How the window is arranged.
+    /// The arrangement of the window.
     pub arrangement: Arrangement,
-    /// Which panel is open. Of the canvas these are its layers, of the timeline its clocks: the rest is always there.
+    /// The panel that is open. [`Panel::Canvas`] stands for the layers, and [`Panel::Timeline`] for the
+    /// playback controls, as the rest of these is always visible.
     pub open: Option<Panel>,
-    /// Whether the panel has most of the window.
+    /// Whether the panel takes most of the window.
     pub is_tall: bool,
 }
 
-/// What is done to a compact window.
+/// A command for a compact window.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum DrawerCommand {
-    /// The window has another size.
+    /// Sets the arrangement, after the window's size changed.
     Arrange(Arrangement),
-    /// Shows a panel, or none.
+    /// Opens a panel, or closes the open one.
     Show(Option<Panel>),
-    /// Gives the panel most of the window, or no longer.
+    /// Sets whether the panel takes most of the window.
     Tall(bool),
 }
 

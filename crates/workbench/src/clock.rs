@@ -1,9 +1,9 @@
-//! Clocks: what one tick of the play button and the arrow keys is, and how fast it ticks.
-//! They count; the state moves.
+//! Playback: the clock, which is the unit of a step of play and of the arrow keys, and the speed. It counts
+//! ticks; `crate::state` moves the run.
 
 use std::ops::Range;
 
-/// What a tick of time is.
+/// The unit of a step in time.
 #[derive(
     Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize,
 )]
@@ -11,7 +11,7 @@ use std::ops::Range;
 pub enum Clock {
     /// One event.
     Event,
-    /// A run of events that execute one line of pseudocode.
+    /// Consecutive events that execute one line of pseudocode.
     Line,
     /// A stage or an iteration.
     #[default]
@@ -35,7 +35,7 @@ impl Clock {
         }
     }
 
-    /// Returns how long a tick is shown at speed 1, in seconds.
+    /// The duration of a tick at speed 1, in seconds.
     #[must_use]
     pub const fn tick_secs(self) -> f32 {
         match self {
@@ -48,19 +48,19 @@ impl Clock {
 
 /// Speeds to choose from.
 pub const SPEEDS: [f32; 7] = [0.25, 0.5, 1.0, 2.0, 8.0, 64.0, 512.0];
-/// Most ticks in one frame, so that a frame stays short.
+/// The most ticks in one frame, so that a frame stays short.
 const MAX_TICKS: u32 = 2_000;
 
-/// How time runs.
+/// The state of playback.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Playback {
-    /// What a tick is.
+    /// The unit of a tick.
     pub clock: Clock,
-    /// How many times faster than at first.
+    /// The factor of the speed.
     pub speed: f32,
-    /// The cursors between which play goes round.
+    /// The range of cursors that play loops over.
     pub range: Option<Range<usize>>,
-    /// The clock to which time returns where there are no passes.
+    /// The clock to return to when there are no passes.
     without_passes: Clock,
     /// Seconds until the next tick, while playing.
     left_secs: Option<f32>,
@@ -85,13 +85,13 @@ impl Playback {
         self.left_secs.is_some()
     }
 
-    /// Chooses what a tick is.
+    /// Sets the clock.
     pub const fn choose(&mut self, clock: Clock) {
         self.without_passes = self.clock_of_events();
         self.clock = clock;
     }
 
-    /// Returns the clock, or the one before it if time runs by passes.
+    /// The clock, or the one before it if the clock is that of passes.
     #[must_use]
     pub const fn clock_of_events(&self) -> Clock {
         match self.clock {
@@ -100,12 +100,12 @@ impl Playback {
         }
     }
 
-    /// Starts.
+    /// Starts playing.
     pub fn start(&mut self) {
         self.left_secs = Some(self.tick_secs());
     }
 
-    /// Stops.
+    /// Stops playing.
     pub const fn stop(&mut self) {
         self.left_secs = None;
     }
@@ -114,7 +114,7 @@ impl Playback {
         self.clock.tick_secs() / self.speed
     }
 
-    /// Goes on by `dt_secs`; returns how many ticks are due.
+    /// Advances by `dt_secs`; returns how many ticks are due.
     pub fn advance(&mut self, dt_secs: f32) -> u32 {
         let tick = self.tick_secs();
         let Some(left) = &mut self.left_secs else {

@@ -1,5 +1,5 @@
-//! Everything a user can do, as values: buttons, keys, the canvas and scripts issue the same ones,
-//! and only [`crate::State::apply`] carries them out.
+//! All that a user can do, as values. Buttons, keys, the canvas and scripts issue the same commands, and only
+//! [`crate::State::apply`] applies them.
 
 use glam::DVec2;
 
@@ -26,35 +26,35 @@ use crate::passes::PassCommand;
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum TimeCommand {
-    /// Shows the state after the stage of this place in the session's list.
+    /// Shows the state after the stage of this index.
     ShowStage(usize),
-    /// Goes one tick back.
+    /// Steps one tick back.
     StepBack,
-    /// Goes one tick forward.
+    /// Steps one tick forward.
     StepForward,
     /// Goes to the first stage.
     FirstStage,
     /// Goes to the last stage.
     LastStage,
-    /// Starts or stops the play.
+    /// Starts or stops playing.
     TogglePlay,
-    /// Chooses what a tick is.
+    /// Chooses the unit of a tick.
     Clock(Clock),
-    /// Chooses how fast time runs when playing.
+    /// Chooses the speed of playing.
     Speed(f32),
-    /// Goes to the moment when so many events have happened.
+    /// Goes to the moment after this many events.
     Jump(usize),
     /// Steps into, over or out.
     Step(Step, Direction),
-    /// Goes behind an event, or to where a line is the next one.
+    /// Runs until an event has happened, or until a line is the next one.
     RunTo(Target, Direction),
-    /// Goes to a breakpoint, else to the end.
+    /// Runs to the next breakpoint, or to the end.
     Continue(Direction),
-    /// Play goes round from here.
+    /// Starts the loop here.
     LoopStart,
-    /// Play goes round up to here.
+    /// Ends the loop here.
     LoopEnd,
-    /// Play goes round between two cursors, or not.
+    /// Sets the loop between two cursors, or removes it.
     Loop(Option<std::ops::Range<usize>>),
 }
 
@@ -64,56 +64,56 @@ pub enum TimeCommand {
 pub enum DebugCommand {
     /// Sets a breakpoint on a line, or removes the one that is there.
     ToggleBreakpoint(#[serde(with = "tilescope_debugger::by_id")] LineId),
-    /// Types the condition of a breakpoint.
+    /// Sets the condition of a breakpoint.
     Condition(usize, String),
-    /// Has a breakpoint stop a run, or not.
+    /// Enables or disables a breakpoint.
     Enable(usize, bool),
     /// Removes a breakpoint.
     RemoveBreakpoint(usize),
     /// Watches an expression.
     Watch(String),
-    /// Types a watched expression.
+    /// Changes a watched expression.
     EditWatch(usize, String),
     /// Stops watching an expression.
     RemoveWatch(usize),
-    /// Remembers the moment.
+    /// Adds a bookmark at the moment.
     Bookmark,
-    /// Types the note of a bookmark.
+    /// Sets the note of a bookmark.
     Note(usize, String),
     /// Removes a bookmark.
     RemoveBookmark(usize),
     /// Goes to the cause of the last event.
     Why,
-    /// Goes behind an event and everything that it holds.
+    /// Goes to the moment after an event and all events inside it.
     SelectEvent(usize),
-    /// Shows what an event holds, or no longer.
+    /// Expands or collapses an event.
     ToggleEvent(usize),
-    /// Types what the event browser looks for.
+    /// Sets the query of the event browser.
     Query(String),
 }
 
-/// A change of what the next run is made from.
+/// A change of the input of the next run.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum FormCommand {
-    /// Types a parameter.
+    /// Sets the text of a parameter.
     Type(Field, String),
     /// Chooses a parameter.
     Choose(Choice),
     /// Returns to the parameters of the default session.
     Reset,
-    /// Returns to the pattern that the parameters describe.
+    /// Uses the pattern that the parameters describe again.
     GeneratedPattern,
 }
 
-/// A choice of who samples.
+/// A choice of the engine.
 #[derive(Clone, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum GpuCommand {
     /// Chooses the engine. The first choice of the GPU opens and tests it.
     Engine(Engine),
-    /// Names the GPU adapter by a part of its name, or returns to the fastest. It counts from the next choice of the
-    /// GPU on.
+    /// Names the GPU adapter by a part of its name, or returns to the fastest. It takes effect the next time
+    /// the GPU is chosen.
     NameAdapter(Option<String>),
 }
 
@@ -123,7 +123,7 @@ pub enum GpuCommand {
 pub enum AppearanceCommand {
     /// Shows or hides a layer.
     ToggleLayer(Layer),
-    /// Chooses what the colour of samples means.
+    /// Chooses what the colour of samples stands for.
     Colour(Colouring),
     /// Changes between the light and the dark theme.
     ToggleTheme,
@@ -131,65 +131,65 @@ pub enum AppearanceCommand {
     Look(Look),
     /// Enters the projector mode, or returns to the look before it.
     ToggleProjector,
-    /// Jumps instead of flying, or flies again.
+    /// Switches between flying and jumping of the camera.
     ToggleReducedMotion,
 }
 
-/// A change of what stands where.
+/// A change of the window.
 #[derive(Clone, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum WindowCommand {
-    /// Shows the window on the full screen, or no longer.
+    /// Enters or leaves full screen.
     ToggleFullScreen,
     /// Brings a panel into view.
     OpenPanel(Panel),
-    /// Does something with the one panel of a compact window.
+    /// Changes a compact window.
     Drawer(DrawerCommand),
-    /// Puts all panels where they were at first.
+    /// Restores the default layout of the panels.
     ResetLayout,
     /// Opens the list of all actions, or closes it.
     ToggleFinder,
     /// Closes the list of all actions.
     CloseFinder,
-    /// Types what action is looked for.
+    /// Sets the search text of the list of actions.
     FinderText(String),
-    /// Chooses an action of the list.
+    /// Selects an action of the list.
     FinderChoice(usize),
 }
 
-/// A change of the view of a run, or of what is pointed at.
+/// A change of the view of a run, or of what is selected or pointed at.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ViewCommand {
-    /// Tells where the canvas is in the window.
+    /// Sets the rectangle of the canvas in the window.
     Viewport(Rect),
     /// Moves the picture by screen points.
     Pan(Vec2),
-    /// Zooms about a place of the screen.
+    /// Zooms about a position on the screen.
     Zoom(Pos2, f64),
-    /// Selects the sample nearest to the middle of the view, or else the place there.
+    /// Selects the sample nearest to the middle of the view, or otherwise the place there.
     SelectMiddle,
     /// Shows the whole domain.
     Fit,
-    /// Flies to a place, given in r, until about this many r are visible.
+    /// Flies to a place, given in r, at a scale that shows about this many r.
     FlyTo(DVec2, f64),
-    /// Flies to the gap that holds a place, given in r, else to its block.
+    /// Flies to the gap that contains a place, given in r, or otherwise to its block.
     FlyToBlock(DVec2),
-    /// Flies to what decides a verdict.
+    /// Flies to the place that decides a verdict.
     FlyToWitness(Witness),
-    /// Points at a sample, or at none.
+    /// Sets the sample under the pointer.
     Hover(Option<u32>),
     /// Flies to where the last event happened.
     GoToCurrent,
     /// Selects a sample and flies to it.
     GoToSample(u32),
-    /// Selects something, and looks up its history.
+    /// Selects a sample or place, and looks up its history.
     Pick(Selection),
-    /// Brings what is known of the selection into view.
+    /// Opens the panel with the details of the selection.
     Inspect,
 }
 
-/// One of the runs that are looked at.
+/// One of the runs that are shown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Which {
@@ -199,11 +199,11 @@ pub enum Which {
     Second,
 }
 
-/// What is done with links.
+/// A command for links.
 #[derive(Clone, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum LinkCommand {
-    /// Puts a link to what is shown on the clipboard.
+    /// Copies a link to what is shown to the clipboard.
     Copy,
     /// Opens a link: a fragment of an address, or a whole one.
     Open(String),
@@ -213,50 +213,50 @@ pub enum LinkCommand {
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Command {
-    /// Changes what the next run is made from.
+    /// Changes the input of the next run.
     Form(FormCommand),
-    /// Chooses who samples.
+    /// Chooses the engine.
     Gpu(GpuCommand),
     /// Samples with the parameters of the panel.
     Run,
-    /// Glues the sets of a layout to one.
+    /// Makes a combination: glues the sets of a layout.
     Combine(CombineCommand),
-    /// Stops the sampling of a run.
+    /// Cancels the sampling of a run.
     Cancel(Which),
     /// Moves in time.
     Time(TimeCommand),
-    /// Does something with the debugger.
+    /// Changes breakpoints, watches, bookmarks or the event browser.
     Debug(DebugCommand),
     /// Changes the view of a run.
     View(Which, ViewCommand),
     /// Changes how moments are drawn.
     Appearance(AppearanceCommand),
-    /// Changes what stands where.
+    /// Changes panels and the window.
     Window(WindowCommand),
-    /// Runs the passes of the session's parameters on the GPU, to be looked at.
+    /// Runs the passes of the session's parameters on the GPU, to inspect them.
     OpenPasses,
-    /// Does something with the passes.
+    /// Changes what is shown of the passes.
     Passes(PassCommand),
-    /// Does something with the comparison of two runs.
+    /// Changes the comparison of two runs.
     Compare(CompareCommand),
-    /// Does something with what is measured.
+    /// Changes the analysis.
     Analysis(AnalysisCommand),
-    /// Does something with saved sessions and pattern files.
+    /// Opens and saves sessions, layouts and point sets.
     File(FileCommand),
-    /// Does something with the export sheet.
+    /// Fills in the export sheet, or exports.
     Export(ExportCommand),
-    /// Does something with links.
+    /// Copies or opens a link.
     Link(LinkCommand),
-    /// Takes back the last change of parameters, layers or layout.
+    /// Undoes the last change of parameters, run or layout.
     Undo,
-    /// Makes it again.
+    /// Redoes what was undone last.
     Redo,
     /// Closes the notice.
     DismissNotice,
 }
 
 impl ViewCommand {
-    /// Returns whether the command moves the camera.
+    /// Whether the command moves the camera.
     #[must_use]
     pub const fn moves_camera(&self) -> bool {
         matches!(
@@ -272,8 +272,8 @@ impl ViewCommand {
 }
 
 impl Command {
-    /// Returns whether a key may do this where the window is part of another page: nothing that opens what is not shown
-    /// there.
+    /// Whether a key may issue this command where the window is embedded in another page: not if it opens
+    /// something that is not shown there.
     #[must_use]
     pub const fn works_in_frame(&self) -> bool {
         use AppearanceCommand as A;
@@ -302,7 +302,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn keys_of_a_frame_open_nothing_that_it_lacks() {
+    fn keys_in_an_embedded_window_open_only_what_it_shows() {
         assert!(Command::Time(TimeCommand::StepForward).works_in_frame());
         assert!(!Command::Window(WindowCommand::ToggleFinder).works_in_frame());
     }

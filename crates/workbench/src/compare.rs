@@ -1,5 +1,5 @@
-//! Two runs side by side: what the second one is made from, what differs between the two at a moment, and where they
-//! part. Nothing is sampled or judged here; the state holds the two runs.
+//! Two runs side by side: presets for the second run, the samples by which the two differ at a moment, and the
+//! event at which they diverge. The runs themselves are in [`crate::state`].
 
 pub mod difference;
 pub mod link;
@@ -20,31 +20,32 @@ use tilescope_session::task::{self, SessionRef, Task};
 pub enum CompareCommand {
     /// Samples a second run.
     Start(ComparePreset),
-    /// Keeps the run at hand as the second one, so that the next can be compared with it.
+    /// Keeps the current run as the second one, so that the next can be compared with it.
     Keep,
-    /// Has the two runs change places: all panels show the first one.
+    /// Swaps the two runs: all panels show the first one.
     Swap,
-    /// Forgets the second run.
+    /// Closes the second run.
     Close,
-    /// Has the cameras move together, or not.
+    /// Links or unlinks the cameras.
     LinkCameras(bool),
-    /// Has the clocks run together, or not.
-    LinkClocks(bool),
-    /// Marks the samples that only one of the two has, or not.
+    /// Links or unlinks playback.
+    #[serde(rename = "link-clocks")]
+    LinkPlayback(bool),
+    /// Sets whether samples of only one run are marked.
     ShowDifferences(bool),
-    /// Goes to where the two part.
+    /// Goes to the event at which the two runs diverge.
     GoToDivergence,
 }
 
-/// What the second run is to be.
+/// A preset for the second run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ComparePreset {
     /// The same with the next seed.
     NextSeed,
-    /// The same with the other reach of detectors: the paper's 2 r, or what the proof needs.
+    /// The same with the other search radius of detectors: the paper's 2 r, or what the proof needs.
     Search,
-    /// The same with the other way to fill gaps.
+    /// The same with the other insertion.
     Insertion,
     /// The same in the other order of elimination.
     Order,
@@ -54,7 +55,7 @@ pub enum ComparePreset {
     Leaf,
     /// The same by the other engine.
     Engine,
-    /// What the parameters panel says.
+    /// The parameters as typed in the panel.
     Typed,
 }
 
@@ -86,7 +87,7 @@ impl ComparePreset {
         }
     }
 
-    /// Returns what the second run is made from when the first is made from `first` and the panel says `typed`.
+    /// The parameters of the second run if the first has `first` and the panel has `typed`.
     #[must_use]
     pub fn parameters(self, first: &Parameters, typed: &Parameters) -> Parameters {
         let mut second = *first;
@@ -124,15 +125,15 @@ impl ComparePreset {
     }
 }
 
-/// What is known of two runs together.
+/// The comparison of two runs.
 pub struct Comparison {
-    /// Whether the cameras move together.
+    /// Whether the cameras are linked.
     pub linked_cameras: bool,
-    /// Whether the clocks run together.
-    pub linked_clocks: bool,
-    /// Whether samples that only one run has are marked.
+    /// Whether playback is linked.
+    pub linked_playback: bool,
+    /// Whether samples of only one run are marked.
     pub shows_differences: bool,
-    /// What differs at the moment.
+    /// The samples by which the runs differ at the current moment.
     pub differences: Differences,
     parting: Parting,
 }
@@ -141,7 +142,7 @@ impl Default for Comparison {
     fn default() -> Self {
         Self {
             linked_cameras: true,
-            linked_clocks: true,
+            linked_playback: true,
             shows_differences: true,
             differences: Differences::default(),
             parting: Parting::Unknown,
@@ -152,7 +153,7 @@ impl Default for Comparison {
 /// Generations of two sessions.
 type Pair = [u64; 2];
 
-/// Where the two part, as far as it is known.
+/// The search for the event at which two runs diverge.
 enum Parting {
     Unknown,
     Pending(Pair, Job<Divergence>),
@@ -161,24 +162,24 @@ enum Parting {
 }
 
 impl Comparison {
-    /// Returns whether cameras move together, clocks run together, and differences are marked.
+    /// Whether cameras are linked, playback is linked, and differences are marked.
     #[must_use]
     pub const fn links(&self) -> [bool; 3] {
         [
             self.linked_cameras,
-            self.linked_clocks,
+            self.linked_playback,
             self.shows_differences,
         ]
     }
 
-    /// Links cameras and clocks and marks differences, or not.
-    pub const fn link(&mut self, [cameras, clocks, differences]: [bool; 3]) {
+    /// Sets whether cameras are linked, playback is linked, and differences are marked.
+    pub const fn link(&mut self, [cameras, playback, differences]: [bool; 3]) {
         self.linked_cameras = cameras;
-        self.linked_clocks = clocks;
+        self.linked_playback = playback;
         self.shows_differences = differences;
     }
 
-    /// Returns where two sessions part, once it is known.
+    /// Where two sessions diverge, once known.
     #[must_use]
     pub fn divergence(&self, a: &Session, b: &Session) -> Option<&Divergence> {
         match &self.parting {
@@ -189,7 +190,7 @@ impl Comparison {
         }
     }
 
-    /// Returns why that could not be found out.
+    /// Why the divergence could not be found.
     #[must_use]
     pub fn failure(&self) -> Option<&str> {
         match &self.parting {
@@ -198,7 +199,7 @@ impl Comparison {
         }
     }
 
-    /// Has it found out where two sessions part, in the background, if that is neither known nor at work.
+    /// Starts looking in the background for where two sessions diverge, unless that is known or running.
     pub fn seek(&mut self, a: &Arc<Session>, b: &Arc<Session>, wake: &Wake) {
         self.take();
         let wanted = [a.generation, b.generation];
@@ -223,7 +224,7 @@ impl Comparison {
         }
     }
 
-    /// Waits for what is at work.
+    /// Waits for the running search.
     #[cfg(not(target_arch = "wasm32"))]
     pub fn settle(&mut self) {
         if let Parting::Pending(pair, job) = &self.parting {
@@ -241,7 +242,7 @@ fn known(pair: Pair, outcome: Result<Divergence, String>) -> Parting {
     }
 }
 
-/// Has found out where two runs part.
+/// The task of finding where two runs diverge.
 #[derive(serde::Serialize, serde::Deserialize)]
 pub struct DivergenceTask([SessionRef; 2]);
 
@@ -262,14 +263,14 @@ fn divergence_of(a: &Session, b: &Session) -> Divergence {
     }
 }
 
-/// Returns the parameters by which two sessions differ, as [`contrast`] does; `None` where one is a combination.
+/// The parameters by which two sessions differ, as [`contrast`] returns them; `None` if one is a combination.
 #[must_use]
 pub fn contrast_of(a: &Session, b: &Session) -> Option<Vec<(String, String, String)>> {
     let glued = a.combination.is_some() || b.combination.is_some();
     (!glued).then(|| contrast(&a.run().parameters, &b.run().parameters))
 }
 
-/// Returns the parameters by which two runs differ: the name, the first one's value and the second one's.
+/// The parameters by which two runs differ: the name, the first run's value and the second run's.
 #[must_use]
 pub fn contrast(a: &Parameters, b: &Parameters) -> Vec<(String, String, String)> {
     let mut found = Vec::new();
@@ -304,7 +305,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn each_rival_but_the_engine_differs_in_what_it_says() {
+    fn each_preset_but_the_engine_changes_its_parameter() {
         let (first, typed) = (
             Parameters::default(),
             Parameters {
@@ -334,7 +335,7 @@ mod tests {
     }
 
     #[test]
-    fn two_changes_lead_back() {
+    fn applying_a_preset_twice_restores_the_parameters() {
         let first = Parameters::default();
         for preset in [
             ComparePreset::Search,
@@ -349,7 +350,7 @@ mod tests {
     }
 
     #[test]
-    fn what_lies_deeper_is_named_in_full() {
+    fn nested_parameters_are_named_in_full() {
         let mut second = Parameters::default();
         second.pattern.seed = 9;
         let found = contrast(&Parameters::default(), &second);

@@ -1,5 +1,5 @@
-//! The GPU as the window knows it: who is to sample, whether the device was opened and passed its test, and
-//! what a failure means for the next run. What is tested and computed is `tilescope_gpu`'s business.
+//! The GPU for sampling: the choice of the engine, whether the device was opened and passed its self-test, and
+//! what a failure means for the next run. `tilescope_gpu` tests and computes.
 
 use std::sync::Arc;
 
@@ -8,11 +8,11 @@ use tilescope_gpu::{Choice, Gpu, GpuError, SelfTest, self_test};
 use tilescope_session::jobs::Job;
 use tilescope_session::words::sentence;
 
-/// Who makes sessions.
+/// The engine that makes sessions.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Engine {
-    /// Whoever is best at hand: the CPU.
+    /// Chosen by the program: the CPU, or on a page a GPU that passed its test.
     #[default]
     Auto,
     /// The CPU.
@@ -25,21 +25,21 @@ pub enum Engine {
 pub struct Tried {
     /// The device.
     pub gpu: Arc<Gpu>,
-    /// What its test found.
+    /// The result of its test.
     pub test: SelfTest,
 }
 
-/// What is known of the GPU.
+/// The state of the GPU.
 #[derive(Default)]
 pub enum Device {
-    /// Nobody has asked for it.
+    /// It was not requested yet.
     #[default]
     Unknown,
     /// It is being opened and tested.
     Testing(Job<Result<Tried, GpuError>>),
     /// It passed its test.
     Ready(Tried),
-    /// It cannot serve, and why.
+    /// It cannot be used, and why.
     Refused(String),
 }
 
@@ -53,7 +53,7 @@ impl Device {
         }
     }
 
-    /// Returns what is known of it, in a word.
+    /// Its state, in a word.
     #[must_use]
     pub const fn word(&self) -> &'static str {
         match self {
@@ -64,7 +64,7 @@ impl Device {
         }
     }
 
-    /// Returns its name, once it is known.
+    /// Its name, once known.
     #[must_use]
     pub fn name(&self) -> Option<&str> {
         self.ready().map(|gpu| gpu.report().name.as_str())
@@ -79,9 +79,9 @@ impl Device {
         }
     }
 
-    /// Returns what there is to say of it, in a sentence, if anything.
+    /// Its state in a sentence, unless it was not requested yet.
     #[must_use]
-    pub fn said(&self) -> Option<String> {
+    pub fn description(&self) -> Option<String> {
         match self {
             Self::Unknown => None,
             Self::Testing(_) => Some("The GPU is being opened and tested.".to_owned()),
@@ -99,7 +99,7 @@ impl Device {
         }
     }
 
-    /// Returns what is known after the opening and the test.
+    /// The state after opening and testing.
     #[must_use]
     pub fn from_test(outcome: Result<Result<Tried, GpuError>, String>) -> Self {
         match outcome {
@@ -114,8 +114,8 @@ impl Device {
         }
     }
 
-    /// Takes note that it failed in a run. A lost device may be opened anew; a run that did not fit says nothing
-    /// against it; anything else is a fault, after which it is not asked again.
+    /// Notes a failure in a run. After a lost device it may be opened again; a run that did not fit changes
+    /// nothing; after any other failure the device is not used again.
     pub fn failed(&mut self, error: &GpuError) {
         match error {
             GpuError::NotInOneGo { .. } | GpuError::TooLittleMemory { .. } => {}
@@ -137,7 +137,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_lost_device_may_be_asked_again_and_a_faulty_one_may_not() {
+    fn a_lost_device_may_be_opened_again_and_a_faulty_one_may_not() {
         let reason = "gone".to_owned();
         let mut device = Device::Refused("before".to_owned());
         device.failed(&GpuError::DeviceLost {
@@ -151,6 +151,6 @@ mod tests {
         assert!(matches!(device, Device::Unknown));
         device.failed(&GpuError::Refused { reason });
         assert!(device.refusal().unwrap().contains("gone"));
-        assert_eq!(device.said().as_deref(), device.refusal());
+        assert_eq!(device.description().as_deref(), device.refusal());
     }
 }

@@ -1,4 +1,4 @@
-//! Downloads: hands bytes to the browser as a file. It asks for no name and knows no folder: that is the browser's affair.
+//! Downloads: hands bytes to the browser as a file. The browser chooses folder and final name.
 
 use js_sys::{Array, Uint8Array};
 use wasm_bindgen::closure::Closure;
@@ -7,10 +7,10 @@ use web_sys::{Blob, BlobPropertyBag, HtmlAnchorElement, Url};
 
 use tilescope_session::incoming::NamedBytes;
 
-/// How long the browser has to take the bytes, in ms; afterwards they are given up.
+/// The time after which the bytes are released, in ms.
 const KEPT_MS: i32 = 60_000;
 
-/// Starts the download of a file; fails with a sentence.
+/// Starts the download of a file.
 pub fn start(file: &NamedBytes) -> Result<(), String> {
     let name = &file.name;
     begin(file).map_err(|error| format!("{name} cannot be downloaded: {error:?}"))
@@ -22,7 +22,7 @@ fn begin(file: &NamedBytes) -> Result<(), JsValue> {
     let document = window.document().ok_or_else(missing)?;
     let body = document.body().ok_or_else(missing)?;
     let kind = BlobPropertyBag::new();
-    // Whatever else it said, a browser might show the file instead.
+    // With any other type a browser might show the file instead.
     kind.set_type("application/octet-stream");
     let parts = Array::of1(&Uint8Array::from(file.bytes.as_slice()));
     let blob = Blob::new_with_u8_array_sequence_and_options(&parts, &kind)?;
@@ -35,7 +35,7 @@ fn begin(file: &NamedBytes) -> Result<(), JsValue> {
     anchor.click();
     anchor.remove();
     let give_up = Closure::once_into_js(move || {
-        // The page may be on its way out, and nothing depends on it.
+        // The page may be closing, and nothing depends on this.
         let _ = Url::revoke_object_url(&url);
     });
     window

@@ -1,5 +1,5 @@
-//! The parameters as they are being typed: text until a run needs numbers.
-//! It knows which field a refusal belongs to; what is refused is the core's business.
+//! The parameters as typed, as text, and the check whether they can be run. The core decides what is valid;
+//! this module assigns its errors to fields.
 
 use tilescope_core::{
     Boundary, Insertion, MAXIMAL_DENSITY, Order, ParameterError, Parameters, Search, Variant,
@@ -12,17 +12,17 @@ use tilescope_session::words::{grouped, sentence};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Field {
-    /// Width of the domain, user units.
+    /// Width of the domain, in user units.
     Width,
-    /// Height of the domain, user units.
+    /// Height of the domain, in user units.
     Height,
-    /// Poisson-disk radius, user units.
+    /// Poisson-disk radius, in user units.
     Radius,
     /// Seed of the run.
     Seed,
-    /// Shortest edge of a block, r.
+    /// Shortest edge of a block, in r.
     Leaf,
-    /// Side of the pattern, r.
+    /// Side of the pattern, in r.
     PatternSide,
     /// Seed of the pattern.
     PatternSeed,
@@ -32,9 +32,9 @@ pub enum Field {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Choice {
-    /// How the domain ends.
+    /// The boundary of the domain.
     Boundary(Boundary),
-    /// How the pattern ends.
+    /// The boundary of the pattern.
     PatternBoundary(Boundary),
     /// Whether the pattern is turned and mirrored.
     Dihedral(bool),
@@ -42,9 +42,9 @@ pub enum Choice {
     Order(Order),
     /// How gaps are filled.
     Insertion(Insertion),
-    /// How far detectors look.
+    /// The search radius of detectors.
     Search(Search),
-    /// Staged, or as printed.
+    /// The form of Algorithm 4: staged, or as printed.
     Variant(Variant),
 }
 
@@ -59,15 +59,15 @@ pub const FIELDS: [Field; 7] = [
     Field::PatternSeed,
 ];
 
-/// Parameters under edit.
+/// Parameters being edited.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Draft {
     texts: [String; FIELDS.len()],
-    /// The chosen values; numbers here are those of the last valid text.
+    /// The values; a number is that of the last valid text.
     pub parameters: Parameters,
 }
 
-/// Why a draft cannot be run, and where.
+/// Why a draft cannot be run, and which field that concerns.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct DraftRefusal {
     /// The field it belongs to; `None` for a combination of choices.
@@ -83,7 +83,7 @@ impl Default for Draft {
 }
 
 impl Draft {
-    /// Returns the draft that reads as `parameters`.
+    /// The draft with the texts of `parameters`.
     #[must_use]
     pub fn from_parameters(parameters: Parameters) -> Self {
         let p = &parameters;
@@ -135,8 +135,8 @@ impl Draft {
         }
     }
 
-    /// Returns everything that is wrong, field by field: unreadable texts first, then what the
-    /// core refuses. An empty list means that the draft can be run.
+    /// All errors, field by field: unreadable texts first, then what the core refuses. If empty, the draft can
+    /// be run.
     #[must_use]
     pub fn refusals(&self) -> Vec<DraftRefusal> {
         let mut refusals: Vec<DraftRefusal> = FIELDS
@@ -156,7 +156,7 @@ impl Draft {
                 refusals.push(DraftRefusal { field, reason });
             }
         }
-        // Algorithm 4 as printed keeps every event, however many there are.
+        // Algorithm 4 as printed always records events, which limits its size.
         let most = match self.parameters.variant {
             Variant::Staged => MAX_ON_A_PAGE,
             Variant::AsPrinted => MAX_STAGED,
@@ -166,7 +166,7 @@ impl Draft {
         refusals
     }
 
-    /// Returns what the texts say, unless one of them cannot be read: the numbers then are those of an earlier text.
+    /// The parameters, unless a text cannot be read, since the numbers are then those of an earlier text.
     fn read(&self) -> Option<&Parameters> {
         let is_readable = |field| self.unreadable(field).is_none();
         FIELDS
@@ -175,7 +175,7 @@ impl Draft {
             .then_some(&self.parameters)
     }
 
-    /// Returns the names of what is not as in `made`.
+    /// The names of the parameters that differ from `made`.
     #[must_use]
     pub fn differences(&self, made: &Parameters) -> Vec<&'static str> {
         let p = &self.parameters;
@@ -211,14 +211,14 @@ impl Draft {
         typed.map(|(_, name)| name).chain(chosen).collect()
     }
 
-    /// Returns about how many samples a run would give.
+    /// The expected number of samples of a run.
     #[must_use]
     pub fn expected_samples(&self) -> Option<f64> {
         let domain = self.read()?.validate_sequential().ok()?;
         Some(domain.area_radii() * MAXIMAL_DENSITY)
     }
 
-    /// Returns the side of a pattern that does not repeat itself within a block, if this one does.
+    /// The smallest side of a pattern that does not repeat within a block, if the present one does.
     #[must_use]
     pub fn side_without_repeats(&self) -> Option<f64> {
         self.read()?.side_without_repeats()
@@ -268,7 +268,7 @@ fn too_many(expected: Option<f64>, most: f64) -> Option<DraftRefusal> {
     Some(DraftRefusal {
         field: Some(Field::Radius),
         reason: format!(
-            "About {expected} samples would result; a browser has room for {most}, and the native program for more."
+            "A run would have about {expected} samples; in a browser at most {most} are possible, in the native program more."
         ),
     })
 }
@@ -286,7 +286,7 @@ mod tests {
     }
 
     #[test]
-    fn more_than_a_tab_has_room_for_is_refused_with_both_numbers() {
+    fn a_run_too_large_for_a_page_is_refused_with_both_numbers() {
         assert_eq!(too_many(Some(2e6), 2e6), None);
         assert_eq!(too_many(None, 2e6), None);
         let refusal = too_many(Some(1e9), 2e6).unwrap();
@@ -318,7 +318,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_is_estimated_from_numbers_that_a_text_has_replaced() {
+    fn an_unreadable_text_prevents_estimates() {
         for field in FIELDS {
             let mut draft = Draft::default();
             draft.set_text(Field::Leaf, "80".to_owned());
@@ -330,7 +330,7 @@ mod tests {
     }
 
     #[test]
-    fn texts_return_to_numbers() {
+    fn texts_are_read_back_as_numbers() {
         let mut draft = Draft::default();
         draft.set_text(Field::Seed, " 77 ".to_owned());
         draft.set_text(Field::Leaf, "12.5".to_owned());

@@ -1,11 +1,12 @@
-//! What of the window is left where it is part of another page, as of a lecture's. Who may speak to it is the page's business.
+//! The parts of the window that are shown when it is embedded in another page, such as a lecture. The page in
+//! `web/` decides which origins may control it.
 
-/// What is left of the window.
+/// The parts of the window that are shown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Embedding {
     /// The canvas alone.
     Canvas,
-    /// The canvas, the sentence, the controls and the line.
+    /// The canvas, the sentence, the controls and the timeline.
     Player,
 }
 
@@ -13,7 +14,7 @@ impl Embedding {
     /// Every one.
     pub const ALL: [Self; 2] = [Self::Canvas, Self::Player];
 
-    /// Returns its name in addresses.
+    /// The name in addresses.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -22,7 +23,7 @@ impl Embedding {
         }
     }
 
-    /// Returns the one of this name.
+    /// The one with this name.
     #[must_use]
     pub fn named(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|one| one.name() == name)
@@ -34,7 +35,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn names_come_back() {
+    fn embeddings_are_found_by_their_names() {
         for one in Embedding::ALL {
             assert_eq!(Embedding::named(one.name()), Some(one));
         }

@@ -1,5 +1,5 @@
-//! What leaves the window as a file: samples with a certificate, pictures and animations. Formats and figures write;
-//! here it is said what of the session they are given.
+//! Exports: samples with a certificate, pictures and animations, as values. [`write`] makes their files,
+//! `crate::state` fills in the export sheet.
 
 #[cfg(not(target_arch = "wasm32"))]
 pub mod browse;
@@ -25,7 +25,7 @@ pub use picture::PictureView;
 pub use refusal::ExportRefusal;
 use tilescope_session::task::SessionRef;
 
-/// What can be written.
+/// The kinds of exports.
 #[derive(
     Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize,
 )]
@@ -38,7 +38,7 @@ pub enum ExportKind {
     Samples,
     /// What the canvas shows.
     Picture,
-    /// What the canvas shows while time goes on.
+    /// What the canvas shows during playback.
     Animation,
 }
 
@@ -57,13 +57,13 @@ impl ExportKind {
         }
     }
 
-    /// Returns whether it is a set of samples, rather than a picture.
+    /// Whether it is a set of samples, rather than a picture.
     #[must_use]
     pub const fn is_set(self) -> bool {
         matches!(self, Self::Result | Self::Samples)
     }
 
-    /// Returns the extensions of its files, the one to begin with first.
+    /// The extensions of its files, the default first.
     #[must_use]
     pub fn extensions(self) -> Vec<&'static str> {
         match self {
@@ -96,7 +96,7 @@ impl ExportKind {
         }
     }
 
-    /// Returns the name of the format that a file of this name gets, or `None` if it cannot be written.
+    /// The name of the format for a file name, or `None` if the extension is unknown.
     #[must_use]
     pub fn format(self, path: &Path) -> Option<String> {
         if self.is_set() {
@@ -109,7 +109,7 @@ impl ExportKind {
     }
 }
 
-/// Returns the extension of a path in small letters.
+/// The extension of a path in lower case.
 #[must_use]
 pub fn extension(path: &Path) -> Option<String> {
     Some(path.extension()?.to_str()?.to_ascii_lowercase())
@@ -121,29 +121,29 @@ pub fn extension(path: &Path) -> Option<String> {
 pub enum ExportCommand {
     /// Opens the sheet.
     Open(ExportKind),
-    /// Closes the sheet; an export at work goes on.
+    /// Closes the sheet; a running export continues.
     Close,
-    /// Chooses what to write.
+    /// Chooses the kind.
     Choose(ExportKind),
-    /// Types the name of the file.
+    /// Sets the name of the file.
     Path(String),
     /// Chooses the number type of coordinates.
     Precision(Precision),
-    /// Types a number.
+    /// Sets the text of a number.
     Type(NumberField, String),
     /// Chooses whether a picture is coloured for print instead of as in the window.
     Print(bool),
-    /// Chooses what the frames of an animation are counted in.
+    /// Chooses the clock that counts the frames of an animation.
     Clock(Clock),
     /// Asks for the file in the system's dialog.
     Browse,
-    /// Writes the file; the first time it only asks, where that would replace another file.
+    /// Writes the file. If that replaces another file, the first call only asks.
     Write,
-    /// Stops the export at work; no file is left of it.
+    /// Cancels the running export; no file is left of it.
     Cancel,
 }
 
-/// All that an export needs to know, so that the window may go on meanwhile.
+/// Everything that an export needs, independent of the window's further changes.
 #[derive(Clone, serde::Serialize, serde::Deserialize)]
 pub struct ExportJob {
     /// The file.
@@ -154,38 +154,38 @@ pub struct ExportJob {
     pub content: ExportContent,
 }
 
-/// What is written.
+/// The content of an export.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub enum ExportContent {
     /// Samples: the result, or those of a moment.
     Samples {
-        /// The moment, if not the result.
+        /// The moment; `None` for the result.
         moment: Option<Moment>,
-        /// Number type of the coordinates, where the format leaves the choice.
+        /// Number type of the coordinates, if the format leaves a choice.
         precision: Precision,
     },
     /// A picture.
     Picture {
         /// The moment.
         moment: Moment,
-        /// What of it is seen.
+        /// The view of the moment.
         view: PictureView,
-        /// The causes of what is brushed.
+        /// The causes of the brush.
         causes: Option<Cause>,
-        /// Pixels of the file for a point of the window; SVG has none.
+        /// Pixels for a point of the window; unused for SVG.
         scale: f64,
     },
     /// An animation.
     Animation {
         /// The cursor of each frame.
         cursors: Vec<usize>,
-        /// What is seen.
+        /// The view.
         view: PictureView,
         /// Pixels for a point of the window.
         scale: f64,
         /// Hundredths of a second for a frame.
         delay: u16,
-        /// How the frames were counted off: ticks of this clock.
+        /// The clock whose ticks count the frames.
         clock: Clock,
         /// Ticks from frame to frame.
         every: usize,

@@ -1,5 +1,6 @@
-//! Saved sessions, layouts and point sets: what the sheet asks for, and reading and writing them in the background. What
-//! comes in is bytes, natively out of files and in a browser as they were dropped or chosen; one function reads both.
+//! Saved sessions, layouts and point sets: the file sheet, and reading and writing in the background. Files
+//! arrive as bytes, natively from paths and in a browser as dropped or chosen files; [`read`] handles both
+//! alike.
 
 mod archive;
 mod read;
@@ -23,23 +24,23 @@ use std::sync::Arc;
 
 use tilescope_session::jobs::Job;
 
-/// What a file is for.
+/// The purpose of a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Purpose {
-    /// To keep the session.
+    /// To save the session.
     #[serde(alias = "Save")]
     Save,
-    /// To go on with a session.
+    /// To open a session.
     #[serde(alias = "Open")]
     Open,
-    /// To sample with a pattern of one's own.
+    /// To sample with a pattern from a file.
     #[serde(alias = "Pattern")]
     Pattern,
     /// To combine sets by a layout.
     #[serde(alias = "Combination")]
     Combination,
-    /// To hold the moments of a run against a point set.
+    /// To compare the moments of a run with a point set.
     #[serde(alias = "Against")]
     Against,
 }
@@ -53,11 +54,11 @@ impl Purpose {
             Self::Open => "Open a session",
             Self::Pattern => "Use a pattern from a file",
             Self::Combination => "Open a combination",
-            Self::Against => "Hold against a file",
+            Self::Against => "Compare with a file",
         }
     }
 
-    /// Returns what happens, in a sentence.
+    /// What happens, in a sentence.
     #[must_use]
     pub const fn explanation(self) -> &'static str {
         match self {
@@ -74,12 +75,12 @@ impl Purpose {
                 "A point set with its certificate, in any format that is exported. It must be maximal; the next run clips from it."
             }
             Self::Against => {
-                "A point set of any make, in any format that is exported, on the domain of this run. Without a certificate it is taken for one of the unit square. Its curves are drawn dashed."
+                "A point set made by any program, in any format that is exported, on the domain of this run. Without a certificate its domain is taken to be the unit square. Its curves are drawn dashed."
             }
         }
     }
 
-    /// Returns what the button says.
+    /// The label of the button.
     #[must_use]
     pub const fn verb(self) -> &'static str {
         match self {
@@ -87,12 +88,12 @@ impl Purpose {
             Self::Open => "Open",
             Self::Pattern => "Use this pattern",
             Self::Combination => "Combine",
-            Self::Against => "Hold against this file",
+            Self::Against => "Compare with this file",
         }
     }
 }
 
-/// The sheet.
+/// The file sheet.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FileForm {
     /// What the file is for.
@@ -101,7 +102,7 @@ pub struct FileForm {
     pub path: String,
     /// Whether the user was asked if an existing file may be replaced.
     pub asked: bool,
-    /// What was chosen in place of a file that has a path: bytes, as browsers hand them over.
+    /// The chosen files as bytes, where they have no path, as in browsers.
     pub chosen: Arc<[NamedBytes]>,
 }
 
@@ -113,41 +114,41 @@ pub enum FileCommand {
     Sheet(Purpose),
     /// Closes it.
     Close,
-    /// Types the file's name.
+    /// Sets the file's name.
     Path(String),
-    /// Asks for the file in the system's dialog; in a browser in that of the browser.
+    /// Opens the system's or browser's file dialog.
     Browse,
-    /// Takes the files that were chosen in the browser, one of them and what belongs to it.
+    /// Takes the files that were chosen in the browser: one to be opened and those that belong to it.
     Chosen(Vec<NamedBytes>),
-    /// Reads or writes the file. Where a file would be replaced, the first call asks and the second does it.
+    /// Reads or writes the file. If that replaces a file, the first call only asks.
     Go,
-    /// Stops what is read or written.
+    /// Cancels reading or writing.
     Cancel,
     /// Takes files that were dropped on the window: a session, a layout or a pattern.
     Dropped(Vec<String>),
-    /// Does the same with files that are there as bytes, and says of others why they are not.
+    /// Takes dropped files as bytes, and messages about others that could not be read.
     DroppedBytes(Vec<NamedBytes>, Vec<String>),
 }
 
 /// A file that is being read or written.
 pub struct Filing {
-    /// What for; a dropped one is looked at first.
+    /// The purpose; `None` for a dropped file, whose content decides.
     pub purpose: Option<Purpose>,
     /// Its name.
     pub path: String,
-    /// Why others that came with it were not even read.
+    /// Messages about others that came with it and were not read.
     pub refused: Vec<String>,
-    /// The work.
+    /// The background job.
     pub job: Job<FileOutcome>,
 }
 
-/// Where files go that are written.
+/// Where written files go.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub enum Delivery {
-    /// To the disk, by their paths.
+    /// To the disk.
     #[cfg(not(target_arch = "wasm32"))]
     Disk,
-    /// To whoever takes downloads: the browser.
+    /// To the browser, as downloads.
     Download,
 }
 
@@ -160,5 +161,5 @@ impl Default for Delivery {
     }
 }
 
-/// The name of a session's file, where there is none yet.
+/// The default name of a session's file.
 pub const SESSION_NAME: &str = "tilescope-session.json";

@@ -1,10 +1,10 @@
-//! The list of all actions while it is open.
+//! The search in the list of all actions, while the list is open.
 
-/// What was typed to find an action, and which of those found is chosen.
+/// The search text, and which of the actions found is selected.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Finder {
-    /// What was typed.
+    /// The search text.
     pub text: String,
-    /// The place of the choice among the actions found.
+    /// The index of the selected action among those found.
     pub choice: usize,
 }

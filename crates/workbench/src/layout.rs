@@ -1,5 +1,5 @@
-//! The layout of the window: which panels there are, where they stand at first, and how one comes into
-//! view. It is data: what shows it turns it into tiles to drag, and what a panel shows is not known here.
+//! The layout of the window as data: the panels, their default places, and how a panel is brought into view.
+//! `tilescope-app` shows it as tiles that can be dragged and draws the panels.
 //!
 //! [`mod@text`] writes a layout as a short text, for links and files; `old` reads the form of earlier versions.
 
@@ -11,7 +11,8 @@ pub mod text;
 
 pub use old::OldLayout;
 
-/// A panel of the window. What it shows is in the registry of `panels`; all else is a row of `ROWS`. The aliases are how earlier versions saved it.
+/// A panel of the window. Its content is in `panels/registry.rs` of `tilescope-app`; all else is a row of
+/// [`ROWS`]. Earlier versions saved the aliases.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Panel {
@@ -21,7 +22,7 @@ pub enum Panel {
     /// The layers and the picture.
     #[serde(alias = "Canvas")]
     Canvas,
-    /// What happened, and the clocks.
+    /// What happened, and the playback controls.
     #[serde(alias = "Timeline")]
     Timeline,
     /// The selected sample or place and its history.
@@ -30,7 +31,7 @@ pub enum Panel {
     /// The listings, with breakpoints.
     #[serde(alias = "Pseudocode")]
     Pseudocode,
-    /// What each stage left behind.
+    /// The statistics of each stage.
     #[serde(alias = "Statistics")]
     Statistics,
     /// The verdict.
@@ -39,13 +40,13 @@ pub enum Panel {
     /// The events around the moment, and those that a query finds.
     #[serde(alias = "Events")]
     Events,
-    /// Events to come back to.
+    /// Bookmarked events.
     #[serde(alias = "Bookmarks")]
     Bookmarks,
     /// Watched expressions, and the conditions of breakpoints.
     #[serde(alias = "Watches")]
     Watches,
-    /// What is measured of the moment.
+    /// The measures of the moment.
     #[serde(alias = "Analysis")]
     Analysis,
     /// The second run beside the first.
@@ -54,12 +55,12 @@ pub enum Panel {
     /// The passes of the GPU.
     #[serde(alias = "Passes")]
     Passes,
-    /// What symbols mean.
+    /// The meaning of the symbols.
     #[serde(alias = "Legend")]
     Legend,
 }
 
-/// Where a panel stands at first.
+/// The default place of a panel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Slot {
     Left,
@@ -71,13 +72,13 @@ enum Slot {
     Bottom,
 }
 
-/// What there is to know of a panel but for what it shows.
+/// Everything about a panel except its content.
 struct PanelRow {
     panel: Panel,
     name: &'static str,
-    /// Stands for it in links: the same in every version.
+    /// Its letter in links; the same in every version.
     letter: char,
-    /// Where it stands at first, and its place among the tabs there.
+    /// Its default place, and its position among the tabs there.
     slot: (Slot, u8),
 }
 
@@ -90,7 +91,7 @@ const fn row(panel: Panel, name: &'static str, letter: char, slot: (Slot, u8)) -
     }
 }
 
-/// Every panel, in the sequence of the enum: what is needed most comes first.
+/// Every panel, in the order of the enum, the most useful first.
 const ROWS: [PanelRow; 14] = [
     row(Panel::Parameters, "Parameters", 'p', (Slot::Left, 0)),
     row(Panel::Canvas, "Canvas", 'c', (Slot::Middle, 0)),
@@ -109,7 +110,7 @@ const ROWS: [PanelRow; 14] = [
 ];
 
 impl Panel {
-    /// Returns every panel; what is needed most comes first.
+    /// Every panel, the most useful first.
     #[must_use]
     pub fn all() -> impl DoubleEndedIterator<Item = Self> {
         ROWS.iter().map(|row| row.panel)
@@ -129,21 +130,21 @@ impl Panel {
         self.row().name
     }
 
-    /// Returns the letter that stands for it in links: the same in every version.
+    /// Its letter in links; the same in every version.
     #[must_use]
     pub const fn letter(self) -> char {
         self.row().letter
     }
 }
 
-/// Panels that a layout lacks stand beside this one.
+/// Panels missing from a layout are added beside this one.
 const NEIGHBOUR: Panel = Panel::Parameters;
-/// No layout that this program makes has tiles so deep within one another.
+/// The deepest nesting of tiles that is read; layouts of this program are shallower.
 pub const MAX_DEPTH: usize = 24;
-/// No layout that this program makes has so many tiles.
+/// The most tiles that are read; layouts of this program have fewer.
 pub const MAX_TILES: usize = 100;
 
-/// Along what the tiles of a container stand.
+/// The direction in which the tiles of a container are arranged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Direction {
     /// Side by side.
@@ -157,16 +158,16 @@ pub enum Direction {
 pub enum LayoutTile {
     /// A panel.
     Panel(Panel),
-    /// Tiles of which one is seen.
+    /// Tiles of which one is visible.
     Tabs {
-        /// The tiles, in the sequence of their tabs.
+        /// The tiles, in the order of their tabs.
         tiles: Vec<LayoutTile>,
-        /// The place of the one that is seen.
+        /// The index of the visible one.
         open: usize,
     },
-    /// Tiles that divide the room, each by its share of all shares.
+    /// Tiles that divide the room in proportion to their shares.
     Linear {
-        /// Along what they stand.
+        /// The direction.
         axis: Direction,
         /// The tiles and their shares, which are finite and not negative.
         tiles: Vec<(LayoutTile, f32)>,
@@ -174,7 +175,7 @@ pub enum LayoutTile {
 }
 
 impl LayoutTile {
-    /// Returns the tiles right within this one.
+    /// The direct children.
     pub fn children(&self) -> impl Iterator<Item = &Self> {
         let (tabs, linear): (&[Self], &[(Self, f32)]) = match self {
             Self::Panel(_) => (&[], &[]),
@@ -194,7 +195,7 @@ impl LayoutTile {
             .chain(linear.iter_mut().map(|(tile, _)| tile))
     }
 
-    /// Adds the panels within to a set, which has a bit for each; none if one is there already.
+    /// Adds the panels inside to a bit set; `None` if one is in it already.
     fn add_panels(&self, set: u32) -> Option<u32> {
         match self {
             Self::Panel(panel) => (set & panel.bit() == 0).then_some(set | panel.bit()),
@@ -230,7 +231,7 @@ impl LayoutTile {
         }
     }
 
-    /// Returns the tabs right around a panel.
+    /// The tabs that directly contain a panel.
     fn tabs_around(&mut self, panel: Panel) -> Option<&mut Vec<Self>> {
         let is_here = self.children().any(|tile| *tile == Self::Panel(panel));
         match self {
@@ -248,7 +249,7 @@ impl LayoutTile {
         }
     }
 
-    /// Returns the first tabs that are seen.
+    /// The first visible tabs.
     fn seen_tabs(&mut self) -> Option<&mut Vec<Self>> {
         match self {
             Self::Panel(_) => None,
@@ -257,7 +258,7 @@ impl LayoutTile {
         }
     }
 
-    /// Returns the tile without containers that hold nothing.
+    /// The tile without empty containers.
     fn pruned(self) -> Option<Self> {
         match self {
             Self::Panel(_) => Some(self),
@@ -290,7 +291,7 @@ impl LayoutTile {
     }
 }
 
-/// Where the panels stand.
+/// The places of the panels.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(into = "String", try_from = "String")]
 pub struct Layout {
@@ -338,14 +339,14 @@ impl Layout {
         }
     }
 
-    /// Returns whether the panel can be seen: it is there, and its tab is the open one.
+    /// Whether the panel is visible: it exists, and its tab is open.
     #[must_use]
     pub fn shows(&self, panel: Panel) -> bool {
         self.root.shows(panel)
     }
 
-    /// Enlarges tiles that are smaller than `least` says of their panels at the cost of the others, where `size`, between
-    /// whose tiles lie `gap` and above whose tabs lies a bar of `bar`, has room for all.
+    /// Enlarges tiles that are smaller than `least` requires for their panels, at the cost of the others, if
+    /// `size` has room for all. `gap` is the space between tiles, `bar` the height of the tabs' bar.
     pub fn enlarge(&mut self, size: Vec2, [gap, bar]: [f32; 2], least: impl Fn(Panel) -> Vec2) {
         let room = Room { gap, bar, least };
         room.enlarge(&mut self.root, size);
@@ -356,15 +357,15 @@ impl Layout {
         self.root.open(panel);
     }
 
-    /// Returns whether every panel is there once, as in every layout that this program made.
+    /// Whether every panel occurs once, as in every layout of this program.
     #[must_use]
     pub fn is_whole(&self) -> bool {
         let all = Panel::all().fold(0, |set, panel| set | panel.bit());
         self.root.add_panels(0) == Some(all)
     }
 
-    /// Returns the layout with every panel in it, the missing ones as tabs, if it is sound: a remembered layout may come
-    /// from a version with fewer panels, and one of a file from anywhere.
+    /// The layout completed with missing panels as tabs, or `None` if it is not valid: a saved layout may be of
+    /// a version with fewer panels, or come from anywhere.
     #[must_use]
     pub fn completed(mut self) -> Option<Self> {
         if !self.root.is_sound() {
@@ -385,7 +386,7 @@ impl Layout {
     }
 }
 
-/// The room that tiles need.
+/// Computes the room that tiles need.
 struct Room<L> {
     gap: f32,
     bar: f32,
@@ -393,7 +394,7 @@ struct Room<L> {
 }
 
 impl<L: Fn(Panel) -> Vec2> Room<L> {
-    /// Returns the least size of a tile.
+    /// The smallest size of a tile.
     fn of(&self, tile: &LayoutTile) -> Vec2 {
         match tile {
             LayoutTile::Panel(panel) => (self.least)(*panel),
@@ -461,8 +462,8 @@ impl Direction {
     }
 }
 
-/// Returns lengths of the same sum that are no smaller than `least`, those that are larger in the same proportions; the
-/// lengths themselves where there is no room for it.
+/// Lengths of the same sum that are at least `least`; the larger ones keep their proportions. The lengths
+/// themselves if there is not enough room.
 fn enlarged(lengths: &[f32], least: &[f32]) -> Vec<f32> {
     let (room, needed) = (lengths.iter().sum::<f32>(), least.iter().sum::<f32>());
     if needed > room
@@ -492,7 +493,7 @@ fn enlarged(lengths: &[f32], least: &[f32]) -> Vec<f32> {
             }
         };
         let found: Vec<f32> = (0..lengths.len()).map(at).collect();
-        // Of many that share what is left, another may now be too small.
+        // Another of the remaining tiles may now be too small.
         let Some(small) = (0..found.len()).find(|&k| !is_small[k] && found[k] < least[k]) else {
             return found;
         };
@@ -538,7 +539,7 @@ mod tests {
         let same = [30.0, 60.0, 10.0];
         assert_eq!(enlarged(&same, &[30.0, 10.0, 10.0]), same);
         assert_eq!(enlarged(&same, &[0.0, 0.0, 28.0]), [24.0, 48.0, 28.0]);
-        // One of those that give becomes too small itself.
+        // One of the tiles that shrink becomes too small itself.
         assert_eq!(enlarged(&same, &[29.0, 0.0, 40.0]), [29.0, 31.0, 40.0]);
         assert_eq!(enlarged(&[0.0, 100.0], &[25.0, 25.0]), [25.0, 75.0]);
         // There is no room for all.
@@ -546,7 +547,7 @@ mod tests {
     }
 
     #[test]
-    fn a_window_of_any_size_shows_the_layout_that_it_has_room_for() {
+    fn tiles_are_enlarged_only_as_far_as_the_window_has_room() {
         let least = |_| vec2(100.0, 50.0);
         let enlarge = |size| {
             let mut layout = Layout::default();
@@ -555,7 +556,7 @@ mod tests {
         };
         let whole = Layout::default();
         assert_eq!(enlarge(vec2(2_000.0, 1_500.0)), whole);
-        // No tile has a size without room.
+        // Without room no tile changes.
         assert_eq!(enlarge(Vec2::ZERO), whole);
         assert_ne!(enlarge(vec2(400.0, 300.0)), whole);
     }
@@ -571,17 +572,17 @@ mod tests {
         }
         let whole = Layout::default();
         assert_eq!(whole.clone().completed(), Some(whole));
-        // Tabs that the last panel was dragged out of are no place for others.
+        // Tabs whose last panel was dragged out do not receive others.
         let emptied = text::read("VHT-2000T_cg-8000-8000t2000-").expect("a layout");
         assert!(emptied.is_whole() && !text::written(&emptied).contains("T-"));
-        // A single panel has nowhere to put others, and tabs have.
+        // A single panel has no tabs to add others to.
         let root = LayoutTile::Panel(Panel::Canvas);
         assert_eq!(Layout { root }.completed(), None);
         assert!(Layout::alone(Panel::Canvas).completed().unwrap().is_whole());
     }
 
     #[test]
-    fn unsound_layouts_are_known() {
+    fn malformed_layouts_are_rejected() {
         let tabs = |tiles, open| LayoutTile::Tabs { tiles, open };
         let row = |share| LayoutTile::Linear {
             axis: Direction::Horizontal,

@@ -1,4 +1,4 @@
-//! Everything a window of Tilescope shows, and every command that changes it, without a window.
+//! The state of a Tilescope window and every command that changes it, independent of any window system.
 //!
 //! [`State`] is made of parts, and [`Command`]s alone change them: buttons, keys, links, pages and scripts issue the same
 //! ones. Begin with `state.rs`; `command.rs` lists what a user can do. It draws no widgets and depends on no egui.
@@ -8,7 +8,7 @@
 //! use tilescope_workbench::script;
 //!
 //! let text = r#"[{"form": {"type": ["radius", "0.03"]}}, "run", {"time": "first-stage"}]"#;
-//! let Ok(state) = script::carry_out(script::read(text)?, |_| Ok::<_, Infallible>(()));
+//! let Ok(state) = script::apply_all(script::read(text)?, |_| Ok::<_, Infallible>(()));
 //! assert_eq!(state.cursor().map(|(cursor, _)| cursor), Some(0));
 //! # Ok::<(), script::ScriptError>(())
 //! ```

@@ -1,11 +1,12 @@
-//! Permalinks: a run and how it is looked at as the fragment of an address, readable and short. What is read may come
-//! from anywhere: each part counts by itself, within limits, and what does not is named. Nothing is sampled here.
+//! Permalinks: a run and its view as the fragment of an address, readable and short. Links may come from
+//! anywhere: each part is checked by itself and limited, and parts that are changed or ignored are named in
+//! warnings. `crate::state` opens links.
 
 mod content;
 mod parameters;
 mod read;
-mod said;
 mod text;
+mod warnings;
 mod write;
 
 pub use content::{LinkContent, NamedMoment};
@@ -14,13 +15,13 @@ pub use read::COLOURINGS;
 #[cfg(test)]
 pub use read::keys;
 pub use read::read;
-pub use said::LinkWarnings;
-pub use said::quoted;
 pub use text::{name as choice_name, named as choice_named, slug};
+pub use warnings::LinkWarnings;
+pub use warnings::quoted;
 pub use write::layer_name;
 pub use write::{Link, write};
 
-/// The version of links that this program writes, and the newest that it knows.
+/// The version of links that this program writes, and the newest that it reads.
 pub const VERSION: u32 = 1;
 
 /// The most characters of a fragment that this program writes.
@@ -29,10 +30,10 @@ pub const MAX_CHARACTERS: usize = 8_000;
 /// The most bytes of a fragment that are read.
 pub const MAX_BYTES: usize = 65_536;
 
-/// As [`MAX_SAMPLES`], on a page.
+/// [`MAX_SAMPLES`] on a page.
 pub const MAX_SAMPLES_ON_A_PAGE: f64 = 200_000.0;
 
-/// As [`MAX_PATTERN_SIDE`], on a page.
+/// [`MAX_PATTERN_SIDE`] on a page.
 pub const MAX_PATTERN_SIDE_ON_A_PAGE: f64 = 500.0;
 
 /// The most samples expected of a run, a second run, a combination or a pattern that a link asks for.
@@ -42,7 +43,7 @@ pub const MAX_SAMPLES: f64 = if cfg!(target_arch = "wasm32") {
     2_000_000.0
 };
 
-/// The longest side of a pattern that a link asks for, in r: its pattern has at most [`MAX_SAMPLES`], too.
+/// The longest side of a pattern that a link asks for, in r; such a pattern has at most [`MAX_SAMPLES`].
 pub const MAX_PATTERN_SIDE: f64 = if cfg!(target_arch = "wasm32") {
     MAX_PATTERN_SIDE_ON_A_PAGE
 } else {

@@ -1,5 +1,6 @@
-//! The passes of a run on a GPU, one by one: their times, their buffers before and after, and whether the CPU has the
-//! same. [`Passes`] is the state, [`PassCommand`]s change it, a panel of the window shows it. Nothing is shown that was not measured.
+//! The passes of a run on a GPU, one by one: their times, their buffers before and after, and the comparison
+//! with the CPU. [`Passes`] is the state, [`PassCommand`]s change it; `tilescope-app` shows it. Everything
+//! shown was measured.
 
 pub mod csv;
 mod device;
@@ -28,7 +29,7 @@ pub use table::PassSide;
 
 use device::{Arrival, DeviceRun, Survey, Walker};
 
-/// What the panel asks for.
+/// A command of the panel.
 #[derive(Clone, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum PassCommand {
@@ -54,7 +55,7 @@ pub enum PassCommand {
     PointRow(Option<u32>),
     /// Show the rows on the canvas, or only in the table.
     OnCanvas(bool),
-    /// Bring the canvas into view, and the selected row, if there is one; time then runs by passes.
+    /// Open the canvas, fly to the selected row, if there is one, and choose passes as the clock.
     ShowCanvas,
     /// Stop what runs in the background.
     Cancel,
@@ -64,11 +65,11 @@ pub enum PassCommand {
     Path(String),
     /// Write the rows shown to that file; on the web, offer their bytes.
     Export,
-    /// Run again, with a word set behind a pass, or as it is.
+    /// Run again, with one word changed after a pass, or unchanged.
     Fault(Option<Fault>),
 }
 
-/// What runs in the background.
+/// The work in the background.
 enum PassWork {
     Idle,
     Survey(Job<Survey>),
@@ -85,29 +86,29 @@ pub struct Passes {
     work: PassWork,
     walker: Option<Walker>,
     selected: Option<usize>,
-    /// Whether the selected pass is still to be visited.
+    /// Whether the selected pass is to be visited.
     is_wanted: bool,
     /// The stage to go to once the passes are known.
     wanted_stage: Option<Stage>,
     visit: Option<Visit>,
     shown: ShownBuffer,
-    /// Whether the rows shown are on the canvas, too.
+    /// Whether the rows shown are also drawn on the canvas.
     is_on_canvas: bool,
-    /// The moment of the timeline at which the passes were dealt with last.
+    /// The moment of the timeline at the last command of the passes.
     moment: Option<Moment>,
     notice: Option<String>,
-    /// Why the list is not whole.
+    /// Why the list is incomplete.
     unlisted: Option<String>,
     path: Option<String>,
     export: Option<Job<Result<String, String>>>,
-    export_told: Option<Result<String, String>>,
+    export_result: Option<Result<String, String>>,
     download: Option<(String, Vec<u8>)>,
 }
 
 impl Passes {
-    /// Begins to run all passes of a run of `parameters` in the background.
+    /// Starts running all passes of a run of `parameters` in the background.
     ///
-    /// Fails with a sentence when the parameters cannot be sampled, and when the run would be too large to be looked at.
+    /// Fails when the parameters cannot be sampled and when the run would be too large to inspect.
     pub fn new(gpu: &Arc<Gpu>, parameters: &Parameters, wake: &Wake) -> Result<Self, String> {
         if let Some(refusal) = model::refusal(parameters) {
             return Err(refusal);
@@ -135,7 +136,7 @@ impl Passes {
             unlisted: None,
             path: None,
             export: None,
-            export_told: None,
+            export_result: None,
             download: None,
         };
         passes.survey();
@@ -153,7 +154,7 @@ impl Passes {
             PassCommand::First => self.select(0),
             PassCommand::Last => self.select(last),
             PassCommand::Buffer(place) => {
-                self.export_told = None;
+                self.export_result = None;
                 self.shown.show(self.visit.as_ref(), place);
             }
             PassCommand::Side(side) => self.shown.set_side(self.visit.as_ref(), side),
@@ -173,14 +174,13 @@ impl Passes {
         }
     }
 
-    /// Takes what the background has done and starts what is next. To be called every frame; returns whether anything
-    /// changed.
+    /// Takes finished work and starts the next. Called every frame; returns whether anything changed.
     pub fn poll(&mut self) -> bool {
         let written = self.export.as_ref().and_then(Job::poll);
         let is_written = written.is_some();
         if let Some(outcome) = written {
             self.export = None;
-            self.export_told = Some(outcome.unwrap_or_else(|failure| Err(sentence(&failure))));
+            self.export_result = Some(outcome.unwrap_or_else(|failure| Err(sentence(&failure))));
         }
         let has_arrived = match &self.work {
             PassWork::Idle => false,
@@ -197,7 +197,7 @@ impl Passes {
         is_written || has_arrived
     }
 
-    /// Waits until nothing runs in the background. For tests and scripts: a window polls.
+    /// Waits for all work in the background. For tests and scripts; a window polls.
     #[cfg(not(target_arch = "wasm32"))]
     pub fn settle(&mut self) {
         loop {
@@ -209,12 +209,12 @@ impl Passes {
             self.go_on();
         }
         if let Some(job) = self.export.take() {
-            self.export_told = Some(job.wait().unwrap_or_else(Err));
+            self.export_result = Some(job.wait().unwrap_or_else(Err));
         }
     }
 
-    /// Goes to the pass that ends a stage; as soon as the passes are known, if they are not. Returns whether there is
-    /// such a pass, or may be.
+    /// Goes to the pass that ends a stage, at once or when the passes are known. Returns whether there is such
+    /// a pass, or may be.
     pub fn select_stage(&mut self, stage: Stage) -> bool {
         if matches!(self.work, PassWork::Survey(_)) {
             self.wanted_stage = Some(stage);
@@ -230,7 +230,7 @@ impl Passes {
         }
     }
 
-    /// Returns the stage of the selected pass, and whether that pass ends it.
+    /// The stage of the selected pass, and whether that pass ends it.
     #[must_use]
     pub fn position(&self) -> Option<(Stage, bool)> {
         let pass = self.selected?;
@@ -238,7 +238,7 @@ impl Passes {
         Some((entry.report.stage, entry.badge != Badge::Intermediate))
     }
 
-    /// Returns the last stage that is whole behind the selected pass. The blocks are before the first one.
+    /// The last stage that is complete after the selected pass. The blocks are complete before the first pass.
     #[must_use]
     pub fn whole_stage(&self) -> Option<Stage> {
         let passed = self.entries.get(..=self.selected?)?;
@@ -247,7 +247,7 @@ impl Passes {
         Some(last.map_or(Stage::Blocks, |entry| entry.report.stage))
     }
 
-    /// Returns all passes of the run, as far as they are known.
+    /// The passes of the run that are known so far.
     #[must_use]
     pub fn entries(&self) -> &[PassEntry] {
         &self.entries
@@ -259,7 +259,7 @@ impl Passes {
         &self.lines
     }
 
-    /// Returns how often the run began anew, with more room or a wider halo, until it had enough of both.
+    /// How often the run was restarted with more memory or a wider halo.
     #[must_use]
     pub const fn restarts(&self) -> u32 {
         self.restarts
@@ -278,20 +278,20 @@ impl Passes {
         visit.filter(|visit| Some(visit.pass) == self.selected)
     }
 
-    /// Returns what is shown of them.
+    /// The choice of buffer, side and rows, and the rows shown.
     #[must_use]
     pub const fn shown(&self) -> &ShownBuffer {
         &self.shown
     }
 
-    /// Returns whether the rows shown are to be on the canvas, too.
+    /// Whether the rows shown are also drawn on the canvas.
     #[must_use]
     pub const fn is_on_canvas(&self) -> bool {
         self.is_on_canvas
     }
 
-    /// Returns what the canvas shows of the selected pass; nothing where that was not asked for, and where the pass was
-    /// not reached and is not on its way.
+    /// What the canvas shows of the selected pass; `None` if rows are not drawn on the canvas, or if the pass
+    /// was not visited and is not about to be.
     #[must_use]
     pub fn on_canvas(&self) -> Option<OnCanvas<'_>> {
         let pass = self.selected.filter(|_| self.is_on_canvas)?;
@@ -311,12 +311,12 @@ impl Passes {
         Some(tilescope_session::units::place(placed::middle(spot)))
     }
 
-    /// Notes the moment of the timeline at which the passes were dealt with.
+    /// Notes the moment of the timeline at a command of the passes.
     pub const fn note_moment(&mut self, moment: Option<Moment>) {
         self.moment = moment;
     }
 
-    /// Returns the moment of the timeline at which the passes were dealt with last.
+    /// The moment of the timeline at the last command of the passes.
     #[must_use]
     pub const fn moment(&self) -> Option<Moment> {
         self.moment
@@ -334,13 +334,13 @@ impl Passes {
         &self.subject.gpu.report().name
     }
 
-    /// Returns the word that is set in this run, if any.
+    /// The word changed in this run, if any.
     #[must_use]
     pub const fn fault(&self) -> Option<Fault> {
         self.subject.fault
     }
 
-    /// Returns what runs in the background and how far it is, from 0 to 1.
+    /// The work in the background and the fraction of it done, from 0 to 1.
     #[must_use]
     pub fn activity(&self) -> Option<(String, f32)> {
         match &self.work {
@@ -350,8 +350,7 @@ impl Passes {
         }
     }
 
-    /// Returns what there is to say of the work that ended last: why it did not reach its end, or why the list is not
-    /// whole.
+    /// A message about the last work: why it ended early, or why the list is incomplete.
     #[must_use]
     pub fn notice(&self) -> Option<&str> {
         self.notice.as_deref().or(self.unlisted.as_deref())
@@ -363,13 +362,13 @@ impl Passes {
         self.path.clone().unwrap_or_else(|| self.file_name())
     }
 
-    /// Returns what became of the last export: a sentence either way.
+    /// The result of the last export, as a sentence in both cases.
     #[must_use]
-    pub fn export_told(&self) -> Option<&Result<String, String>> {
-        self.export_told.as_ref()
+    pub fn export_result(&self) -> Option<&Result<String, String>> {
+        self.export_result.as_ref()
     }
 
-    /// Returns the file name and the bytes that were exported where there is no file system. They are handed out once.
+    /// The name and bytes of an exported file where there is no file system; taken once.
     #[must_use]
     pub const fn take_download(&mut self) -> Option<(String, Vec<u8>)> {
         self.download.take()

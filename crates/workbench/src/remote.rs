@@ -1,5 +1,5 @@
-//! Requests of a page that embeds the window, as JSON: strict about what is asked, within the limits of links. Who may ask is
-//! the page's business; what is done is the state's.
+//! Requests of a page that embeds the window, as JSON: strictly validated, with the limits of links.
+//! `state/remote.rs` answers them; the page in `web/` decides which origins may send them.
 
 use glam::DVec2;
 
@@ -22,7 +22,7 @@ use tilescope_drawing::camera::{Camera, MAX_SCALE, MIN_SCALE};
 /// The longest request, in bytes.
 pub const MAX_BYTES: usize = 65_536;
 
-/// What there is to ask for, each with its fields.
+/// The requests and their fields.
 const REQUESTS: [(&str, &[&str]); 7] = [
     ("state", &[]),
     ("load", &["parameters", "link"]),
@@ -33,7 +33,7 @@ const REQUESTS: [(&str, &[&str]); 7] = [
     ("pause", &[]),
 ];
 
-/// What may be sought by name.
+/// The targets that can be sought, by name.
 const TARGETS: [(&str, Target); 6] = [
     ("conflict", Target::Conflict),
     ("elimination", Target::Elimination),
@@ -43,16 +43,16 @@ const TARGETS: [(&str, Target); 6] = [
     ("violation", Target::Violation),
 ];
 
-/// How the canvas is to look; what is not said stays.
+/// The requested view; `None` leaves a part unchanged.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Wanted {
     /// The view of the domain.
     pub camera: Option<Camera>,
-    /// Whether all of it is shown instead.
+    /// Whether the whole domain is shown instead.
     pub whole: bool,
-    /// The layers that are on.
+    /// The visible layers.
     pub layers: Option<Layers>,
-    /// What colours mean.
+    /// What the colour of samples stands for.
     pub colouring: Option<Colouring>,
     /// The look.
     pub look: Option<Look>,
@@ -67,22 +67,22 @@ pub enum Request {
     Link(String),
     /// Samples with these parameters.
     Parameters(Box<Parameters>),
-    /// Goes on or back by a tick.
+    /// Steps by one tick.
     Step {
-        /// Whether it goes on.
+        /// Whether the step is forwards.
         forwards: bool,
-        /// What a tick is.
+        /// The unit of the tick.
         unit: Clock,
     },
-    /// Goes to the moment when so many events have happened.
+    /// Goes to the moment after this many events.
     SeekEvent(usize),
     /// Goes to the end of the stage of this name.
     SeekStage(String),
-    /// Goes to a part of the run, from 0 to 1.
+    /// Goes to a fraction of the run, from 0 to 1.
     SeekPart(f64),
-    /// Goes behind the next or previous event of this kind.
+    /// Goes to the moment after the next or previous event of this kind.
     SeekTarget(Target, Direction),
-    /// Changes how the canvas looks.
+    /// Changes the view.
     View(Wanted),
     /// Plays, at this speed if one is given.
     Play(Option<f32>),
@@ -99,16 +99,16 @@ pub enum RequestError {
         /// Its length.
         bytes: usize,
     },
-    /// It is no JSON object.
-    #[error("the request is no JSON object: {0}")]
+    /// It is not a JSON object.
+    #[error("the request is not a JSON object: {0}")]
     NoObject(String),
-    /// It asks for something that there is not.
+    /// The request is unknown.
     #[error("\"do\" is {found}; it must be one of {}", choices(REQUESTS.map(|(name, _)| name)))]
     Unknown {
-        /// What it says.
+        /// The given value.
         found: String,
     },
-    /// A field is not one of this request.
+    /// A field does not belong to this request.
     #[error("\"{action}\" has no field \"{field}\"")]
     UnknownField {
         /// The request.
@@ -116,33 +116,33 @@ pub enum RequestError {
         /// The field.
         field: String,
     },
-    /// A field has a value that it cannot have.
+    /// A field has an invalid value.
     #[error("\"{field}\" is {found}; it must be {wanted}")]
     Value {
         /// The field.
         field: String,
         /// Its value.
         found: String,
-        /// What it may be.
+        /// What is allowed.
         wanted: String,
     },
-    /// Not exactly one of several fields is there.
-    #[error("\"{action}\" wants exactly one of {fields}")]
+    /// Not exactly one of several fields is given.
+    #[error("\"{action}\" needs exactly one of {fields}")]
     OneOf {
         /// The request.
         action: &'static str,
         /// The fields.
         fields: &'static str,
     },
-    /// A view that changes nothing.
+    /// The view changes nothing.
     #[error(
-        "\"view\" says nothing; it has the fields \"camera\", \"layers\", \"colouring\" and \"look\""
+        "\"view\" is empty; it has the fields \"camera\", \"layers\", \"colouring\" and \"look\""
     )]
     Nothing,
     /// The parameters cannot be sampled.
     #[error("{0}")]
     Parameters(String),
-    /// It cannot be done now.
+    /// It cannot be done now; the reason.
     #[error("{0}")]
     Refused(String),
 }
@@ -172,7 +172,7 @@ pub fn read(text: &str) -> Result<Request, RequestError> {
     }
 }
 
-/// Returns names as a sentence lists them.
+/// Names as a list in a sentence.
 fn choices<'a>(names: impl IntoIterator<Item = &'a str>) -> String {
     let names = names.into_iter().map(|name| format!("\"{name}\""));
     names.collect::<Vec<_>>().join(", ")
@@ -353,7 +353,8 @@ fn layers(value: &Value) -> Result<Layers, RequestError> {
     Ok(layers)
 }
 
-/// Returns the default session's parameters with those that are given; unlike a link's they are refused, not corrected.
+/// The default session's parameters changed by those given. Unlike a link's, invalid ones are refused, not
+/// corrected.
 fn parameters(value: &Value) -> Result<Parameters, RequestError> {
     let Some(given) = value.as_object() else {
         return Err(wrong("parameters", value, "an object"));
@@ -396,7 +397,7 @@ fn lay_over(
             (true, Some(inner)) => lay_over(place, inner, "pattern")?,
             (true, None) => return Err(wrong(field, value, "an object")),
             (false, _) => {
-                // Numbers that are rounded on the way come as text.
+                // Seeds may be given as text, since JavaScript would round large numbers.
                 let exact = value.as_str().filter(|_| field == "seed");
                 let exact = exact.and_then(|text| text.parse::<u64>().ok());
                 let value = &exact.map_or_else(|| value.clone(), Value::from);
@@ -412,7 +413,7 @@ fn lay_over(
     Ok(())
 }
 
-/// Returns whether two values are both numbers, both texts or both switches.
+/// Whether two values are both numbers, both strings or both booleans.
 fn same_kind(a: &Value, b: &Value) -> bool {
     (a.is_number() && b.is_number())
         || (a.is_string() && b.is_string())

@@ -1,7 +1,7 @@
-//! Scripts: the commands that buttons and keys issue, as a JSON list, carried out without a window.
+//! Scripts: the commands that buttons and keys issue, as a JSON list, run without a window.
 //!
-//! A command without anything more is its name, `"run"`; others are objects of one key, which group comes first:
-//! `{"time": {"jump": 300}}`, `{"form": {"type": ["seed", "7"]}}`, `{"view": ["first", "fit"]}`.
+//! A command without parameters is its name, `"run"`; others are objects of one key, the group: `{"time":
+//! {"jump": 300}}`, `{"form": {"type": ["seed", "7"]}}`, `{"view": ["first", "fit"]}`.
 
 use std::sync::Arc;
 
@@ -12,31 +12,31 @@ use thiserror::Error;
 use crate::command::{Command, ViewCommand, Which};
 use crate::state::State;
 
-/// Most commands of a script.
+/// The most commands of a script.
 pub const MAX_COMMANDS: usize = 100_000;
 /// The canvas that cameras are fitted into, in screen points.
 const CANVAS: [f32; 2] = [1280.0, 720.0];
 
-/// Why a text is no script.
+/// Why a text is not a script.
 #[derive(Debug, Error)]
 pub enum ScriptError {
     /// It is not a JSON list.
     #[error("a script is a JSON list of commands: {0}")]
     NotAList(serde_json::Error),
     /// It is too long.
-    #[error("the script has {0} commands; at most {MAX_COMMANDS} are carried out")]
+    #[error("the script has {0} commands; at most {MAX_COMMANDS} are allowed")]
     TooLong(usize),
     /// One of its commands is unknown or has unknown parts.
     #[error("command {number}: {why}")]
     BadCommand {
-        /// Its place, from 1.
+        /// Its number, from 1.
         number: usize,
         /// What is wrong with it.
         why: serde_json::Error,
     },
 }
 
-/// Returns the commands of a script. All of them are read before any is carried out.
+/// The commands of a script.
 pub fn read(text: &str) -> Result<Vec<Command>, ScriptError> {
     let values: Vec<Value> = serde_json::from_str(text).map_err(ScriptError::NotAList)?;
     if values.len() > MAX_COMMANDS {
@@ -51,11 +51,11 @@ pub fn read(text: &str) -> Result<Vec<Command>, ScriptError> {
     values.into_iter().enumerate().map(command).collect()
 }
 
-/// Carries out commands one after the other, beginning with the default session; the work that each starts is waited for.
-/// `after` receives the state after each command, and ends the script by returning an error.
+/// Applies commands one after the other, beginning with the default session, and waits for the work that each
+/// starts. `after` receives the state after each command, and ends the script by returning an error.
 ///
-/// Cameras jump instead of flying, and time that plays does not run on by itself.
-pub fn carry_out<E>(
+/// Cameras jump instead of flying, and playing does not advance by itself.
+pub fn apply_all<E>(
     commands: Vec<Command>,
     mut after: impl FnMut(&State) -> Result<(), E>,
 ) -> Result<State, E> {
@@ -73,7 +73,7 @@ pub fn carry_out<E>(
     Ok(state)
 }
 
-/// Reads and carries out a script. `print` receives the state as JSON, as a page is told of it: after each command where
+/// Reads and runs a script. `print` receives the state as JSON, as pages receive it: after each command if
 /// `each` is set, otherwise after the last one. Returns the verifier's verdict on the session at the end.
 pub fn run<E: From<ScriptError>>(
     text: &str,
@@ -81,10 +81,13 @@ pub fn run<E: From<ScriptError>>(
     print: &mut dyn FnMut(&str) -> Result<(), E>,
 ) -> Result<Option<bool>, E> {
     let commands = read(text)?;
-    let mut told = |state: &State| print(&format!("{}\n", state.told()));
-    let state = carry_out(commands, |state| if each { told(state) } else { Ok(()) })?;
+    let mut print_state = |state: &State| print(&format!("{}\n", state.to_json()));
+    let state = apply_all(
+        commands,
+        |state| if each { print_state(state) } else { Ok(()) },
+    )?;
     if !each {
-        told(&state)?;
+        print_state(&state)?;
     }
     Ok(state.verdict().map(|verdict| verdict.report.valid()))
 }
@@ -94,7 +97,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_no_script_is_refused_with_the_place() {
+    fn invalid_scripts_are_refused_with_the_command() {
         let refused = |text: &str| read(text).unwrap_err().to_string();
         assert!(refused("{}").starts_with("a script is a JSON list of commands: "));
         let unknown = refused(r#"["run", {"time": "stepforward"}]"#);

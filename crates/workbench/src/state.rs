@@ -1,5 +1,6 @@
-//! Everything the window shows, and the one place where commands change it. It knows no widgets: tests
-//! drive it without a window.
+//! The state of the window, and [`State::apply`], the only way in which commands change it. It has parts,
+//! listed in [`State`]; what a part needs of another is an effect ([`effects`]), which the state carries out.
+//! Tests drive it without a window.
 
 use tilescope_core::Stage;
 
@@ -23,19 +24,19 @@ use tilescope_session::verification::Verdict;
 pub use time::Time;
 pub use window::WindowState;
 
-/// What the verifier has said so far.
+/// The state of verification.
 pub enum Verification {
-    /// There is nothing to verify.
+    /// There is no session to verify.
     Nothing,
     /// It is at work.
     Pending(Job<Result<Verdict, String>>),
-    /// It has judged.
+    /// It has a verdict.
     Done(Box<Verdict>),
-    /// It gave no verdict, and why.
+    /// It failed, and why.
     Failed(String),
 }
 
-/// Something the user should read.
+/// A message to the user.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Notice {
     /// Sentences.
@@ -44,20 +45,20 @@ pub struct Notice {
     pub is_error: bool,
 }
 
-/// Whether the window may have the full screen.
+/// Whether the window can use full screen.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum FullScreen {
-    /// It may.
+    /// It can.
     #[default]
     Free,
-    /// It is to have it now, or to give it back.
+    /// It is to enter or leave full screen now.
     Asked,
-    /// It may not, and why.
+    /// It cannot, and why.
     Refused(&'static str),
 }
 
 impl FullScreen {
-    /// Returns why the window may not have it, if so.
+    /// Why the window cannot use full screen, if so.
     #[must_use]
     pub const fn refusal(self) -> Option<&'static str> {
         match self {
@@ -69,32 +70,32 @@ impl FullScreen {
 
 /// The state of the window.
 pub struct State {
-    /// What the next run is made from.
+    /// The input of the next run.
     pub form: Form,
-    /// The runs that are looked at.
+    /// The runs that are shown.
     pub runs: Runs,
-    /// How time runs.
+    /// Playback.
     pub time: Time,
-    /// How moments are drawn.
+    /// The appearance of moments.
     pub appearance: Appearance,
-    /// What stands where.
+    /// Panels, drawer, list of actions, full screen.
     pub window: WindowState,
-    /// What is read and written.
+    /// Files and exports.
     pub files: FileState,
-    /// What is known of the GPU.
+    /// The engine and the GPU.
     pub gpu: GpuState,
-    /// What is measured of the moment.
+    /// The analysis.
     pub analysis: Analysis,
-    /// Links that come and go.
+    /// Links.
     pub links: Links,
-    /// What the user should read or hear.
+    /// Messages to the user.
     pub messages: Messages,
     history: undo::History,
     jobs: JobContext,
 }
 
 impl State {
-    /// Returns the state of a window that has just opened: the default session is being sampled.
+    /// The state of a new window, with the default session being sampled.
     #[must_use]
     pub fn new(wake: Wake) -> Self {
         let mut state = Self {
@@ -142,7 +143,7 @@ impl State {
         self.runs.first.cursor()
     }
 
-    /// Returns what the canvas shows.
+    /// What the canvas draws.
     #[must_use]
     pub fn subject(&self) -> Option<Subject<'_>> {
         let first = &self.runs.first;
@@ -152,7 +153,7 @@ impl State {
         })
     }
 
-    /// Returns why the draft cannot be run now, or `None` if it can.
+    /// Why the draft cannot be run now, or `None` if it can.
     #[must_use]
     pub fn run_refusal(&self) -> Option<String> {
         let refusal = self.form.draft.refusals().into_iter().next();
@@ -160,7 +161,7 @@ impl State {
         refusal.or_else(|| self.gpu.waiting())
     }
 
-    /// Carries out a command: the only way in which the state changes for a user.
+    /// Applies a command. This is the only way in which the user changes the state.
     pub fn apply(&mut self, command: Command) {
         match command {
             Command::Undo => self.undo(),
@@ -169,17 +170,17 @@ impl State {
                 Some(part) => {
                     let before = self.memento();
                     let remembered = command.clone();
-                    self.carry_out(command);
+                    self.dispatch(command);
                     self.remember(before, part, Some(&remembered));
                 }
-                None => self.carry_out(command),
+                None => self.dispatch(command),
             },
         }
         self.follow_first();
         self.follow_passes();
     }
 
-    fn carry_out(&mut self, command: Command) {
+    fn dispatch(&mut self, command: Command) {
         match command {
             Command::Form(command) => self.form.apply(command),
             Command::Gpu(command) => self.with(|state, context| state.gpu.apply(command, context)),
@@ -230,19 +231,19 @@ impl State {
         }
     }
 
-    /// Takes up what the user chose of motion earlier.
+    /// Restores the user's earlier choice of motion.
     pub fn choose_motion(&mut self, chosen: Option<bool>) {
         self.appearance.choose_motion(chosen);
         self.end_flights();
     }
 
-    /// Takes up what the system prefers, which counts until the user chooses.
+    /// Sets the system's preference of motion, which counts until the user chooses.
     pub fn prefer_reduced_motion(&mut self, reduced: bool) {
         self.appearance.prefer_reduced_motion(reduced);
         self.end_flights();
     }
 
-    /// Where motion is reduced the flights at work end where they lead.
+    /// Ends flights of cameras at their destinations if motion is reduced.
     fn end_flights(&mut self) {
         if self.appearance.reduced_motion {
             for which in [Which::First, Which::Second] {
@@ -257,12 +258,12 @@ impl State {
         });
     }
 
-    /// Has parts do something, and does what they ask of the others.
+    /// Runs `act`, and carries out the effects it asks for.
     fn with<T>(&mut self, act: impl FnOnce(&mut Self, &mut Context) -> T) -> T {
         self.with_of(Which::First, act)
     }
 
-    /// Does the same for one of the runs: what it tells is told of that run.
+    /// Runs `act` for one of the runs; its notices name that run.
     fn with_of<T>(&mut self, which: Which, act: impl FnOnce(&mut Self, &mut Context) -> T) -> T {
         let mut context = Context::new(&self.jobs, &self.appearance);
         let outcome = act(self, &mut context);
@@ -271,7 +272,7 @@ impl State {
         outcome
     }
 
-    /// Has a run do something, if it is there, and does what it asks of the other parts.
+    /// Runs `act` on a run, if it exists, and carries out the effects it asks for.
     fn on<T>(
         &mut self,
         which: Which,
@@ -282,7 +283,7 @@ impl State {
         })
     }
 
-    /// Has time do something with the run that it moves, and does what they ask of the other parts.
+    /// Runs `act` on playback and the run that it moves, and carries out the effects they ask for.
     fn in_time<T>(&mut self, act: impl FnOnce(&mut Time, &mut RunView, &mut Context) -> T) -> T {
         self.with(|state, context| act(&mut state.time, &mut state.runs.first, context))
     }
@@ -297,7 +298,7 @@ impl State {
         }
     }
 
-    /// Brings what is known of the selection into view, if there is a selection and the window has panels.
+    /// Opens the inspector, if something is selected and the window has panels.
     fn inspect(&mut self, which: Which) {
         let run = self.runs.get(which);
         let is_selected = run.is_some_and(|run| run.selected.is_some() || run.place.is_some());
@@ -310,7 +311,7 @@ impl State {
         self.messages.notice = Some(Notice { text, is_error });
     }
 
-    /// Tells something that concerns one of the runs.
+    /// Shows a notice that concerns one of the runs.
     pub(super) fn tell_of(&mut self, which: Which, text: String, is_error: bool) {
         self.tell(
             match which {

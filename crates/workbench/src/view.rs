@@ -1,5 +1,5 @@
-//! How a session is looked at, as it is saved with it: camera, layers, colours, panels, selection, clock, the second run.
-//! What is read may come from anywhere: each part counts only if it makes sense.
+//! The view of a session, as saved with it: camera, layers, colours, panels, selection, clock, the second run.
+//! Views are read from untrusted files: each part is checked by itself.
 
 use glam::DVec2;
 
@@ -16,25 +16,25 @@ use crate::compare::Comparison;
 use crate::layout::{Layout, OldLayout, text};
 use tilescope_drawing::camera::{Camera, MAX_SCALE, MIN_SCALE};
 
-/// Farther from the origin than this, in r, there is no domain.
+/// The farthest that any domain reaches from the origin, in r.
 pub const MAX_OFFSET: f64 = 200_000.0;
 
-/// How a session is looked at: parts of the state.
+/// The view of a session: parts of the state.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SavedView {
-    /// The view of the domain; none shows all of it, however large the window is.
+    /// The camera; `None` fits the whole domain into any window.
     pub camera: Option<Camera>,
     /// How moments are drawn.
     pub appearance: Appearance,
     /// Where the panels stand.
     pub layout: Layout,
-    /// What is selected.
+    /// The selection.
     pub selection: Selection,
-    /// How time runs.
+    /// The state of playback.
     pub playback: Playback,
-    /// What the run beside this one is made from.
+    /// The parameters of the second run.
     pub second: Option<Parameters>,
-    /// Whether cameras move together, clocks run together, and differences are marked.
+    /// Whether cameras are linked, playback is linked, and differences are marked.
     pub links: [bool; 3],
 }
 
@@ -66,7 +66,7 @@ enum SavedSelection {
 }
 
 impl SavedView {
-    /// Returns what is written.
+    /// The view as JSON.
     #[must_use]
     pub fn to_json(&self) -> Value {
         let Appearance {
@@ -105,8 +105,8 @@ impl SavedView {
         Value::Object(map)
     }
 
-    /// Returns what a saved view means where the view is `now`, and the names of the parts that make no sense. What is
-    /// missing or makes no sense stays as it is now; there is no second run but one that is said.
+    /// The saved view, read over the current view `now`, and the names of the invalid parts. Parts that are
+    /// missing or invalid stay as in `now`; without a saved second run there is none.
     #[must_use]
     pub fn from_json(value: &Value, now: &Self) -> (Self, Vec<&'static str>) {
         let mut parts = Parts {
@@ -157,7 +157,7 @@ impl Parts<'_> {
         taken
     }
 
-    /// Replaces a value by the saved one, if that makes sense.
+    /// Replaces a value by the saved one, if that is valid.
     fn set<S: DeserializeOwned, T>(
         &mut self,
         value: &mut T,
@@ -174,14 +174,14 @@ fn camera(saved: SavedCamera) -> Option<Camera> {
     sound_camera(saved.center, saved.scale)
 }
 
-/// Returns the camera at `center`, in r, with `scale` screen points per r, if there may be one.
+/// The camera at `center`, in r, with `scale` screen points per r, if both are valid.
 #[must_use]
 pub fn sound_camera(center: DVec2, scale: f64) -> Option<Camera> {
     let may_be = is_near(center) && (MIN_SCALE..=MAX_SCALE).contains(&scale);
     may_be.then_some(Camera { center, scale })
 }
 
-/// Returns whether there are domains that reach as far as `place`, in r.
+/// Whether `place`, in r, is within reach of any domain.
 #[must_use]
 pub fn is_near(place: DVec2) -> bool {
     place.abs().cmple(DVec2::splat(MAX_OFFSET)).all()
@@ -195,7 +195,7 @@ fn layout(saved: Value) -> Option<Layout> {
     }
 }
 
-/// Layers that this version does not know are passed over.
+/// Layers unknown to this version are ignored.
 #[allow(clippy::unnecessary_wraps, reason = "the shape of the other parts")]
 fn layers(names: Vec<String>) -> Option<Layers> {
     let mut layers = Layers::none();
@@ -215,13 +215,13 @@ fn selection(saved: SavedSelection) -> Option<Selection> {
     }
 }
 
-/// A run that is sampled because a file says so is no larger than a session may be.
+/// A second run from a file is limited like a session.
 fn second(second: Parameters) -> Option<Parameters> {
     let domain = second.validate_sequential().ok()?;
     (MAXIMAL_DENSITY * domain.area_radii() <= MAX_SAMPLES as f64).then_some(second)
 }
 
-/// Returns the speed, if it is between the slowest and the fastest to choose.
+/// The speed, if it is between the slowest and the fastest choice.
 #[must_use]
 pub fn speed(speed: f32) -> Option<f32> {
     let fastest = SPEEDS[SPEEDS.len() - 1];
@@ -260,13 +260,13 @@ mod tests {
     }
 
     #[test]
-    fn what_is_written_is_read() {
+    fn views_are_read_as_written() {
         let text = serde_json::to_string(&view().to_json()).unwrap();
         let (back, dropped) =
             SavedView::from_json(&serde_json::from_str(&text).unwrap(), &SavedView::default());
         assert_eq!(back, view());
         assert_eq!(dropped, [""; 0]);
-        // What is not said stays, but for the second run.
+        // Missing parts stay, except the second run.
         let alone = SavedView {
             second: None,
             ..back.clone()
@@ -275,7 +275,7 @@ mod tests {
     }
 
     #[test]
-    fn what_makes_no_sense_is_dropped_by_name_and_the_rest_counts() {
+    fn invalid_parts_are_dropped_by_name_and_the_rest_is_read() {
         let broken = json!({
             "camera": {"center": [0.0, 1e300], "scale": 12.0},
             "layers": ["Samples", "Fireworks"],

@@ -360,7 +360,7 @@ impl Page {
             return;
         }
         self.told_secs = now_secs;
-        let told = state.told();
+        let told = state.to_json();
         let link = told["link"].as_str().unwrap_or_default();
         if self.link.as_deref() != Some(link) {
             hooks::link(link);

@@ -39,11 +39,11 @@ pub(super) fn add(list: &mut List, state: &State) {
     };
     add(name, Some(Key::A), command, None);
     let against = Command::File(FileCommand::Sheet(Purpose::Against));
-    add("Hold against a file\u{2026}", None, against, no_session);
-    let none = "No file is held against this run.";
+    add("Compare with a file\u{2026}", None, against, no_session);
+    let none = "This run is not compared with a file.";
     let clear = Command::Analysis(AnalysisCommand::Clear);
-    let refusal = analysis.held.is_none().then_some(none);
-    add("Forget the file held against", None, clear, refusal);
+    let refusal = analysis.reference_file.is_none().then_some(none);
+    add("Remove the file compared with", None, clear, refusal);
     let idle = "Nothing is being measured.";
     let refusal = analysis.progress().is_none().then_some(idle);
     let stop = Command::Analysis(AnalysisCommand::Stop);

@@ -82,9 +82,9 @@ fn links(list: &mut List, state: &State) {
             CompareCommand::LinkCameras as fn(bool) -> CompareCommand,
         ),
         (
-            "Clocks together",
-            second.is_none_or(|(_, c)| !c.linked_clocks),
-            CompareCommand::LinkClocks,
+            "Playback together",
+            second.is_none_or(|(_, c)| !c.linked_playback),
+            CompareCommand::LinkPlayback,
         ),
         (
             "Mark differences",

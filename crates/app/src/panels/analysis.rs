@@ -17,8 +17,8 @@ use tilescope_ui::widgets::{Kebab, Known, heading};
 
 use plot::{Dash, Dragged};
 use tilescope_workbench::analysis::brush::{Brush, BrushAxis, FIRST_PEAK};
-use tilescope_workbench::analysis::held::Held;
 use tilescope_workbench::analysis::measured::MeasuredSet;
+use tilescope_workbench::analysis::reference_file::ReferenceFile;
 use tilescope_workbench::analysis::{Analysis, AnalysisCommand, name_of};
 use tilescope_workbench::command::Command;
 use tilescope_workbench::files::{FileCommand, Purpose};
@@ -36,7 +36,7 @@ pub struct AnalysisContext<'a> {
     /// What is measured of it.
     pub analysis: &'a Analysis,
     /// The file that the run is held against, or why it is not.
-    pub held: Option<Result<&'a Arc<Held>, String>>,
+    pub held: Option<Result<&'a Arc<ReferenceFile>, String>>,
     /// What came of the brush.
     pub said: String,
 }
@@ -48,7 +48,7 @@ struct Sets<'a> {
     /// What was measured last, of another moment, while the moment at hand is not known.
     before: Option<&'a MeasuredSet>,
     reference: Option<&'a Arc<MeasuredSet>>,
-    held: Option<&'a Arc<Held>>,
+    held: Option<&'a Arc<ReferenceFile>>,
     /// r of the run, in the unit of the file.
     unit: f64,
     /// Of the session.
@@ -284,15 +284,15 @@ fn file(
 ) {
     ui.add_space(4.0);
     ui.horizontal(|ui| {
-        let open = ui.button("Hold against a file\u{2026}");
+        let open = ui.button("Compare with a file\u{2026}");
         if open.known_as("analysis.hold").clicked() {
             commands.push(Command::File(FileCommand::Sheet(Purpose::Against)));
         }
-        let there = context.analysis.held.is_some();
+        let there = context.analysis.reference_file.is_some();
         let clear = ui.add_enabled(there, Button::new("Clear"));
         clear.known_as("analysis.clear");
         let clear = clear.on_hover_text("Forgets the file.");
-        let clear = clear.on_disabled_hover_text("No file is held against this run.");
+        let clear = clear.on_disabled_hover_text("This run is not compared with a file.");
         if clear.clicked() {
             own.push(AnalysisCommand::Clear);
         }

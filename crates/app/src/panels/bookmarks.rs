@@ -67,7 +67,7 @@ pub fn show(
             .known_as("no-breakpoints");
     }
     breakpoints(ui, debugger, palette, commands);
-    if let Some(said) = context.run.hits.said() {
+    if let Some(said) = context.run.hits.description() {
         ui.label(RichText::new(said).color(palette.muted))
             .known_as("hits");
     }

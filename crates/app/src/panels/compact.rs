@@ -303,7 +303,7 @@ fn drawer(
 const fn tab_name(panel: Panel) -> &'static str {
     match panel {
         Panel::Canvas => "Layers",
-        Panel::Timeline => "Clocks",
+        Panel::Timeline => "Playback",
         _ => panel.name(),
     }
 }

@@ -76,7 +76,7 @@ fn second(ui: &mut Ui, side: &RunView, palette: &Palette, commands: &mut Vec<Com
         swap.known_as("compare.swap");
         if swap
             .on_hover_text("All panels show run A.")
-            .on_disabled_hover_text("The second run is not there yet.")
+            .on_disabled_hover_text("The second run is not ready yet.")
             .clicked()
         {
             commands.push(Command::Compare(CompareCommand::Swap));
@@ -137,7 +137,7 @@ fn parting(
         return;
     };
     let Some(divergence) = comparison.divergence(a, b) else {
-        let text = comparison.failure().unwrap_or("Being looked for\u{2026}");
+        let text = comparison.failure().unwrap_or("Searching\u{2026}");
         ui.label(RichText::new(text).color(palette.muted))
             .known_as("parting-0");
         return;
@@ -252,16 +252,16 @@ fn now(
 fn links(ui: &mut Ui, comparison: &Comparison, own: &mut Vec<CompareCommand>) {
     heading(ui, "Together");
     let mut on = comparison.linked_cameras;
-    let cameras = ui.checkbox(&mut on, "Cameras move together");
+    let cameras = ui.checkbox(&mut on, "Link cameras");
     if cameras.known_as("compare.cameras").changed() {
         own.push(CompareCommand::LinkCameras(on));
     }
-    let mut on = comparison.linked_clocks;
+    let mut on = comparison.linked_playback;
     let hint =
         "The same event as long as the runs are the same, then the same share of the same stage.";
-    let clocks = ui.checkbox(&mut on, "Clocks run together");
-    clocks.known_as("compare.clocks");
-    if clocks.on_hover_text(hint).changed() {
-        own.push(CompareCommand::LinkClocks(on));
+    let playback = ui.checkbox(&mut on, "Link playback");
+    playback.known_as("compare.clocks");
+    if playback.on_hover_text(hint).changed() {
+        own.push(CompareCommand::LinkPlayback(on));
     }
 }

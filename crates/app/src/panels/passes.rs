@@ -372,7 +372,7 @@ fn export(ui: &mut Ui, passes: &Passes, palette: &Palette, commands: &mut Vec<Pa
         if export.known_as("passes.export").clicked() {
             commands.push(PassCommand::Export);
         }
-        let (text, color) = match passes.export_told() {
+        let (text, color) = match passes.export_result() {
             None => return,
             Some(Ok(told)) => (told, palette.inserted),
             Some(Err(told)) => (told, palette.conflict),

@@ -116,8 +116,8 @@ impl<'a> AnalysisContext<'a> {
             palette: Palette::of(state.appearance.look),
             run: &state.runs.first,
             analysis: &state.analysis,
-            held: state.held(),
-            said: state.brush_said(),
+            held: state.reference_file(),
+            said: state.brush_text(),
         }
     }
 }
@@ -144,7 +144,7 @@ impl<'a> FormContext<'a> {
             sampling: state.runs.first.sampling.as_ref(),
             refusal: state.run_refusal(),
             remark: state.run_remark(),
-            engine: state.gpu.said(state.form.draft.parameters.variant),
+            engine: state.gpu.engine_text(state.form.draft.parameters.variant),
             auto_is_gpu: state.gpu.takes(Engine::Auto),
         }
     }

@@ -96,7 +96,7 @@ pub fn show(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>)
             sentence(ui, context, SIZE, vec2(room - beside, height), usize::MAX);
             if beside > 0.0 {
                 ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-                    let text = RichText::new(context.run.told().join("   ")).monospace();
+                    let text = RichText::new(context.run.moment_texts().join("   ")).monospace();
                     ui.label(text.color(palette.muted)).known_as("counts");
                 });
             }
@@ -272,7 +272,7 @@ pub fn more(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>)
     let palette = context.palette;
     ui.label(RichText::new(happened(context.run.shown().as_ref())).size(14.5))
         .known_as("status-whole");
-    for (k, text) in context.run.told().into_iter().enumerate() {
+    for (k, text) in context.run.moment_texts().into_iter().enumerate() {
         ui.label(RichText::new(text).monospace().color(palette.muted))
             .known_as(format_args!("counts-{k}"));
     }

@@ -94,7 +94,13 @@ fn a_file_is_held_against_the_run_until_it_is_cleared() {
         harness.state().state.files.sheet.is_none(),
         "the sheet is closed"
     );
-    let held = harness.state().state.held().unwrap().unwrap().clone();
+    let held = harness
+        .state()
+        .state
+        .reference_file()
+        .unwrap()
+        .unwrap()
+        .clone();
     assert_eq!(held.measured.samples, 900);
     // Noise has conflicts; the radius is the run's.
     assert!(held.measured.verdict().unwrap().conflicts > 100);
@@ -128,13 +134,13 @@ fn a_file_is_held_against_the_run_until_it_is_cleared() {
         Command::Form(FormCommand::Type(Field::Width, "2".to_owned())),
     );
     apply(&mut harness, Command::Run);
-    assert!(harness.state().state.held().unwrap().is_err());
+    assert!(harness.state().state.reference_file().unwrap().is_err());
     assert!(!text(&harness, SAMPLES).contains("file"));
     let domains = ["1 \u{d7} 1 periodic", "2 \u{d7} 1 periodic"];
     says(&harness, "analysis.refusal", &domains);
     node(&harness, "analysis.clear").click();
     harness.run();
-    assert!(harness.state().state.held().is_none());
+    assert!(harness.state().state.reference_file().is_none());
     for id in ["analysis.file", "analysis.refusal"] {
         assert!(find(&harness, id).is_none(), "{id}");
     }
@@ -163,7 +169,7 @@ fn sets_of_another_domain_are_refused_in_a_sentence_that_names_both() {
         let (text, is_error) = notice(&harness);
         assert!(is_error && text.contains("1 \u{d7} 1 periodic"), "{text}");
         assert!(text.contains(domain), "{text}");
-        assert!(harness.state().state.held().is_none());
+        assert!(harness.state().state.reference_file().is_none());
     }
     // The border counts as well: a file of the unit torus, where the run ends at its border.
     let torus = path.with_file_name("torus.txt");
@@ -176,7 +182,7 @@ fn sets_of_another_domain_are_refused_in_a_sentence_that_names_both() {
     }
     apply(&mut harness, Command::Run);
     go(&mut harness, Purpose::Against, &torus);
-    assert!(harness.state().state.held().unwrap().is_ok());
+    assert!(harness.state().state.reference_file().unwrap().is_ok());
     apply(&mut harness, Command::Analysis(AnalysisCommand::Clear));
     apply(
         &mut harness,
@@ -215,7 +221,7 @@ fn files_made_to_do_harm_are_refused_and_the_session_stays() {
         go(&mut harness, Purpose::Against, &path);
         let (text, is_error) = notice(&harness);
         assert!(is_error && text.contains(name), "{name}: {text}");
-        assert!(harness.state().state.held().is_none(), "{name}");
+        assert!(harness.state().state.reference_file().is_none(), "{name}");
     }
     apply(&mut harness, Command::DismissNotice);
     go(&mut harness, Purpose::Against, &folder);
@@ -227,7 +233,13 @@ fn files_made_to_do_harm_are_refused_and_the_session_stays() {
     let rest = "0.9,0.4\n0.6,0.1\n0.2,0.3\n0.2,0.3\n";
     std::fs::write(&twice, format!("x,y\n{rest}")).unwrap();
     go(&mut harness, Purpose::Against, &twice);
-    let held = harness.state().state.held().unwrap().unwrap().clone();
+    let held = harness
+        .state()
+        .state
+        .reference_file()
+        .unwrap()
+        .unwrap()
+        .clone();
     let verdict = held.measured.verdict().expect("a verdict");
     assert!(verdict.conflicts > 0 && held.measured.spectrum.is_some());
 }

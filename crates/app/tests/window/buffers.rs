@@ -169,13 +169,15 @@ fn a_run_without_passes_has_the_clock_from_before_them() {
     assert!(
         state(&harness)
             .gpu
-            .said(tilescope_core::Variant::Staged)
+            .engine_text(tilescope_core::Variant::Staged)
             .is_some()
     );
     // The CPU samples next: neither the clock nor the test of the GPU is of that run.
     apply(&mut harness, Command::Gpu(GpuCommand::Engine(Engine::Auto)));
     assert_eq!(
-        state(&harness).gpu.said(tilescope_core::Variant::Staged),
+        state(&harness)
+            .gpu
+            .engine_text(tilescope_core::Variant::Staged),
         None
     );
     apply(&mut harness, Command::Run);

@@ -148,7 +148,7 @@ fn clocks_run_together_until_they_are_told_not_to() {
     }
     apply(
         &mut harness,
-        Command::Compare(CompareCommand::LinkClocks(false)),
+        Command::Compare(CompareCommand::LinkPlayback(false)),
     );
     let before = cursors(&harness.state().state);
     let into = TimeCommand::Step(Step::Into, Direction::Backwards);
@@ -345,7 +345,7 @@ fn a_kept_run_is_at_the_same_moment_even_when_clocks_are_apart() {
     let mut harness = compared(ComparePreset::NextSeed);
     apply(
         &mut harness,
-        Command::Compare(CompareCommand::LinkClocks(false)),
+        Command::Compare(CompareCommand::LinkPlayback(false)),
     );
     apply(&mut harness, Command::Time(TimeCommand::Jump(12_000)));
     apply(&mut harness, Command::Compare(CompareCommand::Keep));

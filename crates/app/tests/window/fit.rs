@@ -280,7 +280,7 @@ fn low_windows_reach_everything() {
 const TABS: [&str; 14] = [
     "Parameters",
     "Layers",
-    "Clocks",
+    "Playback",
     "Inspector",
     "Pseudocode",
     "Statistics",

@@ -81,7 +81,7 @@ fn files_that_are_no_sessions_are_refused() {
         go(&mut harness, Purpose::Open, &path);
         let (said, is_error) = notice(&harness);
         assert!(is_error && said.contains(name), "{said}");
-        assert!(said.contains("no saved session"), "{said}");
+        assert!(said.contains("not a saved session"), "{said}");
     }
     let missing = folder.join("missing.json");
     go(&mut harness, Purpose::Open, &missing);
@@ -127,7 +127,10 @@ fn a_pattern_that_is_no_file_is_not_read() {
     let (said, is_error) = changed("device", |value| {
         value["pattern"] = json!({"path": "/dev/zero", "digest": "0123456789abcdef"});
     });
-    assert!(is_error && said.contains("/dev/zero is no file"), "{said}");
+    assert!(
+        is_error && said.contains("/dev/zero is not a regular file"),
+        "{said}"
+    );
     let (said, is_error) = changed("elsewhere", |value| {
         let path = "//elsewhere/sets/own.csv";
         value["pattern"] = json!({"path": path, "digest": "0123456789abcdef"});

@@ -304,7 +304,7 @@ fn the_file_holds_the_rows_shown() {
     let expected: Vec<Vec<i64>> = passes.shown().rows().iter().map(cells).collect();
     go(&mut passes, PassCommand::Path(path.display().to_string()));
     go(&mut passes, PassCommand::Export);
-    assert!(passes.export_told().expect("a sentence").is_ok());
+    assert!(passes.export_result().expect("a sentence").is_ok());
     let text = std::fs::read_to_string(&path).expect("the file");
     let mut lines = text.lines();
     let head = "row,changed,x before,y before,fate before,x after,y after,fate after";
@@ -316,7 +316,7 @@ fn the_file_holds_the_rows_shown() {
     let nowhere = folder.join("none").join("a.csv").display().to_string();
     go(&mut passes, PassCommand::Path(nowhere));
     go(&mut passes, PassCommand::Export);
-    assert!(passes.export_told().expect("a sentence").is_err());
+    assert!(passes.export_result().expect("a sentence").is_err());
     std::fs::remove_dir_all(&folder).expect("the folder goes");
 }
 

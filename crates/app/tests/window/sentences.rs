@@ -273,7 +273,7 @@ fn parameters_engines_and_verdicts() {
         "no such adapter".to_owned(),
     )))]);
     told.after([Command::Gpu(GpuCommand::Engine(Engine::Gpu))]);
-    told.says(&[("notice", "*The GPU cannot serve.*")]);
+    told.says(&[("notice", "*The GPU cannot be used.*")]);
     node(&told.harness, "engine").click();
     told.harness.run();
     told.says(&[("engine.auto", "auto (CPU)"), ("engine.gpu", "GPU")]);
@@ -445,7 +445,7 @@ fn the_analysis() {
         ),
         ("brush.distance", "Distances"),
         ("brush.distance.to", "Brush: Distances to"),
-        ("analysis.hold", "Hold against a file\u{2026}"),
+        ("analysis.hold", "Compare with a file\u{2026}"),
         ("analysis.clear", "Clear"),
     ]);
     let path = noise("sentences-against");

@@ -1,4 +1,4 @@
-//! The building blocks that there are at the moment: tints, borders, numbers, and the clips around them.
+//! The building blocks that exist at the moment: tints, borders, numbers, and the clips around them.
 
 use emath::{Align2, Rect, vec2};
 use tilescope_core::Stage;
@@ -6,9 +6,9 @@ use tilescope_core::Stage;
 use crate::scene::Scene;
 use crate::surface::{Stroke, Surface, Tag};
 
-/// Blocks at least this wide show their number, in screen points.
+/// The smallest width of a block that shows its number, in screen points.
 const MIN_LABELLED: f32 = 84.0;
-/// How strong the tints are: while nothing but blocks is shown, and later.
+/// The opacity of the tints: at the stage of the blocks, and later.
 const TINTS: [f32; 2] = [0.20, 0.085];
 
 fn visible(scene: &Scene<'_>) -> impl Iterator<Item = (u32, Rect)> {
@@ -33,7 +33,7 @@ pub fn borders(scene: &Scene<'_>, surface: &mut impl Surface) {
     }
 }
 
-/// Draws the numbers where there is room.
+/// Draws the numbers of the blocks that have room for them.
 pub fn numbers(scene: &Scene<'_>, surface: &mut impl Surface) {
     for (index, rect) in visible(scene) {
         if rect.width().min(rect.height()) < MIN_LABELLED {
@@ -57,7 +57,7 @@ pub fn numbers(scene: &Scene<'_>, surface: &mut impl Surface) {
 /// Draws each block enlarged by r, dashed.
 pub fn clips(scene: &Scene<'_>, surface: &mut impl Surface) {
     for (index, rect) in visible(scene) {
-        // Dashing what is far outside the view could take millions of dashes.
+        // Outside the view there could be millions of dashes.
         let clip = rect
             .expand(scene.scale())
             .intersect(scene.rect.expand(20.0));

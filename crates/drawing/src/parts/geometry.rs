@@ -1,5 +1,5 @@
-//! The triangulation over the samples: Delaunay and Voronoi edges, circumcircles larger than r, and the exact borders
-//! of the gaps. It draws what the subject has of it.
+//! The triangulation of the samples: Delaunay and Voronoi edges, circumcircles larger than r, and the exact
+//! borders of the gaps. Nothing is drawn until the triangulation is known.
 
 use std::ops::RangeInclusive;
 
@@ -11,13 +11,13 @@ use tilescope_analysis::tessellation::Edge;
 use crate::scene::Scene;
 use crate::surface::{Arc, Stroke, Surface};
 
-/// Circles wider than this, in r, are hardly curved where they can be seen.
+/// Larger circles, in r, look straight within the view.
 const MAX_CIRCUMRADIUS: f64 = 50.0;
-/// Most circles drawn at once: beyond, one sees none.
+/// The most circles drawn at once; more would hide each other.
 const MAX_CIRCLES: usize = 4_000;
-/// By how much a radius may exceed r from rounding alone.
+/// The excess of a radius over r that rounding alone can cause.
 const HAIR: f64 = 1e-6;
-/// How far the border of a gap may be from its deepest place, in r.
+/// The largest distance of a gap's border from its deepest place, in r.
 const GAP_REACH: f64 = 4.0;
 
 /// The moment's triangulation on a surface.
@@ -41,8 +41,8 @@ impl<'a, S: Surface> Net<'a, S> {
         })
     }
 
-    /// Makes room for the edges: growing to some megabytes would copy them several times. There are about three for each
-    /// sample.
+    /// Reserves room for the edges, about three for each sample, since growing to some megabytes would copy
+    /// them several times.
     fn reserve(&mut self) {
         let scene = self.scene;
         let seen = scene.session.index.count_in(scene.low, scene.high);
@@ -58,7 +58,8 @@ pub fn delaunay(scene: &Scene<'_>, surface: &mut impl Surface) {
     let color = scene.palette.sample.gamma_multiply(0.45);
     for triangle in &net.tessellation.triangles {
         for (from, to) in [(0, 1), (1, 2), (2, 0)] {
-            // Two triangles run along an edge in opposite ways; only at a closed border there is but one.
+            // The two triangles of an edge have it in opposite directions; an edge of a bounded domain's border
+            // has only one.
             if !net.periodic || triangle.sites[from] < triangle.sites[to] {
                 net.segment([triangle.corners[from], triangle.corners[to]], color);
             }
@@ -116,8 +117,8 @@ pub fn gap_borders(scene: &Scene<'_>, surface: &mut impl Surface) {
 }
 
 impl<S: Surface> Net<'_, S> {
-    /// Calls `draw` with every shift by whole periods that brings what lies between `low` and `high` both into the
-    /// domain and into view.
+    /// Calls `draw` with every shift by whole periods that moves something of the box from `low` to `high` both
+    /// into the domain and into view.
     fn shifts(&mut self, low: DVec2, high: DVec2, mut draw: impl FnMut(&mut Self, DVec2)) {
         let steps = |k: usize| -> RangeInclusive<i32> {
             if !self.periodic {

@@ -1,4 +1,4 @@
-//! The edges of the pairs at brushed distances.
+//! The pairs at brushed distances, as edges.
 
 use emath::{Pos2, Rect};
 
@@ -6,7 +6,7 @@ use crate::brushed::Cause;
 use crate::scene::Scene;
 use crate::surface::{Stroke, Surface};
 
-/// Edges that are drawn at most: those nearest to the middle of the view.
+/// The most edges drawn: those nearest to the middle of the view.
 pub const MAX_PAIRS: usize = 20_000;
 /// The width of an edge, in screen points.
 const WIDTH: f32 = 1.5;
@@ -15,7 +15,7 @@ pub fn draw(scene: &Scene<'_>, surface: &mut impl Surface) {
     draw_these(scene, &in_view(scene).0, surface);
 }
 
-/// Draws pairs whose ends are known.
+/// Draws pairs, given by their ends on the screen.
 pub fn draw_these(scene: &Scene<'_>, pairs: &[[Pos2; 2]], surface: &mut impl Surface) {
     surface.reserve(pairs.len());
     for ends in pairs {
@@ -23,7 +23,7 @@ pub fn draw_these(scene: &Scene<'_>, pairs: &[[Pos2; 2]], surface: &mut impl Sur
     }
 }
 
-/// Returns the edges in view, those nearest to its middle if there are too many, and how many there are.
+/// The edges in view, limited to those nearest to its middle, and how many there are in all.
 #[must_use]
 pub fn in_view(scene: &Scene<'_>) -> (Vec<[Pos2; 2]>, usize) {
     let cause = scene.subject.causes.map(|found| &found.cause);

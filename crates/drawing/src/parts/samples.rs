@@ -1,4 +1,4 @@
-//! Samples and their disks, conflicts, detectors and candidates. Nothing outside the view is touched.
+//! Samples and their disks, conflicts, detectors and candidates. Only samples in view are visited.
 
 use emath::{Pos2, Rect};
 use tilescope_core::stages::detect::Candidate;
@@ -13,7 +13,7 @@ use crate::surface::{Mark, Stroke, Surface};
 /// The width of a conflict's edge, in screen points.
 const EDGE_WIDTH: f32 = 1.4;
 
-/// Calls `visit` with every sample that may show a symbol in view.
+/// Calls `visit` with every sample whose symbol may reach into view.
 pub fn visit(scene: &Scene<'_>, mut visit: impl FnMut(u32, Pos2)) {
     let reach = 6.0 / scene.subject.camera.scale;
     let index = &scene.session.index;
@@ -24,7 +24,7 @@ pub fn visit(scene: &Scene<'_>, mut visit: impl FnMut(u32, Pos2)) {
     });
 }
 
-/// Draws the pattern's own samples, which have a domain of their own.
+/// Draws the samples of the pattern, in the pattern's own domain.
 pub fn pattern(scene: &Scene<'_>, surface: &mut impl Surface) {
     let radius = (0.17 * scene.scale()).clamp(0.8, 5.0);
     let places = scene.session.run().pattern.samples().iter();
@@ -34,7 +34,7 @@ pub fn pattern(scene: &Scene<'_>, surface: &mut impl Surface) {
     }
 }
 
-/// Draws the disks of the samples that are there.
+/// Draws the disks of the samples that cover them.
 pub fn disks(scene: &Scene<'_>, looks: &Looks<'_>, surface: &mut impl Surface) {
     let index = &scene.session.index;
     index.visit(scene.low, scene.high, 1.0, |seen| {
@@ -84,7 +84,7 @@ pub fn conflicts(scene: &Scene<'_>, surface: &mut impl Surface) {
     }
 }
 
-/// Draws the conflicts between samples that are both there.
+/// Draws the conflicts between samples of which neither is eliminated.
 fn open_conflicts(scene: &Scene<'_>, surface: &mut impl Surface) {
     let color = scene.palette.conflict.gamma_multiply(0.85);
     for &[a, b] in &scene.session.conflicts {
@@ -117,7 +117,7 @@ pub fn search(scene: &Scene<'_>, surface: &mut impl Surface) {
     let view = scene.rect.expand(12.0);
     if scene.has(Layer::Detectors) {
         let [.., radius] = radii_at(scale);
-        // There are too many of them to shine.
+        // There are too many detectors for a strong colour.
         let color = scene.palette.detector;
         let color = color.gamma_multiply((scale / 6.0).clamp(0.5, 1.0));
         let detectors = iteration.detectors.iter();

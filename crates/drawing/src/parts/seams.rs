@@ -5,7 +5,7 @@ use crate::surface::{Stroke, Surface};
 
 /// The width of a seam, in screen points.
 const WIDTH: f32 = 1.6;
-/// How strong the band's tint is.
+/// The opacity of the band's tint.
 const TINT: f32 = 0.10;
 
 pub fn band(scene: &Scene<'_>, surface: &mut impl Surface) {

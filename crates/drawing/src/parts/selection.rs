@@ -1,4 +1,4 @@
-//! What is selected, pointed at or followed to.
+//! The selected sample or place, the sample under the pointer, and the witness of a verdict.
 
 use emath::{Align2, vec2};
 use tilescope_core::stages::detect::Sites;
@@ -9,7 +9,7 @@ use tilescope_session::verification::WitnessMark;
 use crate::scene::Scene;
 use crate::surface::{Mark, Stroke, Surface, dashed_circle};
 
-/// Draws the current samples and the place that a verdict was followed to.
+/// Draws the marks of selection, pointer and witness.
 pub fn draw(scene: &Scene<'_>, surface: &mut impl Surface) {
     let (subject, palette) = (&scene.subject, scene.palette);
     if let Some(found) = subject.witness_mark {
@@ -43,7 +43,7 @@ pub fn draw(scene: &Scene<'_>, surface: &mut impl Surface) {
     }
 }
 
-/// Returns the samples that made `id` what it is.
+/// The samples that caused the origin or fate of `id`.
 fn causes(shown: &ShownMoment<'_>, id: u32) -> Vec<u32> {
     if let Standing::Eliminated { by } = shown.standing(id) {
         return vec![by];

@@ -1,5 +1,5 @@
-//! What is going on at the moment: the current sample, its search disk and test buffer, the circumcircle under
-//! test with its verdict, the pair that was compared, and what changed last.
+//! The current step of the algorithm: the current sample, its search disk and test buffer, the circumcircle
+//! under test with its verdict, the pair that was compared, and what changed last.
 
 use ecolor::Color32;
 use emath::{Align2, vec2};
@@ -12,7 +12,7 @@ use tilescope_session::units::radii;
 use crate::scene::Scene;
 use crate::surface::{Stroke, Surface, dashed_circle};
 
-/// A circle of a larger radius, in screen points, is not drawn.
+/// Circles of a larger radius, in screen points, are not drawn.
 const MAX_CIRCLE: f32 = 4_000.0;
 
 pub fn draw(scene: &Scene<'_>, surface: &mut impl Surface) {
@@ -33,7 +33,7 @@ pub fn draw(scene: &Scene<'_>, surface: &mut impl Surface) {
                 let at = scene.at(scene.session.image_near(id, center));
                 let stroke = Stroke::new(1.3, palette.detector);
                 surface.circle(at, ring(scene), None, Some(stroke));
-                // An image across the border is there as long as it is in the buffer.
+                // An image across the border is drawn while it is in the buffer.
                 let color = palette.sample.gamma_multiply(0.7);
                 surface.circle(at, 0.45 * ring(scene), Some(color), None);
             }
@@ -57,8 +57,8 @@ pub fn draw(scene: &Scene<'_>, surface: &mut impl Surface) {
     last_event(scene, surface);
 }
 
-/// Returns by how much to move what surrounds a place under test so that the place lies in the domain: in a
-/// periodic one its detector may lie across the border.
+/// The shift that moves a place under test, with its surroundings, into the domain: in a periodic domain its
+/// detector may lie across the border.
 fn shift_of(scene: &Scene<'_>, examined: &Examined) -> DVec2 {
     if !scene.session.run().domain.is_periodic() {
         return DVec2::ZERO;
@@ -74,7 +74,7 @@ fn ring(scene: &Scene<'_>) -> f32 {
     (0.3 * scene.scale()).clamp(5.0, 11.0)
 }
 
-/// Draws the pair that was compared, and a heavy ring about what changed.
+/// Draws the pair that was compared, and a heavy ring around each sample that changed.
 fn last_event(scene: &Scene<'_>, surface: &mut impl Surface) {
     let palette = scene.palette;
     let Some(event) = scene.shown.last_event().and_then(Event::run_event) else {
@@ -133,7 +133,7 @@ fn color_of(scene: &Scene<'_>, verdict: Verdict) -> Color32 {
     }
 }
 
-/// Draws the circle through the sites of a place under test, and what the verdict is.
+/// Draws the circle through the sites of a place under test, and the verdict.
 fn examination(scene: &Scene<'_>, surface: &mut impl Surface, examined: &Examined, shift: DVec2) {
     let detector = scene.session.place(examined.detector) + shift;
     let offset = DVec2::from(examined.offset.map(radii));

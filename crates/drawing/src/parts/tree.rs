@@ -1,5 +1,4 @@
-//! The KD-tree: the line of every split that was made by now, the thicker the earlier in its branch, numbered as they
-//! were made.
+//! The KD-tree: the lines of all splits made so far, thicker for earlier ones in a branch, and their numbers.
 
 use emath::{Align2, Pos2, Rect, vec2};
 use tilescope_core::stages::blocks::{Axis, Split};
@@ -10,7 +9,8 @@ use tilescope_session::units::radii;
 use crate::scene::Scene;
 use crate::surface::{Stroke, Surface, Tag};
 
-/// A line has a number if it is so many times as long: while nothing but blocks is shown, and later.
+/// The length of a line, relative to its number's width, from which the number is shown: at the stage of the
+/// blocks, and later.
 const MIN_LENGTHS: [f32; 2] = [2.0, 4.0];
 /// The width of the first split's line, in screen points.
 const MAX_WIDTH: f32 = 6.0;
@@ -18,10 +18,10 @@ const MAX_WIDTH: f32 = 6.0;
 const MIN_WIDTH: f32 = 1.2;
 /// Wider lines are drawn before the others.
 const WIDE: f32 = 2.0;
-/// By how much a line is thinner than the one above it.
+/// The width of a line relative to its parent's.
 const TAPER: f32 = 0.76;
 
-/// Returns the splits that were made, with their numbers and the ends of their lines as far as they are in view.
+/// The splits made so far, with their numbers and the visible parts of their lines.
 fn visible<'a>(scene: &'a Scene<'_>) -> impl Iterator<Item = (usize, &'a Split, [Pos2; 2])> {
     let splits = &scene.session.run().blocks.splits[..scene.made.splits];
     let numbered = (1..).zip(splits);
@@ -37,7 +37,7 @@ fn visible<'a>(scene: &'a Scene<'_>) -> impl Iterator<Item = (usize, &'a Split, 
     })
 }
 
-/// Returns how wide the line of a split is, in screen points.
+/// The width of a split's line, in screen points.
 fn width(split: &Split) -> f32 {
     (MAX_WIDTH * TAPER.powi(split.depth as i32)).max(MIN_WIDTH)
 }
@@ -47,7 +47,7 @@ pub fn lines(scene: &Scene<'_>, surface: &mut impl Surface) {
         Some(RunEvent::Split { index, .. }) => index as usize + 1,
         _ => 0,
     };
-    // Beside samples the tree steps back.
+    // The tree is dimmed where samples are shown.
     let presence = if scene.stage == Stage::Blocks {
         1.0
     } else {
@@ -59,7 +59,7 @@ pub fn lines(scene: &Scene<'_>, surface: &mut impl Surface) {
             surface.line(ends, Stroke::new(width(split) + 5.0, scene.palette.accent));
         }
     }
-    // A tree's lines hardly cross, and those of one kind are drawn together fastest.
+    // Lines hardly cross, and drawing those of one kind together is fastest.
     for is_wide in [true, false] {
         for (_, split, ends) in visible(scene) {
             let width = width(split);
@@ -70,7 +70,7 @@ pub fn lines(scene: &Scene<'_>, surface: &mut impl Surface) {
     }
 }
 
-/// Draws the numbers: those of earlier splits where there is no room for all.
+/// Draws the numbers, earlier splits first if there is no room for all.
 pub fn numbers(scene: &Scene<'_>, surface: &mut impl Surface) {
     let mut taken: Vec<Rect> = Vec::new();
     let palette = scene.palette;

@@ -1,11 +1,11 @@
-//! The band around the seams in which gluing can have touched anything, as rectangles that do not overlap. It looks at
-//! rectangles only, never at samples.
+//! The band around the seams in which gluing can have changed samples, as rectangles that do not overlap. It is
+//! computed from the pieces' rectangles, without looking at samples.
 
 use tilescope_core::combine::{Piece, Seam, TOUCHED};
 use tilescope_core::{Domain, Point, Rect};
 
-/// Returns the band: what is within reach of a seam, or of a border of a bounded domain beyond which a set goes on, piece
-/// by piece. `None` when `stops` says so; it is asked again and again.
+/// The band, piece by piece: everything within reach of a seam, or of a border of a bounded domain that cuts a
+/// piece's set. `None` once `stops` returns true, which is checked throughout.
 pub fn of(
     domain: &Domain,
     pieces: &[Piece],
@@ -26,7 +26,7 @@ pub fn of(
         if stops() {
             return None;
         }
-        // Those that begin above the piece do not reach it.
+        // Lines that begin above the piece do not reach it.
         let below = lines.partition_point(|line| line.min.y < piece.rect.max.y);
         let parts = lines[..below].iter();
         let parts = parts.filter_map(|line| common(line, &piece.rect));
@@ -35,7 +35,7 @@ pub fn of(
     Some(band)
 }
 
-/// Returns a line, and where it is seen again through the borders of a periodic domain.
+/// A line and its images across the borders of a periodic domain.
 fn images(domain: &Domain, from: Point, to: Point) -> Vec<Rect> {
     let shifts = |side: i32| -> Vec<i32> {
         if domain.is_periodic() {
@@ -55,8 +55,8 @@ fn images(domain: &Domain, from: Point, to: Point) -> Vec<Rect> {
         .collect()
 }
 
-/// Returns the sides of a piece on the border of a bounded domain beyond which its set goes on: there samples are lost
-/// that covered places inside.
+/// The sides of a piece that lie on the border of a bounded domain and cut its set: samples that covered places
+/// inside are lost there.
 fn cut(domain: &Domain, piece: &Piece) -> Vec<Rect> {
     if domain.is_periodic() {
         return Vec::new();
@@ -118,8 +118,8 @@ fn common(a: &Rect, b: &Rect) -> Option<Rect> {
     (min.x < max.x && min.y < max.y).then_some(Rect { min, max })
 }
 
-/// Adds rectangles that cover what the parts cover, without overlap: between two edges across, what the parts that
-/// reach over them cover there, and one rectangle for rows that are covered alike. `None` when it is to stop.
+/// Adds to `band` rectangles that cover the union of `parts` without overlap. The plane is cut into rows at the
+/// parts' edges; equal consecutive rows become one rectangle. `None` once `stops` returns true.
 fn union(mut parts: Vec<Rect>, stops: &dyn Fn() -> bool, band: &mut Vec<Rect>) -> Option<()> {
     parts.sort_unstable_by_key(|part| (part.min.y, part.min.x));
     let mut edges: Vec<i32> = parts
@@ -129,7 +129,7 @@ fn union(mut parts: Vec<Rect>, stops: &dyn Fn() -> bool, band: &mut Vec<Rect>) -
     edges.sort_unstable();
     edges.dedup();
     let mut coming = parts.into_iter().peekable();
-    // Those that reach over the row, from the left to the right.
+    // The parts that reach across the row, from left to right.
     let mut over: Vec<Rect> = Vec::new();
     let mut open: Vec<Rect> = Vec::new();
     for row in edges.windows(2) {
@@ -156,7 +156,7 @@ fn union(mut parts: Vec<Rect>, stops: &dyn Fn() -> bool, band: &mut Vec<Rect>) -
     Some(())
 }
 
-/// Returns what parts cover across, from the left to the right; they are sorted by where they begin.
+/// The horizontal intervals that `parts`, sorted by their left edges, cover.
 fn spans(parts: &[Rect]) -> Vec<[i32; 2]> {
     let mut spans: Vec<[i32; 2]> = Vec::new();
     for part in parts {
@@ -197,7 +197,7 @@ mod tests {
     }
 
     #[test]
-    fn whatever_gluing_touched_lies_in_the_band_and_its_parts_do_not_overlap() {
+    fn the_band_holds_everything_within_reach_of_a_seam_and_its_parts_do_not_overlap() {
         for boundary in [Boundary::Periodic, Boundary::Bounded] {
             for own in [Boundary::Periodic, Boundary::Bounded] {
                 let (domain, pieces) = glued(boundary, own);
@@ -213,7 +213,7 @@ mod tests {
                     .collect();
                 assert!(touched.len() > 20);
                 assert!(touched.iter().all(|&point| holds(point) == 1));
-                // The middle of a piece is not in it, and the band does not cover the domain.
+                // The middle of a piece is outside the band, so the band is not the whole domain.
                 assert_eq!(holds(Point::new(15 * R, 11 * R)), 0);
                 assert!(combined.points.iter().any(|&point| holds(point) == 0));
                 assert!(combined.points.iter().all(|&point| holds(point) <= 1));
@@ -286,7 +286,7 @@ mod tests {
             }
         };
         let band = of(&domain, &pieces, &seams, &stops(usize::MAX)).unwrap();
-        // The ring is all band, and so is what lies within reach of it.
+        // The ring is all band, and so is everything within reach of it.
         let of_piece = |rect: &Rect| common(rect, &pieces[0].rect).is_some();
         assert!(band.iter().filter(|rect| of_piece(rect)).count() <= 8);
         assert!(band.len() < 2 * pieces.len(), "{}", band.len());
@@ -295,7 +295,7 @@ mod tests {
         let free = square(1000 * R - 2 * TOUCHED);
         let covered: i64 = band.iter().map(area).sum();
         assert_eq!(covered, square(1002 * R) - free);
-        // It is asked in the middle of the large piece, too.
+        // `stops` is also checked in the middle of the large piece.
         let all = asked.replace(0);
         assert!(all > pieces.len() + 1000, "{all}");
         for after in [0, 500, all - 1] {
@@ -306,7 +306,7 @@ mod tests {
     }
 
     #[test]
-    fn parts_are_covered_once_and_nothing_else_is() {
+    fn a_union_covers_its_parts_once_and_nothing_else() {
         let at = |k: u32, range: u32| (k.wrapping_mul(2_654_435_761) >> 8) as i32 % range as i32;
         for seed in 0..50 {
             let parts: Vec<Rect> = (0..12)

@@ -1,5 +1,5 @@
-//! Sets of a layout that lie in files: taken from what came with it or natively from its folder, read once, and named by
-//! the content that was read.
+//! Sets of a layout that lie in files. A file is taken from those opened together with the layout, or natively
+//! read from its folder; it is read once, and certificates name it by the digest of its content.
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -17,36 +17,36 @@ use crate::incoming::{Incoming, Unread};
 use crate::jobs::Monitor;
 use crate::words::last_part;
 
-/// What a set without a certificate is a set of, where nothing else is said.
+/// The region of a set that has no certificate, unless the layout states another.
 const UNIT_SQUARE: Region = Region {
     width: 1.0,
     height: 1.0,
     boundary: Judged::Periodic,
 };
 
-/// What a file holds.
-struct Held {
+/// The content of a set's file.
+struct SetFile {
     points: Vec<[f64; 2]>,
     certificate: Option<Certificate>,
     digest: String,
 }
 
-type Slot = Arc<OnceLock<Result<Held, Unread>>>;
+type Slot = Arc<OnceLock<Result<SetFile, Unread>>>;
 
-/// The files of a layout. Each is read once, whatever number of pieces is cut from it.
+/// The files of a layout. Each is read once, however many pieces are cut from it.
 pub struct Files<'a> {
     around: Option<&'a Incoming>,
     read: Mutex<HashMap<PathBuf, Slot>>,
 }
 
 impl<'a> Files<'a> {
-    /// Returns the files of a layout with what is around it, or of one that may have none.
+    /// The files of a layout that was opened as `around`; without it, the layout may not use files.
     pub fn of(around: Option<&'a Incoming>) -> Self {
         let read = Mutex::default();
         Self { around, read }
     }
 
-    /// Reads a set; `None` if it is in no file, or the layout may have none.
+    /// Reads a set; `None` if it does not come from a file or the layout may not use files.
     pub fn set(
         &self,
         source: &PieceSource,
@@ -62,7 +62,7 @@ impl<'a> Files<'a> {
             return None;
         };
         let around = self.around?;
-        // Another machine is asked for nothing because a file says so.
+        // A layout must not make the program contact another machine.
         if path.starts_with(r"\\") || path.starts_with("//") {
             let why = "it lies on another machine; put it beside the layout";
             return Some(Err(failed(Path::new(path), why)));
@@ -70,7 +70,7 @@ impl<'a> Files<'a> {
         let path = place_of(around, path);
         let slot = self.slot(&path);
         let set = match slot.get_or_init(|| read(around, &path, monitor)) {
-            Ok(held) => set(held, *radius, *size, *boundary).map_err(|why| failed(&path, &why)),
+            Ok(file) => set(file, *radius, *size, *boundary).map_err(|why| failed(&path, &why)),
             Err(Unread::Failed(why)) => Err(failed(&path, why)),
             Err(Unread::Stopped) => Err(CombinationError::Sample(SampleError::Cancelled {
                 stage: Stage::Pattern,
@@ -84,16 +84,16 @@ impl<'a> Files<'a> {
         Arc::clone(read.entry(path.to_owned()).or_default())
     }
 
-    /// Returns a layout whose sets were read as certificates state it: files without folders, with the digests of what
-    /// was read.
+    /// The layout as certificates state it: files without folders, each with the digest of the content that was
+    /// read.
     pub fn stated(&self, layout: &Layout, placed: &PlacedLayout) -> Value {
         let mut stated = saved::json(layout);
         for (k, place) in placed.places.iter().enumerate() {
             if let (PieceSource::File { path, .. }, Some(around)) = (&place.source, self.around) {
                 stated["pieces"][k]["file"] = json!(last_part(path));
                 let path = place_of(around, path);
-                if let Some(Ok(held)) = self.slot(&path).get() {
-                    stated["pieces"][k]["digest"] = json!(held.digest);
+                if let Some(Ok(file)) = self.slot(&path).get() {
+                    stated["pieces"][k]["digest"] = json!(file.digest);
                 }
             }
         }
@@ -103,26 +103,26 @@ impl<'a> Files<'a> {
 
 fn failed(path: &Path, why: &str) -> CombinationError {
     let path = path.display().to_string();
-    // What names the file already need not do it twice.
+    // Do not repeat the file's name if the message begins with it.
     let rest = why.strip_prefix(&path).unwrap_or(why);
     let why = rest.trim_start_matches([':', ' ']).to_owned();
     CombinationError::File { path, why }
 }
 
-/// Returns where a file is that a layout names: in the layout's folder, where it has one.
+/// The path of a file that a layout names: in the layout's folder, if it has one.
 fn place_of(around: &Incoming, path: &str) -> PathBuf {
     let folder = around.folder.as_deref();
     folder.map_or_else(|| PathBuf::from(path), |folder| folder.join(path))
 }
 
 /// Reads a file and the certificate beside it.
-fn read(around: &Incoming, path: &Path, monitor: &Monitor) -> Result<Held, Unread> {
+fn read(around: &Incoming, path: &Path, monitor: &Monitor) -> Result<SetFile, Unread> {
     let incoming = match around.companion(&path.to_string_lossy()) {
         Some(found) => found,
         None => from_disk(around, path, monitor)?,
     };
     let read = incoming.point_set().map_err(Unread::Failed)?;
-    Ok(Held {
+    Ok(SetFile {
         points: read.set.points,
         certificate: read.certificate,
         digest: bytes_digest(&incoming.bytes),
@@ -144,12 +144,12 @@ fn from_disk(around: &Incoming, path: &Path, monitor: &Monitor) -> Result<Incomi
 }
 
 fn set(
-    held: &Held,
+    file: &SetFile,
     radius: Option<f64>,
     [width, height]: [Option<f64>; 2],
     boundary: Option<Boundary>,
 ) -> Result<Set, String> {
-    let stated = held.certificate.as_ref();
+    let stated = file.certificate.as_ref();
     let radius = radius.or(stated.map(|stated| stated.radius));
     let radius = radius.ok_or("the set has no certificate; give its \"radius\"")?;
     let region = stated.map_or(UNIT_SQUARE, |stated| stated.region);
@@ -161,7 +161,7 @@ fn set(
         width.unwrap_or(region.width),
         height.unwrap_or(region.height),
     ];
-    let pattern = Pattern::from_positions(&held.points, size, radius, boundary);
+    let pattern = Pattern::from_positions(&file.points, size, radius, boundary);
     let domain = Domain::from_size(size, radius, boundary);
     Ok(Set {
         pattern: pattern.map_err(|error| error.to_string())?.into(),

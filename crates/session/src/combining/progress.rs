@@ -1,5 +1,5 @@
-//! How far a combination in the making has come, over all its sets and what is done with them. It measures no time: the
-//! shares are of a combination of sets that are made, not read.
+//! The progress of making a combination, over all its sets and the steps after them. The shares are fixed, as
+//! measured for sets that are sampled, not read from files.
 
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
@@ -9,14 +9,14 @@ use tilescope_core::{Observer, Progress, SampleError, Stage};
 
 use crate::jobs::Monitor;
 
-/// The share of the sets, and that of gluing; what is left is the band's and the session's.
+/// The shares of making the sets and of gluing them; the rest is for the band and the session.
 const SETS: f32 = 0.75;
 const GLUING: f32 = 0.2;
 
-/// The parts of a set that are told apart.
+/// The steps in which the progress of a set is counted.
 const PARTS: u64 = 1000;
 
-/// The progress of all sets, which are made at once.
+/// The progress of all sets, which are made in parallel.
 pub(super) struct Sets<'a> {
     monitor: &'a Monitor,
     all: usize,
@@ -35,12 +35,12 @@ impl<'a> Sets<'a> {
         }
     }
 
-    /// As many pieces have their set.
+    /// Counts a set that is made and serves `count` pieces.
     pub(super) fn made(&self, count: usize) {
         let done = self.done.fetch_add(count, Ordering::Relaxed) + count;
         let all = self.all;
         self.monitor.set_activity(&format!("set {done} of {all}"));
-        // The first of those that share a set told its own progress.
+        // The first piece of those that share a set has counted its progress already.
         self.add(PARTS * (count as u64).saturating_sub(1));
     }
 
@@ -51,12 +51,12 @@ impl<'a> Sets<'a> {
     }
 }
 
-/// The progress of one set. When it is dropped, its set is there or has failed.
+/// The progress of one set. Dropping it counts the set as complete, whether it was made or failed.
 pub(super) struct OneSet<'a> {
     sets: &'a Sets<'a>,
-    /// Whether it is thrown rather than tiled.
+    /// Whether the set is made by dart throwing instead of tiling.
     thrown: bool,
-    told: u64,
+    reported: u64,
 }
 
 impl<'a> OneSet<'a> {
@@ -65,14 +65,14 @@ impl<'a> OneSet<'a> {
         Self {
             sets,
             thrown,
-            told: 0,
+            reported: 0,
         }
     }
 
-    fn tell(&mut self, parts: u64) {
-        if parts > self.told {
-            self.sets.add(parts - self.told);
-            self.told = parts;
+    fn report(&mut self, parts: u64) {
+        if parts > self.reported {
+            self.sets.add(parts - self.reported);
+            self.reported = parts;
         }
     }
 }
@@ -84,18 +84,18 @@ impl Observer for OneSet<'_> {
         } else {
             tiling(progress.stage)
         };
-        self.tell(((start + share * part(progress)) * PARTS as f32) as u64);
+        self.report(((start + share * part(progress)) * PARTS as f32) as u64);
         go_on(self.sets.monitor)
     }
 }
 
 impl Drop for OneSet<'_> {
     fn drop(&mut self) {
-        self.tell(PARTS);
+        self.report(PARTS);
     }
 }
 
-/// Where a stage of tiling begins, and its share, as measured on a million samples.
+/// Where a stage of a tiled set begins, and its share, as measured on a million samples.
 const fn tiling(stage: Stage) -> (f32, f32) {
     match stage {
         Stage::Pattern => (0.0, 0.08),
@@ -109,7 +109,7 @@ const fn tiling(stage: Stage) -> (f32, f32) {
     }
 }
 
-/// Each throw of the reference sampler takes about half of what is left.
+/// Each round of dart throwing takes about half of the remaining time.
 fn throw(stage: Stage) -> (f32, f32) {
     match stage {
         Stage::Iterate(k) => {
@@ -136,9 +136,9 @@ fn go_on(monitor: &Monitor) -> ControlFlow<()> {
 pub(super) struct Gluing<'a>(pub(super) &'a Monitor);
 
 impl Gluing<'_> {
-    /// Says that the pieces are glued and the rest begins.
+    /// Reports that gluing is finished.
     ///
-    /// Fails when it is to stop.
+    /// Fails when the work was cancelled.
     pub(super) fn end(&self) -> Result<(), SampleError> {
         self.0.set_activity("seams");
         self.0.set_fraction(SETS + GLUING);
@@ -166,7 +166,7 @@ impl Observer for Gluing<'_> {
     }
 }
 
-/// What stopping after the last stage is told as.
+/// The error for cancellation after the last stage.
 pub(super) const fn stopped() -> SampleError {
     SampleError::Cancelled {
         stage: Stage::Finish,
@@ -191,7 +191,7 @@ mod tests {
         PieceSource::Reference { seed: 1, own }
     }
 
-    /// Returns the fraction after some work.
+    /// The fraction that some work reports.
     fn fraction(work: impl FnOnce(&Monitor) + Send + 'static) -> f32 {
         let job = Job::start(&(Arc::new(|| {}) as crate::jobs::Wake), work);
         job.wait().unwrap();
@@ -199,14 +199,14 @@ mod tests {
     }
 
     #[test]
-    fn a_set_that_is_half_made_moves_the_bar_and_never_back() {
+    fn progress_of_a_set_counts_at_once_and_never_goes_back() {
         let half = |monitor: &Monitor| {
             let sets = Sets::new(monitor, 2);
             let mut one = OneSet::of(&source(), &sets);
             for (throw, done) in [(1, 0), (1, 5), (1, 10), (2, 0), (2, 10), (1, 3)] {
                 assert!(one.observe(at(Stage::Iterate(throw), done)).is_continue());
             }
-            // Two throws have made three quarters of one of two sets; this one is not done.
+            // Two rounds have made three quarters of one of two sets, which is not complete yet.
             std::mem::forget(one);
         };
         assert!((fraction(half) - SETS * 0.375).abs() < 1e-3);
@@ -221,7 +221,7 @@ mod tests {
     }
 
     #[test]
-    fn gluing_goes_on_where_the_sets_end_and_leaves_room() {
+    fn gluing_continues_after_the_sets_and_ends_below_one() {
         let begins = |monitor: &Monitor| {
             assert!(Gluing(monitor).observe(at(Stage::Tile, 0)).is_continue());
         };

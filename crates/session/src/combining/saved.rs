@@ -1,5 +1,5 @@
-//! A combination as a session file keeps it: the layout, the digest of what it makes, and how it is looked at. It is
-//! computed again when it is opened, and believed in nothing.
+//! The session file of a combination: the layout, the digest of its result, and the view. Opening it computes
+//! the combination again and compares the digest.
 
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -8,13 +8,13 @@ use tilescope_debugger::digest;
 
 use crate::session::Session;
 
-/// The version of these files that is read and written.
+/// The version of the file format that is read and written.
 const VERSION: u32 = 1;
 
-/// The longest such file: a layout, and a view of as many bytes.
+/// The longest such file: a layout, and a view of the same length.
 const MAX_BYTES: usize = 2 * MAX_LAYOUT_BYTES as usize;
 
-/// What is saved.
+/// The content of the file.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct SavedCombination {
@@ -25,54 +25,54 @@ pub struct SavedCombination {
     pub digest: String,
     /// The stage shown, as its place in the session's list.
     pub stage: usize,
-    /// How it is looked at.
+    /// The view, as `tilescope-workbench` writes it.
     #[serde(default)]
     pub view: Value,
 }
 
-/// Why a saved combination cannot be opened, or one not be saved.
+/// Why a combination cannot be opened or saved.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum SavedError {
     /// It is too long.
     #[error("the session has {bytes} bytes; one of a combination may have {MAX_BYTES}")]
     TooLong {
-        /// Its length.
+        /// The length in bytes.
         bytes: usize,
     },
-    /// It has another form.
-    #[error("this is no saved combination: {0}")]
+    /// It is not JSON of the right form.
+    #[error("this is not a saved combination: {0}")]
     Form(serde_json::Error),
-    /// It is of another version.
+    /// Its version is not supported.
     #[error("the session has version {version}; this program reads version {VERSION}")]
     Version {
         /// Its version.
         version: u32,
     },
-    /// Its layout cannot serve.
+    /// Its layout is invalid.
     #[error(transparent)]
     Layout(#[from] LayoutError),
-    /// The layout makes something else.
+    /// The layout makes a set other than the one that was saved.
     #[error(
         "its layout makes a set with the digest {made}, and the session was saved with {saved}"
     )]
     Digest {
-        /// Of what was made.
+        /// The digest of the set that was made.
         made: String,
-        /// Of what was saved.
+        /// The digest in the file.
         saved: String,
     },
 }
 
 /// Returns a layout as JSON.
 pub(super) fn json(layout: &Layout) -> Value {
-    // A layout holds numbers that were read from JSON, so that they can be written.
+    // This cannot fail: all numbers of a layout were read from JSON.
     serde_json::to_value(layout).unwrap_or_default()
 }
 
 impl SavedCombination {
-    /// Returns a session that shows a combination as it is saved; `None` if it shows none, or one with sets from files,
-    /// which the session would not hold.
+    /// The file content for a session that shows a combination; `None` if it shows a run, or a combination with
+    /// sets from files, which the file would not contain.
     #[must_use]
     pub fn of(session: &Session, stage: usize, view: Value) -> Option<Self> {
         let combination = session.combination.as_ref()?;
@@ -95,7 +95,7 @@ impl SavedCombination {
         Ok(text)
     }
 
-    /// Reads a file's text: of a version that this program reads.
+    /// Reads a file's text.
     pub fn from_json(text: &str) -> Result<Self, SavedError> {
         let bytes = text.len();
         if bytes > MAX_BYTES {
@@ -116,7 +116,7 @@ impl SavedCombination {
         Ok(Layout::from_json(self.combination.to_string().as_bytes())?)
     }
 
-    /// Fails when the session is not the one that was saved.
+    /// Checks that the session is the one that was saved.
     pub fn prove(&self, session: &Session) -> Result<(), SavedError> {
         let (made, saved) = (digest(session.run()), self.digest.clone());
         if made == saved {

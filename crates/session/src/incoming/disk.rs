@@ -1,4 +1,4 @@
-//! Reading files from a disk up to a limit. Nothing of it is in a browser.
+//! Reads files from a disk, up to a limit of bytes. Native only.
 
 use std::fs::File;
 use std::io::{self, Read as _};
@@ -9,20 +9,20 @@ use tilescope_formats::{MAX_CERTIFICATE_BYTES, certificate_path};
 use super::{Incoming, NamedBytes, Unread, too_long};
 use crate::jobs::Monitor;
 
-/// How much is read between two questions whether to stop.
+/// The bytes read between two checks for cancellation.
 const CHUNK: u64 = 1 << 20;
 
-/// Fails where there is no file of at most `limit` bytes: a device or a pipe would never end.
+/// Fails unless the path is a regular file of at most `limit` bytes: a device or a pipe might never end.
 pub fn plain_file(path: &Path, limit: u64) -> Result<(), String> {
     let about = std::fs::metadata(path).map_err(|error| format!("{}: {error}", path.display()))?;
     if !about.is_file() {
-        return Err(format!("{} is no file", path.display()));
+        return Err(format!("{} is not a regular file", path.display()));
     }
     let name = path.display().to_string();
     too_long(&name, about.len(), limit).map_or(Ok(()), Err)
 }
 
-/// Returns the bytes of a file of at most `limit`, even if it grows while it is read.
+/// The bytes of a file; fails above `limit` bytes even if the file grows while it is read.
 pub fn read_limited(path: &Path, limit: u64, monitor: &Monitor) -> Result<Vec<u8>, Unread> {
     plain_file(path, limit)?;
     let named = |error: io::Error| Unread::Failed(format!("{}: {error}", path.display()));
@@ -46,7 +46,8 @@ pub fn read_limited(path: &Path, limit: u64, monitor: &Monitor) -> Result<Vec<u8
 }
 
 impl Incoming {
-    /// Reads a file of at most `limit` bytes and the certificate beside it. What else it names is looked for in its folder.
+    /// Reads a file of at most `limit` bytes and the certificate beside it. Other files that it names are
+    /// looked for in its folder.
     pub fn from_path(path: &Path, limit: u64, monitor: &Monitor) -> Result<Self, Unread> {
         let name = |path: &Path| path.to_string_lossy().into_owned();
         let bytes = read_limited(path, limit, monitor)?;

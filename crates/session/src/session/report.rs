@@ -9,7 +9,7 @@ use super::Session;
 use crate::combination::CombinationError;
 use crate::jobs::Monitor;
 
-/// Why there is no session.
+/// Why a session could not be made.
 #[derive(Debug, thiserror::Error)]
 pub enum MakeError {
     /// The run failed, or was cancelled.
@@ -18,7 +18,7 @@ pub enum MakeError {
     /// The combination failed, or was cancelled.
     #[error(transparent)]
     Combination(#[from] CombinationError),
-    /// It failed, or was cancelled, in a worker, whose error arrives as text.
+    /// It failed, or was cancelled, in a worker; the error arrives as text.
     #[error("{message}")]
     InWorker {
         /// The stage in which it was cancelled, if it was.

@@ -1,5 +1,5 @@
-//! What is brushed: a ring of frequencies or a range of distances, and the samples or pairs that cause what is seen there.
-//! They are found in the background by `tilescope_analysis`; the canvas draws them.
+//! The brush: a ring of frequencies or a range of distances, and the search for the samples or pairs that cause
+//! the values there. `tilescope_analysis` computes them in the background; the canvas draws them.
 
 use std::sync::Arc;
 
@@ -17,13 +17,13 @@ use tilescope_drawing::brushed::{BrushedCause, Cause, MAX_PAIRS, Pair};
 
 use super::measured::{Control, Samples, refusal};
 
-/// This part of the samples has a colour of its own for its share; those beyond have the strongest one.
+/// The share of samples whose colour shows their value; those beyond all have the strongest colour.
 const TINTED: f64 = 0.95;
 
-/// Frequencies about the first peak of maximal sets, as nu.
+/// The frequencies around the first peak of maximal sets, as nu.
 pub const FIRST_PEAK: [f64; 2] = [1.0, 1.3];
 
-/// What a range is of.
+/// The quantity that a brush selects by.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum BrushAxis {
@@ -36,7 +36,7 @@ pub enum BrushAxis {
 }
 
 impl BrushAxis {
-    /// Returns how far a brush of it may reach.
+    /// The upper end of its range.
     #[must_use]
     pub const fn end(self) -> f64 {
         match self {
@@ -49,14 +49,14 @@ impl BrushAxis {
 /// A range of frequencies or distances.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Brush {
-    /// What it is of.
+    /// The quantity.
     pub axis: BrushAxis,
-    /// Its ends, rising.
+    /// Its ends, the lower one first.
     pub range: [f64; 2],
 }
 
 impl Brush {
-    /// Returns the brush between two values, whichever is the larger one; none where it is empty or a value is no number.
+    /// The brush between two values in either order; `None` if it is empty or a value is NaN.
     #[must_use]
     pub fn between(axis: BrushAxis, a: f64, b: f64) -> Option<Self> {
         let [low, high] = [a.min(b), a.max(b)].map(|value| value.clamp(0.0, axis.end()));
@@ -66,7 +66,7 @@ impl Brush {
         })
     }
 
-    /// Returns its range, if it is of `axis`.
+    /// The range of a brush, if it is along `axis`.
     #[must_use]
     pub fn along(brush: Option<Self>, axis: BrushAxis) -> Option<[f64; 2]> {
         let range = brush.filter(|brush| brush.axis == axis);
@@ -74,15 +74,15 @@ impl Brush {
     }
 }
 
-/// A moment and a brush.
+/// The moment and the brush that causes belong to.
 type Of = (Key, Brush);
-/// What was found; or why nothing was, if the user did not wish it so.
+/// The causes, or why there are none; no reason if the user stopped the search.
 pub type Outcome = Result<Cause, Option<String>>;
 
-/// The causes of what is brushed at the moment, as far as they are known.
+/// The causes of the brush at the current moment, if known.
 #[derive(Default)]
 pub struct Marks {
-    /// What was asked for in the frame before.
+    /// The request of the frame before.
     asked: Option<Of>,
     work: Option<(Of, Job<Outcome>)>,
     found: Option<(Of, BrushedCause)>,
@@ -91,37 +91,38 @@ pub struct Marks {
 }
 
 impl Marks {
-    /// Returns what was found for a brush of a moment.
+    /// The causes of a brush at a moment.
     #[must_use]
     pub fn of(&self, shown: &ShownMoment<'_>, brush: Brush) -> Option<&BrushedCause> {
         let (of, found) = self.found.as_ref()?;
         (*of == (key_of(shown), brush)).then_some(found)
     }
 
-    /// Says what was found, or why nothing was.
+    /// The result in words, or why there is none.
     #[must_use]
-    pub fn said(&self, shown: &ShownMoment<'_>, brush: Brush) -> String {
+    pub fn description(&self, shown: &ShownMoment<'_>, brush: Brush) -> String {
         if let Some(found) = self.of(shown, brush) {
-            return said(&found.cause);
+            return describe(&found.cause);
         }
         match &self.failed {
             Some((of, why)) if *of == (key_of(shown), brush) => why.clone(),
-            _ => "Being looked for\u{2026}".to_owned(),
+            _ => "Searching\u{2026}".to_owned(),
         }
     }
 
-    /// Returns how much of the search is done, from 0 to 1, while causes are looked for.
+    /// The fraction of a running search that is done, from 0 to 1.
     #[must_use]
     pub fn progress(&self) -> Option<f32> {
         self.work.as_ref().map(|(_, job)| job.fraction())
     }
 
-    /// Stops looking; what was found stays.
+    /// Stops the search; earlier results stay.
     pub(super) fn rest(&mut self) {
         (self.asked, self.work) = (None, None);
     }
 
-    /// Takes what is found, and has the causes looked for once brush and moment rest from one call to the next.
+    /// Takes a finished result, and starts the search once brush and moment stayed the same from one call to
+    /// the next.
     pub(super) fn want(
         &mut self,
         session: &Arc<Session>,
@@ -175,7 +176,7 @@ impl Marks {
         }
     }
 
-    /// Waits for what is at work; returns whether anything was.
+    /// Waits for the running search; returns whether there was one.
     #[cfg(not(target_arch = "wasm32"))]
     pub(super) fn settle(&mut self) -> bool {
         let Some((of, job)) = self.work.take() else {
@@ -187,7 +188,7 @@ impl Marks {
     }
 }
 
-/// Has the causes of what is brushed at a moment found.
+/// The task of finding the causes of a brush at a moment.
 #[derive(serde::Serialize, serde::Deserialize)]
 pub struct BrushTask {
     still: Still,
@@ -208,7 +209,7 @@ impl Task for BrushTask {
     }
 }
 
-/// Returns the causes of what is seen of `set` in a brush. `ids` are those of its samples, among `all` samples of the run.
+/// The causes of a brush over `set`. `ids` are the ids of its samples, among `all` samples of the run.
 pub fn cause(
     set: &Samples,
     ids: &[u32],
@@ -250,7 +251,7 @@ pub fn cause(
     }
 }
 
-/// Returns the distance from the mean beyond which only few shares are.
+/// The distance from the mean that all but a few shares keep within.
 fn strongest(shares: &[f32], mean: f32) -> f32 {
     let sizes = shares.iter().filter(|share| share.is_finite());
     let mut sizes: Vec<f32> = sizes.map(|share| (share - mean).abs()).collect();
@@ -262,7 +263,7 @@ fn strongest(shares: &[f32], mean: f32) -> f32 {
     size.max(f32::MIN_POSITIVE)
 }
 
-fn said(cause: &Cause) -> String {
+fn describe(cause: &Cause) -> String {
     match cause {
         Cause::Pairs { total, pairs } => {
             let count = counted(*total as usize, "pair", "pairs");

@@ -1,5 +1,4 @@
-//! What is measured of a set, part by part, the quick and telling parts first. Every number comes from
-//! `tilescope_analysis`; nothing is computed here.
+//! The measures of a set, in parts: the quick and informative ones first. `tilescope_analysis` computes them.
 
 use std::ops::ControlFlow;
 use std::sync::Arc;
@@ -9,12 +8,12 @@ use tilescope_analysis::measures::{
 };
 use tilescope_analysis::{Progress, Region, Report, VerifyError, VerifyOptions, verify};
 
-/// Sets of so many samples get the spectrum of their low frequencies first.
+/// The size of a set from which the spectrum of its low frequencies is measured first.
 const ROUGH_FROM: usize = 20_000;
-/// By how much fewer frequencies along an axis that has.
+/// The factor by which that spectrum has fewer frequencies along each axis.
 const ROUGHER: i64 = 4;
 
-/// Asked how far a measure has come, answers whether it shall go on.
+/// Receives the progress of a measure, and breaks to stop it.
 pub type Control<'a> = &'a (dyn Fn(Progress) -> ControlFlow<()> + Sync);
 
 /// A set to be measured.
@@ -28,10 +27,10 @@ pub struct Samples {
     pub radius: f64,
 }
 
-/// What is known of a set so far.
+/// The measures of a set that are known so far.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct MeasuredSet {
-    /// How many samples there are.
+    /// The number of samples.
     pub samples: usize,
     /// Their region.
     pub region: Region,
@@ -39,18 +38,19 @@ pub struct MeasuredSet {
     pub radius: f64,
     /// The pair correlation.
     pub pairs: Option<Arc<PairCorrelation>>,
-    /// Conflicts, gaps, distances and density; or why the verifier gives no verdict, which stops nothing else.
+    /// Conflicts, gaps, distances and density; or why there is no verdict. The other parts are measured all the
+    /// same.
     pub report: Option<Result<Arc<Report>, String>>,
-    /// The spectrum of low frequencies, while the whole one is not there.
+    /// The spectrum of low frequencies, until the whole one is known.
     pub rough: Option<Arc<Spectrum>>,
     /// The spectrum.
     pub spectrum: Option<Arc<Spectrum>>,
-    /// The smooth spectrum that follows from g(r), for effective Nyquist frequency and oscillation: there with the spectrum,
-    /// unless the region is too narrow.
+    /// The smooth spectrum derived from g(r), for the effective Nyquist frequency and oscillation; known with
+    /// the spectrum unless the region is too narrow.
     pub curve: Option<Arc<PowerCurve>>,
 }
 
-/// A part of what is measured.
+/// A part of the measures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub enum MeasurePart {
     /// The pair correlation.
@@ -64,7 +64,7 @@ pub enum MeasurePart {
 }
 
 impl MeasurePart {
-    /// Returns what is being done when it is measured.
+    /// What is measured in this part, as shown while it runs.
     #[must_use]
     pub const fn doing(self) -> &'static str {
         match self {
@@ -77,7 +77,7 @@ impl MeasurePart {
 }
 
 impl MeasuredSet {
-    /// Returns what is known before anything is measured.
+    /// The measures before any part is known.
     #[must_use]
     pub fn nothing(set: &Samples) -> Self {
         Self {
@@ -92,7 +92,7 @@ impl MeasuredSet {
         }
     }
 
-    /// Returns what comes next; `None` when all is known.
+    /// The part to measure next; `None` when all are known.
     #[must_use]
     pub fn missing(&self) -> Option<MeasurePart> {
         if self.pairs.is_none() {
@@ -110,7 +110,8 @@ impl MeasuredSet {
 
     /// Measures a part of `set`.
     ///
-    /// Fails for fewer than three samples, for samples that are no places of the region or all one place, and when `control` breaks.
+    /// Fails for fewer than three samples, for samples outside the region or all at one place, and when
+    /// `control` breaks.
     pub fn measure(
         &mut self,
         part: MeasurePart,
@@ -122,7 +123,7 @@ impl MeasuredSet {
             MeasurePart::Pairs => {
                 let pairs = match PairCorrelation::in_units_of(points, region, set.radius, control)
                 {
-                    // No bin of r is within reach of so dense a set.
+                    // The set is too dense for a bin of r to be within range.
                     Err(MeasureError::OutOfRange { .. }) => {
                         PairCorrelation::to_look_at(points, region, control)?
                     }
@@ -160,7 +161,7 @@ impl MeasuredSet {
         Ok(())
     }
 
-    /// Returns everything that is measured of `set`, without the rougher part that comes first.
+    /// All measures of `set`, without the spectrum of low frequencies.
     pub fn whole(set: &Samples, control: Control<'_>) -> Result<Self, MeasureError> {
         let mut measured = Self::nothing(set);
         for part in [
@@ -173,7 +174,7 @@ impl MeasuredSet {
         Ok(measured)
     }
 
-    /// Returns the spectrum, or that of low frequencies.
+    /// The spectrum, or otherwise that of low frequencies.
     #[must_use]
     pub fn spectrum_so_far(&self) -> Option<&Arc<Spectrum>> {
         self.spectrum.as_ref().or(self.rough.as_ref())
@@ -185,13 +186,13 @@ impl MeasuredSet {
         Some(self.report.as_ref()?.as_ref().ok()?)
     }
 
-    /// Returns whether conflicts and gaps were judged with r of length `unit`.
+    /// Whether conflicts and gaps were verified with a radius of `unit`.
     #[must_use]
     pub fn is_judged_with(&self, unit: f64) -> bool {
         (self.radius - unit).abs() <= 1e-9 * unit
     }
 
-    /// Returns distance and g(r), distances divided by `unit`.
+    /// The pair correlation as pairs of a distance, divided by `unit`, and g.
     #[must_use]
     pub fn correlation(&self, unit: f64) -> Vec<[f64; 2]> {
         let Some(pairs) = &self.pairs else {
@@ -213,7 +214,7 @@ fn spectrum(
     Spectrum::of(&periodogram).map(Arc::new)
 }
 
-/// Returns why a set cannot be measured, as a sentence; `None` if it was the user's wish.
+/// Why a set cannot be measured, as a sentence; `None` if the user stopped it.
 #[must_use]
 pub fn refusal(error: &MeasureError) -> Option<String> {
     match error {

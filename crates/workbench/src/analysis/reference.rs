@@ -1,4 +1,4 @@
-//! What maximal Poisson-disk sets are like: a set of the reference sampler that comes with the program, measured once.
+//! The reference set: a maximal Poisson-disk set by dart throwing, always the same, measured once.
 
 use std::sync::Arc;
 
@@ -10,17 +10,17 @@ use tilescope_session::units::radii;
 
 use super::measured::{MeasuredSet, Samples, refusal};
 
-/// The set: a pattern, but no run clips from one as large by default.
+/// The set is made as a pattern, larger than the default pattern of runs.
 pub const SPEC: PatternSpec = PatternSpec {
     side: 200.0,
     boundary: Border::Periodic,
     seed: 0,
 };
 
-/// The reference, as far as it is known.
+/// The measures of the reference set.
 #[derive(Default)]
 pub enum Reference {
-    /// Nobody has asked for it.
+    /// It was not requested yet.
     #[default]
     Unknown,
     /// It is being measured.
@@ -32,7 +32,7 @@ pub enum Reference {
 }
 
 impl Reference {
-    /// Returns what is measured of it, once that is known.
+    /// Its measures, once known.
     #[must_use]
     pub const fn measured(&self) -> Option<&Arc<MeasuredSet>> {
         match self {
@@ -41,7 +41,7 @@ impl Reference {
         }
     }
 
-    /// Returns what it is.
+    /// Its description.
     #[must_use]
     pub fn name(&self) -> String {
         let count = self.measured().map_or_else(String::new, |measured| {
@@ -90,7 +90,7 @@ impl Reference {
     }
 }
 
-/// Has the reference measured.
+/// The task of measuring the reference set.
 #[derive(serde::Serialize, serde::Deserialize)]
 pub struct MeasureReferenceTask;
 

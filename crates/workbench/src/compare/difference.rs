@@ -1,4 +1,4 @@
-//! Which samples only one of two runs has at a moment. Samples are compared by place, on the lattice, to the bit.
+//! The samples that only one of two runs has at a moment. Samples are equal if their lattice points are.
 
 use std::sync::Arc;
 
@@ -9,7 +9,7 @@ use tilescope_session::moment::{ShownMoment, Still};
 use tilescope_session::session::Session;
 use tilescope_session::task::{self, Task};
 
-/// Sets of more samples are compared in the background: it would take longer than a frame.
+/// Larger sets are compared in the background, as that takes longer than a frame.
 const MAX_AT_ONCE: usize = 50_000;
 
 /// A pair of moments: the generation of each session, and its cursor.
@@ -18,24 +18,24 @@ type Key = [(u64, usize); 2];
 /// The samples that only one of two runs has: their ids in that run.
 #[derive(Clone, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct UnsharedSamples {
-    /// Those of the first run alone.
+    /// The samples of the first run alone.
     pub first: Vec<u32>,
-    /// Those of the second run alone.
+    /// The samples of the second run alone.
     pub second: Vec<u32>,
-    /// How many both have.
+    /// The number of samples that both have.
     pub common: usize,
 }
 
-/// The difference of the moments that are shown, as far as it is known.
+/// The difference of the moments that are shown, if known.
 #[derive(Default)]
 pub struct Differences {
     work: Option<(Key, Job<UnsharedSamples>)>,
     ready: Option<(Key, UnsharedSamples)>,
-    /// The last pair of which it could not be made.
+    /// The last pair of moments whose difference could not be computed.
     failed: Option<Key>,
 }
 
-/// Returns whether samples of two moments can be compared by place: both runs have the same domain.
+/// Whether samples of two moments can be compared: both runs must have the same domain.
 #[must_use]
 pub fn comparable(a: &ShownMoment<'_>, b: &ShownMoment<'_>) -> bool {
     let (a, b) = (&a.session.run().domain, &b.session.run().domain);
@@ -50,14 +50,14 @@ fn key_of(a: &ShownMoment<'_>, b: &ShownMoment<'_>) -> Key {
 }
 
 impl Differences {
-    /// Returns the difference of two moments, if it is the one that is known.
+    /// The difference of two moments, if that is the one computed last.
     #[must_use]
     pub fn of(&self, a: &ShownMoment<'_>, b: &ShownMoment<'_>) -> Option<&UnsharedSamples> {
         let (key, ready) = self.ready.as_ref()?;
         (*key == key_of(a, b)).then_some(ready)
     }
 
-    /// Has the difference of two moments made if it is neither known nor at work. One is made at a time.
+    /// Starts computing the difference of two moments unless it is known or running. One is computed at a time.
     pub fn want(&mut self, moments: [(&Arc<Session>, &ShownMoment<'_>); 2], wake: &Wake) {
         self.take();
         let [(first, a), (second, b)] = moments;
@@ -90,7 +90,7 @@ impl Differences {
         }
     }
 
-    /// Waits for what is at work.
+    /// Waits for the running work.
     #[cfg(not(target_arch = "wasm32"))]
     pub fn settle(&mut self) {
         if let Some((key, job)) = self.work.take() {
@@ -99,7 +99,7 @@ impl Differences {
     }
 }
 
-/// Has found what only one of two moments holds.
+/// The task of finding the samples that only one of two moments has.
 #[derive(serde::Serialize, serde::Deserialize)]
 pub struct DifferenceTask([Still; 2]);
 
@@ -113,7 +113,7 @@ impl Task for DifferenceTask {
     }
 }
 
-/// Returns what only one of two lists of places holds.
+/// The samples that are in only one of two lists.
 #[must_use]
 pub fn between(mut first: Vec<(Point, u32)>, mut second: Vec<(Point, u32)>) -> UnsharedSamples {
     let order = |&(point, id): &(Point, u32)| (point.x, point.y, id);
@@ -152,7 +152,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_one_list_alone_holds_is_found_whatever_the_ids_and_the_order() {
+    fn differences_do_not_depend_on_ids_and_order() {
         let at = |x: i32, y: i32, id: u32| (Point::new(x, y), id);
         let first = vec![at(5, 5, 0), at(1, 9, 1), at(7, 7, 2)];
         let second = vec![at(7, 7, 8), at(5, 5, 7), at(1, 8, 6), at(9, 9, 5)];

@@ -1,12 +1,12 @@
-//! Which moment of one run corresponds to a moment of another: the same event as long as the two are the same, then the
-//! same share of the same stage.
+//! Linked playback: which moment of one run corresponds to a moment of another. It is the same event as long as
+//! the two runs are equal, then the same fraction of the same stage.
 
 use tilescope_debugger::Divergence;
 use tilescope_session::moment::Moment;
 use tilescope_session::session::Session;
 
-/// Returns the cursors up to which two runs are the same, event by event, by what is known of where they part. Where tests
-/// were left out of a tape nothing is known of single events.
+/// The cursors up to which two runs are equal, event by event, given where they diverge. `None` if tests were
+/// left out of a tape, as single events then cannot be matched.
 #[must_use]
 pub fn common(a: &Session, b: &Session, divergence: Option<&Divergence>) -> Option<[usize; 2]> {
     let whole = |session: &Session| {
@@ -25,8 +25,8 @@ pub fn common(a: &Session, b: &Session, divergence: Option<&Divergence>) -> Opti
     }
 }
 
-/// Returns the moment of `to` that corresponds to the moment `at` of `from`. `common` are the cursors up to which
-/// the two are the same, if that is known.
+/// The moment of `to` that corresponds to the moment `at` of `from`. `common` are the cursors up to which the
+/// two are equal, if known.
 #[must_use]
 pub fn corresponding(
     from: &Session,
@@ -39,7 +39,7 @@ pub fn corresponding(
     let (Some(cursor), Some(end)) = (at.cursor, end) else {
         return Moment::after(to, stage);
     };
-    // Behind the events at which they part both are still at the same place of their ways.
+    // Cursors up to the divergence correspond one to one.
     if let Some([a, b]) = common
         && cursor <= a.saturating_add(1)
     {
@@ -48,7 +48,7 @@ pub fn corresponding(
     }
     let [a, b] = common.map_or([0; 2], |both| both.map(|at| at.saturating_add(1)));
     if to.stages[stage] != at.stage {
-        // Never back behind where they part.
+        // Never before the divergence.
         return behind(to, end.max(b));
     }
     let bounds = |session: &Session, stage: usize, least: usize| {
@@ -65,7 +65,7 @@ pub fn corresponding(
     behind(to, cursor.max(b))
 }
 
-/// Returns the moment of a session when so many events have happened, or all of them.
+/// The moment of a session after this many events, or at its end.
 fn behind(session: &Session, cursor: usize) -> Moment {
     let last = session.stages.len() - 1;
     let cursor = session

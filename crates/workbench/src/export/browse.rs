@@ -1,4 +1,4 @@
-//! Asking the system for the name of a file that is exported. Nothing is written here.
+//! The system's dialog for the name of an exported file.
 
 use std::path::PathBuf;
 

@@ -1,4 +1,5 @@
-//! What the canvas shows of a moment, as groups of shapes: the parts of the canvas, and the gaps, exactly.
+//! A moment as the canvas shows it, as groups of the figures' shapes: the parts of `tilescope_drawing`, and the
+//! gaps exactly.
 
 use emath::Rect;
 use tilescope_core::Stage;
@@ -18,7 +19,7 @@ use tilescope_session::selection::Selection;
 use super::picture::PictureView;
 use super::surface::{Shapes, at, color, rect};
 
-/// Returns the parts that are on, from the ground up, drawn within `frame`.
+/// The visible parts from bottom to top, drawn within `frame`.
 pub(super) fn groups(
     shown: ShownMoment<'_>,
     view: &PictureView,
@@ -57,10 +58,10 @@ pub(super) fn groups(
     groups
 }
 
-/// Returns the domain of the run before anything has happened in it.
+/// The empty domain of the run, before the first event.
 pub(super) fn empty_domain(shown: ShownMoment<'_>, view: &PictureView, frame: Rect) -> Vec<Group> {
     let geometry = Geometry::default();
-    // The pattern has a domain of its own.
+    // The pattern has its own domain.
     let shown = ShownMoment {
         stage: Stage::Blocks,
         ..shown
@@ -96,7 +97,7 @@ fn subject<'a>(
     }
 }
 
-/// Returns the domain, and what is around it.
+/// The domain and its surroundings.
 fn ground(scene: &Scene<'_>, view: &PictureView) -> Vec<Group> {
     let mut shapes = Shapes::default();
     shapes.rect(scene.rect, Some(view.outside()), None);
@@ -104,7 +105,7 @@ fn ground(scene: &Scene<'_>, view: &PictureView) -> Vec<Group> {
     shapes.into_groups("ground", scene.rect).collect()
 }
 
-/// Returns the hatched domain, covered with disks: what stays hatched is a gap, exactly.
+/// The hatched domain, covered with disks: exactly the gaps stay hatched.
 fn gaps(scene: &Scene<'_>) -> [Group; 2] {
     let gap = color(scene.palette.gap);
     let hatch = Hatch {

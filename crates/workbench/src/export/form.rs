@@ -1,5 +1,4 @@
-//! The export sheet as filled in: a file, and numbers as typed. It opens no file; whether one is there already it
-//! asks the system.
+//! The export sheet as filled in: a file name, and numbers as typed, with their checks.
 
 use std::path::{Path, PathBuf};
 
@@ -13,14 +12,14 @@ use crate::clock::Clock;
 pub const MIN_SCALE: f64 = 0.5;
 /// The largest scale.
 pub const MAX_SCALE: f64 = 8.0;
-/// Most steps from frame to frame.
+/// The most ticks from frame to frame.
 pub const MAX_EVERY: usize = 10_000_000;
 /// The shortest time for a frame, in ms: viewers slow shorter ones down.
 pub const MIN_DELAY_MS: u32 = 20;
 /// The longest time for a frame, in ms.
 pub const MAX_DELAY_MS: u32 = 60_000;
 
-/// A number that is typed.
+/// A typed number of the sheet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum NumberField {
@@ -35,25 +34,25 @@ pub enum NumberField {
 /// The export sheet.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ExportForm {
-    /// What to write.
+    /// The kind of export.
     pub kind: ExportKind,
     /// The file to write; its extension chooses the format.
     pub path: String,
-    /// Number type of the coordinates, where the format leaves the choice.
+    /// Number type of the coordinates, if the format leaves a choice.
     pub precision: Precision,
     /// Pixels for a point of the window, as typed.
     pub scale: String,
     /// Whether pictures are coloured for print instead of as in the window.
     pub print: bool,
-    /// What frames are counted in.
+    /// The clock that counts frames.
     pub clock: Clock,
-    /// Ticks of the clock from frame to frame, as typed. Empty until an animation is thought of.
+    /// Ticks of the clock from frame to frame, as typed; empty until an animation is chosen.
     pub every: String,
     /// Milliseconds for a frame, as typed.
     pub delay: String,
-    /// The file, or its certificate, that is there already and would be replaced.
+    /// An existing file, or certificate, that would be replaced.
     pub taken: Option<PathBuf>,
-    /// Whether the user was asked about replacing it.
+    /// Whether the user has been asked about replacing it.
     pub asked: bool,
 }
 
@@ -81,8 +80,7 @@ impl ExportForm {
         Path::new(self.path.trim())
     }
 
-    /// Chooses what to write. The file gets another extension where that is something else than before, or its own means
-    /// nothing.
+    /// Chooses the kind. The file's extension changes if the kind does, or if it is unknown.
     pub fn choose(&mut self, kind: ExportKind) {
         let same = kind == self.kind || (kind.is_set() && self.kind.is_set());
         let fits = same && kind.format(self.file()).is_some();
@@ -95,7 +93,7 @@ impl ExportForm {
         self.asked = false;
     }
 
-    /// Looks whether there is a file already.
+    /// Checks whether the file exists already.
     pub fn look(&mut self) {
         self.taken = if self.path.trim().is_empty() {
             None
@@ -104,7 +102,7 @@ impl ExportForm {
         };
     }
 
-    /// Returns why no file of this name can be written.
+    /// Why no file of this name can be written.
     #[must_use]
     pub fn name_refusal(&self) -> Option<ExportRefusal> {
         if self.file().file_name().is_none() {
@@ -117,7 +115,7 @@ impl ExportForm {
         }
     }
 
-    /// Returns whether the scale counts: a picture of vectors has no pixels.
+    /// Whether the scale applies; a vector picture has no pixels.
     #[must_use]
     pub fn has_scale(&self) -> bool {
         !self.kind.is_set() && extension(self.file()).as_deref() != Some("svg")
@@ -170,7 +168,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_extension_follows_what_is_written() {
+    fn the_extension_follows_the_kind() {
         let mut form = ExportForm {
             path: "some.folder/first.set.ply".to_owned(),
             ..ExportForm::default()

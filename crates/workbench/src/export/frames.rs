@@ -1,4 +1,4 @@
-//! Which moments become frames of an animation: a range of events, counted off by a clock.
+//! The frames of an animation: which events of a range become frames, by the ticks of a clock.
 
 use std::ops::Range;
 
@@ -10,18 +10,19 @@ use crate::clock::Clock;
 
 /// The most frames of an animation.
 pub const MAX_FRAMES: usize = 600;
-/// Frames that an animation has about at first, until something else is typed.
+/// The approximate number of frames proposed for an animation.
 const AT_FIRST: usize = 120;
 
-/// What frames follow from: the session's generation, the range, the clock and the ticks from frame to frame.
+/// What the number of frames depends on: the session's generation, the range, the clock and the ticks from
+/// frame to frame.
 pub type Key = (u64, Range<usize>, Clock, usize);
 
-/// How many frames there are for a key, or why none.
+/// The number of frames for a key, or why there are none.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Count {
-    /// What they follow from.
+    /// What the number depends on.
     pub key: Key,
-    /// How many there are.
+    /// The number.
     pub frames: Result<usize, ExportRefusal>,
 }
 
@@ -45,7 +46,7 @@ pub fn frames(
     Ok(cursors)
 }
 
-/// Returns how many frames [`frames`] would return, and refuses what it does.
+/// The number of frames that [`frames`] would return, with the same errors.
 ///
 /// # Errors
 ///
@@ -70,13 +71,13 @@ pub fn count(
     Ok(frames)
 }
 
-/// Returns how many ticks may lie between frames at first.
+/// The number of ticks between frames to propose.
 #[must_use]
 pub fn every_at_first(session: &Session, range: &Range<usize>, clock: Clock) -> usize {
     number(session, range, clock) / AT_FIRST + 1
 }
 
-/// Returns how many ticks there are inside a range.
+/// The number of ticks inside a range.
 fn number(session: &Session, range: &Range<usize>, clock: Clock) -> usize {
     match clock {
         Clock::Event => range.len().saturating_sub(1),
@@ -106,7 +107,7 @@ fn ticks<'a>(
                 changes.then_some(cursor)
             }))
         }
-        // The passes of the GPU have no events.
+        // GPU passes have no events; stages are counted instead.
         Clock::Stage | Clock::Pass => {
             let ends = (0..session.stages.len()).filter_map(|place| session.stage_end(place));
             Box::new(ends.filter(move |end| inside.contains(end)))
@@ -175,7 +176,7 @@ mod tests {
     }
 
     #[test]
-    fn empty_and_long_ranges_are_refused_and_what_is_proposed_will_do() {
+    fn empty_and_long_ranges_are_refused_and_the_proposal_is_accepted() {
         let session = session();
         let events = session.recording().unwrap().len();
         let refused = frames(&session, &(7..7), Clock::Event, 1).unwrap_err();

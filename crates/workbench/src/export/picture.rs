@@ -1,4 +1,5 @@
-//! What the canvas shows at a moment, as a scene of the figures: same camera, same layers, same colours, below a caption.
+//! A picture of a moment, as a scene of `tilescope_figures`: with the canvas' camera, layers and colours, and a
+//! caption below.
 
 use std::sync::Arc;
 
@@ -28,7 +29,7 @@ use tilescope_drawing::camera::Camera;
 /// The most samples that a picture draws.
 pub const MAX_DRAWN: usize = 1_000_000;
 
-/// What of the plane is seen, and how.
+/// The view of a picture: the visible part of the plane, and how it is drawn.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct PictureView {
     /// The camera of the canvas.
@@ -37,24 +38,24 @@ pub struct PictureView {
     pub size: [f64; 2],
     /// The layers shown.
     pub layers: Layers,
-    /// What the colour of samples means.
+    /// What the colour of samples stands for.
     pub colouring: Colouring,
-    /// What is selected.
+    /// The selection.
     pub selection: Selection,
-    /// Whether the window's palette is the dark one.
+    /// Whether the window's palette is dark.
     pub dark: bool,
     /// Whether it is coloured for print instead: dark on white.
     pub print: bool,
 }
 
 impl PictureView {
-    /// Returns the pixels of a picture with `scale` pixels for a point; margins and the caption belong to it.
+    /// The size in pixels of a picture with `scale` pixels for a point, including margins and caption.
     #[must_use]
     pub fn pixels(&self, scale: f64) -> [usize; 2] {
         self.paper().map(|side| (side * scale).round() as usize)
     }
 
-    /// Returns why there is no picture of so many pixels, or no frame of an animation.
+    /// Why a picture, or a frame of an animation, of this size is refused.
     #[must_use]
     pub fn size_refusal(&self, scale: f64, animated: bool) -> Option<ExportRefusal> {
         let [width, height] = self.pixels(scale);
@@ -95,13 +96,13 @@ impl PictureView {
         }
     }
 
-    /// Returns the size of the whole picture, in points: margins and the caption belong to it.
+    /// The size of the whole picture in points, including margins and caption.
     fn paper(&self) -> [f64; 2] {
         let width = self.size[0] / (1.0 - 2.0 * MARGIN);
         [width, self.size[1] + (2.0 * MARGIN + CAPTION) * width]
     }
 
-    /// Returns where the plane is seen in the picture, in points.
+    /// The rectangle in which the picture shows the plane, in points.
     #[must_use]
     pub fn frame(&self) -> Rect {
         let width = self.paper()[0];
@@ -110,9 +111,9 @@ impl PictureView {
     }
 }
 
-/// Around what is seen of the plane, in the width of the picture.
+/// The margin around that rectangle, relative to the picture's width.
 const MARGIN: f64 = 0.016;
-/// The height of the caption, in the width of the picture.
+/// The height of the caption, relative to the picture's width.
 const CAPTION: f64 = 0.044;
 
 /// Returns the picture of a moment, with the run's parameters in its metadata.
@@ -131,7 +132,7 @@ pub fn scene(
     scene
 }
 
-/// Returns what files say about a view.
+/// The description of a view for files.
 #[must_use]
 pub fn described(view: &PictureView) -> String {
     let on = Layer::ALL
@@ -149,7 +150,7 @@ pub fn described(view: &PictureView) -> String {
     .to_string()
 }
 
-/// Returns a frame of an animation: a moment between events, on the run's own domain also before the first.
+/// A frame of an animation. Before the first event it shows the empty domain of the run.
 pub(super) fn frame(session: &Session, cursor: usize, view: &PictureView) -> Scene {
     drawn(session, &Moment::at(session, cursor), view, None, false)
 }
@@ -188,7 +189,7 @@ fn drawn(
     scene
 }
 
-/// Adds what the picture shows in words, which are its title, too, and at which event.
+/// Adds a caption of the moment in words, also as the title, and the event's number.
 fn caption(scene: &mut Scene, shown: &ShownMoment<'_>, view: &PictureView) {
     let (palette, frame) = (view.palette(), rect(view.frame()));
     let px = view.paper()[0] / 1000.0;
@@ -197,7 +198,7 @@ fn caption(scene: &mut Scene, shown: &ShownMoment<'_>, view: &PictureView) {
         let [at, all] = [debugger.state().cursor(), debugger.recording().len()];
         format!("event {} of {}", grouped(at), grouped(all))
     });
-    let text = told(shown);
+    let text = moment_sentence(shown);
     scene.title = match event.as_str() {
         "" => text.clone(),
         event => format!("{text} ({event})"),
@@ -218,8 +219,8 @@ fn caption(scene: &mut Scene, shown: &ShownMoment<'_>, view: &PictureView) {
     scene.groups.push(group);
 }
 
-/// Returns what the moment is in a sentence: the result, a whole stage, or the last event.
-fn told(shown: &ShownMoment<'_>) -> String {
+/// The moment in a sentence: the result, a whole stage, or the last event.
+fn moment_sentence(shown: &ShownMoment<'_>) -> String {
     let session = shown.session;
     let last = shown.cursor().checked_sub(1);
     match (shown.debugger, last) {

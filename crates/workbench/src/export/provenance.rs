@@ -1,4 +1,4 @@
-//! Sets of samples that are exported, and what files say of their run.
+//! Exported sets of samples, and the provenance in files: parameters, digests, program.
 
 use std::collections::BTreeMap;
 
@@ -8,7 +8,7 @@ use tilescope_debugger::{digest, pattern_digest};
 use tilescope_formats::{PointSet, Provenance};
 use tilescope_session::session::Session;
 
-/// Returns samples of a run by id, with where each comes from.
+/// Samples of a run by id, with their origins.
 #[must_use]
 pub fn point_set(run: &Run, ids: &[u32]) -> PointSet {
     let samples = &run.samples;
@@ -36,8 +36,8 @@ pub const fn method(session: &Session) -> &'static str {
     }
 }
 
-/// Returns the parameters of a session by name, for its certificate: a combination's are its layout. A pattern from a file stands there by the file's
-/// name and its digest.
+/// The parameters of a session by name, for its certificate; for a combination its layout. A pattern from a
+/// file is given by the file's name and digest.
 #[must_use]
 pub fn parameter_map(session: &Session) -> BTreeMap<String, Value> {
     if let Some(combination) = &session.combination {
@@ -56,8 +56,8 @@ pub fn parameter_map(session: &Session) -> BTreeMap<String, Value> {
     map
 }
 
-/// Returns what pictures of a session say about it, by key: the parameters, the digests with which a run can be told
-/// to be the same again, and the program.
+/// The metadata of a session's pictures: its parameters, the digests by which a run can be recognised, and the
+/// program.
 #[must_use]
 pub fn provenance(session: &Session) -> Vec<(String, String)> {
     let run = session.run();

@@ -1,4 +1,4 @@
-//! Why something cannot be exported, as far as it is known before anything is written.
+//! The reasons for which an export is refused before anything is written.
 
 use tilescope_session::words::grouped;
 
@@ -6,7 +6,7 @@ use super::form::{MAX_DELAY_MS, MAX_EVERY, MAX_SCALE, MIN_DELAY_MS, MIN_SCALE};
 use super::frames::MAX_FRAMES;
 use super::picture::MAX_DRAWN;
 
-/// Why nothing can be exported.
+/// Why an export is refused.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ExportRefusal {
@@ -22,25 +22,25 @@ pub enum ExportRefusal {
     /// Animations need events, and a combination has none.
     #[error("A combination has stages but no events, so that there is no time to animate.")]
     Combination,
-    /// No sample is there.
+    /// No sample covers its disk.
     #[error("No sample covers its disk at this moment.")]
     NoSamples,
     /// No file was named.
     #[error("Name a file.")]
     NoName,
-    /// The extension means nothing here.
+    /// The extension is unknown.
     #[error("The extension chooses the format: {}.", .known.iter().map(|e| format!(".{e}")).collect::<Vec<_>>().join(" "))]
     Extension {
-        /// Extensions that are known.
+        /// The known extensions.
         known: Vec<&'static str>,
     },
-    /// The scale is no number within the limits.
+    /// The scale is not a number within the limits.
     #[error("The scale is \"{text}\"; it must be a number from {MIN_SCALE} to {MAX_SCALE}.")]
     Scale {
         /// As typed.
         text: String,
     },
-    /// The number of ticks from frame to frame is none.
+    /// The number of ticks from frame to frame is not a whole number within the limits.
     #[error(
         "A frame for every \"{text}\" steps: it must be a whole number from 1 to {}.",
         grouped(MAX_EVERY)
@@ -58,7 +58,7 @@ pub enum ExportRefusal {
         /// As typed.
         text: String,
     },
-    /// Nothing happens in the range.
+    /// The range is empty.
     #[error("The range from event {} to event {} is empty: there is nothing to animate.", grouped(*.start), grouped(*.end))]
     EmptyRange {
         /// Its first cursor.
@@ -72,9 +72,9 @@ pub enum ExportRefusal {
         grouped(*.frames), grouped(*.enough)
     )]
     TooManyFrames {
-        /// How many.
+        /// The number of them.
         frames: usize,
-        /// The smallest distance between frames that gives few enough.
+        /// The smallest number of ticks between frames that keeps the limit.
         enough: usize,
     },
     /// The picture, or a frame, would have too many pixels.
@@ -92,13 +92,13 @@ pub enum ExportRefusal {
         /// Longest side.
         side: usize,
     },
-    /// There is too much to draw.
+    /// Too many samples are in view.
     #[error(
         "About {} samples are in view; pictures draw {} at most. Zoom in.",
         grouped(*.samples), grouped(MAX_DRAWN)
     )]
     TooManySamples {
-        /// How many.
+        /// The number of them.
         samples: usize,
     },
     /// The canvas has not been shown yet.

@@ -1,4 +1,4 @@
-//! A picture of the figures as what the parts of a drawing are drawn on.
+//! The surface of exported pictures: turns what the parts of a drawing draw into shapes of `tilescope_figures`.
 
 use ecolor::Color32;
 use emath::{Pos2, Rect, Vec2, vec2};
@@ -8,11 +8,11 @@ use tilescope_figures::{
     text_width, with_alpha,
 };
 
-/// Circles of a larger radius, in pixels, are hardly curved where they can be seen.
+/// Circles of a larger radius, in pixels, look straight within the picture.
 const MAX_CIRCLE: f32 = 10_000.0;
-/// How high a line of text is, in its size.
+/// The height of a line of text, relative to its font size.
 const LINE_HEIGHT: f32 = 1.27;
-/// How far a polygon may be from an arc that it stands for, in pixels.
+/// The largest distance of a polygon from the arc that it approximates, in pixels.
 const ARC_ERROR: f32 = 0.02;
 
 /// Returns a colour of the window for a picture.
@@ -43,7 +43,7 @@ pub(super) fn rect(rect: Rect) -> PictureRect {
 #[derive(Default)]
 pub(super) struct Shapes {
     drawn: Vec<Shape>,
-    /// Lines since the last shape of another kind, as long as they have one style.
+    /// Consecutive lines of one style.
     lines: Vec<[[f64; 2]; 2]>,
     stroke: Option<(Stroke, bool)>,
     /// Marks by kind.
@@ -51,8 +51,8 @@ pub(super) struct Shapes {
 }
 
 impl Shapes {
-    /// Returns the shapes as a group of this name and groups of marks, in the sequence in which they are to be drawn; none
-    /// where nothing was drawn.
+    /// The shapes as a group of this name, followed by groups of marks, in drawing order. Nothing if nothing
+    /// was drawn.
     pub(super) fn into_groups(
         mut self,
         name: &'static str,

@@ -1,5 +1,5 @@
-//! Making the files of an order in the background: in memory, or natively on the disk, where a file appears whole or not
-//! at all. Both ways give the same bytes.
+//! Makes the files of an export in the background: in memory, or natively on the disk, where a file is written
+//! completely or not at all. Both give the same bytes.
 
 use std::io::{self, Write};
 use std::ops::ControlFlow;
@@ -26,30 +26,30 @@ use tilescope_session::incoming::NamedBytes;
 use tilescope_session::jobs::Monitor;
 use tilescope_session::verification::region_of;
 
-/// The longest animation that is made in memory.
+/// The longest animation that is made in memory, in bytes.
 pub const MAX_ANIMATION_BYTES: usize = 512 << 20;
 
-/// A file that was made.
+/// An exported file.
 #[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 pub struct Written {
     /// The file.
     pub path: PathBuf,
-    /// What it is.
+    /// What it contains.
     pub what: What,
 }
 
-/// What a file is that was made.
+/// The content of an exported file.
 #[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 pub enum What {
     /// Samples, beside their certificate.
     Samples {
         /// The certificate's file.
         certificate: PathBuf,
-        /// The verdict on the samples as they were read back.
+        /// The verdict on the samples, as read back from the file.
         report: Box<Report>,
-        /// What to tell the user.
+        /// Warnings for the user.
         warnings: Vec<Warning>,
-        /// Whether they are the result, which should be valid.
+        /// Whether they are the result, which must be valid.
         result: bool,
     },
     /// A picture.
@@ -61,12 +61,12 @@ pub enum What {
     },
 }
 
-/// Files that were made in memory.
+/// Files made in memory.
 #[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 pub struct Outgoing {
-    /// The files, by names without folders: what was ordered first.
+    /// The files, by names without folders; the export itself is first.
     pub files: Vec<NamedBytes>,
-    /// What they are.
+    /// What they contain.
     pub written: Written,
 }
 
@@ -74,16 +74,16 @@ pub struct Outgoing {
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum WriteError {
-    /// The user asked to stop.
+    /// The user cancelled.
     #[error("the export was cancelled")]
     Cancelled,
     /// Samples could not be written.
     #[error(transparent)]
     Export(#[from] ExportError),
-    /// There is no such picture.
+    /// The picture could not be made.
     #[error(transparent)]
     Figure(#[from] FigureError),
-    /// There is no such animation.
+    /// The animation could not be made.
     #[error(transparent)]
     Animation(#[from] AnimationError),
     /// A file could not be written.
@@ -92,11 +92,11 @@ pub enum WriteError {
     /// The files could not be put together for a download.
     #[error(transparent)]
     Pack(#[from] crate::files::PackError),
-    /// It was not made where its error could not come from as it was.
-    #[error("{said}")]
-    Elsewhere {
+    /// It failed in a worker; the error arrives as text.
+    #[error("{message}")]
+    InWorker {
         /// The error in words.
-        said: String,
+        message: String,
     },
     /// The path ends with no name.
     #[error("{path} names no file")]
@@ -106,7 +106,7 @@ pub enum WriteError {
     },
 }
 
-/// An error as it can be sent: whether somebody asked to stop, and its words.
+/// A [`WriteError`] as it is sent: whether it was cancelled, and its message.
 #[derive(Serialize, Deserialize)]
 struct SentError(bool, String);
 
@@ -118,20 +118,20 @@ impl Serialize for WriteError {
 
 impl<'de> Deserialize<'de> for WriteError {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let SentError(cancelled, said) = SentError::deserialize(deserializer)?;
+        let SentError(cancelled, message) = SentError::deserialize(deserializer)?;
         Ok(if cancelled {
             Self::Cancelled
         } else {
-            Self::Elsewhere { said }
+            Self::InWorker { message }
         })
     }
 }
 
-/// Writes what was ordered to the disk.
+/// Writes an export to the disk.
 ///
 /// # Errors
 ///
-/// [`WriteError`]; no file is left then, and one that was there is as it was.
+/// [`WriteError`]; no new file is left then, and an existing one is unchanged.
 #[cfg(not(target_arch = "wasm32"))]
 pub fn write(order: &ExportJob, monitor: &Monitor) -> Result<Written, WriteError> {
     let written = match &order.content {
@@ -187,7 +187,7 @@ fn finish(
     made: Result<What, WriteError>,
     monitor: &Monitor,
 ) -> Result<Written, WriteError> {
-    // What stops because it was asked to has not failed.
+    // An error after cancellation is the cancellation.
     let what = made.map_err(|error| match error {
         _ if monitor.is_cancelled() => WriteError::Cancelled,
         error => error,
@@ -203,7 +203,7 @@ fn go_on(monitor: &Monitor) -> Result<(), WriteError> {
     Ok(())
 }
 
-/// Returns the samples of an order, what is stated of them, and whether they are the result.
+/// The samples of an export, the context for their certificate, and whether they are the result.
 fn samples(order: &ExportJob) -> (PointSet, ExportContext, bool) {
     let (session, run) = (&*order.session, order.session.run());
     let mut context = ExportContext::new(region_of(session), run.domain.radius());
@@ -338,7 +338,7 @@ fn animate(order: &ExportJob, out: &mut dyn Write, monitor: &Monitor) -> Result<
     Ok(())
 }
 
-/// Bytes of which there may not be too many: a browser's tab ends where its memory does.
+/// A writer into memory with a limit, as a browser's tab crashes when it runs out of memory.
 struct Limited(Vec<u8>);
 
 impl Write for Limited {

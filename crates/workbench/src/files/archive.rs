@@ -1,5 +1,5 @@
-//! Files that travel together as one: a browser downloads one file, so that a set and its certificate go out in an archive,
-//! and come back in it. The same files give the same bytes, whenever it is.
+//! ZIP archives of files. A browser downloads one file at a time, so a set and its certificate are packed into
+//! an archive, which can be opened again. The same files always give the same bytes.
 
 use std::io::{Cursor, Read as _, Write as _};
 
@@ -10,24 +10,24 @@ use zip::{CompressionMethod, DateTime, ZipArchive, ZipWriter};
 
 use super::{MAX_FILES, NamedBytes};
 
-/// Why files were not packed.
+/// Why files could not be packed.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum PackError {
-    /// There is none.
+    /// There is no file.
     #[error("there is no file to pack")]
     Nothing,
-    /// The archive cannot hold them.
+    /// The archive could not be written.
     #[error("{name} cannot be packed: {source}")]
     Zip {
         /// The file.
         name: String,
-        /// Why.
+        /// The reason.
         source: zip::result::ZipError,
     },
 }
 
-/// Returns one file as it is, and several as an archive that is named after the first.
+/// A single file unchanged, or an archive of several, named after the first.
 pub fn packed(mut files: Vec<NamedBytes>) -> Result<NamedBytes, PackError> {
     if files.len() == 1 {
         return files.pop().ok_or(PackError::Nothing);
@@ -38,8 +38,8 @@ pub fn packed(mut files: Vec<NamedBytes>) -> Result<NamedBytes, PackError> {
         let name = name.to_owned();
         move |source: zip::result::ZipError| PackError::Zip { name, source }
     };
-    // Sets compress by half at best, and whoever opens them wants no wait; a time of writing would make every
-    // archive another one.
+    // Stored without compression, which would save half at best and take time, and without a date, so that the
+    // bytes are always the same.
     let options = SimpleFileOptions::default()
         .compression_method(CompressionMethod::Stored)
         .last_modified_time(DateTime::DEFAULT)
@@ -56,8 +56,8 @@ pub fn packed(mut files: Vec<NamedBytes>) -> Result<NamedBytes, PackError> {
     Ok(NamedBytes { name, bytes })
 }
 
-/// Returns the files of an archive as [`packed`] makes them. Fails with a sentence where it is none, is compressed or holds
-/// more than is read.
+/// The files of an archive made by [`packed`]. Fails if it is not an archive, is compressed, or contains more
+/// than the limits allow.
 pub fn unpacked(file: &NamedBytes) -> Result<Vec<NamedBytes>, String> {
     let name = &file.name;
     let failed = |why: &dyn std::fmt::Display| format!("{name} cannot be unpacked: {why}");
@@ -82,7 +82,7 @@ pub fn unpacked(file: &NamedBytes) -> Result<Vec<NamedBytes>, String> {
         if let Some(why) = refusals(&lengths).pop().flatten() {
             return Err(failed(&why));
         }
-        // What an archive says of a length need not be so.
+        // The stated length may be wrong.
         let mut bytes = Vec::new();
         let read = entry.take(length + 1).read_to_end(&mut bytes);
         read.map_err(|error| failed(&error))?;

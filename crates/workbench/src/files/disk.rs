@@ -1,5 +1,5 @@
-//! Files on a disk: read up to a limit into what is opened from bytes, and asked for in the system's dialog. Nothing of
-//! it is in a browser.
+//! Files on a disk: reads them up to a limit, finds the pattern of a session, and opens the system's dialog.
+//! Native only.
 
 use std::fs::File;
 use std::io::Read as _;
@@ -22,7 +22,7 @@ fn sentence(unread: Unread) -> String {
     }
 }
 
-/// Returns where the certificate of a point set lies.
+/// The path of a point set's certificate.
 #[must_use]
 pub fn certificate_of(path: &str) -> PathBuf {
     certificate_path(Path::new(path))
@@ -36,7 +36,7 @@ fn head(path: &Path) -> Result<Vec<u8>, String> {
     read.map(|_| bytes).map_err(|error| error.to_string())
 }
 
-/// Reads the one of several files that is to be opened; returns the names of those that are not, too.
+/// Reads the one of several files that is to be opened; also returns the names of the others.
 pub(super) fn gather_paths(
     paths: &[PathBuf],
     purpose: Option<Purpose>,
@@ -60,13 +60,13 @@ pub(super) fn gather_paths(
     };
     let read = Incoming::from_path(&paths[opened], limit, monitor);
     let incoming = read.map_err(sentence)?;
-    // A session finds its pattern by itself.
+    // A session's pattern is looked for by its path.
     let left = left.into_iter().map(|k| names[k].to_owned()).collect();
     let left = incoming.without_named(left);
     Ok((incoming, left))
 }
 
-/// Reads a session's pattern from beside the session's file, else from where it was.
+/// Reads a session's pattern from the folder of the session's file, otherwise from its saved path.
 pub(super) fn find_pattern(
     file: &PatternFile,
     folder: &Path,
@@ -75,7 +75,7 @@ pub(super) fn find_pattern(
     let path = Path::new(&file.path);
     let beside = path.file_name().map(|name| folder.join(name));
     if let Some(beside) = beside.filter(|beside| beside != path && beside.is_file()) {
-        // One of the same name may be another.
+        // A file of the same name may be a different one.
         let found = read_pattern(&beside, monitor);
         if found
             .as_ref()
@@ -84,7 +84,7 @@ pub(super) fn find_pattern(
             return found;
         }
     }
-    // Another machine is asked for nothing because a file says so.
+    // A session file must not make the program contact another machine.
     if file.path.starts_with(r"\\") || file.path.starts_with("//") {
         return Err("it lies on another machine; put it beside the session".to_owned());
     }

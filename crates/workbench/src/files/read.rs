@@ -1,5 +1,5 @@
-//! What is made of files that come in: sessions are computed again, layouts combined, point sets taken as patterns or
-//! measured. Bytes alone decide what comes out, wherever they are from.
+//! Reads files that are opened: computes sessions again, makes combinations of layouts, and takes point sets as
+//! patterns or measures them. The result depends on the bytes alone.
 
 #[cfg(not(target_arch = "wasm32"))]
 use std::path::PathBuf;
@@ -20,22 +20,22 @@ use tilescope_session::session::{Reporter, Session};
 use tilescope_session::task::{SessionRef, Task};
 
 use super::{Incoming, NamedBytes, Purpose, gather, unpacked};
-use crate::analysis::held::{self, Held};
+use crate::analysis::reference_file::{self, ReferenceFile};
 
-/// What is to be read.
+/// The task of reading files.
 #[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 pub struct ReadTask {
-    /// What for; what was dropped is looked at first.
+    /// The purpose; `None` for dropped files, whose content decides.
     pub purpose: Option<Purpose>,
     /// The files.
     pub source: FileSource,
-    /// The number of the session that may come of it.
+    /// The generation of the session, if one is read.
     pub generation: u64,
-    /// The domain and the radius of the run at hand, in user units: for what is held against it.
+    /// The domain and the radius of the current run, in user units, for a set to be compared with it.
     pub run: Option<(Region, f64)>,
 }
 
-/// Where files are.
+/// The source of files.
 #[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 pub enum FileSource {
     /// In memory.
@@ -45,17 +45,17 @@ pub enum FileSource {
     Paths(Vec<PathBuf>),
 }
 
-/// What became of files.
+/// The result of reading files.
 #[derive(serde::Serialize, serde::Deserialize)]
 pub struct FileOutcome {
-    /// What was made of the one that was opened, or why nothing was.
+    /// The result of the one that was opened, or why it failed.
     pub done: Result<Done, String>,
     /// The files that were not opened.
     pub left: Vec<String>,
 }
 
 impl FileOutcome {
-    /// Returns what became of one file alone.
+    /// The result for a single file.
     #[must_use]
     pub const fn of(done: Result<Done, String>) -> Self {
         let left = Vec::new();
@@ -63,12 +63,12 @@ impl FileOutcome {
     }
 }
 
-/// What became of a file.
+/// The result of reading or writing a file.
 #[derive(serde::Serialize, serde::Deserialize)]
 pub enum Done {
     /// It was written.
     Saved(String),
-    /// It is to be downloaded.
+    /// It is ready for download.
     Download(NamedBytes),
     /// A session was read.
     Opened(Box<Opened>),
@@ -79,33 +79,33 @@ pub enum Done {
     /// A point set was read and measured.
     Against {
         /// The set.
-        held: Box<Held>,
-        /// Why it is no pattern, where it was tried as one.
+        file: Box<ReferenceFile>,
+        /// Why it is not a pattern, if it was tried as one.
         no_pattern: Option<String>,
     },
 }
 
-/// A session that was read, and its run.
+/// A session that was read, with its run.
 #[derive(serde::Serialize, serde::Deserialize)]
 pub struct Opened {
     /// The file.
     pub path: String,
-    /// What was saved.
+    /// The saved content.
     #[serde(with = "as_json")]
     pub saved: Saved,
     /// The run, computed again.
     pub session: Session,
 }
 
-/// A combination that was read, and what it makes.
+/// A combination that was read, with its session.
 #[derive(serde::Serialize, serde::Deserialize)]
 pub struct Combined {
     /// The file.
     pub path: String,
-    /// What was saved with it, if it is a session's file rather than a layout.
+    /// The saved content, if the file is a session rather than a layout.
     #[serde(with = "as_json")]
     pub saved: Option<SavedCombination>,
-    /// What it makes.
+    /// The session.
     pub session: Session,
 }
 
@@ -134,7 +134,7 @@ impl Task for ReadTask {
     }
 }
 
-/// Reads what a task names.
+/// Reads the files of a task.
 #[must_use]
 pub fn read(task: ReadTask, monitor: &Monitor) -> FileOutcome {
     let ReadTask {
@@ -158,12 +158,13 @@ pub fn read(task: ReadTask, monitor: &Monitor) -> FileOutcome {
         Some(Purpose::Combination) => combination(&incoming, generation, monitor),
         Some(Purpose::Pattern) => load(&incoming).map(Done::Pattern),
         Some(Purpose::Against) => against(&incoming, run, monitor),
-        Some(Purpose::Save) => Err("nothing is read where a session is saved".to_owned()),
+        Some(Purpose::Save) => Err("a save sheet reads no file".to_owned()),
     };
     FileOutcome { done, left }
 }
 
-/// Opens an archive: the one of its files that is to be opened, with the others beside it. Other files are as they were.
+/// Unpacks an archive into the one of its files that is to be opened, with the others beside it. Other files
+/// are returned unchanged.
 fn opened(gathered: (Incoming, Vec<String>)) -> Result<(Incoming, Vec<String>), String> {
     let (incoming, mut left) = gathered;
     if !incoming.is_archive() {
@@ -176,7 +177,8 @@ fn opened(gathered: (Incoming, Vec<String>)) -> Result<(Incoming, Vec<String>), 
     Ok((inner, left))
 }
 
-/// Reads a session and computes its run again, or reads a combination, be it a session's or a layout, and makes it.
+/// Reads a session and computes its run again, or reads a combination, from a session or a layout, and makes
+/// it.
 fn open(incoming: &Incoming, generation: u64, monitor: &Monitor) -> Made {
     if !incoming.is_document() && incoming.point_set().is_ok() {
         let name = &incoming.name;
@@ -209,7 +211,7 @@ fn combination(incoming: &Incoming, generation: u64, monitor: &Monitor) -> Made 
         Some(saved) => saved.layout().map_err(|error| named(&error))?,
         None => Layout::from_json(text.as_bytes()).map_err(|error| named(&error))?,
     };
-    // A session refers to nothing outside.
+    // The session of a combination must not refer to files.
     let around = saved.is_none().then_some(incoming);
     let session = match make(layout, around, generation, monitor) {
         Ok(session) => session,
@@ -245,7 +247,7 @@ fn session(incoming: &Incoming, generation: u64, monitor: &Monitor) -> Made {
         }
         Err(error) => return Err(named(&error)),
     };
-    // Proved here, in the background.
+    // Check here, in the background, that the session fits the recording.
     Debugger::resume(&saved, Arc::clone(&recording)).map_err(|error| named(&error))?;
     let recipe = Recipe {
         parameters: saved.parameters,
@@ -259,7 +261,8 @@ fn session(incoming: &Incoming, generation: u64, monitor: &Monitor) -> Made {
     })))
 }
 
-/// Reads a session's pattern from what came with the session, else from its folder or where it was.
+/// Reads a session's pattern from the files that came with the session, otherwise from the session's folder or
+/// the saved path.
 #[cfg_attr(
     target_arch = "wasm32",
     allow(unused_variables, reason = "there is no folder to read from")
@@ -284,8 +287,8 @@ fn find_pattern(
 
 /// Measures a point set on the domain of the run.
 fn against(incoming: &Incoming, run: Option<(Region, f64)>, monitor: &Monitor) -> Made {
-    let (region, radius) = run.ok_or("there is no run to hold a file against")?;
-    let held = held::of(
+    let (region, radius) = run.ok_or("there is no run to compare a file with")?;
+    let file = reference_file::of(
         incoming.point_set()?,
         &incoming.name,
         region,
@@ -293,13 +296,13 @@ fn against(incoming: &Incoming, run: Option<(Region, f64)>, monitor: &Monitor) -
         monitor,
     )?;
     Ok(Done::Against {
-        held: Box::new(held),
+        file: Box::new(file),
         no_pattern: None,
     })
 }
 
-/// Reads what was dropped: a session or a combination if it is one; of point sets those that can be a pattern as one,
-/// and others to be held against the run.
+/// Reads dropped files: a session or a combination if it is one; a point set as a pattern if it can be one,
+/// otherwise to compare the run with it.
 fn dropped(
     incoming: &Incoming,
     generation: u64,
@@ -323,14 +326,14 @@ fn dropped(
     let Some((region, radius)) = run else {
         return Err(no_pattern);
     };
-    match held::of(set, name, region, radius, monitor) {
-        Ok(held) => Ok(Done::Against {
-            held: Box::new(held),
+    match reference_file::of(set, name, region, radius, monitor) {
+        Ok(file) => Ok(Done::Against {
+            file: Box::new(file),
             no_pattern: Some(no_pattern),
         }),
         Err(why) if monitor.is_cancelled() => Err(why),
         Err(why) => Err(format!(
-            "{no_pattern}. It cannot be held against this run either: {why}"
+            "{no_pattern}. It cannot be compared with this run either: {why}"
         )),
     }
 }

@@ -1,4 +1,5 @@
-//! A session as the bytes of its file, and natively the file. What would be refused when it is opened is not written.
+//! Saves a session: the bytes of its file, and natively the file itself. What would be refused on opening is
+//! not written.
 
 #[cfg(not(target_arch = "wasm32"))]
 use std::path::Path;
@@ -9,7 +10,7 @@ use tilescope_session::words::last_part;
 
 use super::NamedBytes;
 
-/// What is to be saved: a combination goes before a run.
+/// A session to be saved: a combination, or otherwise a run.
 #[derive(Clone, Debug)]
 pub struct SaveTask {
     /// The name of the file, natively with its path.
@@ -20,7 +21,7 @@ pub struct SaveTask {
     pub combination: Option<SavedCombination>,
 }
 
-/// Returns the name of a session's file, which ends in `.json` unless it has another ending.
+/// The name of a session's file, with `.json` added if it has no extension.
 #[must_use]
 pub fn with_json(path: String) -> String {
     let last = last_part(&path);
@@ -33,7 +34,7 @@ pub fn with_json(path: String) -> String {
     }
 }
 
-/// Returns the file of a session; fails with a sentence.
+/// The file of a session.
 pub fn render(task: &SaveTask) -> Result<NamedBytes, String> {
     let failed = |error: &dyn std::fmt::Display| format!("the session was not written: {error}");
     let text = match (&task.run, &task.combination) {
@@ -47,7 +48,7 @@ pub fn render(task: &SaveTask) -> Result<NamedBytes, String> {
     Ok(NamedBytes::new(task.name.clone(), text))
 }
 
-/// Writes a session to the disk; fails with a sentence.
+/// Writes a session to the disk.
 #[cfg(not(target_arch = "wasm32"))]
 pub fn save(task: &SaveTask) -> Result<(), String> {
     let file = render(task)?;

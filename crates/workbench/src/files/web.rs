@@ -1,5 +1,5 @@
-//! Files in a browser: chosen in its dialog or dropped on the page, and read into memory. What is too long is refused by
-//! its length, before it is read.
+//! Files in a browser: chosen in its dialog or dropped on the page, and read into memory. Files that are too
+//! long are refused before they are read.
 
 use js_sys::{Promise, Uint8Array};
 use tilescope_session::incoming::refusals;
@@ -10,17 +10,17 @@ use web_sys::{File, HtmlInputElement};
 
 use super::NamedBytes;
 
-/// What was read, and sentences about what was not.
+/// The files read, and messages about those that were not.
 #[derive(Default)]
 pub struct ReadFiles {
     /// The files.
     pub files: Vec<NamedBytes>,
-    /// Why others are not among them.
+    /// Messages about files that were not read.
     pub refused: Vec<String>,
 }
 
-/// Opens the browser's dialog, as it is allowed to somebody who has just pressed a button or a key; the job ends with what
-/// was chosen.
+/// Opens the browser's dialog, which browsers allow only right after a button or key was pressed; the job ends
+/// with the chosen files.
 #[must_use]
 pub fn choose(wake: &Wake) -> Job<ReadFiles> {
     let opened = open_dialog();
@@ -32,7 +32,7 @@ pub fn choose(wake: &Wake) -> Job<ReadFiles> {
         match chosen {
             Ok(files) => read_all(files).await,
             Err(error) => ReadFiles {
-                refused: vec![format!("the browser shows no dialog: {}", said(&error))],
+                refused: vec![format!("the browser shows no dialog: {}", message(&error))],
                 ..ReadFiles::default()
             },
         }
@@ -45,7 +45,7 @@ fn open_dialog() -> Result<(HtmlInputElement, Promise), JsValue> {
     let document = window.document().ok_or_else(missing)?;
     let input: HtmlInputElement = document.create_element("input")?.unchecked_into();
     input.set_type("file");
-    // A set comes with its certificate, a session with its pattern.
+    // A set is chosen with its certificate, a session with its pattern.
     input.set_multiple(true);
     input.set_hidden(true);
     document.body().ok_or_else(missing)?.append_child(&input)?;
@@ -71,7 +71,7 @@ async fn answer(input: &HtmlInputElement, answered: Promise) -> Result<Vec<File>
         .collect())
 }
 
-/// Reads what was dropped.
+/// Reads dropped files.
 #[must_use]
 pub fn take(files: Vec<File>, wake: &Wake) -> Job<ReadFiles> {
     Job::start_future(wake, move |_| read_all(files))
@@ -93,7 +93,7 @@ async fn read_all(files: Vec<File>) -> ReadFiles {
                 found.files.push(NamedBytes::new(name.clone(), bytes));
             }
             Err(error) => {
-                let why = said(&error);
+                let why = message(&error);
                 found.refused.push(format!("{name} cannot be read: {why}"));
             }
         }
@@ -101,7 +101,7 @@ async fn read_all(files: Vec<File>) -> ReadFiles {
     found
 }
 
-fn said(error: &JsValue) -> String {
+fn message(error: &JsValue) -> String {
     let error: Option<&js_sys::Error> = error.dyn_ref();
     error.map_or_else(
         || "it gives no reason".to_owned(),

@@ -1,4 +1,4 @@
-//! The form in which earlier versions saved a layout: tiles by number, each naming those within it.
+//! Reads layouts as earlier versions saved them: a table of tiles by number, each naming its children.
 
 use std::collections::HashMap;
 
@@ -6,7 +6,7 @@ use serde::Deserialize;
 
 use super::{Direction, Layout, LayoutTile, MAX_DEPTH, MAX_TILES, Panel};
 
-/// A layout as earlier versions saved it. What was saved beside these fields has no meaning here.
+/// A layout as earlier versions saved it. Other saved fields are ignored.
 #[derive(Deserialize)]
 pub struct OldLayout(Tree);
 
@@ -61,7 +61,7 @@ struct Shares {
 }
 
 impl OldLayout {
-    /// Returns the layout, with every panel in it, if it is sound.
+    /// The layout with all panels, if it is valid.
     #[must_use]
     pub fn completed(self) -> Option<Layout> {
         let mut left = MAX_TILES;
@@ -72,7 +72,7 @@ impl OldLayout {
 }
 
 impl Tree {
-    /// Returns a tile; none where a tile is not there, or within itself.
+    /// The tile of an id; `None` if a tile is missing or contains itself.
     fn tile(&self, id: Id, depth: usize, left: &mut usize) -> Option<LayoutTile> {
         *left = left.checked_sub(1)?;
         if depth > MAX_DEPTH {
@@ -129,7 +129,7 @@ mod tests {
     }
 
     #[test]
-    fn layouts_that_hold_themselves_or_lack_what_they_name_are_known() {
+    fn cyclic_and_incomplete_layouts_are_rejected() {
         for (extra, why) in [
             (21, "in itself"),
             (5, "in two places"),

@@ -1,18 +1,18 @@
-//! A layout as a short text: rows, columns and tabs one within the other, each panel by a letter.
+//! Layouts as short texts, for links and files: nested rows, columns and tabs, with a letter for each panel.
 
 use super::{Direction, Layout, LayoutTile, MAX_DEPTH, MAX_TILES, Panel};
 
-/// Shares of rows and columns are told to this part.
+/// The unit of written shares is one over this.
 const PART: f32 = 10_000.0;
 /// The largest share.
 const MAX_SHARE: f32 = 100.0;
-/// Ends a container.
+/// The end of a container.
 const END: char = '-';
-/// Stands before the open tab.
+/// The mark before the open tab.
 const OPEN: char = '_';
 
-/// Returns a layout as text: `H`, `V` or `T`, its children, `-`; behind a child of a row or column its share in ten
-/// thousandths.
+/// A layout as text: `H`, `V` or `T`, the children, `-`. A child of a row or column is followed by its share in
+/// ten thousandths.
 #[must_use]
 pub fn written(layout: &Layout) -> String {
     let mut text = String::new();
@@ -48,7 +48,7 @@ fn write(tile: &LayoutTile, text: &mut String) {
     }
 }
 
-/// Returns the layout that a text means, with every panel in it; none if it means no sound one.
+/// The layout of a text, completed with missing panels; `None` if the text is malformed.
 #[must_use]
 pub fn read(text: &str) -> Option<Layout> {
     let mut reader = LayoutReader {
@@ -70,7 +70,7 @@ impl TryFrom<String> for Layout {
     type Error = &'static str;
 
     fn try_from(text: String) -> Result<Self, Self::Error> {
-        read(&text).ok_or("this is no layout of the panels")
+        read(&text).ok_or("this is not a layout of the panels")
     }
 }
 
@@ -141,7 +141,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn layouts_come_back() {
+    fn layouts_are_read_as_written() {
         let mut layout = Layout::default();
         let first = written(&layout);
         assert_eq!(
@@ -160,7 +160,7 @@ mod tests {
     }
 
     #[test]
-    fn texts_that_mean_no_layout_are_known() {
+    fn malformed_layouts_are_rejected() {
         let deep = "H".repeat(60_000);
         let wide = format!("T{}-", "c".repeat(60_000));
         for text in [

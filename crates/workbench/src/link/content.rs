@@ -1,4 +1,4 @@
-//! What is in a link, as values.
+//! The content of a link, as values.
 
 use tilescope_core::Parameters;
 use tilescope_core::combine::file::Layout as Combination;
@@ -12,22 +12,22 @@ pub enum NamedMoment {
     /// The end.
     #[default]
     End,
-    /// When so many events have happened.
+    /// After this many events.
     Event(usize),
     /// After the stage of this name.
     Stage(String),
 }
 
-/// What a link holds: what a run is made from, and how it is looked at.
+/// The content of a link: the input of a run, and its view.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LinkContent {
-    /// What the run is made from.
+    /// The run's parameters.
     pub parameters: Parameters,
-    /// The layout of the combination that is shown in the place of a run.
+    /// The layout of the combination, if one is shown instead of a run.
     pub combination: Option<Combination>,
     /// The moment.
     pub moment: NamedMoment,
-    /// How the run is looked at.
+    /// The view.
     pub view: SavedView,
     /// The breakpoints.
     pub breakpoints: Vec<SavedBreakpoint>,

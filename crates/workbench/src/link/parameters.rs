@@ -1,5 +1,5 @@
-//! The parameters of a run in a link: those that differ from others, and the nearest ones that may be sampled. What a run
-//! must be is the core's business.
+//! The parameters of a run in a link: writes those that differ from a base, and reads them, corrected to the
+//! nearest that may be sampled.
 
 use tilescope_core::{
     Boundary, Insertion, MAX_SIDE_RADII, MAXIMAL_DENSITY, MIN_LEAF_RADII, MIN_PATTERN_SIDE_RADII,
@@ -8,11 +8,11 @@ use tilescope_core::{
 };
 use tilescope_session::words::grouped;
 
-use super::said::{LinkWarnings, quoted};
 use super::text::{exact, finite, name, named};
+use super::warnings::{LinkWarnings, quoted};
 use super::{MAX_PATTERN_SIDE, MAX_SAMPLES};
 
-/// The keys, in the sequence in which they are written.
+/// The keys, in the order in which they are written.
 pub const KEYS: [&str; 13] = [
     "seed",
     "width",
@@ -28,7 +28,7 @@ pub const KEYS: [&str; 13] = [
     "insertion",
     "search",
 ];
-/// The last one: what it may be depends on the insertion.
+/// The last key, as its allowed values depend on the insertion.
 pub const VARIANT: &str = "variant";
 
 const BOUNDARIES: [Boundary; 2] = [Boundary::Periodic, Boundary::Bounded];
@@ -43,7 +43,7 @@ const SEARCHES: [Search; 2] = [Search::Complete, Search::TwoRadii];
 const VARIANTS: [Variant; 2] = [Variant::Staged, Variant::AsPrinted];
 const SWITCH: [&str; 2] = ["no", "yes"];
 
-/// Returns the key's value as a link has it.
+/// The value of a key as written in a link.
 fn value(p: &Parameters, key: &str) -> String {
     match key {
         "seed" => p.seed.to_string(),
@@ -75,7 +75,7 @@ pub fn differing(
     })
 }
 
-/// Takes up what a key says; returns whether it can be meant. Sizes count for themselves only.
+/// Sets the parameter of a key; returns whether the text is valid. Sizes are checked against each other later.
 fn take(p: &mut Parameters, key: &str, text: &str) -> bool {
     fn put<T>(place: &mut T, read: Option<T>) -> bool {
         let is_there = read.is_some();
@@ -107,13 +107,13 @@ fn take(p: &mut Parameters, key: &str, text: &str) -> bool {
     }
 }
 
-/// Returns the parameters of which a link says `texts`, and otherwise `base`, brought within the limits. `run` names the
-/// run behind its parameters: nothing, or " of run B".
+/// The parameters of a link: `base` changed by `texts`, corrected to the limits. `run` is appended to the names
+/// of parameters in warnings: "" or " of run B".
 pub fn read<'a>(
     texts: impl Fn(&str) -> Option<&'a str>,
     base: &Parameters,
     run: &str,
-    said: &mut LinkWarnings,
+    warnings: &mut LinkWarnings,
 ) -> Parameters {
     let mut parameters = *base;
     for key in KEYS.into_iter().chain([VARIANT]) {
@@ -121,18 +121,18 @@ pub fn read<'a>(
             && !take(&mut parameters, key, text)
         {
             let (text, used) = (quoted(text), value(base, key));
-            said.say(format!(
+            warnings.add(format!(
                 "The link asked for {}{run} {text}; {used} is used instead.",
-                told(key)
+                name_of(key)
             ));
         }
     }
-    fit(&mut parameters, run, said);
+    fit(&mut parameters, run, warnings);
     parameters
 }
 
-/// Returns a key as sentences have it.
-fn told(key: &str) -> &str {
+/// The name of a key's parameter in sentences.
+fn name_of(key: &str) -> &str {
     match key {
         "pattern" => "the pattern side",
         "pattern-boundary" => "the pattern boundary",
@@ -141,10 +141,10 @@ fn told(key: &str) -> &str {
     }
 }
 
-/// Brings parameters that each make sense to the nearest ones that may be sampled because a link says so.
-fn fit(p: &mut Parameters, run: &str, said: &mut LinkWarnings) {
+/// Corrects individually valid parameters to the nearest ones that a link may ask for.
+fn fit(p: &mut Parameters, run: &str, warnings: &mut LinkWarnings) {
     if p.leaf < MIN_LEAF_RADII {
-        said.say(format!(
+        warnings.add(format!(
             "The link asked for leaf{run} {}; {MIN_LEAF_RADII} is the least and is used instead.",
             exact(p.leaf)
         ));
@@ -155,28 +155,28 @@ fn fit(p: &mut Parameters, run: &str, said: &mut LinkWarnings) {
         .side
         .clamp(MIN_PATTERN_SIDE_RADII, MAX_PATTERN_SIDE);
     if exact(side) != exact(p.pattern.side) {
-        said.say(format!(
+        warnings.add(format!(
             "The link asked for a pattern{run} of {} r; {side} r is used instead.",
             exact(p.pattern.side)
         ));
         p.pattern.side = side;
     }
     if p.variant == Variant::AsPrinted && p.insertion == Insertion::Uniform {
-        said.say(format!(
+        warnings.add(format!(
             "The link asked for uniform insertion{run} in Algorithm 4 as printed, which inserts circumcentres."
         ));
         p.insertion = Insertion::Circumcentre;
     }
-    fit_radius(p, run, said);
+    fit_radius(p, run, warnings);
     if let Err(error) = p.validate_sequential() {
-        said.say(format!(
+        warnings.add(format!(
             "The link's parameters{run} cannot be sampled: {error}. Those of the default session are used instead."
         ));
         *p = Parameters::default();
     }
 }
 
-/// Returns what a link to a run with these parameters would not bring back, as it would ask for more than a link may.
+/// The parameters that a link to a run cannot reproduce, because they exceed what a link may ask for.
 #[must_use]
 pub fn excess(p: &Parameters) -> Vec<String> {
     let domain = p.validate_sequential();
@@ -197,23 +197,23 @@ pub fn excess(p: &Parameters) -> Vec<String> {
     excess
 }
 
-/// Returns the least and the largest radius that a domain may have.
+/// The smallest and the largest radius allowed for a domain.
 fn radii(p: &Parameters) -> [f64; 2] {
     let shortest = match p.boundary {
         Boundary::Periodic => MIN_SIDE_RADII_PERIODIC,
         Boundary::Bounded => MIN_SIDE_RADII_BOUNDED,
     };
-    // Sides are up to 1e30, so that their product is no infinity.
+    // Sides are at most 1e30, so their product is finite.
     let crowded = (MAXIMAL_DENSITY * p.width * p.height / MAX_SAMPLES).sqrt();
     let least = crowded.max(p.width.max(p.height) / MAX_SIDE_RADII);
     [least, p.width.min(p.height) / shortest]
 }
 
-fn fit_radius(p: &mut Parameters, run: &str, said: &mut LinkWarnings) {
+fn fit_radius(p: &mut Parameters, run: &str, warnings: &mut LinkWarnings) {
     let [least, largest] = radii(p);
     if up(least) > down(largest) {
         let (width, height) = (exact(p.width), exact(p.height));
-        said.say(format!(
+        warnings.add(format!(
             "The link asked for a domain{run} of {width} by {height}, for which there is no radius; 1 by 1 is used instead."
         ));
         (p.width, p.height) = (1.0, 1.0);
@@ -222,21 +222,21 @@ fn fit_radius(p: &mut Parameters, run: &str, said: &mut LinkWarnings) {
     let asked = exact(p.radius);
     if p.radius < least {
         p.radius = up(least);
-        said.say(format!(
+        warnings.add(format!(
             "The link asked for radius{run} {asked}, which makes more than the {} samples that a link may ask for or a domain that is too long; {} is used instead.",
             grouped(MAX_SAMPLES as usize),
             exact(p.radius)
         ));
     } else if p.radius > largest {
         p.radius = down(largest);
-        said.say(format!(
+        warnings.add(format!(
             "The link asked for radius{run} {asked}, which is too large for its domain; {} is used instead.",
             exact(p.radius)
         ));
     }
 }
 
-/// Returns the next number of three digits above.
+/// The next number of three digits above.
 fn up(number: f64) -> f64 {
     three_digits(number, 1.000_001)
 }
@@ -246,7 +246,7 @@ fn down(number: f64) -> f64 {
     three_digits(number, 0.999_999)
 }
 
-/// Returns a number of three digits on the side of `number` on which `toward` times the number is.
+/// A number of three digits near `number`, on the side of `toward` times `number`.
 fn three_digits(number: f64, toward: f64) -> f64 {
     let exponent = number.log10().floor() as i32 - 2;
     let unit = 10_f64.powi(exponent.abs());
@@ -260,7 +260,7 @@ fn three_digits(number: f64, toward: f64) -> f64 {
     } else {
         scaled.floor()
     };
-    // Read as text, so that it is the number that is shown.
+    // Parse the text, so that the number is exactly the one shown.
     format!("{digits}e{exponent}").parse().unwrap_or(number)
 }
 
@@ -269,14 +269,14 @@ mod tests {
     use super::*;
 
     fn of(pairs: &[(&str, &str)]) -> (Parameters, LinkWarnings) {
-        let mut said = LinkWarnings::default();
+        let mut warnings = LinkWarnings::default();
         let texts = |key: &str| pairs.iter().find(|(k, _)| *k == key).map(|(_, v)| *v);
-        let read = read(texts, &Parameters::default(), "", &mut said);
-        (read, said)
+        let read = read(texts, &Parameters::default(), "", &mut warnings);
+        (read, warnings)
     }
 
     #[test]
-    fn every_parameter_comes_back_exactly() {
+    fn every_parameter_is_read_exactly_as_written() {
         let mut p = Parameters {
             width: 1.0 / 3.0,
             height: 0.7,
@@ -295,15 +295,15 @@ mod tests {
         let pairs: Vec<_> = differing(&p, &Parameters::default()).collect();
         assert_eq!(pairs.len(), 13, "all but the insertion: {pairs:?}");
         let pairs: Vec<_> = pairs.iter().map(|(k, v)| (*k, v.as_str())).collect();
-        let (read, said) = of(&pairs);
-        assert_eq!((read, said.text().as_str()), (p, ""));
+        let (read, warnings) = of(&pairs);
+        assert_eq!((read, warnings.text().as_str()), (p, ""));
         let uniform = of(&[("insertion", "uniform")]).0;
         assert_eq!(uniform.insertion, Insertion::Uniform);
     }
 
     #[test]
-    fn the_defaults_of_version_1_stay() {
-        // What a link does not say is this, for as long as there are links of version 1.
+    fn the_defaults_of_version_1_never_change() {
+        // Links of version 1 rely on these values for all parameters that they leave out.
         let text = format!("{:?}", Parameters::default());
         assert_eq!(
             text,
@@ -314,7 +314,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_sampled_becomes_the_nearest_that_can() {
+    fn parameters_that_cannot_be_sampled_are_corrected() {
         for (pairs, part) in [
             (&[("radius", "NaN")][..], "radius NaN; 0.00836 is used"),
             (&[("radius", "-1")], "radius -1; 0.00836"),
@@ -344,31 +344,39 @@ mod tests {
                 "uniform insertion",
             ),
         ] {
-            let (p, said) = of(pairs);
-            assert!(said.text().contains(part), "{pairs:?}: {}", said.text());
+            let (p, warnings) = of(pairs);
+            assert!(
+                warnings.text().contains(part),
+                "{pairs:?}: {}",
+                warnings.text()
+            );
             let domain = p.validate_sequential().expect("parameters to sample");
             assert!(domain.area_radii() * MAXIMAL_DENSITY <= MAX_SAMPLES);
             assert!(p.pattern.side <= MAX_PATTERN_SIDE);
-            // What is nearest needs no correction.
+            // The corrected parameters need no further correction.
             let pairs: Vec<_> = differing(&p, &Parameters::default()).collect();
             let pairs: Vec<_> = pairs.iter().map(|(k, v)| (*k, v.as_str())).collect();
-            let (again, said) = of(&pairs);
-            assert_eq!((again, said), (p, LinkWarnings::default()));
+            let (again, warnings) = of(&pairs);
+            assert_eq!((again, warnings), (p, LinkWarnings::default()));
         }
     }
 
     #[test]
-    fn a_key_that_says_nothing_changes_nothing_and_is_named() {
+    fn an_invalid_value_changes_nothing_and_is_named() {
         for key in KEYS.into_iter().chain([VARIANT]) {
-            let (p, said) = of(&[(key, "?")]);
+            let (p, warnings) = of(&[(key, "?")]);
             assert_eq!(p, Parameters::default(), "{key}");
-            let asked = format!("asked for {} ?;", told(key));
-            assert!(said.text().contains(&asked), "{key}: {}", said.text());
+            let asked = format!("asked for {} ?;", name_of(key));
+            assert!(
+                warnings.text().contains(&asked),
+                "{key}: {}",
+                warnings.text()
+            );
         }
     }
 
     #[test]
-    fn numbers_of_three_digits_lie_on_the_side_that_was_asked_for() {
+    fn numbers_of_three_digits_are_rounded_to_the_requested_side() {
         for number in [1e-30, 0.001_867_6, 0.1, 1.0, 123.456, 9.999_9, 4e29] {
             let (below, above) = (down(number), up(number));
             assert!(below < number && number < above, "{below} {number} {above}");

@@ -1,4 +1,5 @@
-//! Reads a link: each part by itself, whatever the others are. What is unknown, invalid or too much is named.
+//! Reads a link, each part independently of the others. Parts that are unknown, invalid or beyond limits are
+//! named in warnings.
 
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
@@ -16,8 +17,8 @@ use tilescope_session::words::grouped;
 
 use super::content::{LinkContent, NamedMoment};
 use super::parameters::{self, KEYS, VARIANT};
-use super::said::{LinkWarnings, quoted};
 use super::text::{from_base64, items, named, numbers, pairs};
+use super::warnings::{LinkWarnings, quoted};
 use super::write::{LINKS, NINE_SETS, layer_name};
 use super::{MAX_BOOKMARKS, MAX_BYTES, MAX_COMBINATION, MAX_SAMPLES, MAX_STOPS, MAX_TEXT, VERSION};
 use crate::clock::Clock;
@@ -48,13 +49,13 @@ const OTHERS: [&str; 17] = [
 pub const COLOURINGS: [Colouring; 3] = [Colouring::Block, Colouring::Provenance, Colouring::Age];
 const CLOCKS: [Clock; 3] = [Clock::Event, Clock::Line, Clock::Stage];
 
-/// Reads a fragment, with its `#` or without, or a whole address: returns the nearest content that may be opened, and
-/// what became of the rest. Whatever the text is, this ends soon and asks for little memory.
+/// Reads a fragment, with or without its `#`, or a whole address. Returns the nearest content that may be
+/// opened, and warnings about parts that were changed or ignored. Time and memory are limited for any text.
 #[must_use]
 pub fn read(text: &str) -> (LinkContent, LinkWarnings) {
     let mut reader = LinkReader {
         pairs: HashMap::new(),
-        said: LinkWarnings::default(),
+        warnings: LinkWarnings::default(),
     };
     reader.split(text);
     reader.version();
@@ -64,21 +65,21 @@ pub fn read(text: &str) -> (LinkContent, LinkWarnings) {
     reader.selection(&mut content);
     reader.second(&mut content);
     reader.stops(&mut content);
-    (content, reader.said)
+    (content, reader.warnings)
 }
 
 struct LinkReader {
     pairs: HashMap<String, String>,
-    said: LinkWarnings,
+    warnings: LinkWarnings,
 }
 
-/// Returns every key, but those of a second run, which have `b.` before them.
+/// Every key except those of a second run, which are prefixed by `b.`.
 #[cfg(test)]
 pub fn keys() -> impl Iterator<Item = &'static str> {
     OTHERS.into_iter().chain(KEYS).chain([VARIANT])
 }
 
-/// Returns whether a link of this version may have this key.
+/// Whether a link of this version may have this key.
 fn is_known(key: &str) -> bool {
     let of_run = |key: &str| KEYS.contains(&key) || key == VARIANT;
     OTHERS.contains(&key) || of_run(key) || key.strip_prefix("b.").is_some_and(of_run)
@@ -93,23 +94,23 @@ impl LinkReader {
             let name = quoted(&key);
             match self.pairs.entry(key) {
                 Entry::Occupied(_) => self
-                    .said
-                    .say(format!("\"{name}\" is there twice; the first one counts.")),
+                    .warnings
+                    .add(format!("\"{name}\" is there twice; the first one counts.")),
                 Entry::Vacant(place) if is_known(place.key()) => drop(place.insert(value)),
                 Entry::Vacant(_) => self
-                    .said
-                    .say(format!("\"{name}\" is unknown in links and was left out.")),
+                    .warnings
+                    .add(format!("\"{name}\" is unknown in links and was left out.")),
             }
         }
     }
 
-    /// Returns what is read of a text, which ends between two parts.
+    /// The part of a text within the limit, cut between two parts.
     fn cut<'a>(&mut self, text: &'a str) -> &'a str {
         if text.len() <= MAX_BYTES {
             return text;
         }
-        self.said.say(format!(
-            "The link has {} bytes; what lies behind the first {} was left out.",
+        self.warnings.add(format!(
+            "The link has {} bytes; everything after the first {} was left out.",
             grouped(text.len()),
             grouped(MAX_BYTES)
         ));
@@ -128,23 +129,23 @@ impl LinkReader {
         let shown = quoted(text);
         match text.parse::<u32>() {
             Ok(VERSION) => {}
-            Ok(newer) if newer > VERSION => self.said.say(format!(
+            Ok(newer) if newer > VERSION => self.warnings.add(format!(
                 "The link is of version {newer}, and this program knows version {VERSION}; what it knows was read."
             )),
-            _ => self.said.say(format!(
+            _ => self.warnings.add(format!(
                 "The link says that its version is \"{shown}\"; it was read as version {VERSION}."
             )),
         }
     }
 
-    /// Takes the value of a key as far as it makes sense.
+    /// The value of a key as `sense` reads it; warns if it is invalid.
     fn take<T>(&mut self, key: &str, sense: impl FnOnce(&str) -> Option<T>) -> Option<T> {
         let text = self.pairs.get(key)?;
         let taken = sense(text);
         if taken.is_none() {
             let text = quoted(text);
-            self.said.say(format!(
-                "The link's {key} \"{text}\" makes no sense and was left out."
+            self.warnings.add(format!(
+                "The link's {key} \"{text}\" is invalid and was left out."
             ));
         }
         taken
@@ -155,7 +156,7 @@ impl LinkReader {
         if content.combination.is_none() {
             let texts = |key: &str| self.pairs.get(key).map(String::as_str);
             content.parameters =
-                parameters::read(texts, &Parameters::default(), "", &mut self.said);
+                parameters::read(texts, &Parameters::default(), "", &mut self.warnings);
         }
         let at = self.take("at", |text| text.parse().ok());
         let stage = self.take("stage", |text| {
@@ -172,8 +173,8 @@ impl LinkReader {
         let text = self.pairs.get("combine")?;
         let layout = combination(text);
         if let Err(why) = &layout {
-            self.said
-                .say(format!("The link's combination was left out: {why}."));
+            self.warnings
+                .add(format!("The link's combination was left out: {why}."));
         }
         layout.ok()
     }
@@ -208,8 +209,8 @@ impl LinkReader {
         }
     }
 
-    /// Returns the layers of a list. Where none of those named exists, the usual ones are nearer to what was meant
-    /// than an empty canvas.
+    /// The layers of a list. If none of those named exists, the default layers: closer to the intention than an
+    /// empty canvas.
     fn layers(&mut self, names: &str) -> Layers {
         let (mut layers, mut are_unknown) = (Layers::none(), false);
         for name in names.split(',').filter(|name| !name.is_empty()) {
@@ -220,8 +221,8 @@ impl LinkReader {
                 None => {
                     are_unknown = true;
                     let name = quoted(name);
-                    self.said
-                        .say(format!("There is no layer \"{name}\"; it was left out."));
+                    self.warnings
+                        .add(format!("There is no layer \"{name}\"; it was left out."));
                 }
             }
         }
@@ -246,7 +247,7 @@ impl LinkReader {
     fn second(&mut self, content: &mut LinkContent) {
         let Some(names) = self.pairs.get("b") else {
             if self.pairs.keys().any(|key| key.starts_with("b.")) {
-                self.said.say(
+                self.warnings.add(
                     "The link has parameters of a second run but none (\"b\"); they were left out."
                         .to_owned(),
                 );
@@ -254,17 +255,17 @@ impl LinkReader {
             return;
         };
         if content.combination.is_some() {
-            // Its parameters say how they differ from those of a run.
+            // Parameters of the second run are given relative to a run's.
             content.parameters = Parameters::default();
         }
         let pairs = &self.pairs;
         let texts = |key: &str| pairs.get(&format!("b.{key}")).map(String::as_str);
-        let second = parameters::read(texts, &content.parameters, " of run B", &mut self.said);
+        let second = parameters::read(texts, &content.parameters, " of run B", &mut self.warnings);
         let mut links = [false; 3];
         for name in names.split(',').filter(|name| !name.is_empty()) {
             match LINKS.iter().position(|link| *link == name) {
                 Some(place) => links[place] = true,
-                None => self.said.say(format!(
+                None => self.warnings.add(format!(
                     "Two runs cannot be linked by \"{}\"; it was left out.",
                     quoted(name)
                 )),
@@ -294,7 +295,7 @@ impl LinkReader {
         };
         let texts = items(text);
         if texts.len() > most {
-            self.said.say(format!(
+            self.warnings.add(format!(
                 "The link has {} of the kind \"{key}\"; the first {most} were read.",
                 grouped(texts.len())
             ));
@@ -303,8 +304,8 @@ impl LinkReader {
         for text in texts.iter().take(most) {
             match item(text) {
                 Some(item) => taken.push(item),
-                None => self.said.say(format!(
-                    "The link's {what} \"{}\" makes no sense and was left out.",
+                None => self.warnings.add(format!(
+                    "The link's {what} \"{}\" is invalid and was left out.",
                     quoted(text)
                 )),
             }
@@ -317,7 +318,7 @@ fn short(text: &str) -> Option<String> {
     (text.chars().count() <= MAX_TEXT).then(|| text.to_owned())
 }
 
-/// Reads the event with the note behind it; between them is the run and the anchor of one from another run.
+/// Reads an event and its note; a bookmark of another run has the run and an anchor between them.
 fn bookmark(text: &str) -> Option<Bookmark> {
     let (place, note) = text.split_once(':').unwrap_or((text, ""));
     let mut parts = place.split('@');
@@ -358,7 +359,7 @@ fn combination(text: &str) -> Result<Combination, String> {
     }
     let json = match text {
         NINE_SETS => NINE.as_bytes().to_vec(),
-        text => from_base64(text).ok_or("it is no base64 text")?,
+        text => from_base64(text).ok_or("it is not base64")?,
     };
     let layout = Combination::from_json(&json).map_err(|error| error.to_string())?;
     let placed = layout.placed().map_err(|error| error.to_string())?;
@@ -376,7 +377,7 @@ fn combination(text: &str) -> Result<Combination, String> {
     Ok(layout)
 }
 
-/// Returns about how many samples the different patterns have that pieces clip from.
+/// The expected number of samples of all different patterns that pieces clip from.
 fn of_patterns(places: &[PlacedPiece]) -> f64 {
     let mut specs: Vec<PatternSpec> = Vec::new();
     for place in places {

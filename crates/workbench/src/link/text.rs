@@ -1,9 +1,9 @@
-//! The characters of a link: percent encoding, base64 for addresses, numbers, names. Nothing here knows what they mean.
+//! The syntax of links: percent encoding, lists, base64 for addresses, numbers, names.
 
 use serde::Serialize;
 use serde_json::Value;
 
-/// Digits of numbers that need not be exact, behind the point: a thousandth of a screen point at most scales.
+/// The decimal places of numbers that need not be exact: a thousandth of a screen point at most scales.
 const DECIMALS: i32 = 6;
 
 /// Returns a text with everything escaped but letters, digits and `-._~`, so that no mail or chat cuts the address.
@@ -22,8 +22,8 @@ pub fn escaped(text: &str) -> String {
     escaped
 }
 
-/// Returns the keys and values of a fragment, read as `URLSearchParams` reads it: whatever was escaped on the way is as it
-/// was, and what is no escape stays. Where a page's source was copied, `&amp;` stands for `&`.
+/// The keys and values of a fragment, read as `URLSearchParams` does: escapes are decoded, and invalid ones are
+/// kept as text. `&amp;`, as copied from a page's source, stands for `&`.
 pub fn pairs(fragment: &str) -> impl Iterator<Item = (String, String)> {
     form_urlencoded::parse(fragment.as_bytes()).map(|(key, value)| {
         let key = key.trim_start_matches("amp;").to_owned();
@@ -31,8 +31,8 @@ pub fn pairs(fragment: &str) -> impl Iterator<Item = (String, String)> {
     })
 }
 
-/// Returns a text as an item of a list: semicolons part the items, so one within a text has a backslash before it, as has
-/// a backslash.
+/// A text as an item of a list. Items are separated by semicolons, so a semicolon or backslash within a text is
+/// escaped with a backslash.
 pub fn item(text: &str) -> String {
     text.replace('\\', r"\\").replace(';', r"\;")
 }
@@ -67,7 +67,7 @@ pub fn base64(bytes: &[u8]) -> String {
     text
 }
 
-/// Returns the bytes of a base64 text; none if it is not one.
+/// The bytes of a base64 text; `None` if it is not one.
 pub fn from_base64(text: &str) -> Option<Vec<u8>> {
     let mut bytes = Vec::with_capacity(text.len() / 4 * 3);
     for chunk in text.as_bytes().chunks(4) {
@@ -99,7 +99,7 @@ pub fn exact(number: f64) -> String {
     plain
 }
 
-/// Returns a number that is only looked at, to a millionth and at least six digits.
+/// A number for display positions, to a millionth and at least six digits.
 pub fn rounded(number: f64) -> String {
     let digits = DECIMALS - 1 - number.abs().max(1e-9).log10().floor() as i32;
     let decimals = digits.clamp(DECIMALS, 12) as usize;
@@ -108,7 +108,7 @@ pub fn rounded(number: f64) -> String {
     if text == "-0" { "0" } else { text }.to_owned()
 }
 
-/// Returns the finite number that a text is.
+/// The number in a text, if it is finite.
 pub fn finite(text: &str) -> Option<f64> {
     text.parse().ok().filter(|number: &f64| number.is_finite())
 }
@@ -119,7 +119,7 @@ pub fn numbers<const N: usize>(text: &str) -> Option<[f64; N]> {
     numbers?.try_into().ok()
 }
 
-/// Returns the name of a choice as it stands in a link.
+/// The name of a choice in links.
 pub fn name<T: Serialize>(choice: &T) -> String {
     match serde_json::to_value(choice) {
         Ok(Value::String(name)) => slug(&name),
@@ -132,7 +132,7 @@ pub fn named<T: Serialize + Copy>(all: &[T], text: &str) -> Option<T> {
     all.iter().find(|one| name(*one) == text).copied()
 }
 
-/// Returns a name of the window as it stands in a link: in small letters, with hyphens.
+/// A name of the window as written in links: in lower case, with hyphens.
 #[must_use]
 pub fn slug(name: &str) -> String {
     name.to_lowercase().replace(' ', "-")
@@ -143,7 +143,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_escaped_comes_back_once() {
+    fn escaped_text_is_read_back() {
         for text in [
             "",
             "a b",
@@ -171,16 +171,16 @@ mod tests {
     }
 
     #[test]
-    fn items_of_a_list_come_back() {
+    fn items_of_a_list_are_read_back() {
         let texts = ["", ";", r"\", r"a\;b;", r"\\;;\", "c"];
         let list: Vec<String> = texts.iter().map(|text| item(text)).collect();
         assert_eq!(items(&list.join(";")), texts);
-        // A backslash before anything else is one.
+        // A backslash before another character stands for itself.
         assert_eq!(items(r"a\b;\"), [r"a\b", r"\"]);
     }
 
     #[test]
-    fn bytes_come_back_from_base64() {
+    fn base64_is_read_back() {
         let bytes: Vec<u8> = (0..=255).collect();
         for len in [0, 1, 2, 3, 4, 5, 254, 255, 256] {
             let text = base64(&bytes[..len]);
@@ -193,7 +193,7 @@ mod tests {
     }
 
     #[test]
-    fn exact_numbers_are_exact_and_rounded_ones_stay() {
+    fn exact_numbers_are_exact_and_rounded_ones_are_stable() {
         for number in [
             0.1,
             0.008_36,

@@ -1,4 +1,4 @@
-//! Writes a link: what differs from a link that says nothing, in a fixed sequence, as much as there is room for.
+//! Writes a link: everything that differs from an empty link, in a fixed order, up to a limited length.
 
 use std::ops::Range;
 use tilescope_core::Parameters;
@@ -20,7 +20,7 @@ use tilescope_drawing::camera::Camera;
 pub struct Link {
     /// The fragment of the address, without its `#`: at most [`MAX_CHARACTERS`] letters, digits and marks.
     pub fragment: String,
-    /// What is at hand and not in the link, as phrases such as "the panel layout".
+    /// What the link leaves out, as phrases such as "the panel layout".
     pub left_out: Vec<String>,
 }
 
@@ -33,7 +33,7 @@ pub fn layer_name(layer: Layer) -> String {
     }
 }
 
-/// Returns what stands for whole combinations in a link: the nine sets of the paper by name, others by their layout.
+/// The name that stands for the paper's combination of nine sets; others are written by their layout.
 pub(super) const NINE_SETS: &str = "nine";
 
 /// Writes a link.
@@ -68,7 +68,7 @@ impl Writer {
         self.text.push_str(value.as_ref());
     }
 
-    /// Returns how many characters the value of a key may have.
+    /// The number of characters left for the value of a key.
     fn room(&self, key: &str) -> usize {
         MAX_CHARACTERS.saturating_sub(self.text.len() + key.len() + 2)
     }
@@ -198,7 +198,7 @@ impl Writer {
         }
     }
 
-    /// Writes as many as there may be and is room for.
+    /// Writes as many items as the limits allow.
     fn list<T>(
         &mut self,
         key: &str,
@@ -228,7 +228,7 @@ impl Writer {
         }
     }
 
-    /// The layout is the first that gives way.
+    /// Written last, as the layout is the first to be left out for lack of room.
     fn panels(&mut self, content: &LinkContent) {
         let first = layout::text::written(&LinkContent::default().view.layout);
         let layout = layout::text::written(&content.view.layout);
@@ -243,7 +243,7 @@ impl Writer {
     }
 }
 
-/// What may be linked of two runs.
+/// What can be linked between two runs; names in links.
 pub(super) const LINKS: [&str; 3] = ["cameras", "clocks", "differences"];
 
 fn names(layers: Layers) -> String {

@@ -1,4 +1,4 @@
-//! A buffer's table as comma-separated values: for every row both sides of the pass. Files are whole or as they were.
+//! A buffer's table as comma-separated values, with every row before and after the pass.
 
 use std::fmt::Write as _;
 
@@ -28,7 +28,7 @@ pub fn csv(table: &BufferTable, rows: &[u32]) -> String {
     text
 }
 
-/// Returns the name of a file for a buffer of a pass; passes count from 1 there, as on the screen.
+/// The file name for a buffer of a pass; passes count from 1, as in the window.
 #[must_use]
 pub fn file_name(pass: usize, shader: &str, buffer: Name) -> String {
     format!("pass-{:03}-{shader}-{}.csv", pass + 1, buffer.as_str())

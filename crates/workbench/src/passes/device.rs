@@ -1,5 +1,5 @@
-//! The work on the device, in the background: all passes once, each compared with the CPU where that can be; then one
-//! pass between two readings of its buffers. It stops between passes when it is asked to.
+//! The background work on the device: runs all passes once, comparing stages with the CPU, and then visits
+//! single passes, reading their buffers before and after. It can be cancelled between passes.
 
 use std::ops::ControlFlow;
 use std::sync::Arc;
@@ -15,20 +15,20 @@ use super::model::{Badge, PassEntry, Visit};
 use super::placed::PlacedRows;
 use super::table::{BufferTable, MAX_NUMBERS};
 
-/// A word that is set on the device behind a pass: what if it were another?
+/// An injected fault: a word that is changed on the device after a pass.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Fault {
     /// The pass, by its place in the run.
     pub after: usize,
     /// The buffer.
     pub buffer: Name,
-    /// The word's place in it.
+    /// The word's index in it.
     pub place: u64,
-    /// What it becomes.
+    /// Its new value.
     pub word: u32,
 }
 
-/// What is run.
+/// The run.
 #[derive(Clone)]
 pub(super) struct DeviceRun {
     pub gpu: Arc<Gpu>,
@@ -58,17 +58,17 @@ impl From<SampleError> for Stop {
     }
 }
 
-/// A run on the device, somewhere between two passes.
+/// A run on the device, stopped between two passes.
 pub(super) struct Walker {
     stepper: Stepper,
     domain: Rect,
     fault: Option<Fault>,
 }
 
-/// All passes, as far as they came.
+/// The passes that were run.
 pub(super) struct Survey {
     pub passes: Vec<PassEntry>,
-    /// How often the run began anew with more room or a wider halo.
+    /// How often the run was restarted with more memory or a wider halo.
     pub restarts: u32,
     pub walker: Option<Walker>,
     pub stop: Option<Stop>,
@@ -98,12 +98,12 @@ impl Walker {
         })
     }
 
-    /// Returns how many passes have been run.
+    /// The number of passes that have been run.
     pub(super) fn passed(&self) -> usize {
         self.stepper.reports().len()
     }
 
-    /// Runs a pass, and sets the word behind it if that is its place; false when the run is finished.
+    /// Runs a pass, and changes the fault's word if it is due after it; false when the run is finished.
     async fn step(&mut self) -> Result<bool, GpuError> {
         if self.stepper.step_pass().await?.is_none() {
             return Ok(false);
@@ -116,14 +116,14 @@ impl Walker {
         Ok(true)
     }
 
-    /// Returns the rows of a buffer that are read back.
+    /// Reads back rows of a buffer.
     async fn table(&self, name: Name) -> Result<BufferRows, GpuError> {
         let columns = self.stepper.table(name, 0).await?.columns.len() as u64;
         let rows = MAX_NUMBERS / columns.max(1);
         self.stepper.table(name, rows.max(1)).await
     }
 
-    /// Returns buffers of a pass of `stage`, with where their rows lie.
+    /// Buffers of a pass of `stage`, with the places of their rows.
     async fn side(
         &self,
         names: &[Name],
@@ -152,7 +152,7 @@ pub(super) async fn survey(subject: DeviceRun, monitor: Arc<Monitor>) -> Survey 
     };
     survey.stop = survey.run(&subject, &monitor).await.err();
     if let Some(walker) = &survey.walker {
-        // Times arrive later than their passes.
+        // Times arrive after the passes' reports.
         for (pass, report) in survey.passes.iter_mut().zip(walker.stepper.reports()) {
             pass.report = report.clone();
         }
@@ -180,7 +180,7 @@ impl Survey {
                 return Ok(());
             }
             if walker.stepper.restarts() > self.restarts {
-                // The stages come again.
+                // The run was restarted, so its stages come again.
                 self.restarts = walker.stepper.restarts();
                 self.passes.clear();
                 cpu = CpuReference::new(parameters, &pattern)?;
@@ -202,7 +202,8 @@ impl Survey {
     }
 }
 
-/// Returns how far a run is in a stage: how many passes there will be is known only at its end.
+/// The fraction of a run that is done at a stage, estimated, since the number of passes is known only at its
+/// end.
 const fn share(stage: Stage) -> f32 {
     match stage {
         Stage::Pattern | Stage::Blocks | Stage::Regions => 0.05,
@@ -221,7 +222,7 @@ fn continue_unless_cancelled(monitor: &Monitor) -> Result<(), Stop> {
     Ok(())
 }
 
-/// Takes a run to a pass and reads its buffers before and after it. A run that is beyond it begins anew.
+/// Takes a run to a pass and reads its buffers before and after it. A run that is past it is restarted.
 pub(super) async fn visit(
     subject: DeviceRun,
     walker: Option<Walker>,
@@ -234,7 +235,7 @@ pub(super) async fn visit(
     };
     arrival.outcome = arrival.go(&subject, &goal, &monitor).await;
     if matches!(arrival.outcome, Err(Stop::Failed(_))) {
-        // Nobody knows what lies on the device now.
+        // The state of the device is unknown after an error.
         arrival.walker = None;
     }
     arrival
@@ -272,7 +273,7 @@ impl Arrival {
     }
 }
 
-/// Runs the pass that is next between two readings of its buffers.
+/// Runs the next pass and reads its buffers before and after.
 async fn between(
     walker: &mut Walker,
     goal: &Goal,
@@ -308,7 +309,7 @@ async fn between(
 
 fn another_way(goal: &Goal) -> Stop {
     Stop::Failed(format!(
-        "The run took another way than before: its pass {} is no longer {}. List the passes again.",
+        "The run's passes have changed: pass {} is no longer {}. List the passes again.",
         goal.pass + 1,
         goal.entry.report.name,
     ))

@@ -1,5 +1,4 @@
-//! Which rows of a table are shown: conditions on columns, and whether a row changed. It reads text and judges
-//! rows; it holds none.
+//! Filters of a table's rows: conditions on columns, and on whether a row changed.
 
 use thiserror::Error;
 
@@ -12,9 +11,9 @@ pub enum FilterError {
     /// There is nothing between two commas.
     #[error("a condition is empty; conditions are separated by one comma each")]
     Empty,
-    /// A condition has no comparison.
+    /// A condition is not a comparison.
     #[error(
-        "{text:?} is no condition; write column>number, with >, >=, <, <=, = or !=, or changed"
+        "{text:?} is not a condition; write column>number, with >, >=, <, <=, = or !=, or changed"
     )]
     NoComparison {
         /// The condition.
@@ -25,11 +24,11 @@ pub enum FilterError {
     NoSuchColumn {
         /// What was written.
         name: String,
-        /// The names that are there.
+        /// The existing names.
         columns: Vec<String>,
     },
-    /// The other side is no whole number of 64 bits.
-    #[error("{text:?} is no whole number between {} and {}", i64::MIN, i64::MAX)]
+    /// The other side is not a whole number of 64 bits.
+    #[error("{text:?} is not a whole number between {} and {}", i64::MIN, i64::MAX)]
     NotANumber {
         /// What was written.
         text: String,
@@ -47,7 +46,7 @@ enum Operator {
     Unequal,
 }
 
-/// The longer ones first: they begin like the shorter ones.
+/// Longer operators first, since they begin like shorter ones.
 const COMPARISONS: [(&str, Operator); 7] = [
     (">=", Operator::AtLeast),
     ("<=", Operator::AtMost),
@@ -182,7 +181,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_read_is_named() {
+    fn errors_name_the_condition() {
         let error = |text| Filter::parse(text, &columns()).unwrap_err();
         assert_eq!(error("x>1,,changed"), FilterError::Empty);
         let unknown = error("z>1").to_string();

@@ -1,5 +1,4 @@
-//! What is known of the passes of a run: their reports, how they compare with the CPU, the lines of their list. It
-//! runs nothing.
+//! The passes of a run as data: their reports, how they compare with the CPU, and the lines of their list.
 
 use tilescope_core::{MAXIMAL_DENSITY, Parameters, Rect, Stage};
 use tilescope_gpu::PassReport;
@@ -14,16 +13,16 @@ use super::table::BufferTable;
 /// How a pass compares with the CPU.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Badge {
-    /// It ended a stage, after which everything was as on the CPU.
+    /// It ended a stage, and the device equals the CPU.
     Equal,
-    /// It ended a stage, after which something was not, and what was first.
+    /// It ended a stage, and the device differs from the CPU; the first difference.
     Differs(RunDifference),
-    /// It ended no stage: the CPU knows no such state.
+    /// It did not end a stage, so the CPU has no state to compare with.
     Intermediate,
 }
 
 impl Badge {
-    /// Returns what it says.
+    /// The text of the badge.
     #[must_use]
     pub fn text(&self) -> String {
         match self {
@@ -44,8 +43,8 @@ pub struct PassEntry {
 }
 
 impl PassEntry {
-    /// Returns the buffers that it sees and that can be read, each once, with what it does with them. The dispatch's own
-    /// four numbers are not among them: the host writes them for every pass.
+    /// The readable buffers that it is bound to, each once, with its access. The dispatch's four numbers, which
+    /// the host writes for every pass, are not included.
     #[must_use]
     pub fn buffers(&self) -> Vec<(Name, Access, u64)> {
         let mut buffers: Vec<(Name, Access, u64)> = Vec::new();
@@ -67,7 +66,7 @@ pub enum PassLine {
         stage: Stage,
         /// How many passes it has.
         passes: usize,
-        /// Seconds of those that were timed; `None` where none was.
+        /// The seconds of its timed passes; `None` if none was timed.
         seconds: Option<f64>,
     },
     /// A pass, by its place in the run.
@@ -92,7 +91,7 @@ pub fn lines(passes: &[PassEntry]) -> Vec<PassLine> {
     lines
 }
 
-/// A pass that was visited: its buffers before and after it.
+/// A visited pass: its buffers before and after it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Visit {
     /// Its place in the run.
@@ -103,11 +102,11 @@ pub struct Visit {
     pub placed: Vec<PlacedRows>,
     /// The domain.
     pub domain: Rect,
-    /// Whether the run was begun anew to get there.
+    /// Whether the run was restarted to get there.
     pub replayed: bool,
 }
 
-/// Returns why the passes of a run cannot be looked at, in a sentence.
+/// Why the passes of a run cannot be inspected, in a sentence.
 #[must_use]
 pub fn refusal(parameters: &Parameters) -> Option<String> {
     let expected = match parameters.validate() {
@@ -116,7 +115,7 @@ pub fn refusal(parameters: &Parameters) -> Option<String> {
     };
     (expected > MAX_STAGED).then(|| {
         format!(
-            "About {} samples are expected; passes can be looked at in runs of up to {} samples.",
+            "About {} samples are expected; passes can be inspected in runs of up to {} samples.",
             grouped(expected.round() as usize),
             grouped(MAX_STAGED as usize),
         )

@@ -1,5 +1,5 @@
-//! Where the rows of a visited buffer lie on the canvas: which of them have places, how many, and what is said of them
-//! there. It draws nothing.
+//! The places of a visited buffer's rows on the canvas: which rows have places, how many, and their description
+//! in words.
 
 use tilescope_core::{Point, Rect};
 use tilescope_gpu::layout::Name;
@@ -13,7 +13,7 @@ use super::table::{BufferTable, PassSide};
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PlacedRows {
     before: RowPlaces,
-    /// Nothing where all is as before.
+    /// `None` if equal to those before.
     after: Option<RowPlaces>,
 }
 
@@ -42,7 +42,7 @@ pub struct PlacedCounts {
     pub rows: usize,
     /// Those of them that the pass changed.
     pub changed: usize,
-    /// Those of them that lie in the domain; others are of the halo around it, or were dropped beyond its border.
+    /// Those of them that lie in the domain; others lie in the halo or were dropped outside its border.
     pub inside: usize,
 }
 
@@ -55,13 +55,13 @@ pub struct Rows<'a> {
     pub places: &'a RowPlaces,
     /// The domain.
     pub domain: &'a Rect,
-    /// Which of them are shown, and how.
+    /// Which rows are shown, and how.
     pub shown: &'a ShownBuffer,
 }
 
 impl<'a> Rows<'a> {
-    /// Returns what is drawn of a row. Of a buffer with a row for every cell the cells are drawn where something changed
-    /// or where a filter asks for them.
+    /// The spots that are drawn for a row. For buffers with a row for every cell, only cells that changed or
+    /// that a filter selects are drawn.
     #[must_use]
     pub fn marks(&self, row: u32) -> &'a [RowPlace] {
         marks(
@@ -138,12 +138,12 @@ pub struct OnCanvas<'a> {
     pub pass: usize,
     /// Its name.
     pub name: &'a str,
-    /// Its rows, once the run is there.
+    /// Its rows, once it was visited.
     pub rows: Option<Rows<'a>>,
 }
 
 impl OnCanvas<'_> {
-    /// Returns what is shown, in words: first what it is, then how much of it the pass changed.
+    /// What is shown, in words: first what it is, then how much of it the pass changed.
     #[must_use]
     pub fn text(&self) -> [String; 2] {
         let pass = format!("pass {} {}", self.pass + 1, self.name);
@@ -176,7 +176,7 @@ fn buffer_text(name: Name) -> String {
     format!("buffer {}", name.as_str())
 }
 
-/// Returns the side of which the places are.
+/// The name of the side whose places are shown.
 const fn side_text(side: PassSide) -> &'static str {
     match side {
         PassSide::Before => "before",

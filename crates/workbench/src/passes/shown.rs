@@ -1,4 +1,4 @@
-//! What is shown of a visited pass: which buffer, which side, which rows. It keeps the choice from pass to pass.
+//! The choice of a visited pass' buffer, side and rows. It is kept from pass to pass.
 
 use tilescope_gpu::layout::{Access, Name};
 
@@ -7,13 +7,13 @@ use super::model::Visit;
 use super::placed::{self, PlacedCounts, Rows};
 use super::table::{BufferTable, PassSide};
 
-/// A choice of buffer, side and rows, and what follows from it.
+/// A choice of buffer, side and rows, and the rows shown.
 #[derive(Clone, Debug, Default)]
 pub struct ShownBuffer {
     buffer: usize,
-    /// What was chosen last, to be found again in other passes.
+    /// The buffer chosen last, to be shown again in other passes.
     chosen: Option<Name>,
-    /// What is shown.
+    /// The buffer shown.
     entered: Option<Name>,
     side: PassSide,
     text: String,
@@ -27,7 +27,7 @@ pub struct ShownBuffer {
 }
 
 impl ShownBuffer {
-    /// Returns the place of the buffer among those of the pass.
+    /// The index of the buffer among those of the pass.
     #[must_use]
     pub const fn buffer(&self) -> usize {
         self.buffer
@@ -51,19 +51,19 @@ impl ShownBuffer {
         &self.text
     }
 
-    /// Returns why the filter cannot be used, if so. All rows are shown then.
+    /// The filter's error, if it has one. All rows are shown then.
     #[must_use]
     pub const fn error(&self) -> Option<&FilterError> {
         self.error.as_ref()
     }
 
-    /// Returns the rows that the filter lets pass.
+    /// The rows that pass the filter.
     #[must_use]
     pub fn rows(&self) -> &[u32] {
         &self.rows
     }
 
-    /// Returns the characters that each column takes at most.
+    /// The width of each column in characters.
     #[must_use]
     pub fn widths(&self) -> &[usize] {
         &self.widths
@@ -81,7 +81,7 @@ impl ShownBuffer {
         self.pointed
     }
 
-    /// Returns whether there is a filter that holds rows back.
+    /// Whether a filter is active.
     #[must_use]
     pub const fn is_filtered(&self) -> bool {
         self.is_filtered
@@ -104,7 +104,7 @@ impl ShownBuffer {
         })
     }
 
-    /// Shows the buffer that was chosen last; where the pass has none such, the first that it changed.
+    /// Shows the buffer chosen last; if the pass lacks it, the first that it changed.
     pub(super) fn enter(&mut self, visit: &Visit) {
         let chosen = |table: &BufferTable| Some(table.name) == self.chosen;
         let changed = |table: &BufferTable| {
@@ -115,7 +115,7 @@ impl ShownBuffer {
         let place = place.unwrap_or(0);
         let name = |table: Option<&BufferTable>| table.map(|table| table.name);
         if name(visit.buffers.get(place)) != self.entered {
-            // A row of another buffer is another row.
+            // The selected row belongs to the former buffer.
             self.picked = None;
         }
         self.entered = name(visit.buffers.get(place));
@@ -161,7 +161,7 @@ impl ShownBuffer {
         let Some(table) = self.table(visit) else {
             return;
         };
-        // A table with one row is shown whole, field by field.
+        // A table with a single row is shown field by field and never filtered.
         let text = if table.total > 1 { &self.text } else { "" };
         let filter = match Filter::parse(text, &table.columns) {
             Ok(filter) => filter,

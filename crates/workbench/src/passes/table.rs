@@ -1,4 +1,4 @@
-//! A buffer of a pass as a table, before and after it. It compares and counts; it reads no device.
+//! A buffer before and after a pass, as a table of numbers.
 
 use tilescope_gpu::BufferRows;
 use tilescope_gpu::layout::{Access, Name};
@@ -11,17 +11,17 @@ pub const MAX_NUMBERS: u64 = 500_000;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum PassSide {
-    /// What lay there before.
+    /// Before the pass.
     Before,
-    /// What lay there afterwards.
+    /// After the pass.
     After,
-    /// Both where they differ.
+    /// Both, where they differ.
     #[default]
     Both,
 }
 
 impl PassSide {
-    /// All of them, in the sequence in which they are offered.
+    /// All sides, in the order of the menu.
     pub const ALL: [Self; 3] = [Self::Before, Self::After, Self::Both];
 
     /// Returns its name.
@@ -46,18 +46,18 @@ pub struct BufferTable {
     pub bytes: u64,
     /// Names of the columns.
     pub columns: Vec<String>,
-    /// Rows in the buffer, of which the first were read.
+    /// The rows of the buffer; only the first ones may have been read.
     pub total: u64,
     /// Row by row.
     before: Vec<i64>,
-    /// Nothing where all is as before.
+    /// `None` if equal to `before`.
     after: Option<Vec<i64>>,
     changed: Vec<bool>,
     changed_count: usize,
 }
 
 impl BufferTable {
-    /// Returns the table of a buffer that was read before and after a pass. Rows that only one side has are left out.
+    /// The table of a buffer read before and after a pass. Rows that only one side has are left out.
     #[must_use]
     pub fn new(
         name: Name,
@@ -102,13 +102,13 @@ impl BufferTable {
         self.changed.get(row).copied().unwrap_or(false)
     }
 
-    /// Returns a row before the pass; nothing where there is none.
+    /// A row before the pass; empty if there is no such row.
     #[must_use]
     pub fn before(&self, row: usize) -> &[i64] {
         self.cells(&self.before, row)
     }
 
-    /// Returns a row after the pass; nothing where there is none.
+    /// A row after the pass; empty if there is no such row.
     #[must_use]
     pub fn after(&self, row: usize) -> &[i64] {
         self.cells(self.after.as_ref().unwrap_or(&self.before), row)
@@ -119,7 +119,7 @@ impl BufferTable {
         of.get(row * width..(row + 1) * width).unwrap_or_default()
     }
 
-    /// Returns the row that a side is filtered by: both sides are, by what lies there afterwards.
+    /// The row that filters test for a side; for both sides, the one after the pass.
     #[must_use]
     pub fn side(&self, side: PassSide, row: usize) -> &[i64] {
         match side {
@@ -128,7 +128,7 @@ impl BufferTable {
         }
     }
 
-    /// Returns the text of a cell; nothing where there is none.
+    /// The text of a cell; empty if there is no such cell.
     #[must_use]
     pub fn cell(&self, side: PassSide, row: usize, column: usize) -> String {
         let value = |of: &[i64]| of.get(column).map_or_else(String::new, i64::to_string);
@@ -140,7 +140,7 @@ impl BufferTable {
         }
     }
 
-    /// Returns the characters that each column takes at most, its name included.
+    /// The width of each column in characters, including its name.
     #[must_use]
     pub fn widths(&self, side: PassSide) -> Vec<usize> {
         let mut widths: Vec<usize> = self.columns.iter().map(String::len).collect();

@@ -1,5 +1,4 @@
-//! What the passes do in the background: list, visit, export; and what they make of the outcome. It decides what is next
-//! and waits for nothing.
+//! The work of the passes: starting to list, visit or export, and taking the results.
 
 use tilescope_session::jobs::Job;
 use tilescope_session::words::{counted, sentence};
@@ -9,13 +8,13 @@ use super::{PassWork, Passes, csv, model};
 
 impl Passes {
     pub(super) fn survey(&mut self) {
-        // A run with another word goes another way.
+        // A fault changes the run, so the stopped run on the device cannot be continued.
         self.walker = None;
         self.visit = None;
         self.entries.clear();
         self.lines.clear();
         (self.notice, self.unlisted) = (None, None);
-        self.export_told = None;
+        self.export_result = None;
         let subject = self.subject.clone();
         let work = move |monitor| device::survey(subject, monitor);
         self.work = PassWork::Survey(Job::start_future(&self.wake, work));
@@ -31,7 +30,7 @@ impl Passes {
                 let count = counted(self.entries.len(), "pass", "passes");
                 self.unlisted = survey.stop.map(|stop| match stop {
                     Stop::Cancelled => {
-                        format!("Cancelled after {count}: the list is not whole.")
+                        format!("Cancelled after {count}: the list is incomplete.")
                     }
                     Stop::Failed(why) => format!("Stopped after {count}. {why}"),
                 });
@@ -55,7 +54,7 @@ impl Passes {
         }
         self.selected = Some(pass);
         self.notice = None;
-        self.export_told = None;
+        self.export_result = None;
         self.is_wanted = self.visit().is_none();
         if let PassWork::Visit(job) = &self.work {
             job.cancel();
@@ -63,7 +62,7 @@ impl Passes {
         self.go_on();
     }
 
-    /// Begins to visit the selected pass where that is wanted and nothing else is at work.
+    /// Starts visiting the selected pass if that is wanted and no other work is running.
     pub(super) fn go_on(&mut self) {
         let Some(pass) = self.selected.filter(|_| self.is_wanted) else {
             return;
@@ -99,7 +98,7 @@ impl Passes {
                 self.shown.enter(&visit);
                 self.visit = Some(visit);
             }
-            // Another pass was selected, or nobody waits any more.
+            // Another pass was selected meanwhile, or the visit was cancelled.
             Err(Stop::Cancelled) => {}
             Err(Stop::Failed(why)) => {
                 self.is_wanted = false;
@@ -117,7 +116,7 @@ impl Passes {
                 job.cancel();
                 self.is_wanted = false;
                 self.notice = Some(
-                    "Cancelled: this pass was not visited. Select it again to go there.".to_owned(),
+                    "Cancelled: this pass was not visited. Select it again to visit it.".to_owned(),
                 );
             }
         }
@@ -139,7 +138,7 @@ impl Passes {
         };
         let path = std::path::PathBuf::from(self.path().trim());
         let rows = counted(self.shown.rows().len(), "row", "rows");
-        self.export_told = None;
+        self.export_result = None;
         self.export = Some(Job::start(
             &self.wake,
             move |_| match tilescope_formats::write_whole(&path, text.as_bytes()) {
@@ -156,7 +155,7 @@ impl Passes {
         };
         let name = tilescope_session::words::last_part(self.path().trim()).to_owned();
         let rows = counted(self.shown.rows().len(), "row", "rows");
-        self.export_told = Some(Ok(format!("{rows} downloaded as {name}.")));
+        self.export_result = Some(Ok(format!("{rows} downloaded as {name}.")));
         self.download = Some((name, text.into_bytes()));
     }
 }

@@ -1,4 +1,4 @@
-//! What `web/README.md` says of links and requests, compared with what there is.
+//! The tables of `web/README.md` about links and requests, compared with the code.
 
 use std::collections::BTreeSet;
 
@@ -16,7 +16,7 @@ const README: &str = include_str!("../../../../web/README.md");
 
 type Words = BTreeSet<String>;
 
-/// Returns the rows of the table whose head begins so, cell by cell.
+/// The rows of the table whose head begins with `head`, cell by cell.
 fn table(head: &str) -> Vec<Vec<&'static str>> {
     let at = README.find(&format!("\n| {head} |")).expect(head);
     let lines = README[at + 1..].lines().skip(2);
@@ -25,12 +25,12 @@ fn table(head: &str) -> Vec<Vec<&'static str>> {
         .collect()
 }
 
-/// Returns what stands in a text between single backquotes.
+/// The parts of a text between single backquotes.
 fn quoted(text: &str) -> impl Iterator<Item = String> {
     text.split('`').skip(1).step_by(2).map(str::to_owned)
 }
 
-/// Returns what the first column of a table names.
+/// The names in the first column of a table.
 fn first_column(head: &str) -> Words {
     table(head).iter().flat_map(|row| quoted(row[0])).collect()
 }
@@ -127,15 +127,15 @@ fn every_request_is_documented_with_all_its_fields() {
 
 #[test]
 fn every_field_of_the_state_is_documented() {
-    let told = crate::State::new(std::sync::Arc::new(|| {})).told();
+    let state = crate::State::new(std::sync::Arc::new(|| {})).to_json();
     let keys = |value: &Value| words(value.as_object().expect("an object").keys());
-    assert_eq!(first_column("field of `state`"), keys(&told));
+    assert_eq!(first_column("field of `state`"), keys(&state));
     let view = &REQUESTS
         .iter()
         .find(|(name, _)| *name == "view")
         .expect("it")
         .1;
-    assert_eq!(keys(&told["view"]), words(view.iter().copied()));
+    assert_eq!(keys(&state["view"]), words(view.iter().copied()));
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! The commands of the live analysis, and having the moment measured while its panel is looked at.
+//! The live analysis in the state: its commands, and measuring while its panel is visible.
 
 use std::sync::Arc;
 
@@ -6,18 +6,18 @@ use tilescope_session::verification::region_of;
 
 use super::{RunView, State};
 use crate::analysis::Analysis;
-use crate::analysis::held::Held;
+use crate::analysis::reference_file::ReferenceFile;
 use crate::layout::Panel;
 use tilescope_drawing::brushed::BrushedCause;
 
 impl State {
-    /// Returns whether what is measured can be seen.
+    /// Whether the analysis panel is visible.
     #[must_use]
     pub fn analyses(&self) -> bool {
         self.window.shows(Panel::Analysis)
     }
 
-    /// Has the moment measured while somebody looks.
+    /// Measures the moment while the panel is visible.
     pub(super) fn want_analysis(&mut self) {
         if !self.analyses() {
             self.analysis.rest();
@@ -29,42 +29,42 @@ impl State {
         }
     }
 
-    /// Returns the file that this run is held against, or why it is not.
+    /// The file that this run is compared with, or why it cannot be.
     #[must_use]
-    pub fn held(&self) -> Option<Result<&Arc<Held>, String>> {
-        let held = self.analysis.held.as_ref()?;
+    pub fn reference_file(&self) -> Option<Result<&Arc<ReferenceFile>, String>> {
+        let file = self.analysis.reference_file.as_ref()?;
         let session = self.runs.first.session.as_ref()?;
-        Some(match held.refusal(region_of(session)) {
-            None => Ok(held),
+        Some(match file.refusal(region_of(session)) {
+            None => Ok(file),
             Some(why) => Err(why),
         })
     }
 
-    /// Returns the causes of what is brushed at the moment, once they are found, while the analysis is looked at.
+    /// The causes of the brush at the current moment, if found, while the panel is visible.
     #[must_use]
     pub fn causes(&self) -> Option<&BrushedCause> {
         self.analysis.causes(&self.runs.first, self.analyses())
     }
 
-    /// Returns what came of the brush, in words.
+    /// The result of the brush, in words.
     #[must_use]
-    pub fn brush_said(&self) -> String {
+    pub fn brush_text(&self) -> String {
         match (self.analysis.brush, self.shown()) {
-            (Some(brush), Some(shown)) => self.analysis.marks.said(&shown, brush),
-            _ => "Drag over a chart or the periodogram, or choose here: what causes it is shown on the canvas.".to_owned(),
+            (Some(brush), Some(shown)) => self.analysis.marks.description(&shown, brush),
+            _ => "Drag over a chart or the periodogram, or choose here: the samples or pairs that cause it are shown on the canvas.".to_owned(),
         }
     }
 
-    /// Holds the moments of this run, and of others, against a file.
-    pub(super) fn hold(&mut self, held: Held) {
+    /// Compares the moments of this and later runs with a file.
+    pub(super) fn set_reference_file(&mut self, file: ReferenceFile) {
         self.window.open_panel(Panel::Analysis);
-        self.analysis.held = Some(Arc::new(held));
+        self.analysis.reference_file = Some(Arc::new(file));
     }
 
     /// Waits until the moment is measured.
     #[cfg(not(target_arch = "wasm32"))]
     pub(super) fn settle_analysis(&mut self) {
-        // The first call finds where the cursor rests, the second begins.
+        // The first call notes the cursor, the second starts the work.
         self.want_analysis();
         self.want_analysis();
         while self.analysis.settle() {
@@ -74,7 +74,7 @@ impl State {
 }
 
 impl Analysis {
-    /// Returns the causes of what is brushed at the moment of a run, once they are found; none where they are not seen.
+    /// The causes of the brush at the moment of a run, if found and visible.
     pub(super) fn causes(&self, run: &RunView, are_seen: bool) -> Option<&BrushedCause> {
         let brush = self.brush.filter(|_| are_seen)?;
         self.marks.of(&run.shown()?, brush)

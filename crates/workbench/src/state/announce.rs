@@ -1,10 +1,10 @@
-//! What a screen reader should say: what happened last, the verdict, notices, each when it is new. Nothing is shown here.
+//! Announcements for screen readers: the last event or stage, the verdict, notices, each when it is new.
 
 use tilescope_session::sentence::{happened, name_in};
 
 use super::{State, Verification};
 
-/// What was there when something was announced last, and the announcement.
+/// What was announced last, and the announcement.
 #[derive(Default)]
 pub struct Announcer {
     happened: String,
@@ -14,17 +14,16 @@ pub struct Announcer {
 }
 
 impl State {
-    /// Returns what a screen reader should say: the last thing that was new when the state went on. It stays the same until
-    /// there is something else to say.
+    /// The text for a screen reader: the newest of these. It stays the same until there is another.
     #[must_use]
     pub fn announcement(&self) -> Option<String> {
         self.messages.announcer.announcement.clone()
     }
 
-    /// Finds out what is new.
+    /// Updates the announcement.
     pub(super) fn announce(&mut self) {
-        let happened = self.told_of_time();
-        let verdict = self.told_of_verdict();
+        let happened = self.time_text();
+        let verdict = self.verdict_text();
         let notice = self.messages.notice.as_ref().map(|notice| {
             let kind = if notice.is_error { "Error: " } else { "" };
             format!("{kind}{}", notice.text)
@@ -53,8 +52,9 @@ impl State {
         };
     }
 
-    /// While time runs by itself only stages are told: nobody can listen to every event.
-    fn told_of_time(&self) -> String {
+    /// The announcement of the moment. During playback only stages are announced, since there are too many
+    /// events to listen to.
+    fn time_text(&self) -> String {
         match (&self.runs.first.session, self.current_stage()) {
             (Some(session), Some(stage)) if self.time.playback.is_playing() => {
                 format!("Playing: {}.", name_in(session, stage))
@@ -63,7 +63,7 @@ impl State {
         }
     }
 
-    fn told_of_verdict(&self) -> Option<(u64, String)> {
+    fn verdict_text(&self) -> Option<(u64, String)> {
         let generation = self.runs.first.session.as_ref()?.generation;
         let text = match &self.runs.first.verification {
             Verification::Nothing | Verification::Pending(_) => return None,

@@ -1,4 +1,4 @@
-//! The commands that make combinations, and how they are shown.
+//! Combinations in the state: making and showing them.
 
 use tilescope_core::combine::file::Layout;
 use tilescope_session::combination::{CombineCommand, NINE};
@@ -12,12 +12,12 @@ use super::State;
 use super::undo::UndoPart;
 use crate::command::Which;
 
-/// Why something that belongs to a run cannot be done with a combination.
+/// The refusal of commands that need a run's parameters.
 pub(super) const NO_PARAMETERS: &str =
-    "A combination is made from a layout: there are no parameters of it to change.";
+    "A combination is made from a layout and has no parameters to change.";
 
 impl State {
-    /// Starts to make a combination; the session at hand stays until it is there.
+    /// Starts making a combination; the current session stays until it is ready.
     pub(super) fn combine(&mut self, command: CombineCommand) {
         let text = match command {
             CombineCommand::Nine => NINE.to_owned(),
@@ -41,7 +41,7 @@ impl State {
         self.runs.first.sampling = Some(task::start(&self.jobs.wake, combining));
     }
 
-    /// Shows a new combination, its seams among the layers.
+    /// Shows a new combination, with the layer of seams on.
     pub(super) fn show_combination(&mut self, which: Which, session: Session) {
         self.show_in(which, session);
         if !self.appearance.layers.has(Layer::Seams) {
@@ -49,7 +49,7 @@ impl State {
         }
     }
 
-    /// Returns whether the session at hand is a combination.
+    /// Whether the current session is a combination.
     #[must_use]
     pub fn shows_combination(&self) -> bool {
         self.runs.first.shows_combination()

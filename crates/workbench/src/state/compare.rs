@@ -1,5 +1,5 @@
-//! The commands of the comparison, and how the second run follows the first. What differs is found out in
-//! [`crate::compare`].
+//! The comparison in the state: its commands, and how the second run follows the first. Differences are
+//! computed in [`crate::compare`].
 
 use std::sync::Arc;
 
@@ -24,7 +24,7 @@ impl State {
             CompareCommand::Close => self.runs.second = None,
             CompareCommand::GoToDivergence => self.go_to_divergence(),
             CompareCommand::LinkCameras(on) => self.set(|known| known.linked_cameras = on),
-            CompareCommand::LinkClocks(on) => self.set(|known| known.linked_clocks = on),
+            CompareCommand::LinkPlayback(on) => self.set(|known| known.linked_playback = on),
             CompareCommand::ShowDifferences(on) => self.set(|known| known.shows_differences = on),
         }
     }
@@ -35,7 +35,7 @@ impl State {
         }
     }
 
-    /// Returns why there cannot be such a second run now, or `None` if there can.
+    /// Why this second run cannot be made now, or `None` if it can.
     #[must_use]
     pub fn preset_refusal(&self, preset: ComparePreset) -> Option<String> {
         let Some(session) = &self.runs.first.session else {
@@ -53,7 +53,7 @@ impl State {
                 Device::Unknown => Some(
                     "Choose the GPU as the engine first: it is opened and tested then.".to_owned(),
                 ),
-                device => device.said(),
+                device => device.description(),
             };
         }
         let first = &session.run().parameters;
@@ -62,24 +62,24 @@ impl State {
         refused.map(|error| tilescope_session::words::sentence(&error.to_string()))
     }
 
-    /// Returns why one cannot go to where the two runs part, or `None` if one can.
+    /// Why one cannot go to the divergence of the two runs, or `None` if one can.
     #[must_use]
     pub fn parting_refusal(&self) -> Option<&'static str> {
         let Some((side, comparison)) = &self.runs.second else {
             return Some("There is no second run.");
         };
         let (Some(first), Some(second)) = (&self.runs.first.session, &side.session) else {
-            return Some("The second run is not there yet.");
+            return Some("The second run is not ready yet.");
         };
         match comparison.divergence(first, second) {
-            None => Some("Where they part is still being looked for."),
-            Some(Divergence::Same) => Some("They part nowhere."),
+            None => Some("The search for where they diverge is still running."),
+            Some(Divergence::Same) => Some("They never diverge."),
             Some(Divergence::Domain { .. }) => Some("Their domains differ from the start."),
             Some(_) => None,
         }
     }
 
-    /// Returns the engine that did not make the session.
+    /// The engine other than the one that made the session.
     #[must_use]
     pub fn other_engine(&self) -> Engine {
         let by_gpu = self
@@ -120,7 +120,7 @@ impl State {
         self.start_sampling(Which::Second, recipe, engine);
     }
 
-    /// Makes the run at hand the second one, too, at the same moment.
+    /// Makes the current run also the second one, at the same moment.
     fn keep(&mut self) {
         let Some(session) = self.runs.first.session.clone() else {
             return;
@@ -145,11 +145,11 @@ impl State {
         self.on(Which::Second, |run, context| run.verify(context));
     }
 
-    /// The form shows the parameters of the run at hand.
+    /// Swaps the two runs; the form then shows the parameters of the new first run.
     fn swap(&mut self) {
         if let Some((mut side, comparison)) = self.runs.second.take() {
             let viewports = (self.runs.first.viewport, side.viewport);
-            // What stops, is watched and marked is the user's, whichever run it is applied to.
+            // Breakpoints, watches and bookmarks stay with the first run, as the panels show them.
             let stops = self.runs.first.take_stops();
             std::mem::swap(&mut self.runs.first, &mut side);
             (self.runs.first.viewport, side.viewport) = viewports;
@@ -170,7 +170,7 @@ impl State {
         }
     }
 
-    /// What is done to the view or the moment of the second run is done to the first, too, where the two are linked.
+    /// Applies a command to the view of the second run, and to the first, too, if the cameras are linked.
     pub(super) fn apply_to_second_view(&mut self, command: ViewCommand) {
         let before = self.second_at();
         let moves = command.moves_camera();
@@ -185,7 +185,7 @@ impl State {
             (self.runs.first.camera, self.runs.first.fitted) = (side.camera, side.fitted);
             self.runs.first.flight = side.flight.take();
         }
-        if comparison.linked_clocks && before != after {
+        if comparison.linked_playback && before != after {
             self.follow_second();
         }
     }
@@ -207,7 +207,7 @@ impl State {
         self.runs.first.go_to(to);
     }
 
-    /// Has the second run follow the first where the two are linked.
+    /// Makes the second run follow the first as far as the two are linked.
     pub(super) fn follow_first(&mut self) {
         let Some((side, comparison)) = &mut self.runs.second else {
             return;
@@ -216,7 +216,7 @@ impl State {
             (side.camera, side.fitted, side.flight) =
                 (self.runs.first.camera, self.runs.first.fitted, None);
         }
-        if !comparison.linked_clocks {
+        if !comparison.linked_playback {
             return;
         }
         let (Some(at), Some((side, comparison))) = (self.runs.first.moment(), &self.runs.second)
@@ -233,7 +233,7 @@ impl State {
         }
     }
 
-    /// Goes on with the second run by `dt_secs`; returns whether something moves there.
+    /// Advances the second run by `dt_secs`; returns whether something moves.
     pub(super) fn advance_second(&mut self, dt_secs: f32) -> bool {
         self.poll_run(Which::Second);
         let with_geometry = self.appearance.layers.wants_geometry();
@@ -249,7 +249,7 @@ impl State {
         flies == Some(true)
     }
 
-    /// Has found out what differs.
+    /// Starts computing the differences.
     fn compare(&mut self) {
         let Some((side, mut comparison)) = self.runs.second.take() else {
             return;
@@ -279,7 +279,8 @@ impl State {
         }
     }
 
-    /// Goes to where the two runs part: in both the first event that differs is the last one that has happened.
+    /// Goes to the divergence of the two runs: in both, the first event that differs is the last one that has
+    /// happened.
     fn go_to_divergence(&mut self) {
         let Some((side, comparison)) = &self.runs.second else {
             return;
@@ -297,13 +298,13 @@ impl State {
             }
             _ => return,
         };
-        // The event itself shows where: the moment behind it.
+        // The moment after the event shows what differs.
         self.runs.first.jump(cursors[0] + 1);
         self.apply_to_view(ViewCommand::GoToCurrent);
         self.on(Which::Second, |run, _| run.jump(cursors[1] + 1));
     }
 
-    /// Returns what only one of two compared runs has, seen from the second one or the first.
+    /// The samples that only one of two compared runs has, seen from the second one or the first.
     #[must_use]
     pub fn contrast(&self, from_second: bool) -> Option<Contrast<'_>> {
         let (side, comparison) = self.runs.second.as_ref()?;
@@ -325,7 +326,7 @@ impl State {
         })
     }
 
-    /// Returns what the second canvas shows.
+    /// What the second canvas draws.
     #[must_use]
     pub fn second_subject(&self) -> Option<Subject<'_>> {
         let (side, _) = self.runs.second.as_ref()?;

@@ -1,4 +1,5 @@
-//! What a part of the state may use of the others while it carries out a command, and what it asks of them.
+//! The interface between parts of the state: what a part may use while it applies a command, and the effects it
+//! asks for.
 
 use tilescope_session::incoming::NamedBytes;
 use tilescope_session::jobs::Wake;
@@ -6,26 +7,26 @@ use tilescope_session::jobs::Wake;
 use super::parts::JobContext;
 use super::{Appearance, Notice};
 
-/// What a part asks of the others. The state does it once the command is carried out.
+/// What a part asks of the others. The state does it after the command.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum Effect {
-    /// The user should read this.
+    /// Show this notice.
     Tell(Notice),
-    /// The panel of what is selected should be in view.
+    /// Open the panel of the selection.
     Inspect,
-    /// A file is to be downloaded.
+    /// Download a file.
     Download(NamedBytes),
 }
 
-/// What a part may use of the others.
+/// What a part may use of the others while it applies a command.
 pub(super) struct Context {
     /// Starts work in the background.
     pub(super) wake: Wake,
     /// Whether the camera jumps instead of flying.
     pub(super) reduced_motion: bool,
-    /// What the part asks for.
+    /// The effects asked for so far.
     pub(super) effects: Vec<Effect>,
-    /// The number of the session made last.
+    /// The generation of the session made last.
     pub(super) generation: u64,
 }
 
@@ -43,7 +44,7 @@ impl Context {
         self.effects.push(Effect::Tell(Notice { text, is_error }));
     }
 
-    /// Returns the number of a session that is about to be made.
+    /// The generation for a session that is about to be made.
     pub(super) const fn next_generation(&mut self) -> u64 {
         self.generation += 1;
         self.generation

@@ -1,4 +1,4 @@
-//! Making runs by the engine that was chosen, and looking at the passes of the GPU.
+//! Makes runs with the chosen engine, and runs the passes of the GPU for inspection.
 
 use tilescope_session::jobs::Job;
 use tilescope_session::limits::MAX_PASSES_ON_A_PAGE;
@@ -29,7 +29,7 @@ impl State {
         self.on(which, |run, _| run.sampling = Some(job));
     }
 
-    /// Shows a session and says if the CPU had to stand in for the GPU.
+    /// Shows a session, with a notice if the CPU replaced the GPU or the GPU's run differs.
     pub(super) fn show_made(&mut self, which: Which, mut session: Session) {
         let failure = session.failure.take();
         let is_run = session.combination.is_none();
@@ -53,7 +53,7 @@ impl State {
         }
     }
 
-    /// Returns why the passes cannot be looked at now, or `None` if they can.
+    /// Why the passes cannot be inspected now, or `None` if they can.
     #[must_use]
     pub fn passes_refusal(&self) -> Option<String> {
         let Some(session) = &self.runs.first.session else {
@@ -67,7 +67,7 @@ impl State {
         }
         if session.own.is_some() {
             return Some(
-                "This session's pattern comes from a file; the passes can be looked at with a generated pattern."
+                "This session's pattern comes from a file; passes can be inspected only with a generated pattern."
                     .to_owned(),
             );
         }
@@ -82,7 +82,7 @@ impl State {
             Device::Unknown => {
                 Some("Choose the GPU as the engine first: it is opened and tested then.".to_owned())
             }
-            device => device.said(),
+            device => device.description(),
         }
     }
 
@@ -99,15 +99,15 @@ impl State {
         }
     }
 
-    /// Has time run as before once there are no passes for it to run by.
+    /// Returns to the clock before if it is that of passes and there are no passes.
     pub(super) const fn follow_passes(&mut self) {
         if self.runs.first.passes.is_none() {
             self.time.playback.clock = self.time.playback.clock_of_events();
         }
     }
 
-    /// Returns what the canvas shows of the GPU's buffers: something only while the panel of passes can be seen, time
-    /// runs by passes, or the timeline stands where it stood when the passes were dealt with last.
+    /// What the canvas shows of the GPU's buffers. `None` unless the panel of passes is visible, passes are the
+    /// clock, or the timeline is at the moment of the last command of the passes.
     #[must_use]
     pub fn buffers_on_canvas(&self) -> Option<OnCanvas<'_>> {
         let passes = self.runs.first.passes.as_ref()?;
@@ -128,7 +128,7 @@ impl State {
         }
     }
 
-    /// Brings the canvas into view; time runs by passes from now on. A selected row of theirs is flown to.
+    /// Opens the canvas, chooses passes as the clock, and flies to the selected row, if there is one.
     fn show_buffers(&mut self) {
         self.time.playback.choose(Clock::Pass);
         self.window.open_panel(Panel::Canvas);

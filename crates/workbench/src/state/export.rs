@@ -1,4 +1,4 @@
-//! The export sheet: its commands, what an export is made from, and what becomes of it.
+//! Exports in the state: the commands of the export sheet, and making an [`ExportJob`] of it.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -19,35 +19,35 @@ use crate::export::{
 };
 use crate::files::Delivery;
 
-/// The export sheet, and the export at work.
+/// The export sheet, and the running export.
 #[derive(Default)]
 pub struct Exports {
-    /// The sheet, when open.
+    /// The sheet, if open.
     pub sheet: Option<ExportForm>,
-    /// How many frames the animation of the sheet has.
+    /// The number of frames of the sheet's animation.
     frames: Option<Count>,
-    /// The export at work.
+    /// The running export.
     pub work: Option<Job<Outcome>>,
-    /// The system's file dialog for it, while open.
+    /// The system's file dialog for it, if open.
     #[cfg(not(target_arch = "wasm32"))]
     pub browsing: Option<Job<Option<std::path::PathBuf>>>,
 }
 
-/// What an export is made from: the parts of the state that it shows.
+/// The input of an export: the parts of the state that it shows.
 #[derive(Clone, Copy)]
 pub struct ExportSource<'a> {
     /// The run.
     pub run: &'a RunView,
-    /// How time runs.
+    /// Playback.
     pub time: &'a Time,
-    /// How moments are drawn.
+    /// The appearance of moments.
     pub appearance: &'a Appearance,
-    /// The causes of what is brushed, where they are seen.
+    /// The causes of the brush, if visible.
     pub causes: Option<&'a BrushedCause>,
 }
 
 impl State {
-    /// Returns what an export of what is shown is made from.
+    /// The input of an export of what is shown.
     #[must_use]
     pub fn export_source(&self) -> ExportSource<'_> {
         ExportSource {
@@ -58,7 +58,7 @@ impl State {
         }
     }
 
-    /// Has the exports do something with what they are made from, and does what they ask of other parts.
+    /// Runs `act` on the exports and their input, and carries out the effects it asks for.
     pub(super) fn in_exports<T>(
         &mut self,
         act: impl FnOnce(&mut Exports, ExportSource<'_>, Delivery, &mut Context) -> T,
@@ -85,7 +85,7 @@ impl State {
 }
 
 impl Exports {
-    /// Carries out a command of the sheet.
+    /// Applies a command of the sheet.
     pub(super) fn apply(
         &mut self,
         command: ExportCommand,
@@ -136,7 +136,7 @@ impl Exports {
         }
     }
 
-    /// Fills in how many ticks lie between frames.
+    /// Proposes the number of ticks between frames.
     fn propose_every(&mut self, source: ExportSource<'_>) {
         if let (Some(form), Some(session), Some(range)) =
             (&mut self.sheet, &source.run.session, source.range())
@@ -145,7 +145,7 @@ impl Exports {
         }
     }
 
-    /// Returns what the sheet asks for, in a few words, or why it cannot be written.
+    /// A short description of the export, or why it cannot be written.
     pub fn prospect(&self, source: ExportSource<'_>) -> Result<String, ExportRefusal> {
         let (Some(form), Some(session)) = (&self.sheet, &source.run.session) else {
             return Err(ExportRefusal::NoSession);
@@ -191,7 +191,8 @@ impl Exports {
         }
     }
 
-    /// Counts the frames of the animation in the sheet, should that have changed: lines take a walk over events.
+    /// Counts the frames of the animation if their number may have changed; counting lines walks over all
+    /// events.
     pub(super) fn count_frames(&mut self, source: ExportSource<'_>) {
         let animation = |form: &&ExportForm| form.kind == ExportKind::Animation;
         let Some(form) = self.sheet.as_ref().filter(animation) else {
@@ -206,7 +207,7 @@ impl Exports {
         }
     }
 
-    /// Returns what the sheet asks for.
+    /// The export that the sheet describes.
     pub fn order(&self, source: ExportSource<'_>) -> Result<ExportJob, ExportRefusal> {
         self.prospect(source)?;
         let (Some(form), Some(session), Some(moment)) =
@@ -248,7 +249,7 @@ impl Exports {
         })
     }
 
-    /// Returns how far the export at work has come.
+    /// The fraction of the running export that is done.
     #[must_use]
     pub fn fraction(&self) -> Option<f32> {
         self.work.as_ref().map(Job::fraction)
@@ -256,7 +257,7 @@ impl Exports {
 }
 
 impl ExportSource<'_> {
-    /// Returns why nothing of a kind can be exported now, whatever the sheet says.
+    /// Why nothing of a kind can be exported now, independent of the sheet.
     #[must_use]
     pub fn kind_refusal(&self, kind: ExportKind) -> Option<ExportRefusal> {
         let (Some(session), Some(moment)) = (&self.run.session, self.run.moment()) else {
@@ -272,7 +273,7 @@ impl ExportSource<'_> {
         }
     }
 
-    /// Returns the cursors between which an animation goes: those of the loop, else those of the stage.
+    /// The range of cursors of an animation: the loop, or otherwise the stage.
     #[must_use]
     pub fn range(&self) -> Option<Range<usize>> {
         let session = self.run.session.as_ref()?;
@@ -285,8 +286,8 @@ impl ExportSource<'_> {
         Some(range.unwrap_or(start..end))
     }
 
-    /// Returns what of the plane a picture shows: what the canvas shows. Animations are of the run's domain, also
-    /// while the canvas shows the pattern.
+    /// The view of a picture, as on the canvas. Animations show the run's domain even while the canvas shows
+    /// the pattern.
     pub fn view(&self, kind: ExportKind, print: bool) -> Result<PictureView, ExportRefusal> {
         if !self.run.viewport.is_positive() {
             return Err(ExportRefusal::NoCanvas);
@@ -323,7 +324,7 @@ impl ExportSource<'_> {
     }
 }
 
-/// Returns the view of a sheet with its scale and, in words, its size.
+/// The view of a sheet, its scale, and its size in words.
 fn checked_view(
     form: &ExportForm,
     source: ExportSource<'_>,

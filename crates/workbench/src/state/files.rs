@@ -1,4 +1,4 @@
-//! The commands of saved sessions and pattern files: what is read or written by them, in the background.
+//! Files in the state: the commands of the file sheet, and starting to read and write.
 
 #[cfg(not(target_arch = "wasm32"))]
 use std::path::{Path, PathBuf};
@@ -21,14 +21,14 @@ use crate::files::{
 
 mod outcome;
 
-/// The session at hand as it is saved: a run with its events, or a combination.
+/// The current session in saved form: a run with its events, or a combination.
 pub(super) struct Saving {
     run: Option<tilescope_debugger::Session>,
     combination: Option<SavedCombination>,
 }
 
 impl FileState {
-    /// Carries out a command; `saving` is the session at hand where it may be saved by it.
+    /// Applies a command; `saving` is the current session if the command may save it.
     pub(super) fn apply(
         &mut self,
         command: FileCommand,
@@ -40,7 +40,7 @@ impl FileState {
             FileCommand::Sheet(purpose) => self.open_sheet(purpose, run.session_path.as_deref()),
             FileCommand::Close => {
                 self.sheet = None;
-                // Nobody waits any more for what is read; what is written is written.
+                // Reading stops; writing continues.
                 self.stop_reading();
             }
             FileCommand::Path(path) => {
@@ -74,7 +74,7 @@ impl FileState {
     fn open_sheet(&mut self, purpose: Purpose, session_path: Option<&str>) {
         let path = match purpose {
             Purpose::Pattern | Purpose::Combination | Purpose::Against => String::new(),
-            // What is opened in a browser is chosen there, by no name.
+            // In a browser, files are chosen in its dialog, without a path.
             Purpose::Open if self.in_browser() => String::new(),
             Purpose::Save | Purpose::Open => session_path.unwrap_or(SESSION_NAME).to_owned(),
         };
@@ -87,13 +87,13 @@ impl FileState {
         });
     }
 
-    /// Returns whether files are chosen in a browser and downloaded, instead of having paths.
+    /// Whether files are chosen in a browser and downloaded, instead of having paths.
     #[must_use]
     pub fn in_browser(&self) -> bool {
         self.delivery == Delivery::Download
     }
 
-    /// Returns whether a sheet lies over the window.
+    /// Whether a sheet is open.
     #[must_use]
     pub const fn has_sheet(&self) -> bool {
         self.sheet.is_some() || self.exports.sheet.is_some()
@@ -113,7 +113,7 @@ impl FileState {
         }
     }
 
-    /// Takes files that were chosen, under the name of the one that would be opened.
+    /// Takes chosen files; the name shown is that of the one that would be opened.
     fn choose(&mut self, files: Vec<NamedBytes>) {
         let Some(form) = self.sheet.as_mut() else {
             return;
@@ -188,7 +188,7 @@ impl FileState {
         });
     }
 
-    /// Stops what is read: nobody waits for it any more.
+    /// Stops reading.
     pub(super) fn stop_reading(&mut self) {
         let saves = |filing: &Filing| filing.purpose == Some(Purpose::Save);
         self.filing = self.filing.take().filter(saves);
@@ -266,7 +266,7 @@ impl FileState {
         }
     }
 
-    /// Returns the files that are to be downloaded since they were asked for last.
+    /// Takes the files that are to be downloaded.
     #[must_use]
     pub fn take_downloads(&mut self) -> Vec<NamedBytes> {
         std::mem::take(&mut self.downloads)
@@ -288,18 +288,18 @@ impl State {
         });
     }
 
-    /// Returns why the session cannot be saved, or `None` if it can.
+    /// Why the session cannot be saved, or `None` if it can.
     #[must_use]
     pub fn save_refusal(&self) -> Option<&'static str> {
         if self.runs.first.session.is_none() {
             Some("There is no session yet.")
         } else if let Some(combination) = self.combination() {
             (combination.files > 0).then_some(
-                "This combination holds sets from files, and a session refers to nothing outside; its layout describes it.",
+                "This combination has sets from files, which a saved session would not contain; keep its layout instead.",
             )
         } else if self.runs.first.debugger.is_none() {
             Some(
-                "Only a session with events can be saved; larger runs are made by their parameters alone.",
+                "Only a session with events can be saved; a larger run is reproduced by its parameters.",
             )
         } else {
             None
@@ -310,14 +310,14 @@ impl State {
         self.runs.first.session.as_ref()?.combination.as_ref()
     }
 
-    /// Returns the combination at hand as it is saved, with how it is looked at.
+    /// The current combination in saved form, with its view.
     #[must_use]
     pub fn saved_combination(&self) -> Option<SavedCombination> {
         let session = self.runs.first.session.as_ref()?;
         SavedCombination::of(session, self.runs.first.stage, self.view().to_json())
     }
 
-    /// Returns the session at hand as it is saved, with how it is looked at.
+    /// The current session in saved form, with its view.
     #[must_use]
     pub fn saved(&self) -> Option<tilescope_debugger::Session> {
         let (debugger, session) = (

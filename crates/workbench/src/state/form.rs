@@ -1,16 +1,16 @@
-//! What the next run is made from.
+//! The input of the next run.
 
 use tilescope_session::recipe::OwnPattern;
 
 use crate::command::FormCommand;
 use crate::draft::Draft;
 
-/// What the next run is made from.
+/// The input of the next run.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Form {
     /// The parameters as typed.
     pub draft: Draft,
-    /// The pattern from a file that takes the place of the one of the parameters.
+    /// The pattern from a file to use instead of the one that the parameters describe.
     pub own_pattern: Option<OwnPattern>,
 }
 
@@ -31,7 +31,7 @@ mod tests {
     use crate::draft::Field;
 
     #[test]
-    fn what_was_typed_is_gone_after_a_reset() {
+    fn a_reset_discards_what_was_typed() {
         let mut form = Form::default();
         form.apply(FormCommand::Type(Field::Seed, "7".to_owned()));
         assert_eq!(form.draft.parameters.seed, 7);

@@ -1,4 +1,4 @@
-//! Who samples, and what is known of the GPU.
+//! The choice of the engine, and the state of the GPU.
 
 use std::sync::Arc;
 
@@ -13,22 +13,22 @@ use super::effects::Context;
 use crate::command::GpuCommand;
 use crate::device::{Device, Engine, Tried, open_and_test};
 
-/// Why an emulated GPU is used only where it was chosen.
+/// Why an emulated GPU is used only if chosen by the user.
 const ON_CPU: &str = "The browser's GPU computes on the CPU itself, which takes longer.";
 
-/// Who samples, and what is known of the GPU.
+/// The choice of the engine, and the state of the GPU.
 #[derive(Default)]
 pub struct GpuState {
-    /// Who samples.
+    /// The chosen engine.
     pub engine: Engine,
-    /// The device that samples, as far as it is known.
+    /// The device that samples.
     pub device: Device,
     /// Why the last GPU run or test failed, if one did.
     pub failure: Option<String>,
-    /// What draws the window, where it is not always the same: on a page. There a GPU that passed its test samples without
-    /// being chosen.
+    /// The description of what draws the window, on a page only. There a GPU that passed its test samples
+    /// without being chosen.
     pub(super) display: Option<String>,
-    /// Part of the name of the adapter to open; the fastest, if not given.
+    /// A part of the name of the adapter to open; `None` for the fastest.
     adapter: Option<String>,
 }
 
@@ -46,8 +46,8 @@ impl GpuState {
         }
     }
 
-    /// Begins on a page: the GPU is opened and tested, and serves from then on where it passes. One that computes on the CPU
-    /// is not tested unless it was asked for.
+    /// Starts on a page: opens and tests the GPU, which samples from then on if it passes. One that computes on
+    /// the CPU is tested only if it was requested.
     pub(super) fn begin_on_page(&mut self, start: &PageStart, context: &Context) {
         self.display = Some(start.display.clone());
         self.engine = start.engine;
@@ -56,7 +56,7 @@ impl GpuState {
         }
     }
 
-    /// Chooses who samples. The GPU is opened and tested first, unless it was already.
+    /// Chooses the engine. The GPU is opened and tested first, unless it was already.
     fn choose_engine(&mut self, engine: Engine, context: &Context) {
         if engine == Engine::Gpu {
             match self.device {
@@ -68,7 +68,8 @@ impl GpuState {
         self.engine = engine;
     }
 
-    /// Opens the GPU and tests it; one that computes on the CPU only if `software` is wanted, as its test takes long.
+    /// Opens the GPU and tests it; one that computes on the CPU only if `software` is true, as its test is
+    /// slow.
     fn test(&mut self, software: bool, context: &Context) {
         let choice = Choice {
             name: self.adapter.clone(),
@@ -88,7 +89,7 @@ impl GpuState {
         }
     }
 
-    /// Waits for a test at work.
+    /// Waits for a running test.
     #[cfg(not(target_arch = "wasm32"))]
     pub(super) fn settle(&mut self, context: &mut Context) {
         if let Device::Testing(job) = &self.device {
@@ -97,14 +98,14 @@ impl GpuState {
         }
     }
 
-    /// Takes the outcome of a test. A device that failed is left for the CPU.
+    /// Takes the outcome of a test. If the device failed, the CPU is chosen.
     pub(super) fn finish_test(
         &mut self,
         outcome: Result<Result<Tried, GpuError>, String>,
         context: &mut Context,
     ) {
         if let Ok(Err(GpuError::SoftwareOnly { .. })) = outcome {
-            // It was not wanted when the test began, but may have been chosen since.
+            // The GPU may have been chosen since the test began.
             if self.engine == Engine::Gpu {
                 self.test(true, context);
             } else {
@@ -117,13 +118,13 @@ impl GpuState {
         if self.engine == Engine::Gpu
             && let Some(reason) = self.device.refusal()
         {
-            let text = format!("The GPU cannot serve. {reason} The CPU engine samples instead.");
+            let text = format!("The GPU cannot be used. {reason} The CPU engine samples instead.");
             self.engine = Engine::Auto;
             context.tell(text, true);
         }
     }
 
-    /// Notes that a device failed in a run, and returns what to say of it.
+    /// Notes that a device failed in a run, and returns the notice.
     pub(super) fn failed(&mut self, Failure { name, error }: Failure) -> String {
         self.device.failed(&error);
         if !matches!(self.device, Device::Ready(_)) {
@@ -136,7 +137,7 @@ impl GpuState {
         )
     }
 
-    /// Returns whether a device that is ready samples where `engine` is chosen.
+    /// Whether a ready device samples if `engine` is chosen.
     #[must_use]
     pub fn takes(&self, engine: Engine) -> bool {
         let is_gpu = |gpu: &Arc<Gpu>| !gpu.report().is_software;
@@ -147,22 +148,22 @@ impl GpuState {
         }
     }
 
-    /// Returns the device that makes a run. Algorithm 4 as printed is for the CPU, whoever is chosen.
+    /// The device that makes a run. Algorithm 4 as printed runs on the CPU, whatever was chosen.
     pub(super) fn for_run(&self, parameters: &Parameters, engine: Engine) -> Option<Arc<Gpu>> {
         let serves = self.takes(engine) && parameters.variant == Variant::Staged;
         self.device.ready().filter(|_| serves).map(Arc::clone)
     }
 
-    /// Returns why nothing can be run yet, or `None` if it can: the device that was chosen is being tested.
+    /// Why no run can start yet, or `None` if it can: the chosen device is being tested.
     pub(super) fn waiting(&self) -> Option<String> {
         let waits = matches!(self.device, Device::Testing(_)) && self.engine == Engine::Gpu;
-        self.device.said().filter(|_| waits)
+        self.device.description().filter(|_| waits)
     }
 
-    /// Returns what there is to say of the engine that makes the next run, which is of `variant`: a line, and all of it.
-    /// Nothing where the choice alone says who samples, and why.
+    /// The engine of the next run, which is of `variant`: in a line, and in full. `None` if the choice alone
+    /// says it all.
     #[must_use]
-    pub fn said(&self, variant: Variant) -> Option<(&'static str, String)> {
+    pub fn engine_text(&self, variant: Variant) -> Option<(&'static str, String)> {
         let is_free = self.engine == Engine::Auto && self.display.is_some();
         let takes = self.takes(self.engine);
         let line = match &self.device {
@@ -177,18 +178,21 @@ impl GpuState {
             Device::Unknown if is_free && self.failure.is_some() => "CPU: the GPU failed.",
             _ => return None,
         };
-        let test = self.device.said().filter(|_| self.device.ready().is_some());
+        let test = self
+            .device
+            .description()
+            .filter(|_| self.device.ready().is_some());
         let all: Vec<String> = self.chosen(variant).into_iter().chain(test).collect();
         let all = if all.is_empty() {
-            self.device.said()?
+            self.device.description()?
         } else {
             all.join(" ")
         };
         Some((line, all))
     }
 
-    /// Returns why the engine of the next run, which is of `variant`, samples, and what draws, where the app itself has
-    /// chosen.
+    /// Why the program chose the engine of the next run, which is of `variant`, and what draws the window;
+    /// `None` unless the program chooses.
     #[must_use]
     pub fn chosen(&self, variant: Variant) -> Option<String> {
         let display = self.display.as_ref()?;

@@ -1,4 +1,5 @@
-//! Permalinks of what is at hand, and opening them: the run is made first, then the moment, the view and the rest are taken up.
+//! Permalinks in the state: writing the link to what is shown, and opening links. The run is made first, then
+//! moment, view and the rest are applied.
 
 use tilescope_core::Parameters;
 use tilescope_debugger::{Bookmark, Stops};
@@ -15,12 +16,12 @@ use crate::link::{self, Link, LinkContent, LinkWarnings, NamedMoment, slug};
 /// A link whose run is being made.
 pub(super) struct Arriving {
     content: LinkContent,
-    said: LinkWarnings,
+    warnings: LinkWarnings,
 }
 
 impl State {
-    /// Returns the link to what is at hand: to the run, the moment and how they are looked at. While the run of an opened
-    /// link is being made, that link. It is made of numbers that are at hand, so that it may be asked for often.
+    /// The link to what is shown: run, moment and view. While the run of an opened link is being made, it is
+    /// that link. Cheap enough to be called every frame.
     #[must_use]
     pub fn link(&self) -> Link {
         if let Some(arriving) = &self.links.arriving {
@@ -51,7 +52,7 @@ impl State {
             content.watches = debugger.watches().to_vec();
             content.bookmarks.clone_from(&debugger.bookmarks);
             for mark in &mut content.bookmarks {
-                // The run of the link is known without a name.
+                // A bookmark of the link's own run does not name the run.
                 if mark.run == debugger.run_id() {
                     (mark.run, mark.anchor) = (String::new(), None);
                 }
@@ -123,7 +124,7 @@ impl State {
         self.tell(text, false);
     }
 
-    /// Says that what was to be copied could not be.
+    /// Shows a notice that the link could not be copied.
     pub fn tell_not_copied(&mut self) {
         let whence = if self.window.embedding.is_some() {
             "the page around this one may have to allow it"
@@ -136,15 +137,15 @@ impl State {
         );
     }
 
-    /// Opens a link: a fragment with its `#` or without, or a whole address. What cannot be meant, is unknown or too large
-    /// is left out and named in a notice. The run is made first, if it is not the one at hand; a run that the user starts
-    /// meanwhile counts instead.
+    /// Opens a link: a fragment with or without its `#`, or a whole address. Parts that are invalid, unknown or
+    /// too large are left out and named in a notice. The run is made first, unless it is the current one; a run
+    /// that the user starts meanwhile replaces it.
     pub fn open_link(&mut self, text: &str) {
-        let (content, said) = link::read(text);
-        self.open_content(content, said);
+        let (content, warnings) = link::read(text);
+        self.open_content(content, warnings);
     }
 
-    pub(super) fn open_content(&mut self, content: LinkContent, mut said: LinkWarnings) {
+    pub(super) fn open_content(&mut self, content: LinkContent, mut warnings: LinkWarnings) {
         self.files.stop_reading();
         (
             self.runs.first.sampling,
@@ -166,22 +167,22 @@ impl State {
             self.form.draft = Draft::from_parameters(content.parameters);
         }
         if is_made {
-            self.take_up_link(&content, &mut said);
+            self.take_up_link(&content, &mut warnings);
             self.remember(before, UndoPart::Everything, None);
-            self.tell_of_link(&said);
+            self.tell_of_link(&warnings);
             return;
         }
-        self.tell_of_link(&said);
+        self.tell_of_link(&warnings);
         if let Some(layout) = content.combination.clone() {
             self.start_combining(layout);
         } else {
             let recipe = Recipe::from(content.parameters);
             self.start_sampling(Which::First, recipe, self.gpu.engine);
         }
-        self.links.arriving = Some(Box::new(Arriving { content, said }));
+        self.links.arriving = Some(Box::new(Arriving { content, warnings }));
     }
 
-    /// Returns whether the session at hand is what a link asks for.
+    /// Whether the current session is the one that a link asks for.
     fn is_made_from(&self, content: &LinkContent) -> bool {
         let Some(session) = &self.runs.first.session else {
             return false;
@@ -193,65 +194,68 @@ impl State {
         }
     }
 
-    /// Takes up the link whose run has just been made.
+    /// Applies the rest of a link whose run has just been made.
     pub(super) fn arrive(&mut self) {
         let Some(arriving) = self.links.arriving.take() else {
             return;
         };
-        let Arriving { content, mut said } = *arriving;
+        let Arriving {
+            content,
+            mut warnings,
+        } = *arriving;
         if !self.is_made_from(&content) {
             return;
         }
-        let told = said.clone();
+        let shown_before = warnings.clone();
         let is_there = |state: &Self| {
             state
                 .messages
                 .notice
                 .as_ref()
-                .map(|notice| notice.text == told.text())
+                .map(|notice| notice.text == shown_before.text())
         };
         let shown = is_there(self);
         if shown == Some(true) {
             self.messages.notice = None;
         }
-        self.take_up_link(&content, &mut said);
-        // What was read and dismissed is not said again by itself.
-        if shown.is_some() || said != told {
-            self.tell_of_link(&said);
+        self.take_up_link(&content, &mut warnings);
+        // Warnings that the user has dismissed are not repeated unless there are new ones.
+        if shown.is_some() || warnings != shown_before {
+            self.tell_of_link(&warnings);
         }
     }
 
-    fn take_up_link(&mut self, content: &LinkContent, said: &mut LinkWarnings) {
+    fn take_up_link(&mut self, content: &LinkContent, warnings: &mut LinkWarnings) {
         self.time.playback.stop();
         self.time.playback.range = None;
         self.on(Which::First, |run, context| {
             run.pick(Selection::Nothing, context);
         });
         self.runs.first.witness_mark = None;
-        self.take_moment(&content.moment, said);
-        self.take_linked_stops(content, said);
+        self.take_moment(&content.moment, warnings);
+        self.take_linked_stops(content, warnings);
         for part in self.look_as(&content.view) {
-            said.say(format!(
+            warnings.add(format!(
                 "The link's {part} does not fit this run and was left out."
             ));
         }
         self.follow_first();
     }
 
-    /// Says what became of a link, behind what is said already.
-    fn tell_of_link(&mut self, said: &LinkWarnings) {
-        if said.is_empty() {
+    /// Shows the warnings about a link, after an existing notice.
+    fn tell_of_link(&mut self, warnings: &LinkWarnings) {
+        if warnings.is_empty() {
             return;
         }
         let mut text = match self.messages.notice.take() {
             Some(notice) => notice.text + " ",
             None => String::new(),
         };
-        text.push_str(&said.text());
+        text.push_str(&warnings.text());
         self.tell(text, true);
     }
 
-    fn take_moment(&mut self, moment: &NamedMoment, said: &mut LinkWarnings) {
+    fn take_moment(&mut self, moment: &NamedMoment, warnings: &mut LinkWarnings) {
         let len = self.cursor().map(|(_, len)| len);
         let place = match moment {
             NamedMoment::Stage(name) => self.stage_named(name),
@@ -275,12 +279,12 @@ impl State {
             }
         };
         if let Some(missed) = missed {
-            said.say(format!("{missed}; the end is shown instead."));
+            warnings.add(format!("{missed}; the end is shown instead."));
         }
         self.runs.first.show_stage(usize::MAX);
     }
 
-    /// Returns the place of a stage in the session's list by its name in links.
+    /// The index of a stage by its name in links.
     pub(super) fn stage_named(&self, name: &str) -> Option<usize> {
         let stages = &self.runs.first.session.as_ref()?.stages;
         stages
@@ -288,11 +292,11 @@ impl State {
             .position(|&stage| slug(&stage_name(stage)) == name)
     }
 
-    fn take_linked_stops(&mut self, content: &LinkContent, said: &mut LinkWarnings) {
+    fn take_linked_stops(&mut self, content: &LinkContent, warnings: &mut LinkWarnings) {
         let stops = content.breakpoints.len() + content.watches.len() + content.bookmarks.len();
         let Some(debugger) = &mut self.runs.first.debugger else {
             if stops > 0 {
-                said.say(
+                warnings.add(
                     "This run has no events: breakpoints, watches and bookmarks were left out."
                         .to_owned(),
                 );
@@ -309,12 +313,12 @@ impl State {
             bookmarks,
         };
         if let Err(error) = debugger.put_stops(stops) {
-            said.say(tilescope_session::words::sentence(&error.to_string()));
+            warnings.add(tilescope_session::words::sentence(&error.to_string()));
         }
         if behind > 0 {
             let marks = counted(behind, "bookmark", "bookmarks");
-            said.say(format!(
-                "The link has {marks} behind the run's last event, {}, which were left out.",
+            warnings.add(format!(
+                "The link has {marks} after the run's last event, {}, which were left out.",
                 grouped(len)
             ));
         }

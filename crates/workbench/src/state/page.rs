@@ -1,34 +1,34 @@
-//! What a page tells the app when it begins there: what draws it, and how the GPU comes to compute.
+//! Starting on a page: what draws the window, and how the GPU is prepared for sampling.
 
 use super::{FullScreen, Notice, State};
 use crate::device::Engine;
 use crate::embedding::Embedding;
 
-/// How the app begins on a page.
+/// What the page passes to the app at its start.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct PageStart {
-    /// What draws.
+    /// The description of what draws the window.
     pub display: String,
-    /// Why, if there is a reason to tell.
+    /// Why, if that needs an explanation.
     pub reason: String,
-    /// Who samples.
+    /// The engine.
     pub engine: Engine,
-    /// A part of the window that is shown alone.
+    /// The part of the window to show when it is embedded in another page.
     pub embedding: Option<Embedding>,
-    /// Whether the system wishes that nothing moves by itself.
+    /// Whether the system prefers reduced motion.
     pub reduced_motion: bool,
-    /// Whether the browser lets the page have the full screen.
+    /// Whether the browser allows the page full screen.
     pub full_screen: bool,
 }
 
 impl State {
-    /// Begins on a page: the GPU is opened and tested, and serves from then on where it passes. One that computes on the CPU
-    /// is not tested unless it was asked for.
+    /// Starts on a page: opens and tests the GPU, which samples from then on if it passes. One that computes on
+    /// the CPU is tested only if it was requested.
     pub fn begin_on_page(&mut self, start: &PageStart) {
         self.window.embedding = start.embedding;
         self.prefer_reduced_motion(start.reduced_motion);
         if !start.full_screen {
-            let why = "The browser does not let this page have the full screen.";
+            let why = "The browser does not allow this page full screen.";
             self.window.full_screen = FullScreen::Refused(why);
         }
         if !start.reason.is_empty() {

@@ -1,4 +1,4 @@
-//! The parts of the state. Each is one subject; no part knows of another.
+//! Parts of the state, independent of each other. Larger parts are in files of their own.
 
 use tilescope_session::incoming::NamedBytes;
 use tilescope_session::jobs::{Job, Wake};
@@ -8,17 +8,17 @@ use crate::command::Which;
 use crate::compare::Comparison;
 use crate::files::{Delivery, FileForm, Filing, Purpose};
 
-/// The runs that are looked at.
+/// The runs that are shown.
 #[derive(Default)]
 pub struct Runs {
     /// The run that the panels show.
     pub first: RunView,
-    /// The run beside it, and what is known of the two together.
+    /// The second run, and the comparison of the two.
     pub second: Option<(RunView, Comparison)>,
 }
 
 impl Runs {
-    /// Returns one of the runs, if it is there.
+    /// One of the runs, if it exists.
     #[must_use]
     pub fn get(&self, which: Which) -> Option<&RunView> {
         match which {
@@ -35,51 +35,51 @@ impl Runs {
     }
 }
 
-/// What is read and written.
+/// Files and exports.
 #[derive(Default)]
 pub struct FileState {
-    /// The export sheet, and the export at work.
+    /// The export sheet, and the running export.
     pub exports: Exports,
-    /// The sheet of saved sessions and pattern files, when open.
+    /// The file sheet, if open.
     pub sheet: Option<FileForm>,
-    /// What is read or written for it.
+    /// The file being read or written.
     pub filing: Option<Filing>,
-    /// The system's dialog for it, while open.
+    /// The system's dialog for it, if open.
     #[cfg(not(target_arch = "wasm32"))]
     pub finding: Option<(Purpose, Job<Option<std::path::PathBuf>>)>,
-    /// The dialog of the browser for it, and the reading of what was chosen.
+    /// The browser's dialog for it, and reading the chosen files.
     #[cfg(target_arch = "wasm32")]
     pub finding: Option<(Purpose, Job<crate::files::web::ReadFiles>)>,
-    /// Where files go that are written.
+    /// Where written files go.
     pub delivery: Delivery,
     /// Files that are to be downloaded.
     pub(super) downloads: Vec<NamedBytes>,
 }
 
-/// Links that come and go.
+/// Links.
 #[derive(Default)]
 pub struct Links {
-    /// The address of the page, without a fragment, to which copied links belong. There is none natively.
+    /// The address of the page, without a fragment, that copied links begin with; `None` natively.
     pub base: Option<String>,
-    /// What is to be put on the clipboard.
+    /// Text to be put on the clipboard.
     pub copied: Option<String>,
     /// A link whose run is being made.
     pub(super) arriving: Option<Box<link::Arriving>>,
 }
 
-/// What the user should read or hear.
+/// Messages to the user.
 #[derive(Default)]
 pub struct Messages {
-    /// A notice, when there is one.
+    /// The notice, if there is one.
     pub notice: Option<Notice>,
-    /// What a screen reader should say.
+    /// Announcements for screen readers.
     pub(super) announcer: announce::Announcer,
 }
 
-/// What work in the background begins with.
+/// What every background job needs.
 pub(super) struct JobContext {
     /// Asks for a new frame.
     pub(super) wake: Wake,
-    /// The number of the session made last.
+    /// The generation of the session made last.
     pub(super) generation: u64,
 }

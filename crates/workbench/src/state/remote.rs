@@ -1,4 +1,4 @@
-//! Carries out what a page asks for, and tells it the state.
+//! Answers the requests of a page that embeds the window, and describes the state for it.
 
 use serde_json::{Value, json};
 use tilescope_core::Parameters;
@@ -20,8 +20,8 @@ use tilescope_drawing::camera::Camera;
 const NO_EVENTS: &str = "this session has no events; seek a stage";
 
 impl State {
-    /// Carries out a request of a page, JSON as in `web/`'s description of the interface, and returns the answer, JSON too:
-    /// `{"ok":true, ...}`, or `{"ok":false,"error":...}` with a sentence that names the value and the limit.
+    /// Answers a request of a page, as described in `web/README.md`. The answer is JSON, too: `{"ok":true,
+    /// ...}`, or `{"ok":false,"error":...}` with a sentence that names the value and the limit.
     pub fn ask(&mut self, request: &str) -> String {
         let answer = remote::read(request).and_then(|request| self.answer(request));
         let answer = answer.unwrap_or_else(|error| {
@@ -34,11 +34,11 @@ impl State {
     fn answer(&mut self, request: Request) -> Result<Value, RequestError> {
         let mut dropped = None;
         match request {
-            Request::State => return Ok(json!({"ok": true, "state": self.told()})),
+            Request::State => return Ok(json!({"ok": true, "state": self.to_json()})),
             Request::Link(link) => {
-                let (content, said) = crate::link::read(&link);
-                dropped = Some(said.sentences());
-                self.open_content(content, said);
+                let (content, warnings) = crate::link::read(&link);
+                dropped = Some(warnings.sentences());
+                self.open_content(content, warnings);
             }
             Request::Parameters(parameters) => {
                 dropped = Some(Vec::new());
@@ -59,7 +59,7 @@ impl State {
         })
     }
 
-    /// Samples with other parameters; how they are looked at stays.
+    /// Samples with other parameters; the view stays.
     fn load(&mut self, parameters: Parameters) {
         self.files.stop_reading();
         (
@@ -71,7 +71,7 @@ impl State {
         self.start_sampling(Which::First, Recipe::from(parameters), self.gpu.engine);
     }
 
-    /// Returns the session that is moved in: none while another one is being made, which would take its place.
+    /// The session to seek in; refused while another one is being made, which would replace it.
     fn need_session(&self) -> Result<&tilescope_session::session::Session, RequestError> {
         let why = match self.runs.first.session.as_deref() {
             Some(session) if self.runs.first.sampling.is_none() => return Ok(session),
@@ -103,7 +103,7 @@ impl State {
         };
         if event > len {
             let len = grouped(len);
-            let why = format!("event {event} is behind the last one; there are {len}");
+            let why = format!("event {event} is beyond the last one; there are {len}");
             return Err(RequestError::Refused(why));
         }
         self.apply(Command::Time(TimeCommand::Jump(event)));
@@ -159,8 +159,8 @@ impl State {
         self.follow_first();
     }
 
-    /// Returns how the canvas looks, in the words of the request that changes it.
-    fn told_view(&self) -> Value {
+    /// The view, in the form of the request that changes it.
+    fn view_json(&self) -> Value {
         let camera = self.view().camera;
         let numbers = |camera: Camera| json!([camera.center[0], camera.center[1], camera.scale]);
         let on = Layer::ALL
@@ -185,9 +185,9 @@ impl State {
         Ok(())
     }
 
-    /// Returns the state as a page that embeds the window is told of it. The digest is computed once a session.
+    /// The state as JSON, for pages that embed the window. The digest is computed once for each session.
     #[must_use]
-    pub fn told(&self) -> Value {
+    pub fn to_json(&self) -> Value {
         let session = self.runs.first.session.as_deref();
         let made = session.filter(|session| session.combination.is_none());
         let parameters = made.map_or(self.form.draft.parameters, |made| made.run().parameters);
@@ -210,16 +210,16 @@ impl State {
             "gpu": self.gpu.device.word(),
             "chosen": self.gpu.chosen(self.form.draft.parameters.variant),
             "notice": self.messages.notice.as_ref().map(|notice| notice.text.as_str()),
-            "view": self.told_view(),
+            "view": self.view_json(),
             "link": self.link().fragment,
         })
     }
 }
 
-/// The greatest number up to which readers of JSON that have 64-bit floats alone tell all whole numbers apart.
+/// The largest number up to which a 64-bit float, as in JavaScript, represents all whole numbers.
 const MAX_EXACT: u64 = 1 << 53;
 
-/// Returns a seed as it is told: as text where a number would be rounded.
+/// A seed as JSON: as text if a number would be rounded.
 fn seed(seed: u64) -> Value {
     if seed <= MAX_EXACT {
         json!(seed)
@@ -229,8 +229,8 @@ fn seed(seed: u64) -> Value {
 }
 
 fn with_seeds(parameters: &Parameters) -> Value {
-    let mut told = json!(parameters);
-    told["seed"] = seed(parameters.seed);
-    told["pattern"]["seed"] = seed(parameters.pattern.seed);
-    told
+    let mut value = json!(parameters);
+    value["seed"] = seed(parameters.seed);
+    value["pattern"]["seed"] = seed(parameters.pattern.seed);
+    value
 }

@@ -1,4 +1,5 @@
-//! A run and how it is looked at: what there is once for the run that the panels show, and once more for the run beside it.
+//! A run and its view: the session, its verification, the moment, the camera and the selection. There is one
+//! for the run that the panels show and one for a second run beside it.
 
 use glam::DVec2;
 use std::sync::Arc;
@@ -32,24 +33,24 @@ pub use hits::CountHitsTask;
 pub use hits::{Hits, MAX_HITS};
 pub(super) use time::{next_line, none_there};
 
-/// How the making of a session ends.
+/// The result of making a session.
 pub(super) type Made = Result<Result<Session, MakeError>, String>;
 
-/// A run and how it is looked at.
+/// A run and its view.
 pub struct RunView {
-    /// What is being looked at.
+    /// The session.
     pub session: Option<Arc<Session>>,
-    /// The run at work.
+    /// The session being made.
     pub sampling: Option<Job<Result<Session, MakeError>>>,
-    /// What the verifier says about the session.
+    /// The verification of the session.
     pub verification: Verification,
-    /// The stage shown, as its place in the session's list.
+    /// The stage shown, as its index in the session.
     pub stage: usize,
-    /// The events of the session and the cursor among them, where they were kept.
+    /// The events of the session with the cursor, if events were recorded.
     pub debugger: Option<Debugger>,
-    /// The view.
+    /// The camera.
     pub camera: Camera,
-    /// Where its canvas is in the window.
+    /// The rectangle of its canvas in the window.
     pub viewport: Rect,
     /// The sample under the pointer.
     pub hovered: Option<u32>,
@@ -57,34 +58,34 @@ pub struct RunView {
     pub selected: Option<u32>,
     /// The selected place, in r.
     pub place: Option<DVec2>,
-    /// The place that a verdict was followed to.
+    /// The witness of a verdict that the user flew to.
     pub witness_mark: Option<WitnessMark>,
     /// The triangulation of the moment.
     pub geometry: Geometry,
-    /// What the run at work is made from, where no file takes part.
+    /// The parameters of the session being made, if no file is part of its input.
     pub(super) asked: Option<Parameters>,
-    /// What the event browser shows of the tree.
+    /// The visible rows of the event browser's tree.
     pub rows: Option<OutlineRows>,
-    /// What the user has set for debugging, while there are no events to debug.
+    /// Breakpoints, watches and bookmarks, while there are no events to apply them to.
     pub(super) stops: Stops,
     /// The file that the session was saved to or opened from last.
     pub session_path: Option<String>,
-    /// The cursor to which the event browser was opened last.
+    /// The cursor at which the event browser's tree was last expanded.
     pub(super) revealed: usize,
-    /// The passes of the session's parameters on the GPU, once they were asked for.
+    /// The passes of the session's parameters on the GPU, once opened.
     pub passes: Option<Passes>,
-    /// What the event browser looks for.
+    /// The query of the event browser.
     pub query: EventQuery,
-    /// The history of what is selected.
+    /// The history of the selection.
     pub history_found: FoundEvents,
-    /// Where the breakpoints would stop a run.
+    /// The events at which the breakpoints would stop.
     pub hits: Hits,
-    /// Where the camera is flying to.
+    /// The flight of the camera, if it is flying.
     pub flight: Option<Flight>,
-    /// Whether the whole domain is shown, and stays so when the window changes.
+    /// Whether the whole domain is fitted into the canvas, also when the window changes.
     pub(super) fitted: bool,
-    /// While the pattern, which has a domain of its own, is shown: the camera to return to, and
-    /// whether it was fitted.
+    /// While the pattern is shown, which has its own domain: the camera to return to, and whether it was
+    /// fitted.
     pub(super) before_pattern: Option<(Camera, bool)>,
 }
 
@@ -131,7 +132,7 @@ impl RunView {
         })
     }
 
-    /// Returns the moment that is shown, to be kept while the window goes on.
+    /// The moment that is shown, without references into the run.
     #[must_use]
     pub fn moment(&self) -> Option<Moment> {
         self.shown().map(|shown| shown.moment())
@@ -167,7 +168,7 @@ impl RunView {
         }
     }
 
-    /// Returns what its canvas shows, without what is known only of the run that the panels show.
+    /// What its canvas draws, without contrast and causes, which are known only for the first run.
     pub(super) fn subject<'a>(
         &'a self,
         appearance: &Appearance,

@@ -85,7 +85,7 @@ fn a_bad_draft_is_not_run() {
 }
 
 #[test]
-fn a_cancelled_run_leaves_the_session_and_says_so() {
+fn a_cancelled_run_keeps_the_session_and_shows_a_notice() {
     let mut state = settled();
     let before = state.runs.first.session.as_ref().unwrap().generation;
     type_in(&mut state, Field::Radius, "0.0005");
@@ -157,7 +157,7 @@ fn a_valid_set_shows_its_extremes() {
 }
 
 #[test]
-fn an_export_says_where_file_and_certificate_went() {
+fn an_export_names_its_file_and_certificate() {
     let folder = std::env::temp_dir().join(format!("tilescope-app-{}", std::process::id()));
     std::fs::create_dir_all(&folder).unwrap();
     let path = folder.join("set.ply");
@@ -260,7 +260,7 @@ fn a_large_session_keeps_the_result_alone_and_is_the_same_set() {
     let whole = engine.finish(&mut tilescope_core::Unobserved).unwrap();
     assert_eq!(session.run().points(), whole.points());
     assert_eq!(session.summary, whole.summary());
-    // What is known of a sample is what the other engine says of it.
+    // Origins of samples equal those of the other engine.
     for (&mine, &theirs) in session.run().result.iter().zip(&whole.result).step_by(97) {
         use tilescope_core::Origin::{Inserted, Tiled};
         let (a, b) = (&session.run().samples.origins, &whole.samples.origins);
@@ -280,7 +280,7 @@ fn on_the_gpu() -> State {
     assert!(
         state.gpu.device.ready().is_some(),
         "a GPU adapter is needed (Debian and Ubuntu: apt-get install mesa-vulkan-drivers): {:?}",
-        state.gpu.device.said()
+        state.gpu.device.description()
     );
     state
 }
@@ -289,8 +289,8 @@ fn on_the_gpu() -> State {
 fn the_gpu_is_tested_when_it_is_chosen_and_its_session_has_the_same_stages() {
     let mut state = on_the_gpu();
     assert_eq!(state.gpu.engine, Engine::Gpu);
-    let said = state.gpu.device.said().unwrap();
-    assert!(said.contains("self-test passed"), "{said}");
+    let description = state.gpu.device.description().unwrap();
+    assert!(description.contains("self-test passed"), "{description}");
     let before = state.runs.first.session.clone().unwrap();
     assert_eq!(before.engine, "CPU");
     state.apply(Command::Run);
@@ -327,7 +327,7 @@ fn a_large_session_on_the_gpu_keeps_the_result_alone() {
 }
 
 #[test]
-fn a_gpu_that_is_not_there_leaves_the_cpu_and_says_why() {
+fn a_missing_gpu_leaves_the_cpu_with_a_reason() {
     let mut state = settled();
     state.apply(Command::Gpu(GpuCommand::NameAdapter(Some(
         "no such adapter".to_owned(),
@@ -348,13 +348,13 @@ fn a_gpu_that_is_not_there_leaves_the_cpu_and_says_why() {
     state.apply(Command::Run);
     state.settle();
     assert_eq!(state.runs.first.session.as_ref().unwrap().engine, "CPU");
-    // Another name may be asked for.
+    // Another name may be chosen.
     state.apply(Command::Gpu(GpuCommand::NameAdapter(None)));
     assert_eq!(state.gpu.device.refusal(), None);
 }
 
 #[test]
-fn a_device_that_is_lost_in_a_run_is_told_of_and_the_session_is_there() {
+fn a_device_lost_in_a_run_is_reported_and_the_cpu_makes_the_session() {
     let mut state = settled();
     state.gpu.engine = Engine::Gpu;
     let monitor = tilescope_session::jobs::Job::start(&state.jobs.wake, |monitor| {
@@ -377,7 +377,7 @@ fn a_device_that_is_lost_in_a_run_is_told_of_and_the_session_is_there() {
 }
 
 #[test]
-fn a_run_of_a_gpu_that_differs_is_shown_without_events_and_told_of() {
+fn a_gpu_run_that_differs_is_shown_without_events_and_reported() {
     let mut state = settled();
     let mut run = state.runs.first.session.as_ref().unwrap().run().clone();
     run.samples.points[7].x += 1;
@@ -392,7 +392,7 @@ fn a_run_of_a_gpu_that_differs_is_shown_without_events_and_told_of() {
 }
 
 #[test]
-fn the_variant_as_printed_is_made_by_the_cpu_whoever_is_chosen() {
+fn algorithm_4_as_printed_runs_on_the_cpu_whatever_is_chosen() {
     let mut state = on_the_gpu();
     state.apply(Command::Form(FormCommand::Choose(Choice::Variant(
         tilescope_core::Variant::AsPrinted,
@@ -425,13 +425,13 @@ fn a_domain_and_its_pattern_never_shrink_to_a_speck() {
         ));
         while state.advance(0.5) {}
         assert!(is_seen(&state), "{}", state.runs.first.camera.scale);
-        // Of a link, a session or a page that embeds it.
+        // A camera from a link, a session or a page that embeds the window.
         let mut view = state.view();
         view.camera =
             crate::view::sound_camera([10.0, 10.0].into(), tilescope_drawing::camera::MIN_SCALE);
         assert!(view.camera.is_some());
         state.look_as(&view);
-        // A view's camera is of the domain: the pattern is fitted.
+        // A view's camera shows the domain; the pattern is fitted.
         let is_fitted = state.runs.first.camera == state.runs.first.fitting();
         let is_pattern = state.current_stage() == Some(Stage::Pattern);
         assert_eq!(is_fitted, is_pattern);
@@ -440,7 +440,7 @@ fn a_domain_and_its_pattern_never_shrink_to_a_speck() {
             "{}",
             state.runs.first.camera.scale
         );
-        // A window that has become larger.
+        // A window that was enlarged.
         state.apply(Command::View(
             Which::First,
             ViewCommand::Viewport(state.runs.first.viewport.expand(400.0)),
@@ -465,7 +465,7 @@ fn a_gpu_that_computes_on_the_cpu_is_tested_only_when_it_is_chosen() {
     assert_eq!(state.gpu.device.word(), "unknown");
     let why = state.gpu.chosen(Variant::Staged).expect("why");
     assert!(why.contains("computes on the CPU itself"), "{why}");
-    // It was chosen while the browser looked for one.
+    // The user chose it while the browser was looking for an adapter.
     state.gpu.engine = Engine::Gpu;
     state.with(|state, context| state.gpu.finish_test(found(), context));
     assert_eq!(state.gpu.device.word(), "testing");

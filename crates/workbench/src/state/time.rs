@@ -1,4 +1,5 @@
-//! How time runs: the clock, play, and the search for a breakpoint. It moves the run that the panels show.
+//! Playback in the state: the clock, playing, and running to a breakpoint. It moves the run that the panels
+//! show.
 
 use std::cell::Cell;
 use std::ops::Range;
@@ -12,15 +13,15 @@ use crate::clock::{Clock, Playback};
 use crate::command::TimeCommand;
 use crate::passes::PassCommand;
 
-/// So many conditions of breakpoints are looked at in a frame: some tens of milliseconds.
+/// The most breakpoint conditions evaluated in a frame, which takes some tens of milliseconds.
 const MAX_CONDITIONS: u32 = 10_000;
 
-/// How time runs.
+/// The state of playback.
 #[derive(Default)]
 pub struct Time {
-    /// The clock, and whether it runs.
+    /// The clock, the speed, and whether it is playing.
     pub playback: Playback,
-    /// The way in which a breakpoint is being looked for.
+    /// The direction in which a breakpoint is being searched for, if so.
     pub(super) continuing: Option<Direction>,
 }
 
@@ -57,7 +58,7 @@ impl Time {
         run.moved(before);
     }
 
-    /// Goes on by `dt_secs`; returns whether time is still running.
+    /// Advances by `dt_secs`; returns whether it is still playing or searching.
     pub(super) fn advance(
         &mut self,
         dt_secs: f32,
@@ -73,7 +74,7 @@ impl Time {
         plays || self.continuing.is_some()
     }
 
-    /// Stops, as another session is shown. Where it is of the same run the range that is played stays.
+    /// Stops, as another session is shown. The loop stays if that is of the same run.
     pub(super) fn rest(&mut self, same_run: bool) {
         self.continuing = None;
         self.playback.stop();
@@ -82,7 +83,7 @@ impl Time {
         }
     }
 
-    /// Returns the place of the chosen pass and of the last one, where the clock ticks by passes.
+    /// The indices of the chosen pass and of the last one, if the clock is that of passes.
     #[must_use]
     pub fn pass_tick(&self, run: &RunView) -> Option<(usize, usize)> {
         let by_passes = self.playback.clock == Clock::Pass;
@@ -90,7 +91,8 @@ impl Time {
         Some((passes.selected()?, passes.entries().len().checked_sub(1)?))
     }
 
-    /// Runs on to a breakpoint, over so many at most whose conditions do not hold; the rest is left to the next frame.
+    /// Runs on to a breakpoint. After [`MAX_CONDITIONS`] conditions that do not hold it continues in the next
+    /// frame.
     pub(super) fn continue_on(&mut self, run: &mut RunView, context: &mut Context) {
         let (Some(direction), Some(debugger)) = (self.continuing, &mut run.debugger) else {
             self.continuing = None;
@@ -109,14 +111,14 @@ impl Time {
         self.continuing = None;
         if let Stop::BadCondition(index, error) = stop {
             let text = format!(
-                "The condition of breakpoint {} cannot be computed: {error}",
+                "The condition of breakpoint {} cannot be evaluated: {error}",
                 index + 1
             );
             context.tell(tilescope_session::words::sentence(&text), true);
         }
     }
 
-    /// Goes on or back by one tick of the clock.
+    /// Steps forward or back by one tick of the clock.
     fn tick(&self, direction: Direction, run: &mut RunView, context: &mut Context) {
         if self.playback.clock == Clock::Pass && run.passes.is_some() {
             let command = match direction {
@@ -162,7 +164,7 @@ impl Time {
         self.playback.start();
     }
 
-    /// Plays on by `dt_secs`; returns whether it goes on.
+    /// Plays for `dt_secs`; returns whether it is still playing.
     fn play(&mut self, dt_secs: f32, run: &mut RunView, context: &mut Context) -> bool {
         let before = run.stage;
         let ticks = self.playback.advance(dt_secs);

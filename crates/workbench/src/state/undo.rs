@@ -1,5 +1,6 @@
-//! Undo and redo of parameters with the runs made from them, of panels that were moved, and of opened links. Time needs
-//! none: it runs backwards by itself. What only looks at a run (tabs, layers, colours, the camera) is not remembered.
+//! Undo and redo of parameters and the runs made from them, of panels that were moved, and of opened links.
+//! Moves in time, tabs, layers, colours and the camera are not recorded, since they change nothing but the
+//! view.
 
 use tilescope_core::combine::file::Layout as Combination;
 use tilescope_session::recipe::Recipe;
@@ -10,17 +11,17 @@ use crate::command::{Command, FormCommand, Which, WindowCommand};
 use crate::draft::Field;
 use crate::layout::Layout;
 
-/// Most steps that are remembered.
+/// The most steps that are kept.
 const MAX_STEPS: usize = 200;
 
-/// What the run at hand was made from, so that it can be made again.
+/// The input of the current run, so that it can be made again.
 #[derive(Clone, Debug, PartialEq)]
 enum Made {
     Run(Recipe),
     Combination(Combination),
 }
 
-/// What a step changed, and undoing it brings back.
+/// The part of the state that a step changed and undo restores.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum UndoPart {
     /// The parameters in the panel, not yet run.
@@ -29,11 +30,11 @@ pub(super) enum UndoPart {
     Run,
     /// The places of panels.
     Layout,
-    /// All that a link replaces.
+    /// Everything that a link replaces.
     Everything,
 }
 
-/// What can be undone.
+/// A snapshot of everything that can be undone.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Memento {
     form: Form,
@@ -42,23 +43,23 @@ pub(super) struct Memento {
     layout: Layout,
 }
 
-/// A change, and what was before it or, once it is undone, after it.
+/// A change, with the snapshot before it or, once it is undone, after it.
 struct Change {
     part: UndoPart,
     memento: Memento,
 }
 
-/// What was, and what was undone.
+/// The changes to undo and to redo.
 #[derive(Default)]
 pub struct History {
     past: Vec<Change>,
     future: Vec<Change>,
-    /// The field that was typed in last: what is typed in one field is one step.
+    /// The field that was typed in last; typing in one field is a single step.
     typing: Option<Field>,
 }
 
-/// Returns what a command may change of what can be undone. The others, such as moves of the pointer, come with every
-/// frame.
+/// The undoable part of the state that a command may change; `None` for others, such as the frequent moves of
+/// the pointer.
 pub(super) const fn concerns(command: &Command) -> Option<UndoPart> {
     match command {
         Command::Form(_) => Some(UndoPart::Form),
@@ -68,7 +69,7 @@ pub(super) const fn concerns(command: &Command) -> Option<UndoPart> {
 }
 
 impl State {
-    /// Returns whether there is something to undo.
+    /// Whether there is something to undo.
     #[must_use]
     pub fn can_undo(&self) -> bool {
         !self.history.past.is_empty()
@@ -80,7 +81,7 @@ impl State {
         !self.history.future.is_empty()
     }
 
-    /// Drops all steps: another session is at hand, to which they do not belong.
+    /// Drops all steps, since another session was opened.
     pub(super) fn forget_changes(&mut self) {
         self.history = History::default();
     }
@@ -98,13 +99,13 @@ impl State {
         let session = self.runs.first.session.as_ref()?;
         match &session.combination {
             None => Some(Made::Run(session.recipe())),
-            // Its files are not kept.
+            // The content of its files is not kept.
             Some(combination) if combination.files > 0 => None,
             Some(combination) => Some(Made::Combination(combination.layout.clone())),
         }
     }
 
-    /// Adds a step of `command`, if it changed something since `before`.
+    /// Adds a step for `command`, if it changed something since `before`.
     pub(super) fn remember(&mut self, before: Memento, part: UndoPart, command: Option<&Command>) {
         let field = match command {
             Some(Command::Form(FormCommand::Type(field, _))) => Some(*field),
@@ -129,8 +130,8 @@ impl State {
         future.clear();
     }
 
-    /// Adds the step of a run that is about to take the place of the one at hand. What was typed since the run before is
-    /// part of it, so that undoing it brings parameters and run back together.
+    /// Adds the step of a run that is about to replace the current one. What was typed since the last run is
+    /// part of it, so that undo restores parameters and run together.
     pub(super) fn remember_run(&mut self, part: UndoPart) {
         if self.runs.first.session.is_none() {
             return;
@@ -152,7 +153,7 @@ impl State {
             place <= since || change.part != UndoPart::Form
         });
         self.history.typing = None;
-        // A run that was stopped before it was there is no step of its own.
+        // A run that was cancelled is not a step.
         let stopped =
             last.is_some_and(|place| self.history.past[place].memento.made == before.made);
         if stopped && part == UndoPart::Run {
@@ -162,7 +163,7 @@ impl State {
         }
     }
 
-    /// Takes over a layout that was changed by hand. A panel that was moved to another place can be moved back.
+    /// Takes a layout that the user changed by dragging. Moving a panel can be undone.
     pub fn replace_layout(&mut self, layout: Layout, is_moved: bool) {
         let before = self.memento();
         self.window.layout = layout;
@@ -174,7 +175,7 @@ impl State {
     pub(super) fn undo(&mut self) {
         if let Some(Change { part, memento }) = self.history.past.pop() {
             let mut now = self.memento();
-            // The run may still be at work.
+            // The run may still be being made.
             if matches!(part, UndoPart::Run | UndoPart::Everything) && !self.shows_combination() {
                 now.made = Some(Made::Run(self.typed()));
             }
@@ -210,7 +211,7 @@ impl State {
         }
     }
 
-    /// Makes a run again, unless it is at hand.
+    /// Makes a run again, unless it is the current one.
     fn make_again(&mut self, made: Option<Made>) {
         self.files.stop_reading();
         (
@@ -228,8 +229,7 @@ impl State {
         }
     }
 
-    /// Returns what parameters are not those of the run at hand, in a sentence, if any: what the panel shows and what is
-    /// drawn are then not of one another.
+    /// A sentence that names the parameters of the panel that differ from those of the run shown, if any.
     #[must_use]
     pub fn run_remark(&self) -> Option<String> {
         let session = self
@@ -263,7 +263,7 @@ mod tests {
     }
 
     #[test]
-    fn what_was_undone_is_gone_after_a_change() {
+    fn a_new_change_clears_redo() {
         let mut state = State::new(Arc::new(|| {}));
         type_in(&mut state, Field::Seed, "5");
         state.apply(Command::Undo);
@@ -273,7 +273,7 @@ mod tests {
     }
 
     #[test]
-    fn only_so_many_steps_are_remembered() {
+    fn the_number_of_steps_is_limited() {
         let mut state = State::new(Arc::new(|| {}));
         for step in 0..MAX_STEPS + 10 {
             let field = [Field::Seed, Field::Leaf][step % 2];

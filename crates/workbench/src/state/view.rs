@@ -1,4 +1,4 @@
-//! How the session at hand is looked at, as one value, and taking such a value up.
+//! The current view as a [`SavedView`], and applying one.
 
 use tilescope_session::recipe::Recipe;
 use tilescope_session::selection::Selection;
@@ -8,7 +8,7 @@ use crate::command::Which;
 use crate::view::SavedView;
 
 impl State {
-    /// Returns how the session at hand is looked at.
+    /// The current view.
     #[must_use]
     pub fn view(&self) -> SavedView {
         let second = self.runs.second.as_ref().and_then(|(side, _)| {
@@ -17,7 +17,7 @@ impl State {
             made.then_some(session.run().parameters)
         });
         let first = &self.runs.first;
-        // The pattern has a domain of its own, and its camera ends with it.
+        // The camera of the pattern is not saved, as the pattern has its own domain.
         let (camera, fitted) = first.before_pattern.unwrap_or((first.camera, first.fitted));
         let links = self.runs.second.as_ref();
         SavedView {
@@ -34,7 +34,7 @@ impl State {
         }
     }
 
-    /// Takes up how a session was looked at. Returns the names of the parts that the session at hand does not allow.
+    /// Applies a view. Returns the names of the parts that do not fit the current session.
     pub fn look_as(&mut self, view: &SavedView) -> Vec<&'static str> {
         let mut dropped = Vec::new();
         let camera = self.runs.first.camera;

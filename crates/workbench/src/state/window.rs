@@ -1,4 +1,4 @@
-//! What stands where: panels, the one panel of a compact window, the list of actions.
+//! The window in the state: layout of panels, the drawer of a compact window, the list of actions, full screen.
 
 use super::FullScreen;
 use crate::arrangement::{Arrangement, Drawer, DrawerCommand};
@@ -7,20 +7,20 @@ use crate::embedding::Embedding;
 use crate::finder::Finder;
 use crate::layout::{Layout, Panel};
 
-/// What stands where.
+/// The state of the window.
 #[derive(Default)]
 pub struct WindowState {
-    /// Where the panels stand.
+    /// The layout of the panels.
     pub layout: Layout,
-    /// What a window shows that is too small for them.
+    /// The drawer of a window that is too small for the layout.
     pub drawer: Drawer,
-    /// The list of all actions, when open.
+    /// The list of all actions, if open.
     pub finder: Option<Finder>,
-    /// What of the window is left where it is part of another page.
+    /// The parts shown if the window is embedded in another page.
     pub embedding: Option<Embedding>,
-    /// Whether the bar on top is left out, as where the window is part of something else.
+    /// Whether the bar at the top is left out.
     pub bare: bool,
-    /// Whether the window may have the full screen.
+    /// Whether the window can use full screen.
     pub full_screen: FullScreen,
 }
 
@@ -51,7 +51,7 @@ impl WindowState {
         }
     }
 
-    /// Returns whether a panel can be seen.
+    /// Whether a panel is visible.
     #[must_use]
     pub fn shows(&self, panel: Panel) -> bool {
         match (self.drawer.arrangement, panel) {
@@ -61,13 +61,13 @@ impl WindowState {
         }
     }
 
-    /// Brings a panel into view; in a compact window the tiles are left as they are.
+    /// Brings a panel into view; a compact window keeps the layout unchanged.
     pub(super) fn open_panel(&mut self, panel: Panel) {
         if !self.drawer.arrangement.is_compact() {
             self.layout.open(panel);
             return;
         }
-        // The canvas is there: it gets all the room.
+        // The canvas is always shown; closing the drawer gives it all the room.
         self.drawer.open = (panel != Panel::Canvas).then_some(panel);
     }
 }
@@ -77,7 +77,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_compact_window_shows_one_panel_and_leaves_the_tiles() {
+    fn a_compact_window_shows_one_panel_and_keeps_the_layout() {
         let mut window = WindowState::default();
         let tiles = window.layout.clone();
         window.apply(WindowCommand::Drawer(DrawerCommand::Arrange(

@@ -1,5 +1,5 @@
-//! Work in the background: starting it, taking its results, waiting for it. Results are shown here and
-//! nowhere else.
+//! Background work in the state: starting it, taking its results, waiting for it. Every frame calls
+//! [`State::advance`].
 
 use tilescope_session::recipe::Recipe;
 use tilescope_session::session::{MakeError, Session};
@@ -30,7 +30,7 @@ impl State {
         self.start_sampling(Which::First, recipe, self.gpu.engine);
     }
 
-    /// Returns what the parameters panel asks for.
+    /// The recipe of the parameters panel.
     #[must_use]
     pub fn typed(&self) -> Recipe {
         Recipe {
@@ -39,8 +39,8 @@ impl State {
         }
     }
 
-    /// Goes on by `dt_secs`: takes what jobs have finished, moves the camera, plays. Returns whether
-    /// something is moving, so that another frame is due.
+    /// Advances by `dt_secs`: takes finished work, moves cameras, plays. Returns whether something is moving,
+    /// so that another frame is needed.
     pub fn advance(&mut self, dt_secs: f32) -> bool {
         self.poll();
         self.on(Which::First, |run, _| run.fly_on(dt_secs));
@@ -73,7 +73,7 @@ impl State {
         self.poll_files();
     }
 
-    /// Takes what concerns a run.
+    /// Takes finished work on a run.
     pub(super) fn poll_run(&mut self, which: Which) {
         if let Some(outcome) = self.on(which, |run, _| run.made()).flatten() {
             self.finish_sampling(which, outcome);
@@ -120,7 +120,7 @@ impl State {
         }
     }
 
-    /// Shows a session at its last stage and has it verified.
+    /// Shows a session at its last stage and starts verifying it.
     pub fn show(&mut self, session: Session) {
         self.show_in(Which::First, session);
     }
@@ -133,8 +133,8 @@ impl State {
         self.on(which, |run, context| run.show(session, context));
     }
 
-    /// Waits for all work in the background and takes its results. For tests and scripts: a window
-    /// calls [`Self::advance`] with every frame.
+    /// Waits for all work in the background and takes its results. For tests and scripts; a window calls
+    /// [`Self::advance`] every frame.
     #[cfg(not(target_arch = "wasm32"))]
     pub fn settle(&mut self) {
         self.with(|state, context| state.gpu.settle(context));
@@ -153,7 +153,7 @@ impl State {
         self.in_exports(|exports, _, _, context| exports.settle(context));
     }
 
-    /// Waits for what concerns a run.
+    /// Waits for the work on a run.
     #[cfg(not(target_arch = "wasm32"))]
     pub(super) fn settle_run(&mut self, which: Which) {
         if let Some(job) = self.on(which, |run, _| run.sampling.take()).flatten() {

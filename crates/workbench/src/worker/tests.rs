@@ -90,7 +90,7 @@ impl TaskPool for OtherThread {
     }
 }
 
-/// Does much of what a window does, and returns what came of it.
+/// Does much of what a window does, and returns the results.
 fn visit() -> Vec<String> {
     let mut state = State::new(Arc::new(|| {}));
     state.settle();
@@ -170,7 +170,7 @@ fn visit() -> Vec<String> {
     found
 }
 
-/// Takes samples out of a window and into it again, and combines sets; returns what came of it.
+/// Exports samples and opens them again, and combines sets; returns the results.
 fn hand_over(state: &mut State) -> Vec<String> {
     state.files.delivery = Delivery::Download;
     state.apply(Command::Compare(CompareCommand::Close));
@@ -200,7 +200,7 @@ fn hand_over(state: &mut State) -> Vec<String> {
 }
 
 #[test]
-fn what_is_done_other_is_what_a_thread_does() {
+fn another_memory_returns_what_a_thread_returns() {
     let here = visit();
     let other = OtherThread::new();
     set_task_pool(Some(other.clone()));
@@ -213,13 +213,13 @@ fn what_is_done_other_is_what_a_thread_does() {
         assert!(here == there, "{} is {}", part(here), part(there));
     }
     let log = other.log.borrow();
-    // Those of a GPU, and one for sets of more samples.
+    // Tasks of a GPU, and one for larger sets.
     let others = ["difference", "pattern", "twin"];
     for name in NAMES.iter().filter(|name| !others.contains(name)) {
         let is_carried = log.iter().any(|(other, _)| other == name);
         assert!(is_carried, "{name} of {log:?}");
     }
-    // What was made there is known there.
+    // A session made on the other thread is kept there.
     assert!(
         log.iter().all(|(_, lacked_sessions)| !lacked_sessions),
         "{log:?}"
@@ -227,7 +227,7 @@ fn what_is_done_other_is_what_a_thread_does() {
 }
 
 #[test]
-fn a_memory_that_has_forgotten_is_told_again() {
+fn a_session_that_is_no_longer_kept_is_sent_again() {
     let made = |other: &Rc<OtherThread>| {
         set_task_pool(Some(other.clone()));
         let mut state = State::new(Arc::new(|| {}));
@@ -249,7 +249,7 @@ fn a_memory_that_has_forgotten_is_told_again() {
 }
 
 #[test]
-fn names_are_all_different_and_what_is_no_errand_is_refused() {
+fn names_are_unique_and_unknown_tasks_are_refused() {
     let mut names = NAMES.to_vec();
     names.sort_unstable();
     names.dedup();
@@ -264,7 +264,7 @@ fn names_are_all_different_and_what_is_no_errand_is_refused() {
 }
 
 #[test]
-fn bytes_that_are_no_session_are_refused_and_a_cancelled_errand_says_so() {
+fn malformed_sessions_are_refused_and_a_cancelled_task_reports_it() {
     assert!(keep_session(&[1, 2, 3]).is_err());
     let monitor = Monitor::reporting(|_, _| {});
     let sampling = tilescope_session::sampling::SampleTask {

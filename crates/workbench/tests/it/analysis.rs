@@ -1,5 +1,5 @@
-//! The live analysis: its numbers are those of the analysis crate for the samples that stand at the moment, and it is
-//! measured only while somebody looks and rests.
+//! The live analysis: its numbers equal those of the analysis crate for the samples of the current moment, and
+//! it works only while its panel is visible and the cursor rests.
 
 use std::ops::ControlFlow;
 use std::sync::Arc;
@@ -44,7 +44,7 @@ fn is_whole(state: &State) -> bool {
     state.analysis.is_whole(&state.shown().unwrap())
 }
 
-/// The places of the samples that stand, in r, found sample by sample.
+/// The places of the samples that cover their disks, in r, found sample by sample.
 fn standing(state: &State) -> (Vec<[f64; 2]>, Region) {
     let shown = state.shown().unwrap();
     let session = shown.session;
@@ -88,7 +88,7 @@ fn assert_is_that_of_the_crate(state: &State) {
 }
 
 #[test]
-fn every_moment_has_the_numbers_of_the_samples_that_stand_there() {
+fn measures_of_every_moment_equal_those_of_its_samples() {
     let mut state = analysing();
     let mut before = Vec::new();
     for cursor in [usize::MAX, 4_000, 1_500] {
@@ -99,7 +99,7 @@ fn every_moment_has_the_numbers_of_the_samples_that_stand_there() {
         assert!(!before.contains(&found.samples), "the moment changed");
         before.push(found.samples);
     }
-    // In the middle of the tiling most of the domain is open; the finished run has no gap and no conflict.
+    // In the middle of tiling most of the domain is uncovered; the finished run has no gap and no conflict.
     assert!(measured(&state).verdict().unwrap().gaps > 0);
     jump(&mut state, usize::MAX);
     let report = measured(&state).verdict().unwrap().clone();
@@ -107,13 +107,13 @@ fn every_moment_has_the_numbers_of_the_samples_that_stand_there() {
 }
 
 #[test]
-fn going_back_takes_no_time_and_memory_is_bounded() {
+fn measured_moments_are_cached_up_to_a_limit() {
     let mut state = analysing();
     jump(&mut state, 3_000);
     state.settle();
     let there = measured(&state);
     jump(&mut state, usize::MAX);
-    assert!(is_whole(&state), "known without waiting");
+    assert!(is_whole(&state), "cached");
     jump(&mut state, 3_000);
     assert!(Arc::ptr_eq(&there, &measured(&state)));
     for step in 0..MAX_KEPT {
@@ -122,13 +122,13 @@ fn going_back_takes_no_time_and_memory_is_bounded() {
         assert!(is_whole(&state));
     }
     jump(&mut state, 3_000);
-    assert!(!is_whole(&state), "the oldest is forgotten");
+    assert!(!is_whole(&state), "the oldest is dropped");
     jump(&mut state, 3_101);
     assert!(is_whole(&state));
 }
 
 #[test]
-fn runs_that_keep_the_result_alone_and_runs_without_events_are_measured_too() {
+fn runs_without_stages_or_events_are_measured_too() {
     let parameters = Parameters {
         radius: 0.02,
         leaf: 8.0,
@@ -153,7 +153,7 @@ fn runs_that_keep_the_result_alone_and_runs_without_events_are_measured_too() {
 }
 
 #[test]
-fn nothing_is_measured_while_nobody_looks_or_nothing_stands() {
+fn nothing_is_measured_while_the_panel_is_hidden_or_there_are_no_samples() {
     let mut state = opened();
     assert!(
         state.analysis.last(&state.shown().unwrap()).is_none()
@@ -166,21 +166,21 @@ fn nothing_is_measured_while_nobody_looks_or_nothing_stands() {
     let why = state.analysis.failure(&state.shown().unwrap());
     assert!(why.unwrap().starts_with("0 samples stand"), "{why:?}");
     assert!(state.analysis.reference.measured().is_some());
-    // The next moment is not spoilt by that.
+    // The failure does not affect the next moment.
     jump(&mut state, usize::MAX);
     state.settle();
     assert!(is_whole(&state));
 }
 
-/// A window whose jobs are held at a gate, at a moment that is being measured.
-fn held() -> (State, Arc<Gate>) {
+/// A state whose jobs wait at a gate, at a moment that is being measured.
+fn waiting_at_a_gate() -> (State, Arc<Gate>) {
     let gate = Arc::new(Gate::default());
     let wake = Arc::clone(&gate);
     let mut state = settled(Arc::new(move || wake.pass()));
     state.apply(Command::Window(WindowCommand::OpenPanel(Panel::Analysis)));
     state.settle();
     jump(&mut state, 3_000);
-    // The cursor is found to have moved, then to rest.
+    // The first call sees that the cursor has moved, the second that it rests.
     state.advance(0.0);
     gate.close_after(1);
     state.advance(0.0);
@@ -190,8 +190,8 @@ fn held() -> (State, Arc<Gate>) {
 }
 
 #[test]
-fn measuring_can_be_cancelled_and_taken_up_again() {
-    let (mut state, gate) = held();
+fn measuring_can_be_stopped_and_resumed() {
+    let (mut state, gate) = waiting_at_a_gate();
     state.apply(Command::Analysis(AnalysisCommand::Stop));
     gate.open();
     state.settle();
@@ -203,8 +203,8 @@ fn measuring_can_be_cancelled_and_taken_up_again() {
 }
 
 #[test]
-fn a_cursor_that_moves_on_leaves_its_moment_unmeasured_and_what_is_shown_is_named() {
-    let (mut state, gate) = held();
+fn a_moving_cursor_cancels_measuring_and_the_moment_shown_is_named() {
+    let (mut state, gate) = waiting_at_a_gate();
     let whole = state
         .analysis
         .last(&state.shown().unwrap())
@@ -223,7 +223,7 @@ fn a_cursor_that_moves_on_leaves_its_moment_unmeasured_and_what_is_shown_is_name
 }
 
 #[test]
-fn what_is_shown_faded_is_of_the_same_session() {
+fn faded_measures_are_of_the_same_session() {
     let mut state = analysing();
     assert!(state.analysis.last(&state.shown().unwrap()).is_some());
     state.apply(Command::Form(FormCommand::Type(
@@ -240,8 +240,8 @@ fn what_is_shown_faded_is_of_the_same_session() {
 }
 
 #[test]
-fn nothing_is_at_work_while_the_panel_is_hidden() {
-    let (mut state, gate) = held();
+fn hiding_the_panel_stops_the_work() {
+    let (mut state, gate) = waiting_at_a_gate();
     state.apply(Command::Window(WindowCommand::OpenPanel(Panel::Parameters)));
     state.advance(0.0);
     assert!(state.analysis.progress().is_none());
@@ -254,7 +254,7 @@ fn nothing_is_at_work_while_the_panel_is_hidden() {
 }
 
 #[test]
-fn the_first_peak_of_the_reference_is_in_the_brush_that_is_called_so() {
+fn the_brush_of_the_first_peak_contains_the_references_peak() {
     let state = analysing();
     let reference = state.analysis.reference.measured().expect("measured");
     let power = reference.spectrum.as_ref().unwrap().power();
@@ -265,14 +265,14 @@ fn the_first_peak_of_the_reference_is_in_the_brush_that_is_called_so() {
 }
 
 #[test]
-fn the_spectrum_that_comes_first_sees_as_far_along_both_axes() {
+fn the_rough_spectrum_has_the_same_range_along_both_axes() {
     for (width, height) in [(4.0, 1.0), (1.0, 4.0), (1.0, 1.0)] {
         let region = Region {
             width,
             height,
             boundary: Boundary::Periodic,
         };
-        // A sheared lattice will do: only frequencies count.
+        // A sheared lattice suffices, as only the range of frequencies is tested.
         let points = (0..20_000).map(|i| {
             let i = f64::from(i);
             [
@@ -296,7 +296,7 @@ fn the_spectrum_that_comes_first_sees_as_far_along_both_axes() {
 }
 
 #[test]
-fn parts_come_one_after_the_other() {
+fn parts_are_measured_one_after_the_other() {
     let mut state = opened();
     state.apply(Command::Window(WindowCommand::OpenPanel(Panel::Analysis)));
     let mut seen = Vec::new();

@@ -1,5 +1,5 @@
-//! Brushing: the pairs joined are exactly those at the chosen distances, the shares of samples add up to the power of the
-//! chosen ring, and both belong to the moment.
+//! Brushing: the pairs found are exactly those at the brushed distances, samples' shares add up to the power of
+//! the brushed ring, and both belong to the current moment.
 
 use std::collections::BTreeSet;
 use std::ops::ControlFlow;
@@ -35,7 +35,7 @@ fn cause(state: &State) -> &Cause {
     &state.causes().expect("causes").cause
 }
 
-/// The samples that stand, by id, with their places in r.
+/// The samples that cover their disks, by id, with their places in r.
 fn standing(state: &State) -> Vec<(u32, DVec2)> {
     let shown = state.shown().unwrap();
     let all = 0..shown.session.run().samples.len() as u32;
@@ -43,7 +43,7 @@ fn standing(state: &State) -> Vec<(u32, DVec2)> {
     ids.map(|id| (id, shown.session.place(id))).collect()
 }
 
-/// Every pair of samples at the distances, from every pair of samples.
+/// All pairs of samples at the distances, found by brute force.
 fn brute_force(state: &State, [least, most]: [f64; 2]) -> BTreeSet<[u32; 2]> {
     let session = state.runs.first.session.as_ref().unwrap();
     let (size, periodic) = (session.size_radii(), session.run().domain.is_periodic());
@@ -83,7 +83,7 @@ fn found_pairs(state: &State) -> BTreeSet<[u32; 2]> {
 }
 
 #[test]
-fn the_pairs_are_those_of_a_search_through_all_pairs() {
+fn pairs_equal_those_of_brute_force() {
     for border in [Border::Periodic, Border::Bounded] {
         let mut state = opened();
         state.apply(Command::Form(FormCommand::Choose(Choice::Boundary(border))));
@@ -113,15 +113,15 @@ fn the_pairs_are_those_of_a_search_through_all_pairs() {
             } else {
                 assert!(!expected.is_empty(), "conflicts in the middle of the run");
             }
-            let said = state.brush_said();
+            let message = state.brush_text();
             let count = tilescope_session::words::grouped(expected.len());
-            assert!(said.starts_with(&format!("{count} pair")), "{said}");
+            assert!(message.starts_with(&format!("{count} pair")), "{message}");
         }
     }
 }
 
 #[test]
-fn shares_add_up_to_the_power_of_the_ring_and_belong_to_samples_that_stand() {
+fn shares_add_up_to_the_power_and_belong_to_covering_samples() {
     let mut state = analysing();
     for cursor in [usize::MAX, 1_500] {
         state.apply(Command::Time(TimeCommand::Jump(cursor)));
@@ -169,7 +169,7 @@ fn shares_add_up_to_the_power_of_the_ring_and_belong_to_samples_that_stand() {
         assert_eq!(known, stands);
         let each = shares.iter().filter(|share| share.is_finite());
         let sum: f64 = each.clone().map(|share| f64::from(*share)).sum();
-        // In the unit of noise's share the mean share is the mean power.
+        // Shares are relative to noise, so their mean is the mean power.
         assert!((sum / points.len() as f64 - mean).abs() < 1e-3 * mean);
         let off = |share: &&f32| (**share - *mean_power as f32).abs() > *strongest;
         let beyond = each.filter(off).count();
@@ -178,16 +178,16 @@ fn shares_add_up_to_the_power_of_the_ring_and_belong_to_samples_that_stand() {
 }
 
 #[test]
-fn causes_follow_the_moment_and_go_with_the_brush_and_the_panel() {
+fn causes_follow_the_moment_and_end_with_the_brush_and_the_panel() {
     let mut state = analysing();
     brush(&mut state, BrushAxis::Distance, 1.0, 1.1);
     let first = found_pairs(&state);
     state.apply(Command::Time(TimeCommand::Jump(3_000)));
     assert!(
         state.causes().is_none(),
-        "those of another moment are not shown"
+        "causes of another moment are not shown"
     );
-    assert_eq!(state.brush_said(), "Being looked for\u{2026}");
+    assert_eq!(state.brush_text(), "Searching\u{2026}");
     state.settle();
     assert_ne!(found_pairs(&state), first);
     assert!(state.subject().unwrap().causes.is_some());
@@ -200,7 +200,7 @@ fn causes_follow_the_moment_and_go_with_the_brush_and_the_panel() {
 }
 
 #[test]
-fn what_cannot_be_looked_for_is_said_and_empty_brushes_are_none() {
+fn impossible_searches_are_explained_and_empty_brushes_ignored() {
     // In a domain of less than ten r, two samples five r apart may have two nearest images.
     let mut state = opened();
     state.apply(Command::Form(FormCommand::Choose(Choice::Boundary(
@@ -216,12 +216,12 @@ fn what_cannot_be_looked_for_is_said_and_empty_brushes_are_none() {
     assert!(state.runs.first.session.as_ref().unwrap().size_radii()[0] < 9.0);
     brush(&mut state, BrushAxis::Distance, 1.0, 5.0);
     assert!(state.causes().is_none());
-    let said = state.brush_said();
-    assert!(said.contains("largest distance of a pair"), "{said}");
+    let message = state.brush_text();
+    assert!(message.contains("largest distance of a pair"), "{message}");
     brush(&mut state, BrushAxis::Distance, 1.0, 3.0);
     assert_eq!(found_pairs(&state), brute_force(&state, [1.0, 3.0]));
     brush(&mut state, BrushAxis::Frequency, 0.0, 0.01);
-    assert_eq!(state.brush_said(), "No frequency lies in the ring.");
+    assert_eq!(state.brush_text(), "No frequency lies in the ring.");
     assert_eq!(Brush::between(BrushAxis::Distance, 2.0, 2.0), None);
     assert_eq!(
         Brush::between(BrushAxis::Distance, f64::NAN, f64::NAN),

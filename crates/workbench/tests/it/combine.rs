@@ -1,4 +1,4 @@
-//! Combinations in the window: what the core glues, how it is looked at, saved and exported.
+//! Combinations in the window: equal to those of the core, shown, saved and exported.
 
 use std::fs;
 use std::ops::ControlFlow;
@@ -21,9 +21,9 @@ use tilescope_workbench::export::{ExportKind, picture};
 use tilescope_workbench::{Command, State};
 
 use crate::combining::{drop_text, nine};
-use crate::exporting::{export_view, opened, told, write};
+use crate::exporting::{export_view, notice_text, opened, write};
 
-/// What the core makes of a layout of reference sets.
+/// The core's combination of a layout of reference sets.
 fn of_core(text: &str) -> Combined {
     let layout = Layout::from_json(text.as_bytes()).unwrap();
     let placed = layout.placed().unwrap();
@@ -37,7 +37,7 @@ fn of_core(text: &str) -> Combined {
     combine(placed.domain, &pieces, &layout.options(), &mut Unobserved).unwrap()
 }
 
-/// The places of the samples that stand so after a stage.
+/// The places of the samples with this status after a stage.
 fn standing(state: &State, stage: Stage, so: fn(Standing) -> bool) -> Vec<Point> {
     let run = state.runs.first.session.as_ref().unwrap().run();
     let ids = 0..run.samples.len() as u32;
@@ -46,14 +46,14 @@ fn standing(state: &State, stage: Stage, so: fn(Standing) -> bool) -> Vec<Point>
 }
 
 #[test]
-fn nine_sets_in_the_window_are_what_the_core_glues() {
+fn nine_sets_in_the_window_equal_those_of_the_core() {
     let state = nine();
     let expected = of_core(NINE);
     let session = state.runs.first.session.as_ref().unwrap();
     let run = session.run();
     assert_eq!(run.points(), expected.points);
     assert_eq!(session.summary, *expected.summary());
-    // The digest that the command line's test pins, too.
+    // The command line's test pins the same digest.
     assert_eq!(
         positions_digest(&run.positions()),
         "blake3:a0a039606fe50301d6d486f592414acc0ee4ebef6ae5507b6887af0932e54c14"
@@ -62,7 +62,7 @@ fn nine_sets_in_the_window_are_what_the_core_glues() {
     let combination = session.combination.as_ref().unwrap();
     assert_eq!(combination.seams, expected.seams);
     assert_eq!((combination.seams.len(), combination.files), (18, 0));
-    // What was eliminated is there to be looked at, and before it all that was placed.
+    // Eliminated samples can be shown, and before elimination all that were placed.
     let eliminated = |standing| matches!(standing, Standing::Eliminated { .. });
     let lost: Vec<Point> = expected.eliminated.iter().map(|lost| lost.point).collect();
     assert_eq!(standing(&state, Stage::Finish, eliminated), lost);
@@ -74,7 +74,7 @@ fn nine_sets_in_the_window_are_what_the_core_glues() {
 }
 
 #[test]
-fn one_goes_through_its_stages() {
+fn stages_of_a_combination_can_be_stepped_through() {
     let mut state = nine();
     let session = Arc::clone(state.runs.first.session.as_ref().unwrap());
     assert_eq!(
@@ -87,7 +87,7 @@ fn one_goes_through_its_stages() {
     state.apply(Command::Time(TimeCommand::StepForward));
     assert_eq!(state.current_stage(), Some(Stage::Tile));
     assert_eq!(session.count_after(1), session.summary.tiled);
-    // There are no events, no parameters to vary and no passes: each is refused with a sentence.
+    // There are no events, no parameters to vary and no passes, and each refusal says so.
     assert!(state.runs.first.debugger.is_none());
     let refusal = state.preset_refusal(ComparePreset::NextSeed).unwrap();
     assert!(refusal.contains("layout"), "{refusal}");
@@ -98,7 +98,7 @@ fn one_goes_through_its_stages() {
         .kind_refusal(ExportKind::Animation)
         .unwrap();
     assert!(refusal.to_string().contains("no time to animate"));
-    // Beside a run of the panel's parameters, and swapped with it.
+    // Compare with a run of the panel's parameters, and swap the two.
     let draft = state.form.draft.parameters;
     state.apply(Command::Compare(CompareCommand::Start(
         ComparePreset::Typed,
@@ -113,7 +113,7 @@ fn one_goes_through_its_stages() {
     assert_eq!(state.form.draft.parameters, draft);
 }
 
-/// The segments and rectangles of a group of the picture of the moment.
+/// The number of segments and rectangles of a group in the moment's picture.
 fn drawn(state: &State, name: &str) -> usize {
     let view = export_view(state, ExportKind::Picture).unwrap();
     let still = state.runs.first.moment().unwrap();
@@ -136,14 +136,14 @@ fn drawn(state: &State, name: &str) -> usize {
 fn pictures_show_the_seams_while_their_layer_is_on() {
     let mut state = nine();
     state.apply(Command::View(Which::First, ViewCommand::Fit));
-    // Six on the border of the periodic domain are seen on both sides of it.
+    // Six seams on the border of the periodic domain are drawn on both sides.
     assert_eq!(drawn(&state, "seams"), 18 + 6);
     assert!(drawn(&state, "band") >= 36);
     state.apply(Command::Appearance(AppearanceCommand::ToggleLayer(
         Layer::Seams,
     )));
     assert_eq!((drawn(&state, "seams"), drawn(&state, "band")), (0, 0));
-    // Whoever makes a combination wants to see them.
+    // Making a combination shows the seams.
     state.apply(Command::Combine(CombineCommand::Nine));
     state.settle();
     assert!(state.appearance.layers.has(Layer::Seams));
@@ -162,7 +162,7 @@ fn an_export_has_the_certificate_of_a_combination() {
     assert_eq!(certificate.method, "combined");
     assert_eq!(certificate.parameters["layout"]["pieces"][8]["seed"], 9);
     assert!(!certificate.parameters.contains_key("seed"));
-    // Without one of its samples it is another set, and not maximal.
+    // Without one of its samples the set has another digest and is not maximal.
     let text = fs::read_to_string(&path).unwrap();
     let middle = text.lines().count() / 2;
     let kept = text.lines().enumerate().filter(|(k, _)| *k != middle);
@@ -200,12 +200,12 @@ fn sets_from_files_are_glued_and_named_by_their_content() {
     let path = folder.path().join("layout.json");
     let mut state = opened();
     drop_text(&mut state, &path, &layout.to_string());
-    assert!(state.shows_combination(), "{}", told(&state));
+    assert!(state.shows_combination(), "{}", notice_text(&state));
     assert!(state.verdict().unwrap().report.valid());
     let session = state.runs.first.session.clone().unwrap();
     let combination = session.combination.as_ref().unwrap();
     assert_eq!((combination.files, combination.seams.len()), (2, 1));
-    // A session would refer to files outside.
+    // A session would depend on files.
     assert!(state.save_refusal().unwrap().contains("sets from files"));
     assert!(state.saved_combination().is_none());
     let out = folder.path().join("out.csv");
@@ -249,7 +249,7 @@ fn a_piece_with_thousands_of_neighbours_is_glued() {
     let path = folder.path().join("layout.json");
     let mut state = opened();
     drop_text(&mut state, &path, &layout.to_string());
-    assert!(state.shows_combination(), "{}", told(&state));
+    assert!(state.shows_combination(), "{}", notice_text(&state));
     assert!(state.verdict().unwrap().report.valid());
     let session = state.runs.first.session.clone().unwrap();
     let combination = session.combination.as_ref().unwrap();

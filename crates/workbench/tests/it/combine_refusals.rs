@@ -1,5 +1,5 @@
-//! Combinations that cannot be made or are cancelled, and saved ones: sentences say what is wrong, and the session at
-//! hand stays.
+//! Combinations that cannot be made or are cancelled, and saved ones: a notice says what is wrong, and the
+//! current session stays.
 
 use std::fs;
 use std::path::Path;
@@ -12,7 +12,7 @@ use tilescope_workbench::files::{FileCommand, Purpose};
 use tilescope_workbench::{Command, State};
 
 use crate::combining::{drop_file, drop_text, nine, open};
-use crate::exporting::{opened, settled, told};
+use crate::exporting::{notice_text, opened, settled};
 use crate::gate::Gate;
 
 #[test]
@@ -23,9 +23,9 @@ fn a_combination_is_saved_as_its_layout_and_made_again() {
     state.apply(Command::Time(TimeCommand::ShowStage(1)));
     open(&mut state, Purpose::Save, &path);
     assert!(
-        told(&state).starts_with("The session is in"),
+        notice_text(&state).starts_with("The session is in"),
         "{}",
-        told(&state)
+        notice_text(&state)
     );
     for drop in [false, true] {
         let mut other = opened();
@@ -34,26 +34,26 @@ fn a_combination_is_saved_as_its_layout_and_made_again() {
         } else {
             open(&mut other, Purpose::Open, &path);
         }
-        assert!(other.shows_combination(), "{}", told(&other));
+        assert!(other.shows_combination(), "{}", notice_text(&other));
         assert_eq!(other.runs.first.stage, 1);
         assert_eq!(other.saved_combination(), state.saved_combination());
         assert!(other.verdict().unwrap().report.valid());
     }
     let saved: Value = serde_json::from_slice(&fs::read(&path).unwrap()).unwrap();
     let mut state = opened();
-    for (change, said) in [
+    for (change, expected) in [
         (("digest", json!("0123456789abcdef")), "0123456789abcdef"),
         (("version", json!(99)), "version 99"),
         (("colour", json!(1)), "unknown field `colour`"),
     ] {
         let mut changed = saved.clone();
         changed[change.0] = change.1;
-        refused(&mut state, &path, &changed.to_string(), said);
+        refused(&mut state, &path, &changed.to_string(), expected);
     }
     let mut changed = saved.clone();
     changed["combination"]["pieces"][3]["seed"] = json!(77);
     refused(&mut state, &path, &changed.to_string(), "was saved with");
-    // A file that is named in a session is not read.
+    // A file named in a session is not read.
     let mut changed = saved;
     changed["combination"]["pieces"][3] = json!({ "file": "a.csv", "radius": 0.02 });
     refused(
@@ -64,16 +64,16 @@ fn a_combination_is_saved_as_its_layout_and_made_again() {
     );
 }
 
-/// Opens what is refused: a sentence says why, and the session at hand stays.
-fn refused(state: &mut State, path: &Path, text: &str, said: &str) {
+/// Opens a file that is refused: a notice says why, and the current session stays.
+fn refused(state: &mut State, path: &Path, text: &str, expected: &str) {
     fs::write(path, text).unwrap();
     let before = state.runs.first.session.as_ref().unwrap().generation;
     for purpose in [Purpose::Open, Purpose::Combination] {
         state.messages.notice = None;
         open(state, purpose, path);
-        let notice = state.messages.notice.clone().expect(said);
+        let notice = state.messages.notice.clone().expect(expected);
         assert!(
-            notice.is_error && notice.text.contains(said),
+            notice.is_error && notice.text.contains(expected),
             "{}",
             notice.text
         );
@@ -84,13 +84,13 @@ fn refused(state: &mut State, path: &Path, text: &str, said: &str) {
         );
         assert!(
             state.files.sheet.is_some(),
-            "the sheet stays for another try"
+            "the sheet stays open for another try"
         );
     }
 }
 
 #[test]
-fn layouts_that_cannot_serve_are_refused_with_a_sentence() {
+fn invalid_layouts_are_refused_with_a_reason() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("layout.json");
     let mut state = opened();
@@ -106,7 +106,7 @@ fn layouts_that_cannot_serve_are_refused_with_a_sentence() {
     file[4] = json!({ "file": "nowhere.csv" });
     let mut afar = file.clone();
     afar[4] = json!({ "file": "//machine/a.csv" });
-    for (text, said) in [
+    for (text, expected) in [
         (free.to_string(), "pieces 0 and 1 overlap at (1.5, 0)"),
         (with("radius", Value::Null), "invalid type: null"),
         (with("radius", json!(-1)), "the radius is -1"),
@@ -127,28 +127,36 @@ fn layouts_that_cannot_serve_are_refused_with_a_sentence() {
         ),
         (NINE.replace("0.02", "1e999"), "number out of range"),
     ] {
-        // To the sheet of sessions what is no JSON is no session.
+        // In the sheet for sessions, text that is not JSON has another message.
         if serde_json::from_str::<Value>(&text).is_ok() {
-            refused(&mut state, &path, &text, said);
+            refused(&mut state, &path, &text, expected);
         } else {
             fs::write(&path, &text).unwrap();
             open(&mut state, Purpose::Combination, &path);
-            assert!(told(&state).contains(said), "{}", told(&state));
+            assert!(
+                notice_text(&state).contains(expected),
+                "{}",
+                notice_text(&state)
+            );
         }
     }
     let missing = folder.path().join("nowhere.csv").display().to_string();
     let mut layout: Value = serde_json::from_str(NINE).unwrap();
     layout["pieces"][4] = json!({ "file": "nowhere.csv" });
     drop_text(&mut state, &path, &layout.to_string());
-    assert!(told(&state).contains(&missing), "{}", told(&state));
+    assert!(
+        notice_text(&state).contains(&missing),
+        "{}",
+        notice_text(&state)
+    );
     // A text has no folder to read files from.
     state.apply(Command::Combine(CombineCommand::Text(layout.to_string())));
     state.settle();
-    assert!(told(&state).contains("files are read only with a layout that is in a file"));
+    assert!(notice_text(&state).contains("files are read only with a layout that is in a file"));
     state.apply(Command::Combine(CombineCommand::Text("[".to_owned())));
-    assert!(told(&state).contains("no layout of pieces"));
+    assert!(notice_text(&state).contains("no layout of pieces"));
     assert!(!state.shows_combination() && state.verdict().is_some());
-    // The good one is opened whatever came before.
+    // A valid layout is opened after all these refusals.
     drop_text(&mut state, &path, NINE);
     assert!(state.shows_combination());
 }
@@ -171,7 +179,7 @@ fn a_combination_is_cancelled_while_it_is_made() {
         (Command::File(sheet), Command::File(FileCommand::Cancel)),
     ] {
         state.messages.notice = None;
-        // In the middle of its sets, and of what is done with them.
+        // While sets are made, and while they are glued.
         for reports in [2, 11] {
             gate.close_after(reports);
             state.apply(start.clone());
@@ -179,8 +187,8 @@ fn a_combination_is_cancelled_while_it_is_made() {
             state.apply(cancel.clone());
             gate.open();
             state.settle();
-            let said = told(&state).to_lowercase();
-            assert!(said.contains("cancelled"), "{said}");
+            let message = notice_text(&state).to_lowercase();
+            assert!(message.contains("cancelled"), "{message}");
             assert!(
                 !state
                     .messages

@@ -1,4 +1,4 @@
-//! A window without widgets that combines, and files for it.
+//! Helpers: a state that shows a combination, and opening files.
 
 use std::fs;
 use std::path::Path;

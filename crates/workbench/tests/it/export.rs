@@ -1,4 +1,4 @@
-//! What leaves the window as a file, read back by other decoders; and what leaves none.
+//! Exported files, read back by other decoders.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -21,7 +21,7 @@ use tilescope_workbench::command::{AppearanceCommand, TimeCommand, ViewCommand, 
 use tilescope_workbench::export::{ExportCommand, ExportKind, NumberField, PictureView};
 use tilescope_workbench::{Command, State};
 
-use crate::exporting::{export, export_view, fill_in, opened, told, write};
+use crate::exporting::{export, export_view, fill_in, notice_text, opened, write};
 
 struct Decoded {
     info: png::Info<'static>,
@@ -59,7 +59,7 @@ fn decode(path: &Path) -> Decoded {
     }
 }
 
-/// Checks what a file says of the run against the run.
+/// Checks a file's metadata against the run.
 fn check_provenance(state: &State, parameters: &Value, recording: &Value) {
     let session = state.runs.first.session.as_ref().unwrap();
     let run = session.run();
@@ -71,7 +71,7 @@ fn check_provenance(state: &State, parameters: &Value, recording: &Value) {
 }
 
 #[test]
-fn a_png_has_the_size_asked_for_and_says_how_it_was_made() {
+fn a_png_has_the_requested_size_and_its_provenance() {
     let folder = tempfile::tempdir().unwrap();
     let mut state = opened();
     state.apply(Command::Time(TimeCommand::ShowStage(3)));
@@ -85,7 +85,11 @@ fn a_png_has_the_size_asked_for_and_says_how_it_was_made() {
             &path,
             &[(NumberField::Scale, scale)],
         );
-        assert!(state.files.exports.sheet.is_none(), "{}", told(&state));
+        assert!(
+            state.files.exports.sheet.is_none(),
+            "{}",
+            notice_text(&state)
+        );
         let picture = decode(&path);
         let [width, height] = view.pixels(scale.parse().unwrap());
         let size = [picture.info.width, picture.info.height].map(|side| side as usize);
@@ -102,10 +106,10 @@ fn a_png_has_the_size_asked_for_and_says_how_it_was_made() {
         assert!(picture.text("Version").starts_with("tilescope "));
         pictures.push(picture);
     }
-    // The canvas of 500 x 400 points is seen whole, with margins and the caption around it.
+    // The whole canvas of 500 x 400 points is in the picture, with margins and the caption.
     let [width, height] = view.pixels(1.0);
     assert!((516..530).contains(&width) && (430..450).contains(&height));
-    // Another place, another moment and another theme are other pictures.
+    // Another camera, moment or theme gives another picture.
     let path = folder.path().join("other.png");
     for command in [
         Command::View(Which::First, ViewCommand::Pan(vec2(40.0, 0.0))),
@@ -127,20 +131,20 @@ fn a_png_has_the_size_asked_for_and_says_how_it_was_made() {
 }
 
 #[test]
-fn an_svg_holds_the_layers_that_are_on_and_the_parameters() {
+fn an_svg_has_the_visible_layers_and_the_parameters() {
     let folder = tempfile::tempdir().unwrap();
     let mut state = opened();
     state.apply(Command::Time(TimeCommand::ShowStage(2)));
     let shoot = |state: &mut State, name: &str| {
         let path = folder.path().join(name);
-        // A scale that no PNG could have does not concern it.
+        // A scale beyond the limit does not matter for SVG.
         write(
             state,
             ExportKind::Picture,
             &path,
             &[(NumberField::Scale, "nonsense")],
         );
-        fs::read_to_string(&path).unwrap_or_else(|_| panic!("{}", told(state)))
+        fs::read_to_string(&path).unwrap_or_else(|_| panic!("{}", notice_text(state)))
     };
     let svg = shoot(&mut state, "all.svg");
     assert!(svg.starts_with("<svg") && svg.ends_with("</svg>\n"));
@@ -171,7 +175,7 @@ fn an_svg_holds_the_layers_that_are_on_and_the_parameters() {
     assert!(shoot(&mut state, "pattern.svg").contains("<title>Pattern: "));
 }
 
-/// The frames' delays, whether any two in sequence differ, and the comments of a GIF.
+/// The frames' delays, whether any two consecutive frames differ, and the comments of a GIF.
 fn decode_gif(path: &Path) -> (Vec<u16>, bool, String) {
     let bytes = fs::read(path).unwrap();
     let mut decoder = gif::DecodeOptions::new().read_info(&bytes[..]).unwrap();
@@ -185,7 +189,7 @@ fn decode_gif(path: &Path) -> (Vec<u16>, bool, String) {
     (delays, moves, comments(&bytes).join("\n"))
 }
 
-/// The comments before the first frame of a GIF, which come in blocks, each behind its length.
+/// The comments before the first frame of a GIF, stored in blocks prefixed by their lengths.
 fn comments(bytes: &[u8]) -> Vec<String> {
     let colours = match bytes[10] {
         flags if flags & 0x80 != 0 => 3 << ((flags & 7) + 1),
@@ -210,14 +214,18 @@ fn comments(bytes: &[u8]) -> Vec<String> {
 }
 
 #[test]
-fn an_animation_has_its_frames_and_its_range() {
+fn an_animation_has_the_frames_of_its_range() {
     let folder = tempfile::tempdir().unwrap();
     let mut state = opened();
     state.apply(Command::Time(TimeCommand::Loop(Some(1_200..1_230))));
     let film = folder.path().join("film.gif");
     let entries = [(NumberField::Every, "4"), (NumberField::Delay, "250")];
     write(&mut state, ExportKind::Animation, &film, &entries);
-    assert!(told(&state).contains("9 frames"), "{}", told(&state));
+    assert!(
+        notice_text(&state).contains("9 frames"),
+        "{}",
+        notice_text(&state)
+    );
     // 1200, 1204, ... 1228, and the end.
     let (delays, moves, comments) = decode_gif(&film);
     assert_eq!(delays, [25; 9]);
@@ -243,7 +251,7 @@ fn an_animation_has_its_frames_and_its_range() {
         &decoded.json("Recording"),
     );
     assert_eq!(decoded.json("Range")["clock"], "event");
-    // Without a loop it is the stage that is shown, counted off by what is chosen.
+    // Without a loop the animation covers the stage shown, counted by the chosen clock.
     state.apply(Command::Time(TimeCommand::Loop(None)));
     state.apply(Command::Time(TimeCommand::ShowStage(2)));
     let session = state.runs.first.session.clone().unwrap();
@@ -259,7 +267,7 @@ fn an_animation_has_its_frames_and_its_range() {
             .unwrap()
             .starts_with("2 frames of at most 600, ")
     );
-    // The pattern is seen with a camera of its own; animations are of the run.
+    // The pattern has its own camera; animations show the run.
     let camera = state.runs.first.camera;
     state.apply(Command::Time(TimeCommand::FirstStage));
     assert_ne!(state.runs.first.camera, camera);
@@ -289,7 +297,7 @@ fn a_session_without_events_has_pictures_and_samples_but_no_animation() {
     assert!(refusal.to_string().contains("without events"), "{refusal}");
     let film = folder.path().join("film.gif");
     write(&mut state, ExportKind::Animation, &film, &[]);
-    assert!(told(&state).contains("without events") && !film.exists());
+    assert!(notice_text(&state).contains("without events") && !film.exists());
     let mut pictures = BTreeSet::new();
     for stage in 0..state.runs.first.session.as_ref().unwrap().stages.len() {
         state.apply(Command::Time(TimeCommand::ShowStage(stage)));
@@ -301,7 +309,7 @@ fn a_session_without_events_has_pictures_and_samples_but_no_animation() {
         pictures.insert(picture.pixels);
     }
     assert_eq!(pictures.len(), whole.run().stages().len());
-    // What a layer shows is gone without it.
+    // Without its layer, a group is missing.
     state.apply(Command::Time(TimeCommand::ShowStage(3)));
     let path = folder.path().join("layers.svg");
     for (group, layer) in [("gaps", Layer::Gaps), ("eliminated", Layer::Eliminated)] {
@@ -320,7 +328,7 @@ fn a_session_without_events_has_pictures_and_samples_but_no_animation() {
 }
 
 #[test]
-fn samples_of_a_moment_are_certified_as_they_are() {
+fn samples_of_a_moment_are_certified() {
     let folder = tempfile::tempdir().unwrap();
     let mut state = opened();
     let mut write_at = |commands: Vec<Command>, name: &str| {
@@ -333,7 +341,7 @@ fn samples_of_a_moment_are_certified_as_they_are() {
         let path = folder.path().join(name);
         write(&mut state, ExportKind::Samples, &path, &[]);
         let bytes =
-            fs::read(certificate_path(&path)).unwrap_or_else(|_| panic!("{}", told(&state)));
+            fs::read(certificate_path(&path)).unwrap_or_else(|_| panic!("{}", notice_text(&state)));
         let certificate = Certificate::from_bytes(&bytes, name).unwrap();
         let checked = check(&path, &Overrides::default(), &|_| {
             std::ops::ControlFlow::Continue(())
@@ -341,26 +349,27 @@ fn samples_of_a_moment_are_certified_as_they_are() {
         assert_eq!(checked.unwrap().differences, []);
         assert_eq!(certificate.count, covering as u64);
         assert!(!state.messages.notice.as_ref().unwrap().is_error);
-        (certificate, told(&state))
+        (certificate, notice_text(&state))
     };
-    let (tiled, told_then) = write_at(vec![Command::Time(TimeCommand::ShowStage(2))], "tiled.csv");
+    let (tiled, notice_then) =
+        write_at(vec![Command::Time(TimeCommand::ShowStage(2))], "tiled.csv");
     assert!(tiled.conflicts > 0 && !tiled.valid);
-    assert!(told_then.contains("in conflict"), "{told_then}");
+    assert!(notice_then.contains("in conflict"), "{notice_then}");
     assert_eq!(tiled.parameters["moment"]["stage"], Stage::Tile.to_string());
     let end = state_cursor(&tiled);
     let middle = Command::Time(TimeCommand::Jump(end + 400));
     let (under_way, _) = write_at(vec![middle], "under-way.npy");
     assert!(under_way.conflicts > 0 && under_way.conflicts < tiled.conflicts);
-    let (eliminated, told_then) = write_at(
+    let (eliminated, notice_then) = write_at(
         vec![Command::Time(TimeCommand::ShowStage(3))],
         "eliminated.ply",
     );
     assert!(eliminated.conflicts == 0 && eliminated.gaps > 0 && !eliminated.valid);
-    assert!(told_then.contains("not maximal"), "{told_then}");
-    let (last, told_then) = write_at(vec![Command::Time(TimeCommand::LastStage)], "last.csv");
+    assert!(notice_then.contains("not maximal"), "{notice_then}");
+    let (last, notice_then) = write_at(vec![Command::Time(TimeCommand::LastStage)], "last.csv");
     assert!(
-        last.valid && told_then.contains("conflict-free and maximal"),
-        "{told_then}"
+        last.valid && notice_then.contains("conflict-free and maximal"),
+        "{notice_then}"
     );
     let result = folder.path().join("result.csv");
     write(&mut state, ExportKind::Result, &result, &[]);
@@ -371,11 +380,11 @@ fn samples_of_a_moment_are_certified_as_they_are() {
         set.points,
         state.runs.first.session.as_ref().unwrap().run().positions()
     );
-    // Before anything is tiled there is nothing to write.
+    // Before tiling there are no samples to write.
     state.apply(Command::Time(TimeCommand::ShowStage(1)));
     let none = folder.path().join("none.csv");
     write(&mut state, ExportKind::Samples, &none, &[]);
-    assert!(told(&state).contains("No sample covers its disk"));
+    assert!(notice_text(&state).contains("No sample covers its disk"));
     assert!(!none.exists());
 }
 
@@ -402,7 +411,7 @@ fn are_alike(a: [u8; 3], b: [u8; 3]) -> bool {
     (0..3).all(|k| a[k].abs_diff(b[k]) <= 2)
 }
 
-/// A place of a block that neither a sample nor a line is near, and one of its samples, in r.
+/// A place in a block away from samples and lines, and one of the block's samples, in r.
 fn places(state: &State, block: u32) -> (DVec2, DVec2) {
     let session = state.runs.first.session.as_ref().unwrap();
     let run = session.run();
@@ -484,7 +493,7 @@ fn a_picture_has_the_colours_of_the_canvas_at_every_moment() {
                     "{look:?} {cursor:?} {block}"
                 );
             }
-            // There are no copies beyond the border of the domain.
+            // There are no images outside the domain.
             let outside = if print {
                 palette.domain
             } else {
@@ -507,7 +516,7 @@ fn group<'a>(svg: &'a str, name: &str) -> Option<&'a str> {
 }
 
 #[test]
-fn a_picture_has_numbers_of_blocks_the_tree_and_a_title_that_can_be_read() {
+fn a_picture_has_block_numbers_the_tree_and_a_title() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("canvas.svg");
     let mut state = opened();
@@ -521,7 +530,7 @@ fn a_picture_has_numbers_of_blocks_the_tree_and_a_title_that_can_be_read() {
         state.settle();
         fs::read_to_string(&path).unwrap()
     };
-    // Everything is in view, so that every block has its number.
+    // Zoom out, so that every block is in view.
     state.apply(Command::View(
         Which::First,
         ViewCommand::FlyTo([25.0, 25.0].into(), 52.0),
@@ -547,9 +556,9 @@ fn a_picture_has_numbers_of_blocks_the_tree_and_a_title_that_can_be_read() {
     let event = format!("event {} of {}", grouped(last - 1), grouped(last));
     assert!(svg.contains(&event));
     let debugger = state.runs.first.debugger.as_ref().unwrap();
-    let said = tilescope_debugger::sentence(debugger.recording(), last - 2);
-    assert!(svg.contains(&format!("<title>{said}")));
-    // What is off is not there.
+    let message = tilescope_debugger::sentence(debugger.recording(), last - 2);
+    assert!(svg.contains(&format!("<title>{message}")));
+    // Hidden layers are not in the file.
     for layer in [Layer::Tree, Layer::Blocks] {
         state.apply(Command::Appearance(AppearanceCommand::ToggleLayer(layer)));
     }

@@ -1,4 +1,4 @@
-//! Exports that leave no file: cancelled, refused, or waiting for an answer.
+//! Exports that write no file: cancelled, refused, or waiting for confirmation.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -13,7 +13,7 @@ use tilescope_workbench::export::{
 };
 use tilescope_workbench::{Command, State};
 
-use crate::exporting::{export, fill_in, opened, settled, told, write};
+use crate::exporting::{export, fill_in, notice_text, opened, settled, write};
 use crate::gate::Gate;
 
 fn names(folder: &Path) -> BTreeSet<String> {
@@ -22,18 +22,18 @@ fn names(folder: &Path) -> BTreeSet<String> {
     entries.map(|entry| name(entry.unwrap())).collect()
 }
 
-/// What the sheet promises, or why it cannot be kept.
+/// The sheet's description of the export, or its refusal.
 fn prospect(state: &State) -> Result<String, ExportRefusal> {
     state.files.exports.prospect(state.export_source())
 }
 
 #[test]
-fn a_cancelled_export_leaves_no_file_and_what_was_there_as_it_was() {
+fn a_cancelled_export_leaves_no_file_and_keeps_an_existing_one() {
     let gate = Arc::new(Gate::default());
     let wake = Arc::clone(&gate);
     let mut state = settled(Arc::new(move || wake.pass()));
     state.apply(Command::Time(TimeCommand::Loop(Some(1_200..1_260))));
-    // How often the job reports before it is held: in the middle of each of them.
+    // The number of reports after which the job is stopped, in the middle of each kind of work.
     for (kind, name, reports, temporary) in [
         (ExportKind::Animation, "film.gif", 4, 1),
         (ExportKind::Animation, "film.apng", 4, 1),
@@ -56,12 +56,16 @@ fn a_cancelled_export_leaves_no_file_and_what_was_there_as_it_was() {
             }
             gate.wait_for_job();
             let there = usize::from(before.is_some()) + temporary;
-            assert_eq!(names(folder.path()).len(), there, "{name}: it is at work");
+            assert_eq!(names(folder.path()).len(), there, "{name}: it is running");
             assert!(state.files.exports.fraction().is_some());
             export(&mut state, ExportCommand::Cancel);
             gate.open();
             state.settle();
-            assert!(told(&state).contains("cancelled"), "{}", told(&state));
+            assert!(
+                notice_text(&state).contains("cancelled"),
+                "{}",
+                notice_text(&state)
+            );
             assert!(
                 state.files.exports.sheet.is_some() && state.files.exports.fraction().is_none()
             );
@@ -77,7 +81,7 @@ fn a_cancelled_export_leaves_no_file_and_what_was_there_as_it_was() {
 }
 
 #[test]
-fn a_file_is_replaced_only_when_that_was_asked() {
+fn a_file_is_replaced_only_after_confirmation() {
     let folder = tempfile::tempdir().unwrap();
     let mut state = opened();
     for (kind, name) in [
@@ -85,7 +89,7 @@ fn a_file_is_replaced_only_when_that_was_asked() {
         (ExportKind::Result, "it.csv"),
     ] {
         let path = folder.path().join(name);
-        // The certificate alone would be lost as well.
+        // An existing certificate alone also needs confirmation.
         let there = match kind {
             ExportKind::Result => certificate_path(&path),
             _ => path.clone(),
@@ -98,7 +102,7 @@ fn a_file_is_replaced_only_when_that_was_asked() {
         state.settle();
         assert!(state.files.exports.sheet.as_ref().unwrap().asked);
         assert_eq!(fs::read_to_string(&there).unwrap(), "mine");
-        // Another name is another question.
+        // Another name needs another confirmation.
         let other = path.with_file_name("other").with_extension("csv");
         let other = other.to_string_lossy().into_owned();
         export(&mut state, ExportCommand::Path(other));
@@ -107,13 +111,17 @@ fn a_file_is_replaced_only_when_that_was_asked() {
         export(&mut state, ExportCommand::Write);
         export(&mut state, ExportCommand::Write);
         state.settle();
-        assert!(state.files.exports.sheet.is_none(), "{}", told(&state));
+        assert!(
+            state.files.exports.sheet.is_none(),
+            "{}",
+            notice_text(&state)
+        );
         assert_ne!(fs::read_to_string(&there).unwrap(), "mine");
     }
 }
 
 #[test]
-fn what_cannot_be_written_is_refused_with_value_and_limit() {
+fn impossible_exports_are_refused_with_value_and_limit() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name);
     let mut state = opened();
@@ -166,7 +174,7 @@ fn what_cannot_be_written_is_refused_with_value_and_limit() {
         &["\"1\"", "20"],
     );
     refused(ExportKind::Result, Path::new(" "), &[], &["Name a file"]);
-    // Folders that are missing, or no folders.
+    // Folders that are missing or are files.
     fs::write(path("file"), "no folder").unwrap();
     for folder in ["missing", "file"] {
         for (kind, name) in [

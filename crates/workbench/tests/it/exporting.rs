@@ -1,4 +1,4 @@
-//! A window without widgets on a small session, and the export sheet filled in by commands.
+//! Helpers: a state with a small session, and the export sheet filled in by commands.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -39,7 +39,7 @@ pub fn export(state: &mut State, command: ExportCommand) {
     state.apply(Command::Export(command));
 }
 
-/// Fills in the sheet and has it written.
+/// Fills in the sheet and exports.
 pub fn write(state: &mut State, kind: ExportKind, path: &Path, entries: &[(NumberField, &str)]) {
     fill_in(state, kind, path, entries);
     export(state, ExportCommand::Write);
@@ -55,7 +55,7 @@ pub fn fill_in(state: &mut State, kind: ExportKind, path: &Path, entries: &[(Num
     }
 }
 
-pub fn told(state: &State) -> String {
+pub fn notice_text(state: &State) -> String {
     state
         .messages
         .notice
@@ -63,7 +63,7 @@ pub fn told(state: &State) -> String {
         .map_or_else(String::new, |notice| notice.text.clone())
 }
 
-/// What of the plane an export of this kind shows.
+/// The view of an export of this kind.
 pub fn export_view(state: &State, kind: ExportKind) -> Result<PictureView, ExportRefusal> {
     let sheet = state.files.exports.sheet.as_ref();
     let print = sheet.is_some_and(|form| form.print);

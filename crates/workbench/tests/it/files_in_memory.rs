@@ -1,5 +1,5 @@
-//! Files that are bytes: what a browser drops, chooses and downloads is what the native window reads from paths and
-//! writes to them.
+//! Files as bytes: what a browser drops, chooses and downloads equals what the native window reads from paths
+//! and writes to them.
 
 use crate::exporting;
 use std::fs;
@@ -12,7 +12,7 @@ use tilescope_workbench::export::{ExportCommand, ExportKind, NumberField, write}
 use tilescope_workbench::files::{Delivery, FileCommand, Purpose, packed};
 use tilescope_workbench::{Command, State};
 
-use crate::exporting::{fill_in, opened, told};
+use crate::exporting::{fill_in, notice_text, opened};
 
 fn file(state: &mut State, command: FileCommand) {
     state.apply(Command::File(command));
@@ -56,10 +56,10 @@ fn pattern_session() -> (tempfile::TempDir, State) {
     assert!(
         state.runs.first.session.as_ref().unwrap().own.is_some(),
         "{}",
-        told(&state)
+        notice_text(&state)
     );
     open_path(&mut state, Purpose::Save, &folder.path().join("one.json"));
-    assert!(told(&state).starts_with("The session is in"));
+    assert!(notice_text(&state).starts_with("The session is in"));
     (folder, state)
 }
 
@@ -80,7 +80,7 @@ fn a_session_and_its_pattern_are_opened_from_bytes_as_from_paths() {
     open_path(&mut by_path, Purpose::Open, &session);
     assert_eq!(by_path.saved().unwrap().digest, saved.digest);
     let all = || vec![named(&set), named(&certificate_path(&set)), named(&session)];
-    // Whatever came first: a session goes before what it names.
+    // In either order, a session is opened before the files that it names.
     for dropped in [true, false] {
         let mut other = opened();
         assert_ne!(other.saved().unwrap().digest, saved.digest);
@@ -89,36 +89,40 @@ fn a_session_and_its_pattern_are_opened_from_bytes_as_from_paths() {
         } else {
             choose(&mut other, Purpose::Open, all());
         }
-        assert!(!is_error(&other), "{}", told(&other));
+        assert!(!is_error(&other), "{}", notice_text(&other));
         assert!(other.files.sheet.is_none(), "the sheet is closed");
         let opened = other.saved().unwrap();
         assert_eq!(opened.digest, saved.digest);
         let pattern = opened.pattern.unwrap();
         assert_eq!(pattern.digest, saved.pattern.as_ref().unwrap().digest);
         assert_eq!(pattern.path, "own.csv");
-        assert!(!told(&other).contains("not opened"), "{}", told(&other));
+        assert!(
+            !notice_text(&other).contains("not opened"),
+            "{}",
+            notice_text(&other)
+        );
     }
-    // Alone it is refused: nothing is read from the disk because bytes say so.
+    // Without its pattern it is refused: sessions given as bytes read nothing from the disk.
     let mut other = opened();
     let before = other.saved();
     drop_bytes(&mut other, vec![named(&session)]);
-    assert!(is_error(&other) && told(&other).contains("did not come with the session"));
+    assert!(is_error(&other) && notice_text(&other).contains("did not come with the session"));
     assert_eq!(other.saved(), before);
 }
 
 #[test]
-fn what_a_file_holds_decides_and_not_its_name() {
+fn content_decides_and_not_the_name() {
     let (folder, state) = pattern_session();
     let set = folder.path().join("own.csv");
     let digest = state.saved().unwrap().digest;
     let session = fs::read(folder.path().join("one.json")).unwrap();
-    // A session is one by any name, also behind the set that it clips from.
+    // A session is recognised under any name, also after the set that it clips from.
     for name in ["lecture", "lecture.v2", "lecture.csv"] {
         let named_so = NamedBytes::new(name, session.clone());
         let mut other = opened();
         let all = vec![named(&set), named(&certificate_path(&set)), named_so];
         drop_bytes(&mut other, all);
-        assert!(!is_error(&other), "{name}: {}", told(&other));
+        assert!(!is_error(&other), "{name}: {}", notice_text(&other));
         assert_eq!(other.saved().unwrap().digest, digest, "{name}");
         let path = folder.path().join(name);
         fs::write(&path, &session).unwrap();
@@ -129,14 +133,14 @@ fn what_a_file_holds_decides_and_not_its_name() {
             other.saved().unwrap().digest,
             digest,
             "{name}: {}",
-            told(&other)
+            notice_text(&other)
         );
     }
-    // A layout, a point set and an archive, too.
+    // So are a layout, a point set and an archive.
     let layout = NamedBytes::new("sets", tilescope_session::combination::NINE.as_bytes());
     let mut other = opened();
     drop_bytes(&mut other, vec![layout]);
-    assert!(other.shows_combination(), "{}", told(&other));
+    assert!(other.shows_combination(), "{}", notice_text(&other));
     let points = NamedBytes::new("points", fs::read(&set).unwrap());
     let certificate = fs::read(certificate_path(&set)).unwrap();
     let certificate = NamedBytes::new("points.certificate.json", certificate);
@@ -145,15 +149,15 @@ fn what_a_file_holds_decides_and_not_its_name() {
     for files in [both, vec![archive]] {
         let mut other = opened();
         drop_bytes(&mut other, files);
-        assert!(other.form.own_pattern.is_some(), "{}", told(&other));
+        assert!(other.form.own_pattern.is_some(), "{}", notice_text(&other));
     }
 }
 
 #[test]
-fn a_file_of_another_kind_is_called_what_it_is() {
+fn a_file_of_another_kind_is_named_as_such() {
     let (folder, mut state) = pattern_session();
     let [session, set] = ["one.json", "own.csv"].map(|name| folder.path().join(name));
-    for (purpose, path, said) in [
+    for (purpose, path, expected) in [
         (Purpose::Open, &set, "point set"),
         (Purpose::Pattern, &session, "saved session"),
         (Purpose::Against, &session, "saved session"),
@@ -161,9 +165,9 @@ fn a_file_of_another_kind_is_called_what_it_is() {
     ] {
         open_path(&mut state, purpose, path);
         assert!(
-            is_error(&state) && told(&state).contains(said),
+            is_error(&state) && notice_text(&state).contains(expected),
             "{purpose:?}: {}",
-            told(&state)
+            notice_text(&state)
         );
         file(&mut state, FileCommand::Close);
     }
@@ -180,7 +184,7 @@ fn a_session_without_an_ending_is_saved_as_json() {
         ("lecture.session", "lecture.session"),
     ] {
         open_path(&mut state, Purpose::Save, &path(typed));
-        assert!(path(written).is_file(), "{typed}: {}", told(&state));
+        assert!(path(written).is_file(), "{typed}: {}", notice_text(&state));
         assert!(state.files.sheet.is_none(), "the sheet is closed");
         assert_eq!(
             state.runs.first.session_path.as_deref(),
@@ -188,7 +192,7 @@ fn a_session_without_an_ending_is_saved_as_json() {
         );
         assert!(!path("lecture").exists());
     }
-    // What would be replaced is asked for by the name that it has in the end.
+    // Confirmation to replace a file concerns the name with the ending added.
     fs::write(path("other.json"), "mine").unwrap();
     open_path(&mut state, Purpose::Save, &path("other"));
     assert!(state.files.sheet.as_ref().unwrap().asked);
@@ -219,9 +223,9 @@ fn a_pattern_is_the_same_from_bytes_and_from_a_path() {
         }
         let own = state.form.own_pattern.as_ref().expect("a pattern");
         assert_eq!(own.file.digest, expected);
-        assert!(told(&state).contains("The next run clips from"));
+        assert!(notice_text(&state).contains("The next run clips from"));
     }
-    // Another set is another pattern.
+    // Another set makes another pattern.
     let mut other = opened();
     other.apply(Command::Form(FormCommand::Type(
         tilescope_workbench::draft::Field::Seed,
@@ -240,14 +244,14 @@ fn a_pattern_is_the_same_from_bytes_and_from_a_path() {
 }
 
 #[test]
-fn a_set_that_is_no_pattern_is_held_against_the_run_wherever_it_is_dropped_from() {
+fn a_dropped_set_that_is_not_a_pattern_is_compared_with_the_run() {
     let (folder, _) = pattern_session();
     let set = folder.path().join("own.csv");
     let bare = folder.path().join("bare.csv");
     fs::copy(&set, &bare).unwrap();
     let mut by_path = opened();
     open_path(&mut by_path, Purpose::Against, &bare);
-    let expected = by_path.held().unwrap().unwrap().clone();
+    let expected = by_path.reference_file().unwrap().unwrap().clone();
     let path = bare.to_string_lossy().into_owned();
     for from_path in [true, false] {
         let mut state = opened();
@@ -256,21 +260,21 @@ fn a_set_that_is_no_pattern_is_held_against_the_run_wherever_it_is_dropped_from(
         } else {
             drop_bytes(&mut state, vec![named(&bare)]);
         }
-        let held = state.held().expect("a file").unwrap().clone();
-        assert_eq!(held.measured, expected.measured);
+        let file = state.reference_file().expect("a file").unwrap().clone();
+        assert_eq!(file.measured, expected.measured);
         assert!(state.form.own_pattern.is_none() && !is_error(&state));
-        let said = told(&state);
-        assert!(said.starts_with("bare.csv is held against this run"));
-        assert!(said.contains("has no certificate"), "{said}");
+        let message = notice_text(&state);
+        assert!(message.starts_with("bare.csv is compared with this run"));
+        assert!(message.contains("has no certificate"), "{message}");
     }
-    // A sheet asks for one thing and gets it or nothing.
+    // The sheet for patterns accepts only a pattern.
     let mut state = opened();
     choose(&mut state, Purpose::Pattern, vec![named(&bare)]);
-    assert!(is_error(&state) && told(&state).contains("has no certificate"));
-    assert!(state.held().is_none() && state.files.sheet.is_some());
+    assert!(is_error(&state) && notice_text(&state).contains("has no certificate"));
+    assert!(state.reference_file().is_none() && state.files.sheet.is_some());
     choose(&mut state, Purpose::Against, vec![named(&bare)]);
     assert_eq!(
-        state.held().unwrap().unwrap().measured,
+        state.reference_file().unwrap().unwrap().measured,
         expected.measured,
         "chosen"
     );
@@ -293,7 +297,7 @@ fn a_layout_finds_its_sets_among_the_bytes() {
         (digest, combination.stated.clone())
     };
     open_path(&mut state, Purpose::Combination, &layout);
-    assert!(!is_error(&state), "{}", told(&state));
+    assert!(!is_error(&state), "{}", notice_text(&state));
     let expected = stated(&state);
     for dropped in [true, false] {
         let mut other = opened();
@@ -303,19 +307,19 @@ fn a_layout_finds_its_sets_among_the_bytes() {
         } else {
             choose(&mut other, Purpose::Combination, files);
         }
-        assert!(!is_error(&other), "{}", told(&other));
+        assert!(!is_error(&other), "{}", notice_text(&other));
         assert_eq!(stated(&other), expected);
     }
     let mut other = opened();
     drop_bytes(&mut other, vec![named(&layout)]);
-    let said = told(&other);
+    let message = notice_text(&other);
     assert!(
-        is_error(&other) && said.contains("a.csv: it did not come with the layout"),
-        "{said}"
+        is_error(&other) && message.contains("a.csv: it did not come with the layout"),
+        "{message}"
     );
 }
 
-/// Makes what the sheet asks for in memory.
+/// Makes the sheet's export in memory.
 fn rendered(state: &State) -> Vec<NamedBytes> {
     let order = state.files.exports.order(state.export_source()).unwrap();
     let wake: tilescope_session::jobs::Wake = std::sync::Arc::new(|| {});
@@ -326,7 +330,7 @@ fn rendered(state: &State) -> Vec<NamedBytes> {
 }
 
 #[test]
-fn the_same_order_gives_the_same_bytes_on_the_disk_and_in_memory() {
+fn an_export_has_the_same_bytes_on_the_disk_and_in_memory() {
     let folder = tempfile::tempdir().unwrap();
     let mut state = opened();
     state.apply(Command::Time(TimeCommand::ShowStage(3)));
@@ -349,7 +353,7 @@ fn the_same_order_gives_the_same_bytes_on_the_disk_and_in_memory() {
         assert!(made == rendered(&state), "{name}: it is another one");
         exporting::export(&mut state, ExportCommand::Write);
         state.settle();
-        assert!(path.exists(), "{name}: {}", told(&state));
+        assert!(path.exists(), "{name}: {}", notice_text(&state));
         let mut written = vec![named(&path)];
         let certificate = certificate_path(&path);
         assert_eq!(certificate.exists(), kind.is_set());
@@ -358,7 +362,7 @@ fn the_same_order_gives_the_same_bytes_on_the_disk_and_in_memory() {
         }
         assert!(made == written, "{name}: {made:?} for {written:?}");
     }
-    // Another order gives other bytes.
+    // Another export gives other bytes.
     let path = folder.path().join("b.npy");
     fill_in(&mut state, ExportKind::Result, &path, &[]);
     let double = rendered(&state);
@@ -384,9 +388,9 @@ fn unpacked(file: &NamedBytes) -> Vec<NamedBytes> {
 }
 
 #[test]
-fn a_download_is_one_file_and_a_set_is_verified_out_of_its_archive() {
+fn a_download_is_one_file_and_its_archive_can_be_verified() {
     let folder = tempfile::tempdir().unwrap();
-    // What lies there already is no matter of a browser's.
+    // Files on the disk do not matter to a browser.
     let taken = folder.path().join("set.csv");
     fs::write(&taken, "somebody else's").unwrap();
     let mut state = opened();
@@ -394,18 +398,18 @@ fn a_download_is_one_file_and_a_set_is_verified_out_of_its_archive() {
     let mut archives = Vec::new();
     for _ in 0..2 {
         exporting::write(&mut state, ExportKind::Result, &taken, &[]);
-        let said = told(&state);
+        let message = notice_text(&state);
         assert!(
-            said.starts_with("Downloaded ") && !is_error(&state),
-            "{said}"
+            message.starts_with("Downloaded ") && !is_error(&state),
+            "{message}"
         );
-        assert!(said.contains("set.csv.zip") && said.contains("set.csv.certificate.json"));
+        assert!(message.contains("set.csv.zip") && message.contains("set.csv.certificate.json"));
         assert!(state.files.exports.sheet.is_none(), "the sheet is closed");
         let mut downloads = state.files.take_downloads();
         assert_eq!(downloads.len(), 1);
         archives.push(downloads.pop().unwrap());
     }
-    assert!(archives[0] == archives[1], "an archive knows no time");
+    assert!(archives[0] == archives[1], "an archive has no date");
     assert_eq!(archives[0].name, "set.csv.zip");
     let files = unpacked(&archives[0]);
     let names: Vec<&str> = files.iter().map(|file| file.name.as_str()).collect();
@@ -428,7 +432,7 @@ fn a_download_is_one_file_and_a_set_is_verified_out_of_its_archive() {
     altered[digit] = if altered[digit] == b'7' { b'3' } else { b'7' };
     assert!(!checked(&altered).passed());
     assert_eq!(fs::read(&taken).unwrap(), b"somebody else's");
-    // What was downloaded is dropped as it came, and is a pattern then; from a path, too.
+    // A downloaded archive can be dropped, or opened by path, and gives a pattern.
     let mut other = opened();
     drop_bytes(&mut other, vec![archives[0].clone()]);
     let digest = other
@@ -444,18 +448,18 @@ fn a_download_is_one_file_and_a_set_is_verified_out_of_its_archive() {
     let mut third = opened();
     open_path(&mut third, Purpose::Pattern, &path);
     assert_eq!(third.form.own_pattern.as_ref().unwrap().file.digest, digest);
-    // A picture is downloaded as it is.
+    // A picture is downloaded without an archive.
     exporting::write(&mut state, ExportKind::Picture, Path::new("view.svg"), &[]);
     let downloads = state.files.take_downloads();
     assert_eq!(downloads[0].name, "view.svg");
     assert!(downloads[0].bytes.starts_with(b"<svg"));
-    assert!(state.files.take_downloads().is_empty(), "handed out once");
+    assert!(state.files.take_downloads().is_empty(), "taken once");
     assert!(!Path::new("view.svg").exists());
     assert!(packed(Vec::new()).is_err());
 }
 
 #[test]
-fn a_session_is_downloaded_as_it_is_saved() {
+fn a_downloaded_session_equals_a_saved_one() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("mine.json");
     let mut state = opened();
@@ -467,13 +471,16 @@ fn a_session_is_downloaded_as_it_is_saved() {
         Purpose::Save,
         Path::new("some/folder/mine.json"),
     );
-    assert_eq!(told(&state), "The session is downloaded as mine.json.");
+    assert_eq!(
+        notice_text(&state),
+        "The session is downloaded as mine.json."
+    );
     let downloads = state.files.take_downloads();
     assert_eq!(downloads.len(), 1);
     assert_eq!(downloads[0].name, "mine.json");
     assert!(downloads[0].bytes == written);
     assert!(state.files.sheet.is_none());
-    // Nothing is typed that is to be opened; it is chosen.
+    // In a browser, a file to open is chosen, not typed.
     file(&mut state, FileCommand::Sheet(Purpose::Open));
     assert_eq!(state.files.sheet.as_ref().unwrap().path, "");
     file(
@@ -481,7 +488,7 @@ fn a_session_is_downloaded_as_it_is_saved() {
         FileCommand::Path(path.to_string_lossy().into_owned()),
     );
     file(&mut state, FileCommand::Go);
-    assert!(is_error(&state) && told(&state).contains("Browse"));
+    assert!(is_error(&state) && notice_text(&state).contains("Browse"));
     let mut other = opened();
     other.files.delivery = Delivery::Download;
     choose(&mut other, Purpose::Open, downloads);

@@ -1,10 +1,10 @@
-//! Bytes that are broken, too many or made to do harm: each is refused with a sentence, and the session at hand stays.
+//! Files that are broken, too large or malicious: each is refused with a reason, and the current session stays.
 
 use tilescope_session::incoming::{Incoming, NamedBytes};
 use tilescope_workbench::files::{FileCommand, MAX_FILES, gather, packed, refusals, unpacked};
 use tilescope_workbench::{Command, State};
 
-use crate::exporting::{opened, told};
+use crate::exporting::{notice_text, opened};
 
 fn drop_files(state: &mut State, files: &[(&str, &[u8])]) -> (String, bool) {
     state.messages.notice = None;
@@ -18,14 +18,14 @@ fn drop_files(state: &mut State, files: &[(&str, &[u8])]) -> (String, bool) {
     (notice.text, notice.is_error)
 }
 
-/// Files, and what is said of each.
+/// Files, and a part of the message about each.
 const BROKEN: [(&str, &[u8], &str); 12] = [
-    ("empty.json", b"", "no saved session"),
+    ("empty.json", b"", "not a saved session"),
     ("empty.csv", b"", "empty.csv"),
     (
         "cut.json",
         b"{\"version\": 1, \"parameters\": {",
-        "no saved session",
+        "not a saved session",
     ),
     (
         "newer.json",
@@ -55,23 +55,23 @@ const BROKEN: [(&str, &[u8], &str); 12] = [
 ];
 
 #[test]
-fn what_is_broken_is_refused_by_name() {
+fn broken_files_are_refused_by_name() {
     let mut state = opened();
     let before = state.saved();
-    for (name, bytes, said) in BROKEN {
+    for (name, bytes, expected) in BROKEN {
         let (text, is_error) = drop_files(&mut state, &[(name, bytes)]);
         assert!(is_error, "{name}: {text}");
         let lowered = text.to_lowercase();
-        assert!(lowered.contains(said), "{name}: {text}");
-        // A name keeps its letters.
+        assert!(lowered.contains(expected), "{name}: {text}");
+        // Names keep their case.
         assert!(
             !lowered.starts_with(name) || text.starts_with(name),
             "{text}"
         );
         assert_eq!(state.saved(), before, "{name}");
-        assert!(state.held().is_none() && state.form.own_pattern.is_none());
+        assert!(state.reference_file().is_none() && state.form.own_pattern.is_none());
     }
-    // A certificate that is none makes the set none that is vouched for.
+    // With an invalid certificate the set is refused.
     let set = b"x,y\n0.1,0.2\n0.6,0.3\n0.5,0.8\n";
     let files = [
         ("a.csv", &set[..]),
@@ -79,33 +79,39 @@ fn what_is_broken_is_refused_by_name() {
     ];
     let (text, is_error) = drop_files(&mut state, &files);
     assert!(is_error && text.contains("format_version is 7"), "{text}");
-    assert!(state.held().is_none());
-    // The same set alone can be held against the run.
+    assert!(state.reference_file().is_none());
+    // The same set alone can be compared with the run.
     let (text, is_error) = drop_files(&mut state, &files[..1]);
-    assert!(!is_error && state.held().is_some(), "{text}");
+    assert!(!is_error && state.reference_file().is_some(), "{text}");
 }
 
 #[test]
-fn of_several_files_one_is_opened_and_the_others_are_named() {
+fn one_of_several_files_is_opened_and_the_others_are_named() {
     let mut state = opened();
     let set = b"x,y\n0.1,0.2\n0.6,0.3\n0.5,0.8\n";
     let files = [("a.csv", &set[..]), ("b.csv", set), ("c.csv", set)];
     let (text, is_error) = drop_files(&mut state, &files);
-    assert!(!is_error && state.held().unwrap().unwrap().path == "a.csv");
-    assert!(text.starts_with("a.csv is held against this run"), "{text}");
+    assert!(!is_error && state.reference_file().unwrap().unwrap().path == "a.csv");
+    assert!(
+        text.starts_with("a.csv is compared with this run"),
+        "{text}"
+    );
     assert!(
         text.contains("2 other files were not opened: b.csv, c.csv."),
         "{text}"
     );
-    // What was not even read is said, too.
+    // Files that were not read are named, too.
     let refused = vec!["huge.csv has 2,000,000,000 bytes; at most 100,000,000 are read".to_owned()];
     let only = FileCommand::DroppedBytes(Vec::new(), refused.clone());
     state.apply(Command::File(only));
-    assert!(told(&state).starts_with("huge.csv has 2,000,000,000 bytes"));
+    assert!(notice_text(&state).starts_with("huge.csv has 2,000,000,000 bytes"));
     let both = FileCommand::DroppedBytes(vec![NamedBytes::new("a.csv", set)], refused);
     state.apply(Command::File(both));
     state.settle();
-    assert!(told(&state).contains("held against") && told(&state).contains("2,000,000,000"));
+    assert!(
+        notice_text(&state).contains("compared with")
+            && notice_text(&state).contains("2,000,000,000")
+    );
     state.messages.notice = None;
     state.apply(Command::File(FileCommand::DroppedBytes(
         Vec::new(),
@@ -115,8 +121,8 @@ fn of_several_files_one_is_opened_and_the_others_are_named() {
 }
 
 #[test]
-fn lengths_are_judged_before_anything_is_read() {
-    let said = refusals(&[
+fn lengths_are_checked_before_reading() {
+    let message = refusals(&[
         ("fits.csv", 100_000_000),
         ("long.csv", 100_000_001),
         ("two.csv", 2_147_483_648),
@@ -124,20 +130,20 @@ fn lengths_are_judged_before_anything_is_read() {
         ("one-more.csv", 1),
         ("empty.csv", 0),
     ]);
-    let is_read: Vec<bool> = said.iter().map(Option::is_none).collect();
+    let is_read: Vec<bool> = message.iter().map(Option::is_none).collect();
     assert_eq!(is_read, [true, false, false, true, false, true]);
-    let long = said[1].as_ref().unwrap();
+    let long = message[1].as_ref().unwrap();
     assert_eq!(
         long,
         "long.csv has 100,000,001 bytes; at most 100,000,000 are read"
     );
-    assert!(said[2].as_ref().unwrap().contains("2,147,483,648"));
-    assert!(said[4].as_ref().unwrap().contains("200,000,000"));
+    assert!(message[2].as_ref().unwrap().contains("2,147,483,648"));
+    assert!(message[4].as_ref().unwrap().contains("200,000,000"));
     let many = vec![("a.csv", 1); MAX_FILES + 1];
-    let said = refusals(&many);
-    assert!(said[..MAX_FILES].iter().all(Option::is_none));
+    let message = refusals(&many);
+    assert!(message[..MAX_FILES].iter().all(Option::is_none));
     assert!(
-        said[MAX_FILES]
+        message[MAX_FILES]
             .as_ref()
             .unwrap()
             .contains("more than 64 files")
@@ -155,7 +161,7 @@ fn lengths_are_judged_before_anything_is_read() {
 }
 
 #[test]
-fn sets_and_certificates_find_each_other_and_documents_go_first() {
+fn sets_are_matched_with_certificates_and_documents_are_opened_first() {
     let file = |name: &str, text: &str| NamedBytes::new(name, text);
     let opened = |files: Vec<NamedBytes>| {
         let (incoming, left) = gather(files).expect("a file");
@@ -173,12 +179,12 @@ fn sets_and_certificates_find_each_other_and_documents_go_first() {
         ("a.csv".into(), true, vec![])
     );
     assert_eq!(opened(vec![set()]), ("a.csv".into(), false, vec![]));
-    // Of another set it is another file, and does not vouch for this one.
+    // A certificate of another set does not belong to this one.
     let other = file("b.csv.certificate.json", "{}");
     let (name, has, left) = opened(vec![set(), other]);
     assert_eq!((name.as_str(), has), ("a.csv", false));
     assert_eq!(left, ["b.csv.certificate.json"]);
-    // A layout goes before its sets, and names those it needs.
+    // A layout is opened before its sets, and refers to them.
     let layout = file("l.json", r#"{"pieces": [{"file": "sets/a.csv"}]}"#);
     let others = vec![set(), certificate(), file("z.csv", ""), layout];
     let (incoming, left) = gather(others).unwrap();
@@ -187,7 +193,7 @@ fn sets_and_certificates_find_each_other_and_documents_go_first() {
     let companion = incoming.companion("sets/a.csv").expect("the set");
     assert!(companion.certificate().is_some() && companion.bytes == b"0.1,0.2");
     assert!(incoming.companion("sets/b.csv").is_none());
-    // A point set in JSON is no document.
+    // A point set in JSON is not a document.
     let json = file("p.json", "[[0.1, 0.2]]");
     assert_eq!(opened(vec![set(), json]).0, "a.csv");
     let many: Vec<NamedBytes> = (0..200).map(|k| file(&format!("{k}.csv"), "")).collect();
@@ -197,7 +203,7 @@ fn sets_and_certificates_find_each_other_and_documents_go_first() {
 }
 
 #[test]
-fn archives_that_are_none_or_hold_too_much_are_refused() {
+fn invalid_and_oversized_archives_are_refused() {
     let mut state = opened();
     let files = |count: usize| (0..count).map(|k| NamedBytes::new(format!("{k}.csv"), "1,2"));
     let whole = packed(files(2).collect()).unwrap();
@@ -209,7 +215,7 @@ fn archives_that_are_none_or_hold_too_much_are_refused() {
         .unwrap();
     altered[at] = b'7';
     let many = packed(files(MAX_FILES + 1).collect()).unwrap();
-    for (bytes, said) in [
+    for (bytes, expected) in [
         (b"".to_vec(), "cannot be unpacked"),
         (b"PK\x03\x04 nothing else".to_vec(), "cannot be unpacked"),
         (
@@ -220,7 +226,7 @@ fn archives_that_are_none_or_hold_too_much_are_refused() {
         (many.bytes, "65 files; at most 64 are read"),
     ] {
         let (text, is_error) = drop_files(&mut state, &[("a.zip", &bytes)]);
-        assert!(is_error && text.contains(said), "{text}");
+        assert!(is_error && text.contains(expected), "{text}");
         assert!(text.starts_with("a.zip"), "{text}");
     }
 }

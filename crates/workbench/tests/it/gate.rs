@@ -1,8 +1,8 @@
-//! Holds a job where it reports its progress, so that a test meets it in the middle of its work.
+//! Blocks a job when it reports its progress, so that a test can act in the middle of its work.
 
 use std::sync::{Condvar, Mutex};
 
-/// A gate through which the reports of jobs go.
+/// A gate that reports of jobs pass through.
 #[derive(Default)]
 pub struct Gate {
     doings: Mutex<Doings>,
@@ -11,19 +11,19 @@ pub struct Gate {
 
 #[derive(Default)]
 struct Doings {
-    /// Reports that may still pass before the gate closes; none if it stays open.
+    /// The number of reports until the gate closes; `None` if it stays open.
     left: Option<usize>,
-    /// Whether a job waits at it.
+    /// Whether a job is waiting at it.
     waits: bool,
 }
 
 impl Gate {
-    /// Lets `reports - 1` reports of jobs pass and holds the next one.
+    /// Lets `reports - 1` reports of jobs pass and blocks the next one.
     pub fn close_after(&self, reports: usize) {
         self.doings.lock().unwrap().left = Some(reports);
     }
 
-    /// Waits until a job is held.
+    /// Waits until a job is blocked.
     pub fn wait_for_job(&self) {
         let doings = self.doings.lock().unwrap();
         drop(
@@ -40,7 +40,7 @@ impl Gate {
         self.changed.notify_all();
     }
 
-    /// A report: the window's function to ask for a frame.
+    /// Receives a report: the function that requests a frame of the window.
     pub fn pass(&self) {
         let mut doings = self.doings.lock().unwrap();
         let Some(left) = &mut doings.left else {

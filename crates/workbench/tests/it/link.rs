@@ -1,4 +1,5 @@
-//! Permalinks, and pages that embed the window: what is written is read, what is hostile does no harm and is named.
+//! Permalinks, and pages that embed the window: links are read as written, and hostile ones do no harm and
+//! cause warnings.
 
 mod announced;
 mod asked;

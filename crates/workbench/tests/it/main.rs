@@ -1,4 +1,4 @@
-//! What a window shows and does, without a window and without a graphics driver.
+//! The workbench, tested without a window and without a graphics driver.
 
 mod analysis;
 mod analysis_brush;

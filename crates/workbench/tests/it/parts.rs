@@ -1,4 +1,4 @@
-//! The parts of a picture, drawn on a surface that writes down what it is told, against the states that they show.
+//! The parts of a picture, drawn on a surface that records the calls, compared with the states that they show.
 
 use std::sync::Arc;
 
@@ -22,7 +22,7 @@ use tilescope_workbench::{Command, State};
 
 type Color = ecolor::Color32;
 
-/// What was drawn.
+/// A surface that records what is drawn.
 #[derive(Default)]
 struct Written {
     marks: Vec<(Mark, Pos2)>,
@@ -106,7 +106,7 @@ fn small(choices: &[Choice]) -> State {
     state.settle();
     state.apply(Command::Run);
     state.settle();
-    // What a bounded domain drops lies up to one r beyond its border.
+    // Samples that a bounded domain drops lie up to one r outside its border.
     state.apply(Command::View(
         Which::First,
         ViewCommand::FlyTo([8.0; 2].into(), 24.0),
@@ -119,7 +119,7 @@ fn jump(state: &mut State, cursor: usize) {
     state.apply(Command::Time(TimeCommand::Jump(cursor)));
 }
 
-/// Draws some parts of the moment that is shown, those that are on.
+/// Draws those of the parts that are visible at the moment shown.
 fn written(state: &State, palette: &Palette, parts: &[Part]) -> Written {
     let subject = state.subject().expect("a run");
     let scene = Scene::new(state.runs.first.viewport, subject, palette);
@@ -145,7 +145,7 @@ fn cursors(recording: &Recording, of: impl Fn(&RunEvent) -> bool) -> Vec<usize> 
 }
 
 #[test]
-fn every_sample_is_drawn_as_it_stands() {
+fn every_sample_is_drawn_by_its_status() {
     let mut state = small(&[Choice::Boundary(Boundary::Bounded)]);
     let recording = recording(&state);
     let tiled = cursors(&recording, |event| matches!(event, RunEvent::Tiled { .. }));
@@ -162,7 +162,7 @@ fn every_sample_is_drawn_as_it_stands() {
             match moment.standing(session, id) {
                 Standing::Eliminated { .. } => expected[0] += 1,
                 Standing::Valid | Standing::Tiled => expected[1 + usize::from(is_inserted)] += 1,
-                // What a bounded domain drops is faintly there as long as it is tiled.
+                // Dropped samples are drawn faintly during tiling.
                 Standing::Dropped => expected[1] += usize::from(moment.stage == Stage::Tile),
                 Standing::Absent => {}
             }
@@ -176,7 +176,7 @@ fn every_sample_is_drawn_as_it_stands() {
     assert!(seen.iter().all(|count| *count > 20), "{seen:?}");
 }
 
-/// The picture of the moment can be written, says which moment it is, and shows nothing beyond its frame.
+/// Checks that the picture of the moment can be written, names the moment, and is clipped to its frame.
 fn check_picture(state: &State) {
     let view = state.export_source().view(ExportKind::Picture, false);
     let view = view.expect("a canvas");
@@ -185,8 +185,8 @@ fn check_picture(state: &State) {
     let scene = picture::scene(session, &moment, &view, None);
     assert!(to_svg(&scene).is_ok(), "{moment:?}");
     let (at, all) = state.cursor().expect("events");
-    let said = format!("(event {} of {})", grouped(at), grouped(all));
-    assert!(scene.title.ends_with(&said), "{}", scene.title);
+    let message = format!("(event {} of {})", grouped(at), grouped(all));
+    assert!(scene.title.ends_with(&message), "{}", scene.title);
     let frame = view.frame();
     for group in scene.groups.iter().filter(|group| group.name != "caption") {
         let clip = group.clip.expect("what is seen of the plane is clipped");
@@ -234,7 +234,7 @@ fn an_elimination_shows_its_conflict_and_what_it_changed() {
         let [(ends, stroke)] = drawn.dashes[..] else {
             panic!("{cursor}: {} dashed lines", drawn.dashes.len());
         };
-        // Across a seam the line is still the short one.
+        // Across the periodic border the line is the short one.
         let r = state.runs.first.camera.scale as f32;
         assert!(ends[0].distance(ends[1]) <= 1.001 * r, "{cursor}");
         assert_eq!(stroke.color, DARK.conflict);
@@ -300,7 +300,7 @@ fn a_search_marks_as_many_samples_as_it_found() {
 }
 
 #[test]
-fn layers_that_are_off_are_not_drawn() {
+fn hidden_layers_are_not_drawn() {
     let mut state = small(&[]);
     let steps = cursors(&recording(&state), |event| {
         matches!(event, RunEvent::Candidate { .. })

@@ -1,4 +1,4 @@
-//! What stays, and what comes back, when another run takes the place of the one at hand.
+//! What is kept, and what undo restores, when another run replaces the current one.
 
 use tilescope_core::Order;
 use tilescope_debugger::{Listings, Marked};
@@ -63,7 +63,7 @@ fn marks(state: &State) -> Vec<(Marked, String)> {
         .collect()
 }
 
-/// What is set, apart from bookmarks.
+/// Breakpoints and watches.
 fn stops(state: &State) -> (Vec<String>, Vec<String>) {
     let debugger = state.runs.first.debugger.as_ref().unwrap();
     let conditions = debugger.breakpoints().iter().map(|b| b.condition.clone());
@@ -83,7 +83,7 @@ fn bookmarks_and_notes_survive_other_parameters_and_come_back_exactly() {
     assert!(matches!(there[0].0, Marked::Like(_)));
     assert_eq!(there[1], (Marked::Like(end), "the end".to_owned()));
     assert_eq!(stops(&state), others);
-    // A run without events has no place for them, and a combination none either.
+    // A run without events and a combination keep them without showing them.
     apply(&mut state, Command::Combine(CombineCommand::Nine));
     assert!(state.runs.first.debugger.is_none());
     run_with(&mut state, Field::Seed, &seed);
@@ -138,20 +138,20 @@ fn bookmarks_of_other_runs_are_in_sessions_and_links() {
 }
 
 #[test]
-fn bookmarks_go_with_the_user_when_two_runs_change_places() {
+fn bookmarks_stay_with_the_first_run_after_a_swap() {
     let mut state = lecture();
     let set = marks(&state);
     let start = CompareCommand::Start(ComparePreset::NextSeed);
     apply(&mut state, Command::Compare(start));
     apply(&mut state, Command::Compare(CompareCommand::Swap));
     assert_eq!(marks(&state).len(), set.len());
-    // The run that they were set in is gone; they are not.
+    // They are kept although the run in which they were set is closed.
     apply(&mut state, Command::Compare(CompareCommand::Close));
     assert_eq!(marks(&state)[1].1, "the end");
 }
 
 #[test]
-fn what_is_selected_or_looked_for_stays_where_it_is_still_there() {
+fn selection_and_query_are_kept_if_they_still_apply() {
     let mut state = opened();
     debug(&mut state, DebugCommand::Query("kind:insert".to_owned()));
     state.apply(Command::View(
@@ -163,7 +163,7 @@ fn what_is_selected_or_looked_for_stays_where_it_is_still_there() {
     assert_eq!(state.runs.first.selected, Some(40));
     assert!(!state.runs.first.history_found.events().is_empty());
     assert_eq!(state.time.playback.range, Some(100..400));
-    // In another run the sample is another one, and a place is a place.
+    // In another run the sample is a different one, but a place stays the same.
     let place = [20.5, 20.25];
     run_with(&mut state, Field::Seed, "7");
     assert_eq!(
@@ -178,7 +178,7 @@ fn what_is_selected_or_looked_for_stays_where_it_is_still_there() {
     assert_eq!(state.runs.first.place, Some(place.into()));
     run_with(&mut state, Field::Radius, "0.05");
     assert_eq!(state.runs.first.place, None);
-    // The events found are those of this run.
+    // The events found are of this run.
     let debugger = state.runs.first.debugger.as_ref().unwrap();
     let found = state.runs.first.query.found.events();
     let inserted = |&event: &usize| {
@@ -208,7 +208,7 @@ fn agreed(radius: &str) -> (String, String, bool) {
 }
 
 #[test]
-fn undoing_a_run_brings_parameters_and_run_back_together() {
+fn undoing_a_run_restores_parameters_and_run_together() {
     let mut state = opened();
     let first = state
         .runs
@@ -240,7 +240,7 @@ fn undoing_a_run_brings_parameters_and_run_back_together() {
         .unwrap()
         .digest()
         .to_owned();
-    // What is looked at is no step.
+    // Changes of the view are not steps.
     for command in [
         Command::Window(WindowCommand::OpenPanel(Panel::Bookmarks)),
         Command::Window(WindowCommand::OpenPanel(Panel::Watches)),
@@ -263,7 +263,7 @@ fn undoing_a_run_brings_parameters_and_run_back_together() {
 }
 
 #[test]
-fn what_was_typed_and_not_run_is_undone_by_itself() {
+fn typed_parameters_without_a_run_are_undone_by_themselves() {
     let mut state = opened();
     run_with(&mut state, Field::Radius, "0.03");
     apply(
@@ -280,7 +280,7 @@ fn what_was_typed_and_not_run_is_undone_by_itself() {
         apply(&mut state, Command::Redo);
         assert_eq!(radii(&state), expected);
     }
-    // What cannot be read is not in the run either.
+    // Unreadable text also differs from the run.
     apply(
         &mut state,
         Command::Form(FormCommand::Type(Field::Radius, "0.03x".to_owned())),
@@ -289,7 +289,7 @@ fn what_was_typed_and_not_run_is_undone_by_itself() {
 }
 
 #[test]
-fn a_run_that_is_not_waited_for_is_undone_with_its_parameters() {
+fn a_run_being_made_is_undone_with_its_parameters() {
     let mut state = opened();
     for text in ["0.03", "0.025"] {
         state.apply(Command::Form(FormCommand::Type(
@@ -302,7 +302,7 @@ fn a_run_that_is_not_waited_for_is_undone_with_its_parameters() {
     assert_eq!(radii(&state), agreed("0.02"));
     apply(&mut state, Command::Redo);
     assert_eq!(radii(&state), agreed("0.025"));
-    // Undone while it is at work.
+    // Undo while it is being made.
     state.apply(Command::Form(FormCommand::Type(
         Field::Radius,
         "0.03".to_owned(),
@@ -315,7 +315,7 @@ fn a_run_that_is_not_waited_for_is_undone_with_its_parameters() {
 }
 
 #[test]
-fn a_combination_or_a_link_is_undone_with_the_run_that_it_replaced() {
+fn undoing_a_combination_or_a_link_restores_the_run_before() {
     let mut state = opened();
     run_with(&mut state, Field::Radius, "0.03");
     apply(&mut state, Command::Combine(CombineCommand::Nine));

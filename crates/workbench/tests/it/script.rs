@@ -1,14 +1,14 @@
-//! Sessions carried out by text alone.
+//! Scripts: whole sessions as text.
 
 use std::collections::BTreeSet;
 use std::convert::Infallible;
 
 use serde_json::{Value, json};
 use tilescope_workbench::Command;
-use tilescope_workbench::script::{ScriptError, carry_out, read, run};
+use tilescope_workbench::script::{ScriptError, apply_all, read, run};
 
 #[test]
-fn a_session_is_carried_out_by_text_alone() {
+fn a_script_runs_a_whole_session() {
     let folder = tempfile::tempdir().unwrap();
     let picture = folder.path().join("moment.svg");
     let text = r#"[
@@ -22,7 +22,7 @@ fn a_session_is_carried_out_by_text_alone() {
     ]"#;
     let text = text.replace("PICTURE", &format!("{picture:?}"));
     let mut cursors = Vec::new();
-    let state = carry_out(read(&text).unwrap(), |state| {
+    let state = apply_all(read(&text).unwrap(), |state| {
         cursors.push(state.cursor().unwrap().0);
         Ok::<_, Infallible>(())
     });
@@ -53,10 +53,10 @@ fn the_state_is_printed_after_each_command_or_after_the_last() {
     assert_eq!(printed(false), ["blocks"]);
 }
 
-/// Commands that ask the system for a dialog, which a machine without a screen has not.
+/// Commands that open the system's dialog, which needs a screen.
 const DIALOGS: [&str; 2] = ["file.browse", "export.browse"];
 
-/// Returns what serde expects at a place of a command: the names of a group's commands, if a group is there.
+/// The names that serde expects in place of `?` in a command: a group's commands, if it is a group.
 fn names(command: &Value) -> Vec<String> {
     let error = serde_json::from_value::<Command>(command.clone()).unwrap_err();
     let text = error.to_string();
@@ -125,7 +125,7 @@ fn all_and_used(script: &[Value]) -> [BTreeSet<String>; 2] {
 }
 
 #[test]
-fn every_command_is_carried_out() {
+fn every_command_can_be_scripted() {
     let folder = tempfile::tempdir().unwrap();
     let text = include_str!("every_command.json");
     let script: Vec<Value> = serde_json::from_str(text).unwrap();
@@ -137,7 +137,7 @@ fn every_command_is_carried_out() {
     let odd: Vec<&String> = all.symmetric_difference(&used).collect();
     assert!(odd.is_empty(), "not in both: {odd:?}");
     let text = text.replace("FOLDER", folder.path().to_str().unwrap());
-    let Ok(state) = carry_out(read(&text).unwrap(), |_| Ok::<_, Infallible>(()));
+    let Ok(state) = apply_all(read(&text).unwrap(), |_| Ok::<_, Infallible>(()));
     assert!(state.shows_combination());
     for file in ["session.json", "set.csv", "set.csv.certificate.json"] {
         assert!(folder.path().join(file).exists(), "{file}");

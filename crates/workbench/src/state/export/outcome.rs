@@ -1,4 +1,4 @@
-//! An export at work, and what is told of it when it ends.
+//! The running export, and the notice at its end.
 
 use tilescope_session::incoming::NamedBytes;
 use tilescope_session::jobs::{Job, Monitor};
@@ -26,7 +26,7 @@ pub enum Ended {
     Download(Written, NamedBytes),
 }
 
-/// Has the files of an order made and put where they are to go.
+/// The task of making the files of an export and delivering them.
 #[derive(serde::Serialize, serde::Deserialize)]
 pub struct ExportTask {
     order: ExportJob,
@@ -46,7 +46,7 @@ impl Task for ExportTask {
     }
 }
 
-/// Makes the files of an order and puts them where they are to go.
+/// Makes the files of an export and delivers them.
 fn deliver(order: &ExportJob, delivery: Delivery, monitor: &Monitor) -> Outcome {
     match delivery {
         #[cfg(not(target_arch = "wasm32"))]
@@ -59,7 +59,7 @@ fn deliver(order: &ExportJob, delivery: Delivery, monitor: &Monitor) -> Outcome 
 }
 
 impl Exports {
-    /// Writes what the sheet asks for. Where another file would be replaced, the first time only asks.
+    /// Starts the export of the sheet. If that replaces a file, the first call only asks.
     pub(super) fn start(
         &mut self,
         source: ExportSource<'_>,
@@ -87,7 +87,7 @@ impl Exports {
         self.work = Some(task::start(&context.wake, delivering));
     }
 
-    /// Takes what the system's dialog and the export at work have come to.
+    /// Takes the results of the system's dialog and of the running export.
     pub(in crate::state) fn poll(
         &mut self,
         source: ExportSource<'_>,
@@ -113,7 +113,7 @@ impl Exports {
         }
     }
 
-    /// Waits for the export at work.
+    /// Waits for the running export.
     #[cfg(not(target_arch = "wasm32"))]
     pub(in crate::state) fn settle(&mut self, context: &mut Context) {
         if let Some(job) = &self.work {
@@ -148,19 +148,19 @@ impl Exports {
     }
 
     fn exported(&mut self, written: &Written, download: Option<&str>, context: &mut Context) {
-        // Meanwhile the sheet may have been opened for another file.
+        // The sheet may have been opened for another file since.
         let this = |form: &ExportForm| form.file() == written.path;
         if self.sheet.as_ref().is_some_and(this) {
             self.sheet = None;
         }
-        let (text, is_error) = told(written, download);
+        let (text, is_error) = notice_of(written, download);
         context.tell(text, is_error);
     }
 }
 
-/// Returns what to say of a file, and whether something is wrong with it; `download` is the name of the one file that is
-/// downloaded in place of it.
-fn told(written: &Written, download: Option<&str>) -> (String, bool) {
+/// The notice about a file, and whether it is an error; `download` is the name of the file that is downloaded
+/// instead.
+fn notice_of(written: &Written, download: Option<&str>) -> (String, bool) {
     let place = written.path.display().to_string();
     let verb = download.map_or("Wrote", |_| "Downloaded");
     let to = match download {

@@ -1,4 +1,4 @@
-//! What becomes of files that were read or written, and what is told of them.
+//! Takes the results of reading and writing files, and shows notices about them.
 
 use std::sync::Arc;
 
@@ -6,7 +6,7 @@ use tilescope_debugger::Debugger;
 use tilescope_session::recipe::OwnPattern;
 use tilescope_session::words::{counted, ended, sentence};
 
-use crate::analysis::held::Held;
+use crate::analysis::reference_file::ReferenceFile;
 use crate::command::Which;
 use crate::draft::Draft;
 use crate::files::{Combined, Done, FileCommand, FileOutcome, Filing, Opened};
@@ -23,7 +23,7 @@ impl State {
             .and_then(|(purpose, job)| Some((*purpose, job.poll()?)));
         if let Some((purpose, outcome)) = found {
             self.files.finding = None;
-            // Meanwhile the sheet may have been opened for something else.
+            // The sheet may have been opened for another purpose since.
             let form = self.files.sheet.as_ref();
             let same = form.is_some_and(|form| form.purpose == purpose);
             match outcome {
@@ -62,7 +62,7 @@ impl State {
         }
     }
 
-    /// Closes the sheet if it is the one that this file was named in.
+    /// Closes the sheet if this file was named in it.
     fn close_sheet(&mut self, filing: &Filing) {
         let this = self.files.sheet.as_ref().is_some_and(|form| {
             Some(form.purpose) == filing.purpose && form.path.trim() == filing.path
@@ -80,7 +80,7 @@ impl State {
         match done {
             Ok(done) => {
                 self.close_sheet(&filing);
-                // What is said is about this file, or nothing.
+                // A notice, if any, is about this file.
                 self.messages.notice = None;
                 self.take_done(done);
             }
@@ -113,11 +113,11 @@ impl State {
         ));
     }
 
-    /// Says something beside whatever is said already.
-    fn add(&mut self, told: &str) {
+    /// Appends to the notice, or shows a new one.
+    fn add(&mut self, message: &str) {
         let (text, is_error) = match self.messages.notice.take() {
-            Some(notice) => (format!("{} {told}", notice.text), notice.is_error),
-            None => (told.to_owned(), false),
+            Some(notice) => (format!("{} {message}", notice.text), notice.is_error),
+            None => (message.to_owned(), false),
         };
         self.tell(text, is_error);
     }
@@ -134,7 +134,7 @@ impl State {
             }
             Done::Opened(opened) => self.take_up(*opened),
             Done::Combined(combined) => self.take_combination(*combined),
-            Done::Against { held, no_pattern } => self.take_held(*held, no_pattern),
+            Done::Against { file, no_pattern } => self.take_reference_file(*file, no_pattern),
             Done::Pattern(own) => self.take_pattern(own),
         }
     }
@@ -149,21 +149,21 @@ impl State {
         self.runs.first.session_path = Some(path);
     }
 
-    fn take_held(&mut self, held: Held, no_pattern: Option<String>) {
+    fn take_reference_file(&mut self, file: ReferenceFile, no_pattern: Option<String>) {
         if let Some(why) = no_pattern {
-            let name = held.name();
+            let name = file.name();
             let text = format!(
-                "{name} is held against this run: its curves are drawn dashed in the analysis. It is no pattern to clip from: {why}. A pattern is maximal and comes together with its certificate."
+                "{name} is compared with this run: its curves are drawn dashed in the analysis. It cannot be used as a pattern: {why}. A pattern is maximal and comes together with its certificate."
             );
             self.tell(text, false);
         }
-        self.hold(held);
+        self.set_reference_file(file);
     }
 
     fn take_pattern(&mut self, own: OwnPattern) {
         let samples = counted(own.pattern.samples().len(), "sample", "samples");
         let text = format!(
-            "The next run clips from the {samples} of {}. To hold it against this run instead, see the Analyze menu.",
+            "The next run clips from the {samples} of {}. To compare it with this run instead, see the Analyze menu.",
             own.file.path
         );
         let before = self.memento();
@@ -172,7 +172,7 @@ impl State {
         self.tell(text, false);
     }
 
-    /// Shows a session that was read where it was left. A run at work is not waited for any more.
+    /// Shows a session at the moment where it was saved, and cancels a running one.
     fn take_up(&mut self, opened: Opened) {
         let recording = opened.session.recording().map(Arc::clone);
         let resumed = recording.map(|recording| Debugger::resume(&opened.saved, recording));
@@ -198,7 +198,7 @@ impl State {
         self.opened_from(opened.path, &dropped);
     }
 
-    /// Shows a combination that was read; one that was saved where it was left.
+    /// Shows a combination that was read, at the stage where it was saved.
     fn take_combination(&mut self, combined: Combined) {
         (
             self.runs.first.sampling,
@@ -221,11 +221,11 @@ impl State {
         self.opened_from(combined.path, &dropped);
     }
 
-    /// Remembers where a session is from, and names the parts of its view that were left out.
+    /// Notes the path of a session, and names the parts of its view that were left out.
     fn opened_from(&mut self, path: String, dropped: &[&str]) {
         if !dropped.is_empty() {
             let text = format!(
-                "{path} is open. These parts of its view make no sense and were left out: {}.",
+                "{path} is open. These parts of its view are invalid and were left out: {}.",
                 dropped.join(", ")
             );
             self.tell(text, false);

@@ -1,4 +1,4 @@
-//! Moving the camera of a run, and pointing at what it shows.
+//! The camera of a run, and pointing and selecting on its canvas.
 
 use emath::Rect;
 use glam::DVec2;
@@ -12,7 +12,7 @@ use crate::command::ViewCommand;
 use crate::state::effects::{Context, Effect};
 use tilescope_drawing::camera::{Camera, Flight, MAX_SCALE, MIN_SCALE};
 
-/// So far within the view, in screen points, is a selection kept.
+/// The smallest distance of a selection from the edge of the view, in screen points.
 const IN_VIEW: f32 = 32.0;
 
 impl RunView {
@@ -35,7 +35,7 @@ impl RunView {
             ViewCommand::Fit => {
                 self.witness_mark = None;
                 self.fitted = true;
-                // Whoever asks for all of the pattern asks for all of the domain, too.
+                // Fitting the pattern also fits the domain when it is shown again.
                 if let Some((_, fitted)) = &mut self.before_pattern {
                     *fitted = true;
                 }
@@ -61,8 +61,8 @@ impl RunView {
         }
     }
 
-    /// Fits what is fitted into the new viewport; otherwise a selection that was in view stays in view, as when a panel
-    /// opens over the part of the canvas where it was picked.
+    /// Refits a fitted domain into the new viewport; otherwise keeps a selection in view that was, as when a
+    /// panel opens over the part of the canvas where it was picked.
     fn follow_viewport(&mut self, viewport: Rect) {
         let before = std::mem::replace(&mut self.viewport, viewport);
         if self.fitted && self.session.is_some() {
@@ -85,7 +85,7 @@ impl RunView {
         }
     }
 
-    /// Selects the sample nearest to the middle of the view, within a radius of it, or else the place.
+    /// Selects the sample nearest to the middle of the view, if within r of it, otherwise the place.
     fn select_middle(&mut self, context: &Context) {
         let Some(shown) = self.shown() else {
             return;
@@ -103,17 +103,17 @@ impl RunView {
         self.pick(nearest, context);
     }
 
-    /// Returns the size of what is shown, in r: of the domain, or of the pattern, which has its own.
+    /// The size of what is shown, in r: of the domain or of the pattern.
     fn shown_size(&self) -> Option<DVec2> {
         let session = self.session.as_ref()?;
         Some(match self.current_stage() {
-            // Its user unit is one radius.
+            // The pattern's user unit is one radius.
             Some(Stage::Pattern) => session.run().pattern.domain().size().into(),
             _ => session.size_radii(),
         })
     }
 
-    /// Returns whether the whole domain is shown, and stays so when the window changes.
+    /// Whether the whole domain is fitted into the canvas, also when the window changes.
     #[must_use]
     pub const fn is_fitted(&self) -> bool {
         self.fitted
@@ -124,7 +124,7 @@ impl RunView {
         Camera::fitting(size, self.viewport)
     }
 
-    /// Returns the scales at which what is shown may be looked at; without a session or a canvas all there are.
+    /// The range of scales allowed for what is shown; all scales without a session or a canvas.
     fn scales(&self) -> [f64; 2] {
         match self.shown_size() {
             Some(size) if self.viewport.is_positive() => Camera::scales(size, self.viewport),
@@ -132,19 +132,19 @@ impl RunView {
         }
     }
 
-    /// Returns a camera brought to the nearest scale at which what is shown may be looked at.
+    /// A camera corrected to the nearest allowed scale.
     pub(in crate::state) fn within_scales(&self, camera: Camera) -> Camera {
         camera.within(self.scales())
     }
 
-    /// Shows the stage at `place` of the session's list; whatever changes the stage does it here, so that the camera
-    /// follows.
+    /// Shows the stage at index `place` of the session. Every change of the stage goes through this function,
+    /// so that the camera follows.
     pub(in crate::state) fn set_stage(&mut self, place: usize) {
         self.stage = place;
         self.follow_pattern();
     }
 
-    /// Fits the pattern when it comes into view, and returns to where the camera was afterwards.
+    /// Fits the pattern when its stage is entered, and restores the camera afterwards.
     pub(in crate::state) fn follow_pattern(&mut self) {
         let on_pattern = self.current_stage() == Some(Stage::Pattern);
         match (on_pattern, self.before_pattern) {
@@ -187,7 +187,7 @@ impl RunView {
         }
     }
 
-    /// Flies to the gap that holds a place, else to its block.
+    /// Flies to the gap that contains a place, otherwise to its block.
     fn fly_to_block(&mut self, place: DVec2, context: &Context) {
         let gap = self.shown().and_then(|shown| {
             let tessellation = self.geometry.of(&shown)?;
@@ -243,7 +243,7 @@ impl RunView {
         }
     }
 
-    /// Shows the domain by a camera, or all of it; where there is no canvas yet, by `otherwise`.
+    /// Sets the camera, or fits the domain without one; `otherwise` is the camera if there is no canvas yet.
     pub(in crate::state) fn take_camera(&mut self, camera: Option<Camera>, otherwise: Camera) {
         self.fitted = camera.is_none();
         self.camera = camera.unwrap_or(otherwise);
@@ -255,7 +255,7 @@ impl RunView {
         self.follow_pattern();
     }
 
-    /// Flies on by `dt_secs`.
+    /// Advances the flight by `dt_secs`.
     pub(in crate::state) fn fly_on(&mut self, dt_secs: f32) {
         if let Some(flight) = &mut self.flight {
             let (camera, arrived) = flight.advance(dt_secs);
@@ -266,7 +266,7 @@ impl RunView {
         }
     }
 
-    /// Flies, or jumps where motion is reduced.
+    /// Flies, or jumps if motion is reduced.
     fn fly(&mut self, to: Camera, context: &Context) {
         let to = self.within_scales(to);
         if context.reduced_motion {

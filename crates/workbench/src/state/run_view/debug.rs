@@ -1,4 +1,4 @@
-//! The commands of the debugger: breakpoints, watches, bookmarks, what is selected and its history.
+//! The debugger of a run: breakpoints, watches, bookmarks, queries, and the selection with its history.
 
 use std::sync::Arc;
 
@@ -17,18 +17,18 @@ use tilescope_session::jobs::{Job, Monitor};
 use tilescope_session::session::Session;
 use tilescope_session::task::{self, SessionRef, Task};
 
-/// Most events that a query or a history shows.
+/// The most events that a query or a history shows.
 pub const MAX_FOUND: usize = 100_000;
 
-/// The events that touched what is selected.
+/// Events found by a search in the background.
 #[derive(Default)]
 pub enum FoundEvents {
-    /// Nothing was asked.
+    /// Nothing was searched for.
     #[default]
     Nothing,
-    /// They are being looked for.
+    /// The search is running.
     Pending(Job<Vec<usize>>),
-    /// Here they are, in sequence.
+    /// The events, in order.
     Events(Vec<usize>),
     /// They could not be found, and why.
     Failed(String),
@@ -44,7 +44,7 @@ impl FoundEvents {
         }
     }
 
-    /// Takes the events when they are there.
+    /// Takes the events when the search has ended.
     pub(in crate::state) fn poll(&mut self) {
         if let Self::Pending(job) = self
             && let Some(outcome) = job.poll()
@@ -53,7 +53,7 @@ impl FoundEvents {
         }
     }
 
-    /// Returns why there are none, if something went wrong.
+    /// Why the search failed, if it did.
     #[must_use]
     pub fn failure(&self) -> Option<&str> {
         match self {
@@ -70,14 +70,14 @@ impl FoundEvents {
     }
 }
 
-/// What the event browser looks for.
+/// The query of the event browser.
 #[derive(Default)]
 pub struct EventQuery {
     /// As typed.
     pub text: String,
-    /// What is wrong with it.
+    /// Its error, if it has one.
     pub error: Option<String>,
-    /// The events that it means; none while the text is empty.
+    /// The events found; none while the text is empty.
     pub found: FoundEvents,
 }
 
@@ -103,7 +103,7 @@ impl RunView {
         self.moved(before);
     }
 
-    /// Returns what the user has set, wherever it is kept.
+    /// Takes breakpoints, watches and bookmarks out of the run.
     pub(in crate::state) fn take_stops(&mut self) -> Stops {
         match &mut self.debugger {
             Some(debugger) => debugger.take_stops(),
@@ -111,7 +111,7 @@ impl RunView {
         }
     }
 
-    /// Sets what the user had set; it is kept for a later run where this one has no events.
+    /// Puts breakpoints, watches and bookmarks into the run; without events, they are kept for a later run.
     pub(in crate::state) fn put_stops(&mut self, stops: Stops, context: &mut Context) {
         match &mut self.debugger {
             Some(debugger) => {
@@ -123,7 +123,7 @@ impl RunView {
         }
     }
 
-    /// Takes up the debugger of a new session; breakpoints, watches and bookmarks stay.
+    /// Sets the debugger of a new session; breakpoints, watches and bookmarks stay.
     pub(in crate::state) fn debug(&mut self, session: &Session, context: &mut Context) {
         let stops = self.take_stops();
         let debugger = |recording| Debugger::new(Arc::clone(recording), DEFAULT_BUDGET);
@@ -136,7 +136,7 @@ impl RunView {
         self.look_for(text, context);
     }
 
-    /// Goes behind an event and everything that it holds; the tree stays as it is.
+    /// Goes to the moment after an event and all events inside it, without expanding the tree.
     fn select_event(&mut self, event: usize) {
         let outline = self.session.as_ref().and_then(|s| s.outline.as_ref());
         if let Some(outline) = outline {
@@ -146,8 +146,8 @@ impl RunView {
         }
     }
 
-    /// Opens the tree of events down to the last one, if the cursor was moved elsewhere than in the tree. For a window that
-    /// shows the tree.
+    /// Expands the tree of events down to the last one, if the cursor was moved outside the tree. Called by a
+    /// window that shows the tree.
     pub(in crate::state) fn reveal(&mut self) {
         let Some((cursor, _)) = self.cursor().filter(|(cursor, _)| *cursor != self.revealed) else {
             return;
@@ -181,7 +181,7 @@ impl RunView {
         self.query.text = text;
     }
 
-    /// Returns whether the session at hand has what is to be selected.
+    /// Whether the current session has the sample or place.
     #[must_use]
     pub fn can_select(&self, selection: Selection) -> bool {
         let Some(session) = &self.session else {
@@ -195,7 +195,7 @@ impl RunView {
         }
     }
 
-    /// Selects a sample, a place or nothing, and has its history looked up.
+    /// Selects a sample, a place or nothing, and starts looking up its history.
     pub(in crate::state) fn pick(&mut self, selection: Selection, context: &Context) {
         if !self.can_select(selection) {
             return;
@@ -216,18 +216,18 @@ impl RunView {
     }
 }
 
-/// What events are looked for.
+/// The target of a search for events.
 #[derive(Serialize, Deserialize)]
 enum Aim {
-    /// Those that a query finds.
+    /// Events that a query matches.
     Query(String),
-    /// Those that touched a sample.
+    /// Events that touched a sample.
     Sample(u32),
-    /// Those that concern a place.
+    /// Events that concern a place.
     Place(Point),
 }
 
-/// Has events of a session looked for.
+/// The task of searching the events of a session.
 #[derive(Serialize, Deserialize)]
 pub struct FindEventsTask {
     session: SessionRef,
@@ -298,7 +298,7 @@ fn toggle(debugger: &mut Debugger, line: LineId) {
     }
 }
 
-/// Puts a condition in the place of another; the breakpoints behind it keep their places.
+/// Replaces a condition; the order of the breakpoints stays.
 fn replace_condition(debugger: &mut Debugger, index: usize, text: &str) {
     let tail: Vec<_> = debugger.breakpoints().iter().skip(index).cloned().collect();
     for _ in &tail {

@@ -1,4 +1,5 @@
-//! Where the breakpoints would stop a run: found out in the background whenever they change, for the timeline.
+//! The events at which the breakpoints would stop, for the timeline: computed in the background when the
+//! breakpoints change.
 
 use std::sync::Arc;
 
@@ -10,16 +11,16 @@ use tilescope_session::task::{self, SessionRef, Task};
 use super::{FoundEvents, RunView};
 use crate::state::effects::Context;
 
-/// Most places that are marked.
+/// The most events that are marked.
 pub const MAX_HITS: usize = 20_000;
 
-/// After so many conditions that could not be computed there are none that can.
+/// The number of evaluation errors after which counting stops.
 const MAX_UNCLEAR: usize = 1_000;
 
-/// A generation, and the breakpoints that stop a run of it.
+/// A session's generation, and the enabled breakpoints with their conditions.
 type Key = (u64, Vec<(LineId, String)>);
 
-/// The places, as far as they are known.
+/// The events at which the breakpoints would stop, if known.
 #[derive(Default)]
 pub struct Hits {
     key: Option<Key>,
@@ -27,9 +28,9 @@ pub struct Hits {
 }
 
 impl Hits {
-    /// Returns how many there are, in words, once they are known.
+    /// The number of stops in words, once known.
     #[must_use]
-    pub fn said(&self) -> Option<String> {
+    pub fn description(&self) -> Option<String> {
         match &self.found {
             FoundEvents::Nothing => None,
             FoundEvents::Pending(_) => Some("Being counted\u{2026}".to_owned()),
@@ -45,7 +46,7 @@ impl Hits {
         }
     }
 
-    /// Returns the events before which a run would stop, the first [`MAX_HITS`] of them.
+    /// The first [`MAX_HITS`] events before which a run would stop.
     #[must_use]
     pub fn events(&self) -> &[usize] {
         self.found.events()
@@ -58,7 +59,7 @@ impl Hits {
 }
 
 impl RunView {
-    /// Has the places found out if the breakpoints have changed.
+    /// Starts the computation if the breakpoints have changed.
     pub(in crate::state) fn want_hits(&mut self, context: &Context) {
         self.hits.found.poll();
         let (Some(session), Some(debugger)) = (&self.session, &self.debugger) else {
@@ -88,7 +89,7 @@ impl RunView {
     }
 }
 
-/// Has the stops of a session's run found.
+/// The task of finding the stops in a session's events.
 #[derive(Serialize, Deserialize)]
 pub struct CountHitsTask {
     session: SessionRef,
@@ -116,7 +117,7 @@ fn hits(recording: &Arc<Recording>, stops: &[(LineId, String)], monitor: &Monito
     while found.len() < MAX_HITS && unclear < MAX_UNCLEAR && go_on() {
         match debugger.run_while(Direction::Forwards, &go_on) {
             Stop::Breakpoint(_) | Stop::Target => found.push(debugger.state().cursor()),
-            // A condition that cannot be computed stops a run, but is no hit.
+            // A condition that cannot be evaluated stops a run, but is not counted as a hit.
             Stop::BadCondition(..) => unclear += 1,
             Stop::End => break,
         }

@@ -1,4 +1,4 @@
-//! The passes of a run on the GPU, and how they and the timeline follow each other.
+//! Keeps the passes of a run on the GPU and the timeline in step.
 
 use tilescope_session::incoming::NamedBytes;
 
@@ -7,8 +7,8 @@ use crate::passes::PassCommand;
 use crate::state::effects::{Context, Effect};
 
 impl RunView {
-    /// Has the passes follow the timeline: to the one that ends the stage shown, unless a pass of that stage
-    /// is chosen or one behind which that stage is the last whole one.
+    /// Moves the passes to the one that ends the stage shown, unless the chosen pass is of that stage, or that
+    /// stage is the last complete one after it.
     pub(in crate::state) fn lead_passes(&mut self) {
         let (Some(stage), Some(passes)) = (self.current_stage(), &mut self.passes) else {
             return;
@@ -19,8 +19,8 @@ impl RunView {
         }
     }
 
-    /// Carries out a command of the passes; the timeline follows to the last stage that is whole behind
-    /// the chosen pass.
+    /// Applies a command of the passes; the timeline follows to the last stage that is complete after the
+    /// chosen pass.
     pub(in crate::state) fn apply_to_passes(
         &mut self,
         command: PassCommand,
@@ -37,7 +37,7 @@ impl RunView {
         if before != passes.selected()
             && let Some(stage) = passes.whole_stage()
         {
-            // The last iteration is no stage of a session without events.
+            // A session without events lacks the last iteration as a stage.
             let stages = self.session.iter().flat_map(|session| &session.stages);
             let place = stages
                 .take_while(|&&other| other <= stage)

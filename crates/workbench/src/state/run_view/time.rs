@@ -1,5 +1,5 @@
-//! Moving a run in time. Where events were kept the cursor of the debugger is the only time there is, and the stage
-//! follows from it.
+//! Moves a run in time. If events were recorded, the moment is the debugger's cursor, and the stage follows
+//! from it.
 
 use tilescope_core::Stage;
 use tilescope_debugger::{Debugger, Direction, Event, Step, Stop, Target, moves};
@@ -12,9 +12,9 @@ use crate::state::effects::Context;
 use tilescope_session::moment::Moment;
 
 impl RunView {
-    /// Returns how much of what there is at this moment, and which moment it is.
+    /// The description of the moment: the number of blocks or samples, the event or stage, and the iteration.
     #[must_use]
-    pub fn told(&self) -> Vec<String> {
+    pub fn moment_texts(&self) -> Vec<String> {
         let Some(session) = &self.session else {
             return Vec::new();
         };
@@ -38,11 +38,11 @@ impl RunView {
             Some((at, len)) => format!("event {} of {}", grouped(at), grouped(len)),
             None => format!("stage {} of {}", self.stage + 1, session.stages.len()),
         };
-        let mut told = vec![count, place];
+        let mut texts = vec![count, place];
         if let Stage::Iterate(k) = session.stages[self.stage] {
-            told.push(format!("iteration {k}"));
+            texts.push(format!("iteration {k}"));
         }
-        told
+        texts
     }
 
     /// Returns the cursor, and how many events there are; `None` for a session without events.
@@ -52,7 +52,7 @@ impl RunView {
         Some((debugger.state().cursor(), debugger.recording().len()))
     }
 
-    /// Returns whether the result is what is shown.
+    /// Whether the end of the run is shown.
     #[must_use]
     pub fn is_at_end(&self) -> bool {
         match (self.cursor(), &self.session) {
@@ -77,7 +77,7 @@ impl RunView {
         }
     }
 
-    /// Shows the end of the stage at `place` of the list.
+    /// Shows the end of the stage at index `place`.
     pub(in crate::state) fn show_stage(&mut self, place: usize) {
         let Some(session) = &self.session else {
             return;
@@ -99,7 +99,7 @@ impl RunView {
         self.set_stage(place);
     }
 
-    /// Has the stage follow the cursor, which the debugger has moved.
+    /// Updates the stage after the debugger has moved the cursor.
     pub(in crate::state) fn follow_cursor(&mut self) {
         if let (Some(session), Some((cursor, _))) = (&self.session, self.cursor()) {
             let place = session.stage_at(cursor);
@@ -126,7 +126,7 @@ impl RunView {
         }
     }
 
-    /// Runs until the event that `target` means has happened, or until a line is the next one.
+    /// Runs until the event of `target` has happened, or until its line is the next one.
     pub(in crate::state) fn run_to(
         &mut self,
         target: Target,
@@ -144,7 +144,7 @@ impl RunView {
         }
     }
 
-    /// Goes where another run stands.
+    /// Goes to the moment of another run.
     pub(in crate::state) fn go_to(&mut self, moment: Moment) {
         match (moment.cursor, &self.session) {
             (Some(cursor), _) if self.debugger.is_some() => self.jump(cursor),
@@ -154,7 +154,7 @@ impl RunView {
         self.forget_unseen();
     }
 
-    /// Does what follows from a move in time, which began at the stage `before`.
+    /// Updates what depends on the moment, after a move from the stage `before`.
     pub(in crate::state) fn moved(&mut self, before: usize) {
         self.forget_unseen();
         if before != self.stage {
@@ -162,7 +162,8 @@ impl RunView {
         }
     }
 
-    /// A sample that does not exist yet is not pointed at. What is selected stays: its history lies ahead.
+    /// Removes the pointer's mark from a sample that does not exist yet. The selection stays, as its history
+    /// lies ahead.
     pub(in crate::state) fn forget_unseen(&mut self) {
         let Some(shown) = self.shown() else {
             return;
@@ -177,7 +178,7 @@ impl RunView {
     }
 }
 
-/// Returns where the next (or last) line of pseudocode begins that is not the one at the cursor.
+/// The cursor at which the next (or previous) line of pseudocode other than the current one begins.
 pub(in crate::state) fn next_line(debugger: &Debugger, direction: Direction) -> usize {
     let cursor = debugger.state().cursor();
     let line = debugger.event().map(Event::line);
@@ -189,16 +190,16 @@ pub(in crate::state) fn next_line(debugger: &Debugger, direction: Direction) -> 
     moves::find(debugger.recording(), cursor, direction, other).unwrap_or(end)
 }
 
-/// Says that a run found nothing to stop at.
+/// The message that a run found nothing to stop at.
 pub(in crate::state) fn none_there(target: Target, direction: Direction) -> String {
-    let way = match direction {
+    let side = match direction {
         Direction::Forwards => "after",
         Direction::Backwards => "before",
     };
-    format!("there is no {} {way} this moment", name_of(target))
+    format!("there is no {} {side} this moment", name_of(target))
 }
 
-/// Returns what is looked for, as a noun.
+/// The name of a target.
 fn name_of(target: Target) -> String {
     match target {
         Target::Line(_) => "execution of this line".to_owned(),

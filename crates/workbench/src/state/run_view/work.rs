@@ -1,4 +1,4 @@
-//! What a run has made in the background, and taking up a session.
+//! The background work of a run, and showing a new session.
 
 use std::sync::Arc;
 
@@ -35,7 +35,7 @@ impl RunView {
             debugger.jump(usize::MAX);
         }
         self.pick(selection, context);
-        // What is saved next is another session.
+        // The file of the former session is not that of this one.
         self.session_path = None;
         self.verify(context);
         let from_pattern = self.before_pattern.take().is_some();
@@ -48,7 +48,7 @@ impl RunView {
         }
     }
 
-    /// Returns whether a session is of the same run as the one shown.
+    /// Whether a session is of the same run as the one shown.
     pub(in crate::state) fn is_same_run(&self, session: &Session) -> bool {
         self.session.as_ref().is_some_and(|old| {
             let are_runs = old.combination.is_none() && session.combination.is_none();
@@ -56,7 +56,7 @@ impl RunView {
         })
     }
 
-    /// Has the session verified.
+    /// Starts verifying the session.
     pub(in crate::state) fn verify(&mut self, context: &Context) {
         if let Some(session) = self.session.clone() {
             let judging = VerifyTask(SessionRef(session));
@@ -71,7 +71,7 @@ impl RunView {
         };
     }
 
-    /// Has the moment triangulated, if it is not.
+    /// Starts triangulating the moment, unless it is.
     pub(in crate::state) fn want_geometry(&mut self, context: &Context) {
         let mut geometry = std::mem::take(&mut self.geometry);
         if let Some(shown) = self.shown() {
@@ -80,7 +80,7 @@ impl RunView {
         self.geometry = geometry;
     }
 
-    /// Takes what is finished of the work on the session.
+    /// Takes finished work on the session.
     pub(in crate::state) fn poll(&mut self) {
         if let Verification::Pending(job) = &self.verification
             && let Some(outcome) = job.poll()
@@ -94,14 +94,14 @@ impl RunView {
         self.query.found.poll();
     }
 
-    /// Waits for the work on the session. `with_geometry` if the moment is to be triangulated.
+    /// Waits for the work on the session, including the triangulation of the moment if `with_geometry`.
     #[cfg(not(target_arch = "wasm32"))]
     pub(in crate::state) fn settle(&mut self, with_geometry: bool, context: &Context) {
         if let Verification::Pending(job) = &self.verification {
             let outcome = job.wait();
             self.finish_verification(outcome);
         }
-        // The first round ends what was begun for another moment.
+        // The first round ends work that was started for another moment.
         for _ in 0..2 {
             if with_geometry {
                 self.want_geometry(context);
@@ -115,7 +115,7 @@ impl RunView {
         self.query.found.settle();
     }
 
-    /// Takes the session that was being made, or why there is none, once the work has ended.
+    /// Takes the session that was being made, or its error, once the work has ended.
     pub(in crate::state) fn made(&mut self) -> Option<Made> {
         let outcome = self.sampling.as_ref().and_then(Job::poll)?;
         self.sampling = None;

@@ -1,4 +1,5 @@
-//! Time: the camera when play leaves the pattern, what runs to an event show, and what is counted at moments.
+//! Moving in time: the camera when playback leaves the pattern, what is shown after a run to an event, and the
+//! counts at moments.
 
 use tilescope_core::{Boundary, Insertion, RunEvent, Stage, Variant};
 use tilescope_debugger::{Direction, Target, moves};
@@ -19,7 +20,7 @@ fn time(state: &mut State, command: TimeCommand) {
     state.apply(Command::Time(command));
 }
 
-/// Returns whether the camera shows all of what is shown.
+/// Whether the camera is fitted.
 fn fits(run: &RunView) -> bool {
     run.camera == run.fitting()
 }
@@ -39,7 +40,7 @@ fn play_fits_the_domain_behind_the_pattern() {
 }
 
 #[test]
-fn whoever_asks_for_all_of_the_pattern_sees_all_of_the_domain() {
+fn fitting_the_pattern_also_fits_the_domain() {
     let mut state = settled();
     state.apply(Command::View(
         Which::First,
@@ -48,7 +49,7 @@ fn whoever_asks_for_all_of_the_pattern_sees_all_of_the_domain() {
     while state.advance(0.1) {}
     state.apply(Command::Time(TimeCommand::FirstStage));
     state.apply(Command::View(Which::First, ViewCommand::Fit));
-    // The flight is under way when the pattern goes.
+    // The camera is still flying when the pattern is left.
     state.apply(Command::Time(TimeCommand::TogglePlay));
     state.advance(Clock::Stage.tick_secs());
     assert_eq!(state.current_stage(), Some(Stage::Blocks));
@@ -167,7 +168,7 @@ fn a_run_to_an_event_shows_the_event() {
     }
 }
 
-/// Counts again what there is, from the tape alone.
+/// Counts blocks and samples again, from the tape alone.
 fn recount(state: &State) -> (usize, usize) {
     let session = state.runs.first.session.as_ref().unwrap();
     let (cursor, _) = state.cursor().unwrap();
@@ -184,7 +185,7 @@ fn recount(state: &State) -> (usize, usize) {
 }
 
 #[test]
-fn what_is_counted_is_what_is_there() {
+fn counts_equal_those_of_the_tape() {
     for mut state in small() {
         let (_, len) = state.cursor().unwrap();
         let session = state.runs.first.session.clone().unwrap();
@@ -206,21 +207,21 @@ fn what_is_counted_is_what_is_there() {
                 "sample"
             };
             let expected = tilescope_session::words::counted(number, noun, &format!("{noun}s"));
-            let told = state.runs.first.told();
-            assert_eq!(told[0], expected, "{stage:?} {cursor}");
-            // The number of the last event is how many have happened.
+            let texts = state.runs.first.moment_texts();
+            assert_eq!(texts[0], expected, "{stage:?} {cursor}");
+            // The number of the last event equals the number of events that have happened.
             let last = cursor
                 .checked_sub(1)
                 .map(tilescope_session::words::event_number);
             let last = last.unwrap_or_else(|| "0".to_owned());
             assert_eq!(
-                told[1],
+                texts[1],
                 format!("event {last} of {}", tilescope_session::words::grouped(len))
             );
             let iteration = session.recording().unwrap().context(cursor).iteration;
             let is_in = matches!(stage, Stage::Iterate(_));
             let expected = is_in.then(|| format!("iteration {iteration}"));
-            assert_eq!(told.get(2), expected.as_ref(), "{cursor}");
+            assert_eq!(texts.get(2), expected.as_ref(), "{cursor}");
         }
     }
 }
@@ -231,7 +232,7 @@ fn the_timeline_has_the_iterations_of_the_tree() {
         let session = state.runs.first.session.as_ref().unwrap();
         let recording = session.recording().unwrap();
         let outline = session.outline.as_ref().unwrap();
-        // Roots of the tree are the stages behind the first, one for one and where these begin.
+        // The roots of the tree are the stages after the first, at their first events.
         let roots: Vec<Stage> = outline
             .roots()
             .map(|root| match recording.event(root).unwrap().run_event() {
@@ -244,7 +245,7 @@ fn the_timeline_has_the_iterations_of_the_tree() {
         for (place, root) in outline.roots().enumerate() {
             assert_eq!(session.stage_end(place), Some(root));
         }
-        // The detectors of every iteration are as many as its event says.
+        // Every iteration has as many detectors as its event says.
         for root in outline.roots() {
             let moment = recording.event(root).unwrap().run_event();
             if let Some(RunEvent::Iteration { number, detectors }) = moment {

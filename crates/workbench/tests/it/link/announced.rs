@@ -1,4 +1,4 @@
-//! What a screen reader is told: each thing once, when it is new.
+//! Announcements for screen readers: each once, when it is new.
 
 use tilescope_workbench::Command;
 use tilescope_workbench::command::{LinkCommand, TimeCommand};
@@ -6,7 +6,7 @@ use tilescope_workbench::command::{LinkCommand, TimeCommand};
 use super::support::{settle, state};
 
 #[test]
-fn what_is_new_is_announced_once() {
+fn news_is_announced_once() {
     let mut state = state();
     settle(&mut state);
     let first = state.announcement().expect("something to say");
@@ -27,7 +27,7 @@ fn what_is_new_is_announced_once() {
     state.apply(Command::DismissNotice);
     state.advance(0.0);
     assert_eq!(state.announcement(), Some(copied));
-    // The same notice again is new again.
+    // The same notice, shown again, is announced again.
     state.apply(Command::Time(TimeCommand::StepBack));
     state.apply(Command::Link(LinkCommand::Copy));
     state.advance(0.0);
@@ -51,7 +51,7 @@ fn errors_and_verdicts_are_announced() {
 }
 
 #[test]
-fn while_time_runs_only_stages_are_announced() {
+fn during_playback_only_stages_are_announced() {
     let mut state = state();
     settle(&mut state);
     state.apply(Command::Time(TimeCommand::FirstStage));

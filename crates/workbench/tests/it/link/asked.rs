@@ -1,4 +1,4 @@
-//! What a page that embeds the window asks for, and what it is told.
+//! Requests of a page that embeds the window, and the answers.
 
 use serde_json::{Value, json};
 use tilescope_workbench::clock::Clock;
@@ -18,49 +18,49 @@ fn small() -> State {
     let mut state = state();
     let load = json!({"do": "load", "parameters": {"radius": 0.03, "leaf": 12, "seed": 7}});
     assert_eq!(ask(&mut state, &load), json!({"ok": true, "dropped": []}));
-    let told = ask(&mut state, &json!({"do": "state"}));
-    assert_eq!(told["state"]["ready"], json!(false));
+    let answer = ask(&mut state, &json!({"do": "state"}));
+    assert_eq!(answer["state"]["ready"], json!(false));
     settle(&mut state);
     state
 }
 
 #[test]
-fn the_state_is_told() {
+fn the_state_is_described() {
     let mut state = small();
-    let told = &ask(&mut state, &json!({"do": "state"}))["state"];
+    let answer = &ask(&mut state, &json!({"do": "state"}))["state"];
     let session = state.runs.first.session.as_ref().unwrap();
-    assert_eq!(told["seed"], json!(7));
-    assert_eq!(told["parameters"]["radius"], json!(0.03));
-    assert_eq!(told["samples"], json!(session.summary.count));
+    assert_eq!(answer["seed"], json!(7));
+    assert_eq!(answer["parameters"]["radius"], json!(0.03));
+    assert_eq!(answer["samples"], json!(session.summary.count));
     assert_eq!(
-        told["digest"],
+        answer["digest"],
         json!(tilescope_debugger::digest(session.run()))
     );
-    assert_eq!(told["events"], json!(state.cursor().unwrap().1));
-    assert_eq!(told["cursor"], told["events"]);
+    assert_eq!(answer["events"], json!(state.cursor().unwrap().1));
+    assert_eq!(answer["cursor"], answer["events"]);
     assert_eq!(
-        (&told["stage"], &told["verified"]),
+        (&answer["stage"], &answer["verified"]),
         (&json!("finish"), &json!(true))
     );
     assert_eq!(
-        (&told["ready"], &told["playing"]),
+        (&answer["ready"], &answer["playing"]),
         (&json!(true), &json!(false))
     );
-    assert_eq!(told["engine"], json!("CPU"));
-    assert_eq!(told["link"], json!("v=1&seed=7&radius=0.03&leaf=12"));
-    assert!(told["sentence"].as_str().unwrap().starts_with("Finish: "));
-    let keys: Vec<&String> = told.as_object().unwrap().keys().collect();
+    assert_eq!(answer["engine"], json!("CPU"));
+    assert_eq!(answer["link"], json!("v=1&seed=7&radius=0.03&leaf=12"));
+    assert!(answer["sentence"].as_str().unwrap().starts_with("Finish: "));
+    let keys: Vec<&String> = answer.as_object().unwrap().keys().collect();
     assert_eq!(keys.len(), 18, "{keys:?}");
     let positions = tilescope_formats::positions_digest(&session.run().positions());
-    assert_eq!(told["positions_digest"], json!(positions));
-    // What a page chooses is told on a page alone.
+    assert_eq!(answer["positions_digest"], json!(positions));
+    // These fields are set on a page only.
     assert_eq!(
-        (&told["gpu"], &told["chosen"]),
+        (&answer["gpu"], &answer["chosen"]),
         (&json!("unknown"), &json!(null))
     );
-    assert_eq!(told["notice"], json!(null));
-    // Before there is a session there is still an answer.
-    let early = State::new(std::sync::Arc::new(|| {})).told();
+    assert_eq!(answer["notice"], json!(null));
+    // Before there is a session there is an answer, too.
+    let early = State::new(std::sync::Arc::new(|| {})).to_json();
     assert_eq!(
         (&early["ready"], &early["digest"]),
         (&json!(false), &json!(null))
@@ -95,17 +95,17 @@ fn a_page_moves_through_time() {
         ask(&mut state, &json!({"do": "seek", "stage": "eliminate"})),
         done
     );
-    assert_eq!(state.told()["stage"], json!("eliminate"));
+    assert_eq!(state.to_json()["stage"], json!("eliminate"));
     assert_eq!(
         ask(&mut state, &json!({"do": "step", "by": 1, "unit": "stage"})),
         done
     );
-    assert_eq!(state.told()["stage"], json!("iterate-1"));
+    assert_eq!(state.to_json()["stage"], json!("iterate-1"));
     assert_eq!(ask(&mut state, &json!({"do": "seek", "part": 0.5})), done);
     let (at, len) = state.cursor().unwrap();
     assert!(at.abs_diff(len / 2) <= 1);
     assert_eq!(ask(&mut state, &json!({"do": "play", "speed": 2})), done);
-    assert!(state.time.playback.is_playing() && state.told()["playing"] == json!(true));
+    assert!(state.time.playback.is_playing() && state.to_json()["playing"] == json!(true));
     assert_eq!(ask(&mut state, &json!({"do": "play"})), done);
     assert!(state.time.playback.is_playing(), "it goes on");
     assert_eq!(ask(&mut state, &json!({"do": "pause"})), done);
@@ -113,7 +113,7 @@ fn a_page_moves_through_time() {
 }
 
 #[test]
-fn a_page_seeks_what_happens() {
+fn a_page_seeks_events() {
     let mut state = small();
     let cursor = |state: &State| state.cursor().unwrap().0;
     assert_eq!(
@@ -138,7 +138,7 @@ fn a_page_seeks_what_happens() {
         json!(true)
     );
     assert!(cursor(&state) < found[3]);
-    // Where there is none, nothing moves.
+    // If there is no such event, nothing moves.
     assert_eq!(
         ask(&mut state, &json!({"do": "seek", "event": 5}))["ok"],
         json!(true)
@@ -152,9 +152,9 @@ fn a_page_seeks_what_happens() {
 }
 
 #[test]
-fn a_page_says_how_the_canvas_looks() {
+fn a_page_sets_the_view() {
     let mut state = small();
-    let before = state.told()["view"].clone();
+    let before = state.to_json()["view"].clone();
     assert_eq!(
         (&before["camera"], &before["look"]),
         (&json!("whole"), &json!("dark"))
@@ -165,26 +165,26 @@ fn a_page_says_how_the_canvas_looks() {
     let mut request = wanted.clone();
     request["do"] = json!("view");
     assert_eq!(ask(&mut state, &request), json!({"ok": true}));
-    let told = state.told()["view"].clone();
-    assert_eq!(told["layers"], json!(["kd-tree", "disks"]));
+    let answer = state.to_json()["view"].clone();
+    assert_eq!(answer["layers"], json!(["kd-tree", "disks"]));
     for field in ["camera", "colouring", "look"] {
-        assert_eq!(told[field], wanted[field], "{field}");
+        assert_eq!(answer[field], wanted[field], "{field}");
     }
-    // What is not said stays.
+    // Parts that are not given stay.
     assert_eq!(
         ask(&mut state, &json!({"do": "view", "camera": "whole"}))["ok"],
         json!(true)
     );
-    let whole = state.told()["view"].clone();
+    let whole = state.to_json()["view"].clone();
     assert_eq!(
         (&whole["camera"], &whole["look"]),
         (&json!("whole"), &json!("light"))
     );
-    assert_eq!(whole["layers"], told["layers"]);
+    assert_eq!(whole["layers"], answer["layers"]);
 }
 
 #[test]
-fn links_are_loaded_and_what_was_dropped_is_told() {
+fn links_are_loaded_and_dropped_parts_are_named() {
     let mut state = state();
     let load = json!({"do": "load", "link": "v=1&radius=0.03&at=50&look=plaid&x=1"});
     let answer = ask(&mut state, &load);
@@ -192,7 +192,7 @@ fn links_are_loaded_and_what_was_dropped_is_told() {
     let dropped = answer["dropped"].as_array().unwrap();
     assert_eq!(dropped.len(), 2, "{answer}");
     settle(&mut state);
-    assert_eq!(state.told()["cursor"], json!(50));
+    assert_eq!(state.to_json()["cursor"], json!(50));
 }
 
 #[test]
@@ -202,11 +202,11 @@ fn seeds_that_numbers_would_round_are_text() {
     let answer = ask(&mut state, &json!({"do": "load", "parameters": seeds}));
     assert_eq!(answer, json!({"ok": true, "dropped": []}));
     settle(&mut state);
-    let told = state.told();
-    assert_eq!(told["seed"], json!(u64::MAX.to_string()));
-    assert_eq!(told["parameters"]["seed"], told["seed"]);
+    let answer = state.to_json();
+    assert_eq!(answer["seed"], json!(u64::MAX.to_string()));
+    assert_eq!(answer["parameters"]["seed"], answer["seed"]);
     assert_eq!(
-        told["parameters"]["pattern"]["seed"],
+        answer["parameters"]["pattern"]["seed"],
         json!("9007199254740993")
     );
     let run = state.runs.first.session.as_ref().unwrap().run();
@@ -221,7 +221,7 @@ fn seeds_that_numbers_would_round_are_text() {
 }
 
 #[test]
-fn while_a_run_is_made_nothing_moves_in_the_one_before() {
+fn seeking_is_refused_while_a_run_is_made() {
     let mut state = small();
     let load = json!({"do": "load", "parameters": {"radius": 0.03, "leaf": 12, "seed": 8}});
     assert_eq!(ask(&mut state, &load)["ok"], json!(true));
@@ -238,14 +238,14 @@ fn while_a_run_is_made_nothing_moves_in_the_one_before() {
         ask(&mut state, &json!({"do": "seek", "part": 0}))["ok"],
         json!(true)
     );
-    assert_eq!(state.told()["cursor"], json!(0));
+    assert_eq!(state.to_json()["cursor"], json!(0));
 }
 
 const REFUSED: &[(&str, &str)] = &[
-    ("", "no JSON object"),
-    ("[]", "no JSON object"),
-    ("null", "no JSON object"),
-    ("{\"do\":", "no JSON object"),
+    ("", "not a JSON object"),
+    ("[]", "not a JSON object"),
+    ("null", "not a JSON object"),
+    ("{\"do\":", "not a JSON object"),
     ("{}", "\"do\" is null"),
     (
         r#"{"do":"destroy"}"#,
@@ -312,7 +312,7 @@ const REFUSED: &[(&str, &str)] = &[
     (r#"{"do":"seek","event":1.5}"#, "\"event\" is 1.5"),
     (
         r#"{"do":"seek","event":99999999}"#,
-        "Event 99999999 is behind the last one",
+        "Event 99999999 is beyond the last one",
     ),
     (
         r#"{"do":"seek","stage":"lunch"}"#,
@@ -328,7 +328,7 @@ const REFUSED: &[(&str, &str)] = &[
         "must be one of \"conflict\", \"elimination\", \"gap\"",
     ),
     (r#"{"do":"seek","next":"gap","event":1}"#, "exactly one of"),
-    (r#"{"do":"view"}"#, "\"view\" says nothing"),
+    (r#"{"do":"view"}"#, "\"view\" is empty"),
     (r#"{"do":"view","zoom":2}"#, "no field \"zoom\""),
     (r#"{"do":"view","camera":[0,0]}"#, "\"camera\" is [0,0]"),
     (
@@ -352,12 +352,12 @@ const REFUSED: &[(&str, &str)] = &[
 ];
 
 #[test]
-fn what_cannot_be_meant_is_refused_by_name() {
+fn invalid_requests_are_refused_by_name() {
     let mut state = small();
-    let before = state.told();
+    let before = state.to_json();
     let long = format!("{{\"do\":\"state\",\"x\":\"{}\"}}", "x".repeat(70_000));
     let deep = "[".repeat(60_000);
-    let made = [(&*deep, "no JSON object"), (&*long, "at most 65536")];
+    let made = [(&*deep, "not a JSON object"), (&*long, "at most 65536")];
     for (request, part) in REFUSED.iter().copied().chain(made) {
         let answer = answer(&mut state, request);
         assert_eq!(answer["ok"], json!(false), "{request:.60}");
@@ -365,7 +365,7 @@ fn what_cannot_be_meant_is_refused_by_name() {
         assert!(error.contains(part), "{request:.60}: {error}");
         assert!(error.len() < 400, "{error}");
     }
-    assert_eq!(state.told(), before, "nothing was done");
+    assert_eq!(state.to_json(), before, "the state is unchanged");
     let mut early = State::new(std::sync::Arc::new(|| {}));
     for request in [
         json!({"do": "step"}),
@@ -378,7 +378,7 @@ fn what_cannot_be_meant_is_refused_by_name() {
 }
 
 #[test]
-fn a_run_without_events_is_sought_by_stages() {
+fn stages_are_sought_in_a_run_without_events() {
     let mut state = state();
     state.apply(Command::Combine(
         tilescope_session::combination::CombineCommand::Nine,
@@ -392,22 +392,22 @@ fn a_run_without_events_is_sought_by_stages() {
         ask(&mut state, &json!({"do": "seek", "part": 0}))["ok"],
         json!(true)
     );
-    assert_eq!(state.told()["stage"], json!("blocks"));
+    assert_eq!(state.to_json()["stage"], json!("blocks"));
     assert_eq!(
         ask(&mut state, &json!({"do": "step", "unit": "stage"}))["ok"],
         json!(true)
     );
-    assert_eq!(state.told()["stage"], json!("tile"));
+    assert_eq!(state.to_json()["stage"], json!("tile"));
 }
 
 #[test]
-fn a_long_way_to_a_breakpoint_is_taken_frame_by_frame() {
+fn a_long_run_to_a_breakpoint_takes_several_frames() {
     use tilescope_debugger::{Direction, Event};
     use tilescope_workbench::command::TimeCommand;
     let mut state = state();
     let debugger = state.runs.first.debugger.as_mut().expect("events");
     let len = debugger.recording().len();
-    // The line that is run most often.
+    // The line that is executed most often.
     let mut counts = std::collections::HashMap::new();
     for at in 0..len {
         let event: &Event = debugger.recording().event(at).expect("an event");
@@ -426,7 +426,7 @@ fn a_long_way_to_a_breakpoint_is_taken_frame_by_frame() {
     assert!(second > first, "and goes on with the next");
     settle(&mut state);
     assert_eq!(state.cursor(), Some((len, len)));
-    // Whatever else moves in time ends it.
+    // Any other move in time ends it.
     state.apply(Command::Time(TimeCommand::FirstStage));
     state.apply(on);
     state.apply(Command::Time(TimeCommand::Jump(7)));

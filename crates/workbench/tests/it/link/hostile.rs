@@ -1,4 +1,4 @@
-//! Links that are broken, newer, too large or made to do harm.
+//! Links that are broken, of a newer version, too large or malicious.
 
 use tilescope_core::{MAXIMAL_DENSITY, Parameters};
 use tilescope_session::layers::Layer;
@@ -8,7 +8,7 @@ use tilescope_workbench::link::{
     read, write,
 };
 
-use super::support::{Draws, opened, said, settle, state};
+use super::support::{Draws, notice_text, opened, settle, state};
 
 fn check_parameters(p: &Parameters) {
     let domain = p.validate_sequential().expect("parameters to sample");
@@ -17,9 +17,9 @@ fn check_parameters(p: &Parameters) {
     assert!(p.pattern.side <= MAX_PATTERN_SIDE);
 }
 
-/// What may be opened, whatever the text was; and what is written of it is read as the same.
+/// Checks that the content of any text is within the limits, and that it is read again as written.
 fn check(text: &str) -> LinkContent {
-    let (content, said) = read(text);
+    let (content, warnings) = read(text);
     check_parameters(&content.parameters);
     if let Some(second) = &content.view.second {
         check_parameters(second);
@@ -37,7 +37,7 @@ fn check(text: &str) -> LinkContent {
             .all(|text| text.chars().count() <= MAX_TEXT)
     );
     assert!(content.view.layout.is_whole());
-    assert!(said.text().len() < 4_000, "a notice, no book");
+    assert!(warnings.text().len() < 4_000, "the notice is short");
     let link = write(&content);
     assert!(link.fragment.len() <= MAX_CHARACTERS);
     let (again, unsaid) = read(&link.fragment);
@@ -46,7 +46,7 @@ fn check(text: &str) -> LinkContent {
     content
 }
 
-/// Whether it is waited for: two million samples, or a pattern of as many, take a while.
+/// Whether the run takes little time; one with two million samples, or such a pattern, does not.
 fn is_quick(content: &LinkContent) -> bool {
     let second = content.view.second;
     [content.parameters].into_iter().chain(second).all(|p| {
@@ -56,7 +56,7 @@ fn is_quick(content: &LinkContent) -> bool {
 }
 
 #[test]
-fn what_makes_no_sense_is_named_and_the_rest_counts() {
+fn invalid_parts_are_named_and_the_rest_is_read() {
     let marks = "9;".repeat(1_000_000);
     let bytes = "x".repeat(10_000_000);
     let mut state = state();
@@ -84,18 +84,18 @@ fn what_makes_no_sense_is_named_and_the_rest_counts() {
         ("v=-1", "its version is \"-1\""),
         ("fireworks=on", "\"fireworks\" is unknown in links"),
         ("<script>=1", "\"<script>\" is unknown"),
-        ("at=-5", "at \"-5\" makes no sense"),
-        ("at=99999999999999999999", "makes no sense"),
+        ("at=-5", "at \"-5\" is invalid"),
+        ("at=99999999999999999999", "is invalid"),
         ("at=4000000000", "event 4000000000 of a run of"),
         ("stage=%zz", "no stage \"%zz\""),
         ("stage=dessert", "no stage \"dessert\""),
-        ("camera=1,2", "camera \"1,2\" makes no sense"),
+        ("camera=1,2", "camera \"1,2\" is invalid"),
         ("camera=NaN,0,1", "camera"),
         ("camera=1e300,0,1", "camera"),
         ("camera=0,0,-1", "camera"),
         ("layers=samples,fireworks", "no layer \"fireworks\""),
         ("colouring=plaid", "colouring \"plaid\""),
-        ("look=", "look \"\" makes no sense"),
+        ("look=", "look \"\" is invalid"),
         ("select=sample:4000000000", "selection does not fit"),
         ("select=sample:-1", "select"),
         ("select=place:1e9,0", "select"),
@@ -109,21 +109,18 @@ fn what_makes_no_sense_is_named_and_the_rest_counts() {
         ("break=%zz", "breakpoint \"%zz\""),
         (&format!("watch=p;{}", "%20".repeat(300)), "watch \""),
         ("mark=x", "bookmark \"x\""),
-        ("mark=4000000000", "1 bookmark behind the run's last event"),
+        ("mark=4000000000", "1 bookmark after the run's last event"),
         (
             &format!("mark={marks}"),
-            "bytes; what lies behind the first 65,536 was left out",
+            "bytes; everything after the first 65,536 was left out",
         ),
         (&format!("seed=1&x={bytes}"), "10,000,009 bytes"),
-        (
-            "layout={\"root\":7}",
-            "layout \"{\"root\":7}\" makes no sense",
-        ),
+        ("layout={\"root\":7}", "layout \"{\"root\":7}\" is invalid"),
         ("layout=HHHHH", "layout"),
         ("layout=Hc1-c", "layout"),
         ("combine=AAA", "combination was left out"),
-        ("combine=A", "it is no base64 text"),
-        ("combine=%25", "it is no base64 text"),
+        ("combine=A", "it is not base64"),
+        ("combine=%25", "it is not base64"),
         (&format!("combine={}", "A".repeat(5_000)), "at most 4,000"),
     ] {
         let content = check(text);
@@ -131,25 +128,29 @@ fn what_makes_no_sense_is_named_and_the_rest_counts() {
         if is_quick(&content) {
             settle(&mut state);
         }
-        assert!(said(&state).contains(part), "{text:.60}: {}", said(&state));
+        assert!(
+            notice_text(&state).contains(part),
+            "{text:.60}: {}",
+            notice_text(&state)
+        );
         assert!(state.runs.first.session.is_some());
     }
-    // What is well is not named.
+    // Valid parts cause no warnings.
     assert_eq!(
-        said(&opened("v=1&seed=3&at=5&look=light&break=eliminate.5")),
+        notice_text(&opened("v=1&seed=3&at=5&look=light&break=eliminate.5")),
         ""
     );
 }
 
 #[test]
-fn parts_count_by_themselves() {
+fn parts_are_read_independently() {
     let state = opened("v=7&seed=3&radius=NaN&at=12&camera=&layers=disks&novel=1");
-    let text = said(&state);
+    let text = notice_text(&state);
     assert_eq!(
         text,
         "\"novel\" is unknown in links and was left out. The link is of version 7, and this program knows version 1; \
-         what it knows was read. The link asked for radius NaN; 0.00836 is used instead. The link's camera \"\" makes no \
-         sense and was left out."
+         what it knows was read. The link asked for radius NaN; 0.00836 is used instead. The link's camera \"\" is \
+         invalid and was left out."
     );
     assert_eq!(state.link().fragment, "v=1&seed=3&at=12&layers=disks");
 }
@@ -167,8 +168,8 @@ fn nothing_larger_than_the_limit_is_started() {
         let mut state = state();
         state.open_link(text);
         check_parameters(&state.form.draft.parameters);
-        assert!(!said(&state).is_empty(), "{text}");
-        // It is not waited for: two million samples take a while.
+        assert!(!notice_text(&state).is_empty(), "{text}");
+        // Do not wait for it: two million samples take long.
         state.runs.first.sampling = None;
     }
     // A layout whose pieces clip from many large patterns.
@@ -186,7 +187,11 @@ fn nothing_larger_than_the_limit_is_started() {
     assert!(content.combination.is_none());
     let file = r#"{"version":1,"radius":0.01,"columns":[1],"rows":[1],"pieces":[{"file":"/etc/hostname"}]}"#;
     let state = opened(&format!("combine={}", base64(file.as_bytes())));
-    assert!(said(&state).contains("from files"), "{}", said(&state));
+    assert!(
+        notice_text(&state).contains("from files"),
+        "{}",
+        notice_text(&state)
+    );
 }
 
 /// Base64 for addresses, written down again.
@@ -285,7 +290,7 @@ const VALUES: [&str; 40] = [
 ];
 
 #[test]
-fn a_link_of_unknown_layers_shows_the_usual_ones() {
+fn a_link_with_only_unknown_layers_shows_the_default_ones() {
     let layers = |text: &str| read(text).0.view.appearance.layers;
     assert_eq!(
         layers("v=1&layers=fireworks,tinsel"),
@@ -319,11 +324,11 @@ fn random_links_are_harmless() {
 }
 
 #[test]
-fn what_is_changed_in_a_link_by_a_hair_is_harmless() {
+fn links_with_small_changes_are_harmless() {
     let whole = "v=1&seed=7&radius=0.02&leaf=30&at=18204&camera=12.5,33.1,8&layers=disks,gaps&select=sample:412&b=cameras&\
                  b.seed=8&break=eliminate.5:distance%20%3C%201&mark=5:here&layout=VHT_peba-1950T_cg-6050VT_lsx-4400T_viwk-5600-2000-8740t1260-";
-    let (content, said) = read(whole);
-    assert_eq!(said.text(), "");
+    let (content, warnings) = read(whole);
+    assert_eq!(warnings.text(), "");
     assert!(content.view.second.is_some() && content.bookmarks.len() == 1);
     let mut draws = Draws(77);
     let mut damaged = 0;

@@ -1,4 +1,4 @@
-//! What a link holds is there again when it is opened.
+//! The content of a link is restored when it is opened.
 
 use std::collections::HashSet;
 use std::sync::Arc;
@@ -24,7 +24,7 @@ use tilescope_workbench::layout::Panel;
 use tilescope_workbench::link::{MAX_CHARACTERS, MAX_TEXT, read};
 use tilescope_workbench::{Command, State};
 
-use super::support::{Draws, digest, opened, said, settle, state};
+use super::support::{Draws, digest, notice_text, opened, settle, state};
 
 fn small(state: &mut State) {
     for (field, text) in [(Field::Radius, "0.03"), (Field::Leaf, "12")] {
@@ -35,7 +35,7 @@ fn small(state: &mut State) {
 }
 
 #[test]
-fn the_default_session_needs_no_words() {
+fn the_default_session_has_the_shortest_link() {
     let mut state = state();
     assert_eq!(state.link().fragment, "v=1");
     assert_eq!(state.link().left_out, [""; 0]);
@@ -50,7 +50,7 @@ fn the_default_session_needs_no_words() {
 }
 
 #[test]
-fn a_busy_session_is_there_again() {
+fn a_session_with_everything_set_is_restored() {
     let mut state = state();
     small(&mut state);
     let line = Listings::shipped().find("eliminate.5").expect("a line");
@@ -85,7 +85,7 @@ fn a_busy_session_is_there_again() {
     let expected = "v=1&radius=0.03&leaf=12&at=345&camera=20,21,66.666667&layers=";
     assert!(link.fragment.starts_with(expected), "{}", link.fragment);
     let there = opened(&link.fragment);
-    assert_eq!(said(&there), "");
+    assert_eq!(notice_text(&there), "");
     assert_eq!(there.link(), link);
     assert_eq!(digest(&there), digest(&state));
     let (a, b) = (state.saved().unwrap(), there.saved().unwrap());
@@ -200,9 +200,9 @@ fn view_command(draws: &mut Draws) -> Command {
 }
 
 #[test]
-fn whatever_a_user_did_is_in_the_link() {
+fn random_states_are_restored_from_their_links() {
     let mut draws = Draws(0x00ab_cdef_1234);
-    // It has opened the links before, so that what a link does not say must be taken back.
+    // This state has opened the previous links, so it must reset what a link leaves out.
     let mut there = state();
     let mut seen = HashSet::new();
     for round in 0..24 {
@@ -229,7 +229,7 @@ fn whatever_a_user_did_is_in_the_link() {
 }
 
 #[test]
-fn a_link_to_the_run_at_hand_samples_nothing() {
+fn a_link_to_the_current_run_samples_nothing() {
     let mut state = state();
     let generation = state.runs.first.session.as_ref().unwrap().generation;
     state.open_link("v=1&at=1234&select=sample:12");
@@ -248,13 +248,13 @@ fn a_link_to_the_run_at_hand_samples_nothing() {
 }
 
 #[test]
-fn a_run_that_the_user_starts_counts_instead() {
+fn a_run_that_the_user_starts_replaces_the_links() {
     let mut state = state();
     state.open_link("v=1&radius=0.02&at=77&look=light");
     assert_eq!(
         state.link().fragment,
         "v=1&radius=0.02&at=77&look=light",
-        "it is on its way"
+        "it is being made"
     );
     state.apply(Command::Form(FormCommand::Type(
         Field::Radius,
@@ -264,7 +264,7 @@ fn a_run_that_the_user_starts_counts_instead() {
     settle(&mut state);
     assert_eq!(state.link().fragment, "v=1&radius=0.04");
     assert_eq!(state.appearance.look, Look::Dark);
-    // And without that run it would have counted.
+    // Without that run the link would have been applied.
     assert_eq!(
         opened("#v=1&radius=0.02&at=77&look=light").appearance.look,
         Look::Light
@@ -272,17 +272,21 @@ fn a_run_that_the_user_starts_counts_instead() {
 }
 
 #[test]
-fn a_cancelled_run_of_a_link_leaves_the_session_at_hand() {
+fn cancelling_the_run_of_a_link_keeps_the_session() {
     let mut state = state();
     state.open_link("v=1&radius=0.0007&at=77");
     state.apply(Command::Cancel(Which::First));
     settle(&mut state);
     assert_eq!(state.link().fragment, "v=1");
-    assert!(said(&state).contains("Cancelled"), "{}", said(&state));
+    assert!(
+        notice_text(&state).contains("Cancelled"),
+        "{}",
+        notice_text(&state)
+    );
 }
 
 #[test]
-fn what_does_not_fit_is_left_out_and_told() {
+fn parts_that_do_not_fit_are_left_out_and_named() {
     let mut state = state();
     state.apply(Command::Window(WindowCommand::OpenPanel(Panel::Events)));
     for line in 0..40 {
@@ -338,7 +342,7 @@ fn combinations_are_in_links() {
     settle(&mut state);
     let link = state.link();
     let there = opened(&link.fragment);
-    assert_eq!(said(&there), "");
+    assert_eq!(notice_text(&there), "");
     assert_eq!((there.link(), digest(&there)), (link, digest(&state)));
 }
 
@@ -361,7 +365,7 @@ fn a_pattern_from_a_file_is_not_in_the_link() {
     settle(&mut state);
     let link = state.link();
     assert_eq!(link.left_out, ["the pattern, which comes from a file"]);
-    // The run that the parameters describe is another one, and is sampled.
+    // The link's parameters describe another run, which is sampled.
     state.open_link(&link.fragment);
     assert!(state.runs.first.sampling.is_some() && state.form.own_pattern.is_none());
 }
@@ -372,21 +376,21 @@ fn links_are_copied_with_the_address_of_their_page() {
     state.apply(Command::Link(LinkCommand::Copy));
     assert_eq!(state.links.copied.take().as_deref(), Some("#v=1"));
     assert!(
-        said(&state).contains("tilescope --link"),
+        notice_text(&state).contains("tilescope --link"),
         "{}",
-        said(&state)
+        notice_text(&state)
     );
     state.links.base = Some("https://lecture.example/tilescope/".to_owned());
     state.apply(Command::Link(LinkCommand::Copy));
     let copied = state.links.copied.take().unwrap();
     assert_eq!(copied, "https://lecture.example/tilescope/#v=1");
-    assert_eq!(said(&state), "The link is copied.");
+    assert_eq!(notice_text(&state), "The link is copied.");
     state.apply(Command::Link(LinkCommand::Open(copied + "&look=light")));
     assert_eq!(state.appearance.look, Look::Light);
 }
 
 #[test]
-fn undo_brings_back_what_a_link_replaced() {
+fn undo_restores_what_a_link_replaced() {
     let mut state = state();
     state.apply(Command::Window(WindowCommand::OpenPanel(Panel::Watches)));
     let before = state.link();
@@ -397,7 +401,7 @@ fn undo_brings_back_what_a_link_replaced() {
 }
 
 #[test]
-fn a_camera_on_the_pattern_ends_with_it() {
+fn the_camera_of_the_pattern_is_not_linked() {
     let mut state = state();
     state.runs.first.camera = Camera::default();
     state.apply(Command::View(
@@ -413,7 +417,7 @@ fn a_camera_on_the_pattern_ends_with_it() {
     assert!(fitted, "the pattern is fitted");
 }
 
-/// A value for every key, each other than what a link means that does not say it.
+/// A value for every key that differs from the default.
 const EVERYTHING: &[(&str, &str)] = &[
     ("v", "1"),
     ("seed", "7"),
@@ -449,7 +453,7 @@ const EVERYTHING: &[(&str, &str)] = &[
     ),
 ];
 
-/// Escapes every byte that is neither letter nor digit, as the strictest do.
+/// Escapes every byte except letters and digits.
 fn escape(text: &str) -> String {
     let escape = |byte: u8| match byte {
         byte if byte.is_ascii_alphanumeric() => char::from(byte).to_string(),
@@ -459,9 +463,9 @@ fn escape(text: &str) -> String {
 }
 
 #[test]
-fn links_mean_the_same_however_they_are_encoded() {
+fn links_are_read_the_same_in_any_encoding() {
     let join = |pairs: &[String], with: &str| pairs.join(with);
-    // As this program writes them: what separates parts of a value stands as it is.
+    // As this program writes them, with separators within values unescaped.
     let separators = ",:;!";
     let written: Vec<String> = EVERYTHING
         .iter()
@@ -505,7 +509,7 @@ fn links_mean_the_same_however_they_are_encoded() {
         assert_eq!(dropped.text(), "", "{with}");
         assert_eq!(encoded, content, "{with}");
     }
-    // Each by itself, so that no one is lost behind another.
+    // Each by itself, so that no part hides another.
     for (k, (key, _)) in EVERYTHING.iter().enumerate() {
         assert_eq!(read(&strict[k]), read(&written[k]), "{key}");
     }

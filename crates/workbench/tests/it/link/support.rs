@@ -1,4 +1,4 @@
-//! States without a window, and numbers drawn at random, the same every time.
+//! Helpers: states without a window, and reproducible random numbers.
 
 use std::sync::Arc;
 
@@ -23,7 +23,7 @@ pub fn opened(fragment: &str) -> State {
     state
 }
 
-/// Waits for everything; flights arrive.
+/// Waits for all work, and for flights to arrive.
 pub fn settle(state: &mut State) {
     for _ in 0..2 {
         state.settle();
@@ -43,7 +43,7 @@ pub fn digest(state: &State) -> String {
         .to_owned()
 }
 
-pub fn said(state: &State) -> String {
+pub fn notice_text(state: &State) -> String {
     state
         .messages
         .notice

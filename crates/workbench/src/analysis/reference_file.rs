@@ -1,5 +1,5 @@
-//! A point set from a file that moments are held against. It must be of the domain of the run: curves of other domains
-//! would be measured otherwise.
+//! A point set from a file that moments are compared with. It must have the domain of the run: curves of other
+//! domains are measured differently.
 
 use std::sync::Arc;
 
@@ -10,25 +10,25 @@ use tilescope_session::words::last_part;
 
 use super::measured::{self, MeasuredSet, Samples};
 
-/// A set from a file, and what is measured of it.
+/// A set from a file and its measures.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
-pub struct Held {
+pub struct ReferenceFile {
     /// The file.
     pub path: String,
-    /// Whether its domain is a guess: a unit square that ends as the run's domain does.
+    /// Whether its domain is assumed: a unit square with the boundary of the run's domain.
     pub guessed: bool,
-    /// What is measured of it, in the unit of the file's domain.
+    /// Its measures, in the unit of the file's domain.
     pub measured: Arc<MeasuredSet>,
 }
 
-impl Held {
-    /// Returns the last part of its name.
+impl ReferenceFile {
+    /// The last part of its path.
     #[must_use]
     pub fn name(&self) -> &str {
         last_part(&self.path)
     }
 
-    /// Returns why it cannot be held against a run on `run`, or `None` if it can.
+    /// Why it cannot be compared with a run on `run`, or `None` if it can.
     #[must_use]
     pub fn refusal(&self, run: Region) -> Option<String> {
         refusal(self.name(), self.measured.region, self.guessed, run)
@@ -37,7 +37,7 @@ impl Held {
 
 /// Returns a domain in words, in user units.
 #[must_use]
-pub fn said(region: Region) -> String {
+pub fn domain_text(region: Region) -> String {
     let border = match region.boundary {
         Boundary::Periodic => "periodic",
         Boundary::Bounded => "bounded",
@@ -57,24 +57,24 @@ fn refusal(name: &str, region: Region, guessed: bool, run: Region) -> Option<Str
     };
     (!fits).then(|| {
         format!(
-            "{name}{guess} is a set on a domain of {}, and this run's domain is {}: only sets of the same domain can be held against each other.",
-            said(region),
-            said(run)
+            "{name}{guess} is a set on a domain of {}, and this run's domain is {}: only sets on the same domain can be compared.",
+            domain_text(region),
+            domain_text(run)
         )
     })
 }
 
-/// Measures the point set that a file called `name` holds. `run` is the domain and `radius` the radius of the run, both in
-/// user units: the set is judged with the run's radius even where its file states its own, so that both mean the same r.
+/// Measures the point set of a file called `name`. `run` is the domain and `radius` the radius of the run, both
+/// in user units. The run's radius is used even if the file states its own, so that r means the same for both.
 ///
-/// Fails with a sentence where the set is of another domain, or cannot be measured.
+/// Fails when the set has another domain or cannot be measured.
 pub fn of(
     read: ReadSet,
     name: &str,
     run: Region,
     radius: f64,
     monitor: &Monitor,
-) -> Result<Held, String> {
+) -> Result<ReferenceFile, String> {
     let named = |text: &str| format!("{name}: {text}");
     let certificate = read.certificate.as_ref();
     let torus = read.detection.format.is_unit_torus();
@@ -109,7 +109,7 @@ pub fn of(
             let why = measured::refusal(&error);
             why.map_or_else(|| named("cancelled"), |why| named(&why))
         })?;
-    Ok(Held {
+    Ok(ReferenceFile {
         path: name.to_owned(),
         guessed,
         measured: Arc::new(measured),

@@ -1,11 +1,11 @@
-//! What did not come of a link, in sentences: as many as one reads.
+//! Warnings about parts of a link, limited in number and length.
 
-/// The most sentences that are kept.
+/// The most warnings that are kept; others are counted.
 const MAX_WARNINGS: usize = 8;
-/// The most characters of what is quoted.
+/// The most characters of quoted text.
 const QUOTED: usize = 40;
 
-/// Sentences about the parts of a link that count otherwise than they say, or not at all.
+/// Warnings about parts of a link that were changed or ignored.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct LinkWarnings {
     sentences: Vec<String>,
@@ -13,8 +13,8 @@ pub struct LinkWarnings {
 }
 
 impl LinkWarnings {
-    /// Says something.
-    pub fn say(&mut self, sentence: String) {
+    /// Adds a warning.
+    pub fn add(&mut self, sentence: String) {
         if self.sentences.len() < MAX_WARNINGS {
             self.sentences.push(sentence);
         } else {
@@ -22,13 +22,13 @@ impl LinkWarnings {
         }
     }
 
-    /// Returns whether there is nothing to say.
+    /// Whether there are no warnings.
     #[must_use]
     pub const fn is_empty(&self) -> bool {
         self.sentences.is_empty()
     }
 
-    /// Returns what there is to say, one sentence each; the last one counts those that were too many.
+    /// The warnings, one sentence each; the last one counts those beyond the limit.
     #[must_use]
     pub fn sentences(&self) -> Vec<String> {
         let mut sentences = self.sentences.clone();
@@ -40,14 +40,14 @@ impl LinkWarnings {
         sentences
     }
 
-    /// Returns all of it.
+    /// All warnings as one text.
     #[must_use]
     pub fn text(&self) -> String {
         self.sentences().join(" ")
     }
 }
 
-/// Returns a text from outside as it can be shown: short, on one line.
+/// Text from outside, shortened and on one line, so that it can be shown.
 #[must_use]
 pub fn quoted(text: &str) -> String {
     let plain = |c: char| if c.is_control() { '\u{fffd}' } else { c };
@@ -63,13 +63,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn as_much_is_said_as_one_reads() {
-        let mut said = LinkWarnings::default();
-        assert!(said.is_empty() && said.text().is_empty());
+    fn warnings_are_limited_in_number_and_length() {
+        let mut warnings = LinkWarnings::default();
+        assert!(warnings.is_empty() && warnings.text().is_empty());
         for k in 0..1_000 {
-            said.say(format!("Part {k}."));
+            warnings.add(format!("Part {k}."));
         }
-        let sentences = said.sentences();
+        let sentences = warnings.sentences();
         assert_eq!(sentences.len(), MAX_WARNINGS + 1);
         assert_eq!(sentences[MAX_WARNINGS], "992 more parts were left out.");
         assert_eq!(quoted("a\nb"), "a\u{fffd}b");
