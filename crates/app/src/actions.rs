@@ -1,5 +1,6 @@
-//! Every action of the window in one list: menus, shortcuts and the palette show it, and all issue the same
-//! commands. What cannot be done now says why.
+//! Every action of the window in one list: menus, shortcuts and the Ctrl+K palette are made from it and issue the same
+//! commands. An action that is unavailable carries the reason. Begin with `Action`; each menu's actions are in a file
+//! of its name.
 
 mod analyze;
 mod compare;
@@ -40,7 +41,7 @@ pub enum Menu {
     Go,
     /// Breakpoints, bookmarks, causes.
     Debug,
-    /// What is measured.
+    /// Measures of the moment.
     Analyze,
     /// The second run.
     Compare,
@@ -76,21 +77,21 @@ impl Menu {
 /// An action.
 #[derive(Clone, Debug)]
 pub struct Action {
-    /// Where it stands.
+    /// Its menu.
     pub menu: Menu,
-    /// What it is called.
+    /// Its name.
     pub name: String,
-    /// Its keys.
+    /// Its shortcut.
     pub shortcut: Option<KeyboardShortcut>,
-    /// A second key that does the same.
+    /// An alternative shortcut.
     pub also: Option<KeyboardShortcut>,
-    /// What it does.
+    /// The command it issues.
     pub command: Command,
-    /// Why it cannot be done now.
+    /// Why it is unavailable, if it is.
     pub refusal: Option<String>,
 }
 
-/// Returns the actions whose names hold every word typed, those that begin with the text first.
+/// Returns the actions whose names contain every typed word; names that begin with the text come first.
 #[must_use]
 pub fn found(finder: &Finder, state: &State) -> Vec<Action> {
     let text = finder.text.trim().to_lowercase();
@@ -120,7 +121,7 @@ fn no_events(state: &State) -> &'static str {
     }
 }
 
-/// Returns every action as things stand.
+/// Returns every action, with its current name and availability.
 #[must_use]
 pub fn actions(state: &State) -> Vec<Action> {
     let mut list = List {
@@ -164,20 +165,20 @@ impl List {
 }
 
 impl Action {
-    /// Returns what it is known as, whatever it is called.
+    /// Returns its id, which does not change with its name.
     #[must_use]
     pub fn id(&self) -> Kebab<(Menu, &Command)> {
         Kebab((self.menu, &self.command))
     }
 
-    /// Returns the keys that do it.
+    /// Returns its shortcuts.
     pub fn keys(&self) -> impl Iterator<Item = KeyboardShortcut> {
         self.shortcut.into_iter().chain(self.also)
     }
 }
 
 impl List {
-    /// Gives Escape to the first way out of something: what was entered last is left first.
+    /// Gives Escape to the action that closes or leaves what was entered last.
     fn escape(&mut self, state: &State) {
         let projector = (state.appearance.look == Look::Projector)
             .then_some(Command::Appearance(AppearanceCommand::ToggleProjector));
@@ -329,10 +330,10 @@ fn view(list: &mut List, state: &State) {
     );
 }
 
-/// By how many screen points a key moves the view.
+/// How far a key pans the view, in screen points.
 const PAN: f32 = 80.0;
 
-/// The view without a pointer.
+/// The camera's actions, for the keyboard.
 fn camera(list: &mut List, state: &State) {
     let no_session = state.runs.first.session.is_none().then_some(NO_SESSION);
     for (name, key, delta) in [
@@ -364,7 +365,7 @@ fn camera(list: &mut List, state: &State) {
     );
 }
 
-/// Returns why time cannot go forwards, and why not backwards.
+/// Returns why time cannot go forwards, and why it cannot go backwards, if so.
 #[must_use]
 pub fn time_refusals(run: &RunView, time: &Time) -> [Option<&'static str>; 2] {
     let Some(session) = &run.session else {

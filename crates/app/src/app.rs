@@ -1,5 +1,5 @@
-//! The window: shows the panels each frame, collects commands and has them applied. Tiles are moved
-//! here; everything else changes through commands.
+//! The egui application: each frame it shows the panels, collects commands and applies them to the state. Tiles are
+//! moved here directly; everything else changes through commands. Begin with `App::show`.
 
 use std::sync::Arc;
 
@@ -24,25 +24,25 @@ use tilescope_workbench::state::{FullScreen, State};
 
 /// The application.
 pub struct App {
-    /// What it shows.
+    /// The state of the workbench.
     pub state: State,
     canvas: Canvas,
     commands: Vec<Command>,
     shown_look: Look,
     shown_input_style: InputStyle,
-    /// What had the focus in the frame before.
+    /// What had the focus in the previous frame.
     focused: Option<egui::Id>,
-    /// Puts a text on the clipboard, if it returns true; otherwise the window does.
+    /// Copies a text to the clipboard and returns true, or returns false to leave it to egui.
     copier: fn(&str) -> bool,
-    /// Changes between the full screen and the window's place, if it returns true; otherwise the window does.
+    /// Toggles full screen and returns true, or returns false to leave it to egui.
     screener: fn() -> bool,
-    /// Files that were dropped on the page, while they are read.
+    /// Files dropped on the page that are being read.
     #[cfg(target_arch = "wasm32")]
     dropped: Option<tilescope_session::jobs::Job<tilescope_workbench::files::web::ReadFiles>>,
 }
 
 impl App {
-    /// Returns the application for a window with the context `ctx`; the default session starts.
+    /// Creates the application for a window with the context `ctx`; the default session starts.
     #[must_use]
     pub fn new(ctx: &Context) -> Self {
         let waker = ctx.clone();
@@ -63,18 +63,18 @@ impl App {
         }
     }
 
-    /// Has `copier` put texts on the clipboard; where it returns false, the window does, which cannot tell of a failure.
+    /// Uses `copier` to copy texts to the clipboard; where it returns false, egui does so, without reporting failures.
     pub fn copy_with(&mut self, copier: fn(&str) -> bool) {
         self.copier = copier;
     }
 
-    /// Has what a screen reader should say of the focus told to `hearer`.
+    /// Passes announcements about the focus to `hearer`, for screen readers.
     pub fn speak_to(ctx: &Context, hearer: impl Fn(&Spoken) + Send + Sync + 'static) {
         ctx.add_plugin(Speaker::new(hearer));
     }
 
-    /// Returns whether one finger at this place of the window is left to the page around: on the canvas of an embedded
-    /// window, where it does nothing but tap.
+    /// Returns whether a drag by one finger at this place is left to the surrounding page: on the canvas of an embedded
+    /// window, where one finger only taps.
     #[must_use]
     pub fn scrolls_at(&self, ctx: &Context, pos: Pos2) -> bool {
         let is_below = |layer: egui::LayerId| layer.order == egui::Order::Background;
@@ -83,12 +83,12 @@ impl App {
             && ctx.layer_id_at(pos).is_none_or(is_below)
     }
 
-    /// Has `screener` change between the full screen and the window's place; where it returns false, the window does.
+    /// Uses `screener` to toggle full screen; where it returns false, egui does.
     pub fn turn_full_screen_with(&mut self, screener: fn() -> bool) {
         self.screener = screener;
     }
 
-    /// Draws samples on the canvas by instancing on the window's device, which `render_state` holds, from now on.
+    /// From now on draws samples by instancing on the window's device in `render_state`.
     pub fn draw_with(&mut self, render_state: &RenderState) {
         self.canvas.draw_with(render_state);
     }
@@ -119,7 +119,7 @@ impl App {
                 &mut self.canvas,
                 &mut self.commands,
             );
-            // A long press would open a panel.
+            // A long press would otherwise open a panel.
             self.commands.retain(Command::works_in_frame);
         } else if self.state.window.drawer.arrangement.is_compact() {
             panels::compact::show(ui, &self.state, &mut self.canvas, &mut self.commands);
@@ -147,7 +147,7 @@ impl App {
         self.download();
     }
 
-    /// Another frame is due when the focus has moved: only then does a page take in what is typed.
+    /// Requests another frame when the focus has moved: a page accepts text only then.
     fn follow_focus(&mut self, ctx: &Context) {
         let focused = ctx.memory(egui::Memory::focused);
         if focused != self.focused {
@@ -156,7 +156,7 @@ impl App {
         }
     }
 
-    /// Takes files that were dropped on the page, once they are read.
+    /// Opens files that were dropped on the page, once they are read.
     #[cfg(target_arch = "wasm32")]
     fn take_dropped(&mut self, ui: &Ui) {
         let dropped = ui.input(|input| input.raw.dropped_files.clone());
@@ -182,7 +182,7 @@ impl App {
         }
     }
 
-    /// Hands what was made to the browser.
+    /// Hands finished downloads to the browser.
     #[cfg(target_arch = "wasm32")]
     fn download(&mut self) {
         for file in self.state.files.take_downloads() {
@@ -194,7 +194,7 @@ impl App {
         }
     }
 
-    /// Takes files that were dropped on the window.
+    /// Opens files that were dropped on the window.
     #[cfg(not(target_arch = "wasm32"))]
     fn take_dropped(&mut self, ui: &Ui) {
         let dropped = ui.input(|input| input.raw.dropped_files.clone());
@@ -221,7 +221,7 @@ impl App {
             commands: &mut self.commands,
             edited: false,
             moved: false,
-            // Where all panels are, their tabs stand close together.
+            // With all panels open, tabs are close together.
             spacing: if layout.is_whole() { 4.0 } else { 6.0 },
         };
         CentralPanel::no_frame().frame(Frame::new()).show(ui, |ui| {
@@ -230,7 +230,7 @@ impl App {
         });
         let (edited, moved) = (shower.edited, shower.moved);
         if edited {
-            // Tabs that the last panel was dragged out of are still there.
+            // Remove empty tab containers, left when the last panel was dragged out.
             tree.simplify(&shower.simplification_options());
             let tree = tiles::with_shares_of(tree, &tiles::tree(before), &tiles::tree(&layout));
             if let Some(layout) = tiles::layout(&tree).filter(Layout::is_whole) {
@@ -239,7 +239,7 @@ impl App {
         }
     }
 
-    /// Puts what was copied on the clipboard.
+    /// Copies pending text to the clipboard.
     fn copy(&mut self, ctx: &Context) {
         if let Some(text) = self.state.links.copied.take()
             && !(self.copier)(&text)
@@ -269,7 +269,7 @@ impl App {
         self.follow_commands(ctx);
     }
 
-    /// Does what commands asked of the window itself.
+    /// Carries out commands that concern the window itself.
     fn follow_commands(&mut self, ctx: &Context) {
         self.copy(ctx);
         self.turn_full_screen(ctx);
@@ -277,7 +277,7 @@ impl App {
         ctx.request_repaint();
     }
 
-    /// Arranges the window for its size. A layout that was made for less than a whole window stays what it is.
+    /// Arranges the panels for the window's size. A layout that was arranged for less than a whole window is kept.
     fn arrange(&mut self, ui: &Ui) {
         let mut size = ui.available_size();
         if self.state.appearance.look == Look::Projector {
@@ -316,7 +316,7 @@ impl App {
             zoom(self.shown_look, self.shown_input_style.touch),
             zoom(look, is_compact),
         );
-        // Who enlarges the window otherwise keeps that.
+        // If the window is enlarged otherwise, the layout is kept.
         if before.to_bits() != after.to_bits() {
             ctx.set_zoom_factor(after);
         }
@@ -324,7 +324,7 @@ impl App {
         ctx.request_repaint();
     }
 
-    /// Takes up what an earlier window remembered.
+    /// Restores the settings of an earlier session.
     pub fn remember(&mut self, storage: &dyn eframe::Storage) {
         let old = || eframe::get_value::<OldLayout>(storage, OLD_LAYOUT_KEY)?.completed();
         if let Some(layout) = eframe::get_value::<Layout>(storage, LAYOUT_KEY).or_else(old) {
@@ -334,19 +334,19 @@ impl App {
             self.state.appearance.choose_look(look);
             self.state.choose_motion(chosen);
         } else if let Some((look, _)) = eframe::get_value::<(Look, bool)>(storage, LOOK_KEY) {
-            // Once it did not say who had decided on motion.
+            // Older versions did not store who had chosen reduced motion.
             self.state.appearance.choose_look(look);
         }
     }
 }
 
-/// Between tiles, in screen points.
+/// Gap between tiles, in screen points.
 const GAP: f32 = 2.0;
-/// The height of the row of tabs above a tile.
+/// Height of a row of tabs above a tile.
 const TAB_BAR: f32 = 27.0;
 
 const LAYOUT_KEY: &str = "panels";
-/// Where earlier versions kept it, in a form of their own.
+/// The key of an older storage format.
 const OLD_LAYOUT_KEY: &str = "layout";
 const LOOK_KEY: &str = "look";
 
@@ -368,30 +368,30 @@ impl eframe::App for App {
         release_cancelled(raw);
     }
 
-    /// Sizes of egui's own widgets follow from the layout; nothing else of egui is remembered.
+    /// Not restored: egui's widget sizes follow from the layout.
     fn persist_egui_memory(&self) -> bool {
         false
     }
 }
 
-/// For so many frames a new tab is scrolled to: what scrolls its row comes and goes behind it.
+/// Frames for which a new tab is scrolled into view: the scroll buttons of its row appear with a delay.
 const TAB_FRAMES: u8 = 4;
 
-/// Shows what is in each tile.
+/// Shows the contents of each tile.
 struct Shower<'a> {
     state: &'a State,
     canvas: &'a mut Canvas,
     commands: &'a mut Vec<Command>,
     edited: bool,
-    /// Whether a panel has got another place.
+    /// Whether a panel was moved.
     moved: bool,
-    /// Beside the title of a tab, in screen points.
+    /// Padding beside the title of a tab, in screen points.
     spacing: f32,
 }
 
 impl Behavior<Panel> for Shower<'_> {
     fn pane_ui(&mut self, ui: &mut Ui, _: TileId, panel: &mut Panel) -> UiResponse {
-        // What egui remembers of a panel goes along with it, whatever tiles it stands in.
+        // egui's memory of a panel is keyed by the panel, so that it moves with it between tiles.
         let own = UiBuilder::new().scope_id(egui::Id::unique("panel").with(*panel));
         ui.scope_builder(own, |ui| {
             panels::show_panel(ui, *panel, self.state, self.canvas, self.commands);
@@ -410,7 +410,7 @@ impl Behavior<Panel> for Shower<'_> {
         }
     }
 
-    /// The tab of a panel that was opened otherwise than by its tab comes into view, too.
+    /// Also scroll to the tab of a panel that was opened by a command or link.
     fn on_tab_button(
         &mut self,
         _: &mut Tiles<Panel>,
@@ -437,7 +437,7 @@ impl Behavior<Panel> for Shower<'_> {
     }
 
     fn on_edit(&mut self, action: EditAction) {
-        // A drag that has only begun has changed nothing yet.
+        // A drag that has just begun has not changed anything yet.
         self.edited |= action != EditAction::TileDragged;
         self.moved |= action == EditAction::TileDropped;
     }

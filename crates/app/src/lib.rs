@@ -1,4 +1,5 @@
-//! The window of Tilescope: a finished, verified run, stage by stage, on a canvas to pan and zoom.
+//! The window of Tilescope: a finished, verified run, stage by stage, on a canvas to pan and zoom. Begin with `app.rs`;
+//! panels are in `panels.rs`, menus and shortcuts in `actions.rs`.
 //!
 //! It holds no algorithm, and no state of its own but what egui needs. Panels read the
 //! [`State`](tilescope_workbench::State) of the workbench and push [`Command`](tilescope_workbench::Command)s, which the

@@ -1,4 +1,4 @@
-//! The native window: opening it, or saying in a typed error why there is none, or why it is gone.
+//! The native window: opens it, and returns a typed error if it cannot be opened or is lost.
 
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -22,29 +22,30 @@ pub enum AppError {
     /// The windowing system failed in a way that it does not report as an error.
     #[error("no window could be opened: {0}")]
     WindowSystem(String),
-    /// The window was there and is lost: by a fault of the program, or as its graphics or the windowing system failed.
+    /// The window was open and was lost, by a bug or because graphics or the windowing system failed.
     #[error("the window was open and is lost: {0}")]
     Lost(String),
 }
 
 impl AppError {
-    /// Returns whether a window was there: then what the user did in it is lost, and nothing else replaces it.
+    /// Returns whether a window was open: unsaved work in it is then lost, and the caller should not fall back to
+    /// another mode.
     #[must_use]
     pub const fn was_open(&self) -> bool {
         matches!(self, Self::Lost(_))
     }
 }
 
-/// What is known of a window's frames when it ends.
+/// Counts the window's frames, to tell how far it came before an error.
 #[derive(Default)]
 struct Frames {
     drawn: AtomicU64,
-    /// Whether one is being made.
+    /// Whether a frame is in progress.
     inside: AtomicBool,
 }
 
 impl Frames {
-    /// Returns whether the window was there. What fails while a frame is made is not the window's opening.
+    /// Returns whether the window was open. An error during a frame is not a failure to open.
     fn shown(&self) -> bool {
         self.drawn.load(Ordering::Relaxed) > 0 || self.inside.load(Ordering::Relaxed)
     }
@@ -62,7 +63,7 @@ impl<A: eframe::App> eframe::App for Counted<A> {
     }
 
     fn ui(&mut self, ui: &mut egui::Ui, frame: &mut eframe::Frame) {
-        // A frame may be made in several passes; the second one begins when the first is drawn.
+        // A frame may take several passes; the second begins when the first is drawn.
         let drawn = ui.ctx().cumulative_frame_nr();
         self.frames.drawn.store(drawn, Ordering::Relaxed);
         self.frames.inside.store(true, Ordering::Relaxed);
@@ -83,10 +84,10 @@ impl<A: eframe::App> eframe::App for Counted<A> {
     }
 }
 
-/// How the window opens.
+/// How to open the window.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WindowOptions {
-    /// The link that it opens with: an address, or its fragment.
+    /// A link to open: an address, or its fragment.
     pub link: Option<String>,
     /// Its inner size in screen points.
     pub size: [f32; 2],
@@ -164,7 +165,8 @@ pub fn run_native(options: &WindowOptions) -> Result<(), AppError> {
     outcome(catch_unwind(AssertUnwindSafe(run)), &frames)
 }
 
-/// Returns what came of a window. Faults of the program unwind through the windowing system, whose own come either way.
+/// Returns the outcome of a window. A panic of the program unwinds through the windowing system, which may panic
+/// itself.
 fn outcome(
     ended: Result<Result<(), eframe::Error>, Box<dyn Any + Send>>,
     frames: &Frames,
@@ -188,7 +190,7 @@ fn said(panic: &(dyn Any + Send)) -> String {
 mod tests {
     use super::*;
 
-    /// Fails in the frame of this number, counted from 1.
+    /// Fails in this frame, counted from 1.
     struct Failing(usize);
 
     impl eframe::App for Failing {
@@ -198,7 +200,7 @@ mod tests {
         }
     }
 
-    /// Makes frames as a window does, then ends with an error.
+    /// Runs frames as a window does, then ends with an error.
     fn ended(failing: usize, made: usize) -> Result<(), AppError> {
         let frames = Arc::new(Frames::default());
         let mut window = Counted {

@@ -1,4 +1,5 @@
-//! The panels of the window. Each reads the state and pushes commands; none changes anything.
+//! The panels of the window. Each reads a part of the state and pushes commands. Begin with `panels/registry.rs`, which
+//! lists all of them.
 
 mod analysis;
 mod bookmarks;
@@ -58,13 +59,12 @@ pub fn show_bars(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         .show(ui, |ui| toolbar::show(ui, state, commands));
 }
 
-/// How wide the analysis is on a projector, in its larger screen points.
+/// Width of the analysis in projector mode, in its larger screen points.
 const PROJECTED: f32 = 290.0;
-/// The part of the window that it takes at most.
+/// The largest share of the window for it.
 const PROJECTED_PART: f32 = 0.33;
 
-/// Shows what a projector should show: the canvas, what happened, the controls and the line; the analysis, too, where its
-/// panel is open.
+/// Shows the projector mode: canvas, sentence, controls and timeline, and the analysis if its panel is open.
 pub fn show_projector(
     ui: &mut Ui,
     state: &State,
@@ -100,7 +100,7 @@ pub fn show_projector(
     leave_projector(ui, palette, commands);
 }
 
-/// A small way out in the corner of the canvas.
+/// A small button in the corner of the canvas that leaves the projector mode.
 fn leave_projector(ui: &Ui, palette: &Palette, commands: &mut Vec<Command>) {
     Area::new(Id::unique("leave projector"))
         .anchor(Align2::RIGHT_TOP, vec2(-8.0, 8.0))
@@ -116,7 +116,7 @@ fn leave_projector(ui: &Ui, palette: &Palette, commands: &mut Vec<Command>) {
         });
 }
 
-/// Shows what floats above the window: the export sheet, the notice and the list of actions.
+/// Shows what floats above the window: sheets, the notice and the list of actions.
 pub fn show_floating(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     export::show(ui, state, commands);
     files::show(ui, state, commands);

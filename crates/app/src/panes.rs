@@ -1,5 +1,5 @@
-//! One picture of a moment, or two of compared runs side by side: what is drawn where, and what pointer, fingers and keys
-//! do there, as commands.
+//! The canvas: one picture of a moment, or two of compared runs side by side, with their input. It arranges the
+//! pictures; drawing them is in `tilescope-canvas`.
 
 mod buffers;
 mod input;
@@ -21,23 +21,23 @@ use tilescope_workbench::command::{Command, ViewCommand, Which};
 use tilescope_workbench::passes::OnCanvas;
 use tilescope_workbench::state::{Runs, State};
 
-/// What the canvas is shown from.
+/// The context of the canvas.
 pub struct CanvasContext<'a> {
     palette: &'static Palette,
     look: Look,
     runs: &'a Runs,
-    /// What is seen of the first run, and of the second.
+    /// Run A's subject, and run B's.
     subjects: [Option<Subject<'a>>; 2],
-    /// The rows of a buffer of the GPU, where they are to be seen.
+    /// The rows of a GPU buffer, if they are shown.
     rows: Option<OnCanvas<'a>>,
-    /// Whether the window is part of another page.
+    /// Whether the window is embedded in another page.
     is_embedded: bool,
     /// Whether panels take a part of the canvas when they open.
     is_compact: bool,
 }
 
 impl<'a> CanvasContext<'a> {
-    /// Returns what the canvas of a window is shown from.
+    /// Creates the context of a window's canvas.
     #[must_use]
     pub fn of(state: &'a State) -> Self {
         Self {
@@ -52,26 +52,26 @@ impl<'a> CanvasContext<'a> {
     }
 }
 
-/// The canvas between two frames.
+/// The state of the canvas between frames.
 #[derive(Default)]
 pub struct Canvas {
     first: Pane,
     second: Pane,
-    /// What the second picture will draw with.
+    /// Used to create the second picture.
     device: Option<RenderState>,
-    /// The symbols of the rows of buffers.
+    /// Symbols for the rows of buffers.
     marks: Sprites,
 }
 
 impl Canvas {
-    /// Draws samples by instancing on the device of `render_state` from now on.
+    /// From now on draws samples by instancing on the device of `render_state`.
     pub fn draw_with(&mut self, render_state: &RenderState) {
         self.first.draw_with(render_state);
-        // The second picture asks for its own when there is one: pipelines take a while to be made.
+        // The second picture creates its pipelines only when it is needed, since that takes a while.
         self.device = Some(render_state.clone());
     }
 
-    /// Shows the canvas in all the space that `ui` has left.
+    /// Shows the canvas in the remaining space of `ui`.
     pub fn show(&mut self, ui: &mut Ui, context: &CanvasContext<'_>, commands: &mut Vec<Command>) {
         let size = ui.available_size().max(vec2(1.0, 1.0));
         let (rect, _) = ui.allocate_exact_size(size, Sense::hover());
@@ -120,7 +120,7 @@ impl Canvas {
     }
 }
 
-/// One of the pictures, and where it goes.
+/// One of the pictures and its rectangle.
 struct PaneSide<'a> {
     which: Which,
     rect: Rect,

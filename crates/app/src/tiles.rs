@@ -1,10 +1,10 @@
-//! A layout as the tiles that `egui_tiles` shows and moves, and back. A panel's tile has the same number wherever it stands.
+//! Converts between a layout and the tiles of `egui_tiles`. A panel's tile has the same number wherever it is.
 
 use egui_tiles::{Container, Linear, LinearDir, Tabs, Tile, TileId, Tiles, Tree};
 
 use tilescope_workbench::layout::{self, Direction, Layout, MAX_DEPTH, Panel};
 
-/// Containers are numbered from here on; panels have the numbers below.
+/// Containers are numbered from here on; smaller numbers are panels.
 const CONTAINERS: u64 = 1_000;
 
 /// Returns the tile of a panel.
@@ -12,7 +12,7 @@ fn tile_of(panel: Panel) -> TileId {
     TileId::from_u64(1 + panel as u64)
 }
 
-/// Returns the panel of a tile, if it is that of a panel.
+/// Returns the panel of a tile, if it is a panel's.
 #[must_use]
 pub fn panel_of(tile: TileId) -> Option<Panel> {
     Panel::all().find(|panel| tile_of(*panel) == tile)
@@ -22,7 +22,7 @@ fn id() -> egui::Id {
     egui::Id::unique("layout")
 }
 
-/// Returns what egui knows the tab of a panel by.
+/// Returns egui's id of a panel's tab.
 #[must_use]
 pub fn tab_id(panel: Panel) -> egui::Id {
     tile_of(panel).egui_id(id())
@@ -79,7 +79,7 @@ impl Maker {
     }
 }
 
-/// Returns the layout of these tiles; none if there are kinds of containers among them that a layout lacks.
+/// Returns the layout of these tiles, or `None` if they use a kind of container that layouts lack.
 #[must_use]
 pub fn layout(tree: &Tree<Panel>) -> Option<Layout> {
     let root = tile(&tree.tiles, tree.root()?, 0)?;
@@ -114,8 +114,8 @@ fn tile(tiles: &Tiles<Panel>, id: TileId, depth: usize) -> Option<layout::Layout
     })
 }
 
-/// Returns these tiles with the shares that `before` has in rows and columns that are as in `shown`, which was made of it:
-/// what was not resized keeps its share in a window of another size.
+/// Returns these tiles, with shares taken from `before` wherever a row or column is as in `shown`, which was made of
+/// it: what was not resized keeps its share in a window of another size.
 #[must_use]
 pub fn with_shares_of(
     mut tree: Tree<Panel>,
@@ -162,7 +162,7 @@ mod tests {
         let mut small = whole.clone();
         small.enlarge(vec2(400.0, 300.0), [2.0, 20.0], |_| vec2(100.0, 50.0));
         assert_ne!(small, whole);
-        // What was opened there is kept.
+        // Panels opened there are kept.
         let mut opened = small.clone();
         opened.open(Panel::Events);
         let kept = with_shares_of(tree(&opened), &tree(&whole), &tree(&small));

@@ -1,5 +1,5 @@
-//! What is brushed, on the canvas: the edges of the pairs at the chosen distances, and the tint of samples by what they add
-//! to the power of the chosen frequencies. What is found is handed to it.
+//! The brushed range of a chart on the canvas: edges between pairs of samples at the selected distances, and a tint of
+//! samples by their contribution to the power at the selected frequencies. `tilescope-workbench` finds both.
 
 use egui::Pos2;
 use tilescope_core::Stage;
@@ -11,18 +11,18 @@ use tilescope_session::words::{counted, grouped};
 use crate::raster::MadeFrom;
 use tilescope_drawing::brushed::Cause;
 
-/// The edges in view, as long as nothing changes that they follow from.
+/// The edges in view, cached until the moment, the view or the brush changes.
 #[derive(Default)]
 pub struct Edges {
     made_from: Option<MadeFrom>,
     ends: Vec<[Pos2; 2]>,
     in_view: usize,
-    /// What is brushed, in short, and pairs that are not kept.
+    /// A short description of the brush, and the number of pairs that were left out.
     brushed: Option<String>,
 }
 
 impl Edges {
-    /// Brings the edges up to the moment and the view that are shown.
+    /// Updates the edges for the moment and view shown.
     pub fn follow(&mut self, scene: &Scene<'_>, made_from: MadeFrom) {
         if self.made_from.as_ref() == Some(&made_from) {
             return;
@@ -38,7 +38,7 @@ impl Edges {
         parts::draw_pairs(scene, &self.ends, surface);
     }
 
-    /// Returns what is brushed, and a remark about edges that are left out.
+    /// Returns a description of the brush, with a remark if edges are left out.
     pub fn note(&self, crowded: bool) -> Option<String> {
         if crowded && self.in_view > 0 {
             return Some(
@@ -57,7 +57,7 @@ impl Edges {
     }
 }
 
-/// Says in short what is brushed, if that draws anything.
+/// Describes the brush, if it draws anything.
 fn short(cause: &Cause) -> Option<String> {
     let text = match cause {
         Cause::Pairs { total: 0, .. } | Cause::Shares { frequencies: 0, .. } => return None,

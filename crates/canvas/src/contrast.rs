@@ -4,11 +4,11 @@ use egui::{Color32, Mesh, Painter, Pos2, Rect, vec2};
 use tilescope_drawing::palette::Palette;
 use tilescope_drawing::scene::Scene;
 
-/// With more marks in view none are drawn: one would see no more than a surface.
+/// With more marks in view none are drawn, since they would merge into a surface.
 const MAX_MARKS: usize = 60_000;
-/// So much of the picture may be covered by marks: beyond, they hide what they mark.
+/// Largest share of the picture that marks may cover; beyond it they hide the samples they mark.
 const MAX_INK: f32 = 0.25;
-/// How wide the lines of a mark are, in screen points.
+/// Line width of a mark, in screen points.
 const WIDTH: f32 = 1.5;
 
 /// Marks the samples that only one of the two runs has: a whole square where this run alone has one, four corners

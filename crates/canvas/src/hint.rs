@@ -1,25 +1,24 @@
-//! A line over the canvas for a moment, where it is part of another page: how to move the picture, for those who have just tried
-//! what is that page's.
+//! A hint over an embedded canvas: how to zoom and pan after a gesture that scrolls the surrounding page instead.
 
 use egui::{Align2, Context, Id, ModifierNames, Modifiers, Painter, Rect, Ui, vec2};
 use tilescope_drawing::palette::Palette;
 
 use crate::overlay::tag;
 
-/// So long it is shown after the last try, in seconds.
+/// How long the hint stays after the last such gesture, in seconds.
 const SECS: f64 = 1.6;
 
-/// What was tried.
+/// The gesture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Hint {
-    /// The wheel alone.
+    /// The wheel without Ctrl.
     Wheel,
-    /// One finger.
+    /// A drag by one finger.
     Fingers,
 }
 
 impl Hint {
-    /// Returns what to do instead.
+    /// Returns the gesture to use instead, as a sentence.
     #[must_use]
     pub fn text(self, ctx: &Context) -> String {
         match self {
@@ -42,7 +41,7 @@ pub fn give(ui: &Ui, hint: Hint) {
     ui.data_mut(|data| data.insert_temp(id(), (hint, now)));
 }
 
-/// Returns the hint that is to be seen now.
+/// Returns the hint to show now.
 #[must_use]
 pub fn given(ctx: &Context) -> Option<Hint> {
     let (hint, at): (Hint, f64) = ctx.data(|data| data.get_temp(id()))?;

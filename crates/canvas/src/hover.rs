@@ -1,5 +1,5 @@
-//! What is under the pointer, in words: a sample and how it stands, else the gap, else the block. The tag keeps clear of
-//! what it names.
+//! The tag beside the pointer: the sample under it and its status, or else the gap, or else the block. The tag does not
+//! cover what it names.
 
 use egui::{Align2, FontId, Painter, Pos2, Rect, Response, Stroke, StrokeKind, Ui, vec2};
 use glam::DVec2;
@@ -13,29 +13,29 @@ use tilescope_drawing::MIN_DISK_SCALE;
 use tilescope_drawing::made::Made;
 use tilescope_drawing::subject::Subject;
 
-/// Text that is longer than this, in screen points, is never shown: it decides on which side of the pointer a tag goes.
+/// An upper bound of the width of tags, in screen points: it decides on which side of the pointer a tag goes.
 const MAX_CARD_WIDTH: f32 = 380.0;
-/// How far a tag stays from the pointer, and at most, in screen points.
+/// Minimum and maximum distance of a tag from the pointer, in screen points.
 const NEAREST: f32 = 10.0;
 const MAX_DISTANCE: f32 = 90.0;
-/// How far the ring around the sample under the pointer reaches.
+/// Radius of the ring around the sample under the pointer.
 const HALO: f32 = 15.0;
-/// How near to a sample in a gap the pointer must be to mean the sample, in screen points.
+/// Pick radius around a sample in a gap, in screen points; beyond it the gap is named.
 const ON_SAMPLE: f32 = 5.0;
-/// How much room a tag needs above what it names.
+/// Vertical room for a tag above what it names.
 const MAX_CARD_HEIGHT: f32 = 64.0;
 
 /// What is under the pointer.
 struct Named {
-    /// What it is, in few words and in all.
+    /// A short name and a full description.
     brief: String,
     full: String,
-    /// Where it is, and how far it reaches, in screen points.
+    /// Its position and radius, in screen points.
     at: Pos2,
     reach: f32,
 }
 
-/// Shows the tag beside what is under the pointer, and tells screen readers; `brief` leaves out all but the name.
+/// Shows the tag beside the pointer and announces it to screen readers; `brief` shows the name only.
 pub fn show(
     ui: &Ui,
     painter: &Painter,
@@ -62,14 +62,14 @@ fn name(subject: &Subject<'_>, rect: Rect, pointer: Pos2) -> Option<Named> {
         return None;
     }
     let place = subject.camera.domain_from_screen(rect, pointer);
-    // Where symbols hide one another the pointer means no single sample.
+    // Where symbols overlap too much, no single sample can be pointed at.
     let fine = subject.camera.scale >= MIN_DISK_SCALE;
     let hovered = subject.hovered.filter(|_| fine);
     let hovered = hovered.map(|id| {
         let at = shown.session.place(id);
         (id, subject.camera.screen_from_domain(rect, at))
     });
-    // Nothing covers a place in a gap: only a sample that the pointer is right on is meant instead.
+    // A gap is uncovered, so a sample is meant only when the pointer is on its symbol.
     let on_sample = hovered.is_some_and(|(_, at)| at.distance(pointer) <= ON_SAMPLE);
     if let Some((gap, reach)) = gap(subject, place).filter(|_| !on_sample) {
         let reach = reach * subject.camera.scale as f32;
@@ -127,7 +127,7 @@ fn sample(subject: &Subject<'_>, id: u32) -> [String; 2] {
     ]
 }
 
-/// Returns what is known of the gap at a place, and how far it reaches from there, in r.
+/// Describes the gap at a place, with its extent from there, in r.
 fn gap(subject: &Subject<'_>, place: DVec2) -> Option<(String, f32)> {
     let shown = &subject.shown;
     let size = shown.session.size_radii();
@@ -149,7 +149,7 @@ fn gap(subject: &Subject<'_>, place: DVec2) -> Option<(String, f32)> {
     Some((text, reach.fold(0.0, f64::max) as f32))
 }
 
-/// Returns what the blocks of a session are called.
+/// Returns the word for the blocks of a session.
 const fn block_name(session: &tilescope_session::Session) -> &'static str {
     match session.combination {
         Some(_) => "piece",
@@ -182,8 +182,8 @@ fn block(subject: &Subject<'_>, place: DVec2) -> Option<[String; 2]> {
     Some([brief, full])
 }
 
-/// Draws the text above and to the right of what it names, or where there is more room. The side depends on the place
-/// alone, so that the tag does not jump when the text changes.
+/// Draws the text above and to the right of its target, or on another side if there is more room. The side depends on
+/// the place alone, so that the tag does not jump when the text changes.
 fn tag(painter: &Painter, rect: Rect, named: &Named, text: &str, palette: &Palette) {
     let galley = painter.layout_no_wrap(text.to_owned(), FontId::proportional(12.5), palette.text);
     let to_right = named.at.x + named.reach + MAX_CARD_WIDTH < rect.right();

@@ -1,5 +1,6 @@
-//! Samples and disks drawn by instancing: places and looks stay on the GPU between frames, a frame costs a few draw
-//! calls. It never decides how a sample looks, and draws nothing where the window has no `wgpu` device.
+//! Samples and disks drawn by GPU instancing: positions and styles stay on the GPU between frames, so a frame costs a
+//! few draw calls. Without a `wgpu` device it draws nothing. Begin with `InstancedCanvas`; styles are chosen in
+//! `resident.rs`.
 
 mod gpu;
 mod order;
@@ -25,13 +26,13 @@ use tilescope_drawing::look::SampleLook;
 use view::{Copy, PlaneView};
 pub use view::{Marks, PaintOptions};
 
-/// Disks of fewer pixels of radius are not drawn.
+/// Disks of a smaller radius, in pixels, are not drawn.
 pub const MIN_DISK_PIXELS: f64 = 1.0;
 /// Up to this many samples in view are drawn as symbols at any scale.
 const UNCROWDED: usize = 90_000;
-/// From this many pixels per r on, more of them are, if the limits allow it.
+/// From this many pixels per r on, more samples than that are drawn as symbols, as far as the limits allow.
 const MIN_SYMBOL_SCALE: f64 = 3.0;
-/// Changed places nearer to one another than this are uploaded together.
+/// Changed ranges closer than this are uploaded together.
 const MAX_UPLOAD_GAP: usize = 128;
 /// The least opacity of a point where many lie on one pixel.
 const MIN_POINT_OPACITY: f32 = 0.25;
@@ -49,7 +50,7 @@ pub enum InstancedError {
     },
 }
 
-/// How much is drawn in a frame.
+/// Limits on what is drawn in a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Limits {
     /// The most samples drawn as symbols; more in view become points.
@@ -86,7 +87,7 @@ struct Motion {
     frame: u64,
     view: Option<PlaneView>,
     moving: bool,
-    /// How many layers the frame has so far.
+    /// Layers drawn so far in this frame.
     layers: u32,
 }
 
@@ -99,7 +100,7 @@ pub struct InstancedCanvas {
     order: CellOrder,
     size: DVec2,
     periodic: bool,
-    /// By place in the buffers.
+    /// By position in the buffers.
     looks: Vec<[u32; 2]>,
     drawn: Cell<u32>,
     motion: Cell<Motion>,
@@ -140,8 +141,8 @@ impl InstancedCanvas {
         self.limits = limits;
     }
 
-    /// Takes over the samples of a session, whose ids are their places in `points`, all hidden; does nothing if
-    /// `generation` is that of the samples it has.
+    /// Uploads the samples of a session, all hidden; their ids are indices of `points`. Does nothing if `generation` is
+    /// already loaded.
     ///
     /// Fails when they are too many for the device; the canvas is then empty.
     pub fn set_points(
@@ -173,20 +174,20 @@ impl InstancedCanvas {
         Ok(())
     }
 
-    /// Returns the generation of the samples it has.
+    /// Returns the generation of the samples on the GPU.
     #[must_use]
     pub const fn generation(&self) -> Option<u64> {
         self.generation
     }
 
-    /// Returns the version of the looks it has.
+    /// Returns the version of the styles on the GPU.
     #[must_use]
     pub const fn version(&self) -> Option<u64> {
         self.version
     }
 
-    /// Gives every sample the look that `look` returns for its id, unless `version` is that of the looks it has;
-    /// uploads what changed and returns how many samples that are.
+    /// Gives every sample the style that `look` returns for its id, unless the styles are already those of `version`;
+    /// uploads the changed ones and returns their number.
     pub fn set_looks(&mut self, version: u64, look: impl Fn(u32) -> SampleLook) -> usize {
         if self.version == Some(version) {
             return 0;
@@ -204,8 +205,8 @@ impl InstancedCanvas {
         changed.len()
     }
 
-    /// Gives the listed samples new looks, which makes the looks those of `version`; uploads what changed and
-    /// returns how many samples that are. Ids of no sample are passed over.
+    /// Updates the styles of the listed samples and sets `version`; uploads the changed ones and returns their number.
+    /// Unknown ids are ignored.
     pub fn change_looks(&mut self, version: u64, looks: &[(u32, SampleLook)]) -> usize {
         self.version = Some(version);
         let mut changed = Vec::new();
@@ -225,7 +226,7 @@ impl InstancedCanvas {
         changed.len()
     }
 
-    /// Uploads the looks at `changed` places, in ascending order, with what lies between near ones.
+    /// Uploads the styles at `changed` positions, in ascending order; close ranges are joined.
     fn upload(&self, changed: &[usize]) {
         if changed.len() > self.looks.len() / 4 {
             self.gpu.write_looks(0, &self.looks);
@@ -315,7 +316,7 @@ impl InstancedCanvas {
         (next.moving, next.layers)
     }
 
-    /// Returns what is drawn of `seen` samples, and the most of them, if anything.
+    /// Returns what is drawn for `seen` samples, and the maximum number, if anything is drawn.
     fn kind(
         &self,
         marks: Marks,

@@ -1,7 +1,7 @@
-//! The picture of a moment in the window: samples, disks, gaps and what lies over them, drawn from a
-//! [`Subject`](tilescope_drawing::subject::Subject).
-//!
-//! It knows neither the state of the window nor its commands. What it keeps between frames are pictures that can be made again.
+//! Draws a moment of a run with egui: samples, disks, gaps and overlays, from a
+//! [`Subject`](tilescope_drawing::subject::Subject). It does not depend on the state of the window or its commands;
+//! between frames it keeps only caches. Begin with [`pane`]; what a moment consists of is in `tilescope-drawing`,
+//! pointer input in `tilescope-app`.
 
 mod brushed;
 mod contrast;

@@ -1,4 +1,4 @@
-//! What lies over the layers: scale bar, coordinates, remarks, and the place that decides a verdict.
+//! Overlays: scale bar, coordinates, remarks, and a marker at the conflict or gap that decides a verdict.
 
 use glam::DVec2;
 
@@ -7,14 +7,14 @@ use tilescope_drawing::palette::Palette;
 
 use tilescope_drawing::subject::Subject;
 
-/// On a canvas that is lower than this, remarks would hide what they are about.
+/// On a lower canvas remarks would cover the picture and are not shown.
 const MIN_HEIGHT: f32 = 200.0;
 
 const INSET: f32 = 18.0;
-/// A remark stands beside the domain where it has this much room.
+/// A remark stands beside the domain if there is this much room.
 const MIN_WIDTH_BESIDE: f32 = 150.0;
 
-/// Says that a session is on its way, or why there is none.
+/// Shows that a session is being computed, or why it failed.
 pub fn waiting(painter: &Painter, rect: Rect, at_work: bool, palette: &Palette) {
     let text = if at_work {
         "Sampling\u{2026}"
@@ -64,7 +64,7 @@ fn round_length(radii: f64) -> f64 {
     let steps = [5.0, 2.0, 1.0];
     let step = steps.into_iter().find(|step| step * power <= radii);
     let length = step.unwrap_or(1.0) * power;
-    // Powers of ten below 1 are not exact.
+    // Powers of ten below 1 are inexact.
     (length * 1e6).round() / 1e6
 }
 
@@ -83,7 +83,7 @@ pub fn cursor(
     let place = pointer.map(|pos| subject.camera.domain_from_screen(rect, pos));
     let place = place.map(|DVec2 { x, y }| format!("x {x:>8.3} r  y {y:>8.3} r"));
     let both = place.as_ref().map(|place| format!("{place}  {zoom}"));
-    // In a narrow picture there is no room for all of it beside the scale bar.
+    // A narrow picture has no room for all of it beside the scale bar.
     let room = rect.width() - 2.0 * INSET - (bar(subject).1 + 21.0);
     let fits = |text: &String| {
         let font = FontId::monospace(12.0);
@@ -122,7 +122,7 @@ pub fn note(
     }
 }
 
-/// Draws text with a ground, so that it can be read over anything.
+/// Draws text on a background, so that it is readable over the picture.
 pub fn tag(painter: &Painter, pos: Pos2, anchor: Align2, text: &str, palette: &Palette) {
     let galley = painter.layout_no_wrap(text.to_owned(), FontId::monospace(12.0), palette.text);
     let rect = anchor.anchor_size(pos, galley.size());

@@ -1,5 +1,4 @@
-//! One picture of samples: a subject in a rectangle. What it remembers between frames are pictures and meshes that can be
-//! made again.
+//! One picture: a subject drawn in a rectangle. Between frames it keeps only caches of meshes and textures.
 
 use eframe::egui_wgpu::RenderState;
 use egui::{
@@ -23,12 +22,12 @@ use crate::strokes::KeptShapes;
 use tilescope_drawing::looks::{Key, Looks, Swatches};
 use tilescope_drawing::subject::Subject;
 
-/// A picture between two frames.
+/// The caches of a picture.
 #[derive(Default)]
 pub struct Pane {
     sprites: Sprites,
     swatches: Swatches,
-    /// Without a GPU to draw on, or where it has no room, samples are drawn as meshes.
+    /// Samples on the GPU. `None`: without a device, or if they do not fit, samples are drawn as meshes.
     resident: Option<Resident>,
     kept: KeptShapes<(MadeFrom, bool)>,
     gaps: PanePicture,
@@ -37,12 +36,12 @@ pub struct Pane {
 }
 
 impl Pane {
-    /// Draws samples by instancing on the device of `render_state` from now on.
+    /// From now on draws samples by instancing on the device of `render_state`.
     pub fn draw_with(&mut self, render_state: &RenderState) {
         self.resident = Some(Resident::new(render_state));
     }
 
-    /// Draws the layers; returns a remark about what is left out at this scale.
+    /// Draws the layers; returns a remark if something is left out at this scale.
     pub fn paint(
         &mut self,
         ui: &Ui,
@@ -111,12 +110,12 @@ impl Pane {
     }
 }
 
-/// A picture, as long as it is known, and what it was made from.
+/// A cached picture and the key it was made from.
 #[derive(Default)]
 struct PanePicture(Option<(MadeFrom, TextureHandle)>);
 
 impl PanePicture {
-    /// Draws the picture, pixel on pixel, which `make` makes if anything changed.
+    /// Draws the picture at its pixel size; `make` makes it anew if the key changed.
     fn paint(&mut self, painter: &Painter, made_from: MadeFrom, make: impl FnOnce() -> ColorImage) {
         let texture = self.texture(painter.ctx(), made_from, make);
         let frame = made_from.0;
@@ -145,7 +144,7 @@ impl PanePicture {
     }
 }
 
-/// Returns which pixels are covered at a moment, and which of them inserted samples of its iteration cover.
+/// Returns which pixels are covered at a moment, and which of them only by samples inserted in the current iteration.
 fn coverage(frame: &PixelGrid, shown: &ShownMoment<'_>) -> Coverage {
     let (session, stage) = (shown.session, shown.stage);
     let mut coverage = Coverage::open(frame, session);

@@ -1,5 +1,5 @@
-//! Pictures that are made pixel by pixel for the visible part of the domain: the uncovered area, and
-//! samples where there are too many for symbols. Plain pixels; nothing here knows a window.
+//! Pictures computed pixel by pixel for the visible part of the domain: the uncovered area, and samples that are too
+//! many for symbols. Independent of egui's painter.
 
 use glam::DVec2;
 
@@ -19,7 +19,7 @@ pub struct PixelGrid {
     pub pixels_per_point: f32,
 }
 
-/// What pictures and meshes follow from.
+/// The part of a cache key that the frame determines.
 pub type MadeFrom = (PixelGrid, tilescope_drawing::looks::Key);
 
 impl PixelGrid {
@@ -51,26 +51,26 @@ impl PixelGrid {
     }
 }
 
-/// Which pixels are covered, and since when.
+/// The coverage of each pixel.
 pub struct Coverage {
     size: [usize; 2],
     cells: Vec<u8>,
 }
 
-/// Pixels that are passed over together.
+/// Number of pixels in a row that are skipped at once.
 const STRETCH: usize = 16;
 
 /// Outside the domain.
 const OUTSIDE: u8 = 3;
-/// Covered by a sample that was there before the stage.
+/// Covered by a sample from before the stage.
 const BEFORE: u8 = 2;
-/// Covered only by samples that the stage brought.
+/// Covered only by samples that the stage added.
 const NOW: u8 = 1;
 /// Not covered.
 const OPEN: u8 = 0;
 
 impl Coverage {
-    /// Returns what `frame` shows of the domain with nothing covered yet.
+    /// Returns the pixels that `frame` shows of the domain, all uncovered.
     #[must_use]
     pub fn open(frame: &PixelGrid, session: &Session) -> Self {
         let size = frame.size();
@@ -85,14 +85,14 @@ impl Coverage {
         Self { size, cells }
     }
 
-    /// Covers the disk of `radius` pixels around `at`, as of before the stage or by it.
+    /// Covers the disk of `radius` pixels around `at` with the given state.
     pub fn cover(&mut self, at: DVec2, radius: f64, before: bool) {
         for row in centres(at[1] - radius, at[1] + radius, self.size[1]) {
             let dy = row as f64 + 0.5 - at[1];
             let half = (radius * radius - dy * dy).max(0.0).sqrt();
             let columns = centres(at[0] - half, at[0] + half, self.size[0]);
             for cell in &mut self.cells[row * self.size[0]..][columns] {
-                // States are numbered so that the larger one stays.
+                // States are numbered so that the larger one wins.
                 *cell = (*cell).max(if before { BEFORE } else { NOW });
             }
         }
@@ -118,7 +118,7 @@ impl Coverage {
         let thick = (2.0 * pixels_per_point).round().max(1.0) as usize;
         for first in (0..width * height).step_by(STRETCH) {
             let places = first..(first + STRETCH).min(width * height);
-            // Nearly all is covered, and nothing is drawn there.
+            // Most stretches are covered, and nothing is drawn there.
             if self.cells[places.clone()]
                 .iter()
                 .all(|&cell| cell >= BEFORE)
@@ -162,7 +162,7 @@ fn centres(from: f64, to: f64, count: usize) -> std::ops::Range<usize> {
     start..end.max(start)
 }
 
-/// Points summed up pixel by pixel.
+/// Points accumulated per pixel.
 pub struct Density {
     size: [usize; 2],
     sums: Vec<[f32; 4]>,

@@ -1,5 +1,5 @@
-//! The samples of one picture on the GPU: uploaded when the session changes, recoloured when the moment or what is shown of
-//! it does. How they look is decided elsewhere.
+//! The samples of one picture on the GPU: uploaded when the session changes, restyled when the moment or the colouring
+//! does. Styles come from `tilescope-drawing`.
 
 use eframe::egui_wgpu::RenderState;
 use egui::Painter;
@@ -11,7 +11,7 @@ use tilescope_drawing::look::{SampleLook, Symbol};
 use tilescope_drawing::looks::{Key, Looks};
 use tilescope_drawing::scene::Scene;
 
-/// Moments more events apart than this are not compared event by event.
+/// Moments more events apart than this are not updated event by event.
 const MAX_EVENTS: usize = 1_000;
 
 /// The samples of a picture on the GPU.
@@ -19,12 +19,12 @@ pub struct Resident {
     canvas: InstancedCanvas,
     key: Option<Key>,
     version: u64,
-    /// The session that the device cannot hold.
+    /// The session that does not fit on the device.
     refused: Option<u64>,
 }
 
 impl Resident {
-    /// Returns an empty one on the device of `render_state`.
+    /// Creates an empty one on the device of `render_state`.
     pub fn new(render_state: &RenderState) -> Self {
         Self {
             canvas: InstancedCanvas::new(render_state),
@@ -34,7 +34,7 @@ impl Resident {
         }
     }
 
-    /// Brings the GPU up to the moment that is shown. Returns nothing if it cannot hold the samples.
+    /// Updates the GPU to the moment shown. Returns `None` if the samples do not fit.
     pub fn follow(&mut self, scene: &Scene<'_>, looks: &Looks<'_>) -> Option<&Self> {
         let generation = scene.session.generation;
         if self.refused == Some(generation) {
@@ -68,7 +68,7 @@ impl Resident {
         Some(self)
     }
 
-    /// Draws the disks, in a periodic domain with those that reach over its border.
+    /// Draws the disks, in a periodic domain including those that cross its border.
     pub fn disks(&self, painter: &Painter, scene: &Scene<'_>) {
         self.layer(painter, scene, &PaintOptions::disks().with_images(true));
     }
@@ -101,8 +101,8 @@ impl Resident {
     }
 }
 
-/// Returns the samples whose looks may differ between two moments, if they are few and known: those of the events
-/// between.
+/// Returns the samples whose styles may differ between two moments: those of the events between, if they are few and
+/// recorded.
 fn changed<'a>(
     scene: &Scene<'a>,
     before: Key,

@@ -1,4 +1,4 @@
-//! The canvas as what parts are drawn on: their lines, marks and disks as meshes, one for thousands.
+//! egui's surface for the parts of a picture: collects their lines, marks and disks into a few meshes.
 
 use egui::epaint::{CircleShape, RectShape};
 use egui::{Color32, FontId, Painter, Pos2, Rect, Shape, StrokeKind, Vec2, pos2};
@@ -7,9 +7,9 @@ use tilescope_drawing::surface::{Arc, Mark, Stroke, Surface, Tag};
 use crate::sprites::{Sprite, Sprites};
 use crate::strokes::{Stamps, Strokes};
 
-/// Disks larger than this are drawn as circles, not as pictures, in screen points.
+/// Disks larger than this are drawn as circles, not as sprites, in screen points.
 const MAX_DISK_SPRITE: f32 = 160.0;
-/// Wider lines are drawn as such: the picture of a stroke would make their sides blurred.
+/// Wider lines are drawn as egui strokes: the texture of a thin line would blur their sides.
 const MAX_SOFT_WIDTH: f32 = 2.0;
 /// How many kinds of stamps there are: disks, and every kind of mark.
 const STAMPS: usize = 1 + Mark::ALL.len();
@@ -19,14 +19,14 @@ pub struct Sheet<'a> {
     painter: &'a Painter,
     sprites: &'a mut Sprites,
     shapes: Vec<Shape>,
-    /// Lines since the last shape of another kind.
+    /// Lines added since the last shape of another kind.
     strokes: Option<Strokes>,
     /// Disks, then marks by kind.
     stamps: [Option<Stamps>; STAMPS],
 }
 
 impl<'a> Sheet<'a> {
-    /// Returns an empty sheet. Letters are laid out with the fonts of `painter`.
+    /// Creates an empty sheet. Text is laid out with the fonts of `painter`.
     pub fn new(painter: &'a Painter, sprites: &'a mut Sprites) -> Self {
         Self {
             painter,
@@ -37,7 +37,7 @@ impl<'a> Sheet<'a> {
         }
     }
 
-    /// Returns what was drawn.
+    /// Returns the shapes drawn.
     pub fn into_shapes(mut self) -> Vec<Shape> {
         self.end_strokes();
         let stamps = self.stamps.into_iter().flatten();
@@ -66,7 +66,7 @@ impl<'a> Sheet<'a> {
         self.stamps[kind].get_or_insert_with(|| Stamps::of(sprites, painter.ctx(), sprite, radius))
     }
 
-    /// Returns a rectangle on whole pixels: between neighbours neither a gap nor a darker line shows.
+    /// Returns a rectangle snapped to whole pixels: neighbours then leave no gap and do not overlap.
     fn snapped(&self, rect: Rect) -> Rect {
         let pixels = self.painter.ctx().pixels_per_point();
         let snap = |value: f32| (value * pixels).round() / pixels;

@@ -1,12 +1,12 @@
-//! The symbols of the canvas as small white pictures, drawn once for a size and then stamped by
-//! the ten thousand, tinted. Shapes are signed distances, so every size is crisp.
+//! Symbols as small white textures, rendered once per size from signed distances, then drawn tinted by the ten
+//! thousand.
 
 use std::collections::HashMap;
 use std::sync::Arc;
 
 use egui::{Color32, ColorImage, Context, Mesh, Shape, TextureHandle, TextureId, TextureOptions};
 
-/// Most meshes that are kept for their memory.
+/// Number of meshes kept to reuse their memory.
 const MAX_SPARE: usize = 16;
 
 /// A symbol.
@@ -26,7 +26,7 @@ pub enum Sprite {
     Triangle,
     /// The ring around the current sample.
     Halo,
-    /// Across a line: soft on both sides.
+    /// The cross-section of a line, soft on both sides.
     Stroke,
 }
 
@@ -34,7 +34,7 @@ pub enum Sprite {
 #[derive(Default)]
 pub struct Sprites {
     ready: HashMap<Sprite, Ready>,
-    /// Empty meshes with room, the largest last.
+    /// Empty meshes with capacity, the largest last.
     spare: Vec<Mesh>,
 }
 
@@ -45,7 +45,7 @@ struct Ready {
     half_points: f32,
 }
 
-/// A texture with the half side of the square on which it appears at its true size.
+/// A texture and half the side of the square that shows it at its true size.
 #[derive(Clone, Copy, Debug)]
 pub struct Stamp {
     /// The texture.
@@ -55,15 +55,15 @@ pub struct Stamp {
 }
 
 impl Sprites {
-    /// Returns an empty mesh, in the memory of one that was given back if there is one: fresh megabytes in every frame
-    /// cost more than what is written to them.
+    /// Returns an empty mesh, reusing the memory of a returned one if possible: allocating megabytes in every frame
+    /// costs more than writing to them.
     pub fn mesh(&mut self, texture: TextureId) -> Mesh {
         let mut mesh = self.spare.pop().unwrap_or_default();
         mesh.texture_id = texture;
         mesh
     }
 
-    /// Takes back the meshes among `shapes` that nobody else holds.
+    /// Takes back the meshes among `shapes` that are no longer shared.
     pub fn take_back(&mut self, shapes: impl IntoIterator<Item = Shape>) {
         for shape in shapes {
             if let Shape::Mesh(mesh) = shape
@@ -82,7 +82,7 @@ impl Sprites {
     /// Returns the picture of `sprite` for a symbol of `radius` screen points.
     pub fn stamp(&mut self, ctx: &Context, sprite: Sprite, radius: f32) -> Stamp {
         let pixels_per_point = ctx.pixels_per_point();
-        // Sizes in steps of an eighth of a pixel: zooming does not redraw without need.
+        // Sizes are rounded to an eighth of a pixel, so that zooming seldom makes new textures.
         let radius = (radius * pixels_per_point * 8.0).round() / 8.0;
         let radius_bits = radius.to_bits();
         let fits = |ready: &Ready| {

@@ -1,4 +1,4 @@
-//! The parts of a frame from the ground up, and what draws each: the GPU where samples are on it, meshes else.
+//! The parts of a frame from bottom to top, each drawn by the GPU if it has the samples, else as meshes.
 
 use egui::Painter;
 use tilescope_core::Stage;
@@ -15,7 +15,7 @@ use crate::sheet::Sheet;
 use crate::sprites::Sprites;
 use crate::strokes::KeptShapes;
 
-/// What is shown of a crowd. Samples, which may be no more than points, lie below lines.
+/// Parts drawn when there are too many samples for symbols. Samples, perhaps as points, lie below lines.
 const OF_CROWD: [Part; 10] = [
     Part::Tints,
     Part::Band,
@@ -29,7 +29,7 @@ const OF_CROWD: [Part; 10] = [
     Part::Selection,
 ];
 
-/// Returns whether a part's shapes can be kept from frame to frame. Letters cannot: their glyphs may move.
+/// Returns whether a part's shapes can be cached. Text cannot: its glyphs may move in the font texture.
 const fn is_kept(part: Part) -> bool {
     !matches!(
         part,
@@ -59,7 +59,7 @@ pub struct Stack<'a, K> {
 }
 
 impl<K: PartialEq> Stack<'_, K> {
-    /// Returns whether there is more in view than can be shown symbol by symbol.
+    /// Returns whether there are too many samples in view for symbols.
     pub fn is_crowded(&self) -> bool {
         let scene = self.scene;
         let as_points = self
@@ -68,7 +68,7 @@ impl<K: PartialEq> Stack<'_, K> {
         as_points || scene.session.index.count_in(scene.low, scene.high) > MAX_SYMBOLS
     }
 
-    /// Returns whether a crowd's samples are drawn as points, if they are drawn.
+    /// Returns whether a crowd's samples are drawn as points, if at all.
     pub fn draws_points(&self) -> bool {
         let scene = self.scene;
         self.resident.map_or_else(
@@ -82,13 +82,13 @@ impl<K: PartialEq> Stack<'_, K> {
 
     /// Draws all parts.
     pub fn all(&mut self) {
-        // Edges of one mesh are copied once.
+        // Consecutive edges of one mesh are copied once.
         for parts in Part::ALL.chunk_by(|a, b| is_net(*a) && is_net(*b)) {
             self.parts(parts);
         }
     }
 
-    /// Draws what can be shown of a crowd; `points` is called where samples are to be drawn as a picture of points.
+    /// Draws the parts shown of a crowd; `points` draws samples as points.
     pub fn crowd(&mut self, points: impl FnOnce()) {
         let mut points = Some(points);
         for part in OF_CROWD {
@@ -104,7 +104,7 @@ impl<K: PartialEq> Stack<'_, K> {
         }
     }
 
-    /// Draws parts that have one clip, on one sheet.
+    /// Draws parts that share a clip rectangle on one sheet.
     fn parts(&mut self, parts: &[Part]) {
         let scene = self.scene;
         let on = || parts.iter().copied().filter(|part| part.is_on(scene));
@@ -162,7 +162,7 @@ pub fn note(scene: &Scene<'_>, crowded: bool, as_points: bool) -> Option<String>
         .then(|| format!("Disks and gaps appear from {MIN_DISK_SCALE} points per r: zoom in."))
 }
 
-/// Returns whether a layer is on that a crowd hides and that would show something at this stage.
+/// Returns whether a layer is on that is hidden in a crowd and would show something at this stage.
 fn leaves_out(scene: &Scene<'_>) -> bool {
     let has = |layer| scene.has(layer);
     let by_stage = match scene.stage {

@@ -1,4 +1,4 @@
-//! Meshes of many stamps, lines, dashes and arcs: one shape instead of thousands. It knows no samples.
+//! Meshes of many symbols, lines, dashes and arcs: one shape instead of thousands.
 
 use egui::{Color32, Mesh, Pos2, Rect, Shape, Vec2, pos2};
 
@@ -28,7 +28,7 @@ impl Stamps {
         self.add_larger(pos, 0.0, color);
     }
 
-    /// Adds a symbol that reaches `by` screen points farther on every side.
+    /// Adds a symbol enlarged by `by` screen points on every side.
     pub fn add_larger(&mut self, pos: Pos2, by: f32, color: Color32) {
         let side = 2.0 * (self.stamp.half + by);
         let rect = Rect::from_center_size(pos, Vec2::splat(side));
@@ -42,7 +42,7 @@ impl Stamps {
 
 /// A mesh of lines, soft on both sides.
 pub struct Strokes {
-    /// Half the side of the picture per screen point of a line's width.
+    /// Half the width of the texture per screen point of line width.
     half_per_width: f32,
     mesh: Mesh,
 }
@@ -65,7 +65,7 @@ impl Strokes {
     /// Adds a line.
     pub fn segment(&mut self, from: Pos2, to: Pos2, width: f32, color: Color32) {
         let along = to - from;
-        // `length` is a call that guards against overflow.
+        // `length` calls a function that guards against overflow.
         let length = along.length_sq().sqrt();
         if length > 0.0 {
             let across = along.rot90() * (width * self.half_per_width / length);
@@ -79,7 +79,7 @@ impl Strokes {
         self.join();
     }
 
-    /// Adds the two sides of a line at a place of it.
+    /// Adds the two vertices across a line at one of its ends.
     fn pair(&mut self, at: Pos2, across: Vec2, color: Color32) {
         let side = |pos, v| egui::epaint::Vertex {
             pos,
@@ -90,14 +90,14 @@ impl Strokes {
         self.mesh.vertices.extend_from_slice(&sides);
     }
 
-    /// Fills between the last two pairs.
+    /// Adds the quad between the last two pairs of vertices.
     fn join(&mut self) {
         let last = self.mesh.vertices.len() as u32;
         let [a, b, c, d] = [last - 4, last - 3, last - 2, last - 1];
         self.mesh.indices.extend_from_slice(&[a, b, c, c, b, d]);
     }
 
-    /// Adds a dashed line: short dashes where it is short.
+    /// Adds a dashed line; dashes are shorter on short lines.
     pub fn dashes(&mut self, from: Pos2, to: Pos2, width: f32, color: Color32) {
         let length = (to - from).length_sq().sqrt();
         if length < 0.5 {
@@ -146,7 +146,7 @@ impl Strokes {
     }
 }
 
-/// Shapes of layers, kept as long as nothing changes that they show.
+/// Cached shapes of layers, valid for one key.
 pub struct KeptShapes<K> {
     key: Option<K>,
     layers: Vec<Option<Vec<Shape>>>,
@@ -162,7 +162,7 @@ impl<K> Default for KeptShapes<K> {
 }
 
 impl<K: PartialEq> KeptShapes<K> {
-    /// Forgets everything that was made from another key; returns it.
+    /// Clears the cache if the key changed; returns it.
     pub fn follow(&mut self, key: K) -> Vec<Shape> {
         if self.key.as_ref() == Some(&key) {
             return Vec::new();
@@ -171,7 +171,7 @@ impl<K: PartialEq> KeptShapes<K> {
         self.layers.drain(..).flatten().flatten().collect()
     }
 
-    /// Returns the shapes of a layer, made now if they are not known.
+    /// Returns the shapes of a layer, made now if they are not cached.
     pub fn layer(&mut self, number: usize, make: impl FnOnce() -> Vec<Shape>) -> Vec<Shape> {
         if self.layers.len() <= number {
             self.layers.resize(number + 1, None);

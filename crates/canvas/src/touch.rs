@@ -1,9 +1,9 @@
-//! Fingers on a canvas: how many there were since the first was put down decides what lifting them means. It reads
-//! events and selects nothing.
+//! Touch gestures on a canvas. What lifting the fingers means depends on how many have touched since the first. It only
+//! interprets events; panning and selecting are in the app.
 
 use egui::{Event, Id, Pos2, RawInput, Response, TouchPhase, Ui, Vec2, pos2};
 
-/// Two fingers or more.
+/// A gesture of two or more fingers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pinch {
     /// Halfway between them.
@@ -14,31 +14,31 @@ pub struct Pinch {
     pub factor: f32,
 }
 
-/// Who moves the pointer in this frame.
+/// What moves the pointer in this frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Hand {
-    /// A mouse, or nobody.
+    /// A mouse, or no pointer.
     #[default]
     Mouse,
     /// One finger, which may just have been lifted.
     Finger,
-    /// There were two fingers since the first was put down: lifting them is no tap.
+    /// Two fingers have touched since the first, so lifting them is no tap.
     Gesture,
-    /// The system took the touch back.
+    /// The system cancelled the touch.
     Cancelled,
 }
 
-/// What fingers do in this frame.
+/// The touch state of this frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Touch {
-    /// Who moves the pointer.
+    /// What moves the pointer.
     pub hand: Hand,
-    /// Two fingers that began on this canvas.
+    /// The gesture of two fingers that began on this canvas.
     pub pinch: Option<Pinch>,
 }
 
 impl Touch {
-    /// Returns what fingers do to the canvas of `response`; remembers whether they are in a gesture.
+    /// Returns the touch state on the canvas of `response`; remembers whether a gesture is under way.
     #[must_use]
     pub fn follow(ui: &Ui, response: &Response) -> Self {
         let (is_down, multi, starts, is_lifted, is_cancelled) = ui.input(|input| {
@@ -87,7 +87,7 @@ impl Touch {
     }
 }
 
-/// What is remembered from frame to frame.
+/// State kept from frame to frame.
 #[derive(Clone, Copy, Debug, Default)]
 struct Before {
     is_gesture: bool,
@@ -97,8 +97,8 @@ struct Before {
 /// Far outside of every window.
 const NOWHERE: Pos2 = pos2(-1e4, -1e4);
 
-/// Has the pointer leave when the system takes a touch back, which itself neither releases nor moves it: it would stay
-/// pressed where it was.
+/// Moves the pointer out of the window when the system cancels a touch. The cancellation neither releases nor moves the
+/// pointer, which would stay pressed.
 pub fn release_cancelled(raw: &mut RawInput) {
     let cancelled = |event: &Event| {
         matches!(

@@ -1,5 +1,5 @@
-//! The keyboard's focus: a ring around what has it, the same for everything, and lists that scroll to it. Who gets the
-//! focus is egui's.
+//! Keyboard focus: a ring around the focused widget, the same for every kind, and lists that scroll to it. egui itself
+//! decides which widget has the focus.
 
 use egui::{
     Context, EventFilter, Id, LayerId, Memory, Popup, Role, Stroke, StrokeKind, Ui, WidgetRect,
@@ -7,17 +7,17 @@ use egui::{
 
 use tilescope_drawing::palette::Palette;
 
-/// How wide the ring is, and how far around what has the focus, in screen points.
+/// Width of the ring, and its distance from the focused widget, in screen points.
 const WIDTH: f32 = 2.0;
 const AROUND: f32 = 2.0;
 
-/// Draws a ring around what has the focus.
+/// Draws a ring around the focused widget.
 pub fn ring(ctx: &Context, palette: &Palette) {
     let focused = ctx.memory(Memory::focused);
     let Some(response) = focused.and_then(|id| ctx.read_response(id)) else {
         return;
     };
-    // What is scrolled out of view has no ring; what fills the window has it inside.
+    // Widgets scrolled out of view get no ring; for widgets that fill the window it is drawn inside.
     let seen = response.interact_rect;
     if !seen.is_positive() {
         return;
@@ -31,8 +31,8 @@ pub fn ring(ctx: &Context, palette: &Palette) {
     painter.rect_stroke(place, 6.0, line, StrokeKind::Middle);
 }
 
-/// Has left and right go to the window wherever the focus is, instead of moving it, too; menus and fields keep them, and so do
-/// sheets while one `is_covered` by them.
+/// Keeps egui from moving the focus on left and right, so that the window receives these keys. Menus, text fields and
+/// sheets that cover it (`is_covered`) keep them.
 pub fn keep_arrows(ctx: &Context, is_covered: bool) {
     let Some(focused) = ctx.memory(Memory::focused) else {
         return;
@@ -48,7 +48,7 @@ pub fn keep_arrows(ctx: &Context, is_covered: bool) {
     ctx.memory_mut(|memory| memory.set_focus_lock_filter(focused, filter));
 }
 
-/// Scrolls to what has got the focus, if it is in `ui`, which is the inside of a scroll area.
+/// Scrolls to a widget in `ui` that has just got the focus. Call it inside a scroll area.
 pub fn follow(ui: &Ui) {
     let Some(focused) = ui.memory(Memory::focused) else {
         return;
@@ -65,7 +65,7 @@ pub fn follow(ui: &Ui) {
     }
 }
 
-/// Names what the tiles' library leaves without a name: the borders that are dragged, and the rows of tabs.
+/// Gives accessible names to what `egui_tiles` leaves unnamed: draggable borders and rows of tabs.
 pub fn name_tiles(ctx: &Context) {
     let taking: Vec<WidgetRect> = ctx.viewport(|viewport| {
         let layers = viewport.this_pass.widgets.layers();
@@ -89,19 +89,19 @@ pub fn name_tiles(ctx: &Context) {
     }
 }
 
-/// Rows of tabs are higher, in screen points, and borders are narrower.
+/// Rows of tabs are higher than this, in screen points, and borders are narrower.
 const ROW_OF_TABS: f32 = 20.0;
 
-/// An end of the sequence in which Tab leads through the window.
+/// An end of the Tab order of the window.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum End {
-    /// Where it begins.
+    /// The first widget.
     First,
-    /// Where it ends.
+    /// The last widget.
     Last,
 }
 
-/// Returns what stands at an end of the sequence.
+/// Returns the widget at an end of the Tab order.
 fn at(ctx: &Context, end: End) -> Option<Id> {
     let mut layers: Vec<(LayerId, Vec<Id>)> = ctx.viewport(|viewport| {
         let layers = viewport.prev_pass.widgets.layers();
@@ -124,7 +124,7 @@ fn at(ctx: &Context, end: End) -> Option<Id> {
     }
 }
 
-/// Gives the focus to what stands at an end of the sequence.
+/// Gives the focus to the widget at an end of the Tab order.
 pub fn enter(ctx: &Context, end: End) {
     if let Some(id) = at(ctx, end) {
         ctx.memory_mut(|memory| memory.request_focus(id));
@@ -132,8 +132,8 @@ pub fn enter(ctx: &Context, end: End) {
     }
 }
 
-/// Returns whether the focus is at an end of the sequence, from where Tab would come round; then nothing has it any more. An
-/// open list is gone through until it is closed.
+/// Returns whether Tab would wrap around at this end of the Tab order; if so, it clears the focus. An open list wraps
+/// within itself until it is closed.
 pub fn leave(ctx: &Context, end: End) -> bool {
     let Some(focused) = ctx.memory(Memory::focused) else {
         return false;

@@ -1,5 +1,5 @@
-//! What every part of the window is drawn with: colours and type, buttons and symbols, the keyboard's focus, the words for
-//! screen readers. It does not know what a window shows.
+//! egui style and widgets of the window: colours, type, buttons, icons, the focus ring, and announcements for screen
+//! readers. It does not depend on the state of the window; panels are in `tilescope-app`.
 
 pub mod focus;
 pub mod presses;

@@ -1,21 +1,21 @@
-//! Where frames are slow, one holds the press and the release of a click, or whole drags. A widget takes a press at the
-//! place where the pointer is last and no drag that begins and ends in one frame, so that presses, moves and releases are
-//! handed on in frames of their own. It does nothing with them.
+//! Splits input so that presses, moves and releases reach egui in separate frames. A slow frame may hold both press and
+//! release of a click, or a whole drag; egui would place the press at the pointer's last position and miss the drag.
 
 use egui::{Context, Event, Plugin, RawInput, TouchPhase, Ui};
 
-/// Seconds after a frame at most that are counted for what happened in it but comes in the next: a click stays one.
+/// Most seconds that a deferred event is dated after the frame it happened in, so that a click stays short enough to be
+/// one.
 const LATEST_SECS: f64 = 0.1;
 
-/// The events that are still to be handed on.
+/// Events still to be passed on.
 #[derive(Default)]
 pub struct Presses {
     waiting: Vec<Event>,
-    /// When the frame before was.
+    /// The time of the previous frame.
     before_secs: Option<f64>,
 }
 
-/// What the pointer does.
+/// A pointer event.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Doing {
     Moves,
@@ -33,7 +33,7 @@ impl Doing {
         }
     }
 
-    /// Returns whether the one cannot follow the other in a frame.
+    /// Returns whether the second event must wait for a later frame than the first.
     const fn parts_from(self, next: Self) -> bool {
         matches!(
             (self, next),
@@ -41,7 +41,7 @@ impl Doing {
         )
     }
 
-    /// Returns whether a touch in such a phase comes just before the pointer does this.
+    /// Returns whether a touch in this phase comes just before this pointer event.
     const fn follows(self, phase: TouchPhase) -> bool {
         match self {
             Self::Moves => matches!(phase, TouchPhase::Start | TouchPhase::Move),
@@ -51,7 +51,7 @@ impl Doing {
     }
 }
 
-/// Returns how many of the events are for this frame.
+/// Returns how many of the events belong to this frame.
 fn first_frame(events: &[Event]) -> usize {
     let mut before: Option<Doing> = None;
     for (index, event) in events.iter().enumerate() {
@@ -59,7 +59,7 @@ fn first_frame(events: &[Event]) -> usize {
             continue;
         };
         if before.is_some_and(|before| before.parts_from(doing)) {
-            // The touch that moves the pointer belongs to it.
+            // The touch that moves the pointer belongs to the same frame.
             let touches = |event: &&Event| matches!(event, Event::Touch { phase, .. } if doing.follows(*phase));
             let touching = events[..index].iter().rev().take_while(touches).count();
             return index - touching;
@@ -117,14 +117,14 @@ mod tests {
         }
     }
 
-    /// What came to two widgets that can be clicked and dragged, one beside the other.
+    /// The responses of two clickable and draggable widgets, side by side.
     #[derive(Debug, Default, PartialEq)]
     struct Came {
         clicks: [usize; 2],
         dragged: [egui::Vec2; 2],
     }
 
-    /// Shows frames until nothing waits; all events come with the first, frames take a second.
+    /// Shows frames of one second until no event is pending; all events arrive with the first.
     fn came(ctx: &Context, mut events: Vec<Event>) -> (Came, usize) {
         let mut came = Came::default();
         let mut frames = 0;
@@ -157,7 +157,7 @@ mod tests {
     fn opened() -> Context {
         let ctx = Context::default();
         ctx.add_plugin(Presses::default());
-        // Widgets are known from the frame before.
+        // egui finds widgets by their places in the previous frame.
         came(&ctx, Vec::new());
         ctx
     }
@@ -177,7 +177,7 @@ mod tests {
         events.extend(path.map(Event::PointerMoved));
         events.push(button(path[3], false));
         let (came, frames) = came(&opened(), events);
-        // It began on the first widget, wherever it ended.
+        // The drag began on the first widget, wherever it ended.
         assert_eq!(came.clicks, [0, 0]);
         assert_eq!(came.dragged, [vec2(140.0, 0.0), vec2(0.0, 0.0)]);
         assert_eq!(frames, 3);
@@ -200,7 +200,7 @@ mod tests {
         let at = pos2(50.0, 50.0);
         let (down, up) = (button(at, true), button(at, false));
         let [start, end] = [TouchPhase::Start, TouchPhase::End].map(touch);
-        // Windows tell of the touch first, browsers of the pointer.
+        // Native windows report the touch first, browsers the pointer.
         let moved = Event::PointerMoved(at);
         let native = [
             start.clone(),

@@ -1,31 +1,31 @@
-//! What a screen reader says where it cannot be given the tree of the window, as on a page: name, role, state and value of what
-//! has the focus, whenever one of them is new. All of it comes from the tree that AccessKit is given elsewhere.
+//! Announcements for screen readers where they cannot read the window's AccessKit tree, as on a page: name, role, state
+//! and value of the focused widget, whenever one of them changes. They are taken from that same tree.
 
 use egui::accesskit::{Node, NodeId, Role, Toggled, TreeUpdate};
 use egui::{Context, FullOutput, Plugin};
 
-/// Something to say.
+/// An announcement.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Spoken {
-    /// What is new; empty where a field was left for nothing.
+    /// The text that changed; empty after a text field was left and nothing else changed.
     pub text: String,
-    /// The name of the field into which the keyboard writes, empty if it writes into none.
+    /// The name of the text field that has the keyboard; empty if there is none.
     pub field: String,
 }
 
-/// Whom it is said to.
+/// Receives the announcements.
 type Hearer = Box<dyn Fn(&Spoken) + Send + Sync>;
 
-/// Finds out after each frame what there is to say.
+/// Derives announcements from the tree after each frame.
 pub struct Speaker {
     hearer: Hearer,
     before: Option<SpokenFocus>,
-    /// While time runs by itself values change in every frame, and nobody can listen to that.
+    /// Whether playback runs: values that change in every frame are not announced then.
     pub is_playing: bool,
 }
 
 impl Speaker {
-    /// Returns one that says things to `hearer`.
+    /// Creates one that passes announcements to `hearer`.
     #[must_use]
     pub fn new(hearer: impl Fn(&Spoken) + Send + Sync + 'static) -> Self {
         Self {
@@ -70,7 +70,7 @@ impl Plugin for Speaker {
     }
 }
 
-/// What there is to say of what has the focus.
+/// What a screen reader says of the focused widget.
 #[derive(Clone, Debug, PartialEq, Eq)]
 struct SpokenFocus {
     focus: NodeId,
@@ -79,12 +79,12 @@ struct SpokenFocus {
     role: &'static str,
     state: String,
     value: String,
-    /// What is chosen in the list that the focus narrows.
+    /// The selected row of the list that the focused field filters.
     chosen: String,
 }
 
 impl SpokenFocus {
-    /// Returns it of the node that has the focus; the window itself is none.
+    /// Returns the description of the focused node; `None` for the window itself.
     fn of(tree: &TreeUpdate) -> Option<Self> {
         let root = tree.tree.as_ref().map(|tree| tree.root);
         if root == Some(tree.focus) {
@@ -103,7 +103,7 @@ impl SpokenFocus {
         })
     }
 
-    /// Returns what of it is new, if anything: all of it where the focus has moved.
+    /// Returns what changed since the previous frame, if anything; everything if the focus has moved.
     fn since(&self, before: Option<&Self>) -> Option<Spoken> {
         let parts = |told: &Self| {
             let parts: [&str; 5] = [
@@ -142,7 +142,7 @@ fn find(tree: &TreeUpdate, id: NodeId) -> Option<&Node> {
     found.map(|(_, node)| node)
 }
 
-/// Its own name, or else that of what stands beside it as its label.
+/// The node's own name, or else that of its label.
 fn name(tree: &TreeUpdate, node: &Node) -> String {
     if let Some(label) = node.label() {
         return label.to_owned();

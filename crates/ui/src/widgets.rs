@@ -1,5 +1,5 @@
-//! Small widgets of the house: chips, icon buttons, headings, rows of names and numbers.
-//! They draw and report clicks; they know nothing of the state.
+//! Small widgets: chips, icon buttons, headings, rows of names and numbers. They draw and report clicks, and do not
+//! read the state.
 
 use std::fmt::{self, Debug, Display, Formatter, Write};
 
@@ -13,14 +13,14 @@ use tilescope_drawing::palette::Palette;
 
 use crate::theme::{FINGER, is_for_fingers, row_height, semibold};
 
-/// What has an id: tests and assistive tools find it by that, whatever it says and in whatever language.
+/// Widgets with a stable id, by which tests and assistive tools find them whatever their text and language.
 pub trait Known {
-    /// Takes an id that nothing else on the screen has. What the widget says of itself stays as it is.
+    /// Sets an id that is unique on the screen. The accessible name and role are unchanged.
     fn known_as(&self, id: impl Display) -> &Self;
 }
 
 impl Known for Response {
-    /// Pages are not looked at in this way: nothing of the ids is in them.
+    /// Does nothing on the web, where no tool reads these ids.
     #[cfg(target_arch = "wasm32")]
     fn known_as(&self, _: impl Display) -> &Self {
         self
@@ -59,7 +59,7 @@ impl<T: Debug> Display for Kebab<T> {
     }
 }
 
-/// Rows that are only read are at most so high, in screen points.
+/// Maximum height of read-only rows, in screen points.
 const READ: f32 = 24.0;
 
 /// Shows a heading of a section of a panel.
@@ -72,7 +72,7 @@ pub fn heading(ui: &mut Ui, text: &str) -> Response {
 
 /// A name on the left, a number in tabular figures on the right.
 pub fn row(ui: &mut Ui, name: &str, value: &str, palette: &Palette) {
-    // There is nothing to press: it need not be as high as what can be.
+    // The row is not clickable, so it may be lower than a button.
     let height = ui.spacing().interact_size.y;
     ui.spacing_mut().interact_size.y = height.min(READ);
     ui.horizontal(|ui| {
@@ -280,17 +280,17 @@ pub enum Icon {
     Sun,
     /// To the dark theme.
     Moon,
-    /// The whole domain.
+    /// Fit the whole domain.
     Fit,
-    /// All there is to do.
+    /// The menu of all actions.
     Menu,
-    /// More room.
+    /// Enlarge.
     Taller,
-    /// Less room.
+    /// Shrink.
     Shorter,
 }
 
-/// A square button with an icon; `name` is its label for readers and its tooltip.
+/// A square button with an icon; `name` is its accessible name and tooltip.
 pub fn icon_button(
     ui: &mut Ui,
     icon: Icon,
@@ -330,7 +330,7 @@ fn paint_icon(painter: &Painter, icon: Icon, at: Pos2, color: Color32, ground: C
         let corners = corners.map(|v| middle + v).to_vec();
         painter.add(Shape::convex_polygon(corners, color, Stroke::NONE));
     };
-    // Steps look other than play.
+    // Steps look different from play.
     let chevron = |way: f32| {
         let corners = [(-2.5, -5.5), (3.0, 0.0), (-2.5, 5.5)];
         let corners = corners.map(|(x, y)| at + vec2(x * way, y)).to_vec();
@@ -385,7 +385,7 @@ fn paint_icon(painter: &Painter, icon: Icon, at: Pos2, color: Color32, ground: C
             painter.add(Shape::line(line, stroke));
         }
         Icon::Fit => {
-            // The domain under a lens: four corners would mean the full screen.
+            // The domain under a lens, since four corners would suggest full screen.
             let middle = at - Vec2::splat(1.5);
             painter.circle_stroke(middle, 5.8, stroke);
             painter.line_segment([at + Vec2::splat(2.7), at + Vec2::splat(7.0)], stroke);
@@ -408,7 +408,7 @@ pub fn verdict_mark(painter: &Painter, at: Pos2, well: bool, color: Color32) {
     }
 }
 
-/// Takes the room of a button that is named for screen readers and heeds clicks only when enabled.
+/// Allocates a button with an accessible name that reacts to clicks only when enabled.
 fn button_place(ui: &mut Ui, size: Vec2, name: &str, enabled: bool) -> (Rect, Response) {
     let sense = if enabled {
         Sense::click()
@@ -470,7 +470,7 @@ mod tests {
         assert_eq!(Kebab(Do::Loop(None)).to_string(), "loop-none");
         assert_eq!(Kebab(Stage::Iterate(3)).to_string(), "iterate-3");
         assert_eq!(Kebab("A").to_string(), "a");
-        // Signs are told apart.
+        // Icons are distinguishable.
         let left = Do::Pan(vec2(-80.0, 0.0));
         assert_eq!(Kebab(&left).to_string(), "pan-minus-80-0-0-0");
     }

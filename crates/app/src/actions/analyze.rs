@@ -1,4 +1,4 @@
-//! The Analyze menu: what is measured of the moment, what it is held against, what is brushed.
+//! The Analyze menu: measures of the moment, the reference, and brushing.
 
 use egui::Key;
 use tilescope_session::look::Look;
@@ -20,7 +20,7 @@ pub(super) fn add(list: &mut List, state: &State) {
     };
     let analysis = &state.analysis;
     let no_session = state.runs.first.session.is_none().then_some(NO_SESSION);
-    // Tiles have tabs to leave the analysis by; a projector and a small window do not.
+    // With tiles, tabs lead away from the analysis; the projector mode and small windows have no tabs.
     let open = Command::Window(WindowCommand::OpenPanel(Panel::Analysis));
     let (name, command) = if !state.analyses() {
         ("Show analysis", open)
@@ -57,7 +57,7 @@ pub(super) fn add(list: &mut List, state: &State) {
     brushes(list, state);
 }
 
-/// Adds what brushes without a pointer.
+/// Adds brushing by keyboard.
 fn brushes(list: &mut List, state: &State) {
     let mut add = |name: &str, key: Option<Key>, command, refusal: Option<&str>| {
         let keys = key.map(|key| (NONE, key));

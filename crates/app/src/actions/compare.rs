@@ -71,7 +71,7 @@ pub(super) fn compare(list: &mut List, state: &State) {
     links(list, state);
 }
 
-/// Adds what hangs together and what is marked, to be switched.
+/// Adds switches: what the two runs share, and what is marked.
 fn links(list: &mut List, state: &State) {
     let second = state.runs.second.as_ref();
     let refusal = second.is_none().then(|| NO_SECOND.to_owned());

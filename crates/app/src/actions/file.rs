@@ -1,4 +1,4 @@
-//! The File menu: runs, and what leaves the window.
+//! The File menu: runs, sessions, patterns, links and exports.
 
 use egui::Key;
 use tilescope_session::combination::CombineCommand;
@@ -92,13 +92,13 @@ pub(super) fn add(list: &mut List, state: &State) {
     add(list, "Cancel the export", None, cancel, idle);
 }
 
-/// Returns the name of an action that opens a sheet, or closes it where it is open.
+/// Returns the name of an action that toggles a sheet.
 fn sheet_name(name: &str, is_open: bool) -> String {
     let close = if is_open { "Close: " } else { "" };
     format!("{close}{name}")
 }
 
-/// Adds what reads and writes sessions and patterns.
+/// Adds opening and saving of sessions and patterns.
 fn sessions(list: &mut List, state: &State) {
     let open = state.files.sheet.as_ref().map(|form| form.purpose);
     let sheet = |purpose| {

@@ -76,8 +76,8 @@ pub(super) fn add(list: &mut List, state: &State) {
     }
 }
 
-/// Steps as in any debugger; backwards with one modifier more. By F5 a browser loads the page anew, by F11 it shows it on the
-/// full screen: there other keys step.
+/// Adds stepping, with a debugger's usual keys; one more modifier steps backwards. Browsers reload on F5 and go full
+/// screen on F11, so the web version uses other keys.
 fn steps(list: &mut List, state: &State, direction: Direction, refusal: Option<&str>) {
     let back = direction == Direction::Backwards;
     let way = if back { " backwards" } else { "" };
@@ -120,7 +120,7 @@ fn runs(list: &mut List, state: &State, direction: Direction, refusal: Option<&s
     }
 }
 
-/// Returns what can be run to, with a key each.
+/// Returns the events that can be run to, with a key each.
 fn targets(state: &State) -> Vec<(String, Option<Key>, Target)> {
     let mut targets: Vec<(String, Option<Key>, Target)> = [
         ("conflict", Key::C, Target::Conflict),

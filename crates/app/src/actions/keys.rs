@@ -1,5 +1,5 @@
-//! The keys of actions: which of them were pressed in a frame, which a browser is not to take for itself, and what is typed
-//! for the list of all actions before it can take it. It does nothing: it returns commands.
+//! Keyboard shortcuts: which actions were pressed in a frame, which keys are kept from the browser, and text typed for
+//! the action list before its field has the focus. Returns commands; nothing is changed here.
 
 use egui::{Event, Key, KeyboardShortcut, Modifiers, Popup};
 
@@ -8,7 +8,7 @@ use tilescope_workbench::command::{Command, WindowCommand};
 use tilescope_workbench::finder::Finder;
 use tilescope_workbench::state::State;
 
-/// Returns a press as it is meant: plus is on the key of the equals sign on many keyboards, with Shift or without.
+/// Normalises a press: plus is on the key of the equals sign on many keyboards, with or without Shift.
 fn meant(key: Key, modifiers: Modifiers) -> (Key, Modifiers) {
     match key {
         Key::Plus | Key::Equals if modifiers == SHIFT || modifiers.is_none() => (Key::Plus, NONE),
@@ -23,15 +23,15 @@ const fn is_function(key: Key) -> bool {
     )
 }
 
-/// Returns the keys of a command, if it has any now.
+/// Returns the current shortcuts of a command.
 #[must_use]
 pub fn keys_of(state: &State, command: &Command) -> Option<KeyboardShortcut> {
     let mut all = actions(state).into_iter();
     all.find(|action| action.command == *command)?.shortcut
 }
 
-/// Returns whether a key, by its name in browsers, is one that means something here whatever has the focus, so that a browser
-/// is not to take it for itself: function keys, and letters with Ctrl but those of the clipboard.
+/// Returns whether a key, by its browser name, is a shortcut whatever has the focus, so that the page keeps it from the
+/// browser: function keys, and letters with Ctrl except those of the clipboard.
 #[must_use]
 pub fn takes_key(state: &State, name: &str, modifiers: Modifiers) -> bool {
     let key = Key::from_name(name).or_else(|| Key::from_name(&name.to_uppercase()));
@@ -47,16 +47,16 @@ pub fn takes_key(state: &State, name: &str, modifiers: Modifiers) -> bool {
     !matches!(key, Key::C | Key::V | Key::X) && actions(state).iter().any(is_taken)
 }
 
-/// Carries out the actions whose keys were pressed in this frame, in the sequence of the presses: a slow frame may hold
-/// several, and what a key does depends on those before it. While text is typed, only keys with Ctrl and function keys
-/// count. Returns whether there were any.
+/// Issues the actions whose shortcuts were pressed in this frame, in order: a slow frame may hold several, and what a
+/// key does depends on those before it. While text is typed, only function keys and keys with Ctrl count. Returns
+/// whether there were any.
 pub fn press_keys(ctx: &egui::Context, state: &mut State) -> bool {
     let typing = ctx.text_edit_focused();
-    // A focused button takes the space key for itself, the canvas does not.
+    // A focused button uses the space key itself, the canvas does not.
     let pointed = ctx.memory(|memory| memory.focused().is_some());
     let on_canvas = crate::panes::has_focus(ctx);
     let has_popup = Popup::is_any_open(ctx);
-    // Each press comes with the modifiers of its own moment: a slow frame may hold presses and releases of several.
+    // Each press carries its own modifiers, since a slow frame may hold presses and releases of several.
     let asked = ahead(ctx, state);
     let presses: Vec<(Key, Modifiers)> = ctx.input(|input| {
         let end = asked
@@ -67,7 +67,7 @@ pub fn press_keys(ctx: &egui::Context, state: &mut State) -> bool {
     let mut any = false;
     for (key, held) in presses {
         let free = !typing || held.command || is_function(key);
-        // It closes a menu or a list that is open.
+        // Escape closes an open menu or list.
         let is_meant_for_popup = key == Key::Escape && has_popup;
         let is_tick = matches!(key, Key::ArrowLeft | Key::ArrowRight) && held.is_none();
         let is_taken = pointed && !on_canvas;
@@ -75,7 +75,7 @@ pub fn press_keys(ctx: &egui::Context, state: &mut State) -> bool {
         {
             continue;
         }
-        // What lies on top comes first: Escape closes it, and letters are meant for it.
+        // The topmost surface comes first: Escape closes it, and letters go to it.
         if state.files.has_sheet() && !held.command {
             continue;
         }
@@ -93,7 +93,7 @@ pub fn press_keys(ctx: &egui::Context, state: &mut State) -> bool {
     any
 }
 
-/// Returns what a press does as things stand, and the modifiers of its shortcut.
+/// Returns what a press does in the current state, and the modifiers of its shortcut.
 fn meant_by(key: Key, held: Modifiers, state: &State) -> Option<(Command, Modifiers)> {
     let listed = state.window.finder.is_some();
     actions(state).into_iter().find_map(|action| {
@@ -119,10 +119,10 @@ fn press(event: &Event) -> Option<(Key, Modifiers)> {
     }
 }
 
-/// What is typed for the list of all actions before its field can take it: where frames are slow, one holds the keys that
-/// open the list and all that is typed then.
+/// Returns text typed for the action list before its field has the focus: a slow frame may hold both the shortcut that
+/// opens the list and the text typed after it.
 struct Ahead {
-    /// The first event that is meant for the list.
+    /// The index of the first event that belongs to the list.
     from: usize,
     text: String,
     is_entered: bool,
@@ -165,7 +165,7 @@ fn ahead(ctx: &egui::Context, state: &State) -> Option<Ahead> {
         if !asked.is_closed && open.is_some_and(|open| open.text == asked.text) {
             return None;
         }
-        // Nobody else takes it.
+        // Consume the events, so that no other widget reacts to them.
         let mut place = 0;
         let taken = [
             asked.is_entered.then_some((Key::Enter, NONE)),

@@ -1,5 +1,5 @@
-//! The window frame by frame, without a driver: what is pressed in one slow frame, what lists scroll to, and whether
-//! sentences are whole.
+//! The window frame by frame, without a display: several presses in one slow frame, scrolling of lists, and sentences
+//! that are not cut off.
 
 use egui::accesskit::{Node, NodeId};
 use egui::{Event, Key, Modifiers, PointerButton, Pos2, RawInput, Rect};
@@ -13,7 +13,7 @@ use tilescope_workbench::command::{
 };
 use tilescope_workbench::embedding::Embedding;
 
-/// A window that is shown nowhere.
+/// A window without a display.
 struct Window {
     ctx: Context,
     app: App,
@@ -55,7 +55,7 @@ impl Window {
         output.drop_without_applying_deltas();
     }
 
-    /// Shows frames until what was asked for has been drawn.
+    /// Shows frames until what was requested has been drawn.
     fn rest(&mut self) {
         for _ in 0..5 {
             self.app.state.settle();
@@ -134,7 +134,7 @@ fn keys_of_one_frame_count_one_after_the_other() {
             .map(|&key| press(key, Modifiers::NONE))
             .collect()
     };
-    // At the end nothing goes forward; behind Home it does.
+    // At the end stepping forward is unavailable; after Home it is available again.
     window.frame(keys(&[Key::Home, Key::ArrowRight, Key::ArrowRight]));
     assert_eq!(window.cursor(), 2);
     window.frame(keys(&[Key::End, Key::ArrowLeft]));
@@ -154,7 +154,7 @@ fn keys_of_one_frame_count_one_after_the_other() {
     let eliminations = recording.tape().from(0).take(window.cursor());
     let count = eliminations.filter(|(_, event)| event.kind() == EventKind::Eliminate);
     assert_eq!(count.count(), 2);
-    // What opens the list of actions and what closes it.
+    // The shortcut that opens the list of actions, and the one that closes it.
     window.frame(vec![
         press(Key::K, Modifiers::COMMAND),
         press(Key::Escape, Modifiers::NONE),
@@ -163,7 +163,7 @@ fn keys_of_one_frame_count_one_after_the_other() {
     assert!(window.app.state.window.finder.is_none());
 }
 
-/// Returns the ids of what is marked as current, of those for which `is_meant`.
+/// Returns the ids marked as current, among those for which `is_meant` holds.
 fn current(window: &Window, is_meant: fn(&str) -> bool) -> Vec<&str> {
     let is_current =
         |node: &Node| node.toggled() == Some(egui::accesskit::Toggled::True) && !node.is_hidden();
@@ -183,7 +183,7 @@ fn the_tree_shows_the_last_event_wherever_one_goes() {
     let mut window = Window::opened([1440.0, 900.0]);
     window.apply(Command::Window(WindowCommand::OpenPanel(Panel::Events)));
     let (_, len) = window.app.state.cursor().unwrap();
-    // Far and near, to and fro, into parts that were never expanded.
+    // Short and long jumps, both ways, into branches that were never expanded.
     let mut at = 7_usize;
     for step in 0..40 {
         at = (at * 7_919 + 13 * step) % len + 1;
@@ -214,7 +214,7 @@ fn what_stands_on_one_screen_is_of_one_moment() {
                 Arc::clone(session.recording().unwrap()),
             )
         };
-        // The row, the line and the sentence are those of the last event.
+        // Row, line and sentence belong to the last event.
         let row = format!("event-{}", cursor - 1);
         assert_eq!(current(&window, is_event)[0], row);
         let listings = tilescope_debugger::Listings::shipped();
@@ -225,7 +225,7 @@ fn what_stands_on_one_screen_is_of_one_moment() {
         let line = |index: usize| format!("{}.line", id(index));
         let lines = current(&window, |id| id.contains(".line"));
         assert_eq!(lines, [line(cursor - 1)]);
-        // They are named as what has run and what is about to.
+        // They are labelled as the line that has run and the one that runs next.
         for (index, tag) in [(cursor - 1, "done"), (cursor, "next")] {
             let line = line(index);
             let known = |node: &&(NodeId, Node)| node.1.author_id() == Some(line.as_str());
@@ -317,7 +317,7 @@ fn sentences_are_whole() {
             assert!(all.contains_rect(track), "{size:?}: {track:?}");
             places.insert(track.top() as i32);
         }
-        // Nothing moves from event to event.
+        // Nothing moves on screen from event to event.
         assert_eq!(places.len(), 1, "{size:?}: {places:?}");
     }
 }
@@ -358,7 +358,7 @@ fn a_bookmark_and_a_row_lead_to_the_same_moment() {
     assert_eq!(window.cursor(), 4_000);
 }
 
-/// What an earlier run of the program left in its storage.
+/// The storage of an earlier version.
 #[derive(Default)]
 struct Kept(std::collections::HashMap<String, String>);
 

@@ -1,5 +1,5 @@
-//! The live analysis: numbers and curves of the samples that stand at the moment, beside those of maximal sets and of a
-//! file. Nothing is measured here; what is old is faded until the new is there.
+//! The live analysis: numbers and curves of the kept samples at this moment, beside those of maximal sets and of a
+//! file. Outdated values are faded until new ones arrive. The measuring itself is in the workbench.
 
 mod charts;
 mod numbers;
@@ -24,32 +24,32 @@ use tilescope_workbench::command::Command;
 use tilescope_workbench::files::{FileCommand, Purpose};
 use tilescope_workbench::state::RunView;
 
-/// From this width on there are two columns.
+/// Minimum width for two columns.
 const TWO_COLUMNS: f32 = 620.0;
 
-/// What the panel is shown from.
+/// The context of the panel.
 pub struct AnalysisContext<'a> {
     /// The colours.
     pub palette: &'static Palette,
     /// The run.
     pub run: &'a RunView,
-    /// What is measured of it.
+    /// The measures.
     pub analysis: &'a Analysis,
-    /// The file that the run is held against, or why it is not.
+    /// The reference file, or why it could not be measured.
     pub held: Option<Result<&'a Arc<ReferenceFile>, String>>,
-    /// What came of the brush.
+    /// The result of the brush.
     pub said: String,
 }
 
-/// What is shown: sets and how they are told apart.
+/// The sets shown, and their colours and line styles.
 struct Sets<'a> {
-    /// What is known of the moment.
+    /// The measures of the moment.
     now: Option<&'a MeasuredSet>,
-    /// What was measured last, of another moment, while the moment at hand is not known.
+    /// The latest measures, of another moment, until those of this one are there.
     before: Option<&'a MeasuredSet>,
     reference: Option<&'a Arc<MeasuredSet>>,
     held: Option<&'a Arc<ReferenceFile>>,
-    /// r of the run, in the unit of the file.
+    /// The length of r in the unit of the file.
     unit: f64,
     /// Of the session.
     generation: u64,
@@ -72,7 +72,7 @@ impl<'a> Sets<'a> {
         }
     }
 
-    /// Returns a part of what is measured, and whether it is of another moment.
+    /// Returns a part of the measures, and whether it is outdated.
     fn part<T>(&self, part: impl Fn(&'a MeasuredSet) -> Option<T>) -> Option<(T, bool)> {
         let now = self.now.and_then(&part).map(|found| (found, false));
         now.or_else(|| self.before.and_then(&part).map(|found| (found, true)))
@@ -112,7 +112,7 @@ pub fn show(ui: &mut Ui, context: &AnalysisContext<'_>, commands: &mut Vec<Comma
     commands.extend(own.into_iter().map(Command::Analysis));
 }
 
-/// Numbers, and what can be done.
+/// The numbers and the settings.
 fn rest(
     ui: &mut Ui,
     context: &AnalysisContext<'_>,
@@ -128,7 +128,7 @@ fn rest(
     file(ui, context, commands, own);
 }
 
-/// Says what moment is measured and how far that is. The lines have their room whatever they say.
+/// Shows which moment is measured, and the progress. The height is the same whatever the text.
 fn status(
     ui: &mut Ui,
     context: &AnalysisContext<'_>,
@@ -138,7 +138,7 @@ fn status(
 ) {
     let (palette, analysis) = (context.palette, &context.analysis);
     ui.label(RichText::new("This moment").font(FontId::new(13.5, semibold())));
-    // A line of its own: beside the heading narrow panels have no room for it.
+    // On a line of its own, since narrow panels have no room for it beside the heading.
     ui.horizontal(|ui| {
         ui.set_height(26.0);
         progress(ui, context, shown, own);
@@ -161,18 +161,18 @@ fn status(
         };
         (format!("{name}: {doing}{old}"), palette.text)
     };
-    // What happens is read out below the canvas: a step is not read out twice.
+    // The event is announced by the sentence below the canvas, so it is not repeated here.
     lines(ui, RichText::new(text).color(color)).known_as("analysis.status");
 }
 
-/// Returns a text that begins with a capital letter.
+/// Returns a text with a capital first letter.
 fn capital(text: &str) -> String {
     let mut letters = text.chars();
     let first = letters.next().into_iter().flat_map(char::to_uppercase);
     first.chain(letters).collect()
 }
 
-/// Shows what is being measured, and the way out or back in.
+/// Shows what is being measured, with a button to stop or resume.
 fn progress(
     ui: &mut Ui,
     context: &AnalysisContext<'_>,
@@ -203,7 +203,7 @@ fn progress(
     }
 }
 
-/// Three lines of text; the room is there whatever it says.
+/// Three lines of text, whatever it says.
 fn lines(ui: &mut Ui, text: RichText) -> egui::Response {
     let room = vec2(ui.available_width(), 52.0);
     let layout = egui::Layout::top_down(egui::Align::Min);
@@ -214,7 +214,7 @@ fn lines(ui: &mut Ui, text: RichText) -> egui::Response {
     ui.allocate_ui_with_layout(room, layout, add).inner
 }
 
-/// Says what the lines are.
+/// The legend of the lines.
 fn legend(ui: &mut Ui, context: &AnalysisContext<'_>, sets: &Sets<'_>) {
     ui.add_space(4.0);
     ui.scope(|ui| {
@@ -263,7 +263,7 @@ fn entries(ui: &mut Ui, context: &AnalysisContext<'_>, sets: &Sets<'_>) {
     }
 }
 
-/// A line and what it is.
+/// A line of the legend.
 fn entry(ui: &mut Ui, line: Dash, color: Color32, text: &str) -> egui::Response {
     let muted = ui.visuals().weak_text_color();
     ui.horizontal_top(|ui| {
@@ -275,7 +275,7 @@ fn entry(ui: &mut Ui, line: Dash, color: Color32, text: &str) -> egui::Response 
     .inner
 }
 
-/// What to hold the moment against.
+/// The choice of a reference.
 fn file(
     ui: &mut Ui,
     context: &AnalysisContext<'_>,
@@ -299,7 +299,7 @@ fn file(
     });
 }
 
-/// The brush in numbers: the keyboard reaches it here.
+/// The brushed range as numbers, for the keyboard.
 fn brushed(ui: &mut Ui, context: &AnalysisContext<'_>, own: &mut Vec<AnalysisCommand>) {
     let (palette, brush) = (context.palette, context.analysis.brush);
     for (axis, name, sign, start) in [
@@ -355,7 +355,7 @@ fn brushed(ui: &mut Ui, context: &AnalysisContext<'_>, own: &mut Vec<AnalysisCom
     response.known_as("brush.status");
 }
 
-/// Issues what was done to a range of `axis`, if that changes the brush.
+/// Issues a changed range of `axis`, if that changes the brush.
 fn drag(
     axis: BrushAxis,
     dragged: Option<Dragged>,

@@ -73,7 +73,7 @@ pub fn show(
     }
 }
 
-/// Where a bookmark is in this run, and of what it is where it was set in another one.
+/// The moment of a bookmark in this run, and its name in the run where it was set if that was another.
 fn place(
     ui: &mut Ui,
     debugger: &Debugger,

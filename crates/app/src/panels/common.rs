@@ -1,4 +1,4 @@
-//! What several panels have.
+//! Helpers that several panels share.
 
 use egui::{ScrollArea, Ui};
 use tilescope_drawing::palette::Palette;
@@ -8,7 +8,7 @@ use tilescope_ui::widgets::Known;
 use super::context::PanelContext;
 use tilescope_workbench::layout::Panel;
 
-/// Each panel scrolls by itself, whatever stood in its place before.
+/// A panel scrolls independently of what was shown in its place before.
 pub fn scrolled(ui: &mut Ui, panel: Panel, add: impl FnOnce(&mut Ui)) {
     ScrollArea::vertical()
         .id_salt(panel.name())
@@ -29,7 +29,7 @@ pub fn divide(ui: &mut Ui, palette: &Palette) {
     ui.add_space(6.0);
 }
 
-/// Says that there are no events, and why.
+/// Explains why there are no events.
 pub fn no_events(ui: &mut Ui, context: &PanelContext<'_>) {
     let text = match &context.run.session {
         None => "There is no session yet.".to_owned(),
@@ -48,7 +48,7 @@ pub fn no_events(ui: &mut Ui, context: &PanelContext<'_>) {
         .known_as("no-events");
 }
 
-/// Has screen readers read out what a label says whenever that changes.
+/// Has screen readers announce the text of a label whenever it changes.
 pub fn read_out(ui: &Ui, response: &egui::Response) {
     ui.ctx().accesskit_node_builder(response.id, |node| {
         node.set_live(egui::accesskit::Live::Polite);

@@ -1,5 +1,5 @@
-//! A window that has no room for tiles: the canvas, the controls of time, and one panel at a time, chosen by a row of
-//! tabs. What the panels show is theirs.
+//! The layout of a small window, without tiles: the canvas, the time controls, and one panel at a time, chosen by a row
+//! of tabs.
 
 use egui::scroll_area::ScrollSource;
 use egui::{
@@ -22,18 +22,18 @@ use tilescope_workbench::state::State;
 
 /// Height of the bar on top, in screen points.
 const BAR: f32 = 50.0;
-/// The part of the height, or of the width of a lying window, that the canvas has beside an open panel.
+/// Share of the height, or of the width of a landscape window, that the canvas keeps beside an open panel.
 const CANVAS: f32 = 0.5;
-/// Width of what stands beside the canvas of a lying window.
+/// Width of the side column of a landscape window.
 const BESIDE: f32 = 366.0;
-/// What the canvas keeps beside a tall panel.
+/// What the canvas keeps beside an enlarged panel.
 const MIN_CANVAS_WIDTH: f32 = 120.0;
-/// What an open panel has in the lowest window: what does not fit is scrolled.
+/// Minimum height of an open panel; its contents scroll.
 const MIN_DRAWER_WIDTH: f32 = 96.0;
 /// Below this height the sentence has one line.
 const LOW: f32 = 720.0;
 
-/// Where everything goes.
+/// The rectangles of the parts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Places {
     bar: Rect,
@@ -45,8 +45,8 @@ struct Places {
     is_low: bool,
 }
 
-/// Returns how high a window must be for everything in it; in a lower one it is scrolled: what lies beside the canvas of a
-/// lying window, all of an upright one.
+/// Returns the minimum height for everything to fit; a lower window scrolls: the side column of a landscape window, or
+/// all of a portrait one.
 fn needed_height(ctx: &Context, room: Rect, state: &State) -> f32 {
     let bar = if state.window.bare { 0.0 } else { BAR };
     let drawer = state.window.drawer.open.map_or(0.0, |_| MIN_DRAWER_WIDTH);
@@ -57,7 +57,7 @@ fn needed_height(ctx: &Context, room: Rect, state: &State) -> f32 {
     bar + canvas + controls(ctx, room, state) + TABS + drawer
 }
 
-/// Returns where everything but the canvas is: in a lying window beside it.
+/// Returns the rectangle of everything but the canvas: in a landscape window the side column.
 fn column(room: Rect, state: &State) -> Rect {
     if state.window.drawer.arrangement != Arrangement::Landscape {
         return room;
@@ -66,14 +66,14 @@ fn column(room: Rect, state: &State) -> Rect {
     room.with_min_x((room.right() - beside).round())
 }
 
-/// Returns how high the controls of time are.
+/// Returns the height of the time controls.
 fn controls(ctx: &Context, room: Rect, state: &State) -> f32 {
     let width = column(room, state).width() - 2.0 * TIME_MARGIN.x;
     timeline::compact_height(ctx, &TimeContext::of(state), is_low(room), width)
 }
 
 impl Places {
-    /// Divides `room`; without a bar, without a panel or with a tall one as told.
+    /// Divides `room` into the parts.
     fn of(ctx: &Context, room: Rect, state: &State) -> Self {
         let drawer = &state.window.drawer;
         let bar = if state.window.bare { 0.0 } else { BAR };
@@ -114,7 +114,7 @@ impl Places {
     }
 }
 
-/// Around the controls of time.
+/// Margin around the time controls.
 const TIME_MARGIN: egui::Vec2 = vec2(12.0, 6.0);
 /// Height of the row of tabs.
 const TABS: f32 = FINGER + 8.0;
@@ -164,7 +164,7 @@ pub fn show(ui: &mut Ui, state: &State, canvas: &mut Canvas, commands: &mut Vec<
     }
 }
 
-/// Scrolls what is as high as `high` in what is not; `add` receives where it lies.
+/// Scrolls contents of height `high` in a lower room; `add` receives their rectangle.
 fn scrolled(ui: &mut Ui, high: Rect, by_wheel: bool, add: impl FnOnce(&mut Ui, Rect)) {
     let source = ScrollSource {
         mouse_wheel: by_wheel,
@@ -190,7 +190,7 @@ struct CompactPanel<'a> {
 }
 
 impl CompactPanel<'_> {
-    /// In this sequence the Tab key goes through it, too.
+    /// The Tab key follows this order, too.
     fn all(&mut self, ui: &mut Ui, places: &Places) {
         self.bar(ui, places);
         self.canvas(ui, places.canvas);
@@ -220,7 +220,7 @@ impl CompactPanel<'_> {
         );
     }
 
-    /// The controls of time, the tabs, and the open panel.
+    /// The time controls, the tabs and the open panel.
     fn below(&mut self, ui: &mut Ui, places: &Places) {
         let fill = Palette::of(self.state.appearance.look).panel;
         part(ui, "time", places.controls, TIME_MARGIN, fill, |ui| {
@@ -299,7 +299,7 @@ fn drawer(
     }
 }
 
-/// What a tab says: of the canvas and the timeline, which are there, it opens the rest.
+/// What the tabs show: canvas and timeline are always visible, so their tab opens the remaining ones.
 const fn tab_name(panel: Panel) -> &'static str {
     match panel {
         Panel::Canvas => "Layers",
@@ -354,7 +354,7 @@ fn tabs(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     });
 }
 
-/// A tab; the one of the open panel closes it.
+/// A tab; clicking the tab of the open panel closes it.
 fn tab(
     ui: &mut Ui,
     panel: Panel,
@@ -380,7 +380,7 @@ fn tab(
         painter.rect_filled(rect, 8.0, palette.text.gamma_multiply(0.07));
     }
     painter.galley(rect.center() - galley.size() / 2.0, galley, ink);
-    // The tab of a panel that was opened otherwise comes into view, too.
+    // Also scroll to the tab of a panel that was opened by a command or link.
     let seen = ui.scope_id().with("seen");
     let is_new = is_open && ui.data(|data| data.get_temp(seen)) != Some(panel);
     if is_new {

@@ -1,4 +1,5 @@
-//! Two runs side by side: what the second one is to be, how the two hang together, what differs and where they part.
+//! The comparison of two runs: settings of run B, what the two share, what differs, and the first event where they
+//! diverge.
 
 use egui::{Button, ProgressBar, RichText, Ui};
 use tilescope_debugger::{Divergence, Recording};
@@ -12,17 +13,17 @@ use tilescope_workbench::compare::{
 };
 use tilescope_workbench::state::RunView;
 
-/// What the panel is shown from.
+/// The context of the panel.
 pub struct CompareContext<'a> {
     /// The colours.
     pub palette: &'static Palette,
     /// Run A.
     pub first: &'a RunView,
-    /// Run B, if there is one, and what is known of the two together.
+    /// Run B, if there is one, and the results of the comparison.
     pub second: Option<&'a (RunView, Comparison)>,
-    /// What run A can be compared with, and why it cannot now.
+    /// The presets for run B, and why none can start now.
     pub presets: Vec<(ComparePreset, Option<String>)>,
-    /// Why one cannot go to where the two part, if so.
+    /// Why going to the divergence is unavailable, if it is.
     pub parting: Option<&'static str>,
 }
 
@@ -91,7 +92,7 @@ fn second(ui: &mut Ui, side: &RunView, palette: &Palette, commands: &mut Vec<Com
             }
         }
     });
-    // The bar has its room whether or not there is progress.
+    // The bar's height is reserved, with or without progress.
     match &side.sampling {
         Some(job) => {
             let bar = ProgressBar::new(job.fraction()).desired_height(6.0);
@@ -160,7 +161,7 @@ fn parting(
     }
 }
 
-/// Returns where two runs part, in sentences.
+/// Describes where two runs diverge.
 fn said(divergence: &Divergence) -> Vec<String> {
     match divergence {
         Divergence::Same => {

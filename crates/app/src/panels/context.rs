@@ -1,11 +1,11 @@
-//! What panels are shown from.
+//! Contexts: the parts of the state that panels receive.
 
 use tilescope_drawing::palette::Palette;
 
 use tilescope_workbench::arrangement::Drawer;
 use tilescope_workbench::state::{Appearance, RunView, State, Time};
 
-/// What most panels are shown from: a run, and how it is drawn. A panel that needs more is given just that.
+/// The context of most panels: a run, and how it is drawn. Panels that need more receive a context of their own.
 pub struct PanelContext<'a> {
     /// The colours.
     pub palette: &'static Palette,
@@ -18,7 +18,7 @@ pub struct PanelContext<'a> {
 }
 
 impl<'a> PanelContext<'a> {
-    /// Returns what panels of the first run are shown from.
+    /// Creates the context for panels of run A.
     #[must_use]
     pub fn of(state: &'a State) -> Self {
         Self {
@@ -30,20 +30,20 @@ impl<'a> PanelContext<'a> {
     }
 }
 
-/// What the timeline is shown from: a run, how time runs, and how much room there is.
+/// The context of the timeline: a run, playback, and the room there is.
 pub struct TimeContext<'a> {
     /// The colours.
     pub palette: &'static Palette,
     /// The run.
     pub run: &'a RunView,
-    /// How time runs.
+    /// Playback.
     pub time: &'a Time,
     /// What a window shows that is too small for tiles.
     pub drawer: &'a Drawer,
 }
 
 impl<'a> TimeContext<'a> {
-    /// Returns what the first run's timeline is shown from.
+    /// Creates the context for the timeline of run A.
     #[must_use]
     pub fn of(state: &'a State) -> Self {
         Self {

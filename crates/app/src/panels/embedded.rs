@@ -1,5 +1,5 @@
-//! What is shown of the window where it is part of another page: the canvas, and below it the sentence, the controls and the
-//! line of time. Menus and panels are left to the page.
+//! The parts of the window shown when it is embedded in another page: the canvas, with the sentence, the controls and
+//! the track below. Menus and panels are not shown.
 
 use egui::{Color32, Rect, Ui, Vec2, vec2};
 use tilescope_drawing::palette::Palette;
@@ -15,10 +15,10 @@ use tilescope_workbench::command::{Command, ViewCommand, Which};
 use tilescope_workbench::embedding::Embedding;
 use tilescope_workbench::state::State;
 
-/// From the corner of the canvas to the button in it, in screen points.
+/// Distance of the button from the canvas's corner, in screen points.
 const INSET: Vec2 = vec2(8.0, 8.0);
 
-/// Shows what is left of the window.
+/// Shows the embedded window.
 pub fn show(
     ui: &mut Ui,
     embedding: Embedding,
@@ -34,7 +34,7 @@ pub fn show(
         player.height(ui.ctx(), &TimeContext::of(state), width)
     });
     let (above, below) = room.split_top_bottom_at_y(room.bottom() - height);
-    // In this sequence the Tab key goes through it, too.
+    // The Tab key follows this order, too.
     part(
         ui,
         "canvas",
@@ -53,7 +53,7 @@ pub fn show(
             player.show(ui, &TimeContext::of(state), commands);
         });
     }
-    // A canvas alone shows what went wrong, and nothing else but itself.
+    // A canvas without controls shows errors and nothing else.
     let is_wrong = state
         .messages
         .notice
@@ -64,7 +64,7 @@ pub fn show(
     }
 }
 
-/// A button in the corner of the canvas that leads back to the whole domain, for as long as something else is shown.
+/// A button in the corner of the canvas that shows the whole domain again, if the view has changed.
 fn whole_domain(ui: &mut Ui, canvas: Rect, palette: &Palette, commands: &mut Vec<Command>) {
     let corner = canvas.shrink2(INSET);
     let builder = egui::UiBuilder::new()

@@ -1,4 +1,4 @@
-//! Who samples: the chooser of the engine, and a line on the one that does.
+//! The choice of the engine that samples, and a remark on it.
 
 use egui::{Button, ComboBox, RichText, Ui};
 use tilescope_ui::widgets::{Kebab, Known};

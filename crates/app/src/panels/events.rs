@@ -1,5 +1,5 @@
-//! The event browser: the tree of events, or those that a query finds. Selecting one goes behind it, and behind all that
-//! it holds.
+//! The event browser: the tree of events, or the results of a query. Selecting an event goes to the moment after it and
+//! all its children.
 
 use egui::{
     Align, Align2, CursorIcon, FontId, Rect, RichText, Role, ScrollArea, Sense, TextEdit, Ui,
@@ -17,7 +17,7 @@ use super::context::PanelContext;
 use tilescope_workbench::command::{Command, DebugCommand};
 use tilescope_workbench::state::{FoundEvents, MAX_FOUND};
 
-/// Height of a row, unless it is made for fingers.
+/// Height of a row, unless enlarged for touch.
 const ROW: f32 = 20.0;
 
 /// Shows the panel.
@@ -115,7 +115,7 @@ fn list(
             }
         }
         focus::follow(ui);
-        // An offset set beforehand would be limited to the rows of the frame before.
+        // An offset set before the rows would be limited to the rows of the previous frame.
         let now = (here, count);
         if ui.data(|data| data.get_temp::<(Option<usize>, usize)>(seen)) != Some(now) {
             ui.data_mut(|data| data.insert_temp(seen, now));
@@ -130,7 +130,7 @@ fn list(
     });
 }
 
-/// Returns the row of an event, or of the nearest one around it that can be seen.
+/// Returns the row of an event, or of its nearest visible ancestor.
 fn visible_row(context: &PanelContext<'_>, event: usize) -> Option<usize> {
     let rows = context.run.rows.as_ref()?;
     let outline = context.run.session.as_ref()?.outline.as_ref()?;

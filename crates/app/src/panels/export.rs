@@ -1,5 +1,5 @@
-//! The export sheet: what to write, to which file, how large and how often. It shows why something cannot be written
-//! before anything is.
+//! The export sheet: format, file, size and frame rate. It explains why an export is impossible before anything is
+//! written.
 
 use egui::{Align2, Button, RichText, TextEdit, Ui, Window, vec2};
 use tilescope_drawing::palette::Palette;
@@ -17,7 +17,7 @@ use tilescope_workbench::state::{ExportSource, Exports, State};
 
 /// Width of a typed number.
 const NUMBER_WIDTH: f32 = 84.0;
-/// What pictures lack of the canvas.
+/// Differences between pictures and the canvas.
 const LEFT_OUT: &str = "What is selected, brushed, compared or on the GPU is left out.";
 /// Width of the names beside fields.
 const NAME_WIDTH: f32 = 92.0;
@@ -53,7 +53,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
 struct Sheet<'a> {
     exports: &'a Exports,
     source: ExportSource<'a>,
-    /// Whether files are downloaded.
+    /// Whether files are downloaded by a browser.
     in_browser: bool,
     form: &'a ExportForm,
     palette: &'a Palette,
@@ -96,7 +96,7 @@ impl Sheet<'_> {
                 let refusal = refusal.map(|refusal| refusal.to_string());
                 let chosen = self.form.kind == kind;
                 let button = Button::selectable(chosen, kind.name());
-                // What is chosen stays readable; below it says what is wrong.
+                // The choice stays readable; the reason is shown below.
                 let response = ui.add_enabled(chosen || refusal.is_none(), button);
                 response.known_as(format_args!("export.{}", Kebab(kind)));
                 let response = response.on_disabled_hover_text(refusal.unwrap_or_default());
@@ -240,7 +240,7 @@ impl Sheet<'_> {
     fn frames(&mut self, ui: &mut Ui) {
         self.named(ui, "A frame every", |sheet, ui, label| {
             sheet.number(ui, NumberField::Every, true, label);
-            // The passes of the GPU have no events.
+            // A run's GPU passes have no events.
             let clocks = Clock::ALL.into_iter().filter(|&c| c != Clock::Pass);
             for clock in clocks {
                 let plural = format!("{}s", clock.name());
@@ -306,7 +306,7 @@ impl Sheet<'_> {
         }
     }
 
-    /// Says what will be written, or why nothing can be.
+    /// Describes what will be written, or why nothing can be.
     fn prospect(&self, ui: &mut Ui) {
         let (told, color) = match self.exports.prospect(self.source) {
             Ok(prospect) => (sentence(&prospect), self.palette.text),
@@ -320,8 +320,8 @@ impl Sheet<'_> {
             .known_as("export.prospect");
     }
 
-    /// The button and the progress take the same room, so that nothing jumps; Cancel is elsewhere, so that a double click
-    /// on the button does not hit it.
+    /// Button and progress take the same room, so that nothing moves; Cancel is elsewhere, so that a double click on
+    /// the button does not hit it.
     fn write_or_cancel(&mut self, ui: &mut Ui) {
         if let Some(job) = &self.exports.work {
             let activity = sentence(&job.activity());
@@ -348,7 +348,7 @@ impl Sheet<'_> {
         let refusal = refusal.map(|refusal| refusal.to_string());
         let button = primary_button(ui, &self.button(), refusal.as_deref(), self.palette);
         button.known_as("export.write");
-        // The second click of a double click answers no question.
+        // The second click of a double click must not answer the question.
         if button.clicked() && !(self.form.asked && button.double_clicked()) {
             self.commands.push(ExportCommand::Write);
         }

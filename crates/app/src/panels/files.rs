@@ -1,4 +1,4 @@
-//! The sheet of saved sessions and pattern files.
+//! The sheet that opens and saves sessions and patterns.
 
 use egui::{Align2, ProgressBar, RichText, TextEdit, Ui, Window};
 use tilescope_drawing::palette::Palette;
@@ -48,7 +48,7 @@ fn contents(ui: &mut Ui, state: &State, form: &FileForm, own: &mut Vec<FileComma
     }
     ui.add_space(8.0);
     file(ui, state, form, own);
-    // The line has its room whether or not there is a question.
+    // The line's height is reserved, with or without a question.
     let question = if form.asked {
         "There is such a file already."
     } else {
@@ -65,7 +65,7 @@ fn contents(ui: &mut Ui, state: &State, form: &FileForm, own: &mut Vec<FileComma
     };
     let button = primary_button(ui, verb, refusal(state, form), palette);
     button.known_as("file.go");
-    // The second click of a double click answers no question.
+    // The second click of a double click must not answer the question.
     if button.clicked() && !(form.asked && button.double_clicked()) {
         own.push(FileCommand::Go);
     }

@@ -1,4 +1,4 @@
-//! The list of all actions: what is typed narrows it, arrows choose, Enter does it.
+//! The list of all actions (Ctrl+K): typing filters it, arrow keys select, Enter runs the selected action.
 
 use egui::{
     Align2, FontId, Key, Modal, RichText, Role, ScrollArea, Sense, TextEdit, Ui, WidgetInfo, vec2,
@@ -13,7 +13,7 @@ use tilescope_workbench::command::{Command, WindowCommand};
 use tilescope_workbench::finder::Finder;
 use tilescope_workbench::state::State;
 
-/// Height of a row, unless it is made for fingers.
+/// Height of a row, unless enlarged for touch.
 const ROW: f32 = 30.0;
 
 /// Shows the list, if it is open.
@@ -24,7 +24,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let mut found = Vec::new();
     let modal = Modal::new(egui::Id::unique("actions")).show(ui.ctx(), |ui| {
         ui.set_width(sheet::width(ui, 480.0));
-        // What is typed counts for an Enter of the same frame.
+        // Text typed in the same frame counts before Enter.
         let (field, open) = field(ui, open, commands);
         found = actions::found(&open, state);
         let choice = open.choice.min(found.len().saturating_sub(1));
@@ -34,7 +34,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         ui.data_mut(|data| data.insert_temp(seen, choice));
         let room = ui.ctx().content_rect().height() - 110.0;
         let enters = keys(ui, choice, found.len(), commands);
-        // What nobody has named or gone to is not done because Enter came before it could be typed.
+        // Ignore Enter until something was typed or selected.
         let is_meant = choice > 0 || !open.text.trim().is_empty();
         let mut done = (enters && is_meant).then_some(choice);
         ScrollArea::vertical()
@@ -67,7 +67,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     }
 }
 
-/// Returns the field, and the list as it is narrowed by what is typed now.
+/// Returns the field, and the list filtered by its text.
 fn field(ui: &mut Ui, open: &Finder, commands: &mut Vec<Command>) -> (egui::Id, Finder) {
     let mut text = open.text.clone();
     let response = ui.add(
@@ -88,7 +88,7 @@ fn field(ui: &mut Ui, open: &Finder, commands: &mut Vec<Command>) -> (egui::Id, 
     (response.id, Finder { text, choice: 0 })
 }
 
-/// Moves the choice; returns whether it was confirmed.
+/// Moves the selection; returns whether it was confirmed.
 fn keys(ui: &Ui, choice: usize, count: usize, commands: &mut Vec<Command>) -> bool {
     ui.input(|input| {
         if input.key_pressed(Key::ArrowDown) && choice + 1 < count {
@@ -121,7 +121,7 @@ fn show_action(
     response.widget_info(|| WidgetInfo::selected(Role::Button, enabled, chosen, &action.name));
     response.known_as(format_args!("action.{}", action.id()));
     if chosen {
-        // The field keeps the focus; screen readers follow the choice all the same.
+        // The field keeps the focus while screen readers follow the selection.
         ui.ctx().accesskit_node_builder(field, |node| {
             node.set_active_descendant(response.id.accesskit_id());
         });

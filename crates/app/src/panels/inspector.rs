@@ -1,4 +1,4 @@
-//! The inspector: everything known about the sample pointed at, or else what is selected, with its history and the
+//! The inspector: everything known about the sample under the pointer, or else the selection, with its history and the
 //! causes of the last event.
 
 use glam::DVec2;
@@ -16,7 +16,7 @@ use super::common::divide;
 use super::context::PanelContext;
 use tilescope_workbench::command::{Command, TimeCommand, ViewCommand, Which};
 
-/// Rows of a history that are shown at once.
+/// Rows of a history shown at once.
 const MAX_ROWS: usize = 200;
 
 /// Shows the inspector.
@@ -50,7 +50,7 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
     }
 }
 
-/// Shows every event that touched what is selected.
+/// Shows every event that involves the selection.
 fn history(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>) {
     let palette = context.palette;
     let Some(debugger) = &context.run.debugger else {
@@ -125,7 +125,7 @@ fn why(
     }
 }
 
-/// Shows a place in r, as everything in the window, and in the unit of the domain, as the fields and files have it.
+/// Shows a position in r, as everywhere in the window, and in the unit of the domain, as in fields and files.
 fn coordinates(ui: &mut Ui, shown: &ShownMoment<'_>, at: DVec2, palette: &Palette) {
     let radius = shown.session.run().domain.radius();
     row(ui, "x", &format!("{:.4} r", at.x), palette);
@@ -155,7 +155,7 @@ fn place(ui: &mut Ui, shown: &ShownMoment<'_>, at: DVec2, palette: &Palette) {
     }
 }
 
-/// Shows the gap that holds a place.
+/// Shows the gap at a place.
 fn gap(ui: &mut Ui, context: &PanelContext<'_>, shown: &ShownMoment<'_>, at: DVec2) {
     let palette = context.palette;
     let Some(tessellation) = context.run.geometry.of(shown) else {

@@ -60,7 +60,7 @@ pub fn show(
     }
 }
 
-/// Shows what is drawn for what is brushed.
+/// Shows the marks of the brush.
 fn brushed(ui: &mut Ui, cause: &Cause, palette: &Palette) {
     let entries: &[_] = match cause {
         Cause::Pairs { .. } => &[(palette.margin, 0.0, "brushed pair of samples")],
@@ -89,7 +89,7 @@ fn brushed(ui: &mut Ui, cause: &Cause, palette: &Palette) {
     }
 }
 
-/// Shows what marks the samples that only one of two compared runs has.
+/// Shows the marks of samples that only one of two compared runs has.
 fn marks(ui: &mut Ui, palette: &Palette) {
     for (whole, meaning) in [
         (true, "this run alone has it"),

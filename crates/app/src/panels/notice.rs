@@ -1,4 +1,4 @@
-//! The notice: what the user should read, until dismissed.
+//! The notice: a message over the canvas, until it is dismissed.
 
 use egui::{Align2, Area, Frame, Id, Margin, Order, RichText, Stroke, Ui, vec2};
 use tilescope_drawing::palette::Palette;
@@ -18,7 +18,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     } else {
         palette.accent
     };
-    // On a small window the controls of time are below the canvas, and part of another page has no bar.
+    // Clear of the time controls, which are below the canvas on a small window; an embedded window has no bar.
     let (corner, offset) = if state.window.embedding.is_some() {
         (Align2::CENTER_TOP, vec2(0.0, 8.0))
     } else if state.window.drawer.arrangement.is_compact() {

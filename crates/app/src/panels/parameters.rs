@@ -1,4 +1,5 @@
-//! The parameters with what is wrong beside each field, and the button that runs or cancels, which stays in view below them.
+//! The parameter form: fields with their errors beside them, and below them the button that runs or cancels, which
+//! stays in view.
 
 use egui::{ComboBox, ProgressBar, RichText, TextEdit, Ui, UiBuilder, vec2};
 use tilescope_core::{Boundary, Insertion, Order, Search, Variant};
@@ -15,52 +16,52 @@ use tilescope_workbench::draft::{Choice, DraftRefusal, Field};
 use tilescope_workbench::layout::Panel;
 use tilescope_workbench::state::{Form, GpuState};
 
-/// Where the fields begin, from the left edge of the panel.
+/// Left edge of the fields, from the panel's left edge.
 const FIELD_START: f32 = 94.0;
-/// How wide a field is with its frame: at least, so that the longest choice is not shortened, and at most.
+/// Minimum and maximum width of a field with its frame; the longest choice fits in the minimum.
 const FIELD_WIDTHS: [f32; 2] = [140.0, 160.0];
-/// What is left beside a field for its unit.
+/// Room for a unit beside a field.
 const UNIT_WIDTH: f32 = 14.0;
-/// The panel has room for its fields from this width on, in screen points, without what is around it.
+/// Minimum width of the panel for its fields, without margins, in screen points.
 pub(super) const MIN_WIDTH: f32 = FIELD_START + FIELD_WIDTHS[0] + UNIT_WIDTH;
-/// Above and below the button that runs.
+/// Margin above and below the Run button.
 const AROUND_RUN: f32 = 6.0;
-/// The height of the line above the button that names what is not in the run shown.
+/// Height of the line above the button that names the parameters that differ from the run shown.
 const REMARK: f32 = 18.0;
-/// Right of the button, as of the fields, which have a scroll bar there.
+/// Margin right of the button, equal to the scroll bar beside the fields.
 const BESIDE_FIELDS: f32 = 8.0;
 /// How wide the way out is that stands beside the button.
 const BESIDE_RUN: f32 = 60.0;
-/// In a lower panel, in screen points, the button is scrolled with the fields.
+/// In a lower panel, in screen points, the button scrolls with the fields.
 const ROOM_FOR_RUN: f32 = 100.0;
 
-/// What the panel is shown from.
+/// The context of the panel.
 pub struct FormContext<'a> {
     /// The colours.
     pub palette: &'static Palette,
-    /// The parameters, and who samples.
+    /// The parameters and the engine.
     pub form: &'a Form,
-    /// What is known of the GPU.
+    /// The state of the GPU.
     pub gpu: &'a GpuState,
-    /// The run at work.
+    /// The run in progress.
     pub sampling: Option<&'a Job<Result<Session, MakeError>>>,
-    /// Why the parameters cannot be run now, if so.
+    /// Why the parameters cannot be run, if so.
     pub refusal: Option<String>,
-    /// Which of the parameters are not those of the run shown, if any.
+    /// The parameters that differ from the run shown, if any.
     pub remark: Option<String>,
-    /// What there is to say of the engine that samples next: a line, and all of it.
+    /// A remark on the engine of the next run: a short line and the full text.
     pub engine: Option<(&'static str, String)>,
-    /// Whether the GPU samples where nothing is chosen.
+    /// Whether the GPU is the default engine.
     pub auto_is_gpu: bool,
 }
 
-/// How wide a field is where there is room from `ui`'s cursor to the panel's right edge.
+/// Returns the width of a field, given the room from `ui`'s cursor to the panel's right edge.
 pub(super) fn field_width(ui: &Ui) -> f32 {
     let [least, most] = FIELD_WIDTHS;
     (ui.available_width() - UNIT_WIDTH).clamp(least, most)
 }
 
-/// Shows the panel: the fields are scrolled, the button is not where there is room for both.
+/// Shows the panel: the fields scroll, and the button stays in view where there is room for both.
 pub fn show(ui: &mut Ui, context: &FormContext<'_>, commands: &mut Vec<Command>) {
     let room = ui.available_rect_before_wrap();
     if room.height() < ROOM_FOR_RUN {
@@ -166,7 +167,7 @@ fn form(ui: &mut Ui, context: &FormContext<'_>, commands: &mut Vec<Command>) {
     }
 }
 
-/// Says that the pattern comes from a file, if it does.
+/// Notes that the pattern comes from a file, if it does.
 fn own_pattern(ui: &mut Ui, context: &FormContext<'_>, commands: &mut Vec<Command>) {
     let palette = context.palette;
     let Some(own) = &context.form.own_pattern else {
@@ -186,7 +187,7 @@ fn own_pattern(ui: &mut Ui, context: &FormContext<'_>, commands: &mut Vec<Comman
     }
 }
 
-/// Says that the pattern repeats itself within blocks, if it does.
+/// Notes that the pattern repeats within blocks, if it does.
 fn repeats(ui: &mut Ui, context: &FormContext<'_>, palette: &Palette) {
     if let Some(side) = context.form.draft.side_without_repeats() {
         let text =
@@ -255,7 +256,7 @@ fn algorithm(ui: &mut Ui, context: &FormContext<'_>, commands: &mut Vec<Command>
 fn expected(ui: &mut Ui, context: &FormContext<'_>, palette: &Palette) {
     let text = match context.form.draft.expected_samples() {
         Some(samples) => {
-            // Two significant digits: it is an estimate.
+            // An estimate, so two significant digits.
             let step = 10_f64.powf((samples.log10().floor() - 1.0).max(0.0));
             let about = (samples / step).round() * step;
             format!("about {} samples", grouped(about as usize))
@@ -269,7 +270,7 @@ fn expected(ui: &mut Ui, context: &FormContext<'_>, palette: &Palette) {
     });
 }
 
-/// A line with a name before what `add` shows, which receives the name's id.
+/// A labelled line; `add` shows the field and receives the label's id.
 pub(super) fn labelled(
     ui: &mut Ui,
     name: &str,
@@ -423,8 +424,8 @@ fn run_height(ui: &Ui) -> f32 {
     row_height(ui.ctx(), 34.0)
 }
 
-/// The button and the progress take the same room, so that nothing jumps; Cancel is beside them, so that a double click on
-/// Run does not hit it.
+/// Button and progress take the same room, so that nothing moves; Cancel is beside them, so that a double click on Run
+/// does not hit it.
 fn run_or_cancel(ui: &mut Ui, context: &FormContext<'_>, commands: &mut Vec<Command>) {
     let palette = context.palette;
     let height = run_height(ui);

@@ -1,5 +1,5 @@
-//! The panel of passes: their list on the left, the selected pass and a buffer of it on the right. It reads
-//! [`Passes`] and pushes commands; it changes nothing itself.
+//! The panel of GPU passes: their list on the left, the selected pass and one of its buffers on the right. It reads
+//! [`Passes`] and pushes commands.
 
 mod choice;
 mod grid;
@@ -21,7 +21,7 @@ use tilescope_workbench::passes::{Badge, Fault, PassCommand, Passes};
 /// The width of the list, in screen points.
 const LIST: f32 = 270.0;
 
-/// What is said where times are not measured.
+/// Shown if the device does not measure times.
 pub const NO_TIMES: &str = "no timestamps on this adapter";
 
 /// Shows the panel in all the room there is.
@@ -47,7 +47,7 @@ pub fn show(ui: &mut Ui, passes: &Passes, palette: &Palette, commands: &mut Vec<
     ui.advance_cursor_after_rect(area);
 }
 
-/// The list with what it is of.
+/// The list and its heading.
 fn strip(ui: &mut Ui, passes: &Passes, palette: &Palette, commands: &mut Vec<PassCommand>) {
     ui.add(Label::new(muted(passes.adapter(), palette)).truncate());
     let times = if passes.has_timestamps() {
@@ -64,7 +64,7 @@ fn muted(text: &str, palette: &Palette) -> RichText {
     RichText::new(text).small().color(palette.muted)
 }
 
-/// What runs in the background, and what came of it.
+/// The work in progress, and its result.
 fn work(ui: &mut Ui, passes: &Passes, palette: &Palette, commands: &mut Vec<PassCommand>) {
     if let Some(fault) = passes.fault() {
         ui.horizontal(|ui| {
@@ -82,11 +82,11 @@ fn work(ui: &mut Ui, passes: &Passes, palette: &Palette, commands: &mut Vec<Pass
             }
         });
     }
-    // Always a line of the same height: nothing moves when the work ends.
+    // The line's height is reserved: nothing moves when the work ends.
     ui.horizontal(|ui| {
         ui.set_height(26.0);
         if let Some((activity, fraction)) = passes.activity() {
-            // Before the words, whose lengths change: it stays under the pointer.
+            // Before the text, whose length changes, so that it stays under the pointer.
             if ui.button("Cancel").known_as("passes.cancel").clicked() {
                 commands.push(PassCommand::Cancel);
             }
@@ -109,7 +109,7 @@ fn work(ui: &mut Ui, passes: &Passes, palette: &Palette, commands: &mut Vec<Pass
     });
 }
 
-/// Returns how the run compares with the CPU in all.
+/// Returns the comparison of the whole run with the CPU.
 fn summary(passes: &Passes) -> String {
     let entries = passes.entries();
     let count = |wanted: fn(&Badge) -> bool| entries.iter().filter(|e| wanted(&e.badge)).count();
@@ -167,7 +167,7 @@ fn pass(
     }
 }
 
-/// How the run got here.
+/// How the run came to this pass.
 fn way(ui: &mut Ui, visit: &Visit, palette: &Palette) {
     let text = if visit.replayed {
         "Reached by a new run from the beginning: the device only steps forwards."
@@ -241,7 +241,7 @@ fn numbers(ui: &mut Ui, passes: &Passes, entry: &PassEntry, palette: &Palette) {
     ui.label(RichText::new(parts.join("   ")).color(palette.muted));
 }
 
-/// The buffers of the pass, to choose one.
+/// The choice of a buffer.
 fn buffers(
     ui: &mut Ui,
     passes: &Passes,
@@ -288,7 +288,7 @@ fn changed_text(count: usize) -> String {
     }
 }
 
-/// Which side, which rows.
+/// The choice of side and rows.
 fn tools(
     ui: &mut Ui,
     passes: &Passes,
@@ -335,7 +335,7 @@ fn tools(
     });
 }
 
-/// Returns how many rows are shown of how many, and how many of these were read.
+/// Returns how many rows are shown, of how many, and how many were read back.
 fn count_text(table: &BufferTable, shown: usize) -> String {
     let total = table.total as usize;
     let (rows, changed) = (table.rows(), table.changed_count());
@@ -383,7 +383,7 @@ fn export(ui: &mut Ui, passes: &Passes, palette: &Palette, commands: &mut Vec<Pa
     });
 }
 
-/// A word of the buffer to be set behind the pass.
+/// A word of the buffer to be changed after the pass, to inject a fault.
 fn what_if(
     ui: &mut Ui,
     visit: &Visit,

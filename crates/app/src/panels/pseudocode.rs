@@ -1,5 +1,5 @@
-//! The listings: the line that has run and the one that is about to, breakpoints in the gutter, and how often a line runs.
-//! A click on the gutter sets a breakpoint; a click on a line goes to its next execution.
+//! The pseudocode: the line that has run and the one that runs next, breakpoints in the gutter, and counts of
+//! executions. A click on the gutter sets a breakpoint; a click on a line goes to its next execution.
 
 use egui::{
     Align, Align2, Color32, CursorIcon, FontId, RichText, Role, ScrollArea, Sense, Stroke,
@@ -19,10 +19,10 @@ use super::context::PanelContext;
 use tilescope_workbench::command::{Command, DebugCommand, TimeCommand};
 
 const GUTTER: f32 = 22.0;
-/// Room behind a line for what is said of it.
+/// Room for a remark behind a line.
 const TAG: f32 = 28.0;
 
-/// Returns the listings that a session runs.
+/// Returns the listings of a session.
 fn listings_of(context: &PanelContext<'_>) -> Vec<&'static Listing> {
     let Some(session) = &context.run.session else {
         return Vec::new();
@@ -44,17 +44,17 @@ fn listings_of(context: &PanelContext<'_>) -> Vec<&'static Listing> {
         .collect()
 }
 
-/// The lines of a moment.
+/// The highlighted lines.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Now {
-    /// The line of the last event, of which the sentence and the canvas are.
+    /// The line of the last event, which sentence and canvas show.
     pub done: Option<LineId>,
-    /// The line of the event that is about to happen, where breakpoints stop.
+    /// The line of the next event, where breakpoints stop.
     pub next: Option<LineId>,
 }
 
 impl Now {
-    /// Returns the lines of the moment that is shown.
+    /// Returns the lines to highlight at the moment shown.
     pub fn of(context: &PanelContext<'_>, debugger: &Debugger) -> Self {
         let last = context.run.shown().and_then(|shown| shown.last_event());
         Self {
@@ -63,7 +63,7 @@ impl Now {
         }
     }
 
-    /// Returns what is said of a line.
+    /// Returns the remark on a line.
     pub fn tag(self, line: LineId) -> Option<&'static str> {
         match (self.done == Some(line), self.next == Some(line)) {
             (true, true) => Some("done, next"),
@@ -174,7 +174,7 @@ fn show_line(
         ui.painter()
             .rect_filled(body, 4.0, palette.text.gamma_multiply(0.06));
     }
-    // The line of what is shown comes into view; before the first event the next one does.
+    // Scroll to the line of the last event; before the first event, to the next line.
     let leads = current || now.done.is_none() && now.next == Some(id);
     if moved && leads {
         ui.scroll_to_rect_animation(rect, None, egui::style::ScrollAnimation::none());
@@ -264,7 +264,7 @@ fn explanation(line: &ListingLine) -> String {
 /// Height of the row of [`next_line`].
 pub const NEXT_LINE: f32 = 22.0;
 
-/// Shows the line that is about to run in a single row.
+/// Shows the next line to run in a single row.
 pub fn next_line(ui: &mut Ui, context: &PanelContext<'_>) {
     let palette = context.palette;
     let lines = Listings::shipped();

@@ -1,5 +1,4 @@
-//! Every panel: the room around it, and what of the state it is shown from. No panel sees the
-//! whole state.
+//! The registry of panels: for each the margins and the part of the state that it receives. To add a panel, begin here.
 
 use egui::{Frame, Margin, ScrollArea, Ui, Vec2, vec2};
 use tilescope_debugger::Direction;
@@ -26,17 +25,17 @@ use tilescope_workbench::state::State;
 
 /// How a panel fills its tile.
 enum Room {
-    /// All of it is scrolled.
+    /// It scrolls as a whole.
     Scrolled,
-    /// It lays itself out.
+    /// It does its own layout.
     Whole,
 }
 
-/// Shows a panel in its room.
+/// How to show a panel.
 enum Show {
-    /// From the first run alone, as a panel that only tells of it.
+    /// From the context of run A.
     Run(fn(&mut Ui, &PanelContext<'_>, &mut Vec<Command>)),
-    /// From a context of its own, which is made of parts of the state.
+    /// From a context of its own.
     Parts(fn(&mut Ui, &State, &mut Vec<Command>)),
 }
 
@@ -49,7 +48,8 @@ impl Show {
     }
 }
 
-/// Returns how a panel is shown; of the canvas, what stands above it: the canvas itself keeps what it has drawn.
+/// Returns how a panel is shown. For the canvas this is the bar above it; the canvas itself is drawn by `app.rs`, which
+/// keeps its caches.
 fn row(panel: Panel) -> (Room, Show) {
     use Room::{Scrolled, Whole};
     use Show::{Parts, Run};
@@ -150,7 +150,7 @@ impl<'a> FormContext<'a> {
     }
 }
 
-/// Shows a panel in the place of its tile.
+/// Shows a panel in its tile.
 pub fn show_panel(
     ui: &mut Ui,
     panel: Panel,
@@ -186,29 +186,29 @@ pub fn show_panel(
     }
 }
 
-/// Returns the room that a panel needs at least, in screen points: in less its rows would be cut off. The height of the
-/// timeline is that of its sentence.
+/// Returns the minimum size of a panel, in screen points, below which its rows would be cut off. The timeline's height
+/// depends on its sentence.
 #[must_use]
 pub fn least_size(panel: Panel, timeline: f32) -> Vec2 {
     match panel {
         Panel::Canvas => vec2(320.0, 160.0),
         Panel::Timeline => vec2(320.0, timeline),
         Panel::Parameters => vec2(parameters::MIN_WIDTH + BESIDE_PANEL, MIN_PANEL_WIDTH.y),
-        // It is moved in less.
+        // With less room it scrolls.
         Panel::Passes => Vec2::ZERO,
         _ => MIN_PANEL_WIDTH,
     }
 }
 
-/// What most panels need, and the names of those that share a tile at first.
+/// Minimum size of most panels, and of the tab labels of those that share a tile by default.
 const MIN_PANEL_WIDTH: Vec2 = vec2(272.0, 96.0);
-/// A panel's margins, and the room of its scroll bar.
+/// A panel's margins and its scroll bar.
 const BESIDE_PANEL: f32 = 28.0;
 
-/// Around the timeline.
+/// Margins of the timeline.
 const TIMELINE_MARGIN: Margin = Margin::symmetric(16, 8);
 
-/// Returns how high the tile of the timeline is at least, `width` wide.
+/// Returns the minimum height of the timeline's tile of this width.
 pub fn timeline_height(ctx: &egui::Context, state: &State, width: f32) -> f32 {
     let margin = TIMELINE_MARGIN.sum();
     timeline::height(ctx, &TimeContext::of(state), width - margin.x) + margin.y
@@ -221,10 +221,10 @@ fn filled(ui: &mut Ui, frame: Frame, add: impl FnOnce(&mut Ui)) {
     });
 }
 
-/// The list and the table of passes need so much room, in screen points.
+/// Minimum room for the list and table of passes, in screen points.
 const ROOM_FOR_PASSES: egui::Vec2 = egui::vec2(620.0, 400.0);
 
-/// Shows the passes of the GPU, or how to come to see them.
+/// Shows the GPU passes, or how to get them.
 fn passes(
     ui: &mut Ui,
     context: &PanelContext<'_>,
@@ -234,7 +234,7 @@ fn passes(
     let palette = context.palette;
     if let Some(passes) = &context.run.passes {
         let mut own = Vec::new();
-        // A list beside a table: there is no narrower form of it, but it can be moved.
+        // A list beside a table: it has no narrower form, so it scrolls.
         let size = ui.available_size().max(ROOM_FOR_PASSES);
         ScrollArea::both()
             .id_salt(Panel::Passes.name())

@@ -1,4 +1,4 @@
-//! What the sheets over the window share: the keyboard is in their first field as soon as they open.
+//! What the sheets over the window share: size, position, and the focus on their first field as soon as they open.
 
 use egui::text::{CCursor, CCursorRange};
 use egui::text_edit::TextEditState;
@@ -6,14 +6,14 @@ use egui::{Event, Key, Response, ScrollArea, Ui, Vec2, vec2};
 
 use tilescope_ui::focus;
 
-/// Returns how wide a sheet is: `width`, in screen points, or what the window has room for.
+/// Returns the width of a sheet: `width`, in screen points, or as much as fits.
 pub fn width(ui: &Ui, width: f32) -> f32 {
     let margin = ui.spacing().window_margin;
     let room = ui.ctx().content_rect().width() - f32::from(margin.left) - f32::from(margin.right);
     width.min(room - 2.0 * BESIDE)
 }
 
-/// Shows what a sheet holds, scrolled where the window is too low for it.
+/// Shows the contents of a sheet, scrolled if the window is too low.
 pub fn scrolled(ui: &mut Ui, wide: f32, add: impl FnOnce(&mut Ui)) {
     ui.set_width(width(ui, wide));
     let room = (ui.ctx().content_rect().height() - AROUND).max(120.0);
@@ -26,20 +26,20 @@ pub fn scrolled(ui: &mut Ui, wide: f32, add: impl FnOnce(&mut Ui)) {
         });
 }
 
-/// Returns where a sheet is from the middle of the window: a little above it, if the window is high.
+/// Returns the offset of a sheet from the middle of the window: a little above it, if the window is high.
 pub fn above_middle(ui: &Ui) -> Vec2 {
     let is_high = ui.ctx().content_rect().height() > LOW;
     vec2(0.0, if is_high { -40.0 } else { 0.0 })
 }
 
-/// Lower windows, in screen points, have sheets in the middle.
+/// In lower windows, in screen points, sheets are centred.
 const LOW: f32 = 600.0;
-/// What a sheet has above and below what it holds.
+/// Height of a sheet's frame, above and below its contents.
 const AROUND: f32 = 96.0;
-/// Beside a sheet the window can be seen, in screen points.
+/// Margin beside a sheet, in screen points.
 const BESIDE: f32 = 6.0;
 
-/// Returns whether the sheet of this name was not there in the frame before.
+/// Returns whether the sheet of this name has just opened.
 pub fn just_opened(ui: &Ui, name: &str) -> bool {
     let id = egui::Id::unique("sheet").with(name);
     let frame = ui.ctx().cumulative_frame_nr();
@@ -48,7 +48,7 @@ pub fn just_opened(ui: &Ui, name: &str) -> bool {
     last.is_none_or(|last| last + 1 < frame)
 }
 
-/// Has the keyboard write into a field of `length` characters, in the place of what is there.
+/// Focuses a field and selects its `length` characters, so that typing replaces them.
 pub fn select_all(ui: &Ui, response: &Response, length: usize) {
     response.request_focus();
     let mut edit = TextEditState::load(ui.ctx(), response.id).unwrap_or_default();
@@ -57,8 +57,8 @@ pub fn select_all(ui: &Ui, response: &Response, length: usize) {
     edit.store(ui.ctx(), response.id);
 }
 
-/// Returns whether Enter was pressed in a field; a key that is held counts once. The field keeps the keyboard: a question
-/// may follow, to be answered by the same key.
+/// Returns whether Enter was pressed in a field, ignoring key repeats. The field keeps the focus: a question may
+/// follow, which the same key answers.
 pub fn entered(ui: &Ui, response: &Response) -> bool {
     let pressed = |event: &Event| {
         matches!(
@@ -78,7 +78,7 @@ pub fn entered(ui: &Ui, response: &Response) -> bool {
     ui.input(|input| input.events.iter().any(pressed))
 }
 
-/// Returns whether the sheet is to be closed by a key: what lies over it goes first.
+/// Returns whether a key closes the sheet; what lies over it is closed first.
 pub fn escaped(ui: &Ui, state: &tilescope_workbench::state::State) -> bool {
     state.window.finder.is_none() && ui.input(|input| input.key_pressed(Key::Escape))
 }

@@ -1,4 +1,4 @@
-//! The table of stages: what each left behind. A row is a way to go there.
+//! The table of stages: the numbers of samples, conflicts and gaps after each. A click on a row goes there.
 
 use egui::{CursorIcon, FontId, Role, Sense, Ui, WidgetInfo, vec2};
 use tilescope_core::Stage;
@@ -50,7 +50,7 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
     }
 }
 
-/// Shows what gluing did.
+/// Shows the results of gluing.
 fn seams(ui: &mut Ui, session: &Session, combination: &Combination, palette: &Palette) {
     ui.add_space(6.0);
     heading(ui, "At the seams");
@@ -95,7 +95,7 @@ fn change(session: &Session, stage: Stage) -> String {
     }
 }
 
-/// Shows a row; that of a stage can be clicked.
+/// Shows a row; rows of stages can be clicked.
 fn row(
     ui: &mut Ui,
     texts: [&str; 3],
@@ -159,8 +159,8 @@ fn row(
     }
 }
 
-/// Returns where the texts of a row end: the name on the left, the number on the right, and the change before it, but
-/// not over the name; where all is narrow, the number gives way to it.
+/// Returns the text positions of a row: name on the left, number on the right, and the change before the number; in a
+/// narrow panel the number makes room for the name.
 fn column_ends(width: f32, [name, change, number]: [f32; 3]) -> [f32; 3] {
     const BESIDE: f32 = 8.0;
     let name = BESIDE + name;
@@ -194,7 +194,7 @@ mod tests {
                 }
             }
         }
-        // Where there is room, columns stand in line.
+        // If there is room, columns are aligned.
         assert_eq!(column_ends(300.0, [40.0, 56.0, 50.0])[1..], [218.0, 292.0]);
         assert_eq!(column_ends(300.0, [35.0, 20.0, 40.0])[1..], [218.0, 292.0]);
     }

@@ -1,4 +1,4 @@
-//! The timeline: what happened last, in a sentence, and the ways through time.
+//! The timeline: a sentence on the last event, and the controls of time.
 
 use egui::text::LayoutJob;
 use egui::{
@@ -17,22 +17,22 @@ use tilescope_workbench::arrangement::Arrangement;
 use tilescope_workbench::clock::{Clock, SPEEDS};
 use tilescope_workbench::command::{Command, TimeCommand};
 
-/// From this width on there is room beside the sentence.
+/// Minimum width for counts beside the sentence.
 const WIDE: f32 = 760.0;
-/// Between the sentence and what stands beside it.
+/// Gap between the sentence and the counts.
 const BESIDE: f32 = 24.0;
-/// Between the sentence and the controls.
+/// Gap between the sentence and the controls.
 const ABOVE_CONTROLS: f32 = 4.0;
-/// Sizes of the sentence's letters.
+/// Font sizes of the sentence.
 const SIZE: f32 = 15.0;
 const COMPACT_SIZE: f32 = 14.5;
 
-/// A sentence as long as sentences are in runs of some ten thousand samples. There is always room for it, so that nothing
+/// A sentence as long as those of runs of some ten thousand samples. Room for it is always reserved, so that nothing
 /// moves from event to event.
 const SPECIMEN: &str = "The circumcentre of sample 10,774 of block 88 with sample 17,364 of block 88 and sample 10,974 of \
      block 88, 1.99 r away, is nearer to sample 10,775 of block 88.";
 
-/// Returns how high a text is that breaks at `width`.
+/// Returns the height of a text wrapped at `width`.
 fn text_height(ctx: &Context, text: &str, size: f32, width: f32) -> f32 {
     let job = LayoutJob::simple(
         text.to_owned(),
@@ -43,7 +43,7 @@ fn text_height(ctx: &Context, text: &str, size: f32, width: f32) -> f32 {
     ctx.fonts_mut(|fonts| fonts.layout_job(job)).size().y
 }
 
-/// Returns the room that the whole sentence takes, at least that of [`SPECIMEN`].
+/// Returns the size of the whole sentence, at least that of [`SPECIMEN`].
 fn sentence_height(ctx: &Context, context: &TimeContext<'_>, size: f32, width: f32) -> f32 {
     let height = |text: &str| text_height(ctx, text, size, width);
     height(SPECIMEN)
@@ -51,7 +51,7 @@ fn sentence_height(ctx: &Context, context: &TimeContext<'_>, size: f32, width: f
         .ceil()
 }
 
-/// Returns the room that counts take beside the sentence, whatever the moment.
+/// Returns the room for counts beside the sentence, the same at every moment.
 fn room_beside(ctx: &Context, context: &TimeContext<'_>, width: f32) -> f32 {
     let (Some(session), true) = (&context.run.session, width >= WIDE) else {
         return 0.0;
@@ -67,7 +67,7 @@ fn room_beside(ctx: &Context, context: &TimeContext<'_>, width: f32) -> f32 {
     ctx.fonts_mut(|fonts| fonts.layout_job(job)).size().x + BESIDE
 }
 
-/// Returns how high the panel is that shows everything in `width`.
+/// Returns the height that shows everything in `width`.
 #[must_use]
 pub fn height(ctx: &Context, context: &TimeContext<'_>, width: f32) -> f32 {
     let width = width - room_beside(ctx, context, width);
@@ -92,7 +92,7 @@ pub fn show(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>)
         |ui| {
             ui.set_min_size(vec2(room, height));
             ui.spacing_mut().item_spacing.x = 0.0;
-            // What happened comes before how much of it there is.
+            // The sentence comes first for screen readers, then the counts.
             sentence(ui, context, SIZE, vec2(room - beside, height), usize::MAX);
             if beside > 0.0 {
                 ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
@@ -113,7 +113,7 @@ pub fn show(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>)
     });
 }
 
-/// Shows what happened, in so many lines at most.
+/// Shows the sentence, in at most this many lines.
 fn sentence(ui: &mut Ui, context: &TimeContext<'_>, size: f32, room: Vec2, lines: usize) {
     ui.allocate_ui_with_layout(room, Layout::left_to_right(Align::Center), |ui| {
         ui.set_min_size(room);
@@ -121,7 +121,7 @@ fn sentence(ui: &mut Ui, context: &TimeContext<'_>, size: f32, room: Vec2, lines
         let font = FontId::proportional(size);
         let mut text =
             LayoutJob::simple(happened(context.run.shown().as_ref()), font, color, room.x);
-        // A pointer that rests on it shows the rest.
+        // The tooltip shows the rest.
         text.wrap.max_rows = lines;
         let galley = ui.painter().layout_job(text);
         let response = ui.add(egui::Label::new(galley));
@@ -132,13 +132,13 @@ fn sentence(ui: &mut Ui, context: &TimeContext<'_>, size: f32, room: Vec2, lines
 
 /// Height of a line of the sentence.
 const LINE: f32 = 20.0;
-/// The chooser of the clock is at least so wide for fingers.
+/// Minimum width of the chooser of clocks for touch.
 const CLOCK: f32 = 92.0;
-/// Between the rows of a small window.
+/// Gap between the rows of a small window.
 const APART: f32 = 4.0;
 
-/// Returns how high the controls of a small window are, `width` wide. Where the sentence would take room from the canvas or
-/// an open panel it has two lines, on a low window one.
+/// Returns the height of a small window's controls of this width. Where the sentence takes room from the canvas or an
+/// open panel it has two lines, in a low window one.
 #[must_use]
 pub fn compact_height(ctx: &Context, context: &TimeContext<'_>, is_low: bool, width: f32) -> f32 {
     let sentence = compact_sentence(ctx, context, is_low, width);
@@ -157,7 +157,7 @@ fn compact_sentence(ctx: &Context, context: &TimeContext<'_>, is_low: bool, widt
     if is_low { LINE } else { 2.0 * LINE }
 }
 
-/// Shows the sentence, the controls and the track below each other, large enough for fingers.
+/// Shows the sentence, the controls and the track below each other, large enough for touch.
 pub fn show_compact(
     ui: &mut Ui,
     context: &TimeContext<'_>,
@@ -167,7 +167,7 @@ pub fn show_compact(
     ui.spacing_mut().item_spacing.y = APART;
     let width = ui.available_width();
     let room = vec2(width, compact_sentence(ui.ctx(), context, is_low, width));
-    // What does not fit is in the panel of the clocks.
+    // What does not fit is in the timeline's panel.
     let lines = match (is_whole(context), is_low) {
         (true, _) => usize::MAX,
         (false, true) => 1,
@@ -177,7 +177,7 @@ pub fn show_compact(
     ui.horizontal(|ui| {
         controls(ui, context, true, commands);
         ui.add_space(6.0);
-        // Where it would be cut off, the panel of the clocks has it.
+        // If it is cut off, the timeline's panel shows it.
         if ui.available_width() >= CLOCK {
             clock(ui, context, ui.available_width().min(110.0), commands);
         }
@@ -185,32 +185,32 @@ pub fn show_compact(
     track::show(ui, context, commands);
 }
 
-/// How a player shows the sentence, the controls and the track below its canvas.
+/// Layout of an embedded player below its canvas.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Player {
-    /// The controls and the track beside each other, as in the window.
+    /// Controls and track side by side, as in the window.
     Wide,
     /// All three below each other.
     Narrow,
-    /// The most needed controls and the track beside each other: there is room for little more than the canvas.
+    /// The most important controls and the track side by side, in players that have little room beside the canvas.
     Small,
 }
 
-/// Narrower players, in screen points, have the track below the controls.
+/// In narrower players, in screen points, the track is below the controls.
 const WIDE_PLAYER: f32 = 560.0;
-/// Narrower ones have no room for the buttons to the first and the last stage.
+/// Narrower players lack the buttons to the first and the last stage.
 const ALL_BUTTONS: f32 = 420.0;
-/// Lower ones that are not wide are small.
+/// Lower players that are not wide are small.
 const HIGH_PLAYER: f32 = 300.0;
-/// The size of the sentence's letters in players that are not wide.
+/// Font size of the sentence in players that are not wide.
 const PLAYER_SIZE: f32 = 12.0;
-/// So wide is the choice of the speed there.
+/// Width of the speed chooser there.
 const SPEED: f32 = 70.0;
-/// Left and right of, and above and below, what stands below the canvas of a player.
+/// Margins of the controls below a player's canvas, horizontal and vertical.
 pub const PLAYER_MARGIN: egui::Vec2 = vec2(12.0, 6.0);
 
 impl Player {
-    /// Returns how a player of a size, in screen points, shows them.
+    /// Returns the layout of a player of this size, in screen points.
     #[must_use]
     pub fn of(size: egui::Vec2) -> Self {
         if size.x >= WIDE_PLAYER {
@@ -222,7 +222,7 @@ impl Player {
         }
     }
 
-    /// Returns how high they are together, `width` wide between the margins.
+    /// Returns the total height, `width` wide between the margins.
     #[must_use]
     pub fn height(self, ctx: &Context, context: &TimeContext<'_>, width: f32) -> f32 {
         let sentence = sentence_height(ctx, context, PLAYER_SIZE, width);
@@ -235,7 +235,7 @@ impl Player {
             }
     }
 
-    /// Shows them.
+    /// Shows the player's controls.
     pub fn show(self, ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>) {
         if self == Self::Wide {
             show(ui, context, commands);
@@ -267,7 +267,8 @@ impl Player {
     }
 }
 
-/// Shows what a small window has no room for beside its controls: the whole sentence, counts, speed, the line and the loop.
+/// Shows what does not fit beside a small window's controls: the whole sentence, counts, speed, the next line and the
+/// loop.
 pub fn more(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>) {
     let palette = context.palette;
     ui.label(RichText::new(happened(context.run.shown().as_ref())).size(14.5))
@@ -294,7 +295,8 @@ pub fn more(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>)
     });
 }
 
-/// The buttons that move time; where there is no room for them, those to the ends are left to the track.
+/// The buttons that move time; where there is no room, those to the first and last stage are left out, since the track
+/// does the same.
 fn controls(ui: &mut Ui, context: &TimeContext<'_>, with_ends: bool, commands: &mut Vec<Command>) {
     let palette = context.palette;
     let no_session = context
@@ -359,7 +361,7 @@ fn capital(name: &str) -> String {
     })
 }
 
-/// What a tick is.
+/// The choice of the clock's tick.
 fn clock(ui: &mut Ui, context: &TimeContext<'_>, width: f32, commands: &mut Vec<Command>) {
     let playback = &context.time.playback;
     let chosen = ComboBox::from_id_salt("clock")
@@ -383,7 +385,7 @@ fn clock(ui: &mut Ui, context: &TimeContext<'_>, width: f32, commands: &mut Vec<
     response.on_hover_text("What one tick of play and the arrow keys is");
 }
 
-/// How fast time runs.
+/// The choice of the speed.
 fn speed(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>) {
     let playback = &context.time.playback;
     let chosen = ComboBox::from_id_salt("speed")
@@ -434,7 +436,7 @@ mod tests {
                 let galley = ui
                     .painter()
                     .layout(text.clone(), font, egui::Color32::WHITE, width);
-                // More would leave the canvas of a player of 200 points hardly any room.
+                // More would leave hardly any canvas in a player 200 points high.
                 if galley.rows.len() > 4 {
                     cut.push((galley.size(), text.clone()));
                 }

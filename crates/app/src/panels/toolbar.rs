@@ -1,4 +1,4 @@
-//! The bar on top: the name, what is being looked at, the verdict, export and theme.
+//! The bar on top: menus, the name of the run, the verdict, export and theme.
 
 use egui::{Align, Button, FontId, Layout, Popup, PopupCloseBehavior, RichText, Ui};
 use tilescope_drawing::palette::Palette;
@@ -14,9 +14,9 @@ use tilescope_workbench::command::{AppearanceCommand, Command, ViewCommand, Whic
 use tilescope_workbench::export::{ExportCommand, ExportKind};
 use tilescope_workbench::state::State;
 
-/// From this much room behind the menus on, in screen points, the run is named.
+/// Minimum room behind the menus, in screen points, to show the run's name.
 const ROOM_FOR_RUN: f32 = 620.0;
-/// From this much on, the engine is, too.
+/// Minimum room to show the engine, too.
 const ROOM_FOR_ENGINE: f32 = 740.0;
 
 /// Shows the bar.
@@ -72,7 +72,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     });
 }
 
-/// Shows what fits on a small window; one menu has the rest.
+/// Shows the bar of a small window; one menu has the rest.
 pub fn show_compact(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let palette = Palette::of(state.appearance.look);
     ui.horizontal_centered(|ui| {
@@ -104,16 +104,16 @@ pub fn show_compact(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     });
 }
 
-/// The widest menu of a small window, in screen points.
+/// Maximum width of a small window's menu, in screen points.
 const MAX_MENU_WIDTH: f32 = 340.0;
-/// From this much room beside the menu on, a small window has its name on top: the verdict's is as wide as the longest.
+/// Minimum room beside the menu to show the name of a small window; room for the longest verdict is reserved.
 const ROOM_FOR_TITLE: f32 = 310.0;
 
-/// Every menu in one: what is chosen opens below its name.
+/// All menus in one: a chosen one opens below its name.
 fn one_menu(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let palette = Palette::of(state.appearance.look);
     ui.spacing_mut().item_spacing.y = 2.0;
-    // Beside the bar by which it is scrolled.
+    // Clear of the scroll bar.
     ui.set_max_width(ui.available_width() - 14.0);
     if let Some(session) = &state.runs.first.session {
         let count = grouped(session.summary.count);
@@ -188,7 +188,7 @@ fn menus(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
 }
 
 fn entry(ui: &mut Ui, action: &Action, commands: &mut Vec<Command>) {
-    // Beside a finger there are no keys, and no room for them.
+    // On touch devices shortcuts are not shown.
     let shortcut = action.shortcut.filter(|_| !is_for_fingers(ui.ctx()));
     let mut button = Button::new(action.name.as_str());
     if let Some(keys) = shortcut {

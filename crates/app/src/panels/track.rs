@@ -1,5 +1,5 @@
-//! The track of the timeline: a segment for each stage, as long as it has events, with the cursor, bookmarks, and the
-//! range that play goes round. Click or drag to go there.
+//! The track of the timeline: a segment for each stage, as wide as it has events, with the cursor, bookmarks and the
+//! loop. Click or drag to move in time.
 
 use std::ops::Range;
 
@@ -18,10 +18,10 @@ use tilescope_ui::widgets::{Kebab, Known};
 use crate::panels::context::TimeContext;
 use tilescope_workbench::command::{Command, TimeCommand};
 
-/// No segment is narrower, in screen points.
+/// Minimum width of a segment, in screen points.
 const MIN_WIDTH: f32 = 54.0;
 pub(super) const HEIGHT: f32 = 54.0;
-/// Height on a small window: room for a finger.
+/// Height on a small window, for touch.
 pub(super) const COMPACT_HEIGHT: f32 = 44.0;
 const BAR: f32 = 24.0;
 
@@ -168,7 +168,7 @@ fn show_segment(
         let font = FontId::proportional(11.5);
         ui.painter().layout_no_wrap(text.to_owned(), font, ink)
     };
-    // A name that is cut off anywhere would say nothing; the tip has it whole.
+    // A truncated name would say nothing; the tooltip has the whole.
     let galleys = [laid(&name), laid(&short(&name))];
     let fits = |galley: &std::sync::Arc<egui::Galley>| galley.size().x <= label.width() + 2.0;
     if let Some(galley) = galleys.into_iter().find(fits) {
@@ -188,7 +188,7 @@ fn show_segment(
     }
 }
 
-/// Draws how often something changed: conflicts, gaps and insertions among all events.
+/// Draws the density of conflicts, gaps and insertions among all events.
 fn density(
     painter: &Painter,
     recording: &Recording,
@@ -220,7 +220,7 @@ fn density(
     }
 }
 
-/// Draws where the breakpoints would stop a run.
+/// Draws where breakpoints would stop a run.
 fn hits(
     painter: &Painter,
     context: &TimeContext<'_>,
@@ -231,7 +231,7 @@ fn hits(
     let mut last = f32::NEG_INFINITY;
     for &event in context.run.hits.events() {
         let x = x_of(segments, event);
-        // Two marks on one pixel look like one.
+        // Two marks on one pixel would look like one.
         if x - last >= 1.0 {
             last = x;
             let ends = [pos2(x, rect.top() - 1.0), pos2(x, rect.top() + 4.0)];
@@ -240,7 +240,7 @@ fn hits(
     }
 }
 
-/// Draws bookmarks, hits of breakpoints and the range of the loop.
+/// Draws bookmarks, breakpoint hits and the loop.
 fn marks(
     painter: &Painter,
     context: &TimeContext<'_>,
@@ -278,7 +278,7 @@ fn marks(
         painter.add(Shape::convex_polygon(flag.to_vec(), color, Stroke::NONE));
     }
 }
-/// Returns the name of a stage where there is little room.
+/// Returns the short name of a stage.
 fn short(name: &str) -> String {
     let shorter = [
         ("Eliminate", "Elim."),

@@ -1,4 +1,4 @@
-//! The verdict of the independent verifier: a chip that is always visible, and its numbers.
+//! The verdict of the independent verifier: a chip that is always visible, and a panel with its numbers.
 
 use egui::{
     Color32, CursorIcon, FontId, RichText, Role, Sense, Stroke, StrokeKind, Ui, WidgetInfo, vec2,
@@ -14,13 +14,13 @@ use super::context::PanelContext;
 use tilescope_workbench::command::{Command, ViewCommand, Which};
 use tilescope_workbench::state::Verification;
 
-/// Shows the chip; a click follows the verdict to its witness.
+/// Shows the chip; a click goes to the conflict or gap that decides the verdict.
 pub fn chip(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>) {
     let palette = context.palette;
     let (text, well, color) = summary(context, palette);
     let font = FontId::new(13.0, semibold());
     let galley = ui.painter().layout_no_wrap(text.clone(), font, color);
-    // Wide enough for the longest verdict: nothing moves when it arrives.
+    // As wide as the longest verdict, so that nothing moves when it arrives.
     let width = (galley.size().x + 46.0).max(150.0);
     let (rect, response) = ui.allocate_exact_size(vec2(width, 30.0), Sense::click());
     response.widget_info(|| WidgetInfo::labeled(Role::Button, true, format!("Verdict: {text}")));
@@ -56,7 +56,7 @@ fn summary(context: &PanelContext<'_>, palette: &Palette) -> (String, Option<boo
             let report = &verdict.report;
             let text = match (report.conflict_free(), report.maximal()) {
                 (true, true) if context.run.is_at_end() => "verified".to_owned(),
-                // What is on the canvas is not the result yet.
+                // The canvas does not show the final result yet.
                 (true, true) => "result verified".to_owned(),
                 (true, false) => "not maximal".to_owned(),
                 (false, true) => "not conflict-free".to_owned(),
@@ -88,7 +88,7 @@ fn explanation(context: &PanelContext<'_>) -> String {
     }
 }
 
-/// Shows the verifier's numbers. The rows are there before the numbers are.
+/// Shows the verifier's numbers. The rows are shown before their values are known.
 pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>) {
     let palette = context.palette;
     heading(ui, "Verification");

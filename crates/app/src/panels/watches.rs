@@ -1,4 +1,4 @@
-//! Watches: expressions over what is in scope, with their values at this moment; errors stand beside them.
+//! Watches: expressions over the variables in scope, with their current values or errors.
 
 use egui::{RichText, Role, TextEdit, Ui, WidgetInfo};
 use tilescope_debugger::{LENGTHS, NAMES, NAMES_OF_NEXT};

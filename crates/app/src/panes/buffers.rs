@@ -1,5 +1,5 @@
-//! The rows of a buffer of the GPU where they lie: rings, squares, borders and links over the picture, and a tag that
-//! names them. What lies where is handed to it.
+//! Draws the rows of a GPU buffer over the picture, as rings, squares, borders and links, with a tag that names them.
+//! Where rows lie is computed in the workbench.
 
 use std::fmt::Write as _;
 
@@ -16,19 +16,18 @@ use tilescope_drawing::subject::Subject;
 use tilescope_workbench::passes::OnCanvas;
 use tilescope_workbench::passes::placed::Rows;
 
-/// More marks than this in view are not drawn: one would see no more than a surface.
+/// With more marks in view none of the rest is drawn, since they would merge into a surface.
 pub const MAX_MARKS: usize = 20_000;
-/// Between the tag and the corner of the canvas, in screen points.
+/// Distance of the tag from the corner of the canvas, in screen points.
 const INSET: Vec2 = vec2(22.0, 24.0);
-/// The height that a remark at the top of the canvas takes, in screen points.
+/// Height of a remark at the top of the canvas, in screen points.
 const NOTE: f32 = 32.0;
-/// Rings below this radius are dots, in screen points.
+/// Rings of a smaller radius are drawn as dots, in screen points.
 const MIN_RING: f32 = 3.0;
-/// Squares below this size are surfaces without a border, in screen points.
+/// Smaller squares are filled and have no border, in screen points.
 const MIN_BORDERED: f32 = 5.0;
 
-/// Draws the rows of a buffer where they lie; returns what is remarked at the top of the canvas: `note`, or
-/// how much is left out.
+/// Draws the rows of a buffer; returns the remark for the top of the canvas: `note`, or how much is left out.
 pub fn show(
     ui: &Ui,
     rect: Rect,
@@ -40,7 +39,7 @@ pub fn show(
 ) -> Option<String> {
     let painter = ui.painter_at(rect);
     let mut left_out = 0;
-    // The pattern is shown in a plane of its own.
+    // The pattern has a plane of its own.
     if let Some(rows) = buffers
         .rows
         .filter(|_| subject.shown.stage != Stage::Pattern)
@@ -70,7 +69,7 @@ pub fn show(
     note
 }
 
-/// A spot, and whether it lies in the domain.
+/// A row's place, and whether it lies in the domain.
 struct Mark {
     spot: RowPlace,
     is_inside: bool,
@@ -85,7 +84,7 @@ struct InView {
 }
 
 impl InView {
-    /// Returns the marks of rows in view: changed ones first, as many as there may be.
+    /// Returns the marks of rows in view, changed ones first, up to the maximum.
     fn of(scene: &Scene<'_>, rows: &Rows<'_>) -> Self {
         let mut view = Self::default();
         let mut rest = MAX_MARKS;
@@ -143,7 +142,7 @@ impl Scene<'_> {
         }
     }
 
-    /// Returns the radius of rings: a little more than that of samples.
+    /// Returns the radius of rings, a little larger than that of samples.
     fn ring(&self) -> f32 {
         (0.32 * self.subject.camera.scale as f32).clamp(1.0, 13.0)
     }
@@ -180,7 +179,7 @@ impl Scene<'_> {
         self.painter.add(rings);
     }
 
-    /// Draws the selected row, or the one under the pointer, larger than others.
+    /// Draws the selected row, or the one under the pointer, enlarged.
     fn single_out(&self, spots: &[RowPlace], width: f32) {
         let stroke = Stroke::new(width, self.palette.halo);
         for spot in spots {
@@ -210,7 +209,7 @@ fn add_ring(mesh: &mut Mesh, stamp: Stamp, at: Pos2, color: Color32) {
     mesh.add_rect_with_uv(rect, tilescope_canvas::UNIT, color);
 }
 
-/// Adds the border of a square, with a ground where it is strong; small ones are surfaces.
+/// Adds the border of a square, with a background if it is emphasised; small ones are filled.
 fn add_square(mesh: &mut Mesh, rect: Rect, color: Color32, strong: bool) {
     let width = if strong { 1.5 } else { 1.0 };
     let inner = rect.shrink(0.25);
@@ -245,7 +244,7 @@ fn add_line(mesh: &mut Mesh, ends: [Pos2; 2], width: f32, color: Color32) {
     mesh.add_triangle(first + 1, first + 2, first + 3);
 }
 
-/// Names what is drawn.
+/// The tag.
 fn tag(
     ui: &Ui,
     painter: &Painter,

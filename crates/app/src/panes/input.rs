@@ -16,14 +16,14 @@ use tilescope_canvas::touch::{Hand, Touch};
 use tilescope_drawing::subject::Subject;
 use tilescope_workbench::command::ViewCommand;
 
-/// How near to a sample the pointer picks it, in screen points.
+/// Pick radius of the pointer, in screen points.
 const PICK_POINTS: f64 = 14.0;
-/// How near a finger does, which hides what it points at.
+/// Pick radius of a finger, which hides its target.
 const PICK_BY_FINGER: f64 = 24.0;
-/// By how many screen points an arrow key moves the view.
+/// How far an arrow key pans the view, in screen points.
 const PAN: f32 = 80.0;
 
-/// Pans, zooms, hovers and selects; returns where the pointer is, if it is one that hovers.
+/// Pans, zooms, hovers and selects; returns the pointer's place, if it hovers.
 pub fn handle(
     ui: &Ui,
     response: &Response,
@@ -47,8 +47,8 @@ pub fn handle(
     response.hover_pos().filter(|_| touch.hand == Hand::Mouse)
 }
 
-/// Shows what was picked. In a small window the panel takes a part of the canvas, so that it opens only when no second tap
-/// can follow, which flies to the block.
+/// Opens the panel of the selection. In a small window it would cover a part of the canvas, so it waits until a double
+/// tap, which flies to the block, is no longer possible.
 fn inspect_later(
     ui: &Ui,
     response: &Response,
@@ -85,7 +85,7 @@ fn inspect_later(
     }
 }
 
-/// Moves and zooms: two fingers about their middle, the wheel about the pointer.
+/// Pans and zooms: two fingers about their middle, the wheel about the pointer.
 fn move_view(
     ui: &Ui,
     response: &Response,
@@ -101,7 +101,7 @@ fn move_view(
     }
     let moved = match touch.pinch {
         Some(pinch) => pinch.moved,
-        // What one finger of two does when the other is lifted is still their gesture.
+        // When one of two fingers is lifted, the other one still belongs to the gesture.
         None if is_dragged => response.drag_delta(),
         None => Vec2::ZERO,
     };
@@ -135,13 +135,13 @@ fn is_plain_wheel(event: &Event) -> bool {
     matches!(event, Event::MouseWheel { modifiers, .. } if !leads_zoom(*modifiers))
 }
 
-/// Returns whether the wheel zooms together with these keys, even where the plain wheel is left to the page around.
+/// Returns whether the wheel zooms with these modifiers, even where the plain wheel scrolls the surrounding page.
 #[must_use]
 pub fn leads_zoom(modifiers: Modifiers) -> bool {
     modifiers.command || modifiers.ctrl
 }
 
-/// Hovers and selects the sample nearest to the pointer; returns whether something was selected, or nothing on purpose.
+/// Hovers and selects the sample nearest to the pointer; returns whether the selection was set or cleared.
 fn pick(
     response: &Response,
     subject: &Subject<'_>,
@@ -152,7 +152,7 @@ fn pick(
         Hand::Mouse => PICK_POINTS,
         _ => PICK_BY_FINGER,
     };
-    // A finger points at nothing before it presses, and at nothing when it is lifted.
+    // A finger does not hover before it touches or after it is lifted.
     let pointer = response.hover_pos().filter(|_| touch.hand == Hand::Mouse);
     let hovered = pointer.and_then(|pos| nearest(response, subject, pos, reach));
     if hovered != subject.hovered {
@@ -161,7 +161,7 @@ fn pick(
     if touch.hand == Hand::Gesture {
         return false;
     }
-    // Enter selects what is in the middle.
+    // Enter selects at the centre.
     let by_key = response.has_focus() && response.interact_pointer_pos().is_none();
     if !(response.long_touched() || response.clicked() && !by_key) {
         return false;
@@ -175,7 +175,7 @@ fn pick(
     true
 }
 
-/// Returns the sample nearest to a place of the screen, within `reach` screen points.
+/// Returns the sample nearest to a point on the screen, within `reach` screen points.
 fn nearest(response: &Response, subject: &Subject<'_>, pos: Pos2, reach: f64) -> Option<u32> {
     let shown = subject.shown;
     let place = subject.camera.domain_from_screen(response.rect, pos);
@@ -191,7 +191,7 @@ fn nearest(response: &Response, subject: &Subject<'_>, pos: Pos2, reach: f64) ->
     best.map(|(_, id)| id)
 }
 
-/// Returns the place of the domain at a place of the screen.
+/// Returns the position in the domain of a point on the screen.
 fn place(response: &Response, subject: &Subject<'_>, pos: Pos2) -> Selection {
     let place = subject.camera.domain_from_screen(response.rect, pos);
     let size = subject.shown.session.size_radii();
@@ -207,13 +207,13 @@ fn focused_id() -> Id {
     Id::unique("the canvas that has the focus")
 }
 
-/// Returns whether a canvas has the focus: arrows are meant for it.
+/// Returns whether a canvas has the focus and so receives the arrow keys.
 pub fn has_focus(ctx: &Context) -> bool {
     let focused = ctx.memory(egui::Memory::focused);
     focused.is_some() && focused == ctx.data(|data| data.get_temp(focused_id()))
 }
 
-/// Whoever came to the canvas by Tab moves it by arrows and selects its middle by Enter; plus and minus zoom everywhere.
+/// With the keyboard focus on the canvas, arrows pan and Enter selects at its centre; plus and minus zoom everywhere.
 fn keys(ui: &Ui, response: &Response, commands: &mut Vec<ViewCommand>) {
     if !response.has_focus() {
         return;

@@ -1,5 +1,5 @@
-//! Two runs side by side: where their pictures go, what stands above each, and the pointer's place on the other picture.
-//! What differs is handed to it.
+//! Two runs side by side: the rectangles of their pictures, the titles above, and the pointer's position on the other
+//! picture.
 
 use super::CanvasContext;
 use egui::{Color32, FontId, Rect, Stroke, Ui, vec2};
@@ -12,14 +12,14 @@ use tilescope_drawing::subject::Subject;
 use tilescope_workbench::compare::{Comparison, contrast_of};
 use tilescope_workbench::state::{RunView, Verification};
 
-/// Between two pictures, in screen points.
+/// Gap between two pictures, in screen points.
 const GUTTER: f32 = 3.0;
-/// Height of what stands above a picture.
+/// Height of a title.
 const HEADING: f32 = 44.0;
-/// Narrower pictures, in screen points, stand below each other where there is room.
+/// Narrower pictures, in screen points, are stacked if there is room.
 const NARROW: f32 = 300.0;
 
-/// Returns where the two pictures go: beside each other, or else below.
+/// Returns the rectangles of the two pictures: side by side, or else stacked.
 pub fn halves(rect: Rect) -> [Rect; 2] {
     let (mut left, mut right) = (rect, rect);
     if rect.width() < 2.0 * NARROW && rect.height() > rect.width() {
@@ -32,14 +32,14 @@ pub fn halves(rect: Rect) -> [Rect; 2] {
     [left, right]
 }
 
-/// What stands above a picture: which run it is, and what has happened there.
+/// The title of a picture: the run, and its last event.
 pub struct Title {
     letter: &'static str,
     run: String,
     happened: String,
 }
 
-/// Returns the title of the first run.
+/// Returns the title of run A.
 pub fn first_title(context: &CanvasContext<'_>) -> Title {
     let subject = context.subjects[0];
     let other = context
@@ -57,7 +57,7 @@ pub fn first_title(context: &CanvasContext<'_>) -> Title {
     )
 }
 
-/// Returns the title of the second run.
+/// Returns the title of run B.
 pub fn second_title(context: &CanvasContext<'_>, side: &RunView) -> Title {
     let subject = context.subjects[1];
     let (own, other) = (
@@ -121,7 +121,7 @@ fn verdict(verification: &Verification) -> &'static str {
     }
 }
 
-/// Draws a title in the upper part of `rect`; returns the rest.
+/// Draws a title at the top of `rect`; returns the rest.
 pub fn heading(ui: &Ui, rect: Rect, context: &CanvasContext<'_>, title: &Title) -> Rect {
     let palette = context.palette;
     let (mut above, mut below) = (rect, rect);
@@ -157,7 +157,7 @@ pub fn heading(ui: &Ui, rect: Rect, context: &CanvasContext<'_>, title: &Title) 
     below
 }
 
-/// Shows on each picture what the pointer is at on the other, if the two move together.
+/// Marks on each picture the position of the pointer on the other, if their cameras are linked.
 pub fn echo(
     ui: &Ui,
     rects: [Rect; 2],

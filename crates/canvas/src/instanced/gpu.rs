@@ -1,5 +1,5 @@
-//! What lives on the GPU: places, looks and the three pipelines, kept where the renderer finds them. It draws the
-//! ranges it is told to and decides nothing.
+//! GPU resources: positions, styles and the three pipelines, stored in egui's callback resources. Which ranges are
+//! drawn is decided in `instanced.rs`.
 
 use std::cell::Cell;
 use std::collections::HashMap;
@@ -13,7 +13,7 @@ use super::still::{Origin, Stills};
 
 /// Bytes of a place and of a look.
 pub const BYTES_PER_SAMPLE: u64 = 8;
-/// Frame parameters kept at once: more than one frame of the window ever needs.
+/// Number of frame parameters kept at once: more than one frame of the window needs.
 const SLOTS: u32 = 512;
 /// Bytes from one slot to the next: the largest alignment that a device may ask for.
 const SLOT_BYTES: u32 = 256;
@@ -22,7 +22,7 @@ const SLOT_BYTES: u32 = 256;
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 pub struct LayerUniforms {
-    /// Filled in when the target is known.
+    /// Set when the target is known.
     pub target_size: [f32; 2],
     pub middle: [f32; 2],
     pub whole: [i32; 2],
@@ -103,7 +103,7 @@ impl Gpu {
         self.render.device.limits().max_buffer_size / BYTES_PER_SAMPLE
     }
 
-    /// Puts samples at `places`, with looks yet to be written.
+    /// Creates buffers for samples at `places`; their styles are written later.
     pub fn replace(&mut self, places: &[[i32; 2]]) {
         self.revision.update(|revision| revision + 1);
         let device = &self.render.device;
@@ -119,14 +119,14 @@ impl Gpu {
         }
     }
 
-    /// Writes looks from the place `first` on.
+    /// Writes styles from the position `first` on.
     pub fn write_looks(&self, first: usize, looks: &[[u32; 2]]) {
         self.revision.update(|revision| revision + 1);
         let (offset, bytes) = (first as u64 * BYTES_PER_SAMPLE, bytemuck::cast_slice(looks));
         self.render.queue.write_buffer(&self.looks, offset, bytes);
     }
 
-    /// Returns the callback that draws `parts`, by way of the picture of a layer if one is named.
+    /// Returns the callback that draws `parts`, through the cached picture of a layer if one is given.
     pub const fn drawing(
         &self,
         kind: InstanceKind,
@@ -163,7 +163,7 @@ pub struct Drawing {
 
 /// Places to draw and the parameters for them.
 pub struct InstanceRange {
-    /// How many parts the canvas drew before: tells the parts of a frame apart.
+    /// How many parts the canvas had drawn before: an index among the parts of a frame.
     pub number: u32,
     pub frame: LayerUniforms,
     pub ranges: Vec<Range<u32>>,
@@ -181,7 +181,7 @@ impl Drawing {
         pass.set_pipeline(&resident.pipelines[self.kind as usize]);
         pass.set_vertex_buffer(0, resident.places.slice(..));
         pass.set_vertex_buffer(1, resident.looks.slice(..));
-        // A frame that was laid out before the samples were replaced must not reach beyond them.
+        // A frame laid out before the samples were replaced must not draw beyond the new buffer.
         let count = (resident.places.size() / BYTES_PER_SAMPLE) as u32;
         for part in &self.parts {
             pass.set_bind_group(0, &resident.parameters, &[part.offset()]);

@@ -1,5 +1,5 @@
-//! The order of samples on the GPU: levels of an ever denser subset, each sorted by grid cell, so that a part of the
-//! plane is a few ranges and a subset is a prefix. It never draws.
+//! The order of samples in GPU buffers: levels of increasing density, each sorted by grid cell. A region of the plane
+//! is a few ranges, and a thinned subset is a prefix.
 
 use std::ops::Range;
 
@@ -7,28 +7,28 @@ use glam::DVec2;
 use tilescope_core::{Domain, Point};
 use tilescope_session::units::{radii, size};
 
-/// Every 64th sample, up to every 16th, up to every fourth, the rest.
+/// Every 64th sample, then every 16th, every fourth, and the rest.
 pub const LEVELS: usize = 4;
 /// Most cells of the grid; a level holds their offsets.
 const MAX_CELLS: f64 = 65_536.0;
 /// The shortest side of a cell, in r.
 const MIN_CELL: f64 = 4.0;
-/// Ranges nearer to one another than this are drawn in one call.
+/// Ranges closer than this are drawn in one call.
 const MAX_SKIPPED: u32 = 64;
-/// How far outside a domain a sample may lie, in r, with some room: those that a bounded domain dropped.
+/// How far outside its domain a sample may lie, in r, with some slack: bounded domains drop such samples.
 const BEYOND: f64 = 1.5;
 
-/// Which sample is where in the buffers, and which places hold the samples of a cell.
+/// Maps samples to buffer positions, and cells to ranges of positions.
 #[derive(Debug, Default)]
 pub struct CellOrder {
     side: f64,
     cells: [usize; 2],
     size: DVec2,
-    /// Per level and cell, the first place; one entry more at the end.
+    /// The first position of each cell, by level; one more entry at the end.
     starts: Vec<u32>,
-    /// The sample at each place.
+    /// The sample at each position.
     pub ids: Vec<u32>,
-    /// The place of each sample.
+    /// The position of each sample.
     pub places: Vec<u32>,
 }
 
@@ -80,7 +80,7 @@ impl CellOrder {
         ids
     }
 
-    /// Deals the samples to levels by counting along the cells, so that each level is spread evenly.
+    /// Assigns samples to levels by counting along the cells, so that each level is spread evenly.
     fn split_into_levels(&mut self, points: &[Point], by_cell: &[u32]) {
         let cells = self.cell_count();
         self.starts = vec![0_u32; LEVELS * cells + 1];
@@ -133,7 +133,7 @@ impl CellOrder {
     }
 }
 
-/// Returns how many places `ranges` hold.
+/// Returns the total length of `ranges`.
 pub fn count(ranges: &[Range<u32>]) -> usize {
     ranges.iter().map(ExactSizeIterator::len).sum()
 }
@@ -169,7 +169,7 @@ mod tests {
 
     const SIDE: f64 = 100.0;
 
-    /// A grid of one sample per squared r, in an order that is not by place.
+    /// One sample per squared r, not in order of position.
     fn grid() -> (Domain, Vec<Point>) {
         let domain = Domain::from_size([SIDE; 2], 1.0, Boundary::Bounded).unwrap();
         let at = |k: i32| Point::new((k % 100) * R + R / 2, (k / 100) * R + R / 2);

@@ -1,4 +1,4 @@
-//! The pipelines of the instanced canvas: how places, looks and shaders are joined. It holds nothing.
+//! The render pipelines of the instanced canvas: vertex layouts, shaders and blending.
 
 use eframe::egui_wgpu::{RenderState, wgpu};
 
@@ -25,7 +25,7 @@ pub fn pipelines(
         (InstanceKind::Point, "point"),
     ]
     .map(|(kind, vertex)| {
-        // A point is one vertex: as an instance of its own it would cost far more on some devices.
+        // A point is one vertex; drawn as an instance it would cost far more on some devices.
         let (step_mode, topology) = match kind {
             InstanceKind::Point => (
                 wgpu::VertexStepMode::Vertex,

@@ -1,5 +1,5 @@
-//! Layers at rest as pictures: drawn once, then copied to the target until anything of them changes. It compares
-//! what pictures were made from and draws no samples itself.
+//! Cached pictures of layers at rest: drawn once, then copied to the target until the view, the samples or their styles
+//! change.
 
 use std::collections::HashMap;
 use std::ops::Range;
@@ -9,11 +9,11 @@ use eframe::egui_wgpu::{RenderState, wgpu};
 use super::gpu::{InstanceKind, LayerUniforms};
 use super::pipeline::pipeline;
 
-/// What a picture was made from.
+/// Everything a cached picture depends on.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Origin {
     pub kind: InstanceKind,
-    /// Counts the uploads of places and looks.
+    /// Version of positions and styles: counts their uploads.
     pub revision: u64,
     pub parts: Vec<(LayerUniforms, Vec<Range<u32>>)>,
 }
@@ -60,8 +60,8 @@ impl Stills {
         }
     }
 
-    /// Returns the pass to draw the picture of `layer` in, cleared, unless it was made from `origin` already; takes
-    /// for granted that it is then made.
+    /// Returns the pass that redraws the picture of `layer`, cleared, unless it is up to date; the caller must then
+    /// draw into it.
     pub fn renew(
         &mut self,
         device: &wgpu::Device,

@@ -1,5 +1,4 @@
-//! From a camera to what is drawn: which copies of the domain meet the view, and the parameters that the shader
-//! needs for each. It holds no state.
+//! From a camera to draw parameters: which copies of the domain are in view, and the shader's parameters for each.
 
 use glam::DVec2;
 
@@ -36,7 +35,7 @@ pub struct PaintOptions {
     pub disk_fill: f32,
     /// Opacity of a disk's ring, relative to its look's colour.
     pub disk_ring: f32,
-    /// Whether only what lies near the view is drawn; without, the picture is the same and takes longer.
+    /// Whether samples outside the view are skipped; the picture is the same either way.
     pub cull: bool,
 }
 
@@ -77,7 +76,7 @@ impl PaintOptions {
         Self { images, ..self }
     }
 
-    /// Returns how far from its place a mark reaches, in screen points, with room for antialiasing.
+    /// Returns how far a mark extends from its position, in screen points, including antialiasing.
     fn reach(&self, scale: f64) -> f64 {
         match self.marks {
             Marks::Disks => scale + 3.0,
@@ -156,7 +155,7 @@ impl PlaneView {
     pub fn frame(&self, shift: DVec2, options: &PaintOptions) -> LayerUniforms {
         let pixels = self.pixels_per_point;
         let center = self.camera.center - shift;
-        // Beyond these bounds nothing is in view, whatever they become.
+        // Clamped: beyond these bounds nothing is in view.
         let whole = center.floor().clamp(DVec2::splat(-1e9), DVec2::splat(1e9));
         let middle = self.rect.center();
         let kinds = match options.marks {

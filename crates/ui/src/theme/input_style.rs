@@ -1,5 +1,5 @@
-//! What egui draws with: fonts, sizes and visuals, for a mouse or for fingers, moving or still. The colours are the
-//! palette's.
+//! egui's style: fonts, sizes and visuals, for a mouse or touch, with or without animation. Colours come from the
+//! palette.
 
 use std::sync::Arc;
 
@@ -11,16 +11,16 @@ use egui::{
 use super::palette_of;
 use super::{Palette, semibold};
 
-/// What a window's style follows beside its colours.
+/// What the style depends on besides the colours.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct InputStyle {
-    /// Whether everything that can be pressed is large enough for a finger.
+    /// Whether buttons and other targets are large enough for touch.
     pub touch: bool,
-    /// Whether nothing moves by itself.
+    /// Whether animations are off.
     pub still: bool,
 }
 
-/// What can be pressed is at least so high for a finger, in screen points.
+/// Minimum height of buttons for touch, in screen points.
 pub const FINGER: f32 = 40.0;
 
 /// Gives `ctx` the fonts and both themes, and shows `theme`.
@@ -42,13 +42,13 @@ fn touch_id() -> egui::Id {
     egui::Id::unique("made for fingers")
 }
 
-/// Returns whether what can be pressed should be large enough for a finger.
+/// Returns whether buttons should be large enough for touch.
 #[must_use]
 pub fn is_for_fingers(ctx: &Context) -> bool {
     ctx.data(|data| data.get_temp(touch_id()).unwrap_or(false))
 }
 
-/// Returns the height of a row that can be pressed: `height`, or enough for a finger.
+/// Returns the height of a clickable row: `height`, or the minimum for touch.
 #[must_use]
 pub fn row_height(ctx: &Context, height: f32) -> f32 {
     if is_for_fingers(ctx) {
@@ -58,13 +58,14 @@ pub fn row_height(ctx: &Context, height: f32) -> f32 {
     }
 }
 
-/// Returns the fonts for what the embedded ones lack.
+/// Returns the fallback fonts for glyphs that the embedded fonts lack.
 #[cfg(not(target_arch = "wasm32"))]
 fn fallback_fonts() -> FontDefinitions {
     FontDefinitions::default()
 }
 
-/// Returns the fonts for what the embedded ones lack: one has all signs of the window, and a page loads no others.
+/// Returns the fallback fonts for glyphs that the embedded fonts lack: on the web one font with all of the window's
+/// signs, since a page loads no others.
 #[cfg(target_arch = "wasm32")]
 fn fallback_fonts() -> FontDefinitions {
     let mut fonts = FontDefinitions::empty();
@@ -202,7 +203,7 @@ fn visuals(palette: &Palette) -> Visuals {
     visuals.widgets.hovered.bg_stroke.color = palette.muted;
     visuals.widgets.active.bg_stroke.color = palette.accent;
     visuals.disabled_alpha = 0.45;
-    // A cursor that blinks has the whole window drawn twice a second, for as long as a field has the focus.
+    // A blinking cursor would redraw the whole window twice a second while a field has the focus.
     visuals.text_cursor.blink = false;
     visuals
 }

@@ -1,4 +1,4 @@
-//! The charts of the analysis: which curves they show and up to where.
+//! The charts of the analysis: their curves and axis ranges.
 
 use egui::{Color32, RichText, Ui};
 use tilescope_analysis::measures::{Spectrum, anisotropy_reference_db};
@@ -10,11 +10,11 @@ use tilescope_workbench::analysis::AnalysisCommand;
 use tilescope_workbench::analysis::brush::{Brush, BrushAxis};
 use tilescope_workbench::analysis::measured::MeasuredSet;
 
-/// How high charts are, in screen points.
+/// Height of charts, in screen points.
 const HEIGHT: f32 = 168.0;
-/// How much of a colour stays where what is shown is of another moment.
+/// Share of a colour that remains in outdated curves.
 const FADED: f32 = 0.38;
-/// The ends that an axis of power or of g may have: it moves only when it must.
+/// Possible ends of an axis of power or of g: the axis changes only when necessary.
 const ENDS: [f64; 5] = [2.0, 3.0, 4.0, 6.0, 8.0];
 
 const FREQUENCY: &str = "frequency \u{3bd} = |k| / \u{221a}N";
@@ -38,7 +38,8 @@ pub fn picture(ui: &mut Ui, sets: &Sets<'_>, brush: Option<Brush>, own: &mut Vec
     ui.label(text);
 }
 
-/// Says how many frequencies a cell of the picture is a mean of, and up to where they are measured if that is not all.
+/// Describes how many frequencies are averaged in a cell of the picture, and up to where they are measured if not
+/// everywhere.
 fn cells_of(spectrum: &Spectrum) -> String {
     let picture = &spectrum.picture;
     let mut text = match [picture.side, picture.row_side] {
@@ -46,7 +47,7 @@ fn cells_of(spectrum: &Spectrum) -> String {
         [side, row_side] => format!("; means of {side} \u{d7} {row_side}"),
     };
     let least = spectrum.picture_reach[0].min(spectrum.picture_reach[1]);
-    // The rim may lack a part of a cell.
+    // Cells at the rim may be incomplete.
     let cell = 2.0 * least / picture.size.min(picture.rows) as f64;
     if least < Spectrum::MAX_NU - cell {
         let longest = (picture.size * picture.side).max(picture.rows * picture.row_side) / 2;
@@ -162,7 +163,8 @@ fn correlation(ui: &mut Ui, sets: &Sets<'_>, brush: Option<Brush>, own: &mut Vec
 
 type Places = (Vec<[f64; 2]>, Option<Vec<[f64; 2]>>);
 
-/// Returns the curves of the moment, of the reference and of the file; `places` is given a set and the length of r in it.
+/// Returns the curves of the moment, of the reference and of the file; `places` receives a set and the length of r in
+/// its unit.
 fn curves_of(sets: &Sets<'_>, places: &dyn Fn(&MeasuredSet, f64) -> Option<Places>) -> Vec<Curve> {
     let palette = sets.palette;
     let curve = |name: &str, line, color: Color32, places: Places| Curve {
@@ -197,8 +199,8 @@ fn curves_of(sets: &Sets<'_>, places: &dyn Fn(&MeasuredSet, f64) -> Option<Place
     curves
 }
 
-/// Returns the largest end that an axis had in the session so far, or `end` if that is larger: charts of one run are held against each
-/// other as it is stepped through.
+/// Returns the larger of `end` and the largest end that the axis has had in this session, so that charts of one run can
+/// be compared while stepping.
 fn grown(ui: &Ui, sets: &Sets<'_>, sign: &str, end: f64) -> f64 {
     let id = egui::Id::unique(("end of an axis of the analysis", sign, sets.generation));
     let before: Option<f64> = ui.data(|data| data.get_temp(id));
@@ -207,7 +209,7 @@ fn grown(ui: &Ui, sets: &Sets<'_>, sign: &str, end: f64) -> f64 {
     end
 }
 
-/// Returns the end of an axis from zero that holds nearly all of the curves: lone peaks are cut off.
+/// Returns the end of an axis from zero that holds most of the curves: single peaks are cut off.
 fn end_of(curves: &[Curve]) -> f64 {
     let all = curves.iter().flat_map(|curve| &curve.points);
     let highest = all.map(|place| place[1]).fold(0.0, f64::max);

@@ -1,4 +1,4 @@
-//! The numbers of the analysis, a column for each set.
+//! The table of numbers of the analysis, with a column for each set.
 
 use egui::{Align2, Color32, FontId, Role, Sense, Ui, WidgetInfo, pos2, vec2};
 use tilescope_analysis::Report;
@@ -10,11 +10,11 @@ use tilescope_ui::widgets::Known;
 use super::Sets;
 use tilescope_workbench::analysis::measured::MeasuredSet;
 
-/// Room for a number, in screen points.
+/// Width of a number, in screen points.
 const COLUMN: f32 = 62.0;
 const ROW: f32 = 19.0;
 
-/// A number: its name, what it is, and how it is read off a set where r has the length given.
+/// A row: its name, explanation, and the value of a set where r has the given length.
 struct NumberRow {
     name: &'static str,
     explanation: &'static str,
@@ -67,7 +67,7 @@ const NUMBERS: [NumberRow; 8] = [
     },
 ];
 
-/// Shows the numbers. The rows are there before the numbers are.
+/// Shows the table. The rows are shown before their values are known.
 pub fn show(ui: &mut Ui, sets: &Sets<'_>) {
     let heads = ["moment", "reference", "file"];
     let columns = if sets.held.is_some() { 3 } else { 2 };
@@ -106,15 +106,15 @@ pub fn show(ui: &mut Ui, sets: &Sets<'_>) {
     }
 }
 
-/// Numbers that depend on the radius that a set was judged with.
+/// Numbers that depend on the radius the set was verified with.
 const JUDGED: [&str; 2] = ["Conflicts", "Open places"];
 
-/// Returns the verdict on a set, if it was judged with r of length `unit`.
+/// Returns the verdict on a set, if it was verified with r of length `unit`.
 fn judged(set: &MeasuredSet, unit: f64) -> Option<&Report> {
     set.verdict().filter(|_| set.is_judged_with(unit))
 }
 
-/// Returns why a file has no conflicts and no open places to show, if that is for its radius.
+/// Returns why conflicts and gaps of a file are not shown, if they are for another radius.
 pub fn unjudged(file: &MeasuredSet, unit: f64) -> Option<String> {
     (!file.is_judged_with(unit)).then(|| {
         format!(
@@ -124,7 +124,7 @@ pub fn unjudged(file: &MeasuredSet, unit: f64) -> Option<String> {
     })
 }
 
-/// Returns how many samples, conflicts and open places there are, in words.
+/// Returns the numbers of samples, conflicts and gaps, in words.
 pub fn counts(set: &MeasuredSet) -> String {
     let samples = counted(set.samples, "sample", "samples");
     match &set.report {
@@ -190,7 +190,7 @@ fn finite(value: f64) -> String {
     }
 }
 
-/// Returns a number of the smooth spectrum, which is there with the spectrum or not at all.
+/// Returns a number derived from the smooth spectrum, if the spectrum is known.
 fn of_curve(set: &MeasuredSet, number: fn(&PowerCurve) -> Option<f64>) -> Option<String> {
     set.spectrum.as_ref()?;
     let found = set.curve.as_deref().and_then(number);

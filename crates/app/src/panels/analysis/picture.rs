@@ -1,4 +1,5 @@
-//! The periodogram as a picture: white is no power, black three times that of noise, and a ring to drag.
+//! The periodogram as a picture: white is no power, black is three times the power of noise; a ring selects a band of
+//! frequencies.
 
 use std::sync::Arc;
 
@@ -12,14 +13,14 @@ use tilescope_ui::widgets::Known;
 
 use super::plot::Dragged;
 
-/// Power that is black.
+/// Power that is drawn black.
 pub const BLACK: f64 = 3.0;
 
-/// The picture is no wider than this, in screen points.
+/// Maximum width of the picture, in screen points.
 const MAX_SIDE: f32 = 250.0;
 
-/// Shows the picture in a square of the whole width, frequencies up to `reach` from its middle to its nearer sides; returns what
-/// was done to the ring.
+/// Shows the picture in a square of the full width, with frequencies up to `reach` along both axes; returns the change
+/// of the ring.
 pub fn show(
     ui: &mut Ui,
     spectrum: Option<&Arc<Spectrum>>,
@@ -41,7 +42,7 @@ pub fn show(
     painter.rect_filled(rect, 2.0, palette.domain);
     let per_nu = f64::from(side) / (2.0 * reach);
     if let Some(spectrum) = spectrum {
-        // Stays grey where nothing is measured.
+        // Frequencies that are not measured stay grey.
         painter.rect_filled(rect, 2.0, palette.line);
         let size = spectrum
             .picture_reach
@@ -70,7 +71,7 @@ pub fn show(
     dragged(ui, &response, brush, nu)
 }
 
-/// Returns what was done to the ring, where `nu` is the frequency at a place.
+/// Returns the change of the ring, where `nu` is the frequency at a place.
 fn dragged(
     ui: &Ui,
     response: &Response,
@@ -90,13 +91,13 @@ fn dragged(
 fn ring(painter: &Painter, rect: Rect, brush: Option<[f64; 2]>, per_nu: f64, palette: &Palette) {
     for end in brush.into_iter().flatten() {
         let radius = (end * per_nu) as f32;
-        // A dark line within a light one is seen on any power.
+        // A dark line inside a light one is visible on any power.
         painter.circle_stroke(rect.center(), radius, Stroke::new(3.2, Color32::WHITE));
         painter.circle_stroke(rect.center(), radius, Stroke::new(1.6, palette.conflict));
     }
 }
 
-/// Returns the mean power of the rectangle of frequencies at an offset from the middle, on the screen.
+/// Returns the mean power of the pixel at an offset from the centre.
 fn power_at(spectrum: &Spectrum, offset: egui::Vec2, per_nu: f64) -> Option<f64> {
     let picture = &spectrum.picture;
     let index = |offset: f32, half: f64, cells: usize| {
@@ -111,7 +112,7 @@ fn power_at(spectrum: &Spectrum, offset: egui::Vec2, per_nu: f64) -> Option<f64>
     power.filter(|power| power.is_finite())
 }
 
-/// Returns the picture on the device, made once for each spectrum.
+/// Returns the texture, made once for each spectrum.
 fn texture(ui: &Ui, spectrum: &Arc<Spectrum>) -> TextureHandle {
     let id = Id::unique("periodogram of the moment");
     let known: Option<(Arc<Spectrum>, TextureHandle)> = ui.data(|data| data.get_temp(id));
@@ -126,7 +127,7 @@ fn texture(ui: &Ui, spectrum: &Arc<Spectrum>) -> TextureHandle {
     texture
 }
 
-/// Returns the picture, high frequencies along y on top. What has no power of its own, as zero, is left out.
+/// Returns the picture, with high y frequencies at the top. Frequencies without a power, such as zero, are left out.
 fn image(spectrum: &Spectrum) -> ColorImage {
     let (size, rows) = (spectrum.picture.size, spectrum.picture.rows);
     let shade = |power: f64| {

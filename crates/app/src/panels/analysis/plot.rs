@@ -1,5 +1,5 @@
-//! A chart of curves: axes with round ticks, levels, bands, what is under the pointer, and a range to drag. It draws what it
-//! is given and knows no measure.
+//! A generic chart of curves: axes with round ticks, levels, confidence bands, values under the pointer, and a range to
+//! drag. What is plotted is decided in `charts.rs`.
 
 use egui::{
     Align2, Color32, CursorIcon, FontId, Mesh, Painter, Pos2, Rect, Role, Sense, Shape, Stroke, Ui,
@@ -11,31 +11,31 @@ use tilescope_drawing::palette::Palette;
 use tilescope_ui::theme::semibold;
 use tilescope_ui::widgets::Known;
 
-/// Room for the numbers left of a chart, for its title and for the numbers below, in screen points.
+/// Margins left for the axis numbers, above for the title and below for the numbers, in screen points.
 const LEFT: f32 = 30.0;
 const ABOVE: f32 = 23.0;
 const BELOW: f32 = 31.0;
-/// At least so far apart are the numbers along an axis.
+/// Minimum distance between numbers along an axis.
 const TICKS_APART: [f32; 2] = [33.0, 26.0];
 
-/// How a line is drawn, so that lines can be told apart without colours.
+/// The style of a line, so that lines are distinguishable without colour.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Dash {
-    /// Whole and wide.
+    /// Solid and wide.
     Solid,
-    /// Dots.
+    /// Dotted.
     Dotted,
-    /// Dashes.
+    /// Dashed.
     Dashed,
 }
 
-/// Places that are joined.
+/// A curve.
 pub struct Curve {
-    /// What it is of.
+    /// Its name.
     pub name: String,
-    /// Its places, rising in x.
+    /// Its points, ascending in x.
     pub points: Vec<[f64; 2]>,
-    /// The ends of the band around each place.
+    /// The confidence band at each point.
     pub band: Option<Vec<[f64; 2]>>,
     /// How it is drawn.
     pub line: Dash,
@@ -45,43 +45,43 @@ pub struct Curve {
 
 /// An axis.
 pub struct PlotAxis<'a> {
-    /// What it counts, with the unit.
+    /// Its label, with the unit.
     pub label: &'a str,
-    /// Its sign in what is said of a place.
+    /// Its symbol, for the readout.
     pub sign: &'a str,
-    /// Its ends.
+    /// Its range.
     pub range: [f64; 2],
 }
 
 /// A chart.
 pub struct Plot<'a> {
-    /// What it shows.
+    /// Its title.
     pub title: &'a str,
-    /// From left to right.
+    /// The horizontal axis.
     pub x: PlotAxis<'a>,
-    /// Upwards; its label is only said.
+    /// The vertical axis; its label is only read out.
     pub y: PlotAxis<'a>,
-    /// A level that means something, and what.
+    /// A reference level with its meaning.
     pub level: (f64, &'a str),
-    /// The curves, the most important one first.
+    /// The curves, the most important first.
     pub curves: Vec<Curve>,
-    /// The range that is chosen.
+    /// The selected range.
     pub brush: Option<[f64; 2]>,
     /// Height, in screen points.
     pub height: f32,
 }
 
-/// What was done to a range.
+/// A change of the selected range.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Dragged {
-    /// Chosen.
+    /// Selected.
     Between(f64, f64),
-    /// No longer chosen.
+    /// Cleared.
     Nothing,
 }
 
 impl Plot<'_> {
-    /// Shows the chart over the whole width; returns what was done to the range.
+    /// Shows the chart over the full width; returns the change of the range.
     pub fn show(&self, ui: &mut Ui, palette: &Palette) -> Option<Dragged> {
         let size = vec2(ui.available_width(), self.height);
         let (rect, response) = ui.allocate_exact_size(size, Sense::CLICK | Sense::DRAG);
@@ -123,7 +123,7 @@ impl Plot<'_> {
         }
     }
 
-    /// Says what the chart shows, for readers of screens.
+    /// Describes the chart for screen readers.
     fn said(&self) -> String {
         let highest = |curve: &Curve| {
             let points = curve.points.iter().copied();
@@ -161,7 +161,7 @@ impl Plot<'_> {
     }
 }
 
-/// Returns the place nearest to x, if it is nearer than two of its neighbours' distance.
+/// Returns the point nearest to x, if it is within two spacings.
 fn nearest(points: &[[f64; 2]], x: f64) -> Option<[f64; 2]> {
     let after = points.partition_point(|point| point[0] < x);
     let around = [after.checked_sub(1), Some(after)];
@@ -177,7 +177,7 @@ fn nearest(points: &[[f64; 2]], x: f64) -> Option<[f64; 2]> {
     ((place[0] - x).abs() <= 2.0 * step).then_some(*place)
 }
 
-/// A chart in its place.
+/// A chart and its rectangle.
 struct PlotFrame<'a> {
     plot: &'a Plot<'a>,
     inner: Rect,
@@ -187,7 +187,7 @@ impl PlotFrame<'_> {
     fn at(&self, [x, y]: [f64; 2]) -> Pos2 {
         let part = |value: f64, [low, high]: [f64; 2]| ((value - low) / (high - low)) as f32;
         let (x, y) = (part(x, self.plot.x.range), part(y, self.plot.y.range));
-        // Far outside nothing is seen, and lines stay finite.
+        // Clamped, so that lines stay finite.
         let y = y.clamp(-3.0, 4.0);
         pos2(
             self.inner.left() + x * self.inner.width(),
@@ -242,7 +242,7 @@ impl PlotFrame<'_> {
         painter.vline(inner.left(), inner.y_range(), border);
     }
 
-    /// Draws the level that means something.
+    /// Draws the reference level.
     fn level(&self, painter: &Painter, palette: &Palette) {
         let (inner, plot) = (self.inner, self.plot);
         let y = self.at([plot.x.range[0], plot.level.0]).y;
@@ -253,7 +253,7 @@ impl PlotFrame<'_> {
         }
     }
 
-    /// Draws the range that is chosen.
+    /// Draws the selected range.
     fn marked(&self, painter: &Painter, palette: &Palette) {
         let Some([low, high]) = self.plot.brush else {
             return;
@@ -301,7 +301,7 @@ impl PlotFrame<'_> {
         mesh
     }
 
-    /// Marks x, and the curves there.
+    /// Marks x and the values of the curves there.
     fn cursor(&self, painter: &Painter, x: f64, palette: &Palette) {
         let stroke = Stroke::new(1.0, palette.muted);
         painter.vline(self.at([x, 0.0]).x, self.inner.y_range(), stroke);
@@ -313,7 +313,7 @@ impl PlotFrame<'_> {
     }
 }
 
-/// Draws a piece of a line as curves have it, for a legend.
+/// Draws a sample of a curve's line, for a legend.
 pub fn sample(painter: &Painter, rect: Rect, line: Dash, color: Color32) {
     let ends = [rect.left_center(), rect.right_center()];
     match line {
@@ -329,7 +329,7 @@ pub fn sample(painter: &Painter, rect: Rect, line: Dash, color: Color32) {
     }
 }
 
-/// Returns round values within a range, about `most` of them at most, with their texts.
+/// Returns round values within a range, at most about `most`, with their labels.
 fn ticks([low, high]: [f64; 2], most: f32) -> Vec<(f64, String)> {
     let rough = (high - low) / f64::from(most.max(2.0));
     let power = 10_f64.powf(rough.log10().floor());

@@ -1,4 +1,4 @@
-//! The line of the panel that chooses whether the rows of a buffer are on the canvas, too. It draws no rows.
+//! The switch that shows a buffer's rows on the canvas. The rows are drawn in `panes/buffers.rs`.
 
 use std::fmt::Write as _;
 
@@ -11,7 +11,7 @@ use tilescope_workbench::passes::model::Visit;
 use tilescope_workbench::passes::placed::{PlacedCounts, Rows};
 use tilescope_workbench::passes::{PassCommand, Passes};
 
-/// Shows the choice, and what it brings to the canvas.
+/// Shows the switch and what it draws.
 pub(super) fn show(
     ui: &mut Ui,
     passes: &Passes,
@@ -43,7 +43,7 @@ pub(super) fn show(
     });
 }
 
-/// Returns what is said of the rows on the canvas, and what there is to explain.
+/// Returns a remark on the rows drawn, and its explanation.
 fn words(rows: &Rows<'_>) -> (String, &'static str) {
     let name = rows.table.name.as_str();
     if let Some(why) = rows.places.unplaced() {

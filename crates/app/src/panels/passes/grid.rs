@@ -1,5 +1,5 @@
-//! A buffer's rows on the screen: only those in sight are laid out. Changed rows have a bar and a ground of their own,
-//! changed cells the colour of the accent.
+//! A table of a buffer's rows. Only visible rows are laid out. Changed rows have a bar and a background, changed cells
+//! the accent colour.
 
 use egui::{
     Align2, FontId, Pos2, Rect, Response, Role, ScrollArea, Sense, Stroke, StrokeKind, TextStyle,
@@ -63,7 +63,7 @@ pub(super) fn show(
     );
 }
 
-/// Where columns end: numbers are aligned to the right.
+/// Right edges of the columns: numbers are right-aligned.
 struct ColumnEnds {
     ends: Vec<f32>,
     width: f32,
@@ -90,7 +90,7 @@ impl ColumnEnds {
     }
 }
 
-/// Measuring needs a colour, and none is seen.
+/// Laying out text needs a colour; this one is never drawn.
 const fn palette_free() -> egui::Color32 {
     egui::Color32::TRANSPARENT
 }
@@ -170,7 +170,7 @@ fn ground(ui: &Ui, rect: Rect, palette: &Palette) {
     painter.rect_filled(bar, 0.0, palette.accent);
 }
 
-/// Returns what a reader is told of a row.
+/// Returns a row's text for screen readers.
 fn label(table: &BufferTable, number: usize) -> String {
     let mut text = format!("Row {number}");
     if table.is_changed(number) {
@@ -185,7 +185,7 @@ fn label(table: &BufferTable, number: usize) -> String {
     text
 }
 
-/// A buffer with one row: its columns below one another, with both sides.
+/// A buffer of one row: a line for each column, with both sides.
 fn fields(ui: &mut Ui, table: &BufferTable, palette: &Palette) {
     let (rect, _) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::hover());
     let painter = ui.painter();

@@ -1,5 +1,5 @@
-//! The list of passes by stage: number, name, time, and a mark for how each compares with the CPU. Arrow keys go
-//! through it while it has the focus.
+//! The list of passes by stage: number, name, time, and a mark for the comparison with the CPU. Arrow keys move through
+//! it while it has the focus.
 
 use egui::{
     Align2, Color32, CursorIcon, EventFilter, FontId, Id, Key, Pos2, Rect, Response, Role,
@@ -54,7 +54,7 @@ pub(super) fn show(
     });
 }
 
-/// The frame takes the focus for the whole list, so that it is one stop on the way through the panel.
+/// The list takes the focus as a whole, so that it is one stop in the Tab order.
 fn frame(ui: &Ui, passes: &Passes, palette: &Palette) -> Response {
     let rect = ui.max_rect();
     let id = ui.scope_id().with("passes");
@@ -87,7 +87,7 @@ fn keys(ui: &Ui, id: Id, commands: &mut Vec<PassCommand>) {
             (Key::Home, PassCommand::First),
             (Key::End, PassCommand::Last),
         ] {
-            // Nobody else shall heed them, too.
+            // Consume the keys, so that no other widget reacts to them.
             if input.consume_key(egui::Modifiers::NONE, key) {
                 commands.push(command);
             }
@@ -100,7 +100,7 @@ fn selected_line(passes: &Passes) -> Option<usize> {
     passes.lines().iter().position(|line| *line == selected)
 }
 
-/// Returns whether the selection is another one than in the frame before.
+/// Returns whether the selection has changed since the previous frame.
 fn has_moved(ui: &Ui, id: Id, selected: Option<usize>) -> bool {
     let before = ui.data_mut(|data| {
         let before: Option<Option<usize>> = data.get_temp(id);
