@@ -97,7 +97,7 @@ fn apply(harness: &mut Harness<'_, App>, commands: Vec<Command>) {
     harness.run();
 }
 
-/// Goes to the first pass of this name, and to a buffer of it.
+/// Goes to the first pass of this name, and to one of its buffers.
 fn go(harness: &mut Harness<'_, App>, pass: &str, buffer: Name) {
     let passes = |harness: &Harness<'_, App>| harness.state().state.runs.first.passes.is_some();
     assert!(passes(harness), "the passes have not been run");

@@ -17,7 +17,7 @@ use tilescope_workbench::command::{
 use tilescope_workbench::draft::Field;
 use tilescope_workbench::layout::Panel;
 
-/// Frames per figure.
+/// Frames per measurement.
 const FRAMES: u32 = 60;
 
 /// A window without a display.
@@ -43,7 +43,8 @@ impl Bench {
         [laid_out - start, done - laid_out].map(|time| time.as_secs_f64() * 1_000.0)
     }
 
-    /// Returns the lower quartiles of many frames, `change` being applied before each: other programs only ever add.
+    /// Returns lower quartiles of many frames, `change` being applied before each: other programs only slow frames
+    /// down.
     fn frames(&mut self, change: impl Fn(&mut App, u32)) -> [f64; 2] {
         for _ in 0..3 {
             self.frame();

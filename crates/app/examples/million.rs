@@ -10,7 +10,7 @@ use tilescope_core::{Boundary, Domain, Point, R};
 use tilescope_drawing::camera::Camera;
 use tilescope_drawing::look::{SampleLook, Symbol};
 
-/// Frames per figure.
+/// Frames per measurement.
 const FRAMES: u32 = 10;
 
 struct Probe {
@@ -66,7 +66,7 @@ fn frame_millis(harness: &mut Harness<'_, Probe>, change: impl Fn(&mut Probe, u3
         harness.step();
         harness.render().expect("a picture");
     }
-    // The least of several frames: other programs only ever add to it.
+    // The minimum of several frames: other programs only slow them down.
     let one = |frame| {
         let start = Instant::now();
         change(harness.state_mut(), frame);
@@ -139,7 +139,7 @@ fn set_still(harness: &mut Harness<'_, Probe>, still: usize) {
     }
 }
 
-/// Prints what a frame takes beyond an empty one: at rest, at rest if nothing is kept, and panning.
+/// Prints a frame's time beyond that of an empty one: at rest, at rest without cached pictures, and panning.
 fn measure(harness: &mut Harness<'_, Probe>, canvas: InstancedCanvas, fitting: f64) {
     println!("ms of a frame beyond those of an empty one, which is read back just as well:");
     println!(

@@ -111,7 +111,7 @@ fn main() {
     pointed_at(&mut harness, &folder);
 }
 
-/// Too short a search, a large run and parameters that cannot be run.
+/// A search that is too short, a large run, and parameters that cannot be run.
 fn other_parameters(shoot: &mut dyn FnMut(&str, Vec<Command>)) {
     let near = Command::View(Which::First, ViewCommand::FlyTo([37.0, 45.0].into(), 18.0));
     let gaps = vec![
@@ -147,7 +147,7 @@ fn other_parameters(shoot: &mut dyn FnMut(&str, Vec<Command>)) {
 fn save(harness: &mut Harness<'_, App>, folder: &str, name: &str) {
     harness.state_mut().state.settle();
     harness.run();
-    // What was thinned out while the camera moved is whole in the next frame.
+    // Layers thinned out during camera movement are complete in the next frame.
     harness.step();
     let image = harness.render().expect("a picture of the window");
     let path = Path::new(folder).join(format!("{name}.png"));
@@ -155,7 +155,7 @@ fn save(harness: &mut Harness<'_, App>, folder: &str, name: &str) {
     println!("{}", path.display());
 }
 
-/// Samples by age, and the KD-tree half made and whole. It leaves everything as it found it.
+/// Samples by age, and the KD-tree half built and complete. Restores the window's state.
 fn ages_and_tree(shoot: &mut dyn FnMut(&str, Vec<Command>)) {
     let by_age = Command::Appearance(AppearanceCommand::Colour(Colouring::Age));
     let tree = || Command::Appearance(AppearanceCommand::ToggleLayer(Layer::Tree));
@@ -234,7 +234,7 @@ fn ages_and_tree(shoot: &mut dyn FnMut(&str, Vec<Command>)) {
     shoot("tree-off", back);
 }
 
-/// What the canvas says of the thing under the pointer.
+/// The tag of the thing under the pointer.
 fn pointed_at(harness: &mut Harness<'_, App>, folder: &str) {
     let start = [
         Command::Form(FormCommand::Reset),
@@ -275,7 +275,7 @@ fn pointed_at(harness: &mut Harness<'_, App>, folder: &str) {
     }
 }
 
-/// The export sheet, in what it can write.
+/// The export sheet, for each format.
 fn exports(shoot: &mut dyn FnMut(&str, Vec<Command>)) {
     for (name, kind) in [
         ("export-result", ExportKind::Result),
@@ -386,9 +386,9 @@ fn moments(shoot: &mut dyn FnMut(&str, Vec<Command>)) {
     );
 }
 
-/// Returns where the pointer goes for a picture: to a gap, to a sample, or to the place itself.
+/// Returns the pointer's place for a picture: a gap, a sample, or the place itself.
 fn thing_near(state: &State, name: &str, place: [f64; 2], radii: f64) -> [f64; 2] {
-    // Where there is a gap in view, the pointer goes there.
+    // If there is a gap in view, the pointer goes there.
     let deepest = state.shown().and_then(|shown| {
         let tessellation = state.runs.first.geometry.of(&shown)?;
         let near = |gap: &&tilescope_analysis::tessellation::GapRegion| {

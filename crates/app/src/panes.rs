@@ -57,7 +57,7 @@ impl<'a> CanvasContext<'a> {
 pub struct Canvas {
     first: Pane,
     second: Pane,
-    /// Used to create the second picture.
+    /// The device for the second picture, which is created when it is needed.
     device: Option<RenderState>,
     /// Symbols for the rows of buffers.
     marks: Sprites,

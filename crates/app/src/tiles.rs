@@ -157,7 +157,7 @@ mod tests {
     }
 
     #[test]
-    fn what_was_enlarged_for_a_small_window_alone_is_not_kept() {
+    fn enlargement_by_a_small_window_is_not_kept() {
         let whole = Layout::default();
         let mut small = whole.clone();
         small.enlarge(vec2(400.0, 300.0), [2.0, 20.0], |_| vec2(100.0, 50.0));

@@ -83,7 +83,7 @@ mod tests {
     use tilescope_drawing::brushed::Pair;
 
     #[test]
-    fn what_is_brushed_is_said_with_what_is_not_kept() {
+    fn the_remark_names_the_brush_and_omitted_pairs() {
         let pair = Pair {
             ids: [0, 1],
             offset: [1.0, 0.0].into(),

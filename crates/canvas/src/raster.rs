@@ -58,7 +58,7 @@ pub struct Coverage {
 }
 
 /// Number of pixels in a row that are skipped at once.
-const STRETCH: usize = 16;
+const SKIP: usize = 16;
 
 /// Outside the domain.
 const OUTSIDE: u8 = 3;
@@ -116,8 +116,8 @@ impl Coverage {
         let fading = color.gamma_multiply(0.20);
         let period = (7.0 * pixels_per_point).round().max(3.0) as usize;
         let thick = (2.0 * pixels_per_point).round().max(1.0) as usize;
-        for first in (0..width * height).step_by(STRETCH) {
-            let places = first..(first + STRETCH).min(width * height);
+        for first in (0..width * height).step_by(SKIP) {
+            let places = first..(first + SKIP).min(width * height);
             // Most stretches are covered, and nothing is drawn there.
             if self.cells[places.clone()]
                 .iter()
@@ -243,7 +243,7 @@ mod tests {
     }
 
     #[test]
-    fn what_was_covered_before_stays_so() {
+    fn pixels_covered_before_the_stage_stay_so() {
         let mut coverage = blank(10);
         coverage.cover([5.0, 5.0].into(), 3.0, true);
         coverage.cover([5.0, 5.0].into(), 100.0, false);

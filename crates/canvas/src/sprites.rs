@@ -225,7 +225,7 @@ mod tests {
     }
 
     #[test]
-    fn meshes_that_nobody_holds_are_used_again() {
+    fn unshared_meshes_are_reused() {
         let mut sprites = Sprites::default();
         let held = Shape::mesh(Mesh::default());
         let mut large = Mesh::default();

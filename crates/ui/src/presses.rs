@@ -17,13 +17,13 @@ pub struct Presses {
 
 /// A pointer event.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Doing {
+enum PointerAction {
     Moves,
     Presses,
     Releases,
 }
 
-impl Doing {
+impl PointerAction {
     const fn of(event: &Event) -> Option<Self> {
         match event {
             Event::PointerMoved(_) => Some(Self::Moves),
@@ -53,9 +53,9 @@ impl Doing {
 
 /// Returns how many of the events belong to this frame.
 fn first_frame(events: &[Event]) -> usize {
-    let mut before: Option<Doing> = None;
+    let mut before: Option<PointerAction> = None;
     for (index, event) in events.iter().enumerate() {
-        let Some(doing) = Doing::of(event) else {
+        let Some(doing) = PointerAction::of(event) else {
             continue;
         };
         if before.is_some_and(|before| before.parts_from(doing)) {

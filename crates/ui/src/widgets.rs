@@ -476,7 +476,7 @@ mod tests {
     }
 
     #[test]
-    fn an_id_leaves_what_a_widget_says_of_itself() {
+    fn an_id_leaves_the_accessible_name_unchanged() {
         let ctx = egui::Context::default();
         ctx.enable_accesskit();
         let output = ctx.run_ui(egui::RawInput::default(), |ui| {

@@ -194,7 +194,7 @@ fn the_tree_shows_the_last_event_wherever_one_goes() {
 }
 
 #[test]
-fn what_stands_on_one_screen_is_of_one_moment() {
+fn all_panels_show_the_same_moment() {
     let mut window = Window::opened([1440.0, 900.0]);
     window.apply(Command::Window(WindowCommand::OpenPanel(Panel::Events)));
     window.apply(Command::Time(TimeCommand::FirstStage));

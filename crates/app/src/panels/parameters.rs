@@ -25,15 +25,15 @@ const UNIT_WIDTH: f32 = 14.0;
 /// Minimum width of the panel for its fields, without margins, in screen points.
 pub(super) const MIN_WIDTH: f32 = FIELD_START + FIELD_WIDTHS[0] + UNIT_WIDTH;
 /// Margin above and below the Run button.
-const AROUND_RUN: f32 = 6.0;
+const RUN_MARGIN: f32 = 6.0;
 /// Height of the line above the button that names the parameters that differ from the run shown.
-const REMARK: f32 = 18.0;
+const REMARK_HEIGHT: f32 = 18.0;
 /// Margin right of the button, equal to the scroll bar beside the fields.
-const BESIDE_FIELDS: f32 = 8.0;
-/// How wide the way out is that stands beside the button.
-const BESIDE_RUN: f32 = 60.0;
+const SCROLL_BAR_WIDTH: f32 = 8.0;
+/// Width of the Cancel button.
+const CANCEL_WIDTH: f32 = 60.0;
 /// In a lower panel, in screen points, the button scrolls with the fields.
-const ROOM_FOR_RUN: f32 = 100.0;
+const MIN_HEIGHT_FOR_RUN: f32 = 100.0;
 
 /// The context of the panel.
 pub struct FormContext<'a> {
@@ -64,23 +64,23 @@ pub(super) fn field_width(ui: &Ui) -> f32 {
 /// Shows the panel: the fields scroll, and the button stays in view where there is room for both.
 pub fn show(ui: &mut Ui, context: &FormContext<'_>, commands: &mut Vec<Command>) {
     let room = ui.available_rect_before_wrap();
-    if room.height() < ROOM_FOR_RUN {
+    if room.height() < MIN_HEIGHT_FOR_RUN {
         super::common::scrolled(ui, Panel::Parameters, |ui| {
             form(ui, context, commands);
             run_or_cancel(ui, context, commands);
         });
         return;
     }
-    let remark = context.remark.as_ref().map_or(0.0, |_| REMARK);
-    let height = run_height(ui) + remark + 2.0 * AROUND_RUN;
+    let remark = context.remark.as_ref().map_or(0.0, |_| REMARK_HEIGHT);
+    let height = run_height(ui) + remark + 2.0 * RUN_MARGIN;
     let (above, below) = room.split_top_bottom_at_y(room.bottom() - height);
     ui.scope_builder(UiBuilder::new().max_rect(above), |ui| {
         super::common::scrolled(ui, Panel::Parameters, |ui| form(ui, context, commands));
     });
     let line = context.palette.line;
     ui.painter().hline(room.x_range(), below.top(), (1.0, line));
-    let below = below.shrink2(vec2(0.0, AROUND_RUN));
-    let below = below.with_max_x(below.right() - BESIDE_FIELDS);
+    let below = below.shrink2(vec2(0.0, RUN_MARGIN));
+    let below = below.with_max_x(below.right() - SCROLL_BAR_WIDTH);
     ui.scope_builder(UiBuilder::new().max_rect(below), |ui| {
         run_or_cancel(ui, context, commands);
     });
@@ -431,14 +431,14 @@ fn run_or_cancel(ui: &mut Ui, context: &FormContext<'_>, commands: &mut Vec<Comm
     let height = run_height(ui);
     if let Some(remark) = context.remark.as_ref() {
         ui.spacing_mut().item_spacing.y = 2.0;
-        let size = vec2(ui.available_width(), REMARK - 2.0);
+        let size = vec2(ui.available_width(), REMARK_HEIGHT - 2.0);
         let text = RichText::new(remark).small().color(palette.accent);
         let label = ui.add_sized(size, egui::Label::new(text).truncate());
         label.known_as("run-remark");
         label.on_hover_text(remark);
     }
     ui.horizontal(|ui| {
-        let room = vec2(ui.available_width() - BESIDE_RUN, height);
+        let room = vec2(ui.available_width() - CANCEL_WIDTH, height);
         ui.allocate_ui(room, |ui| {
             if let Some(job) = context.sampling {
                 let activity = sentence(&job.activity());

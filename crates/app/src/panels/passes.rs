@@ -163,7 +163,7 @@ fn pass(
         });
         ui.add_space(4.0);
         export(ui, passes, palette, commands);
-        what_if(ui, visit, table, palette, commands);
+        fault_editor(ui, visit, table, palette, commands);
     }
 }
 
@@ -384,7 +384,7 @@ fn export(ui: &mut Ui, passes: &Passes, palette: &Palette, commands: &mut Vec<Pa
 }
 
 /// A word of the buffer to be changed after the pass, to inject a fault.
-fn what_if(
+fn fault_editor(
     ui: &mut Ui,
     visit: &Visit,
     table: &BufferTable,

@@ -10,13 +10,13 @@ use tilescope_ui::focus;
 pub fn width(ui: &Ui, width: f32) -> f32 {
     let margin = ui.spacing().window_margin;
     let room = ui.ctx().content_rect().width() - f32::from(margin.left) - f32::from(margin.right);
-    width.min(room - 2.0 * BESIDE)
+    width.min(room - 2.0 * SIDE_MARGIN)
 }
 
 /// Shows the contents of a sheet, scrolled if the window is too low.
 pub fn scrolled(ui: &mut Ui, wide: f32, add: impl FnOnce(&mut Ui)) {
     ui.set_width(width(ui, wide));
-    let room = (ui.ctx().content_rect().height() - AROUND).max(120.0);
+    let room = (ui.ctx().content_rect().height() - FRAME_HEIGHT).max(120.0);
     ScrollArea::vertical()
         .max_height(room)
         .min_scrolled_height(room)
@@ -28,16 +28,16 @@ pub fn scrolled(ui: &mut Ui, wide: f32, add: impl FnOnce(&mut Ui)) {
 
 /// Returns the offset of a sheet from the middle of the window: a little above it, if the window is high.
 pub fn above_middle(ui: &Ui) -> Vec2 {
-    let is_high = ui.ctx().content_rect().height() > LOW;
+    let is_high = ui.ctx().content_rect().height() > LOW_WINDOW_HEIGHT;
     vec2(0.0, if is_high { -40.0 } else { 0.0 })
 }
 
 /// In lower windows, in screen points, sheets are centred.
-const LOW: f32 = 600.0;
+const LOW_WINDOW_HEIGHT: f32 = 600.0;
 /// Height of a sheet's frame, above and below its contents.
-const AROUND: f32 = 96.0;
+const FRAME_HEIGHT: f32 = 96.0;
 /// Margin beside a sheet, in screen points.
-const BESIDE: f32 = 6.0;
+const SIDE_MARGIN: f32 = 6.0;
 
 /// Returns whether the sheet of this name has just opened.
 pub fn just_opened(ui: &Ui, name: &str) -> bool {

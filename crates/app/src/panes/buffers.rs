@@ -16,7 +16,7 @@ use tilescope_drawing::subject::Subject;
 use tilescope_workbench::passes::OnCanvas;
 use tilescope_workbench::passes::placed::Rows;
 
-/// With more marks in view none of the rest is drawn, since they would merge into a surface.
+/// More marks than this in view are left out.
 pub const MAX_MARKS: usize = 20_000;
 /// Distance of the tag from the corner of the canvas, in screen points.
 const INSET: Vec2 = vec2(22.0, 24.0);

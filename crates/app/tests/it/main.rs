@@ -1,4 +1,4 @@
-//! The list of actions and its keys, without a window and without a graphics driver.
+//! The list of actions and its shortcuts, tested without a window or graphics driver.
 
 #[allow(dead_code, reason = "the workbench's tests use the rest")]
 #[path = "../../../workbench/tests/it/exporting.rs"]

@@ -1,4 +1,4 @@
-//! Modes that one can enter: each is left by the key that entered it, and by Escape where that is expected.
+//! Modes: each is left by the key that entered it, and by Escape where users expect that.
 
 use egui::{Key, KeyboardShortcut, Modifiers};
 use tilescope_app::actions::actions;
@@ -16,7 +16,7 @@ use tilescope_workbench::{Command, State};
 
 use crate::exporting::opened;
 
-/// Does what a key does where no text is typed; returns whether it does anything.
+/// Runs the action of a key pressed outside text fields; returns whether there is one.
 fn press(state: &mut State, modifiers: Modifiers, key: Key) -> bool {
     let meant = KeyboardShortcut::new(modifiers, key);
     let all = actions(state);
@@ -51,7 +51,7 @@ fn the_projector_mode_returns_to_the_look_before() {
         }
     }
     assert!(!escape(&mut state), "there is nothing to leave");
-    // A saved view may begin with it.
+    // A saved view may begin in a mode.
     let mut view = state.view();
     view.appearance.look = Look::Projector;
     state.apply(Command::Appearance(AppearanceCommand::Look(Look::Light)));
@@ -142,7 +142,7 @@ fn the_analysis_is_left_by_its_key_where_there_are_no_tabs() {
 }
 
 #[test]
-fn what_a_key_does_not_enter_has_an_action_that_leaves_it() {
+fn modes_without_a_key_have_an_action_that_leaves_them() {
     let mut state = opened();
     let has = |state: &State, name: &str| {
         let all = actions(state);
@@ -155,7 +155,7 @@ fn what_a_key_does_not_enter_has_an_action_that_leaves_it() {
     assert!(has(&state, "Close B"));
     state.apply(Command::Compare(CompareCommand::Close));
     assert!(state.runs.second.is_none());
-    // Part of another page the window takes no keys for modes that it could not leave there.
+    // An embedded window has no keys for modes that it could not leave.
     for command in [
         Command::Appearance(AppearanceCommand::ToggleProjector),
         Command::Window(WindowCommand::ToggleFinder),

@@ -1,4 +1,4 @@
-//! The keys of a page, which its browser has keys of its own beside.
+//! Shortcuts on a page, where the browser has shortcuts of its own.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -32,7 +32,7 @@ fn browsers_keep_the_keys_by_which_they_are_used() {
         assert!(takes_key(&state, name, Modifiers::SHIFT), "Shift+{name}");
     }
     assert!(takes_key(&state, "k", Modifiers::COMMAND));
-    // No page is beside the window itself.
+    // The native window has no page.
     let mut native = on_page();
     native.files.delivery = Delivery::Disk;
     for name in ["F5", "F11"] {
@@ -50,7 +50,7 @@ fn no_two_actions_have_the_same_keys() {
             let Some(keys) = action.shortcut else {
                 continue;
             };
-            // Escape does whatever there is to leave.
+            // Escape leaves whatever mode is active.
             if keys.logical_key != Key::Escape {
                 let other = taken.insert(keys, action.name.clone());
                 assert_eq!(other, None, "{} has the keys of another", action.name);

@@ -1,4 +1,4 @@
-//! The window on its default session, for tests that use it as a user would.
+//! The window on its default session, driven as a user would.
 
 pub mod sessions;
 
@@ -12,11 +12,11 @@ use tilescope_app::App;
 use tilescope_debugger::{Debugger, EventKind};
 use tilescope_session::Session;
 
-/// So many frames may pass until the window rests: work in the background asks for one whenever it gets on, however
-/// fast frames are, so that this is no bound on time; one that never rests is found all the same.
+/// Maximum number of frames until the window is idle. Background work requests a frame with each progress report, so
+/// this bounds no time, but finds a window that never becomes idle.
 pub const MAX_FRAMES: u64 = 50_000;
 
-/// Returns the window when its session is made and verified.
+/// Returns the window after its session is made and verified.
 pub fn opened() -> Harness<'static, App> {
     opened_at([1440.0, 900.0])
 }
@@ -31,7 +31,7 @@ pub fn opened_at(size: [f32; 2]) -> Harness<'static, App> {
     harness
 }
 
-/// Waits for all work in the background, and shows what came of it.
+/// Waits for all background work, and shows the results.
 pub fn settle(harness: &mut Harness<'_, App>) {
     harness.state_mut().state.settle();
     harness.run();
@@ -53,14 +53,14 @@ pub fn node<'a, S>(harness: &'a Harness<'_, S>, id: impl Display) -> Node<'a> {
     found.unwrap_or_else(|| panic!("nothing is known as {id}, but {:?}", ids(harness)))
 }
 
-/// Returns what the widget of an id says: its label, or the value of one that is nothing but text.
+/// Returns the text of a widget: its label, or its value if it is plain text.
 #[track_caller]
 pub fn text<S>(harness: &Harness<'_, S>, id: impl Display) -> String {
     let node = node(harness, id).accesskit_node();
     node.label().or(node.value()).unwrap_or_default()
 }
 
-/// Returns whether the widget of an id cannot be used.
+/// Returns whether the widget of an id is disabled.
 #[track_caller]
 pub fn is_disabled<S>(harness: &Harness<'_, S>, id: impl Display) -> bool {
     node(harness, id).accesskit_node().is_disabled()
@@ -77,7 +77,7 @@ pub fn author(node: &Node<'_>) -> Option<String> {
     node.accesskit_node().author_id().map(str::to_owned)
 }
 
-/// Returns the id of what has the focus.
+/// Returns the id of the focused widget.
 pub fn focused<S>(harness: &Harness<'_, S>) -> Option<String> {
     let mut nodes = harness.query_all_by(|node| node.is_focused() && !node.is_root());
     author(&nodes.next()?)
@@ -100,7 +100,7 @@ pub fn cursor(harness: &Harness<'_, App>) -> usize {
     harness.state().state.cursor().expect("events").0
 }
 
-/// Returns what happened last.
+/// Returns the last event.
 pub fn last_kind(harness: &Harness<'_, App>) -> Option<EventKind> {
     let last = cursor(harness).checked_sub(1)?;
     let debugger = harness
@@ -115,7 +115,7 @@ pub fn last_kind(harness: &Harness<'_, App>) -> Option<EventKind> {
     event.map(tilescope_debugger::Event::kind)
 }
 
-/// Returns what happens next.
+/// Returns the next event.
 pub fn next_kind(harness: &Harness<'_, App>) -> Option<EventKind> {
     let debugger = harness.state().state.runs.first.debugger.as_ref();
     debugger

@@ -1,4 +1,4 @@
-//! Sessions in the making, and files of their own for tests about files.
+//! Helpers: sessions in progress, and a folder of files for each test.
 
 use std::path::{Path, PathBuf};
 
@@ -22,7 +22,7 @@ pub fn apply(harness: &mut Harness<'_, App>, command: Command) {
     settle(harness);
 }
 
-/// A folder of this test alone, emptied.
+/// An empty folder for this test.
 pub fn folder(name: &str) -> PathBuf {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR"))
         .join("sessions")
@@ -53,7 +53,7 @@ pub fn notice(harness: &Harness<'_, App>) -> (String, bool) {
     (notice.text, notice.is_error)
 }
 
-/// A small run with a breakpoint, a watch and a bookmark, in the middle of things.
+/// A small run with a breakpoint, a watch and a bookmark, in the middle of elimination.
 pub fn busy() -> Harness<'static, App> {
     let mut harness = opened();
     apply(

@@ -1,4 +1,4 @@
-//! The panel of the analysis as a user meets it: what it says, what it is held against, and that the keyboard reaches it.
+//! The analysis panel: its text, its references, and its use by keyboard.
 
 use std::path::PathBuf;
 
@@ -17,7 +17,7 @@ use tilescope_workbench::layout::{Layout, Panel};
 use crate::support::sessions::{apply, folder, go, notice, path_text};
 use crate::support::{find, focused, is_disabled, node, opened_at, session, settle, text};
 
-/// A small session, and its analysis with room for all of it.
+/// A small session, and its analysis at full height.
 pub(crate) fn analysing() -> Harness<'static, App> {
     let mut harness = opened_at([1000.0, 1100.0]);
     for (field, value) in [(Field::Radius, "0.02"), (Field::Leaf, "8")] {
@@ -37,7 +37,7 @@ const SAMPLES: &str = "analysis.number-1";
 const DENSITY: &str = "analysis.number-2";
 const CONFLICTS: &str = "analysis.number-3";
 
-/// Asserts that a widget says all of `facts`.
+/// Asserts that a widget's text contains all of `facts`.
 #[track_caller]
 fn says(harness: &Harness<'_, App>, id: &str, facts: &[&str]) {
     let said = text(harness, id);
@@ -62,7 +62,7 @@ fn the_panel_says_the_numbers_and_describes_its_charts() {
     assert!(!text(&harness, SAMPLES).contains(&count));
 }
 
-/// Writes independent samples of the unit square; returns where.
+/// Writes independent samples of the unit square; returns the file's path.
 pub(crate) fn noise(name: &str) -> PathBuf {
     let path = folder(name).join("noise.csv");
     let mut state = 5_u64;
@@ -102,17 +102,17 @@ fn a_file_is_held_against_the_run_until_it_is_cleared() {
         .unwrap()
         .clone();
     assert_eq!(held.measured.samples, 900);
-    // Noise has conflicts; the radius is the run's.
+    // Noise has conflicts with the run's radius.
     assert!(held.measured.verdict().unwrap().conflicts > 100);
     says(&harness, "analysis.file", &["noise.csv", "0.02"]);
     says(&harness, "chart.P", &["noise.csv"]);
     says(&harness, SAMPLES, &["file 900"]);
     assert!(find(&harness, "analysis.unjudged").is_none());
-    // Another radius: what does not depend on it stays, what was judged with the old one goes.
+    // With another radius, measures independent of it stay, and verdicts for the old one go.
     let conflicts = held.measured.verdict().unwrap().conflicts as usize;
     let conflicts = format!("file {}", tilescope_session::words::grouped(conflicts));
     says(&harness, CONFLICTS, &[&conflicts]);
-    // 900 samples times the square of r.
+    // 900 samples times r squared.
     says(&harness, DENSITY, &["file 0.3600"]);
     apply(
         &mut harness,
@@ -128,7 +128,7 @@ fn a_file_is_held_against_the_run_until_it_is_cleared() {
     );
     apply(&mut harness, Command::Run);
     says(&harness, CONFLICTS, &[&conflicts]);
-    // Another domain: it is kept, not drawn, and the panel says why.
+    // In another domain the file is kept but not drawn, and the panel explains why.
     apply(
         &mut harness,
         Command::Form(FormCommand::Type(Field::Width, "2".to_owned())),
@@ -171,7 +171,7 @@ fn sets_of_another_domain_are_refused_in_a_sentence_that_names_both() {
         assert!(text.contains(domain), "{text}");
         assert!(harness.state().state.reference_file().is_none());
     }
-    // The border counts as well: a file of the unit torus, where the run ends at its border.
+    // The border counts, too: a file of the unit torus, and a run in a bounded domain.
     let torus = path.with_file_name("torus.txt");
     std::fs::write(&torus, "4\n0.1 0.1\n0.6 0.1\n0.1 0.6\n0.6 0.6\n").unwrap();
     for command in [
@@ -228,7 +228,7 @@ fn files_made_to_do_harm_are_refused_and_the_session_stays() {
     assert!(notice(&harness).1, "a folder is no file");
     let after = session(&harness);
     assert!(std::sync::Arc::ptr_eq(&before, &after));
-    // Twice the same place is a conflict, and is measured like all others.
+    // Two samples at the same position are a conflict, and are measured like others.
     let twice = folder.join("twice.csv");
     let rest = "0.9,0.4\n0.6,0.1\n0.2,0.3\n0.2,0.3\n";
     std::fs::write(&twice, format!("x,y\n{rest}")).unwrap();
@@ -292,7 +292,7 @@ fn dragging_over_a_chart_brushes_and_a_click_ends_it() {
     assert_eq!(brush.axis, BrushAxis::Distance);
     let [low, high] = brush.range;
     assert!(low > 1.0 && high < 2.0 && high - low > 0.3, "{brush:?}");
-    // A frequency takes the place of a distance.
+    // Brushing a frequency replaces the brushed distance.
     let rect = node(&harness, "chart.P").rect();
     let at = |part: f32| rect.left_center() + egui::vec2(part * rect.width(), 0.0);
     harness.drag_at(at(0.5));
@@ -344,7 +344,7 @@ fn differing(harness: &Harness<'_, App>, a: &[u8], b: &[u8], width: u32) -> usiz
 }
 
 #[test]
-fn what_is_brushed_is_seen_on_the_canvas_and_goes_again() {
+fn brushed_samples_are_marked_on_the_canvas_until_cleared() {
     let mut harness = opened_at([1440.0, 900.0]);
     apply(
         &mut harness,

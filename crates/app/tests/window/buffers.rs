@@ -1,5 +1,5 @@
-//! Buffers of the GPU on the canvas, as a user meets them: where their rows lie, when they are drawn, what is said of
-//! them. Needs an adapter; one that computes on the CPU will do.
+//! Buffers of the GPU on the canvas: where their rows lie, when they are drawn, and their tags. Needs an adapter; a
+//! software one is enough.
 
 use std::collections::BTreeSet;
 
@@ -49,7 +49,7 @@ fn with_passes() -> Harness<'static, App> {
     harness
 }
 
-/// Asserts that the tag of the buffer on the canvas says all of `facts`.
+/// Asserts that the tag of the buffer on the canvas contains all of `facts`.
 #[track_caller]
 fn on_canvas(harness: &Harness<'_, App>, facts: &[&str]) {
     let said = text(harness, "on-canvas");
@@ -60,7 +60,7 @@ fn state<'a>(harness: &'a Harness<'_, App>) -> &'a State {
     &harness.state().state
 }
 
-/// Goes to the first pass of a name, and to one of its buffers.
+/// Goes to the first pass of this name, and to one of its buffers.
 fn go(harness: &mut Harness<'_, App>, name: &str, buffer: Name) {
     let entries = state(harness).runs.first.passes.as_ref().unwrap().entries();
     let place = entries.iter().position(|entry| entry.report.name == name);
@@ -172,7 +172,7 @@ fn a_run_without_passes_has_the_clock_from_before_them() {
             .engine_text(tilescope_core::Variant::Staged)
             .is_some()
     );
-    // The CPU samples next: neither the clock nor the test of the GPU is of that run.
+    // The CPU samples next, so the clock of passes and the remark on the GPU are gone.
     apply(&mut harness, Command::Gpu(GpuCommand::Engine(Engine::Auto)));
     assert_eq!(
         state(&harness)
@@ -202,7 +202,7 @@ fn arrow_keys_go_from_pass_to_pass_and_the_tag_follows() {
         harness.step();
         settle(&mut harness);
         on_canvas(&harness, &tag);
-        // What the canvas shows is whole.
+        // The canvas shows the last completed stage.
         assert_eq!(state(&harness).current_stage(), Some(Stage::Tile));
     }
 }
@@ -224,7 +224,7 @@ fn the_timeline_stands_at_the_last_stage_that_is_whole_behind_the_pass() {
     }
     pass(&mut harness, PassCommand::Select(0));
     assert_eq!(state(&harness).current_stage(), Some(Stage::Blocks));
-    // The timeline leads, too, and is not led back.
+    // Moving in the timeline selects a pass, and that selection does not move the timeline back.
     apply(&mut harness, Command::Time(TimeCommand::LastStage));
     let passes = state(&harness).runs.first.passes.as_ref().unwrap();
     assert_eq!(passes.selected(), Some(entries.len() - 1));
@@ -239,7 +239,7 @@ fn a_session_that_is_stepped_through_by_events_is_not_drawn_over() {
     harness = with_passes();
     assert!(state(&harness).buffers_on_canvas().is_none());
     go(&mut harness, "tile", Name::Places);
-    // The canvas is in front, and the timeline stands where the pass has led it.
+    // The canvas is in front, and the timeline is at the moment of the pass.
     assert!(state(&harness).buffers_on_canvas().is_some());
     let there = state(&harness).cursor().unwrap().0;
     let step = || Command::Time(TimeCommand::Step(Step::Into, Direction::Forwards));
@@ -284,7 +284,7 @@ fn a_filter_chooses_the_rows_and_unchanged_cells() {
 }
 
 #[test]
-fn more_marks_than_can_be_told_apart_are_left_out_and_said_so() {
+fn too_many_marks_are_left_out_with_a_remark() {
     let mut harness = opened();
     apply(&mut harness, Command::Gpu(GpuCommand::Engine(Engine::Gpu)));
     apply(&mut harness, Command::OpenPasses);
@@ -314,7 +314,7 @@ fn only_the_first_of_two_compared_runs_has_them() {
     go(&mut harness, "tile", Name::Places);
     pass(&mut harness, PassCommand::ShowCanvas);
     assert!(state(&harness).buffers_on_canvas().is_some());
-    // There are not two of them.
+    // There is only one.
     node(&harness, "on-canvas");
     assert!(!is_disabled(&harness, "canvas-b"));
 }

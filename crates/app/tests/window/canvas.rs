@@ -1,5 +1,5 @@
-//! The canvas as pictures and in words: drawn by instancing and by meshes it shows the same, layer by layer, and it names
-//! what is under the pointer.
+//! The canvas's pictures and text: instancing and meshes draw the same, layer by layer, and the tag names the thing
+//! under the pointer.
 
 use egui_kittest::Harness;
 use egui_kittest::kittest::NodeT;
@@ -15,7 +15,7 @@ use tilescope_workbench::command::{
 };
 use tilescope_workbench::layout::Panel;
 
-/// Places in the default session's list of stages.
+/// Indices in the default session's list of stages.
 const BLOCKS_STAGE: usize = 1;
 const TILE_STAGE: usize = 2;
 const FIRST_ITERATION: usize = 4;
@@ -48,12 +48,12 @@ fn apply(harness: &mut Harness<'_, App>, command: Command) {
     settle(harness);
 }
 
-/// How many pixels are taken together on each side: a mesh's symbols are blurred by less than one.
+/// Side of the tiles that are averaged, in pixels: a mesh's symbols are blurred by less than one pixel.
 const TILE: usize = 4;
 
 /// The canvas as mean colours of tiles of pixels.
 fn shoot(harness: &mut Harness<'_, App>) -> Vec<f64> {
-    // What was thinned out while the camera moved is whole in the next frame.
+    // Layers thinned out during camera movement are complete in the next frame.
     harness.step();
     let image = harness.render().expect("a picture");
     let rect = harness.state().state.runs.first.viewport.shrink(1.0);
@@ -209,7 +209,7 @@ fn steps_and_leaps_through_time_lead_to_the_same_picture() {
     }
 }
 
-/// How much the canvas changes along a line of the domain when the KD-tree is switched.
+/// How much the canvas changes along a line of the domain when the KD-tree is toggled.
 fn tree_at(harness: &mut Harness<'_, App>, ends: [[f64; 2]; 2]) -> f64 {
     let mut shoot = || {
         harness.step();
@@ -303,7 +303,7 @@ fn ages_colour_the_samples() {
     assert!(difference(&by_block, &shoot(&mut harness)) < 1e-3);
 }
 
-/// What the canvas says of a place of the domain.
+/// The tag at a place of the domain.
 fn said_of(harness: &mut Harness<'_, App>, place: [f64; 2]) -> Option<String> {
     let state = &harness.state().state;
     let pos = state
@@ -313,7 +313,7 @@ fn said_of(harness: &mut Harness<'_, App>, place: [f64; 2]) -> Option<String> {
         .screen_from_domain(state.runs.first.viewport, place);
     harness.hover_at(pos);
     settle(harness);
-    // What is hovered is known a frame later.
+    // The tag appears one frame after the pointer.
     harness.run();
     let canvas = node(harness, "canvas");
     canvas
@@ -324,7 +324,7 @@ fn said_of(harness: &mut Harness<'_, App>, place: [f64; 2]) -> Option<String> {
 }
 
 #[test]
-fn what_is_under_the_pointer_is_named() {
+fn the_tag_names_the_thing_under_the_pointer() {
     let mut harness = opened();
     let session = session(&harness);
     let run = session.run();

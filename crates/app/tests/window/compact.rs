@@ -1,4 +1,4 @@
-//! A window as small as a phone: every panel can be opened, every action done, nothing lies outside.
+//! A window as small as a phone: every panel can be opened, every action used, and nothing lies outside.
 
 use egui::{Rect, Vec2, pos2, vec2};
 use egui_kittest::Harness;
@@ -16,7 +16,7 @@ use crate::support::{cursor, find, is_disabled, node, opened_at, settle};
 
 const PHONE: [f32; 2] = [390.0, 844.0];
 
-/// The tab of each panel, and what only it shows.
+/// The tab of each panel, and an id that only this panel shows.
 const TABS: [(&str, Panel, &str); 14] = [
     ("tab.parameters", Panel::Parameters, "run"),
     ("tab.canvas", Panel::Canvas, "layer.disks"),
@@ -40,7 +40,7 @@ fn click(harness: &mut Harness<'_, App>, id: &str) {
     settle(harness);
 }
 
-/// Returns what lies outside of the window to the left or the right, but for what is scrolled there.
+/// Returns the widgets outside of the window to the left or right, except scrolled ones.
 fn outside(harness: &Harness<'_, App>, width: f32) -> Vec<String> {
     let is_tab = |id: &str| TABS.iter().any(|tab| tab.0 == id);
     let nodes = harness.query_all_by(|node| node.bounding_box().is_some());
@@ -77,7 +77,7 @@ fn every_panel_has_a_tab_and_fits() {
 }
 
 #[test]
-fn what_lies_outside_would_be_found() {
+fn widgets_outside_the_window_are_found() {
     let harness = opened_at(PHONE);
     assert!(!outside(&harness, 300.0).is_empty());
 }
@@ -100,7 +100,7 @@ fn the_canvas_has_half_of_the_window() {
             "{canvas_rect:?}"
         );
         assert!((canvas_rect.width() - size[0]).abs() < 1.0);
-        // What needs more room gets it, and gives it back.
+        // A panel that needs more room can be enlarged and shrunk again.
         click(&mut harness, "drawer.tall");
         assert!(canvas(&harness).height() < 0.5 * size[1]);
         click(&mut harness, "drawer.tall");
@@ -147,7 +147,7 @@ fn the_size_of_the_window_decides_at_once_and_tiles_stay() {
     harness.step();
     harness.run();
     assert_eq!(arrangement(&harness), Arrangement::Tiles);
-    // Which tab is active is remembered by the frames; what stands where is the same.
+    // Frames may differ in the active tab they remember; all else is equal.
     assert_eq!(harness.state().state.window.layout, before);
     node(&harness, "find-events");
 }
@@ -173,9 +173,9 @@ fn fingers_have_room() {
     assert!(node(&harness, "layer.disks").rect().height() >= 36.0);
 }
 
-/// Does an action by the one menu.
+/// Runs an action by the single menu.
 fn menu(harness: &mut Harness<'_, App>, menu: &str, action: &str) {
-    // It stays open when an action was done elsewhere.
+    // The menu stays open after an action was run elsewhere.
     if find(harness, "menu.file").is_none() {
         click(harness, "menu");
     }
@@ -201,7 +201,7 @@ fn every_primary_action_can_be_done() {
     assert_eq!(cursor(&harness), 0);
     click(&mut harness, "time-last-stage");
     click(&mut harness, "fit");
-    // The verdict leads to its witness.
+    // The verdict leads to the conflict or gap that decides it.
     click(&mut harness, "verdict");
     assert!(harness.state().state.runs.first.witness_mark.is_some());
     click(&mut harness, "tab.parameters");
@@ -229,7 +229,7 @@ fn sheets_and_notices_fit() {
             click(&mut harness, kind);
             assert_eq!(outside(&harness, size[0]), Vec::<String>::new());
         }
-        // Both ends of the sheet can be seen; a low window scrolls to what has the focus.
+        // Both ends of the sheet are visible; a low window scrolls to the focus.
         for id in ["export.write", "export.result"] {
             node(&harness, id).focus();
             harness.run();
@@ -278,7 +278,7 @@ fn a_selected_sample_and_two_runs_fit() {
     }
     settle(&mut harness);
     assert_eq!(outside(&harness, PHONE[0]), Vec::<String>::new());
-    // One above the other: beside each other they would be slits.
+    // Stacked, since side by side they would be too narrow.
     let rects = ["canvas-a", "canvas-b"].map(|id| node(&harness, id).rect());
     assert!(rects[0].bottom() <= rects[1].top());
     assert!(rects.iter().all(|rect| rect.width() > 380.0));
@@ -296,7 +296,7 @@ fn the_systems_wish_for_less_motion_counts_until_the_user_chooses() {
         ),
         (true, None)
     );
-    // It is not remembered as a choice, and may change while the window is open.
+    // It is not stored as a choice, and may change while the window is open.
     state.choose_motion(None);
     state.prefer_reduced_motion(false);
     assert!(!state.appearance.reduced_motion);
@@ -310,7 +310,7 @@ fn the_systems_wish_for_less_motion_counts_until_the_user_chooses() {
 }
 
 #[test]
-fn reduced_motion_stops_what_moves_by_itself() {
+fn reduced_motion_stops_animations() {
     let mut harness = opened_at([1440.0, 900.0]);
     let moves = |harness: &Harness<'_, App>| {
         let style = harness.ctx.global_style();
@@ -326,7 +326,7 @@ fn reduced_motion_stops_what_moves_by_itself() {
         .state_mut()
         .state
         .apply(Command::Appearance(AppearanceCommand::ToggleReducedMotion));
-    // A flight at work arrives at once, and there are no more.
+    // A camera flight in progress ends at once, and no other begins.
     let state = &harness.state().state;
     assert!(state.runs.first.flight.is_none());
     assert!((state.runs.first.camera.center[0] - 30.0).abs() < 1e-9);

@@ -1,4 +1,4 @@
-//! Two runs side by side, as a user meets them: what differs, where they part, and that view and time hang together.
+//! Two runs side by side: differences, divergence, and linked cameras and playback.
 
 use egui::{Key, Modifiers, vec2};
 use egui_kittest::Harness;
@@ -117,7 +117,7 @@ fn the_papers_search_parts_where_the_first_longer_search_reaches_further() {
     assert_eq!(a, b);
     let stage = session(&harness);
     assert!(stage.stages[stage.stage_at(a)] >= Stage::Iterate(1));
-    // Up to there the cursors are the same, one by one.
+    // Up to the divergence the cursors are equal, one by one.
     apply(&mut harness, Command::Time(TimeCommand::Jump(a - 5)));
     assert_eq!(cursors(&harness.state().state), [a - 5; 2]);
     harness.key_press(Key::D);
@@ -127,7 +127,7 @@ fn the_papers_search_parts_where_the_first_longer_search_reaches_further() {
 }
 
 #[test]
-fn clocks_run_together_until_they_are_told_not_to() {
+fn playback_is_linked_until_unlinked() {
     let mut harness = compared(ComparePreset::NextSeed);
     apply(
         &mut harness,
@@ -158,7 +158,7 @@ fn clocks_run_together_until_they_are_told_not_to() {
 }
 
 #[test]
-fn cameras_move_together_from_either_canvas_until_they_are_told_not_to() {
+fn cameras_are_linked_from_either_canvas_until_unlinked() {
     let mut harness = compared(ComparePreset::NextSeed);
     let cameras = |harness: &Harness<'_, App>| {
         let state = &harness.state().state;
@@ -249,7 +249,7 @@ fn a_run_is_kept_beside_the_next_one_even_in_another_domain() {
     };
     node(&harness, "compare.refusal");
     assert!(text(&harness, "run-a").contains("bounded"));
-    // Time still goes on in both, stage by stage.
+    // Time still advances in both, stage by stage.
     apply(&mut harness, Command::Time(TimeCommand::ShowStage(2)));
     let state = &harness.state().state;
     assert_eq!(state.current_stage(), Some(Stage::Tile));
@@ -261,7 +261,7 @@ fn a_run_is_kept_beside_the_next_one_even_in_another_domain() {
 }
 
 #[test]
-fn what_cannot_be_compared_says_why() {
+fn impossible_comparisons_are_explained() {
     let mut harness = opened();
     apply(
         &mut harness,
@@ -304,7 +304,7 @@ fn both_runs_stand_behind_the_first_event_that_differs_however_long_they_are() {
             [a + 1, b + 1],
             "{preset:?}"
         );
-        // From there on time goes on in both, and back again to the same places.
+        // From there time advances in both, and goes back to the same places.
         let mut last = cursors(&harness.state().state);
         for cursor in (a + 2..a + 400).step_by(7) {
             apply(&mut harness, Command::Time(TimeCommand::Jump(cursor)));
@@ -386,7 +386,7 @@ fn breakpoints_are_the_users_whichever_run_is_in_front() {
             .len(),
         1
     );
-    // They are marked where a run of this one stops.
+    // They are marked where this run would stop.
     let hits = state.runs.first.hits.events().to_vec();
     assert!(hits.len() > 100);
     harness.key_press(Key::Home);
@@ -399,7 +399,7 @@ fn breakpoints_are_the_users_whichever_run_is_in_front() {
 }
 
 #[test]
-fn what_goes_wrong_with_the_second_run_is_said_of_it() {
+fn errors_of_run_b_name_run_b() {
     let mut harness = compared(ComparePreset::NextSeed);
     let (side, _) = harness.state_mut().state.runs.second.as_mut().unwrap();
     let cancelled = SampleError::Cancelled { stage: Stage::Tile };

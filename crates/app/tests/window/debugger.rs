@@ -1,5 +1,4 @@
-//! The debugger as a user meets it: breakpoints, steps both ways, the event browser, bookmarks, watches, all by clicks
-//! and keys.
+//! The debugger by clicks and keys: breakpoints, steps both ways, the event browser, bookmarks, watches.
 
 use egui::{Key, Modifiers};
 use egui_kittest::Harness;
@@ -36,7 +35,7 @@ fn a_conditional_breakpoint_stops_where_it_holds() {
     let mut harness = opened();
     press(&mut harness, Modifiers::NONE, Key::Home);
     assert_eq!(cursor(&harness), 0);
-    // The line comes into view where it has just run.
+    // The line that has just run is scrolled into view.
     press(&mut harness, Modifiers::NONE, Key::E);
     node(&harness, "eliminate.5.breakpoint").click();
     harness.run();
@@ -62,7 +61,7 @@ fn a_conditional_breakpoint_stops_where_it_holds() {
     assert!(cursor(&harness) > first);
     press(&mut harness, Modifiers::SHIFT, Key::F5);
     assert_eq!(cursor(&harness), first);
-    // An unreadable condition says so beside it.
+    // An invalid condition shows its error beside it.
     let broken = DebugCommand::Condition(0, "distance <".to_owned());
     apply(&mut harness, Command::Debug(broken));
     let breakpoints = debugger(&harness).breakpoints();
@@ -96,7 +95,7 @@ fn time_goes_both_ways_by_keys_alone() {
         assert_eq!(last_kind(&harness), Some(kind));
     }
     press(&mut harness, Modifiers::NONE, Key::V);
-    // There is no violated invariant to go to, which is said.
+    // No invariant is violated, so the action explains that there is nothing to go to.
     node(&harness, "notice");
     press(&mut harness, Modifiers::NONE, Key::End);
     assert_eq!(cursor(&harness), end);
@@ -106,7 +105,7 @@ fn time_goes_both_ways_by_keys_alone() {
 fn a_press_counts_with_the_modifiers_of_its_moment() {
     let mut harness = opened();
     let end = cursor(&harness);
-    // All in one frame, as a slow machine or a fast typist has it: Shift is up again when the frame begins.
+    // All in one frame, as on a slow machine: Shift is already up when the frame begins.
     for pressed in [true, false] {
         harness.event_modifiers(
             egui::Event::Key {
@@ -148,7 +147,7 @@ fn the_arrows_follow_the_clock() {
 }
 
 #[test]
-fn the_event_browser_finds_selects_and_says_what_is_wrong() {
+fn the_event_browser_finds_and_selects_events_and_shows_errors() {
     let mut harness = opened();
     apply(
         &mut harness,
@@ -180,7 +179,7 @@ fn the_event_browser_finds_selects_and_says_what_is_wrong() {
         Command::Debug(DebugCommand::Query("insert colour=3".to_owned())),
     );
     assert!(text(&harness, "found-events").contains("\"colour\""));
-    // The tree: selecting a stage goes behind all that it holds.
+    // The tree: selecting a stage goes to the moment after all its events.
     apply(
         &mut harness,
         Command::Debug(DebugCommand::Query(String::new())),
@@ -230,7 +229,7 @@ fn a_sample_tells_its_history_and_why_leads_to_the_cause() {
     assert!(history.contains(&(at - 1)) && history.len() >= 2);
     press(&mut harness, Modifiers::NONE, Key::W);
     assert!(cursor(&harness) < at);
-    // What is not there yet stays selected: its history lies ahead.
+    // A sample that does not exist yet stays selected: its history lies ahead.
     apply(&mut harness, Command::Time(TimeCommand::FirstStage));
     assert_eq!(harness.state().state.runs.first.selected, Some(sample));
     press(&mut harness, Modifiers::NONE, Key::Escape);
@@ -278,7 +277,7 @@ fn bookmarks_and_watches_stay_with_their_moments() {
 }
 
 #[test]
-fn the_list_of_actions_is_reached_by_keys_and_does_what_it_says() {
+fn the_list_of_actions_opens_and_runs_actions_by_keyboard() {
     let mut harness = opened();
     press(&mut harness, Modifiers::COMMAND, Key::K);
     node(&harness, "find-action").type_text("projector");
@@ -290,7 +289,7 @@ fn the_list_of_actions_is_reached_by_keys_and_does_what_it_says() {
     press(&mut harness, Modifiers::COMMAND, Key::K);
     press(&mut harness, Modifiers::NONE, Key::Escape);
     assert!(harness.state().state.window.finder.is_none());
-    // What cannot be done now is listed, and not done.
+    // An unavailable action is listed, but does nothing.
     apply(&mut harness, Command::Window(WindowCommand::ToggleFinder));
     apply(
         &mut harness,
@@ -345,7 +344,7 @@ fn the_projector_shows_a_way_out() {
     assert_eq!(harness.state().state.appearance.look, Look::Dark);
     for key in [Key::F2, Key::Escape] {
         press(&mut harness, Modifiers::NONE, Key::F2);
-        // Escape closes what is open first.
+        // Escape first closes what is open.
         node(&harness, "speed").click();
         harness.run();
         press(&mut harness, Modifiers::NONE, Key::Escape);
@@ -378,7 +377,7 @@ fn every_panel_is_drawn_in_every_look() {
             let picture = harness.render().expect("a picture");
             pictures.insert(picture.as_raw().clone());
         }
-        // Opening a panel that can be seen already changes nothing; each of the others changes the picture.
+        // Opening a visible panel again changes nothing; opening each of the others changes the picture.
         assert!(pictures.len() >= 8, "{look:?}: {}", pictures.len());
     }
 }

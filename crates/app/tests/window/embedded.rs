@@ -1,5 +1,5 @@
-//! The window as a part of another page: everything fits into small frames, the page around can be scrolled, and Tab leads
-//! through and out.
+//! The window embedded in another page: everything fits into small frames, the surrounding page can be scrolled, and
+//! Tab leads through and out.
 
 use egui::accesskit::{Live, Role};
 use egui::{Event, Key, Modifiers, Pos2, Rect, TouchDeviceId, TouchId, TouchPhase, Vec2, vec2};
@@ -37,7 +37,7 @@ const SIZES: [[f32; 2]; 10] = [
 ];
 
 #[test]
-fn a_player_of_any_size_has_what_it_takes() {
+fn a_player_of_any_size_has_its_controls() {
     for size in SIZES {
         let mut harness = embedded(Embedding::Player, size);
         let window = Rect::from_min_size(Pos2::ZERO, size.into()).expand(0.5);
@@ -53,7 +53,7 @@ fn a_player_of_any_size_has_what_it_takes() {
         for node in nodes {
             let (rect, node) = (node.rect(), node.accesskit_node());
             let name = node.label().or(node.value());
-            // What the label of a stage would be is left out where it does not fit.
+            // The label of a stage is left out where it does not fit.
             assert!(window.contains_rect(rect), "{size:?}: {name:?} {rect:?}");
         }
         let status = node(&harness, "status");
@@ -91,7 +91,7 @@ fn the_plain_wheel_is_left_to_the_page_around() {
         harness.step();
         assert_eq!(harness.state().state.runs.first.camera, before);
         assert_eq!(hint::given(&harness.ctx), Some(Hint::Wheel));
-        // The hint goes by itself.
+        // The hint disappears by itself.
         for _ in 0..12 {
             harness.step();
         }
@@ -103,7 +103,7 @@ fn the_plain_wheel_is_left_to_the_page_around() {
     }
 }
 
-/// Sends what a browser does of fingers, each from one place to another.
+/// Sends the events a browser sends for fingers, each moving from one place to another.
 fn drag(harness: &mut Harness<'_, App>, tracks: &[(Pos2, Vec2)]) {
     let touch = |id: usize, phase, pos| Event::Touch {
         device_id: TouchDeviceId(0),
@@ -156,7 +156,7 @@ fn one_finger_is_left_to_the_page_around_and_two_move_the_picture() {
         &[(middle - apart, -apart), (middle + apart, apart)],
     );
     assert!(harness.state().state.runs.first.camera.scale > 1.5 * before.scale);
-    // Only the picture is left to the page: the controls and the line take their touches.
+    // Only touches of the picture are left to the page; controls and track receive theirs.
     let app = harness.state();
     assert!(app.scrolls_at(&harness.ctx, middle));
     let moment = node(&harness, "moment").rect();
@@ -189,7 +189,8 @@ fn a_button_leads_back_to_the_whole_domain() {
     }
 }
 
-/// Goes from one end of the frame to where Tab leads out, as the page has it; returns what had the focus, in sequence.
+/// Presses Tab from one end of the frame until it leads out, as on a page; returns the widgets that had the focus, in
+/// order.
 fn tab_through(harness: &mut Harness<'_, App>, backwards: bool) -> Vec<String> {
     let (from, to, modifiers) = if backwards {
         (End::Last, End::First, Modifiers::SHIFT)
@@ -236,7 +237,7 @@ fn tab_leads_through_and_out_of_a_frame_both_ways() {
     let mut backwards = tab_through(&mut player, true);
     backwards.reverse();
     assert_eq!(backwards, forwards);
-    // With a notice over it, too.
+    // Also with a notice over it.
     player.state_mut().state.messages.notice = Some(tilescope_workbench::state::Notice {
         text: "Something went wrong.".to_owned(),
         is_error: true,

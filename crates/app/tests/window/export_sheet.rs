@@ -1,4 +1,4 @@
-//! The export sheet as a user meets it: by keys and clicks, in both themes.
+//! The export sheet by keys and clicks, in both themes.
 
 use std::path::Path;
 
@@ -22,7 +22,7 @@ fn kind(harness: &Harness<'_, App>) -> Option<ExportKind> {
     form.map(|form| form.kind)
 }
 
-/// Types into a field in the place of what is there.
+/// Replaces the text of a field.
 fn retype(harness: &mut Harness<'_, App>, field: &str, text: &str) {
     node(harness, field).focus();
     harness.run();
@@ -44,7 +44,7 @@ fn a_picture_is_written_by_keys_and_replaced_only_after_a_question() {
     press(&mut harness, Modifiers::NONE, Key::E);
     press(&mut harness, Modifiers::COMMAND | Modifiers::SHIFT, Key::E);
     assert_eq!(kind(&harness), Some(ExportKind::Picture));
-    // What is typed goes into the file's name, in the place of the one proposed.
+    // Typing replaces the proposed file name.
     node(&harness, "export.path").type_text(&path.to_string_lossy());
     harness.run();
     let form = harness
@@ -114,7 +114,7 @@ fn the_kinds_are_chosen_by_their_names_and_keep_the_file() {
 }
 
 #[test]
-fn what_is_wrong_is_said_in_the_sheet_and_in_the_menu() {
+fn errors_are_shown_in_the_sheet_and_in_the_menu() {
     let mut harness = opened();
     press(&mut harness, Modifiers::NONE, Key::Home);
     let export = |command| Command::Export(command);

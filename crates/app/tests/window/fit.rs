@@ -1,4 +1,4 @@
-//! Every panel at the sizes of small screens: no widget and no text is cut off, and Run can always be seen.
+//! Every panel at the sizes of small screens: no widget and no text is cut off, and Run is always visible.
 
 use egui::epaint::ClippedShape;
 use egui::{Rect, Shape, Vec2, pos2};
@@ -27,7 +27,7 @@ const SCREENS: [[f32; 2]; 4] = [
     [1366.0, 768.0],
     [960.0, 600.0],
 ];
-/// 1280 x 720 at 200% and at 400%, and phones that lie.
+/// 1280 x 720 at 200% and at 400%, and phones in landscape.
 const LOW: [[f32; 2]; 4] = [
     [640.0, 360.0],
     [320.0, 180.0],
@@ -72,14 +72,14 @@ fn flat<'a>(shape: &'a Shape, found: &mut Vec<&'a Shape>) {
     }
 }
 
-/// Returns whether a stretch is cut off at an end by `clip`, but can be seen in part.
+/// Returns whether an interval is partly outside of `clip`.
 fn is_cut(rect: Rect, clip: Rect) -> bool {
     let is_seen = rect.intersect(clip).is_positive();
     is_seen && (rect.left() < clip.left() - 1.0 || rect.right() > clip.right() + 1.0)
 }
 
-/// Returns the texts that are shortened or cut off at the left or right, but for those over the canvas and the sentence, which
-/// is as long as what happened.
+/// Returns the texts shortened or cut off at the left or right, except those over the canvas and the sentence, whose
+/// length varies.
 fn cut_texts(harness: &Harness<'_, App>) -> Vec<String> {
     let state = &harness.state().state;
     let mut canvas = state.runs.first.viewport.expand(0.5);
@@ -121,7 +121,7 @@ fn cut_texts(harness: &Harness<'_, App>) -> Vec<String> {
     cut
 }
 
-/// Returns what can be pressed but is cut off at the left or right.
+/// Returns the widgets cut off at the left or right.
 fn cut_widgets(harness: &Harness<'_, App>) -> Vec<String> {
     harness.ctx.viewport(|viewport| {
         let layers = viewport.this_pass.widgets.layers();
@@ -149,7 +149,7 @@ fn no_panel_is_cut_off_on_a_small_screen() {
                 .state
                 .apply(Command::Window(WindowCommand::OpenPanel(panel)));
             harness.run();
-            // Rows of lists are as long as what happened: the tip has all of it.
+            // Rows of lists vary in length and are shortened; their tooltips have the whole text.
             let window = &harness.state().state.window;
             let listed = window.shows(Panel::Inspector) || window.shows(Panel::Events);
             let texts = cut_texts(&harness);
@@ -177,7 +177,7 @@ fn nothing_of_the_bar_lies_over_another() {
         });
         let said = buttons.filter(|node| {
             let node = node.accesskit_node();
-            // Of lists that are scrolled rows lie behind the bar.
+            // Rows of scrolled lists may lie behind the bar.
             let is_row = |id: &str| id.contains(".line") || id.contains(".breakpoint");
             node.label().is_some() && !node.author_id().is_some_and(is_row)
         });
@@ -209,7 +209,7 @@ fn run_is_seen_at_every_size() {
         [390.0, 844.0],
     ] {
         let mut harness = opened_at(size);
-        // What is said of the engine does not push it away.
+        // A remark on the engine leaves it in place.
         let state = &mut harness.state_mut().state;
         state.apply(Command::Gpu(GpuCommand::NameAdapter(Some(
             "no such adapter".to_owned(),
@@ -233,7 +233,7 @@ fn low_windows_reach_everything() {
     for size in LOW {
         let mut harness = busy(size);
         for panel in Panel::all() {
-            // The tabs of panels are scrolled.
+            // Tabs of panels scroll.
             let show = DrawerCommand::Show(Some(panel));
             harness
                 .state_mut()
@@ -319,10 +319,10 @@ fn a_tile_that_is_dragged_narrow_keeps_its_least_size() {
 }
 
 #[test]
-fn what_is_cut_off_would_be_found() {
+fn cut_off_widgets_are_found() {
     let text = |x: f32| Rect::from_min_size(pos2(x, 10.0), Vec2::new(40.0, 10.0));
     let clip = Rect::from_min_size(pos2(0.0, 0.0), Vec2::new(100.0, 100.0));
     assert!(!is_cut(text(60.0), clip) && is_cut(text(80.0), clip) && is_cut(text(-9.0), clip));
-    // What is scrolled away is not.
+    // Widgets that are scrolled out of view do not count.
     assert!(!is_cut(text(120.0), clip));
 }

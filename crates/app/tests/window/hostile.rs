@@ -1,5 +1,5 @@
-//! Session files that are broken, newer, too large or made to do harm: each is refused with a sentence, and the session
-//! at hand stays.
+//! Session files that are broken, newer, too large or malicious: each is refused with a message, and the current
+//! session stays.
 
 use serde_json::{Value, json};
 use tilescope_workbench::Command;
@@ -8,7 +8,7 @@ use tilescope_workbench::files::Purpose;
 use crate::support::opened;
 use crate::support::sessions::{apply, busy, folder, go, notice};
 
-/// Saves a session, changes its text, opens it: returns what is said.
+/// Saves a session, changes its text, and opens it; returns the message.
 fn changed(name: &str, change: impl FnOnce(&mut Value)) -> (String, bool) {
     let path = folder(name).join("changed.json");
     let mut harness = busy();
@@ -21,7 +21,7 @@ fn changed(name: &str, change: impl FnOnce(&mut Value)) -> (String, bool) {
     go(&mut harness, Purpose::Open, &path);
     let said = notice(&harness);
     if said.1 {
-        // The session before it is still here, and so is the sheet.
+        // The previous session is still shown, and so is the sheet.
         assert_eq!(harness.state().state.saved(), before);
         assert!(harness.state().state.files.sheet.is_some());
     }
@@ -29,7 +29,7 @@ fn changed(name: &str, change: impl FnOnce(&mut Value)) -> (String, bool) {
 }
 
 #[test]
-fn what_is_wrong_with_a_session_is_said_and_the_one_at_hand_stays() {
+fn a_bad_session_file_is_reported_and_the_current_session_stays() {
     let (said, is_error) = changed("newer", |value| {
         value["version"] = json!(99);
     });
@@ -96,7 +96,7 @@ fn files_that_are_no_sessions_are_refused() {
         said.contains("17,000,000 bytes") && said.contains("at most 16,000,000"),
         "{said}"
     );
-    // Nowhere to write to.
+    // A path that cannot be written.
     let nowhere = folder.join("no-such-folder").join("x.json");
     go(&mut harness, Purpose::Save, &nowhere);
     let (said, is_error) = notice(&harness);
@@ -104,14 +104,14 @@ fn files_that_are_no_sessions_are_refused() {
 }
 
 #[test]
-fn what_a_view_asks_for_is_limited() {
+fn saved_views_are_limited() {
     let (said, is_error) = changed("view-huge", |value| {
         let mut second = value["parameters"].clone();
         second["radius"] = json!(0.000_1);
         second["variant"] = json!("as-printed");
         value["view"]["second"] = second;
         value["view"]["selection"] = json!({"place": [150_000.0, 3.0]});
-        // A layout that holds itself.
+        // A layout that contains itself.
         let column = json!({"children": [1], "dir": "Vertical", "shares": {"shares": {}}});
         let tiles = json!({"1": {"Container": {"Linear": column}}});
         value["view"]["layout"] = json!({"root": 1, "tiles": {"tiles": tiles}});
@@ -139,7 +139,7 @@ fn a_pattern_that_is_no_file_is_not_read() {
 }
 
 #[test]
-fn what_could_not_be_opened_again_is_not_saved() {
+fn sessions_that_could_not_be_reopened_are_not_saved() {
     let path = folder("too-much").join("notes.json");
     let mut harness = busy();
     let note = "n".repeat(10_001);

@@ -1,4 +1,4 @@
-//! What instancing draws, pixel by pixel, on the device that the harness finds.
+//! Instanced drawing, pixel by pixel, on the device of the test harness.
 
 mod looks;
 mod probe;

@@ -1,4 +1,4 @@
-//! A whole session by keyboard alone, as somebody without a mouse, or with a screen reader, goes through it.
+//! A whole session by keyboard alone, as users without a mouse or with a screen reader work.
 
 use egui::accesskit::Role;
 use egui::{Event, Key, Modifiers, ViewportCommand, ViewportId};
@@ -25,7 +25,7 @@ fn press(harness: &mut Harness<'_, App>, modifiers: Modifiers, key: Key) {
     settle(harness);
 }
 
-/// Does the action whose id begins with `id`: its name, whatever that is, is typed into the list of all actions.
+/// Runs the action whose id begins with `id`, by typing its name into the list of actions.
 fn act(harness: &mut Harness<'_, App>, id: &str) {
     let all = tilescope_app::actions::actions(&harness.state().state);
     let is_meant = |action: &&Action| action.id().to_string().starts_with(id);
@@ -55,7 +55,7 @@ fn tab_to(harness: &mut Harness<'_, App>, id: &str) {
 #[test]
 fn a_session_needs_no_mouse() {
     let mut harness = opened();
-    // A run of one's own: the radius is typed into its field.
+    // A run with another radius, typed into its field.
     act(&mut harness, "view-window-open-panel-parameters");
     tab_to(&mut harness, "radius");
     press(&mut harness, Modifiers::COMMAND, Key::A);
@@ -66,7 +66,7 @@ fn a_session_needs_no_mouse() {
     assert!((session.run().parameters.radius - 0.02).abs() < 1e-12);
     press(&mut harness, NONE, Key::Escape);
 
-    // A breakpoint where samples die, with a condition.
+    // A breakpoint on eliminations, with a condition.
     act(&mut harness, "go-time-first-stage");
     act(&mut harness, "go-time-run-to-elimination-forwards");
     assert_eq!(last_kind(&harness), Some(EventKind::Eliminate));
@@ -88,7 +88,7 @@ fn a_session_needs_no_mouse() {
     assert!(distance < 0.3);
     assert!(!harness.state().state.runs.first.hits.events().is_empty());
 
-    // What is going on is read out; the cause is asked for; back again.
+    // The event is announced; go to its cause and back.
     let stopped = cursor(&harness);
     press(&mut harness, NONE, Key::F11);
     assert_eq!(cursor(&harness), stopped + 1);
@@ -105,7 +105,7 @@ fn a_session_needs_no_mouse() {
     press(&mut harness, NONE, Key::B);
     assert_eq!(debugger(&harness).bookmarks[0].event, stopped);
 
-    // The view moves, and what is in its middle is selected.
+    // Pan, and select at the centre.
     act(&mut harness, "view-view-first-zoom");
     let before = harness.state().state.runs.first.camera;
     press(&mut harness, Modifiers::SHIFT, Key::ArrowRight);
@@ -115,7 +115,7 @@ fn a_session_needs_no_mouse() {
     let state = &harness.state().state;
     assert!(state.runs.first.selected.is_some() || state.runs.first.place.is_some());
 
-    // Beside it the same with another seed; both at once to where they part.
+    // Compare with another seed; both runs go to where they diverge.
     act(&mut harness, "compare-compare-start-next-seed");
     act(&mut harness, "compare-compare-go-to-divergence");
     let (second, _) = harness
@@ -149,24 +149,24 @@ fn space_plays_and_pauses_unless_a_button_has_the_focus() {
     node(&harness, "time-first-stage").focus();
     harness.step();
     space(&mut harness);
-    // The button was pressed, and nothing plays.
+    // Space pressed the button and did not start playback.
     assert_eq!(cursor(&harness), 0);
     assert!(!playing(&harness));
 }
 
-/// A widget: its role and what it says, and its id.
-type Told = (String, Option<String>);
+/// A widget: its role, its text and its id.
+type Described = (String, Option<String>);
 
-fn told(node: &egui_kittest::Node<'_>) -> Told {
+fn described(node: &egui_kittest::Node<'_>) -> Described {
     let id = author(node);
     let node = node.accesskit_node();
     let name = node.label().or(node.value()).unwrap_or_default();
     (format!("{:?} {name}", node.role()), id)
 }
 
-/// Presses Tab until the focus comes back to where it was first; returns what had it, in sequence.
-fn tab_round(harness: &mut Harness<'_, App>) -> Vec<Told> {
-    let mut round: Vec<Told> = Vec::new();
+/// Presses Tab until the focus returns to the first widget; returns all focused widgets, in order.
+fn tab_round(harness: &mut Harness<'_, App>) -> Vec<Described> {
+    let mut round: Vec<Described> = Vec::new();
     let mut first = None;
     for _ in 0..400 {
         harness.key_press(Key::Tab);
@@ -180,13 +180,13 @@ fn tab_round(harness: &mut Harness<'_, App>) -> Vec<Told> {
             return round;
         }
         first = first.or(Some(id));
-        round.push(told(&node));
+        round.push(described(&node));
     }
     panic!("Tab goes on and on: {round:?}");
 }
 
-/// Returns what can be pressed or typed into, but for what is disabled.
-fn controls(harness: &Harness<'_, App>) -> Vec<Told> {
+/// Returns the enabled widgets that can be pressed or typed into.
+fn controls(harness: &Harness<'_, App>) -> Vec<Described> {
     const ROLES: [Role; 8] = [
         Role::Button,
         Role::CheckBox,
@@ -198,7 +198,7 @@ fn controls(harness: &Harness<'_, App>) -> Vec<Told> {
         Role::RadioButton,
     ];
     let nodes = harness.query_all_by(|node| ROLES.contains(&node.role()) && !node.is_disabled());
-    nodes.map(|node| told(&node)).collect()
+    nodes.map(|node| described(&node)).collect()
 }
 
 #[test]
@@ -212,7 +212,7 @@ fn tab_reaches_every_control_of_every_panel() {
                 .apply(Command::Window(WindowCommand::OpenPanel(panel)));
             settle(&mut harness);
             let round = tab_round(&mut harness);
-            let missing: Vec<Told> = controls(&harness)
+            let missing: Vec<Described> = controls(&harness)
                 .into_iter()
                 .filter(|control| !round.contains(control))
                 .collect();
@@ -265,7 +265,7 @@ fn arrows_move_a_canvas_that_has_the_focus_and_else_time() {
     press(&mut harness, NONE, Key::Enter);
     let state = &harness.state().state;
     assert!(state.runs.first.selected.is_some() || state.runs.first.place.is_some());
-    // Elsewhere the same keys go through time, and leave the focus where it is.
+    // Elsewhere the same keys move in time and leave the focus where it is.
     node(&harness, "time-toggle-play").focus();
     harness.run();
     let camera = harness.state().state.runs.first.camera;
@@ -289,7 +289,7 @@ fn tabs_rows_and_menus_are_pressed_by_enter() {
     press(&mut harness, NONE, Key::Enter);
     let stage = harness.state().state.current_stage();
     assert_eq!(stage, Some(tilescope_core::Stage::Eliminate));
-    // A menu opens by Enter, and Tab goes on in it.
+    // Enter opens a menu, and Tab moves within it.
     tab_to(&mut harness, "menu.file");
     press(&mut harness, NONE, Key::Enter);
     tab_to(&mut harness, "entry.file-file-sheet-save");
@@ -298,7 +298,7 @@ fn tabs_rows_and_menus_are_pressed_by_enter() {
 }
 
 #[test]
-fn a_panel_scrolls_to_what_has_the_focus() {
+fn a_panel_scrolls_to_the_focused_widget() {
     let mut harness = support::opened_at([390.0, 844.0]);
     harness
         .state_mut()
@@ -326,7 +326,7 @@ fn key(key: Key, modifiers: Modifiers) -> Event {
 }
 
 #[test]
-fn what_is_typed_in_one_slow_frame_is_meant_for_the_list() {
+fn text_typed_in_one_slow_frame_goes_to_the_list() {
     let mut harness = opened();
     let before = cursor(&harness);
     let letters = |text: &str| -> Vec<Event> {
@@ -340,7 +340,7 @@ fn what_is_typed_in_one_slow_frame_is_meant_for_the_list() {
             .flat_map(|(a, b)| [a, b])
             .collect()
     };
-    // All in one frame: the list opens, and what follows is no shortcut.
+    // All in one frame: the list opens, and the following keys are text, not shortcuts.
     let events = &mut harness.input_mut().events;
     events.push(key(Key::K, Modifiers::COMMAND));
     events.extend(letters("projector"));
@@ -353,7 +353,7 @@ fn what_is_typed_in_one_slow_frame_is_meant_for_the_list() {
     );
     assert!(harness.state().state.window.finder.is_none());
     assert_eq!(cursor(&harness), before);
-    // The list is open, and its field has not the focus yet.
+    // The list is open, but its field does not have the focus yet.
     let events = &mut harness.input_mut().events;
     events.push(key(Key::K, Modifiers::COMMAND));
     events.extend(letters("lig"));
@@ -370,7 +370,7 @@ fn what_is_typed_in_one_slow_frame_is_meant_for_the_list() {
         harness.state().state.appearance.look,
         tilescope_session::look::Look::Light
     );
-    // Enter before anything was typed does nothing.
+    // Enter does nothing before anything was typed.
     let events = &mut harness.input_mut().events;
     events.push(key(Key::K, Modifiers::COMMAND));
     events.push(key(Key::Enter, NONE));

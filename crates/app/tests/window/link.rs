@@ -1,4 +1,4 @@
-//! Links of a window with its panels.
+//! Links to a window with its panels.
 
 use egui::{Key, Modifiers, OutputCommand};
 
@@ -10,7 +10,7 @@ use crate::support::{opened, settle};
 #[test]
 fn a_window_copies_its_link() {
     let mut harness = opened();
-    // Panels that were shown stand where they stood at first.
+    // Panels shown return to their default places.
     assert_eq!(harness.state().state.link().fragment, "v=1");
     harness.key_press_modifiers(Modifiers::COMMAND | Modifiers::SHIFT, Key::L);
     harness.run();
@@ -33,7 +33,7 @@ fn a_window_copies_its_link() {
     harness.step();
     let commands = &harness.output().platform_output.commands;
     assert!(!commands.iter().any(copied), "it is copied once");
-    // Where something else copies, the window does not; what fails there is told.
+    // With another copier, egui does not copy, and failures are reported.
     harness.state_mut().copy_with(|text| text == "#v=1");
     harness
         .state_mut()

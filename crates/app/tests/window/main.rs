@@ -1,4 +1,4 @@
-//! What needs a graphics driver: the window as it is drawn, and the GPU's passes.
+//! Tests that need a graphics driver: the drawn window, and GPU passes.
 
 mod analysis_panel;
 mod buffers;

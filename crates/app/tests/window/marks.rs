@@ -1,4 +1,4 @@
-//! Marks of a whole domain on a small canvas leave to be seen what they are about.
+//! Marks of a whole domain on a small canvas do not hide what they mark.
 
 use egui::Color32;
 use egui_kittest::Harness;
@@ -11,7 +11,7 @@ use tilescope_workbench::command::{AppearanceCommand, TimeCommand};
 
 use crate::support::{opened_at, session, settle};
 
-/// Returns how many pixels of the canvas are nearer to one of `colors` than to `other` and the ground.
+/// Returns how many pixels of the canvas are nearer to one of `colors` than to `other` and the background.
 fn pixels(harness: &mut Harness<'_, App>, colors: &[Color32], other: Color32) -> usize {
     let rect = harness.state().state.runs.first.viewport;
     let image = harness.render().expect("a picture");

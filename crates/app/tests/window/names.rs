@@ -1,5 +1,5 @@
-//! What a screen reader is given: whatever can have the focus has a name, and no two fields on the screen have the same.
-//! No two widgets have the same id.
+//! The accessibility tree: every focusable widget has a name, no two fields on the screen share a name, and no two
+//! widgets an id.
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex};
@@ -21,7 +21,7 @@ use tilescope_workbench::layout::Panel;
 use crate::support::sessions::{apply, busy};
 use crate::support::{ids, node, opened_at, settle};
 
-/// Fields that hold a value: one name for two of them would tell nobody which is which.
+/// Fields that hold a value: their names must be unique.
 const FIELDS: [Role; 5] = [
     Role::TextInput,
     Role::MultilineTextInput,
@@ -30,7 +30,7 @@ const FIELDS: [Role; 5] = [
     Role::SpinButton,
 ];
 
-/// What can have the focus: id, role and name.
+/// A focusable widget: id, role and name.
 fn focusable(harness: &Harness<'_, App>) -> Vec<(NodeId, Role, String)> {
     let nodes = harness.query_all_by(|node| node.data().supports_action(Action::Focus));
     let told = nodes.map(|node| {
@@ -58,7 +58,7 @@ fn check(harness: &Harness<'_, App>, place: &str) {
     assert!(ids.len() > 8 && twice.is_empty(), "{place}: {twice:?}");
 }
 
-/// Two of each that there can be several of: watches, bookmarks, breakpoints.
+/// Adds two each of watches, bookmarks and breakpoints.
 fn crowded() -> Harness<'static, App> {
     let mut harness = busy();
     let line = tilescope_debugger::Listings::shipped()
@@ -125,7 +125,7 @@ fn sheets_and_lists_have_names_too() {
     }
 }
 
-/// What was said since it was asked last.
+/// The announcements since the last call.
 fn taken(said: &Mutex<Vec<Spoken>>) -> Vec<Spoken> {
     std::mem::take(&mut said.lock().expect("nothing failed"))
 }
@@ -135,7 +135,7 @@ fn texts(said: &Mutex<Vec<Spoken>>) -> Vec<String> {
 }
 
 #[test]
-fn what_has_the_focus_is_said_and_what_changes_of_it() {
+fn the_focused_widget_and_its_changes_are_announced() {
     let mut harness = opened_at([1440.0, 900.0]);
     let said = Arc::new(Mutex::new(Vec::new()));
     let hearer = Arc::clone(&said);
@@ -148,7 +148,7 @@ fn what_has_the_focus_is_said_and_what_changes_of_it() {
         harness.get_by_role_and_label(role, name).focus();
         harness.run();
     };
-    // A field is named by what stands beside it.
+    // A field is named by its label.
     focus(&mut harness, Role::TextInput, "Radius");
     let spoken = taken(&said);
     let typed = |harness: &Harness<'_, App>| {
@@ -175,7 +175,7 @@ fn what_has_the_focus_is_said_and_what_changes_of_it() {
         ["checked", "not checked"].contains(&changed[0].as_str()),
         "{changed:?}"
     );
-    // Nothing is said of what moves by itself.
+    // Values that change during playback are not announced.
     apply(&mut harness, Command::Time(TimeCommand::FirstStage));
     focus(&mut harness, Role::Slider, "Moment");
     assert_eq!(texts(&said), ["Moment, slider, 0"]);
@@ -194,7 +194,7 @@ fn what_has_the_focus_is_said_and_what_changes_of_it() {
         .apply(Command::Time(TimeCommand::TogglePlay));
     harness.run();
     taken(&said);
-    // In the list of all actions the field keeps the focus, and the choice is said.
+    // In the list of actions the field keeps the focus, and the selection is announced.
     harness.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::K);
     harness.run();
     let opened = texts(&said).join(" ");
@@ -205,7 +205,7 @@ fn what_has_the_focus_is_said_and_what_changes_of_it() {
         .name
         .clone();
     assert_eq!(texts(&said), [second]);
-    // A field that is left is no longer written into.
+    // After the focus has left, no field has the keyboard.
     harness.key_press(egui::Key::Escape);
     harness.run();
     assert_eq!(taken(&said).last(), Some(&Spoken::default()));

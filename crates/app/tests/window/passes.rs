@@ -1,5 +1,5 @@
-//! The passes of runs on a device: visited, compared with the CPU, filtered, exported. Needs an adapter; one that
-//! computes on the CPU will do.
+//! The passes of runs on a device: visited, compared with the CPU, filtered, exported. Needs an adapter; a software one
+//! is enough.
 
 use std::sync::{Arc, OnceLock, RwLock};
 
@@ -33,7 +33,7 @@ fn begun(parameters: &Parameters) -> Passes {
     held(parameters, &Arc::default())
 }
 
-/// Returns passes whose background work waits at its next report of progress for as long as `gate` is held.
+/// Returns passes whose background work blocks at its next progress report while `gate` is locked.
 fn held(parameters: &Parameters, gate: &Arc<RwLock<()>>) -> Passes {
     let gate = Arc::clone(gate);
     let wake: Wake = Arc::new(move || drop(gate.read()));
@@ -125,7 +125,7 @@ fn going_back_replays_and_shows_the_same_tables() {
     assert_eq!(passes.selected(), at);
 }
 
-/// Returns both sides of a table. Lists that many invocations append to have their rows in any sequence.
+/// Returns both sides of a table. Lists that many invocations append to are sorted, since their order varies.
 fn contents(table: &BufferTable) -> [Vec<Vec<i64>>; 2] {
     let lists = [Name::Heads, Name::List, Name::Unsure, Name::Proposals];
     [PassSide::Before, PassSide::After].map(|side| {
@@ -139,7 +139,7 @@ fn contents(table: &BufferTable) -> [Vec<Vec<i64>>; 2] {
 }
 
 #[test]
-fn what_a_pass_wrote_is_there_before_the_next() {
+fn buffers_after_a_pass_equal_those_before_the_next() {
     let mut passes = opened(&small());
     let mut after = std::collections::BTreeMap::new();
     for pass in 0..12 {
@@ -150,7 +150,8 @@ fn what_a_pass_wrote_is_there_before_the_next() {
                 let rows = 0..table.rows();
                 rows.map(|row| table.side(side, row).to_vec()).collect()
             };
-            // Counters and arguments are cleared between passes; the tables of one pass follow another's elsewhere.
+            // Counters and arguments are cleared between passes; in all other tables the values before a pass are those
+            // after the previous one.
             let clears = [Name::Counters, Name::Arguments, Name::Heads, Name::Sums];
             if let Some(known) = after.insert(table.name, rows(PassSide::After))
                 && !clears.contains(&table.name)

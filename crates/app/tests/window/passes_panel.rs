@@ -1,5 +1,4 @@
-//! The panel of passes as a user meets it: clicked, typed into, read. Needs an adapter; one that
-//! computes on the CPU will do.
+//! The panel of GPU passes by clicks and typing. Needs an adapter; a software one is enough.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock, RwLock};
@@ -33,14 +32,14 @@ fn gpu() -> &'static Arc<Gpu> {
     })
 }
 
-/// Where background work waits at its next report of progress for as long as the lock is held.
+/// Background work blocks at its next progress report while this is locked.
 #[derive(Default)]
 struct Gate {
     lock: RwLock<()>,
     reached: AtomicBool,
 }
 
-/// Returns the panel; its background work passes through `gate`.
+/// Returns the panel; its background work is blocked by `gate`.
 fn begun(gate: &Arc<Gate>) -> Harness<'static, Shown> {
     let parameters = Parameters {
         radius: 0.02,
@@ -94,7 +93,7 @@ fn the_list_is_cancelled_while_it_is_made_and_made_again() {
     let gate = Arc::<Gate>::default();
     let closed = gate.lock.write().expect("the gate");
     let mut harness = begun(&gate);
-    // From there on nothing that is shown changes, so that the button is where it was seen.
+    // From here on the layout does not change, so the button stays in its place.
     while !gate.reached.load(Ordering::SeqCst) {
         std::thread::yield_now();
     }

@@ -1,4 +1,4 @@
-//! A window at rest draws nothing anew: whoever looks at a result spends no power on it.
+//! An idle window does not redraw, which saves power.
 
 use std::time::Duration;
 
@@ -10,10 +10,10 @@ use tilescope_workbench::layout::Panel;
 
 use crate::support::{node, opened, settle};
 
-/// Asserts that no frame is due unless something happens.
+/// Asserts that no frame is requested without input.
 fn assert_rests(harness: &mut Harness<'_, App>, what: &str) {
     settle(harness);
-    // What appears slowly has appeared.
+    // Until fades have ended.
     harness.run_steps(30);
     harness.run();
     harness.step();

@@ -1,5 +1,5 @@
-//! What the window says, word by word. Other tests read facts by id: who changes wording changes it here. An asterisk
-//! stands for any text.
+//! The wording of the window. Other tests find widgets by id, so that a change of wording changes this file alone. An
+//! asterisk stands for any text.
 
 use egui_kittest::Harness;
 use egui_kittest::kittest::NodeT;
@@ -29,7 +29,7 @@ use crate::sessions::pattern;
 use crate::support::sessions::{apply, folder, go, path_text};
 use crate::support::{find, node, opened_at, session, settle};
 
-/// A window, and what it said otherwise than it should.
+/// A window, and the texts that differ from what is expected.
 struct Told {
     harness: Harness<'static, App>,
     otherwise: Vec<String>,
@@ -60,7 +60,7 @@ impl Told {
         self
     }
 
-    /// Checks what widgets say, by their ids; what is wrong is told at the end, all at once.
+    /// Checks texts of widgets by id; all differences are reported together at the end.
     fn says(&mut self, table: &[(&str, &str)]) -> &mut Self {
         for &(id, expected) in table {
             let node = find(&self.harness, id).map(|node| node.accesskit_node());
@@ -78,7 +78,7 @@ impl Told {
     }
 }
 
-/// Returns whether a text is as expected, where an asterisk stands for any text.
+/// Returns whether a text matches; an asterisk stands for any text.
 fn fits(said: &str, expected: &str) -> bool {
     let Some((before, rest)) = expected.split_once('*') else {
         return said == expected;
@@ -91,7 +91,7 @@ fn fits(said: &str, expected: &str) -> bool {
 }
 
 #[test]
-fn texts_fit_where_only_what_is_left_open_differs() {
+fn asterisks_match_any_text() {
     for (said, expected, is_fit) in [
         ("one two three", "one two three", true),
         ("one two three", "one * three", true),
@@ -261,7 +261,7 @@ fn parameters_engines_and_verdicts() {
         "refusal-width",
         "The width is 2 r long; it must be at least 10 r: choose a smaller radius.",
     )]);
-    // It is cancelled before it is there.
+    // Cancelled before it is finished.
     told.typed(&[(Field::Radius, "0.0005")]);
     told.harness.state_mut().state.apply(Command::Run);
     told.after([Command::Cancel(Which::First)]);
@@ -477,7 +477,7 @@ fn the_analysis() {
     told.end();
 }
 
-/// Goes to the first pass of a name, and to one of its buffers.
+/// Goes to the first pass of this name, and to one of its buffers.
 fn go_to(told: &mut Told, name: &str, buffer: Name) {
     let passes = || {
         told.harness
@@ -547,7 +547,7 @@ fn passes_on_a_device() {
         "on-canvas",
         "*buffer counters, after: its rows are numbers, not places",
     )]);
-    // Where the panel is there is no canvas.
+    // While the panel is shown there is no canvas.
     told.after([Command::Window(WindowCommand::OpenPanel(Panel::Passes))]);
     go_to(&mut told, "tile", Name::Origins);
     told.says(&[

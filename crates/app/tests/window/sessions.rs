@@ -1,4 +1,4 @@
-//! Sessions saved and opened, and patterns from files, as a user meets them; and every way in which a file can be wrong.
+//! Saving and opening sessions, patterns from files, and errors in such files.
 
 use std::path::{Path, PathBuf};
 
@@ -83,7 +83,7 @@ fn the_sheet_is_used_by_keys_and_asks_before_it_replaces() {
     let mut harness = busy();
     harness.key_press_modifiers(Modifiers::COMMAND, Key::S);
     harness.run();
-    // The name is chosen whole: typing replaces it, Enter goes on.
+    // The whole name is selected: typing replaces it, Enter saves.
     harness.event(egui::Event::Text(path_text(&path)));
     harness.run();
     harness.key_press(Key::Enter);
@@ -100,7 +100,7 @@ fn the_sheet_is_used_by_keys_and_asks_before_it_replaces() {
             .contains("\"digest\"")
     );
     assert!(harness.state().state.files.sheet.is_none());
-    // The file is this session's now.
+    // The file now belongs to this session.
     harness.key_press_modifiers(Modifiers::COMMAND, Key::S);
     harness.run();
     assert!(!asks(&harness));
@@ -116,12 +116,12 @@ fn the_sheet_is_used_by_keys_and_asks_before_it_replaces() {
     assert!(harness.state().state.files.sheet.is_none());
 }
 
-/// Returns whether the sheet asks for leave to replace a file.
+/// Returns whether the sheet asks before it replaces a file.
 fn asks(harness: &Harness<'_, App>) -> bool {
     !text(harness, "file.question").trim().is_empty()
 }
 
-/// Writes a pattern of one's own: the result of a small run, with its certificate.
+/// Writes a user's pattern: the result of a small run, with its certificate.
 pub(crate) fn pattern(harness: &mut Harness<'_, App>, folder: &Path) -> PathBuf {
     let path = folder.join("own.csv");
     let session = session(harness);
@@ -191,14 +191,14 @@ fn a_pattern_of_ones_own_is_used_saved_and_missed_when_it_is_gone() {
         .own
         .clone();
     assert_eq!(found.expect("found").file.digest, held.file.digest);
-    // Gone altogether.
+    // The pattern file is missing.
     go(&mut other, Purpose::Open, &path);
     let (said, is_error) = notice(&other);
     assert!(is_error && said.contains("own.csv"), "{said}");
 }
 
 #[test]
-fn what_is_no_pattern_is_refused() {
+fn files_that_are_not_patterns_are_refused() {
     let folder = folder("no-pattern");
     let mut harness = opened();
     let bare = folder.join("bare.csv");
@@ -212,7 +212,7 @@ fn what_is_no_pattern_is_refused() {
 }
 
 #[test]
-fn a_dropped_file_is_opened_for_what_it_is() {
+fn a_dropped_file_is_opened_by_its_kind() {
     let folder = folder("dropped");
     let path = folder.join("dropped.json");
     let mut harness = busy();
@@ -243,7 +243,7 @@ fn a_dropped_file_is_opened_for_what_it_is() {
 #[test]
 fn one_block_and_the_fewest_samples_are_sessions_and_three_are_refused_with_the_limit() {
     let mut harness = opened();
-    // A domain that is one block: nothing conflicts but across the border.
+    // A domain of a single block: conflicts occur only across the border.
     apply(
         &mut harness,
         Command::Form(FormCommand::Type(Field::Radius, "0.05".to_owned())),
@@ -294,7 +294,7 @@ fn one_block_and_the_fewest_samples_are_sessions_and_three_are_refused_with_the_
             )));
         harness.run();
     }
-    // Three samples have no room for a gap detector's disk.
+    // Three samples leave no room for a gap detector's disk.
     let before = harness.state().state.saved();
     apply(
         &mut harness,
@@ -332,7 +332,7 @@ fn a_session_that_is_opened_stays_when_a_run_at_work_ends() {
     }
     settle(&mut other);
     assert_eq!(other.state().state.saved(), saved);
-    // And a run that is begun while a file is read is not replaced by it.
+    // A run started while a file is read is not replaced by it.
     let state = &mut other.state_mut().state;
     state.apply(Command::File(FileCommand::Sheet(Purpose::Open)));
     state.apply(Command::File(FileCommand::Go));
@@ -365,7 +365,7 @@ fn a_sheet_that_is_closed_opens_nothing_and_another_session_is_not_the_files() {
     }
     settle(&mut other);
     assert_eq!(other.state().state.saved(), before);
-    // Opened after all; then another run: the file is not its own.
+    // After another run has started, the file no longer belongs to the session.
     go(&mut other, Purpose::Open, &path);
     apply(
         &mut other,

@@ -1,5 +1,5 @@
-//! Every panel in both themes as a small picture, compared with the one that was judged good. `UPDATE_SNAPSHOTS=1 cargo
-//! test --release -p tilescope-app --test snapshots` makes them anew; then look at what changed.
+//! Every panel in both themes as a small picture, compared with a reviewed one. `UPDATE_SNAPSHOTS=1 cargo test
+//! --release -p tilescope-app --test window snapshots` writes them anew; then review what changed.
 
 use egui_kittest::{Harness, SnapshotOptions, SnapshotResults, try_image_snapshot_options};
 use tilescope_app::App;
@@ -18,7 +18,7 @@ use tilescope_workbench::layout::{Layout, Panel};
 
 use crate::support::{find, opened_at, settle};
 
-/// Of a panel, without the bar.
+/// The size of a panel's picture, without the bar.
 const SIZE: [f32; 2] = [480.0, 380.0];
 
 /// Software drivers of different versions may round a few edges differently.
@@ -92,7 +92,7 @@ fn every_panel_looks_as_it_did_in_the_light() {
 }
 
 #[test]
-fn the_projector_shows_what_it_did() {
+fn projector_snapshots_are_unchanged() {
     let mut harness = prepared([800.0, 500.0]);
     harness
         .state_mut()
@@ -109,7 +109,7 @@ fn the_projector_shows_what_it_did() {
     try_image_snapshot_options(&image, "projector/window", &options()).unwrap();
 }
 
-/// Small windows, each with one of the panels or none.
+/// Small windows, each with one open panel or without.
 fn small(windows: &[(&str, [f32; 2], Option<Panel>)]) -> SnapshotResults {
     let mut results = SnapshotResults::new();
     for &(name, size, panel) in windows {
@@ -162,7 +162,7 @@ fn a_projector_has_room_for_all() {
 }
 
 #[test]
-fn what_is_embedded_is_the_canvas_or_the_player_alone() {
+fn an_embedded_window_shows_canvas_or_player_alone() {
     let mut harness = prepared([640.0, 420.0]);
     let state = &mut harness.state_mut().state;
     state.apply(Command::Compare(CompareCommand::Close));
@@ -188,7 +188,7 @@ fn what_is_embedded_is_the_canvas_or_the_player_alone() {
 }
 
 #[test]
-fn another_panel_and_another_moment_are_told_apart() {
+fn snapshots_distinguish_panels_and_moments() {
     let folder = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("snapshots");
     std::fs::create_dir_all(&folder).unwrap();
     let mut harness = prepared(SIZE);

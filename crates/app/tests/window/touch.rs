@@ -1,4 +1,4 @@
-//! Fingers on the canvas, as a browser tells of them: the first one is a pointer, too.
+//! Touch on the canvas, with the events of a browser: the first finger is also the pointer.
 
 use egui::{Event, Pos2, TouchDeviceId, TouchId, TouchPhase, Vec2, vec2};
 use tilescope_session::selection::Selection;
@@ -11,7 +11,7 @@ use tilescope_drawing::camera::Camera;
 use tilescope_workbench::command::{Command, ViewCommand, Which, WindowCommand};
 use tilescope_workbench::layout::Panel;
 
-/// So long takes a frame, in seconds.
+/// Duration of a frame, in seconds.
 const FRAME: f32 = 1.0 / 60.0;
 
 fn opened(size: [f32; 2]) -> Harness<'static, App> {
@@ -21,7 +21,7 @@ fn opened(size: [f32; 2]) -> Harness<'static, App> {
         .with_max_steps(support::MAX_FRAMES)
         .build_eframe(|creation| App::new(&creation.egui_ctx));
     support::settle(&mut harness);
-    // Near enough to tell samples apart.
+    // Zoomed in so that samples are distinguishable.
     let state = &mut harness.state_mut().state;
     state.appearance.reduced_motion = true;
     state.apply(Command::View(
@@ -94,7 +94,7 @@ fn middle(harness: &Harness<'_, App>) -> Pos2 {
     harness.state().state.runs.first.viewport.center()
 }
 
-/// Returns a valid sample near the middle, and where it is on the screen.
+/// Returns a valid sample near the middle, and its position on the screen.
 fn sample(harness: &Harness<'_, App>) -> (u32, Pos2) {
     let state = &harness.state().state;
     let session = state.runs.first.session.as_ref().expect("a session");
@@ -142,7 +142,7 @@ fn a_tap_selects_and_leaves_no_hover() {
             (state.runs.first.selected, state.runs.first.hovered),
             (Some(id), None)
         );
-        // A mouse hovers, as ever.
+        // A mouse still hovers.
         wait(&mut harness, 0.5);
         let at = place_of(&harness, id);
         harness.hover_at(at);
@@ -173,7 +173,7 @@ fn a_finger_drags() {
 #[test]
 fn two_fingers_pinch_about_their_middle_and_pan() {
     let mut harness = opened(SIZES[0]);
-    // Away from the middle of the view, so that it matters what stays where it is.
+    // Away from the middle of the view, so that the fixed point of zooming is tested.
     let between = middle(&harness) + vec2(50.0, -80.0);
     let view = harness.state().state.runs.first.viewport;
     let place = camera(&harness).domain_from_screen(view, between);
@@ -209,7 +209,7 @@ fn two_fingers_select_nothing_however_they_are_lifted() {
         let mut harness = opened(size);
         let at = middle(&harness);
         let beside = at + vec2(60.0, 0.0);
-        // A quick tap of both, in either sequence, and both in one frame.
+        // A quick tap of both, in either order, and both in one frame.
         for last in [0, 1] {
             down(&mut harness, 0, at);
             down(&mut harness, 1, beside);
@@ -224,7 +224,7 @@ fn two_fingers_select_nothing_however_they_are_lifted() {
         harness.step();
         harness.step();
         assert!(is_nothing_selected(&harness));
-        // Two fingers that rest are no long press.
+        // Two resting fingers are no long press.
         down(&mut harness, 0, at);
         down(&mut harness, 1, beside);
         wait(&mut harness, 1.5);
@@ -254,10 +254,10 @@ fn a_double_tap_flies_to_the_block() {
         after.scale < 0.8 * before.scale,
         "a block is larger than 12 r"
     );
-    // Nothing came between the two taps, or after them.
+    // Nothing happened between the two taps, or after them.
     wait(&mut harness, 1.0);
     assert_eq!(harness.state().state.window.drawer.open, None);
-    // Two taps that are far apart in time are two taps.
+    // Two taps far apart in time are not a double tap.
     let mut harness = opened(SIZES[0]);
     tap(&mut harness, at);
     wait(&mut harness, 1.0);
@@ -267,7 +267,7 @@ fn a_double_tap_flies_to_the_block() {
 }
 
 #[test]
-fn a_tap_shows_what_is_known_and_keeps_it_in_view() {
+fn a_tap_opens_the_inspector_and_keeps_the_sample_in_view() {
     let mut harness = opened(SIZES[0]);
     let state = &mut harness.state_mut().state;
     let bottom = state.runs.first.viewport.center_bottom() - vec2(0.0, 20.0);
@@ -296,7 +296,7 @@ fn a_tap_shows_what_is_known_and_keeps_it_in_view() {
         .camera
         .screen_from_domain(state.runs.first.viewport, place);
     assert!(state.runs.first.viewport.contains(now), "{now:?}");
-    // A tap beside the domain lets go, and opens nothing.
+    // A tap beside the domain clears the selection, and opens nothing.
     harness
         .state_mut()
         .state
@@ -314,7 +314,7 @@ fn a_tap_shows_what_is_known_and_keeps_it_in_view() {
 }
 
 #[test]
-fn a_click_shows_what_is_known_of_a_sample_at_once() {
+fn a_click_opens_the_inspector_at_once() {
     let mut harness = opened(SIZES[1]);
     let (id, at) = sample(&harness);
     assert!(!harness.state().state.window.shows(Panel::Inspector));
@@ -376,7 +376,7 @@ fn a_touch_that_is_taken_back_does_nothing_and_lets_go() {
     assert_eq!(camera(&harness), before);
     assert!(!harness.ctx.input(|input| input.pointer.any_down()));
     assert_eq!(harness.state().state.runs.first.hovered, None);
-    // Nothing is added where nothing was taken back.
+    // Without a cancelled touch no event is added.
     let mut raw = egui::RawInput::default();
     raw.events.push(Event::PointerGone);
     release_cancelled(&mut raw);
@@ -384,7 +384,7 @@ fn a_touch_that_is_taken_back_does_nothing_and_lets_go() {
 }
 
 #[test]
-fn what_was_selected_can_be_let_go_by_a_tap_outside() {
+fn a_tap_outside_clears_the_selection() {
     let mut harness = opened(SIZES[0]);
     let pick = ViewCommand::Pick(Selection::Sample(40));
     harness

@@ -1,4 +1,4 @@
-//! The window as a user meets it: clicked, typed into, looked at.
+//! The window by clicks, typing and reading.
 
 use egui_kittest::Harness;
 use tilescope_app::{App, tiles};
@@ -272,7 +272,7 @@ fn the_tab_of_an_opened_panel_comes_into_view() {
     for size in [[1440.0, 900.0], [960.0, 600.0]] {
         let mut harness = crate::support::opened_at(size);
         for panel in Panel::all().chain(Panel::all().rev()) {
-            // It stands alone, without a tab.
+            // It is alone in its tile, without a tab.
             if panel == Panel::Timeline {
                 continue;
             }

@@ -238,7 +238,7 @@ mod tests {
     }
 
     #[test]
-    fn samples_outside_the_domain_are_found_and_none_is_well() {
+    fn samples_outside_the_domain_are_found_and_no_samples_work() {
         let domain = Domain::from_size([SIDE; 2], 1.0, Boundary::Bounded).unwrap();
         let order = CellOrder::new(&domain, &[Point::new(-R, 5 * R)]);
         assert_eq!(ids(&order, [-1.2, 4.0], [-0.9, 6.0], LEVELS), [0]);

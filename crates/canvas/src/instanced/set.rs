@@ -28,7 +28,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn sets_hold_what_they_say() {
+    fn sets_contain_the_given_symbols() {
         assert_eq!(Symbols::only(Symbol::None), Symbols(0));
         let rest = Symbols::ALL.without(Symbol::Cross);
         assert_eq!(

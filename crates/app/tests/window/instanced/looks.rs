@@ -188,7 +188,7 @@ fn a_picture_kept_at_rest_is_the_one_drawn_anew() {
     harness.state_mut().layers.insert(0, disks);
     let teal = Color32::from_rgb(10, 160, 140);
     for version in 2..4 {
-        // Every layer changes with the version, which kept pictures must follow.
+        // A new version changes every layer, and cached pictures must be redrawn.
         let look = |id| SampleLook::new(Symbol::Dot, [RED, teal][(id + version) as usize % 2]);
         let look = |id: u32| look(id).with_disk(id.is_multiple_of(version + 3));
         let mut shot = |still: usize| {

@@ -1,4 +1,4 @@
-//! A canvas in a window of its own, and pictures of it.
+//! A canvas in a window of its own, with functions that measure its picture.
 
 use egui::{Color32, Pos2, Rect, pos2, vec2};
 use egui_kittest::Harness;
@@ -79,7 +79,7 @@ impl Picture {
         self.at(pos.x, pos.y)
     }
 
-    /// How much each pixel differs from the ground, within the canvas.
+    /// How much each pixel of the canvas differs from the background.
     pub fn marks(&self) -> impl Iterator<Item = (usize, usize, f64)> {
         let ground = GROUND.to_array();
         let in_canvas = |x: usize, y: usize| Probe::rect().contains(pos2(x as f32, y as f32));
@@ -95,7 +95,7 @@ impl Picture {
         self.marks().filter(|mark| mark.2 > 0.0).count()
     }
 
-    /// The middle of all that is not ground.
+    /// The centroid of all pixels that differ from the background.
     pub fn centroid(&self) -> [f64; 2] {
         let (mut sum, mut weight) = ([0.0; 2], 0.0);
         for (x, y, mark) in self.marks() {

@@ -62,7 +62,7 @@ fn images_appear_across_a_periodic_border_and_only_there() {
 }
 
 #[test]
-fn what_is_left_out_for_the_view_would_not_be_seen() {
+fn samples_outside_the_view_are_skipped_without_visible_change() {
     let domain = domain([100.0; 2], Boundary::Periodic);
     let points = crowd(20_000, 100.0);
     for center in [[50.0, 50.0], [0.5, 99.0], [33.0, 0.0]] {
@@ -74,7 +74,7 @@ fn what_is_left_out_for_the_view_would_not_be_seen() {
         let look = |id: u32| SampleLook::new(Symbol::Dot, RED).with_disk(id.is_multiple_of(7));
         let canvas = &mut harness.state_mut().canvas;
         canvas.set_looks(2, look);
-        // A kept picture is rounded once more than one drawn in place.
+        // A cached picture is rounded once more than one drawn directly.
         canvas.set_limits(Limits {
             still: usize::MAX,
             ..canvas.limits()
