@@ -358,7 +358,7 @@ fn camera(list: &mut List, state: &State) {
     }
     list.add(
         Menu::Edit,
-        "Select what is in the middle of the view",
+        "Select at the centre of the view",
         Some((NONE, Key::M)),
         Command::View(Which::First, ViewCommand::SelectMiddle),
         no_session,

@@ -43,7 +43,7 @@ pub(super) fn add(list: &mut List, state: &State) {
     let none = "This run is not compared with a file.";
     let clear = Command::Analysis(AnalysisCommand::Clear);
     let refusal = analysis.reference_file.is_none().then_some(none);
-    add("Remove the file compared with", None, clear, refusal);
+    add("Remove the comparison file", None, clear, refusal);
     let idle = "Nothing is being measured.";
     let refusal = analysis.progress().is_none().then_some(idle);
     let stop = Command::Analysis(AnalysisCommand::Stop);

@@ -112,7 +112,7 @@ fn sessions(list: &mut List, state: &State) {
         .form
         .own_pattern
         .is_none()
-        .then_some("The pattern is a generated one.");
+        .then_some("The pattern is already generated.");
     for (name, key, command, refusal) in [
         (
             "Open session\u{2026}",

@@ -151,7 +151,7 @@ fn parting(
         session.recording().is_some_and(left_out)
     });
     if thinned {
-        let text = "Tests were left out of a tape: only what was kept is compared.";
+        let text = "Some events were not recorded: only recorded ones are compared.";
         ui.label(RichText::new(text).color(palette.muted));
     }
     let refusal = context.parting;

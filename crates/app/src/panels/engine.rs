@@ -8,7 +8,7 @@ use tilescope_workbench::command::{Command, GpuCommand};
 use tilescope_workbench::device::Engine;
 
 const EXPLANATION: &str =
-    "Who samples. All engines give the same points; choosing the GPU tests it first.";
+    "The engine that samples. All engines give the same points; choosing the GPU tests it first.";
 
 /// Shows the chooser and, where there is more to say of the engine than its name, a line.
 pub fn show(ui: &mut Ui, context: &FormContext<'_>, commands: &mut Vec<Command>) {

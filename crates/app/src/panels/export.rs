@@ -205,7 +205,7 @@ impl Sheet<'_> {
                 let button = Button::selectable(shown == precision, name);
                 let response = ui.add_enabled(has_choice, button);
                 response.known_as(format_args!("export.{}", Kebab(precision)));
-                let why = "This format leaves no choice.";
+                let why = "This format has only one option.";
                 if response.on_disabled_hover_text(why).clicked() {
                     sheet.commands.push(ExportCommand::Precision(precision));
                 }

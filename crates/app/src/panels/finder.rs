@@ -49,7 +49,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
                 }
                 if found.is_empty() {
                     ui.label(
-                        RichText::new("No action has such a name.")
+                        RichText::new("No action has this name.")
                             .color(Palette::of(state.appearance.look).muted),
                     );
                 }

@@ -287,7 +287,7 @@ pub fn more(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>)
         ] {
             let button = ui.add_enabled(context.run.debugger.is_some(), Button::new(name));
             button.known_as(Kebab(&command));
-            let button = button.on_disabled_hover_text("There are no events to go round.");
+            let button = button.on_disabled_hover_text("There are no events to loop over.");
             if button.clicked() {
                 commands.push(Command::Time(command));
             }
@@ -382,7 +382,7 @@ fn clock(ui: &mut Ui, context: &TimeContext<'_>, width: f32, commands: &mut Vec<
     let response = response.response;
     response.widget_info(|| WidgetInfo::labeled(Role::ComboBox, true, "Clock"));
     response.known_as("clock");
-    response.on_hover_text("What one tick of play and the arrow keys is");
+    response.on_hover_text("What play and the arrow keys advance by");
 }
 
 /// The choice of the speed.

@@ -75,7 +75,7 @@ fn summary(context: &PanelContext<'_>, palette: &Palette) -> (String, Option<boo
 
 fn explanation(context: &PanelContext<'_>) -> String {
     match &context.run.verification {
-        Verification::Nothing => "The verifier judges each session when it is ready.".to_owned(),
+        Verification::Nothing => "Each session is verified when it is ready.".to_owned(),
         Verification::Pending(job) => {
             format!("The verifier is at work: {:.0}%.", job.fraction() * 100.0)
         }
@@ -84,7 +84,7 @@ fn explanation(context: &PanelContext<'_>) -> String {
             "Conflict-free and maximal, says the independent verifier. Click to see the closest pair."
                 .to_owned()
         }
-        Verification::Done(_) => "Click to fly to the witness.".to_owned(),
+        Verification::Done(_) => "Click to see the conflict or gap.".to_owned(),
     }
 }
 
@@ -147,7 +147,7 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
         ] {
             let button = ui.add_enabled(known, egui::Button::new(name));
             button.known_as(Kebab(witness));
-            let button = button.on_disabled_hover_text("The verifier has not named one.");
+            let button = button.on_disabled_hover_text("The verifier reported none.");
             if button.on_hover_text("Fly there").clicked() {
                 commands.push(Command::View(
                     Which::First,

@@ -24,7 +24,7 @@ struct NumberRow {
 const NUMBERS: [NumberRow; 8] = [
     NumberRow {
         name: "Samples",
-        explanation: "Samples that stand: tiled or inserted, and not eliminated.",
+        explanation: "Samples kept at this moment: tiled or inserted, and not eliminated.",
         value: |set, _| Some(grouped(set.samples)),
     },
     NumberRow {

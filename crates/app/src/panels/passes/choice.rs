@@ -28,14 +28,16 @@ pub(super) fn show(
         if switch.known_as("passes.on-canvas").changed() {
             commands.push(PassCommand::OnCanvas(is_on));
         }
-        let tip = "Brings the canvas into view, and the selected row; arrow keys and play then go from pass to pass.";
+        let tip =
+            "Shows the canvas and selected row; arrow keys and play then go from pass to pass.";
         let button = ui.add_enabled(is_on, Button::new("Show canvas"));
         button.known_as("passes.show-canvas");
         if button.on_hover_text(tip).clicked() {
             commands.push(PassCommand::ShowCanvas);
         }
         let (text, tip) = words(&rows);
-        let label = ui.add(Label::new(RichText::new(&text).small().color(palette.muted)).truncate());
+        let label =
+            ui.add(Label::new(RichText::new(&text).small().color(palette.muted)).truncate());
         label.known_as("passes.marked");
         if !tip.is_empty() {
             label.on_hover_text(tip);
