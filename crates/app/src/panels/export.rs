@@ -261,7 +261,7 @@ impl Sheet<'_> {
         });
     }
 
-    /// A name and what stands beside it.
+    /// A label and the fields beside it.
     fn named(&mut self, ui: &mut Ui, name: &str, add: impl FnOnce(&mut Self, &mut Ui, egui::Id)) {
         ui.horizontal_wrapped(|ui| {
             ui.set_min_height(28.0);
@@ -310,7 +310,7 @@ impl Sheet<'_> {
     fn prospect(&self, ui: &mut Ui) {
         let (told, color) = match self.exports.prospect(self.source) {
             Ok(prospect) => (sentence(&prospect), self.palette.text),
-            // It is said below the file.
+            // Shown below the file name instead.
             Err(refusal) if Some(&refusal) == self.form.name_refusal().as_ref() => {
                 (" ".to_owned(), self.palette.muted)
             }
@@ -352,7 +352,7 @@ impl Sheet<'_> {
         if button.clicked() && !(self.form.asked && button.double_clicked()) {
             self.commands.push(ExportCommand::Write);
         }
-        // As high as what stands below the progress.
+        // As high as the line below the progress.
         ui.allocate_space(vec2(1.0, 18.0));
     }
 

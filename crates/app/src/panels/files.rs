@@ -75,7 +75,7 @@ fn contents(ui: &mut Ui, state: &State, form: &FileForm, own: &mut Vec<FileComma
     });
 }
 
-/// Returns what is chosen at once where no file is looked up by another.
+/// Returns which files to choose together in a browser, where a file cannot refer to another by its path.
 const fn together(purpose: Purpose) -> Option<&'static str> {
     match purpose {
         Purpose::Save => None,
@@ -89,7 +89,7 @@ const fn together(purpose: Purpose) -> Option<&'static str> {
     }
 }
 
-/// The file's name. In a browser names are typed only where something is saved, and its dialog is only for what is opened.
+/// The field for the file's name. In a browser a name is typed only to save, and files to open are chosen in its dialog.
 fn file(ui: &mut Ui, state: &State, form: &FileForm, own: &mut Vec<FileCommand>) {
     let (web, saves) = (state.files.in_browser(), form.purpose == Purpose::Save);
     let label = ui.label(if web && saves { "File name" } else { "File" });
