@@ -21,6 +21,7 @@
 //! ```
 
 mod adjoint;
+mod bins;
 mod blue_noise;
 mod coarse;
 mod comparison;
@@ -44,6 +45,7 @@ mod tiles;
 mod uniformity;
 mod window;
 
+pub use bins::PairBins;
 pub use blue_noise::PowerCurve;
 pub use coarse::CoarsePower;
 pub use comparison::{DifferenceCurve, MeanCurve, power_difference_band};

@@ -1,23 +1,21 @@
 //! `tilescope analyze`: every measure of one or more point sets, as a table, as curves and as a report.
 //! A file that cannot be analysed is named, and the others are analysed all the same.
 
-mod bins;
+mod curve;
 mod curves;
 mod differences;
 mod gather;
+mod measure;
 mod measured;
 mod names;
 mod page;
-mod pictures;
 mod report;
-mod scalars;
 mod subject;
 mod table;
 
-use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result, bail, ensure};
+use anyhow::{Context, Result, ensure};
 use clap::Args;
 use tilescope_analysis::measures::Spectrum;
 use tilescope_figures::Palette;
@@ -25,7 +23,7 @@ use tilescope_figures::chart::{Figure, figure_scene};
 use tilescope_formats::write_whole;
 
 use crate::options::{SetArguments, UNIT_SQUARE};
-use crate::place::check_place;
+use crate::place::{check_place, extension};
 use crate::{EXIT_BAD_INPUT, EXIT_FINE, interrupt, output};
 use gather::Analysis;
 
@@ -79,20 +77,19 @@ Examples:
 
 Exit codes: 0 all files were analysed, 2 one was not or the arguments cannot be used.";
 
-/// What is saved.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Kind {
-    Html,
-    Png,
-    Svg,
-    Csv,
-}
+/// Extensions of reports.
+const EXTENSIONS: [&str; 5] = ["html", "htm", "png", "svg", "csv"];
 
 pub fn run(arguments: &AnalyzeArguments) -> Result<u8> {
     interrupt::listen();
-    let kind = arguments.out.as_deref().map(kind_of).transpose()?;
-    check_no_input_is_replaced(arguments)?;
-    if let Some(path) = &arguments.out {
+    let out = arguments.out.as_deref();
+    if let Some(path) = out {
+        ensure!(
+            EXTENSIONS.contains(&extension(path).as_str()),
+            "{}: the extension of a report must be .html, .png, .svg or .csv",
+            path.display()
+        );
+        check_no_input_is_replaced(arguments, path)?;
         check_place(path).context("--out")?;
     }
     if let Some(nu) = arguments.frequencies {
@@ -100,23 +97,17 @@ pub fn run(arguments: &AnalyzeArguments) -> Result<u8> {
         Spectrum::window_to(nu, 1.0, UNIT_SQUARE).context("--frequencies")?;
     }
     let mut analysis = Analysis::of(arguments)?;
-    let nothing = analysis.held().is_empty();
-    let written = match (kind, &arguments.out, nothing) {
-        (Some(kind), Some(path), false) => {
-            let written =
-                bytes(&mut analysis, kind).and_then(|bytes| Ok(write_whole(path, &bytes)?));
-            written.map(|()| Some(path.as_path()))
-        }
-        _ => Ok(None),
+    let is_empty = analysis.compared().is_empty();
+    let written = match out.filter(|_| !is_empty) {
+        Some(path) => save(&mut analysis, path).map(|()| out),
+        None => Ok(None),
     };
-    // What was found out is printed, whether or not it could be saved.
+    // The results are printed, whether or not they could be saved.
     let saved = written.as_ref().ok().copied().flatten();
-    if arguments.json {
-        let saved = saved.map(|path| path.display().to_string());
-        let object = report::json(&analysis, saved.as_deref());
-        output::emit(&format!("{object}\n"))?;
-    } else if !nothing {
-        output::emit(&to_text(&analysis, saved))?;
+    let saved = saved.map(|path| path.display().to_string());
+    if arguments.json || !is_empty {
+        let json = || report::json(&analysis, saved.as_deref());
+        output::report(arguments.json, json, || text(&analysis, saved.as_deref()))?;
     }
     written?;
     Ok(if analysis.failures.is_empty() {
@@ -126,18 +117,14 @@ pub fn run(arguments: &AnalyzeArguments) -> Result<u8> {
     })
 }
 
-/// A report that is a table would be written over a set of the same name.
-fn check_no_input_is_replaced(arguments: &AnalyzeArguments) -> Result<()> {
-    let Some(out) = arguments.out.as_deref() else {
-        return Ok(());
-    };
+/// Refuses a report that would be written over a set.
+fn check_no_input_is_replaced(arguments: &AnalyzeArguments, out: &Path) -> Result<()> {
     // A file that is not there yet replaces nothing.
     let place = |path: &Path| path.canonicalize().ok();
-    let inputs = arguments.files.iter().chain(&arguments.against);
-    for input in inputs {
-        let same = input == out || place(out).is_some_and(|out| place(input) == Some(out));
+    for input in arguments.files.iter().chain(&arguments.against) {
+        let is_same = input == out || place(out).is_some_and(|out| place(input) == Some(out));
         ensure!(
-            !same,
+            !is_same,
             "{}: --out would be written over this set; give it another name",
             input.display()
         );
@@ -145,56 +132,43 @@ fn check_no_input_is_replaced(arguments: &AnalyzeArguments) -> Result<()> {
     Ok(())
 }
 
-fn kind_of(path: &Path) -> Result<Kind> {
-    let extension = path.extension().unwrap_or_default().to_string_lossy();
-    match extension.to_lowercase().as_str() {
-        "html" | "htm" => Ok(Kind::Html),
-        "png" => Ok(Kind::Png),
-        "svg" => Ok(Kind::Svg),
-        "csv" => Ok(Kind::Csv),
-        _ => bail!(
-            "{}: the extension of a report must be .html, .png, .svg or .csv",
-            path.display()
-        ),
-    }
-}
-
-fn bytes(analysis: &mut Analysis, kind: Kind) -> Result<Vec<u8>> {
-    if kind == Kind::Csv {
-        return Ok(report::csv(analysis).into_bytes());
-    }
+fn save(analysis: &mut Analysis, path: &Path) -> Result<()> {
+    let extension = extension(path);
     let scene = |figure: &Figure| figure_scene(figure, &Palette::LIGHT);
-    if kind == Kind::Html {
-        let svg = |figure| anyhow::Ok(tilescope_figures::to_svg(&scene(figure)?)?);
-        let figures: Result<Vec<String>> = curves::figures(analysis).iter().map(svg).collect();
-        return Ok(page::html(analysis, &figures?).into_bytes());
-    }
-    let (figure, left_out) = curves::figure(analysis);
-    if left_out > 0 {
-        analysis.note(format!(
-            "{left_out} of {} periodograms are left out of the picture; a report that ends in .html has all",
-            analysis.subjects.len()
-        ));
-    }
-    if kind == Kind::Png {
-        return Ok(tilescope_figures::to_png(&scene(&figure)?, 2.0)?);
-    }
-    Ok(tilescope_figures::to_svg_with_fonts(&scene(&figure)?)?.into_bytes())
+    let bytes = match extension.as_str() {
+        "csv" => report::csv(analysis).into_bytes(),
+        "png" | "svg" => {
+            let (figure, left_out) = curves::figure(analysis);
+            if left_out > 0 {
+                analysis.note(format!(
+                    "{left_out} of {} periodograms are left out of the picture; a report that ends in .html has all",
+                    analysis.subjects.len()
+                ));
+            }
+            let scene = scene(&figure)?;
+            if extension == "png" {
+                tilescope_figures::to_png(&scene, 2.0)?
+            } else {
+                tilescope_figures::to_svg_with_fonts(&scene)?.into_bytes()
+            }
+        }
+        _ => {
+            let svg = |figure| anyhow::Ok(tilescope_figures::to_svg(&scene(figure)?)?);
+            let figures: Result<Vec<String>> = curves::figures(analysis).iter().map(svg).collect();
+            page::html(analysis, &figures?).into_bytes()
+        }
+    };
+    Ok(write_whole(path, &bytes)?)
 }
 
-fn to_text(analysis: &Analysis, saved: Option<&Path>) -> String {
-    let mut out = table::text(&table::measures(&analysis.subjects, analysis.against));
+fn text(analysis: &Analysis, saved: Option<&str>) -> String {
+    let mut out = table::text(&table::measures(&analysis.subjects));
     if let Some(reference) = analysis.reference() {
-        out.push('\n');
-        let (held, comparisons) = (analysis.held(), &analysis.comparisons);
-        out.push_str(&table::text(&differences::table(
-            reference,
-            held,
-            comparisons,
-        )));
+        let table = table::differences(reference, analysis.compared(), &analysis.differences);
+        out = format!("{out}\n{}", table::text(&table));
     }
-    if let Some(path) = saved {
-        let _ = writeln!(out, "\nreport         {}", path.display());
+    match saved {
+        Some(path) => format!("{out}\nreport         {path}\n"),
+        None => out,
     }
-    out
 }

@@ -1,9 +1,7 @@
-//! `tilescope combine`: sets that are there or are made for it, placed side by side by a layout, become one set
-//! (section 4.2 of the paper), verified and saved.
+//! `tilescope combine`: glues sets, from files or made for it, that a layout places side by side (section 4.2 of the
+//! paper); the result is verified and saved.
 
 mod pieces;
-#[cfg(test)]
-mod refusals;
 #[cfg(test)]
 mod tests;
 
@@ -19,17 +17,16 @@ use tilescope_core::combine::file::{
     Layout, LayoutError, MAX_LAYOUT_BYTES, PieceSource, PlacedLayout,
 };
 use tilescope_core::combine::{Combined, combine};
-use tilescope_formats::{Exported, Format, PointSet, Precision};
+use tilescope_formats::{ExportContext, Format, PointSet, Precision};
 
 use crate::engine::ThreadArguments;
 use crate::facts::{Facts, named_by_content};
+use crate::interrupt;
 use crate::make::{self, Made};
-use crate::options::region;
-use crate::output::{self, Outcome};
+use crate::options::{PRECISIONS, named};
+use crate::output;
 use crate::place::check_target;
-use crate::progress::{Stopwatch, verifying};
-use crate::sample_arguments::PrecisionArgument;
-use crate::{interrupt, verdict_code};
+use crate::progress::Stopwatch;
 
 use pieces::Census;
 
@@ -46,8 +43,8 @@ pub struct CombineArguments {
     #[arg(long, value_name = "FORMAT", requires = "out")]
     format: Option<Format>,
     /// Number type, for formats that leave the choice: f32 or f64
-    #[arg(long, value_enum, default_value = "f64", requires = "out")]
-    precision: PrecisionArgument,
+    #[arg(long, value_parser = named::<Precision>(&PRECISIONS), default_value = "f64", requires = "out")]
+    precision: Precision,
     #[command(flatten)]
     threads: ThreadArguments,
     /// Print one JSON object
@@ -96,51 +93,30 @@ pub fn run(arguments: &CombineArguments) -> Result<u8> {
         check_target(path, arguments.format, "--format")?;
     }
     let glued = glue(&arguments.layout).with_context(|| arguments.layout.display().to_string())?;
-    let facts = &glued.made.facts;
-    let (report, saved, warnings) = match &arguments.out {
-        Some(path) => {
-            let exported = save(arguments, &glued.made, path)?;
-            let certificate = Some(exported.certificate_path);
-            (exported.report, certificate, exported.warnings)
-        }
-        None => (
-            make::judge(&glued.made.set.points, facts.region, facts.radius)?,
-            None,
-            Vec::new(),
-        ),
+    let context = ExportContext {
+        format: arguments
+            .format
+            .or_else(|| Format::from_path(arguments.out.as_deref()?)),
+        precision: arguments.precision,
+        ..glued.made.facts.context()
     };
-    let outcome = Outcome {
-        facts,
-        count: glued.made.set.len() as u64,
-        report: Some(&report),
-        saved: saved.as_deref(),
-        warnings: warnings.iter().map(ToString::to_string).collect(),
+    let outcome = glued.made.finish(arguments.out.as_deref(), &context)?;
+    let json = || {
+        let mut object = outcome.json();
+        object["pieces"] = json!(glued.census);
+        object["seams"] = json!(glued.seams);
+        object
     };
-    if arguments.json {
-        output::emit(&format!("{}\n", glued.json(&outcome)))?;
-    } else {
-        let text = output::text(&outcome);
-        output::emit(&format!("{}\n{text}", glued.census))?;
-    }
-    Ok(verdict_code(report.valid()))
+    let text = || format!("{}\n{}", glued.census.text(), outcome.text());
+    output::report(arguments.json, json, text)?;
+    Ok(outcome.code())
 }
 
-/// A combined set with what is to be told of it.
+/// A combined set, and what it was made of.
 struct Glued {
     made: Made,
     census: Census,
     seams: usize,
-}
-
-impl Glued {
-    fn json(&self, outcome: &Outcome<'_>) -> Value {
-        let mut object = output::json(outcome);
-        if let Some(map) = object.as_object_mut() {
-            map.insert("pieces".into(), self.census.json());
-            map.insert("seams".into(), json!(self.seams));
-        }
-        object
-    }
 }
 
 /// Reads a layout, makes its pieces and glues them.
@@ -151,14 +127,11 @@ fn glue(path: &Path) -> Result<Glued> {
     let made = pieces::make(&placed, folder)?;
     let mut watch = Stopwatch::start();
     let combined = combine(placed.domain, &made.pieces, &layout.options(), &mut watch)?;
+    let parameters = BTreeMap::from([("layout".to_owned(), stated(&layout, &placed, folder)?)]);
     let facts = Facts {
-        method: "combined",
-        engine: None,
-        parameters: BTreeMap::from([("layout".to_owned(), stated(&layout, &placed, folder)?)]),
-        region: region(&combined.domain),
-        radius: combined.domain.radius(),
         summary: Some(combined.summary().clone()),
         seconds: watch.take(),
+        ..Facts::new("combined", parameters, &combined.domain)
     };
     let seams = combined.seams.len();
     Ok(Glued {
@@ -206,16 +179,4 @@ fn set_of(combined: Combined) -> PointSet {
         points,
         provenance: make::provenance(&sampled),
     }
-}
-
-fn save(arguments: &CombineArguments, made: &Made, path: &Path) -> Result<Exported> {
-    let mut context = made.facts.context();
-    let named = || Format::from_path(path);
-    context.format = arguments.format.or_else(named);
-    context.precision = match arguments.precision {
-        PrecisionArgument::F32 => Precision::Single,
-        PrecisionArgument::F64 => Precision::Double,
-    };
-    verifying(|control| tilescope_formats::export(path, &made.set, &context, control))
-        .with_context(|| path.display().to_string())
 }

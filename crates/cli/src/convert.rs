@@ -1,6 +1,5 @@
-//! `tilescope convert`: a point set into another format, verified on both sides.
+//! `tilescope convert`: a point set into another format, verified as it was read and as it was written.
 
-use std::fmt::Write;
 use std::path::PathBuf;
 
 use anyhow::{Context, Result, bail, ensure};
@@ -37,87 +36,69 @@ Examples:
   tilescope convert set.csv set.npy
   tilescope convert theirs.txt set.ply --radius 0.01";
 
-struct Input {
-    set: PointSet,
-    context: ExportContext,
-}
-
 pub fn run(arguments: &ConvertArguments) -> Result<u8> {
     interrupt::listen();
     let path = &arguments.output;
     check_target(path, arguments.to, "--to")?;
-    let input = read(arguments)?;
-    let exported =
-        verifying(|control| tilescope_formats::export(path, &input.set, &input.context, control))
-            .with_context(|| path.display().to_string())?;
+    let (set, context) = read(arguments)?;
+    let exported = verifying(|control| tilescope_formats::export(path, &set, &context, control));
+    let exported = exported.with_context(|| path.display().to_string())?;
     let report = &exported.report;
-    let mut text = format!("{} samples, r = {}\n", report.count, report.radius);
-    text.push_str(&output::verdict_text(report));
-    for warning in &exported.warnings {
-        text.push_str(&output::warning_line(&warning.to_string()));
-    }
-    let _ = writeln!(
-        text,
-        "certificate    {}",
+    let warnings = exported.warnings.iter();
+    let warnings = warnings.map(|warning| output::warning_line(&warning.to_string()));
+    output::emit(&format!(
+        "{} samples, r = {}\n{}{}certificate    {}\n",
+        report.count,
+        report.radius,
+        output::verdict_text(report),
+        warnings.collect::<String>(),
         exported.certificate_path.display()
-    );
-    output::emit(&text)?;
+    ))?;
     Ok(verdict_code(report.valid()))
 }
 
-fn read(arguments: &ConvertArguments) -> Result<Input> {
+/// Returns the set, and what the new file states of it.
+fn read(arguments: &ConvertArguments) -> Result<(PointSet, ExportContext)> {
     let path = &arguments.input;
     let overrides = arguments.set.overrides(path)?;
-    let outcome = verifying(|control| tilescope_formats::check(path, &overrides, control));
-    match outcome {
-        Err(CheckError::NoRadius | CheckError::NoRegion(_)) => uncertified(arguments),
-        Err(error) => Err(error).with_context(|| path.display().to_string()),
-        Ok(check) => {
-            let differs = check.differences.first().map(ToString::to_string);
-            ensure!(
-                differs.is_none(),
-                "{}: its certificate is not true: {}",
-                path.display(),
-                differs.unwrap_or_default()
-            );
-            let mut context = ExportContext::new(check.report.region, check.report.radius);
-            if let Some(certificate) = check.certificate {
-                context.program = certificate.program;
-                context.program_version = certificate.program_version;
-                context.method = certificate.method;
-                context.parameters = certificate.parameters;
-                context.precision = certificate.precision;
+    let (set, context) =
+        match verifying(|control| tilescope_formats::check(path, &overrides, control)) {
+            Err(CheckError::NoRadius | CheckError::NoRegion(_)) => uncertified(arguments)?,
+            Err(error) => return Err(error).with_context(|| path.display().to_string()),
+            Ok(check) => {
+                if let Some(differs) = check.differences.first() {
+                    bail!("{}: its certificate is not true: {differs}", path.display());
+                }
+                let mut context = ExportContext::new(check.report.region, check.report.radius);
+                if let Some(certificate) = check.certificate {
+                    context = ExportContext {
+                        program: certificate.program,
+                        program_version: certificate.program_version,
+                        method: certificate.method,
+                        parameters: certificate.parameters,
+                        precision: certificate.precision,
+                        ..context
+                    };
+                }
+                (check.set, context)
             }
-            context.format = arguments.to;
-            Ok(Input {
-                set: check.set,
-                context,
-            })
-        }
-    }
+        };
+    let format = arguments.to;
+    Ok((set, ExportContext { format, ..context }))
 }
 
-/// A set of unknown radius: its smallest distance is the radius for which it is conflict-free.
-fn uncertified(arguments: &ConvertArguments) -> Result<Input> {
-    let read = arguments.set.read(&arguments.input)?;
-    let given = &arguments.set;
-    let region = Region {
-        width: given.width.unwrap_or(UNIT_SQUARE.width),
-        height: given.height.unwrap_or(UNIT_SQUARE.height),
-        boundary: given.boundary.map_or(UNIT_SQUARE.boundary, Into::into),
-    };
-    let radius = match given.radius {
-        Some(radius) => radius,
-        None => smallest_distance(&read.set.points, region)
-            .with_context(|| arguments.input.display().to_string())?,
-    };
+/// Reads a set of unknown radius: its smallest distance becomes the radius.
+fn uncertified(arguments: &ConvertArguments) -> Result<(PointSet, ExportContext)> {
+    let (path, given) = (&arguments.input, &arguments.set);
+    let set = given.read(path)?.set;
+    let region = given.region_over(UNIT_SQUARE);
+    let radius = given
+        .radius
+        .map_or_else(|| smallest_distance(&set.points, region), Ok);
+    let radius = radius.with_context(|| path.display().to_string())?;
     let mut context = ExportContext::new(region, radius);
-    context.format = arguments.to;
     "unknown".clone_into(&mut context.method);
-    Ok(Input {
-        set: read.set,
-        context,
-    })
+    Ok((set, context))
 }
 
 fn smallest_distance(points: &[[f64; 2]], region: Region) -> Result<f64> {

@@ -4,13 +4,13 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Result, bail, ensure};
 use clap::{Args, ValueEnum};
-use tilescope_analysis::{Boundary, Number, Region};
-use tilescope_core::{Key, Parameters, stages};
+use tilescope_analysis::{Number, Region};
+use tilescope_core::{Key, Parameters, PatternSpec, stages};
 use tilescope_figures::{Palette, PictureOptions, Rect, Scene, SetPicture, set_scene};
 use tilescope_formats::{Certificate, PointSet, Provenance, write_whole};
 
-use crate::options::{SetArguments, UNIT_SQUARE};
-use crate::place::check_place;
+use crate::options::{SetArguments, UNIT_SQUARE, of_run};
+use crate::place::{check_place, extension};
 use crate::{EXIT_FINE, interrupt, output};
 
 /// Arguments of `tilescope draw`.
@@ -52,17 +52,15 @@ enum Theme {
     Dark,
 }
 
-/// Formats of pictures.
-#[derive(Clone, Copy)]
-enum Picture {
-    Png,
-    Svg,
-}
-
 pub fn run(arguments: &DrawArguments) -> Result<u8> {
     interrupt::listen();
-    let picture = picture_of(&arguments.picture)?;
-    check_place(&arguments.picture)?;
+    let path = &arguments.picture;
+    let is_svg = match extension(path).as_str() {
+        "png" => false,
+        "svg" => true,
+        _ => bail!("{}: the extension must be .png or .svg", path.display()),
+    };
+    check_place(path)?;
     ensure!(
         (16..=32_768).contains(&arguments.size),
         "--size is {}; it must be between 16 and 32768 pixels",
@@ -75,31 +73,16 @@ pub fn run(arguments: &DrawArguments) -> Result<u8> {
         arguments.file.display()
     );
     let scene = scene(arguments, &read.set, read.certificate.as_ref())?;
-    let bytes = match picture {
-        Picture::Png => tilescope_figures::to_png(&scene, 1.0)?,
-        Picture::Svg => tilescope_figures::to_svg(&scene)?.into_bytes(),
+    let bytes = if is_svg {
+        tilescope_figures::to_svg(&scene)?.into_bytes()
+    } else {
+        tilescope_figures::to_png(&scene, 1.0)?
     };
-    ensure!(!interrupt::requested(), "cancelled before the picture");
-    write_whole(&arguments.picture, &bytes)?;
-    output::emit(&format!(
-        "{} samples drawn into {}\n",
-        read.set.len(),
-        arguments.picture.display()
-    ))?;
+    interrupt::check("the picture")?;
+    write_whole(path, &bytes)?;
+    let (count, path) = (read.set.len(), path.display());
+    output::emit(&format!("{count} samples drawn into {path}\n"))?;
     Ok(EXIT_FINE)
-}
-
-fn picture_of(path: &Path) -> Result<Picture> {
-    let extension = path
-        .extension()
-        .unwrap_or_default()
-        .to_string_lossy()
-        .to_lowercase();
-    match extension.as_str() {
-        "png" => Ok(Picture::Png),
-        "svg" => Ok(Picture::Svg),
-        _ => bail!("{}: the extension must be .png or .svg", path.display()),
-    }
 }
 
 fn scene(
@@ -108,45 +91,32 @@ fn scene(
     certificate: Option<&Certificate>,
 ) -> Result<Scene> {
     let given = &arguments.set;
-    let base = certificate.map_or(UNIT_SQUARE, |c| c.region);
-    let region = Region {
-        width: given.width.unwrap_or(base.width),
-        height: given.height.unwrap_or(base.height),
-        boundary: given.boundary.map_or(base.boundary, Into::into),
-    };
+    let region = given.region_over(certificate.map_or(UNIT_SQUARE, |c| c.region));
     let radius = given.radius.or(certificate.map(|c| c.radius));
     // Blocks of other sides or another radius are not those of this set.
     let as_certified = certificate.is_some_and(|c| c.region == region && Some(c.radius) == radius);
-    for (name, value) in [("--width", region.width), ("--height", region.height)] {
+    let sides = [("--width", region.width), ("--height", region.height)];
+    let lengths = sides
+        .into_iter()
+        .chain(radius.map(|radius| ("--radius", radius)));
+    for (name, length) in lengths {
         ensure!(
-            value.is_finite() && value > 0.0,
+            length.is_finite() && length > 0.0,
             "{name} is {}; it must be above 0",
-            Number(value)
+            Number(length)
         );
     }
-    if let Some(radius) = radius {
-        ensure!(
-            radius.is_finite() && radius > 0.0,
-            "--radius is {}; it must be above 0",
-            Number(radius)
-        );
-    }
+    let block_of = |provenance: &Provenance| {
+        Some(provenance.block).filter(|block| *block != Provenance::NO_BLOCK)
+    };
+    let provenance = set.provenance.as_ref();
     let picture = SetPicture {
         points: &set.points,
         size: [region.width, region.height],
-        boundary: match region.boundary {
-            Boundary::Periodic => tilescope_core::Boundary::Periodic,
-            Boundary::Bounded => tilescope_core::Boundary::Bounded,
-        },
+        boundary: of_run(region.boundary),
         radius,
-        blocks: certificate
-            .filter(|_| as_certified)
-            .map(blocks)
-            .unwrap_or_default(),
-        block_of: set
-            .provenance
-            .as_ref()
-            .map(|all| all.iter().map(block_of).collect()),
+        blocks: (certificate.filter(|_| as_certified).and_then(blocks)).unwrap_or_default(),
+        block_of: provenance.map(|all| all.iter().map(block_of).collect()),
         caption: caption(set.len(), radius, &arguments.file),
     };
     let options = PictureOptions {
@@ -178,40 +148,21 @@ fn window(given: Option<&[f64]>, region: &Region) -> Result<Option<Rect>> {
     Ok(Some(Rect::new([x0, y0], [x1, y1])))
 }
 
-fn block_of(provenance: &Provenance) -> Option<u32> {
-    (provenance.block != Provenance::NO_BLOCK).then_some(provenance.block)
-}
-
-/// Returns the building blocks of the KDRT run that a certificate describes, or none.
-fn blocks(certificate: &Certificate) -> Vec<Rect> {
-    let value = serde_json::to_value(&certificate.parameters).unwrap_or_default();
-    // A pattern from a file does not parse as a pattern's description, and has no say here.
-    let mut value = value;
-    if let Some(map) = value.as_object_mut() {
-        map.insert(
-            "pattern".into(),
-            serde_json::json!(tilescope_core::PatternSpec::default()),
-        );
+/// Returns the building blocks of the KDRT run that a certificate describes, if it describes one.
+fn blocks(certificate: &Certificate) -> Option<Vec<Rect>> {
+    if certificate.method != "kdrt" {
+        return None;
     }
-    let parameters: Option<Parameters> = (certificate.method == "kdrt")
-        .then(|| serde_json::from_value(value).ok())
-        .flatten();
-    let split = parameters.and_then(|p| {
-        let (domain, leaf) = (p.validate().ok()?, p.leaf_units().ok()?);
-        Some((
-            domain,
-            stages::blocks::split(&domain, leaf, Key::from_seed(p.seed)),
-        ))
-    });
-    let Some((domain, blocks)) = split else {
-        return Vec::new();
-    };
+    let mut value = serde_json::to_value(&certificate.parameters).ok()?;
+    // A pattern from a file does not parse as a pattern's description; blocks do not depend on it.
+    value["pattern"] = serde_json::json!(PatternSpec::default());
+    let parameters: Parameters = serde_json::from_value(value).ok()?;
+    let (domain, leaf) = (parameters.validate().ok()?, parameters.leaf_units().ok()?);
+    let blocks = stages::blocks::split(&domain, leaf, Key::from_seed(parameters.seed));
     let corner = |p| domain.user_from_lattice(p);
-    blocks
-        .leaves
-        .iter()
-        .map(|b| Rect::new(corner(b.rect.min), corner(b.rect.max)))
-        .collect()
+    let leaves = blocks.leaves.iter();
+    let rects = leaves.map(|block| Rect::new(corner(block.rect.min), corner(block.rect.max)));
+    Some(rects.collect())
 }
 
 fn caption(count: usize, radius: Option<f64>, file: &Path) -> String {

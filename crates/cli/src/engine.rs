@@ -1,19 +1,13 @@
-//! Which engine makes a set, and why that one; and on how many threads.
-
-use std::sync::Arc;
+//! Arguments that say which engine computes, and on how many threads. `tilescope_gpu` has the engines.
 
 use anyhow::{Context, Result, ensure};
 use clap::{Args, ValueEnum};
-use tilescope_core::{Parameters, Variant};
-use tilescope_gpu::{Choice, Gpu, GpuError};
+use pollster::block_on;
+use tilescope_core::Variant;
+use tilescope_gpu::{ASKED_FOR, Backend, Choice, Engine, Gpu, GpuError};
 
 /// The most threads that can be asked for.
 const MAX_THREADS: usize = 1024;
-
-/// Expected samples from which `--engine auto` looks for a GPU at all. Opening a driver and compiling the
-/// passes take about half a second whatever the set, and what was computed must be read back; two threads
-/// of the parallel engine make this many samples in that time, so that smaller sets gain nothing.
-pub const WORTH_A_GPU: f64 = 2e7;
 
 /// Arguments that say who computes; they never change what is computed.
 #[derive(Clone, Debug, Args)]
@@ -58,87 +52,20 @@ pub enum EngineArgument {
     Sequential,
 }
 
-/// An engine that is ready.
-#[derive(Clone, Debug)]
-pub enum Engine {
-    /// This device.
-    Gpu(Arc<Gpu>),
-    /// The threads of this process.
-    Parallel,
-    /// One thread.
-    Sequential,
-}
-
-impl Engine {
-    /// Returns its name, as it is asked for.
-    pub const fn name(&self) -> &'static str {
-        match self {
-            Self::Gpu(_) => "gpu",
-            Self::Parallel => "parallel",
-            Self::Sequential => "sequential",
-        }
-    }
-}
-
-/// The engine that makes a set.
-#[derive(Clone, Debug)]
-pub struct Chosen {
-    pub engine: Engine,
-    /// Why this one, to be told.
-    pub reason: String,
-    /// Whether the parallel engine may go on should a device fail.
-    pub may_fall_back: bool,
-}
-
-impl Chosen {
-    /// Returns the parallel engine.
-    pub fn parallel(reason: impl Into<String>) -> Self {
-        Self::of(Engine::Parallel, reason)
-    }
-
-    /// Returns the sequential engine.
-    pub fn sequential(reason: impl Into<String>) -> Self {
-        Self::of(Engine::Sequential, reason)
-    }
-
-    fn of(engine: Engine, reason: impl Into<String>) -> Self {
-        Self {
-            engine,
-            reason: reason.into(),
-            may_fall_back: false,
-        }
-    }
-
-    /// Returns what is to be told.
-    pub fn told(&self) -> Told {
-        Told {
-            engine: self.engine.name(),
-            reason: self.reason.clone(),
-        }
-    }
-}
-
-/// Which engine made a set, and why.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Told {
-    pub engine: &'static str,
-    pub reason: String,
-}
-
 impl EngineArguments {
-    /// Returns whether an engine is to run `parameters` that makes sets band by band. Algorithm 4 as printed
-    /// is refused later, by the engine, where it was asked for by name.
-    pub fn makes_bands(&self, parameters: &Parameters) -> bool {
+    /// Returns whether the engine makes sets of `variant` band by band. Algorithm 4 as printed is refused later, by an
+    /// engine that was asked for by name.
+    pub fn makes_bands(&self, variant: Variant) -> bool {
         match self.engine {
-            EngineArgument::Auto => parameters.variant == Variant::Staged,
+            EngineArgument::Auto => variant == Variant::Staged,
             EngineArgument::Gpu | EngineArgument::Parallel => true,
             EngineArgument::Sequential => false,
         }
     }
 
-    /// Returns whether the parallel engine is to make a window of `parameters`: no other one makes windows.
-    pub fn makes_windows(&self, parameters: &Parameters) -> bool {
-        !self.wants_gpu() && self.makes_bands(parameters)
+    /// Returns whether the parallel engine is to make a window: no other one makes windows.
+    pub fn makes_windows(&self, variant: Variant) -> bool {
+        !self.wants_gpu() && self.makes_bands(variant)
     }
 
     /// Returns whether a GPU was asked for: by the engine, or by its own name.
@@ -146,70 +73,53 @@ impl EngineArguments {
         self.engine == EngineArgument::Gpu || self.adapter.gpu_adapter.is_some()
     }
 
-    /// Returns the engine for a set of `parameters`, of which about `expected` samples are expected. Looks
-    /// for a GPU only where one is asked for or worth it.
+    /// Returns the engine for a set of about `expected` samples. Opens a GPU only where one is asked for or worth it.
     ///
-    /// Fails when a GPU is asked for by name, and none serves.
-    pub fn choose(&self, parameters: &Parameters, expected: f64) -> Result<Chosen> {
-        let is_of_cpu = matches!(
-            self.engine,
-            EngineArgument::Parallel | EngineArgument::Sequential
-        );
+    /// Fails when a GPU is asked for, and none serves.
+    pub fn choose(&self, variant: Variant, expected: f64) -> Result<Backend> {
+        let engine = match self.engine {
+            EngineArgument::Auto if !self.wants_gpu() => {
+                let choice = Choice::default();
+                return Ok(block_on(Backend::fastest(&choice, variant, expected)));
+            }
+            EngineArgument::Auto | EngineArgument::Gpu => {
+                ensure!(
+                    variant == Variant::Staged,
+                    "--engine gpu runs the staged variant; Algorithm 4 as printed needs the sequential engine"
+                );
+                let backend = block_on(Backend::gpu(&self.adapter.choice()));
+                return backend.context("--engine gpu");
+            }
+            EngineArgument::Parallel => Engine::Parallel,
+            EngineArgument::Sequential => Engine::Sequential,
+        };
         ensure!(
-            !is_of_cpu || self.adapter.gpu_adapter.is_none(),
+            self.adapter.gpu_adapter.is_none(),
             "--gpu-adapter needs --engine gpu or auto: the others compute on the CPU"
         );
-        match self.engine {
-            EngineArgument::Auto if self.wants_gpu() => self.adapter.asked_for(parameters),
-            EngineArgument::Auto => Ok(self.automatic(parameters, expected)),
-            EngineArgument::Gpu => self.adapter.asked_for(parameters),
-            EngineArgument::Parallel => Ok(Chosen::parallel(ASKED_FOR)),
-            EngineArgument::Sequential => Ok(Chosen::sequential(ASKED_FOR)),
-        }
+        Ok(Backend::new(engine, ASKED_FOR))
+    }
+}
+
+impl AdapterArguments {
+    /// Opens the device that is asked for.
+    pub fn open(&self) -> Result<Gpu, GpuError> {
+        block_on(Gpu::open(&self.choice()))
     }
 
-    fn automatic(&self, parameters: &Parameters, expected: f64) -> Chosen {
-        if parameters.variant == Variant::AsPrinted {
-            return Chosen::sequential("only this one runs Algorithm 4 as printed");
-        }
-        if expected < WORTH_A_GPU {
-            return Chosen::parallel(format!(
-                "a GPU is worth its start from {} million samples on",
-                WORTH_A_GPU / 1e6
-            ));
-        }
-        match self.adapter.open() {
-            Ok(gpu) => Chosen {
-                reason: format!("{}, for about {expected:.1e} samples", gpu.report().name),
-                engine: Engine::Gpu(Arc::new(gpu)),
-                may_fall_back: true,
-            },
-            Err(error) => Chosen::parallel(error.to_string()),
+    fn choice(&self) -> Choice {
+        Choice {
+            name: self.gpu_adapter.clone(),
+            ..Choice::default()
         }
     }
 }
 
-/// Why an engine runs that was asked for by its name.
-const ASKED_FOR: &str = "asked for";
-
-impl AdapterArguments {
-    /// Returns the device that is asked for.
-    pub fn open(&self) -> Result<Gpu, GpuError> {
-        let choice = Choice {
-            name: self.gpu_adapter.clone(),
-            ..Choice::default()
-        };
-        pollster::block_on(Gpu::open(&choice))
-    }
-
-    fn asked_for(&self, parameters: &Parameters) -> Result<Chosen> {
-        ensure!(
-            parameters.variant == Variant::Staged,
-            "--engine gpu runs the staged variant; Algorithm 4 as printed needs the sequential engine"
-        );
-        let gpu = self.open().context("--engine gpu")?;
-        let reason = format!("{ASKED_FOR}, {}", gpu.report().name);
-        Ok(Chosen::of(Engine::Gpu(Arc::new(gpu)), reason))
+/// Adds the option that asked for a device to the device's error.
+pub fn of_engine(error: GpuError) -> anyhow::Error {
+    match error.of_device() {
+        Ok(error) => anyhow::Error::new(error).context("--engine gpu"),
+        Err(error) => error.into(),
     }
 }
 
@@ -234,9 +144,9 @@ impl ThreadArguments {
 mod tests {
     use super::*;
 
-    fn automatic() -> EngineArguments {
+    fn arguments(engine: EngineArgument) -> EngineArguments {
         EngineArguments {
-            engine: EngineArgument::Auto,
+            engine,
             adapter: AdapterArguments {
                 gpu_adapter: Some("no such adapter".to_owned()),
             },
@@ -244,49 +154,23 @@ mod tests {
         }
     }
 
-    #[test]
-    fn small_sets_open_no_device() {
-        let parameters = Parameters::default();
-        let chosen = automatic().automatic(&parameters, 1e7);
-        assert_eq!(chosen.engine.name(), "parallel");
-        assert!(chosen.reason.contains("20 million"), "{}", chosen.reason);
-    }
-
-    #[test]
-    fn without_a_gpu_large_sets_are_made_by_the_parallel_engine_and_the_reason_is_told() {
-        let parameters = Parameters::default();
-        let chosen = automatic().automatic(&parameters, 1e9);
-        assert_eq!(chosen.engine.name(), "parallel");
-        assert!(chosen.reason.contains("no "), "{}", chosen.reason);
+    fn refusal(engine: EngineArgument, variant: Variant, expected: f64) -> String {
+        let error = arguments(engine).choose(variant, expected).unwrap_err();
+        format!("{error:#}")
     }
 
     #[test]
     fn an_adapter_that_is_named_is_asked_for() {
-        let parameters = Parameters::default();
-        let error = automatic().choose(&parameters, 1e3).unwrap_err();
-        assert!(format!("{error:#}").contains("no GPU adapter"), "{error:#}");
-        assert!(!automatic().makes_windows(&parameters));
+        let error = refusal(EngineArgument::Auto, Variant::Staged, 1e3);
+        assert!(error.contains("no GPU adapter"), "{error}");
+        assert!(!arguments(EngineArgument::Auto).makes_windows(Variant::Staged));
     }
 
     #[test]
     fn the_variant_as_printed_is_for_the_sequential_engine() {
-        let parameters = Parameters {
-            variant: Variant::AsPrinted,
-            ..Parameters::default()
-        };
-        let chosen = automatic().automatic(&parameters, 1e9);
-        assert_eq!(chosen.engine.name(), "sequential");
-        let gpu = EngineArguments {
-            engine: EngineArgument::Gpu,
-            ..automatic()
-        };
-        let error = format!("{:#}", gpu.choose(&parameters, 1e9).unwrap_err());
+        let error = refusal(EngineArgument::Gpu, Variant::AsPrinted, 1e9);
         assert!(error.contains("sequential engine"), "{error}");
-        let sequential = EngineArguments {
-            engine: EngineArgument::Sequential,
-            ..automatic()
-        };
-        let error = sequential.choose(&parameters, 1e9).unwrap_err();
-        assert!(error.to_string().contains("--gpu-adapter"), "{error}");
+        let error = refusal(EngineArgument::Sequential, Variant::AsPrinted, 1e9);
+        assert!(error.contains("--gpu-adapter"), "{error}");
     }
 }

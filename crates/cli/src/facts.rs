@@ -1,4 +1,4 @@
-//! What is to be told of a set, apart from its points: in the output, and in the certificate of a file.
+//! What the output and a file's certificate say of a set, apart from its points.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -8,16 +8,16 @@ use serde_json::{Value, json};
 use tilescope_analysis::Region;
 use tilescope_core::{Domain, Parameters, Stage, Summary};
 use tilescope_formats::{ExportContext, bytes_digest, read_whole};
+use tilescope_gpu::Backend;
 
-use crate::engine::Told;
 use crate::options::region;
-use crate::parameters::RunArguments;
 
-/// What is to be told of a set, apart from its points.
+/// What there is to say of a set, apart from its points.
 pub struct Facts {
     pub method: &'static str,
-    /// Who computed it, where there is a choice.
-    pub engine: Option<Told>,
+    /// The engine that computed it, where there is a choice.
+    pub backend: Option<Backend>,
+    /// Every parameter by its name.
     pub parameters: BTreeMap<String, Value>,
     pub region: Region,
     pub radius: f64,
@@ -26,25 +26,23 @@ pub struct Facts {
 }
 
 impl Facts {
-    /// Returns what is to be told of a run by randomized tiling.
-    pub fn of_run(
-        parameters: &Parameters,
-        domain: &Domain,
-        arguments: Option<&RunArguments>,
-    ) -> Result<Self> {
-        let mut stated = described(parameters)?;
-        if let Some(path) = arguments.and_then(|arguments| arguments.pattern.as_ref()) {
-            stated.insert("pattern".into(), named_by_content(path)?);
-        }
-        Ok(Self {
-            method: "kdrt",
-            engine: None,
-            parameters: stated,
+    /// Returns the facts of a set before it is made.
+    pub fn new(method: &'static str, parameters: BTreeMap<String, Value>, domain: &Domain) -> Self {
+        Self {
+            method,
+            backend: None,
+            parameters,
             region: region(domain),
             radius: domain.radius(),
             summary: None,
             seconds: Vec::new(),
-        })
+        }
+    }
+
+    /// Returns the facts of a run by randomized tiling.
+    pub fn of_run(parameters: &Parameters, domain: &Domain) -> Result<Self> {
+        let parameters = serde_json::from_value(serde_json::to_value(parameters)?)?;
+        Ok(Self::new("kdrt", parameters, domain))
     }
 
     /// Returns what an export of the set states.
@@ -56,11 +54,6 @@ impl Facts {
         context.parameters.clone_from(&self.parameters);
         context
     }
-}
-
-/// Returns every parameter by name.
-fn described(parameters: &Parameters) -> Result<BTreeMap<String, Value>> {
-    Ok(serde_json::from_value(serde_json::to_value(parameters)?)?)
 }
 
 /// Returns a file's name without folders, and its digest: a set from a file is named by its content.

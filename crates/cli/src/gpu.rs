@@ -1,12 +1,11 @@
-//! `tilescope gpu`: which GPU adapters there are, what they allow, and whether they compute what the CPU
-//! does.
+//! `tilescope gpu`: which GPU adapters there are, what they allow, and whether they compute the same as the CPU.
 
-use std::fmt::Write;
 use std::sync::Arc;
 
-use anyhow::{Result, ensure};
+use anyhow::Result;
 use clap::Args;
 use pollster::block_on;
+use serde::Serialize;
 use serde_json::{Value, json};
 use tilescope_gpu::{AdapterReport, Choice, Gpu, Limits, adapters, self_test};
 
@@ -33,51 +32,54 @@ Examples:
   tilescope gpu
   tilescope gpu --gpu-adapter llvmpipe --json";
 
-/// What the test of an adapter ended with.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Verdict {
-    Passed,
-    Failed,
-    /// It allows too little, or it cannot be told from another one.
-    Untested,
-}
-
 /// An adapter and its test.
 struct Tested {
     report: AdapterReport,
-    verdict: Verdict,
+    test: TestReport,
+}
+
+/// What the test of an adapter showed.
+#[derive(Serialize)]
+struct TestReport {
+    /// `passed`, `FAILED`, or `not run` where the adapter allows too little or cannot be told from another one.
+    verdict: &'static str,
+    passed: bool,
     /// Samples compared.
     samples: usize,
+    /// What was compared, or why the test failed or was not run.
     said: String,
 }
 
 pub fn run(arguments: &GpuArguments) -> Result<u8> {
     interrupt::listen();
-    let wanted = AdapterArguments {
-        gpu_adapter: arguments.gpu_adapter.clone(),
-    };
     let part = arguments.gpu_adapter.as_deref().unwrap_or("");
     let part = part.to_lowercase();
     let mut reports = block_on(adapters());
     reports.retain(|report| report.name.to_lowercase().contains(&part));
     if reports.is_empty() {
-        // Why there is none is said by whoever opens it.
-        wanted.open()?;
+        // The error says why there is no such adapter.
+        let gpu_adapter = arguments.gpu_adapter.clone();
+        AdapterArguments { gpu_adapter }.open()?;
     }
     let reports = reports.into_iter().take_while(|_| !interrupt::requested());
     let tested: Vec<Tested> = reports.map(Tested::of).collect();
-    ensure!(!interrupt::requested(), "cancelled before the last test");
-    output::emit(&if arguments.json {
-        let adapters: Vec<Value> = tested.iter().map(Tested::json).collect();
-        format!("{}\n", json!({ "adapters": adapters }))
-    } else {
-        let texts: Vec<String> = tested.iter().map(Tested::text).collect();
-        texts.join("\n")
-    })?;
-    let is = |verdict| move |one: &Tested| one.verdict == verdict;
-    let fine = tested.iter().any(is(Verdict::Passed)) && !tested.iter().any(is(Verdict::Failed));
-    Ok(verdict_code(fine))
+    interrupt::check("the last test")?;
+    let json = || json!({ "adapters": tested.iter().map(Tested::json).collect::<Vec<_>>() });
+    let texts = || {
+        tested
+            .iter()
+            .map(Tested::text)
+            .collect::<Vec<_>>()
+            .join("\n")
+    };
+    output::report(arguments.json, json, texts)?;
+    let has = |verdict: &str| tested.iter().any(|one| one.test.verdict == verdict);
+    Ok(verdict_code(has(PASSED) && !has(FAILED)))
 }
+
+const PASSED: &str = "passed";
+const FAILED: &str = "FAILED";
+const NOT_RUN: &str = "not run";
 
 impl Tested {
     /// Tests an adapter.
@@ -87,51 +89,45 @@ impl Tested {
             ..Choice::default()
         };
         let (verdict, samples, said) = match block_on(Gpu::open(&choice)) {
-            Err(error) => (Verdict::Untested, 0, error.to_string()),
+            Err(error) => (NOT_RUN, 0, error.to_string()),
             // Adapters are opened by name, and the first one of a name is opened.
             Ok(gpu) if *gpu.report() != report => {
                 let said = "an adapter before it has the same name".to_owned();
-                (Verdict::Untested, 0, said)
+                (NOT_RUN, 0, said)
             }
             Ok(gpu) => match block_on(self_test(&Arc::new(gpu))) {
-                Ok(test) if test.passed => (Verdict::Passed, test.samples, test.verdict),
-                Ok(test) => (Verdict::Failed, test.samples, test.verdict),
-                Err(error) => (Verdict::Failed, 0, error.to_string()),
+                Ok(test) if test.passed => (PASSED, test.samples, test.verdict),
+                Ok(test) => (FAILED, test.samples, test.verdict),
+                Err(error) => (FAILED, 0, error.to_string()),
             },
         };
-        Self {
-            report,
+        let test = TestReport {
             verdict,
+            passed: verdict == PASSED,
             samples,
             said,
-        }
+        };
+        Self { report, test }
     }
 
     fn text(&self) -> String {
-        let report = &self.report;
-        let mut out = format!("{}\n", report.name);
-        for (name, text) in [
-            ("backend", report.backend.clone()),
-            ("kind", report.kind.to_owned()),
-            ("driver", report.driver.clone()),
-            (
-                "timestamps",
-                if report.has_timestamps { "yes" } else { "no" }.to_owned(),
-            ),
-            ("limits", limits_text(&report.limits)),
-            (
-                "self-test",
-                format!("{}: {}", self.verdict.text(), self.said),
-            ),
-        ] {
-            let _ = writeln!(out, "  {name:<12} {text}");
-        }
-        out
+        let (report, test) = (&self.report, &self.test);
+        let timestamps = if report.has_timestamps { "yes" } else { "no" };
+        format!(
+            "{}\n  backend      {}\n  kind         {}\n  driver       {}\n  timestamps   {timestamps}\n  \
+             limits       {}\n  self-test    {}: {}\n",
+            report.name,
+            report.backend,
+            report.kind,
+            report.driver,
+            limits_text(&report.limits),
+            test.verdict,
+            test.said,
+        )
     }
 
     fn json(&self) -> Value {
         let report = &self.report;
-        let limits = &report.limits;
         json!({
             "name": report.name,
             "backend": report.backend,
@@ -139,29 +135,9 @@ impl Tested {
             "software": report.is_software,
             "driver": report.driver,
             "timestamps": report.has_timestamps,
-            "limits": {
-                "max_buffer_size": limits.max_buffer_size,
-                "max_storage_buffer_binding_size": limits.max_storage_buffer_binding_size,
-                "max_compute_workgroups_per_dimension": limits.max_compute_workgroups_per_dimension,
-                "max_storage_buffers_per_shader_stage": limits.max_storage_buffers_per_shader_stage,
-            },
-            "self_test": {
-                "verdict": self.verdict.text(),
-                "passed": self.verdict == Verdict::Passed,
-                "samples": self.samples,
-                "said": self.said,
-            },
+            "limits": report.limits,
+            "self_test": self.test,
         })
-    }
-}
-
-impl Verdict {
-    const fn text(self) -> &'static str {
-        match self {
-            Self::Passed => "passed",
-            Self::Failed => "FAILED",
-            Self::Untested => "not run",
-        }
     }
 }
 

@@ -1,21 +1,20 @@
-//! The default session without a window: the same run, its table, its verdict, and pictures of its
-//! stages. What `tilescope` does where there is no display.
+//! `tilescope headless`, which also runs if the window cannot open: the run of the default session with its table, its
+//! verdict, and pictures of its stages.
 
-use std::fmt;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use anyhow::{Context, Result, anyhow, ensure};
+use anyhow::{Context, Result, anyhow};
 use clap::Args;
 use tilescope_core::{Parameters, Run, Stage, sample};
 use tilescope_figures::{PictureOptions, seam_window, stage_scene, to_png};
 use tilescope_formats::write_whole;
 
 use crate::facts::Facts;
+use crate::interrupt;
 use crate::make::from_run;
-use crate::output::{self, Outcome};
-use crate::progress::{Stopwatch, verifying};
-use crate::{interrupt, verdict_code};
+use crate::output;
+use crate::progress::Stopwatch;
 
 /// Arguments of `tilescope headless`.
 #[derive(Debug, Args)]
@@ -31,25 +30,18 @@ const WINDOW_RADII: f64 = 32.0;
 const OUT: &str = "tilescope-out";
 
 /// Why there is no window.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum HeadlessReason {
     /// No display is announced in the environment.
+    #[error("There is no display for a window")]
     NoDisplay,
     /// The window could not be opened.
+    #[error("The window could not be opened ({0})")]
     Failed(String),
 }
 
-impl fmt::Display for HeadlessReason {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::NoDisplay => f.write_str("There is no display for a window"),
-            Self::Failed(why) => write!(f, "The window could not be opened ({why})"),
-        }
-    }
-}
-
-/// Runs the default session headless because no window could be opened, says why and how to open
-/// one, and returns the process's exit code.
+/// Runs the default session without a window, prints why there is none and how to open one, and returns the process's
+/// exit code.
 #[must_use]
 pub fn run_headless(reason: &HeadlessReason) -> ExitCode {
     crate::exit_code(default_session(reason))
@@ -65,7 +57,7 @@ fn default_session(reason: &HeadlessReason) -> Result<u8> {
     outcome
 }
 
-/// Says why a link is not shown, and returns the process's exit code: nothing but a window shows it.
+/// Reports that a link needs a window, and returns the process's exit code.
 #[must_use]
 pub fn refuse_link(reason: &HeadlessReason) -> ExitCode {
     crate::exit_code(Err(anyhow!("{reason}, and --link needs one")))
@@ -82,30 +74,20 @@ fn session(folder: &Path) -> Result<u8> {
     let run = sample(&parameters, &mut watch)?;
     std::fs::create_dir_all(folder)
         .with_context(|| format!("cannot make the folder {}", folder.display()))?;
-    let mut facts = Facts::of_run(&parameters, &run.domain, None)?;
+    let mut facts = Facts::of_run(&parameters, &run.domain)?;
     facts.seconds = watch.take();
     let made = from_run(&run, facts);
     let path = folder.join("set.csv");
     let context = made.facts.context();
-    let exported =
-        verifying(|control| tilescope_formats::export(&path, &made.set, &context, control))
-            .with_context(|| path.display().to_string())?;
-    let outcome = Outcome {
-        facts: &made.facts,
-        count: made.set.len() as u64,
-        report: Some(&exported.report),
-        saved: Some(&exported.certificate_path),
-        warnings: Vec::new(),
-    };
-    output::emit(&format!(
-        "{}set            {}\n",
-        output::text(&outcome),
-        path.display()
-    ))?;
+    let mut outcome = made.finish(Some(&path), &context)?;
+    // Notes on what CSV leaves out would distract from a first look.
+    outcome.warnings.clear();
+    let (text, path) = (outcome.text(), path.display());
+    output::emit(&format!("{text}set            {path}\n"))?;
     for picture in pictures(&run, folder)? {
         output::emit(&format!("picture        {}\n", picture.display()))?;
     }
-    Ok(verdict_code(exported.report.valid()))
+    Ok(outcome.code())
 }
 
 /// Draws every stage and returns the files.
@@ -116,9 +98,9 @@ fn pictures(run: &Run, folder: &Path) -> Result<Vec<PathBuf>> {
             Stage::Iterate(k) => format!("iterate-{k}"),
             other => other.to_string(),
         };
-        ensure!(!interrupt::requested(), "cancelled before picture {number}");
+        interrupt::check("the next picture")?;
         let path = folder.join(format!("{number}-{name}.png"));
-        // What happens at seams is too small to be seen in a picture of the whole domain.
+        // Changes at seams are too small to see in a picture of the whole domain.
         let at_seams = matches!(stage, Stage::Tile | Stage::Eliminate | Stage::Iterate(_));
         let window = at_seams.then(|| seam_window(run, WINDOW_RADII));
         let options = PictureOptions {

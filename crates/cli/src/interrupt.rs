@@ -1,20 +1,34 @@
-//! Ctrl-C, and being asked to end otherwise: the first time asks the work to stop, so that temporary files are removed;
-//! the second ends the process.
+//! Ctrl-C and other requests to end: after the first one work stops, so that temporary files are removed; the second one
+//! ends the process.
 
 use std::future::poll_fn;
 use std::io;
 use std::ops::ControlFlow;
+use std::path::PathBuf;
 use std::process;
 use std::sync::Once;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::task::Poll;
 
+/// Whether the process was asked to end.
 static REQUESTED: AtomicBool = AtomicBool::new(false);
+/// Whether work stopped because of that.
+static OBEYED: AtomicBool = AtomicBool::new(false);
 
-/// Starts to listen. Called by commands that take long, or write files.
+/// Work stopped before the part that is named.
+#[derive(Debug, thiserror::Error)]
+#[error("cancelled before {0}")]
+pub struct Interrupted(&'static str);
+
+/// A command did not finish, and can go on from the checkpoint of this file.
+#[derive(Debug, thiserror::Error)]
+#[error("{}: not finished; the same command with --resume goes on from the last checkpoint", .0.display())]
+pub struct Resumable(pub PathBuf);
+
+/// Starts to listen for requests to end. Called by commands that take long, or write files.
 pub fn listen() {
     static STARTED: Once = Once::new();
-    // Without a listener the system ends the process at once, which is safe, if not tidy.
+    // Without a listener the system ends the process at once; temporary files then stay behind.
     STARTED.call_once(|| {
         let _ = start();
     });
@@ -24,7 +38,7 @@ fn start() -> io::Result<()> {
     let runtime = tokio::runtime::Builder::new_current_thread()
         .enable_io()
         .build()?;
-    // Signals are taken from here on; the thread reads which.
+    // Signals are caught from here on; the thread waits for them.
     let mut signals = {
         let _within = runtime.enter();
         Signals::new()?
@@ -44,7 +58,7 @@ fn start() -> io::Result<()> {
     Ok(())
 }
 
-/// Waits for a request to end. To be called within a runtime.
+/// Waits until the process is asked to end. To be called within a runtime.
 pub async fn asked() -> io::Result<()> {
     Signals::new()?.next().await;
     Ok(())
@@ -61,7 +75,7 @@ impl Signals {
         if !is_hangup_ignored() {
             kinds.push(SignalKind::hangup());
         }
-        // With a listener, whatever it does, a write beyond a limit on file sizes is an error like that of a full disk.
+        // With a listener, a write beyond a limit on file sizes returns an error instead of ending the process.
         let beyond_limit = SignalKind::from_raw(SIGXFSZ);
         drop(signal(beyond_limit));
         let signals: io::Result<Vec<_>> = kinds.into_iter().map(signal).collect();
@@ -85,8 +99,8 @@ impl Signals {
 #[cfg(unix)]
 const SIGXFSZ: i32 = 25;
 
-/// Whether this process was started to outlive its terminal, by nohup. Only Linux tells; elsewhere the signal is left
-/// as it is.
+/// Whether this process was started to outlive its terminal, by nohup. Only Linux shows that; elsewhere the signal is not
+/// listened to.
 #[cfg(unix)]
 fn is_hangup_ignored() -> bool {
     std::fs::read_to_string("/proc/self/status").map_or(true, |status| ignores_hangup(&status))
@@ -110,7 +124,7 @@ impl Signals {
     }
 
     async fn next(&mut self) {
-        // An error would be one of every later call as well.
+        // If this fails, every later call fails, too.
         if tokio::signal::ctrl_c().await.is_err() {
             std::future::pending::<()>().await;
         }
@@ -122,12 +136,25 @@ pub fn requested() -> bool {
     REQUESTED.load(Ordering::Relaxed)
 }
 
-/// Returns the answer to "shall I go on?".
+/// Returns whether work stopped because the process was asked to end: errors follow from that.
+pub fn obeyed() -> bool {
+    OBEYED.load(Ordering::Relaxed)
+}
+
+/// Tells work whether to go on: not after the process was asked to end.
 pub fn flow() -> ControlFlow<()> {
-    if requested() {
-        ControlFlow::Break(())
-    } else {
-        ControlFlow::Continue(())
+    if !requested() {
+        return ControlFlow::Continue(());
+    }
+    OBEYED.store(true, Ordering::Relaxed);
+    ControlFlow::Break(())
+}
+
+/// Fails if the process was asked to end; `next` is the part of the work that is not begun.
+pub fn check(next: &'static str) -> Result<(), Interrupted> {
+    match flow() {
+        ControlFlow::Continue(()) => Ok(()),
+        ControlFlow::Break(()) => Err(Interrupted(next)),
     }
 }
 
@@ -141,6 +168,6 @@ mod tests {
         assert!(ignores_hangup(&status("0000000000000001")));
         assert!(ignores_hangup(&status("0000000000001003")));
         assert!(!ignores_hangup(&status("0000000000001002")));
-        assert!(ignores_hangup(""), "left as it is where nobody tells");
+        assert!(ignores_hangup(""), "not listened to where it is not known");
     }
 }

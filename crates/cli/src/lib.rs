@@ -1,13 +1,11 @@
 //! The command line of Tilescope: commands and their arguments, progress bars, exit codes.
-//! It joins the crates below and computes nothing itself; the window is another crate's.
+//! The work is done by the crates below; the window is `tilescope-app`.
 
 mod analyze;
-mod bands;
 mod bench;
 mod bench_common;
 mod bench_gpu;
 mod combine;
-mod completions;
 mod convert;
 mod draw;
 mod engine;
@@ -35,16 +33,17 @@ use std::ffi::OsString;
 use std::process::ExitCode;
 
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
+use tilescope_reproduce::ReproduceError;
 
 pub use headless::{HeadlessReason, refuse_link, run_headless};
 
-/// Everything is as it should be.
+/// The work was done, and any verdict is positive.
 pub const EXIT_FINE: u8 = 0;
 /// The work was done, and the verifier's verdict is negative.
 pub const EXIT_NEGATIVE: u8 = 1;
 /// The arguments or an input cannot be used.
 pub const EXIT_BAD_INPUT: u8 = 2;
-/// Ctrl-C.
+/// The process was interrupted, as by Ctrl-C.
 pub const EXIT_INTERRUPTED: u8 = 130;
 
 /// Tilescope: a visual debugger for maximal Poisson-disk sampling by randomized tiling.
@@ -89,7 +88,11 @@ pub enum Command {
     /// Carry out commands of the window from a file, without a window, and print the state
     Script(script::ScriptArguments),
     /// Print a shell's completion script
-    Completions(completions::CompletionsArguments),
+    Completions {
+        /// The shell
+        #[arg(value_enum)]
+        shell: clap_complete::Shell,
+    },
 }
 
 const EXAMPLES: &str = "\
@@ -111,7 +114,7 @@ Examples:
 Exit codes: 0 fine, 1 the verdict is negative, 2 bad arguments or input, 130 interrupted.";
 
 impl Arguments {
-    /// Reads the arguments of this process, and ends it where they are none, or ask for help.
+    /// Reads the arguments of this process. Ends the process if they are wrong or ask for help.
     #[must_use]
     pub fn read() -> Self {
         Self::of(std::env::args_os()).unwrap_or_else(|error| error.exit())
@@ -124,17 +127,17 @@ impl Arguments {
     }
 }
 
-/// Returns a negative number with an exponent without one, which clap would take for options; other words as they are.
+/// Writes a negative number without its exponent, which clap would take for an option; returns other words unchanged.
 fn plain(word: OsString) -> OsString {
     let number = (word.to_str())
         .filter(|text| text.starts_with('-') && text.contains(['e', 'E']))
         .and_then(|text| text.parse::<f64>().ok())
         .filter(|number| number.is_finite());
-    // Digits alone stand for the same number, to the bit.
+    // Decimal digits give back the same number, to the bit.
     number.map_or(word, |number| number.to_string().into())
 }
 
-/// Runs a command and returns the process's exit code; errors go to standard error. `carry_out` runs scripts of the window.
+/// Runs a command and returns the process's exit code; errors go to standard error. `carry_out` runs the window's scripts.
 #[must_use]
 pub fn run(command: &Command, carry_out: script::CarryOut) -> ExitCode {
     let outcome = match command {
@@ -151,20 +154,30 @@ pub fn run(command: &Command, carry_out: script::CarryOut) -> ExitCode {
         Command::Reproduce(arguments) => reproduce::run(arguments),
         Command::Web(arguments) => web::run(arguments),
         Command::Script(arguments) => script::run(arguments, carry_out),
-        Command::Completions(arguments) => completions::run(arguments, &mut Arguments::command()),
+        Command::Completions { shell } => completions(*shell),
     };
     exit_code(outcome)
+}
+
+fn completions(shell: clap_complete::Shell) -> anyhow::Result<u8> {
+    let mut script = Vec::new();
+    clap_complete::generate(shell, &mut Arguments::command(), "tilescope", &mut script);
+    output::emit(&String::from_utf8(script)?)?;
+    Ok(EXIT_FINE)
 }
 
 /// Returns the exit code of an outcome and prints its error.
 fn exit_code(outcome: anyhow::Result<u8>) -> ExitCode {
     match outcome {
         Ok(code) => ExitCode::from(code),
-        Err(error) if interrupt::requested() && describe(&error).contains("cancelled") => {
-            let goes_on = match describe(&error) {
-                said if said.contains("--resume") => "; the same command with --resume goes on",
-                said if said.contains("goes on") => "; the same command goes on where it stopped",
-                _ => "",
+        Err(error) if interrupt::obeyed() => {
+            let cancelled = |error| matches!(error, &ReproduceError::Cancelled);
+            let goes_on = if error.is::<interrupt::Resumable>() {
+                "; the same command with --resume goes on"
+            } else if error.downcast_ref().is_some_and(cancelled) {
+                "; the same command goes on where it stopped"
+            } else {
+                ""
             };
             output::note(&format!(
                 "interrupted; no file was left half written{goes_on}"
@@ -178,8 +191,8 @@ fn exit_code(outcome: anyhow::Result<u8>) -> ExitCode {
     }
 }
 
-/// Returns an error and its causes in one line, none of them twice: a library's message may name
-/// the file or the cause that its neighbours in the chain name.
+/// Returns an error and its causes in one line, each once: a library's message may repeat
+/// the file or the cause that another one in the chain names.
 fn describe(error: &anyhow::Error) -> String {
     let mut parts: Vec<String> = Vec::new();
     for part in error.chain().map(ToString::to_string) {
@@ -193,7 +206,7 @@ fn describe(error: &anyhow::Error) -> String {
     parts.join(": ")
 }
 
-/// Returns the code of a verdict.
+/// Returns the exit code of a verdict.
 const fn verdict_code(valid: bool) -> u8 {
     if valid { EXIT_FINE } else { EXIT_NEGATIVE }
 }

@@ -1,22 +1,23 @@
-//! Sets made in memory, by either method and any engine, as the output and the exports want them.
+//! Sets made in memory, by either method and any engine, verified and saved.
 
-use std::collections::BTreeMap;
+use std::path::Path;
 use std::sync::Arc;
 
 use anyhow::{Context, Result};
+use pollster::block_on;
 use serde_json::json;
 use tilescope_analysis::{Region, Report, VerifyOptions};
 use tilescope_core::{
-    Domain, MAX_SEQUENTIAL_SAMPLES, Origin, Parameters, Pattern, Point, Run, SampleError, Sampled,
-    Sequential, Source, Sweep, radius_estimate, reference_sample, sample_count, search_radius,
+    Domain, Origin, Parameters, Point, Run, SampleError, Sampled, Sequential, Source,
+    reference_sample, search_radius,
 };
-use tilescope_formats::{PointSet, Provenance};
+use tilescope_formats::{ExportContext, PointSet, Provenance};
+use tilescope_gpu::{Bands, Engine};
 
-use crate::bands::Bands;
-use crate::engine::{Chosen, Engine, Told};
+use crate::engine::of_engine;
 use crate::facts::Facts;
-use crate::options::region;
-use crate::parameters::RunArguments;
+use crate::output::{self, Outcome};
+use crate::parameters::Resolved;
 use crate::progress::{Stopwatch, verifying};
 
 /// A set that was made.
@@ -25,71 +26,83 @@ pub struct Made {
     pub set: PointSet,
 }
 
-/// Makes a set with the engine that was chosen.
-pub fn with(chosen: &Chosen, arguments: &RunArguments) -> Result<Made> {
-    match chosen.engine {
-        Engine::Sequential => sequential(arguments, chosen.told()),
-        Engine::Gpu(_) | Engine::Parallel => banded(arguments, chosen),
+impl Made {
+    /// Verifies the set, saved at `path` if there is one: the file is what is verified then.
+    pub fn finish(self, path: Option<&Path>, context: &ExportContext) -> Result<Outcome> {
+        let Made { facts, set } = self;
+        let count = set.len() as u64;
+        let (report, certificate, warnings) = if let Some(path) = path {
+            let exported =
+                verifying(|control| tilescope_formats::export(path, &set, context, control));
+            let exported = exported.with_context(|| path.display().to_string())?;
+            let certificate = Some(exported.certificate_path);
+            (exported.report, certificate, exported.warnings)
+        } else {
+            let report = judge(&set.points, facts.region, facts.radius)?;
+            (report, None, Vec::new())
+        };
+        Ok(Outcome {
+            facts,
+            count,
+            report: Some(report),
+            certificate,
+            warnings: warnings.iter().map(ToString::to_string).collect(),
+        })
     }
 }
 
-fn sequential(arguments: &RunArguments, told: Told) -> Result<Made> {
-    let mut watch = Stopwatch::start();
-    let parameters = arguments.parameters();
-    if arguments.count.is_none() {
-        parameters.validate_sequential()?;
+/// Makes the set of a run as a whole.
+pub fn whole(run: &Resolved, mut watch: Stopwatch) -> Result<Made> {
+    let facts = run.facts()?;
+    if matches!(run.backend.engine, Engine::Sequential) {
+        let engine = Sequential::new(&run.parameters, Arc::clone(&run.pattern))?;
+        let made = engine.finish(&mut watch)?;
+        let facts = Facts {
+            backend: Some(run.backend.clone()),
+            seconds: watch.take(),
+            ..facts
+        };
+        return Ok(from_run(&made, facts));
     }
-    let pattern = arguments.pattern(&mut watch)?;
-    let run = match arguments.count {
-        Some(count) => sample_count(&parameters, count, &pattern, &mut watch)?,
-        None => Sequential::new(&parameters, Arc::clone(&pattern))?.finish(&mut watch)?,
-    };
-    let mut facts = Facts::of_run(&run.parameters, &run.domain, Some(arguments))?;
-    facts.engine = Some(told);
-    facts.seconds = watch.take();
-    Ok(from_run(&run, facts))
+    let bands = bands(run, true)?;
+    let (sampled, summary, backend) = block_on(bands.finish(&mut watch)).map_err(of_engine)?;
+    Ok(Made {
+        set: PointSet {
+            points: positions(&run.domain, &sampled.points),
+            provenance: provenance(&sampled),
+        },
+        facts: Facts {
+            backend: Some(backend),
+            seconds: watch.take(),
+            summary: Some(summary),
+            ..facts
+        },
+    })
+}
+
+/// Returns a run at its beginning, to be computed band by band.
+pub fn bands(run: &Resolved, sources: bool) -> Result<Bands> {
+    let (parameters, pattern) = (&run.parameters, &run.pattern);
+    let warn = |text: &str| output::note(&format!("warning: {text}"));
+    block_on(Bands::new(parameters, pattern, sources, &run.backend, warn)).map_err(of_engine)
 }
 
 /// Returns a finished run as a set with its provenance.
 pub fn from_run(run: &Run, facts: Facts) -> Made {
-    let provenance = run
-        .result
-        .iter()
-        .map(|&id| match run.samples.origins[id as usize] {
-            Origin::Tiled { block, pattern, .. } => Provenance::tiled(block, pattern),
-            Origin::Inserted { iteration, .. } => Provenance::inserted(iteration),
-        });
+    let origin = |&id: &u32| match run.samples.origins[id as usize] {
+        Origin::Tiled { block, pattern, .. } => Provenance::tiled(block, pattern),
+        Origin::Inserted { iteration, .. } => Provenance::inserted(iteration),
+    };
     Made {
         set: PointSet {
             points: run.positions(),
-            provenance: Some(provenance.collect()),
+            provenance: Some(run.result.iter().map(origin).collect()),
         },
         facts: Facts {
             summary: Some(run.summary()),
             ..facts
         },
     }
-}
-
-/// Makes a set from bands.
-fn banded(arguments: &RunArguments, chosen: &Chosen) -> Result<Made> {
-    let mut watch = Stopwatch::start();
-    let pattern = arguments.pattern(&mut watch)?;
-    let parameters = with_radius(arguments, &pattern, &mut watch)?;
-    let domain = parameters.validate_sequential()?;
-    let bands = Bands::new(&parameters, &pattern, true, chosen)?;
-    let (sampled, summary, told) = bands.finish(&mut watch)?;
-    let mut facts = Facts::of_run(&parameters, &domain, Some(arguments))?;
-    facts.engine = Some(told);
-    facts.seconds = watch.take();
-    facts.summary = Some(summary);
-    Ok(Made {
-        set: PointSet {
-            points: positions(&domain, &sampled.points),
-            provenance: provenance(&sampled),
-        },
-        facts,
-    })
 }
 
 /// Returns the provenance of samples, if it is known.
@@ -102,139 +115,37 @@ pub fn provenance(sampled: &Sampled) -> Option<Vec<Provenance>> {
     Some(sources.iter().map(of).collect())
 }
 
-/// Sets larger than this are not made for the sake of their count, unless the estimate is known to miss and the
-/// sequential engine could make the same.
-const LARGE: u64 = 1_000_000;
-
-/// Samples of the set that tells whether the estimate holds.
-const PROBE: u64 = 300_000;
-
-/// How far that set's count may be off, as a share, for the first try of a search to be its last: it
-/// may be off by a hundredth, and the counts of larger sets vary less.
-const PROBE_TOLERANCE: f64 = 0.007;
-
-/// Returns the density of sets of the parameters, as a share of the estimate's, from a smaller set; `None`
-/// where the sides allow no smaller one.
-fn probe(
-    parameters: &Parameters,
-    pattern: &Pattern,
-    watch: &mut Stopwatch,
-) -> Result<Option<f64>, SampleError> {
-    let Ok(radius) = radius_estimate(parameters, PROBE) else {
-        return Ok(None);
-    };
-    let parameters = Parameters {
-        radius,
-        ..*parameters
-    };
-    let found = count_of(&parameters, pattern, watch)?;
-    Ok(Some(found as f64 / PROBE as f64))
-}
-
-/// Returns the parameters with their radius: with `--count` the same that the sequential engine finds.
-pub fn with_radius(
-    arguments: &RunArguments,
-    pattern: &Pattern,
-    watch: &mut Stopwatch,
-) -> Result<Parameters> {
-    let parameters = arguments.parameters();
-    let Some(count) = arguments.count else {
-        parameters.validate()?;
-        return Ok(parameters);
-    };
-    let estimate = radius_estimate(&parameters, count)?;
-    let density = if count > LARGE {
-        probe(&parameters, pattern, watch)?
-    } else {
-        None
-    };
-    let radius = match density {
-        // The first try of a search would be its last.
-        Some(density) if (density - 1.0).abs() <= PROBE_TOLERANCE => estimate,
-        // Nobody else makes such sets whose radius this would have to equal.
-        Some(density) if count as f64 > MAX_SEQUENTIAL_SAMPLES => estimate * density.sqrt(),
-        _ => search(&parameters, count, pattern, watch)?,
-    };
-    watch.forget_tries();
-    Ok(Parameters {
-        radius,
-        ..parameters
-    })
-}
-
-/// Returns the radius that a search by whole sets finds, the same as the sequential engine's.
-fn search(
-    parameters: &Parameters,
-    count: u64,
-    pattern: &Pattern,
-    watch: &mut Stopwatch,
-) -> Result<f64, SampleError> {
-    search_radius(parameters, count, |radius| {
-        let parameters = Parameters {
-            radius,
-            ..*parameters
-        };
-        Ok((count_of(&parameters, pattern, watch)?, radius))
-    })
-}
-
-/// Returns how many samples a set has. The threads count, whoever makes the set: a search is mostly of sets too
-/// small for a GPU.
-fn count_of(
-    parameters: &Parameters,
-    pattern: &Pattern,
-    watch: &mut Stopwatch,
-) -> Result<u64, SampleError> {
-    let mut sweep = Sweep::new(parameters, pattern, false)?;
-    while sweep.step(watch)?.is_some() {}
-    Ok(sweep.summary().count as u64)
-}
-
-/// Makes a set with the reference sampler.
-pub fn reference(arguments: &RunArguments) -> Result<Made> {
+/// Makes a set with the reference sampler; with a count, of the radius that gives it.
+pub fn reference(parameters: &Parameters, count: Option<u64>) -> Result<Made> {
     let mut watch = Stopwatch::start();
-    let parameters = arguments.parameters();
-    let (domain, points) = reference_set(&parameters, arguments.count, &mut watch)?;
-    let stated = BTreeMap::from([
-        ("width".to_owned(), json!(parameters.width)),
-        ("height".to_owned(), json!(parameters.height)),
-        ("radius".to_owned(), json!(domain.radius())),
-        ("boundary".to_owned(), json!(parameters.boundary)),
-        ("seed".to_owned(), json!(parameters.seed)),
-    ]);
-    Ok(Made {
-        facts: Facts {
-            method: "reference",
-            engine: None,
-            parameters: stated,
-            region: region(&domain),
-            radius: domain.radius(),
-            summary: None,
-            seconds: watch.take(),
-        },
-        set: PointSet::from_points(positions(&domain, &points)),
-    })
-}
-
-/// Makes a reference set; with a count, of the radius that gives it.
-fn reference_set(
-    parameters: &Parameters,
-    count: Option<u64>,
-    watch: &mut Stopwatch,
-) -> Result<(Domain, Vec<Point>), SampleError> {
-    let mut attempt = |radius| {
+    let mut attempt = |radius| -> Result<_, SampleError> {
         let domain = Parameters {
             radius,
             ..*parameters
         }
         .validate_sequential()?;
-        let points = reference_sample(domain, parameters.seed, watch)?;
+        let points = reference_sample(domain, parameters.seed, &mut watch)?;
         Ok((points.len() as u64, (domain, points)))
     };
-    match count {
-        Some(count) => search_radius(parameters, count, attempt),
-        None => attempt(parameters.radius).map(|(_, made)| made),
-    }
+    let (domain, points) = match count {
+        Some(count) => search_radius(parameters, count, attempt)?,
+        None => attempt(parameters.radius)?.1,
+    };
+    let stated = [
+        ("width", json!(parameters.width)),
+        ("height", json!(parameters.height)),
+        ("radius", json!(domain.radius())),
+        ("boundary", json!(parameters.boundary)),
+        ("seed", json!(parameters.seed)),
+    ]
+    .map(|(name, value)| (name.to_owned(), value));
+    Ok(Made {
+        facts: Facts {
+            seconds: watch.take(),
+            ..Facts::new("reference", stated.into(), &domain)
+        },
+        set: PointSet::from_points(positions(&domain, &points)),
+    })
 }
 
 /// Returns samples in user units.

@@ -1,37 +1,37 @@
-//! Arguments that several commands share: what a point set is, where its file does not say.
+//! Arguments that several commands share: what a file does not say of its point set, and values with names.
 
 use std::path::Path;
 
 use anyhow::{Context, Result};
-use clap::{Args, ValueEnum};
+use clap::Args;
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use serde::de::DeserializeOwned;
 use tilescope_analysis::{Boundary, Region};
-use tilescope_formats::{Format, Hint, Overrides, StreamReader};
+use tilescope_formats::{Certificate, Format, Hint, Overrides, StreamReader};
 
-/// How the domain ends.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum BoundaryArgument {
-    /// Opposite sides are joined
-    Periodic,
-    /// The border is closed and must be covered
-    Bounded,
-}
+/// The names of a type's values in JSON, which options have as well, each with its line of `--help`, if any.
+pub type Names<const N: usize> = [(&'static str, &'static str); N];
 
-impl From<BoundaryArgument> for tilescope_core::Boundary {
-    fn from(argument: BoundaryArgument) -> Self {
-        match argument {
-            BoundaryArgument::Periodic => Self::Periodic,
-            BoundaryArgument::Bounded => Self::Bounded,
-        }
-    }
-}
+/// The names of boundaries.
+pub const BOUNDARIES: Names<2> = [
+    ("periodic", "Opposite sides are joined"),
+    ("bounded", "The border is closed and must be covered"),
+];
 
-impl From<BoundaryArgument> for Boundary {
-    fn from(argument: BoundaryArgument) -> Self {
-        match argument {
-            BoundaryArgument::Periodic => Self::Periodic,
-            BoundaryArgument::Bounded => Self::Bounded,
-        }
-    }
+/// The names of number types.
+pub const PRECISIONS: Names<2> = [("f32", ""), ("f64", "")];
+
+/// Reads values by their names.
+pub fn named<T>(names: &[(&'static str, &'static str)]) -> impl TypedValueParser<Value = T> + use<T>
+where
+    T: DeserializeOwned + Clone + Send + Sync + 'static,
+{
+    let values = names.iter().map(|(name, help)| match *help {
+        "" => PossibleValue::new(*name),
+        help => PossibleValue::new(*name).help(help),
+    });
+    PossibleValuesParser::new(values)
+        .try_map(|name| serde_json::from_value::<T>(serde_json::Value::String(name)))
 }
 
 /// Returns the verifier's region of a run's domain.
@@ -52,7 +52,15 @@ pub const fn judged(boundary: tilescope_core::Boundary) -> Boundary {
     }
 }
 
-/// What a file's certificate would say, given by hand.
+/// Returns a run's name of the verifier's boundary.
+pub const fn of_run(boundary: Boundary) -> tilescope_core::Boundary {
+    match boundary {
+        Boundary::Periodic => tilescope_core::Boundary::Periodic,
+        Boundary::Bounded => tilescope_core::Boundary::Bounded,
+    }
+}
+
+/// What a certificate states, given by hand.
 #[derive(Debug, Args)]
 pub struct SetArguments {
     /// Poisson-disk radius
@@ -65,8 +73,8 @@ pub struct SetArguments {
     #[arg(long, value_name = "H")]
     pub height: Option<f64>,
     /// How the domain ends
-    #[arg(long, value_enum)]
-    pub boundary: Option<BoundaryArgument>,
+    #[arg(long, value_parser = named::<Boundary>(&BOUNDARIES))]
+    pub boundary: Option<Boundary>,
     /// Format of the input, where neither extension nor content tell
     #[arg(long, value_name = "FORMAT")]
     pub format: Option<Format>,
@@ -76,41 +84,37 @@ impl SetArguments {
     /// Returns what overrides the certificate of `path`. A side or boundary that is not given is
     /// the certificate's; without one, the periodic unit square's.
     pub fn overrides(&self, path: &Path) -> Result<Overrides> {
-        let given = self.width.is_some() || self.height.is_some() || self.boundary.is_some();
-        let region = if given {
-            Some(self.region(path)?)
-        } else {
+        let sides = [self.width, self.height].map(|side| side.is_some());
+        let given = [sides[0], sides[1], self.boundary.is_some()];
+        let stated = if given == [true; 3] || given == [false; 3] {
             None
+        } else {
+            self.certificate(path)?.map(|stated| stated.region)
         };
+        let region = || self.region_over(stated.unwrap_or(UNIT_SQUARE));
         Ok(Overrides {
             format: self.format,
-            region,
+            region: (given != [false; 3]).then(region),
             radius: self.radius,
             ..Overrides::default()
         })
     }
 
-    fn region(&self, path: &Path) -> Result<Region> {
-        let complete = self.width.is_some() && self.height.is_some() && self.boundary.is_some();
-        let stated = if complete {
-            None
-        } else {
-            self.stated_region(path)?
-        };
-        let base = stated.unwrap_or(UNIT_SQUARE);
-        Ok(Region {
+    /// Returns the region that is given; what is not given of it is that of `base`.
+    pub fn region_over(&self, base: Region) -> Region {
+        Region {
             width: self.width.unwrap_or(base.width),
             height: self.height.unwrap_or(base.height),
-            boundary: self.boundary.map_or(base.boundary, Into::into),
-        })
+            boundary: self.boundary.unwrap_or(base.boundary),
+        }
     }
 
-    /// Returns the region of the certificate of `path`, without its points where that is possible.
-    fn stated_region(&self, path: &Path) -> Result<Option<Region>> {
-        if let Ok(reader) = StreamReader::open(path, self.format) {
-            return Ok(reader.certificate().map(|stated| stated.region));
+    /// Returns the certificate of `path`, without reading its points where that is possible.
+    pub fn certificate(&self, path: &Path) -> Result<Option<Certificate>> {
+        match StreamReader::open(path, self.format) {
+            Ok(reader) => Ok(reader.certificate().cloned()),
+            Err(_) => Ok(self.read(path)?.certificate),
         }
-        Ok(self.read(path)?.certificate.map(|stated| stated.region))
     }
 
     /// Reads the file with the given format.
@@ -123,7 +127,7 @@ impl SetArguments {
     }
 }
 
-/// The domain of a set that says nothing of its own.
+/// The domain of a set if nothing states one.
 pub const UNIT_SQUARE: Region = Region {
     width: 1.0,
     height: 1.0,

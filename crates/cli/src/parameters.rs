@@ -1,17 +1,24 @@
-//! Arguments that determine a run, and the parameters and pattern that they make.
+//! Arguments that determine a run, and the run that they resolve to: radius, pattern and engine are known from there on.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use anyhow::{Context, Result, bail};
-use clap::{ArgGroup, Args, ValueEnum};
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+use clap::{ArgGroup, Args};
+use serde_json::Value;
 use tilescope_analysis::Region;
+use tilescope_core::combine::file::Set;
 use tilescope_core::{
-    Domain, Insertion, Observer, Order, Parameters, Pattern, PatternSpec, Search, Variant,
+    Boundary, Domain, Insertion, MAXIMAL_DENSITY, Order, Parameters, Pattern, PatternSpec, Search,
+    Variant, radius_estimate, radius_for_count,
 };
 use tilescope_formats::Hint;
+use tilescope_gpu::Backend;
 
-use crate::options::{BoundaryArgument, UNIT_SQUARE};
+use crate::facts::{Facts, named_by_content};
+use crate::options::{BOUNDARIES, Names, UNIT_SQUARE, named, of_run};
+use crate::progress::Stopwatch;
 
 /// Arguments that determine a run.
 #[derive(Debug, Args)]
@@ -30,8 +37,8 @@ pub struct RunArguments {
     #[arg(long, value_name = "H", default_value_t = 1.0)]
     pub height: f64,
     /// How the domain ends
-    #[arg(long, value_enum, default_value = "periodic")]
-    pub boundary: BoundaryArgument,
+    #[arg(long, value_parser = named::<Boundary>(&BOUNDARIES), default_value = "periodic")]
+    pub boundary: Boundary,
     /// Seed of every draw: any 64-bit number
     #[arg(long, value_name = "S", default_value_t = 1)]
     pub seed: u64,
@@ -42,8 +49,8 @@ pub struct RunArguments {
     #[arg(long, value_name = "SIDE", default_value_t = 100.0)]
     pub pattern_side: f64,
     /// How the generated pattern ends: a bounded one is the paper's, and blocks must fit it
-    #[arg(long, value_enum, default_value = "periodic")]
-    pub pattern_boundary: BoundaryArgument,
+    #[arg(long, value_parser = named::<Boundary>(&BOUNDARIES), default_value = "periodic")]
+    pub pattern_boundary: Boundary,
     /// Seed of the generated pattern
     #[arg(long, value_name = "S", default_value_t = 0)]
     pub pattern_seed: u64,
@@ -61,110 +68,143 @@ pub struct RunArguments {
     #[arg(long)]
     pub dihedral: bool,
     /// Order of elimination
-    #[arg(long, value_enum, default_value = "own-block-first")]
-    pub order: OrderArgument,
+    #[arg(long, value_parser = named::<Order>(&ORDERS), default_value = "own-block-first")]
+    pub order: Order,
     /// How gaps are filled
-    #[arg(long, value_enum, default_value = "circumcentre")]
-    pub insertion: InsertionArgument,
+    #[arg(long, value_parser = named::<Insertion>(&INSERTIONS), default_value = "circumcentre")]
+    pub insertion: Insertion,
     /// How far gap detectors look, in radii: 4 is proven, 2 is an experiment that leaves gaps
-    #[arg(long, value_name = "4|2", default_value = "4", value_parser = ["4", "2"])]
-    pub search: String,
+    #[arg(long, value_name = "4|2", default_value = "4", value_parser = searches())]
+    pub search: Search,
     /// Staged, or Algorithm 4 as printed
-    #[arg(long, value_enum, default_value = "staged")]
-    pub variant: VariantArgument,
+    #[arg(long, value_parser = named::<Variant>(&VARIANTS), default_value = "staged")]
+    pub variant: Variant,
 }
 
-/// An order of elimination.
-#[derive(Clone, Copy, Debug, ValueEnum)]
-pub enum OrderArgument {
-    /// Block by block, row by row
-    Index,
-    /// A random rank for each sample
-    Random,
-    /// Samples inside their own block before margin samples
-    OwnBlockFirst,
-    /// Four groups of far-apart cells in turn
-    PhaseGroup,
+const ORDERS: Names<4> = [
+    ("index", "Block by block, row by row"),
+    ("random", "A random rank for each sample"),
+    (
+        "own-block-first",
+        "Samples inside their own block before margin samples",
+    ),
+    ("phase-group", "Four groups of far-apart cells in turn"),
+];
+const INSERTIONS: Names<2> = [
+    ("circumcentre", "At uncovered circumcentres"),
+    ("uniform", "Uniformly within the gap"),
+];
+const VARIANTS: Names<2> = [
+    ("staged", "Elimination first, then insertion"),
+    ("as-printed", "Interleaved"),
+];
+
+fn searches() -> impl TypedValueParser<Value = Search> {
+    PossibleValuesParser::new(["4", "2"]).map(|radii| match radii.as_str() {
+        "2" => Search::TwoRadii,
+        _ => Search::Complete,
+    })
 }
 
-/// A way to fill gaps.
-#[derive(Clone, Copy, Debug, ValueEnum)]
-pub enum InsertionArgument {
-    /// At uncovered circumcentres
-    Circumcentre,
-    /// Uniformly within the gap
-    Uniform,
+/// A run that is determined: nothing of it is looked up or searched for any more.
+pub struct Resolved {
+    pub parameters: Parameters,
+    pub domain: Domain,
+    pub pattern: Arc<Pattern>,
+    pub backend: Backend,
+    /// The pattern's file, as certificates name it.
+    pattern_file: Option<Value>,
 }
 
-/// An arrangement of Algorithm 4.
-#[derive(Clone, Copy, Debug, ValueEnum)]
-pub enum VariantArgument {
-    /// Elimination first, then insertion
-    Staged,
-    /// Interleaved
-    AsPrinted,
+impl Resolved {
+    /// Returns what there is to say of the run before it is made.
+    pub fn facts(&self) -> Result<Facts> {
+        let mut facts = Facts::of_run(&self.parameters, &self.domain)?;
+        if let Some(file) = &self.pattern_file {
+            facts.parameters.insert("pattern".into(), file.clone());
+        }
+        Ok(facts)
+    }
 }
 
 impl RunArguments {
-    /// Returns the parameters; with `--count` the radius is still 0.
-    pub fn parameters(&self) -> Parameters {
-        Parameters {
+    /// Returns the parameters; with `--count` the radius is an estimate.
+    pub fn parameters(&self) -> Result<Parameters> {
+        let mut parameters = Parameters {
             width: self.width,
             height: self.height,
-            radius: self.radius.unwrap_or(0.0),
-            boundary: self.boundary.into(),
+            radius: self.radius.unwrap_or_default(),
+            boundary: self.boundary,
             seed: self.seed,
             leaf: self.leaf,
             pattern: PatternSpec {
                 side: self.pattern_side,
-                boundary: self.pattern_boundary.into(),
+                boundary: self.pattern_boundary,
                 seed: self.pattern_seed,
             },
             dihedral: self.dihedral,
-            order: match self.order {
-                OrderArgument::Index => Order::Index,
-                OrderArgument::Random => Order::Random,
-                OrderArgument::OwnBlockFirst => Order::OwnBlockFirst,
-                OrderArgument::PhaseGroup => Order::PhaseGroup,
-            },
-            insertion: match self.insertion {
-                InsertionArgument::Circumcentre => Insertion::Circumcentre,
-                InsertionArgument::Uniform => Insertion::Uniform,
-            },
-            search: if self.search == "2" {
-                Search::TwoRadii
-            } else {
-                Search::Complete
-            },
-            variant: match self.variant {
-                VariantArgument::Staged => Variant::Staged,
-                VariantArgument::AsPrinted => Variant::AsPrinted,
-            },
+            order: self.order,
+            insertion: self.insertion,
+            search: self.search,
+            variant: self.variant,
+        };
+        if let Some(count) = self.count {
+            parameters.radius = radius_estimate(&parameters, count)?;
+        }
+        Ok(parameters)
+    }
+
+    /// Returns about how many samples there will be.
+    pub fn expected(&self, parameters: &Parameters) -> Result<f64> {
+        match self.count {
+            Some(count) => Ok(count as f64),
+            None => Ok(parameters.validate()?.area_radii() * MAXIMAL_DENSITY),
         }
     }
 
-    /// Returns the pattern: from its file, kept or generated.
-    pub fn pattern(&self, observer: &mut dyn Observer) -> Result<Arc<Pattern>> {
-        match &self.pattern {
-            Some(path) => self
-                .pattern_from_file(path)
-                .map(Arc::new)
-                .with_context(|| path.display().to_string()),
-            None => Ok(Pattern::of_spec(&self.parameters().pattern, observer)?),
+    /// Returns the run. One whose set is `held` in memory is limited in size.
+    pub fn resolve(
+        &self,
+        parameters: Parameters,
+        backend: Backend,
+        held: bool,
+        watch: &mut Stopwatch,
+    ) -> Result<Resolved> {
+        if held && self.count.is_none() {
+            parameters.validate_sequential()?;
         }
+        let (pattern, pattern_file) = match &self.pattern {
+            Some(path) => {
+                let pattern = self.pattern_from(path);
+                let pattern = pattern.with_context(|| path.display().to_string())?;
+                (pattern, Some(named_by_content(path)?))
+            }
+            None => (Pattern::of_spec(&parameters.pattern, watch)?, None),
+        };
+        let mut parameters = parameters;
+        if let Some(count) = self.count {
+            parameters.radius = radius_for_count(&parameters, count, &pattern, watch)?;
+            watch.drop_tries();
+        }
+        let domain = if held {
+            parameters.validate_sequential()?
+        } else {
+            parameters.validate()?
+        };
+        Ok(Resolved {
+            parameters,
+            domain,
+            pattern,
+            backend,
+            pattern_file,
+        })
     }
 
-    fn pattern_from_file(&self, path: &Path) -> Result<Pattern> {
+    fn pattern_from(&self, path: &Path) -> Result<Arc<Pattern>> {
         let (radius, wanted) = (self.pattern_radius, "--pattern-radius");
         let stated = |region: Option<Region>| region.unwrap_or(UNIT_SQUARE);
         Ok(set_of_file(path, radius, wanted, stated)?.pattern)
     }
-}
-
-/// A checked set with the domain that it is a set of.
-pub struct FileSet {
-    pub pattern: Pattern,
-    pub domain: Domain,
 }
 
 /// Returns the set in a file, conflict-free and maximal. The region is what `region` makes of its certificate's; the radius
@@ -174,20 +214,17 @@ pub fn set_of_file(
     radius: Option<f64>,
     wanted: &str,
     region: impl FnOnce(Option<Region>) -> Region,
-) -> Result<FileSet> {
+) -> Result<Set> {
     let read = tilescope_formats::read(path, &Hint::default())?;
     let stated = read.certificate.as_ref();
     let Some(radius) = radius.or(stated.map(|stated| stated.radius)) else {
         bail!("the set has no certificate; give {wanted}");
     };
     let region = region(stated.map(|stated| stated.region));
-    let boundary = match region.boundary {
-        tilescope_analysis::Boundary::Periodic => tilescope_core::Boundary::Periodic,
-        tilescope_analysis::Boundary::Bounded => tilescope_core::Boundary::Bounded,
-    };
-    let size = [region.width, region.height];
-    Ok(FileSet {
-        pattern: Pattern::from_positions(&read.set.points, size, radius, boundary)?,
+    let (size, boundary) = ([region.width, region.height], of_run(region.boundary));
+    let pattern = Pattern::from_positions(&read.set.points, size, radius, boundary)?;
+    Ok(Set {
+        pattern: Arc::new(pattern),
         domain: Domain::from_size(size, radius, boundary)?,
     })
 }

@@ -1,4 +1,4 @@
-//! Where a command writes: what could not be written at its end is refused before any work.
+//! Where a command writes: a file that could not be written at its end is refused before any work.
 
 use std::path::Path;
 
@@ -26,15 +26,17 @@ pub fn check_target(path: &Path, format: Option<Format>, option: &str) -> Result
 /// Refuses a file that could not be made or replaced at its end.
 pub fn check_place(path: &Path) -> Result<()> {
     let file = destination(path)?;
-    let folder = file
-        .parent()
-        .filter(|folder| !folder.as_os_str().is_empty());
-    if let Some(folder) = folder {
-        ensure!(
-            folder.is_dir(),
-            "{}: there is no such folder",
-            folder.display()
-        );
-    }
+    let folder = file.parent().unwrap_or(Path::new(""));
+    ensure!(
+        folder.as_os_str().is_empty() || folder.is_dir(),
+        "{}: there is no such folder",
+        folder.display()
+    );
     Ok(())
+}
+
+/// Returns the extension of a path, in small letters.
+pub fn extension(path: &Path) -> String {
+    let extension = path.extension().unwrap_or_default();
+    extension.to_string_lossy().to_lowercase()
 }

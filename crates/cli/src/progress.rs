@@ -32,7 +32,7 @@ impl Bar {
         self.0.set_position(done);
     }
 
-    /// Says what is going on.
+    /// Sets the name of the work.
     pub fn name(&self, what: &str) {
         self.0.set_message(what.to_owned());
     }
@@ -47,15 +47,15 @@ impl Bar {
     }
 }
 
-/// What asks a function of the analysis whether it shall go on.
-type Control<'a> = &'a (dyn Fn(tilescope_analysis::Progress) -> ControlFlow<()> + Sync);
+/// Progress of a function of the analysis; the answer is whether it goes on.
+pub type Control<'a> = &'a (dyn Fn(tilescope_analysis::Progress) -> ControlFlow<()> + Sync);
 
-/// Verifies with a bar and Ctrl-C; hands itself to functions that report analysis progress.
+/// Verifies with a bar; stops on Ctrl-C.
 pub fn verifying<T>(work: impl FnOnce(Control<'_>) -> T) -> T {
     watched("verify", work)
 }
 
-/// Measures with a bar and Ctrl-C.
+/// Measures with a bar; stops on Ctrl-C.
 pub fn measuring<T>(work: impl FnOnce(Control<'_>) -> T) -> T {
     watched("measure", work)
 }
@@ -92,13 +92,13 @@ impl Stopwatch {
         std::mem::take(&mut self.seconds)
     }
 
-    /// Forgets the times of tries: what follows is the run that is told of.
-    pub fn forget_tries(&mut self) {
+    /// Drops the times of tries for a radius; the run that is reported follows.
+    pub fn drop_tries(&mut self) {
         self.seconds.retain(|&(stage, _)| stage == Stage::Pattern);
     }
 
     fn add(&mut self, stage: Stage, time: Duration) {
-        // A stage that comes again belongs to another try; only the last one's times are told.
+        // A stage that comes again belongs to another try; only the last try's times are reported.
         if self.seconds.last().is_some_and(|&(last, _)| stage < last) {
             self.seconds.retain(|&(stage, _)| stage == Stage::Pattern);
         }
@@ -112,8 +112,8 @@ impl Stopwatch {
 impl Observer for Stopwatch {
     fn observe(&mut self, progress: Progress) -> ControlFlow<()> {
         let now = Instant::now();
-        // What passed since the last word belongs to the stage that speaks: stages tell when they
-        // begin, and what lies between two stages prepares the second.
+        // The time since the last report belongs to the stage that reports now: stages report when they
+        // begin, and the time between two stages is preparation of the second.
         self.add(progress.stage, now - self.began);
         self.began = now;
         self.bar.0.set_message(progress.stage.to_string());

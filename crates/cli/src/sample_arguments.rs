@@ -1,18 +1,19 @@
-//! The arguments of `tilescope sample`, and what follows from them: how large the set will be, whether it is passed on as it
-//! comes, and what its file states. They make no set.
+//! The arguments of `tilescope sample`, and what follows from them: whether the set is passed on band by band, and what its
+//! file states. Sets are made elsewhere.
 
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, ensure};
 use clap::{Args, ValueEnum};
-use tilescope_core::{MAXIMAL_DENSITY, radius_estimate};
-use tilescope_formats::{ExportContext, Format, PointSet, Precision, Warning};
+use tilescope_formats::{ExportContext, Format, Precision, Warning};
 
 use crate::engine::EngineArguments;
 use crate::facts::Facts;
+use crate::make::Made;
+use crate::options::{PRECISIONS, named};
 use crate::parameters::RunArguments;
 
-/// Sets expected to be larger than this are never held as a whole, where that can be avoided.
+/// Sets expected to be larger than this are not held in memory as a whole, if that can be avoided.
 const LARGE: f64 = 1e6;
 
 /// Arguments of `tilescope sample`.
@@ -32,7 +33,7 @@ pub struct SampleArguments {
     /// KDRT, or the reference sampler, which makes a maximal set from scratch and of the arguments
     /// above heeds radius or count, sides, boundary and seed
     #[arg(long, value_enum, default_value = "kdrt")]
-    pub method: Method,
+    pub method: SamplingMethod,
     /// Save the set, validated, with a certificate beside it; the extension gives the format.
     /// Sets of more than a million samples are written as they come: to npy, bin, rps, csv and ply of any size
     #[arg(long, value_name = "FILE")]
@@ -51,8 +52,8 @@ pub struct SampleArguments {
     pub format: Option<Format>,
     /// Number type, for formats that leave the choice: f32 or f64. Rounding to f32 moves samples of large sets (from some
     /// 30,000 on) closer than the radius: such a file is NOT VALID, and says up to which radius it is conflict-free
-    #[arg(long, value_enum, default_value = "f64", requires = "out")]
-    pub precision: PrecisionArgument,
+    #[arg(long, value_parser = named::<Precision>(&PRECISIONS), default_value = "f64", requires = "out")]
+    pub precision: Precision,
     /// Write the samples in an order drawn from this seed
     #[arg(long, value_name = "SEED", requires = "out")]
     pub shuffle: Option<u64>,
@@ -74,17 +75,11 @@ Examples:
 
 /// How to make the set.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Method {
+pub enum SamplingMethod {
     /// Randomized tiling
     Kdrt,
     /// Ebeida et al. 2012
     Reference,
-}
-
-#[derive(Clone, Copy, Debug, ValueEnum)]
-pub enum PrecisionArgument {
-    F32,
-    F64,
 }
 
 impl SampleArguments {
@@ -94,22 +89,10 @@ impl SampleArguments {
         self.format.or_else(named)
     }
 
-    /// Returns about how many samples the set will have.
-    pub fn expected(&self) -> Result<f64> {
-        Ok(match self.run.count {
-            Some(count) => {
-                // No device is opened for a count that cannot be.
-                radius_estimate(&self.run.parameters(), count)?;
-                count as f64
-            }
-            None => self.run.parameters().validate()?.area_radii() * MAXIMAL_DENSITY,
-        })
-    }
-
-    /// Returns whether the set is to be passed on band by band: when it is large, when it is resumed, and when nobody else wants to see it.
+    /// Returns whether the set is passed on band by band: when it is large, when it is resumed, and when it is not verified.
     pub fn streams(&self, expected: f64) -> Result<bool> {
-        let parameters = self.run.parameters();
-        let engine = self.method == Method::Kdrt && self.engine.makes_bands(&parameters);
+        let is_kdrt = self.method == SamplingMethod::Kdrt;
+        let engine = is_kdrt && self.engine.makes_bands(self.run.variant);
         let format = self.format().is_none_or(Format::streams) && self.shuffle.is_none();
         if self.resume {
             ensure!(
@@ -130,26 +113,20 @@ impl SampleArguments {
         Ok(engine && format && (self.resume || self.no_verify || expected > LARGE))
     }
 
-    /// Completes what an export states.
-    pub fn complete(&self, context: &mut ExportContext) {
-        context.format = self.format();
-        context.shuffle_seed = self.shuffle;
-        context.precision = match self.precision {
-            PrecisionArgument::F32 => Precision::Single,
-            PrecisionArgument::F64 => Precision::Double,
-        };
+    /// Returns what an export of a set states.
+    pub fn context(&self, facts: &Facts) -> ExportContext {
+        ExportContext {
+            format: self.format(),
+            shuffle_seed: self.shuffle,
+            precision: self.precision,
+            ..facts.context()
+        }
     }
-}
 
-/// Saves a set without a verdict, and so without a certificate.
-pub fn save_unverified(
-    arguments: &SampleArguments,
-    facts: &Facts,
-    set: &PointSet,
-    path: &Path,
-) -> Result<Vec<Warning>> {
-    let mut context = facts.context();
-    arguments.complete(&mut context);
-    tilescope_formats::export_unverified(path, set, &context)
-        .with_context(|| path.display().to_string())
+    /// Saves a set without a verdict, and so without a certificate.
+    pub fn save_unverified(&self, made: &Made, path: &Path) -> Result<Vec<Warning>> {
+        let context = self.context(&made.facts);
+        tilescope_formats::export_unverified(path, &made.set, &context)
+            .with_context(|| path.display().to_string())
+    }
 }

@@ -1,4 +1,4 @@
-//! `tilescope script`: the window's commands from a file, without a window. Whoever has the window carries them out.
+//! `tilescope script`: the window's commands from a file, without a window. The caller of `run` carries them out.
 
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -47,15 +47,13 @@ pub fn run(arguments: &ScriptArguments, carry_out: CarryOut) -> Result<u8> {
 }
 
 fn read(file: &Path) -> Result<String> {
-    let mut bytes = Vec::new();
-    if file.as_os_str() == "-" {
-        std::io::stdin()
-            .take(MAX_BYTES + 1)
-            .read_to_end(&mut bytes)?;
+    let source: Box<dyn Read> = if file.as_os_str() == "-" {
+        Box::new(std::io::stdin())
     } else {
-        let open = std::fs::File::open(file)?;
-        open.take(MAX_BYTES + 1).read_to_end(&mut bytes)?;
-    }
+        Box::new(std::fs::File::open(file)?)
+    };
+    let mut bytes = Vec::new();
+    source.take(MAX_BYTES + 1).read_to_end(&mut bytes)?;
     ensure!(
         bytes.len() as u64 <= MAX_BYTES,
         "the script is larger than {MAX_BYTES} bytes, the most that is read"

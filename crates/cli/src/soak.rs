@@ -1,11 +1,12 @@
 //! `tilescope soak`: random parameters, both engines, windows, and the verifier, for as many samples as
-//! wanted. Whatever is not as promised is said, with the command that makes the set.
+//! wanted. Each failure is reported with the command that makes its set.
 
 use std::fmt::Write;
 
 use anyhow::Result;
 use clap::Args;
 use rayon::prelude::*;
+use serde::Serialize;
 use serde_json::json;
 use tilescope_analysis::VerifyOptions;
 use tilescope_core::{
@@ -46,40 +47,40 @@ Example:
 /// The fewest and the most samples of a round, about.
 const ROUND_SAMPLES: [f64; 2] = [500.0, 400_000.0];
 
-/// Rounds between two looks at the total.
+/// Tally that are computed at a time.
 const ROUNDS_AT_ONCE: u64 = 16;
 
-/// Faults after which there is no use in going on.
+/// The run ends after this many faults.
 const MAX_FAULTS: usize = 50;
 
 /// Windows compared in a round.
 const WINDOWS: u32 = 4;
 
-/// What rounds found.
-#[derive(Clone, Debug, Default)]
-struct Found {
+/// What rounds add up to.
+#[derive(Clone, Debug, Default, Serialize)]
+struct Tally {
     rounds: u64,
     samples: u64,
     conflicts: u64,
     gaps: u64,
-    /// Rounds whose engines or windows differ.
+    /// Tally whose engines or windows differ.
     unequal: u64,
-    /// The largest covering radius of a round with the complete search, in radii.
-    covering: f64,
-    /// Rounds that ended with an error.
+    /// The largest covering radius of a round with the complete search.
+    covering_radius_r: f64,
+    /// Tally that ended with an error.
     failed: u64,
-    /// The commands that make what is wrong, with what it is.
+    /// The faults, each with the command that makes its set.
     commands: Vec<String>,
 }
 
-impl Found {
+impl Tally {
     fn add(&mut self, other: Self) {
         self.rounds += other.rounds;
         self.samples += other.samples;
         self.conflicts += other.conflicts;
         self.gaps += other.gaps;
         self.unequal += other.unequal;
-        self.covering = self.covering.max(other.covering);
+        self.covering_radius_r = self.covering_radius_r.max(other.covering_radius_r);
         self.failed += other.failed;
         self.commands.extend(other.commands);
     }
@@ -93,68 +94,52 @@ pub fn run(arguments: &SoakArguments) -> Result<u8> {
     interrupt::listen();
     arguments.threads.set()?;
     let bar = Bar::new("soak");
-    let mut found = Found::default();
-    while found.samples < arguments.samples
-        && found.commands.len() < MAX_FAULTS
+    let mut sum = Tally::default();
+    while sum.samples < arguments.samples
+        && sum.commands.len() < MAX_FAULTS
         && !interrupt::requested()
     {
-        let rounds: Vec<u64> = (found.rounds..found.rounds + ROUNDS_AT_ONCE).collect();
-        let outcomes: Vec<Found> = rounds
-            .into_par_iter()
-            .with_max_len(1)
-            .map(|k| round_or_fault(arguments.seed, k))
-            .collect();
-        for outcome in outcomes {
-            found.add(outcome);
+        let rounds: Vec<u64> = (sum.rounds..sum.rounds + ROUNDS_AT_ONCE).collect();
+        let rounds = rounds.into_par_iter().with_max_len(1);
+        let rounds = rounds.map(|k| round_or_fault(arguments.seed, k));
+        for round in rounds.collect::<Vec<Tally>>() {
+            sum.add(round);
         }
-        bar.set(found.samples, arguments.samples);
+        bar.set(sum.samples, arguments.samples);
     }
     bar.clear();
-    if arguments.json {
-        let object = json!({
-            "rounds": found.rounds,
-            "samples": found.samples,
-            "conflicts": found.conflicts,
-            "gaps": found.gaps,
-            "unequal": found.unequal,
-            "failed": found.failed,
-            "covering_radius_r": found.covering,
-            "commands": found.commands,
-        });
-        output::emit(&format!("{object}\n"))?;
-    } else {
-        output::emit(&text(&found))?;
-    }
+    output::report(arguments.json, || json!(sum), || text(&sum))?;
     if interrupt::requested() {
         return Ok(crate::EXIT_INTERRUPTED);
     }
-    Ok(verdict_code(found.is_fine()))
+    Ok(verdict_code(sum.is_fine()))
 }
 
-fn text(found: &Found) -> String {
-    let mut out = String::new();
-    let _ = writeln!(out, "rounds             {}", found.rounds);
-    let _ = writeln!(out, "samples            {}", found.samples);
-    let _ = writeln!(out, "conflicts          {}", found.conflicts);
-    let _ = writeln!(out, "gaps               {}", found.gaps);
-    let _ = writeln!(out, "covering radius    {:.9} r at most", found.covering);
-    let _ = writeln!(out, "unequal engines    {}", found.unequal);
-    if found.failed > 0 {
-        let _ = writeln!(out, "rounds that failed {}", found.failed);
+fn text(sum: &Tally) -> String {
+    let mut out = format!(
+        "rounds             {}\n\
+         samples            {}\n\
+         conflicts          {}\n\
+         gaps               {}\n\
+         covering radius    {:.9} r at most\n\
+         unequal engines    {}\n",
+        sum.rounds, sum.samples, sum.conflicts, sum.gaps, sum.covering_radius_r, sum.unequal
+    );
+    if sum.failed > 0 {
+        let _ = writeln!(out, "rounds that failed {}", sum.failed);
     }
-    for command in &found.commands {
+    for command in &sum.commands {
         let _ = writeln!(out, "  {command}");
     }
-    let verdict = if found.is_fine() {
+    let verdict = if sum.is_fine() {
         "as promised"
     } else {
         "NOT AS PROMISED"
     };
-    let _ = writeln!(out, "verdict            {verdict}");
-    out
+    out + &format!("verdict            {verdict}\n")
 }
 
-/// Draws of a round.
+/// Random draws of a round.
 struct Dice(Key);
 
 impl Dice {
@@ -172,6 +157,13 @@ impl Dice {
     }
 }
 
+const ORDERS: [Order; 4] = [
+    Order::Index,
+    Order::Random,
+    Order::OwnBlockFirst,
+    Order::PhaseGroup,
+];
+
 fn parameters(dice: &Dice, seed: u64) -> Parameters {
     let area = dice.scale(0, ROUND_SAMPLES) / 0.7;
     let aspect = dice.scale(1, [0.05, 20.0]);
@@ -187,17 +179,14 @@ fn parameters(dice: &Dice, seed: u64) -> Parameters {
             seed,
         }
     } else {
-        // Mostly sides that are at hand: making a pattern costs more than a small round.
+        // Mostly a few sides and seeds, whose patterns are remembered: making one costs more than a small round.
         let any = dice.scale(5, [10.0, 160.0]);
         let side = dice.pick(10, &[20.0, 30.0, 50.0, 100.0, 200.0, any, any]);
+        let is_default = (side - 100.0).abs() < 1e-9;
         PatternSpec {
             side,
             boundary: Boundary::Periodic,
-            seed: if (side - 100.0).abs() < 1e-9 {
-                seed & 7
-            } else {
-                0
-            },
+            seed: if is_default { seed & 7 } else { 0 },
         }
     };
     Parameters {
@@ -209,15 +198,7 @@ fn parameters(dice: &Dice, seed: u64) -> Parameters {
         leaf,
         pattern,
         dihedral: dice.pick(6, &[false, true]),
-        order: dice.pick(
-            7,
-            &[
-                Order::Index,
-                Order::Random,
-                Order::OwnBlockFirst,
-                Order::PhaseGroup,
-            ],
-        ),
+        order: dice.pick(7, &ORDERS),
         insertion: dice.pick(8, &[Insertion::Circumcentre, Insertion::Uniform]),
         search: if dice.share(9) < 0.1 {
             Search::TwoRadii
@@ -228,28 +209,28 @@ fn parameters(dice: &Dice, seed: u64) -> Parameters {
     }
 }
 
-/// Makes a round. An error is one of its findings; an interrupted round has found nothing.
-fn round_or_fault(seed: u64, index: u64) -> Found {
+/// Makes a round. An error counts as a failed round; an interrupted round does not count.
+fn round_or_fault(seed: u64, index: u64) -> Tally {
     if interrupt::requested() {
-        return Found::default();
+        return Tally::default();
     }
     let key = Key::from_seed(seed).derive(Stream::Pattern, index as u32);
     let [low, high] = key.words();
     let dice = Dice(key);
     let parameters = parameters(&dice, u64::from(low) | u64::from(high) << 32);
     match round(&parameters, &dice) {
-        Ok(found) => found,
-        Err(_) if interrupt::requested() => Found::default(),
-        Err(error) => Found {
+        Ok(round) => round,
+        Err(_) if interrupt::requested() => Tally::default(),
+        Err(error) => Tally {
             rounds: 1,
             failed: 1,
             commands: vec![format!("{error:#}: {}", command(&parameters))],
-            ..Found::default()
+            ..Tally::default()
         },
     }
 }
 
-fn round(parameters: &Parameters, dice: &Dice) -> Result<Found> {
+fn round(parameters: &Parameters, dice: &Dice) -> Result<Tally> {
     let pattern = Pattern::of_spec(&parameters.pattern, &mut Unobserved)?;
     let run = Sequential::new(parameters, std::sync::Arc::clone(&pattern))?;
     let run = run.finish(&mut Unobserved)?;
@@ -266,35 +247,37 @@ fn round(parameters: &Parameters, dice: &Dice) -> Result<Found> {
         &VerifyOptions::default(),
         &|_| interrupt::flow(),
     )?;
-    let complete = parameters.search == Search::Complete;
-    let mut found = Found {
+    let is_complete = parameters.search == Search::Complete;
+    let mut round = Tally {
         rounds: 1,
         samples: report.count as u64,
         conflicts: report.conflicts,
-        gaps: if complete { report.gaps } else { 0 },
         unequal: u64::from(!engines_agree || !windows_agree),
-        covering: if complete {
-            report.covering_radius
-        } else {
-            0.0
-        },
-        ..Found::default()
+        ..Tally::default()
     };
-    if !found.is_fine() {
-        let what = [
-            (
-                !engines_agree,
-                "--engine sequential and --engine parallel differ: ",
-            ),
-            (!windows_agree, "a --window differs from the set: "),
-            (found.conflicts + found.gaps > 0, "not valid: "),
-        ];
-        let what: String = what.iter().filter(|w| w.0).map(|w| w.1).collect();
-        found
-            .commands
-            .push(format!("{what}{}", command(parameters)));
+    if is_complete {
+        round.gaps = report.gaps;
+        round.covering_radius_r = report.covering_radius;
     }
-    Ok(found)
+    let faults = [
+        (
+            !engines_agree,
+            "--engine sequential and --engine parallel differ: ",
+        ),
+        (!windows_agree, "a --window differs from the set: "),
+        (round.conflicts + round.gaps > 0, "not valid: "),
+    ];
+    let faults: String = faults
+        .iter()
+        .filter(|fault| fault.0)
+        .map(|fault| fault.1)
+        .collect();
+    if !faults.is_empty() {
+        round
+            .commands
+            .push(format!("{faults}{}", command(parameters)));
+    }
+    Ok(round)
 }
 
 /// Compares windows of random sizes with what the whole set has there.
@@ -338,21 +321,22 @@ fn shows(window: &Window, plane: &Plane, p: Point) -> bool {
 
 /// Returns the command that makes the set of a round.
 fn command(p: &Parameters) -> String {
-    let name = |value: serde_json::Result<String>| value.unwrap_or_default().replace('"', "");
+    let names = json!([p.boundary, p.pattern.boundary, p.order, p.insertion]);
+    let name = |index: usize| names[index].as_str().unwrap_or_default();
     format!(
         "tilescope sample --radius {} --width {} --height {} --boundary {} --seed {} --leaf {} \
          --pattern-side {} --pattern-boundary {} --pattern-seed {} --order {} --insertion {} --search {}{}",
         p.radius,
         p.width,
         p.height,
-        name(serde_json::to_string(&p.boundary)),
+        name(0),
         p.seed,
         p.leaf,
         p.pattern.side,
-        name(serde_json::to_string(&p.pattern.boundary)),
+        name(1),
         p.pattern.seed,
-        name(serde_json::to_string(&p.order)),
-        name(serde_json::to_string(&p.insertion)),
+        name(2),
+        name(3),
         if p.search == Search::TwoRadii { 2 } else { 4 },
         if p.dihedral { " --dihedral" } else { "" },
     )

@@ -1,135 +1,82 @@
 //! Sets of any size: computed band by band, and written and verified as they come.
 
 use std::ops::ControlFlow;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, sync_channel};
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, anyhow, ensure};
+use pollster::block_on;
 use serde_json::{Value, json};
 use tilescope_analysis::{Report, StreamVerifier, VerifyOptions};
 use tilescope_core::{Domain, Sampled, SweepState};
 use tilescope_formats::{
-    ExportContext, Exported, Format, Provenance, StreamExport, StreamOptions, Streamed, Warning,
-    checkpoint_token, resume_path,
+    ExportContext, Format, Provenance, StreamExport, StreamOptions, Warning, checkpoint_token,
+    resume_path,
 };
+use tilescope_gpu::Bands;
 
-use crate::bands::Bands;
-use crate::engine::Chosen;
+use crate::engine::of_engine;
 use crate::facts::Facts;
-use crate::parameters::RunArguments;
+use crate::interrupt::Resumable;
+use crate::output::Outcome;
+use crate::parameters::Resolved;
 use crate::progress::Stopwatch;
+use crate::sample_arguments::SampleArguments;
 use crate::{interrupt, make};
 
 /// Samples handed to the writer at a time.
 const PIECE: usize = 1 << 16;
 
-/// What to do with the samples.
-pub struct Target<'a> {
-    /// Where to write them; without it they are only verified.
-    pub out: Option<&'a Path>,
-    /// Completes what an export states.
-    pub complete: &'a dyn Fn(&mut ExportContext),
-    /// Whether to verify.
-    pub verify: bool,
-    /// Whether to go on with an interrupted export.
-    pub resume: bool,
-    /// How much time may pass between checkpoints.
-    pub checkpoint: Duration,
-}
+/// What is left of the samples: the verdict if there is one, the certificate's path, and what the user should know.
+type End = (Option<Report>, Option<PathBuf>, Vec<Warning>);
 
-/// A set that passed by.
-pub struct Passed {
-    pub facts: Facts,
-    /// What was written and found.
-    pub end: End,
-}
-
-/// What is left of the samples.
-pub enum End {
-    /// They were verified.
-    Judged(Box<Report>),
-    /// They were written, and verified if that was asked for.
-    Written(Box<Streamed>),
-}
-
-impl End {
-    /// Returns the report, if there is one.
-    pub fn report(&self) -> Option<&Report> {
-        match self {
-            Self::Judged(report) => Some(report),
-            Self::Written(streamed) => verified(streamed).map(|exported| &exported.report),
-        }
-    }
-
-    /// Returns the certificate's path, if one was written.
-    pub fn certificate(&self) -> Option<&Path> {
-        match self {
-            Self::Judged(_) => None,
-            Self::Written(streamed) => verified(streamed).map(|e| e.certificate_path.as_path()),
-        }
-    }
-
-    /// Returns what the user should be told.
-    pub fn warnings(&self) -> &[Warning] {
-        match self {
-            Self::Judged(_) => &[],
-            Self::Written(streamed) => &streamed.warnings,
-        }
-    }
-}
-
-fn verified(streamed: &Streamed) -> Option<&Exported> {
-    streamed.verified.as_ref()
-}
-
-/// Makes a set with an engine that makes bands, and hands it on as it comes.
-pub fn pass(arguments: &RunArguments, chosen: &Chosen, target: &Target<'_>) -> Result<Passed> {
-    let mut watch = Stopwatch::start();
-    let pattern = arguments.pattern(&mut watch)?;
-    let parameters = make::with_radius(arguments, &pattern, &mut watch)?;
-    let domain = parameters.validate()?;
-    let mut facts = Facts::of_run(&parameters, &domain, Some(arguments))?;
-    let mut context = facts.context();
-    (target.complete)(&mut context);
-    let state = match (target.out, target.resume) {
-        (Some(path), true) => Some(state_of(path, &facts, target.verify)?),
-        _ => None,
-    };
-    let sink = Sink::open(target, &context)?;
-    let sources = target.out.is_some() && context.format.is_some_and(Format::carries_provenance);
-    let mut bands = Bands::new(&parameters, &pattern, sources, chosen)?;
+/// Makes the set of a run with an engine that makes bands, and writes and verifies it as it comes.
+pub fn pass(arguments: &SampleArguments, run: &Resolved, mut watch: Stopwatch) -> Result<Outcome> {
+    let mut facts = run.facts()?;
+    let context = arguments.context(&facts);
+    let out = arguments.out.as_deref();
+    let resumed = out.filter(|_| arguments.resume);
+    let state = resumed.map(|path| state_of(path, &facts, arguments.no_verify));
+    let state = state.transpose()?;
+    let sink = Sink::open(arguments, &context)?;
+    let sources = out.is_some() && context.format.is_some_and(Format::carries_provenance);
+    let mut bands = make::bands(run, sources)?;
     if let Some(state) = &state {
         bands.restore(state);
     }
     let parameters = serde_json::to_value(&facts.parameters)?;
-    let verify = target.verify;
-    let token =
-        |state: &SweepState| json!({ "parameters": parameters, "verify": verify, "state": state });
-    let end = pass_into(&mut bands, sink, (&domain, &token), &mut watch)
-        .map_err(|error| with_hint(error, target.out))?;
+    let verify = !arguments.no_verify;
+    let token = |state| json!({ "parameters": parameters, "verify": verify, "state": state });
+    let end = pass_into(&mut bands, sink, (&run.domain, token), &mut watch);
+    let (report, certificate, warnings) = end.map_err(|error| with_hint(error, out))?;
+    let summary = bands.summary();
     facts.seconds = watch.take();
-    facts.engine = Some(bands.told());
-    facts.summary = Some(bands.summary());
-    Ok(Passed { facts, end })
+    facts.backend = Some(bands.backend().clone());
+    Ok(Outcome {
+        count: summary.count as u64,
+        facts: Facts {
+            summary: Some(summary),
+            ..facts
+        },
+        report,
+        certificate,
+        warnings: warnings.iter().map(ToString::to_string).collect(),
+    })
 }
 
 /// Says how to go on, where that is possible.
 fn with_hint(error: anyhow::Error, out: Option<&Path>) -> anyhow::Error {
-    match out {
-        Some(path) if checkpoint_token(path).is_ok_and(|token| token.is_some()) => {
-            error.context(format!(
-                "{}: not finished; the same command with --resume goes on from the last checkpoint",
-                path.display()
-            ))
-        }
-        _ => error,
+    let has_checkpoint = |path: &&Path| checkpoint_token(path).is_ok_and(|token| token.is_some());
+    match out.filter(has_checkpoint) {
+        Some(path) => error.context(Resumable(path.to_owned())),
+        None => error,
     }
 }
 
 /// Returns where the interrupted run of `path` was. Fails when there is none, or when it was made with
 /// other parameters, which are named.
-fn state_of(path: &Path, facts: &Facts, verify: bool) -> Result<SweepState> {
+fn state_of(path: &Path, facts: &Facts, no_verify: bool) -> Result<SweepState> {
     let token = checkpoint_token(path)?.with_context(|| {
         let resume = resume_path(path);
         format!("there is nothing to resume: no {}", resume.display())
@@ -142,65 +89,57 @@ fn state_of(path: &Path, facts: &Facts, verify: bool) -> Result<SweepState> {
         );
     }
     ensure!(
-        token["verify"] == verify,
+        token["verify"] == !no_verify,
         "the interrupted run was {}; all arguments must be the same",
-        if verify {
-            "not verified (--no-verify)"
-        } else {
+        if no_verify {
             "verified, without --no-verify"
+        } else {
+            "not verified (--no-verify)"
         }
     );
     let state = token["state"].clone();
     serde_json::from_value(state).context("the checkpoint is not of a run")
 }
 
-/// What a checkpoint must know of a run that was there.
-type Token<'a> = dyn Fn(&SweepState) -> Value + Sync + 'a;
-
 /// Computes on this thread (and the pool's, or a device) while another one writes and verifies.
 fn pass_into(
     bands: &mut Bands,
     sink: Sink,
-    (domain, token): (&Domain, &Token<'_>),
+    (domain, token): (&Domain, impl Fn(SweepState) -> Value),
     watch: &mut Stopwatch,
 ) -> Result<End> {
     let (sender, receiver) = sync_channel(1);
     std::thread::scope(|scope| {
-        let writer = scope.spawn(move || sink.take_all(domain, token, &receiver));
+        let writer = scope.spawn(move || sink.take_all(domain, &receiver));
         let computed = loop {
-            let word = match bands.step(watch) {
-                Ok(Some(sampled)) => Word::Band(sampled, bands.state()),
-                Ok(None) => Word::End,
-                // Without a last word the writer finishes nothing.
-                Err(error) => break Err(error),
+            let message = match block_on(bands.step(watch)) {
+                Ok(Some(sampled)) => Message::Band(sampled, token(bands.state())),
+                Ok(None) => Message::End,
+                // Without the end the writer finishes nothing.
+                Err(error) => break Err(of_engine(error)),
             };
-            let is_last = matches!(word, Word::End);
-            // A writer that has stopped will say why.
-            if sender.send(word).is_err() || is_last {
+            let is_last = matches!(message, Message::End);
+            // A writer that stopped returns why.
+            if sender.send(message).is_err() || is_last {
                 break Ok(());
             }
         };
         drop(sender);
         let written = writer.join().map_err(|_| anyhow!("the writer failed"))?;
-        // A run that was stopped leaves the writer nothing to say but that.
-        match (computed, written) {
-            (Err(error), Ok(_)) => Err(error),
-            (Err(error), Err(why)) if why.is::<CutShort>() => Err(error),
-            (_, written) => written,
+        match computed {
+            // Both may fail at once, as when a disk is full and the process is asked to end.
+            Err(error) => Err(written.err().unwrap_or(error)),
+            Ok(()) => written?.context("the writer ended before the run"),
         }
     })
 }
 
-/// What the computing thread tells the writing one.
-enum Word {
-    Band(Sampled, SweepState),
+/// What the computing thread sends to the writing one.
+enum Message {
+    /// Samples, and what a checkpoint behind them must say to go on from there.
+    Band(Sampled, Value),
     End,
 }
-
-/// The computing thread ended without a last word.
-#[derive(Debug, thiserror::Error)]
-#[error("the run was cancelled before its end")]
-struct CutShort;
 
 /// Where samples go.
 enum Sink {
@@ -213,17 +152,17 @@ enum Sink {
 }
 
 impl Sink {
-    fn open(target: &Target<'_>, context: &ExportContext) -> Result<Self> {
-        let Some(path) = target.out else {
+    fn open(arguments: &SampleArguments, context: &ExportContext) -> Result<Self> {
+        let Some(path) = &arguments.out else {
             let options = VerifyOptions::default();
             let verifier = StreamVerifier::new(context.region, context.radius, &options)?;
             return Ok(Self::Judge(Box::new(verifier)));
         };
-        let export = if target.resume {
+        let export = if arguments.resume {
             StreamExport::resume(path, context)?.0
         } else {
             let options = StreamOptions {
-                verify: target.verify,
+                verify: !arguments.no_verify,
                 resumable: true,
             };
             StreamExport::create(path, context, options)?
@@ -231,20 +170,15 @@ impl Sink {
         Ok(Self::File {
             export: Box::new(export),
             last_checkpoint: Instant::now(),
-            checkpoint: target.checkpoint,
+            checkpoint: Duration::from_secs(arguments.checkpoint),
         })
     }
 
-    /// Takes bands to the last one, then finishes.
-    fn take_all(
-        mut self,
-        domain: &Domain,
-        token: &Token<'_>,
-        words: &Receiver<Word>,
-    ) -> Result<End> {
-        for word in words {
-            let Word::Band(sampled, state) = word else {
-                return self.finish();
+    /// Takes bands to the last one, then finishes; `None` if the end does not come.
+    fn take_all(mut self, domain: &Domain, messages: &Receiver<Message>) -> Result<Option<End>> {
+        for message in messages {
+            let Message::Band(sampled, token) = message else {
+                return self.finish().map(Some);
             };
             let provenance = make::provenance(&sampled);
             for (k, piece) in sampled.points.chunks(PIECE).enumerate() {
@@ -252,9 +186,9 @@ impl Sink {
                 let range = k * PIECE..k * PIECE + points.len();
                 self.push(&points, provenance.as_ref().map(|all| &all[range]))?;
             }
-            self.checkpoint(|| token(&state))?;
+            self.checkpoint(&token)?;
         }
-        Err(CutShort.into())
+        Ok(None)
     }
 
     fn push(&mut self, points: &[[f64; 2]], provenance: Option<&[Provenance]>) -> Result<()> {
@@ -265,7 +199,7 @@ impl Sink {
         Ok(())
     }
 
-    fn checkpoint(&mut self, token: impl FnOnce() -> Value) -> Result<()> {
+    fn checkpoint(&mut self, token: &Value) -> Result<()> {
         if let Self::File {
             export,
             last_checkpoint,
@@ -273,7 +207,7 @@ impl Sink {
         } = self
             && last_checkpoint.elapsed() >= *checkpoint
         {
-            export.checkpoint(&token())?;
+            export.checkpoint(token)?;
             *last_checkpoint = Instant::now();
         }
         Ok(())
@@ -281,8 +215,13 @@ impl Sink {
 
     fn finish(self) -> Result<End> {
         Ok(match self {
-            Self::File { export, .. } => End::Written(Box::new(export.finish(&control)?)),
-            Self::Judge(verifier) => End::Judged(Box::new(verifier.finish(&control)?)),
+            Self::File { export, .. } => {
+                let streamed = export.finish(&control)?;
+                let verified = streamed.verified.map(|v| (v.report, v.certificate_path));
+                let (report, certificate) = verified.unzip();
+                (report, certificate, streamed.warnings)
+            }
+            Self::Judge(verifier) => (Some(verifier.finish(&control)?), None, Vec::new()),
         })
     }
 }

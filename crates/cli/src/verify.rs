@@ -1,4 +1,4 @@
-//! `tilescope verify`: a file against its radius, its region and its certificate.
+//! `tilescope verify`: checks a file against its radius, its region and its certificate.
 
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -6,9 +6,9 @@ use std::path::PathBuf;
 use anyhow::{Context, Result};
 use clap::Args;
 use serde_json::json;
-use tilescope_formats::{Certificate, CheckError, StreamCheck, check_stream};
+use tilescope_formats::{Certificate, CheckError, Overrides, StreamCheck, check_stream};
 
-use crate::options::SetArguments;
+use crate::options::{SetArguments, UNIT_SQUARE};
 use crate::progress::verifying;
 use crate::{interrupt, output, verdict_code};
 
@@ -38,39 +38,32 @@ Examples:
 pub fn run(arguments: &VerifyArguments) -> Result<u8> {
     interrupt::listen();
     let check = checked(&arguments.file, &arguments.set)?;
-    if arguments.json {
-        output::emit(&format!("{}\n", to_json(&check)))?;
-    } else {
-        output::emit(&to_text(&check))?;
-    }
+    output::report(arguments.json, || to_json(&check), || to_text(&check))?;
     Ok(verdict_code(check.passed()))
 }
 
 /// Reads and verifies a file.
-pub fn checked(file: &std::path::Path, set: &SetArguments) -> Result<StreamCheck> {
-    let mut overrides = set.overrides(file)?;
-    let outcome = match verifying(|control| check_stream(file, &overrides, control)) {
-        Err(CheckError::NoRegion(_)) => {
-            overrides.region = Some(crate::options::UNIT_SQUARE);
-            verifying(|control| check_stream(file, &overrides, control))
-        }
+fn checked(file: &std::path::Path, set: &SetArguments) -> Result<StreamCheck> {
+    let overrides = set.overrides(file)?;
+    let check = |overrides| verifying(|control| check_stream(file, &overrides, control));
+    let outcome = match check(overrides.clone()) {
+        Err(CheckError::NoRegion(_)) => check(Overrides {
+            region: Some(UNIT_SQUARE),
+            ..overrides
+        }),
         outcome => outcome,
     };
-    let named = || file.display().to_string();
-    match outcome {
-        Err(error @ CheckError::NoRadius) => {
-            Err(error).context("give --radius").with_context(named)
-        }
-        outcome => outcome.with_context(named),
-    }
+    let outcome = match outcome {
+        Err(error @ CheckError::NoRadius) => Err(error).context("give --radius"),
+        outcome => outcome.map_err(Into::into),
+    };
+    outcome.with_context(|| file.display().to_string())
 }
 
 fn to_json(check: &StreamCheck) -> serde_json::Value {
-    let differences: Vec<_> = check
-        .differences
-        .iter()
-        .map(|d| json!({ "field": d.field, "stated": d.stated, "found": d.found }))
-        .collect();
+    let differences = check.differences.iter();
+    let differences =
+        differences.map(|d| json!({ "field": d.field, "stated": d.stated, "found": d.found }));
     let mut object = json!({
         "format": check.detection.format.to_string(),
         "precision": check.precision,
@@ -78,12 +71,10 @@ fn to_json(check: &StreamCheck) -> serde_json::Value {
         "radius": check.report.radius,
         "certificate": check.certificate.is_some(),
         "unchecked": check.certificate.as_ref().map(Certificate::unchecked),
-        "differences": differences,
+        "differences": differences.collect::<Vec<_>>(),
         "passed": check.passed(),
     });
-    if let Some(map) = object.as_object_mut() {
-        map.extend(output::verdict_json(&check.report));
-    }
+    output::add(&mut object, output::verdict_json(&check.report));
     object
 }
 

@@ -1,5 +1,4 @@
-//! `tilescope web`: hands a built page out, on this machine alone unless asked otherwise. It builds nothing and
-//! changes nothing.
+//! `tilescope web`: serves a page that was built before, to this machine alone unless asked otherwise.
 
 mod headers;
 mod open;
@@ -7,11 +6,11 @@ mod site;
 mod within;
 
 use std::io::ErrorKind;
-use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr, UdpSocket};
+use std::net::{IpAddr, Ipv4Addr, SocketAddr, UdpSocket};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use anyhow::{Context, Result, anyhow, bail};
+use anyhow::{Context, Result, anyhow, bail, ensure};
 use axum::Router;
 use axum::serve::Listener;
 use clap::Args;
@@ -23,8 +22,7 @@ use tokio::net::TcpListener;
 use crate::{EXIT_FINE, interrupt, output};
 use site::Site;
 
-/// How long a request's head may take to come. A connection that says nothing more is closed then, so that none is
-/// held for ever.
+/// How long a request's head may take to arrive; then the connection is closed.
 const HEAD_LIMIT: Duration = Duration::from_secs(20);
 
 /// Arguments of `tilescope web`.
@@ -73,7 +71,7 @@ async fn serve(arguments: &WebArguments, site: Site) -> Result<u8> {
     }
     output::emit(&text)?;
     if arguments.open {
-        // Some systems are done with it only when the browser is closed.
+        // On some systems this returns only when the browser is closed.
         std::thread::spawn(move || {
             if let Err(error) = open::in_browser(&page) {
                 output::note(&format!("warning: {error:#}; open {page} yourself"));
@@ -81,7 +79,7 @@ async fn serve(arguments: &WebArguments, site: Site) -> Result<u8> {
         });
     }
     let served = answer_all(listener, site.router(), HEAD_LIMIT);
-    // A file that is on its way when Ctrl+C comes can be asked for again.
+    // A browser can ask again for a file that Ctrl+C cut off.
     tokio::select! {
         () = served => {}
         asked = interrupt::asked() => asked.context("cannot listen for Ctrl+C")?,
@@ -94,12 +92,12 @@ async fn answer_all(mut listener: TcpListener, router: Router, limit: Duration) 
     let mut http = http1::Builder::new();
     http.timer(TokioTimer::new()).header_read_timeout(limit);
     loop {
-        // Waits where there are too many connections.
+        // Waits if there are too many connections.
         let (stream, _) = Listener::accept(&mut listener).await;
         let service = TowerToHyperService::new(router.clone());
         let connection = http.serve_connection(TokioIo::new(stream), service);
         tokio::spawn(async move {
-            // Whoever asked knows that the connection broke, and nobody else wants to.
+            // The browser notices that the connection broke; there is nothing else to do.
             let _ = connection.await;
         });
     }
@@ -120,15 +118,14 @@ async fn listen(arguments: &WebArguments) -> Result<TcpListener> {
 }
 
 /// Returns an address that a browser on this machine can go to.
-fn reachable(address: SocketAddr) -> SocketAddr {
+fn reachable(mut address: SocketAddr) -> SocketAddr {
     if address.ip().is_unspecified() {
-        SocketAddr::from((Ipv4Addr::LOCALHOST, address.port()))
-    } else {
-        address
+        address.set_ip(Ipv4Addr::LOCALHOST.into());
     }
+    address
 }
 
-/// Returns the page's address for other machines, `outward` being how this machine is called out there.
+/// Returns the page's address for other machines, where `outward` is this machine's own address.
 fn elsewhere(address: SocketAddr, outward: Option<IpAddr>) -> String {
     let port = address.port();
     match outward.filter(|_| address.ip().is_unspecified()) {
@@ -142,18 +139,14 @@ fn elsewhere(address: SocketAddr, outward: Option<IpAddr>) -> String {
 
 /// Returns this machine's own address on the way to others, if there is a way. No packet is sent.
 fn outward(listening: IpAddr) -> Option<IpAddr> {
-    // Addresses that are reserved for documentation.
-    let (own, far): (IpAddr, IpAddr) = if listening.is_ipv4() {
-        (
-            Ipv4Addr::UNSPECIFIED.into(),
-            Ipv4Addr::new(192, 0, 2, 1).into(),
-        )
+    // The far addresses are reserved for documentation.
+    let (own, far) = if listening.is_ipv4() {
+        ("0.0.0.0:0", "192.0.2.1:9")
     } else {
-        let far = Ipv6Addr::new(0x2001, 0xdb8, 0, 0, 0, 0, 0, 1);
-        (Ipv6Addr::UNSPECIFIED.into(), far.into())
+        ("[::]:0", "[2001:db8::1]:9")
     };
-    let socket = UdpSocket::bind((own, 0)).ok()?;
-    socket.connect((far, 9)).ok()?;
+    let socket = UdpSocket::bind(own).ok()?;
+    socket.connect(far).ok()?;
     Some(socket.local_addr().ok()?.ip())
 }
 
@@ -161,13 +154,12 @@ fn outward(listening: IpAddr) -> Option<IpAddr> {
 fn folder(asked: Option<&Path>) -> Result<PathBuf> {
     let has_page = |folder: &Path| folder.join("index.html").is_file();
     if let Some(folder) = asked {
-        if has_page(folder) {
-            return Ok(folder.to_owned());
-        }
-        bail!(
+        ensure!(
+            has_page(folder),
             "there is no index.html in {}; web/build makes the page, in web/dist",
             folder.display()
         );
+        return Ok(folder.to_owned());
     }
     let mut places = vec![PathBuf::from("web/dist")];
     if let Ok(program) = std::env::current_exe()
@@ -214,7 +206,7 @@ mod tests {
             .unwrap();
         let answer = |request: &str| {
             let mut stream = TcpStream::connect(address).unwrap();
-            // A server that waits on fails the test instead of holding it up.
+            // If the server keeps waiting, the test fails instead of hanging.
             stream
                 .set_read_timeout(Some(Duration::from_secs(10)))
                 .unwrap();

@@ -6,52 +6,52 @@ use std::ops::ControlFlow;
 use std::time::Instant;
 
 use anyhow::{Context, Result, ensure};
+use serde::Serialize;
 use serde_json::{Value, json};
-use tilescope_analysis::{Boundary, Region, Report, VerifyOptions};
-use tilescope_core::{Domain, MAXIMAL_DENSITY, Plane, Point, Progress, R, Window};
+use tilescope_analysis::{Boundary, Region, VerifyOptions};
+use tilescope_core::{Domain, MAXIMAL_DENSITY, Plane, Progress, R, Window};
 use tilescope_formats::PointSet;
+use tilescope_gpu::{ASKED_FOR, Backend, Engine};
 
-use crate::facts::Facts;
-use crate::make::{positions, with_radius};
+use crate::make::{Made, positions};
 use crate::options::region;
 use crate::progress::{Stopwatch, verifying};
-use crate::sample_arguments::{Method, SampleArguments, save_unverified};
+use crate::sample_arguments::{SampleArguments, SamplingMethod};
 use crate::{interrupt, output, verdict_code};
-
-/// Units around a window that are computed to judge it: 4r, where 2r would do.
-const MARGIN: i64 = 4 * R as i64;
 
 /// The most samples of a window: they are judged in memory.
 const MAX_SAMPLES: f64 = 2e7;
 
-/// More gaps than the cut borders of a judged window have.
+/// Gaps that the verifier lists, more than the cut borders of a window have.
 const MAX_GAPS: usize = 1 << 20;
 
-/// What was found about a window.
-pub struct Verdict {
+/// What the verifier says of a window.
+#[derive(Serialize)]
+struct Verdict {
     /// Pairs in conflict in the window and around it.
-    pub conflicts: u64,
+    conflicts: u64,
     /// Uncovered places in the window.
-    pub gaps: usize,
-    /// The smallest distance around, in radii.
-    pub min_distance: f64,
+    gaps: usize,
+    /// The smallest distance around.
+    min_distance_r: f64,
+    conflict_free: bool,
+    maximal: bool,
+    valid: bool,
 }
 
-impl Verdict {
-    const fn is_valid(&self) -> bool {
-        self.conflicts == 0 && self.gaps == 0
-    }
-}
-
-/// A window as it was asked for and made.
-struct Shown<'a> {
+/// A window that was made.
+#[derive(Serialize)]
+struct WindowReport {
+    method: &'static str,
     parameters: BTreeMap<String, Value>,
     /// Left, bottom, right, top.
-    sides: [f64; 4],
+    window: [f64; 4],
     radius: f64,
-    domain: &'a Domain,
+    #[serde(skip)]
+    domain: Domain,
     count: usize,
     seconds: f64,
+    #[serde(flatten)]
     verdict: Verdict,
     file: Option<String>,
 }
@@ -60,17 +60,25 @@ pub fn run(arguments: &SampleArguments, window: &[f64]) -> Result<u8> {
     let &[left, bottom, right, top] = window else {
         anyhow::bail!("--window takes four numbers");
     };
-    let (facts, plane) = plane(arguments)?;
-    let domain = plane.domain();
+    ensure!(
+        arguments.method == SamplingMethod::Kdrt
+            && arguments.engine.makes_windows(arguments.run.variant),
+        "--window needs the parallel engine: the others, the GPU's too, make whole sets"
+    );
+    let mut watch = Stopwatch::start();
+    let backend = Backend::new(Engine::Parallel, ASKED_FOR);
+    let asked = arguments.run.parameters()?;
+    let run = (arguments.run).resolve(asked, backend, false, &mut watch)?;
+    watch.take();
+    let plane = Plane::new(&run.parameters, &run.pattern)?;
+    let domain = *plane.domain();
     let window = domain.window([left, bottom], [right, top])?;
-    let window_side = |axis: usize| [(left, right), (bottom, top)][axis];
     for (axis, name) in ["width", "height"].into_iter().enumerate() {
-        // Of a bounded domain a window shows only what lies inside.
+        let [low, high] = [[left, right], [bottom, top]][axis];
+        // A window of a bounded domain shows nothing outside the domain.
         ensure!(
             window.min[axis] < window.max[axis],
-            "the window's {name} runs from {} to {}, which holds no place of the domain's 0 to {}",
-            window_side(axis).0,
-            window_side(axis).1,
+            "the window's {name} runs from {low} to {high}, which holds no place of the domain's 0 to {}",
             domain.size()[axis]
         );
     }
@@ -79,50 +87,32 @@ pub fn run(arguments: &SampleArguments, window: &[f64]) -> Result<u8> {
     let points = plane.observed_window(&window, &mut going_on)?;
     let seconds = began.elapsed().as_secs_f64();
     let verdict = judge(&plane, &window)?;
+    let valid = verdict.valid;
+    let (facts, count) = (run.facts()?, points.len());
+    let parameters = facts.parameters.clone();
     if let Some(path) = &arguments.out {
         ensure!(
-            !points.is_empty(),
+            count > 0,
             "{}: no sample lies in the window, and files have at least one",
             path.display()
         );
-        let set = PointSet::from_points(positions(domain, &points));
-        save_unverified(arguments, &facts, &set, path)?;
+        let set = PointSet::from_points(positions(&domain, &points));
+        arguments.save_unverified(&Made { facts, set }, path)?;
     }
-    let shown = Shown {
-        parameters: facts.parameters,
-        sides: [left, bottom, right, top],
+    let file = arguments.out.as_ref();
+    let report = WindowReport {
+        method: "kdrt",
+        parameters,
+        window: [left, bottom, right, top],
         radius: domain.radius(),
         domain,
-        count: points.len(),
+        count,
         seconds,
         verdict,
-        file: arguments
-            .out
-            .as_ref()
-            .map(|path| path.display().to_string()),
+        file: file.map(|path| path.display().to_string()),
     };
-    output::emit(&if arguments.json {
-        format!("{}\n", json(&shown))
-    } else {
-        text(&shown)
-    })?;
-    Ok(verdict_code(shown.verdict.is_valid()))
-}
-
-/// Returns what is to be told of the run, and its plane.
-fn plane(arguments: &SampleArguments) -> Result<(Facts, Plane)> {
-    ensure!(
-        arguments.method == Method::Kdrt
-            && arguments.engine.makes_windows(&arguments.run.parameters()),
-        "--window needs the parallel engine: the others, the GPU's too, make whole sets"
-    );
-    let mut watch = Stopwatch::start();
-    let pattern = arguments.run.pattern(&mut watch)?;
-    let parameters = with_radius(&arguments.run, &pattern, &mut watch)?;
-    watch.take();
-    let plane = Plane::new(&parameters, &pattern)?;
-    let facts = Facts::of_run(&parameters, plane.domain(), Some(&arguments.run))?;
-    Ok((facts, plane))
+    output::report(arguments.json, || json!(report), || text(&report))?;
+    Ok(verdict_code(valid))
 }
 
 fn check_size(window: &Window) -> Result<()> {
@@ -136,30 +126,12 @@ fn check_size(window: &Window) -> Result<()> {
     Ok(())
 }
 
-fn json(shown: &Shown<'_>) -> Value {
-    json!({
-        "method": "kdrt",
-        "parameters": shown.parameters,
-        "radius": shown.radius,
-        "window": shown.sides,
-        "count": shown.count,
-        "seconds": shown.seconds,
-        "conflicts": shown.verdict.conflicts,
-        "gaps": shown.verdict.gaps,
-        "min_distance_r": shown.verdict.min_distance,
-        "conflict_free": shown.verdict.conflicts == 0,
-        "maximal": shown.verdict.gaps == 0,
-        "valid": shown.verdict.is_valid(),
-        "file": shown.file,
-    })
-}
-
-fn text(shown: &Shown<'_>) -> String {
-    let [left, bottom, right, top] = shown.sides;
-    let verdict = &shown.verdict;
+fn text(report: &WindowReport) -> String {
+    let [left, bottom, right, top] = report.window;
+    let (domain, verdict) = (&report.domain, &report.verdict);
     // The border of a bounded domain belongs to the windows that reach it.
     let end = |high: f64, axis: usize| {
-        let is_border = !shown.domain.is_periodic() && high >= shown.domain.size()[axis];
+        let is_border = !domain.is_periodic() && high >= domain.size()[axis];
         if is_border { ']' } else { ')' }
     };
     let mut out = format!(
@@ -170,20 +142,16 @@ fn text(shown: &Shown<'_>) -> String {
          verdict        {}\n",
         end(right, 0),
         end(top, 1),
-        output::region_text(&region(shown.domain)),
-        shown.radius,
-        shown.count,
-        shown.seconds * 1e3,
+        output::region_text(&region(domain)),
+        report.radius,
+        report.count,
+        report.seconds * 1e3,
         output::conflicts_answer(verdict.conflicts),
-        verdict.min_distance,
-        output::answer(verdict.gaps == 0, verdict.gaps as u64),
-        if verdict.is_valid() {
-            "valid"
-        } else {
-            "NOT VALID"
-        },
+        verdict.min_distance_r,
+        output::answer(verdict.maximal, verdict.gaps as u64),
+        output::validity(verdict.valid),
     );
-    if let Some(file) = &shown.file {
+    if let Some(file) = &report.file {
         let _ = writeln!(
             out,
             "file           {file} (a part of a set has no certificate)"
@@ -192,55 +160,35 @@ fn text(shown: &Shown<'_>) -> String {
     out
 }
 
-/// Judges a window of a plane, with a margin around it as far as there is plane.
-pub fn judge(plane: &Plane, window: &Window) -> Result<Verdict> {
-    let domain = plane.domain();
-    let wide = widened(domain, window);
-    let low = wide.min;
-    let periodic = domain.is_periodic();
-    let unit =
-        [0, 1].map(|axis| domain.size()[axis] / f64::from([domain.width(), domain.height()][axis]));
-    // A wide window may be longer than a periodic domain and show some samples twice.
-    let images = |v: i32, axis: usize| {
-        let side = i64::from([domain.width(), domain.height()][axis]);
-        let first = i64::from(v) - low[axis];
-        let (first, step) = if periodic {
-            (first.rem_euclid(side), side)
-        } else {
-            (first, i64::MAX / 2)
-        };
-        let length = wide.max[axis] - low[axis];
-        (0..2)
-            .map(move |k| first + k * step)
-            .filter(move |&offset| offset < length)
-            .map(move |offset| offset as f64 * unit[axis])
-    };
-    let shown = |p: &Point| {
-        let xs = images(p.x, 0);
-        images(p.y, 1)
-            .flat_map(move |y| xs.clone().map(move |x| [x, y]))
-            .collect::<Vec<_>>()
-    };
-    let points: Vec<[f64; 2]> = plane
-        .observed_window(&wide, &mut going_on)?
-        .iter()
-        .flat_map(shown)
-        .collect();
-    let last = i64::from(!periodic);
+/// Judges a window of a plane by the samples in it and around it.
+fn judge(plane: &Plane, window: &Window) -> Result<Verdict> {
+    let cut = plane.cut(window, &mut going_on)?;
     let region = Region {
-        width: (wide.max[0] - wide.min[0] - last) as f64 * unit[0],
-        height: (wide.max[1] - wide.min[1] - last) as f64 * unit[1],
+        width: cut.size[0],
+        height: cut.size[1],
         boundary: Boundary::Bounded,
     };
     let options = VerifyOptions {
         witnesses: MAX_GAPS,
         ..VerifyOptions::default()
     };
+    let radius = plane.domain().radius();
     let report = verifying(|control| {
-        tilescope_analysis::verify(&points, region, domain.radius(), &options, control)
+        tilescope_analysis::verify(&cut.positions, region, radius, &options, control)
+    });
+    let report = report.context("the verifier gives no verdict")?;
+    // Gaps around the window come from the cut.
+    let gaps = report.worst_gaps.iter().map(|gap| gap.center);
+    let gaps = gaps.filter(|center| cut.window_has(*center)).count();
+    let conflicts = report.conflicts;
+    Ok(Verdict {
+        conflicts,
+        gaps,
+        min_distance_r: report.min_distance / report.radius,
+        conflict_free: conflicts == 0,
+        maximal: gaps == 0,
+        valid: conflicts == 0 && gaps == 0,
     })
-    .context("the verifier gives no verdict")?;
-    Ok(verdict(&report, window, &wide, unit))
 }
 
 /// Stops the work of a window when the process was asked to end.
@@ -248,38 +196,8 @@ fn going_on(_: Progress) -> ControlFlow<()> {
     interrupt::flow()
 }
 
-fn widened(domain: &Domain, window: &Window) -> Window {
-    let mut wide = *window;
-    for axis in 0..2 {
-        wide.min[axis] -= MARGIN;
-        wide.max[axis] += MARGIN;
-        if !domain.is_periodic() {
-            let max = [domain.rect().max.x, domain.rect().max.y][axis];
-            wide.min[axis] = wide.min[axis].max(0);
-            wide.max[axis] = wide.max[axis].min(max.into());
-        }
-    }
-    wide
-}
-
-/// Counts the gaps inside the window: those around it are made by the cut.
-fn verdict(report: &Report, window: &Window, wide: &Window, unit: [f64; 2]) -> Verdict {
-    let inside = |center: [f64; 2]| {
-        (0..2).all(|axis| {
-            let at = |v: i64| (v - wide.min[axis]) as f64 * unit[axis];
-            (at(window.min[axis])..=at(window.max[axis])).contains(&center[axis])
-        })
-    };
-    let gaps = report.worst_gaps.iter().filter(|gap| inside(gap.center));
-    Verdict {
-        conflicts: report.conflicts,
-        gaps: gaps.count(),
-        min_distance: report.min_distance / report.radius,
-    }
-}
-
-/// Judges and says whether all is well, for callers that measure.
+/// Returns whether a window is valid, for callers that measure.
 pub fn is_valid(plane: &Plane, window: &Window) -> Result<bool> {
-    ensure!(!interrupt::requested(), "cancelled before the verdict");
-    Ok(judge(plane, window)?.is_valid())
+    interrupt::check("the verdict")?;
+    Ok(judge(plane, window)?.valid)
 }

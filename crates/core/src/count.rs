@@ -3,13 +3,13 @@
 
 use std::sync::Arc;
 
+use crate::engine::parallel::sweep::Sweep;
 use crate::engine::sequential::Sequential;
 use crate::error::{ParameterError, SampleError};
 use crate::lattice::{Boundary, MAX_SIDE_RADII, MIN_SIDE_RADII_BOUNDED, MIN_SIDE_RADII_PERIODIC};
-use crate::parameters::{MAXIMAL_DENSITY, Parameters};
+use crate::parameters::{MAX_SEQUENTIAL_SAMPLES, MAXIMAL_DENSITY, Parameters, Variant};
 use crate::pattern::Pattern;
 use crate::progress::Observer;
-use crate::run::Run;
 
 /// How far the result's count may be from the wanted one: this share of it, or one sample.
 const TOLERANCE: u64 = 100;
@@ -78,22 +78,63 @@ pub fn search_radius<T, E: From<ParameterError>>(
     Err(ParameterError::CountMissed { count, nearest }.into())
 }
 
-/// Returns the run of `parameters` with the radius chosen so that the result has `count` samples
-/// to within 1% or one sample; the run's parameters state the radius. Fails as [`search_radius`].
-pub fn sample_count(
+/// Sets larger than this are made for their count only if the estimate is known to miss and the sequential engine
+/// could make the same.
+const LARGE: u64 = 1_000_000;
+
+/// Samples of the set that shows whether the estimate holds.
+const PROBE: u64 = 300_000;
+
+/// How far that set's count may be off, as a share, for the first try of a search to be its last: it
+/// may be off by a hundredth, and the counts of larger sets vary less.
+const PROBE_TOLERANCE: f64 = 0.007;
+
+/// Returns the radius with which every engine makes `count` samples: the one that a search by whole sets finds. The
+/// parallel engine counts. Sets of more than a million samples are made only if a smaller one shows that the estimate
+/// misses.
+///
+/// Fails as [`search_radius`].
+pub fn radius_for_count(
     parameters: &Parameters,
     count: u64,
     pattern: &Arc<Pattern>,
     observer: &mut dyn Observer,
-) -> Result<Run, SampleError> {
-    search_radius(parameters, count, |radius| {
+) -> Result<f64, SampleError> {
+    let mut count_of = |radius| {
         let parameters = Parameters {
             radius,
             ..*parameters
         };
-        let run = Sequential::new(&parameters, Arc::clone(pattern))?.finish(observer)?;
-        Ok((run.result.len() as u64, run))
-    })
+        count_of(&parameters, pattern, observer)
+    };
+    let estimate = radius_estimate(parameters, count)?;
+    // The density of sets of these parameters, as a share of the estimate's. Some sides allow no set as small.
+    let density = match radius_estimate(parameters, PROBE) {
+        Ok(radius) if count > LARGE => Some(count_of(radius)? as f64 / PROBE as f64),
+        _ => None,
+    };
+    match density {
+        // The first try of a search would be its last.
+        Some(density) if (density - 1.0).abs() <= PROBE_TOLERANCE => Ok(estimate),
+        // The sequential engine does not make such sets: there is no radius to agree with.
+        Some(density) if count as f64 > MAX_SEQUENTIAL_SAMPLES => Ok(estimate * density.sqrt()),
+        _ => search_radius(parameters, count, |radius| Ok((count_of(radius)?, radius))),
+    }
+}
+
+/// Returns how many samples a set has.
+fn count_of(
+    parameters: &Parameters,
+    pattern: &Arc<Pattern>,
+    observer: &mut dyn Observer,
+) -> Result<u64, SampleError> {
+    if parameters.variant == Variant::AsPrinted {
+        let run = Sequential::new(parameters, Arc::clone(pattern))?.finish(observer)?;
+        return Ok(run.result.len() as u64);
+    }
+    let mut sweep = Sweep::new(parameters, pattern, false)?;
+    while sweep.step(observer)?.is_some() {}
+    Ok(sweep.summary().count as u64)
 }
 
 /// Returns about how many samples a radius gives.
@@ -123,6 +164,23 @@ fn radius_limits(parameters: &Parameters) -> [f64; 2] {
 mod tests {
     use super::*;
     use crate::progress::Unobserved;
+    use crate::run::Run;
+
+    /// The run of the sequential engine with a radius that gives the count.
+    fn sample_count(
+        parameters: &Parameters,
+        count: u64,
+        pattern: &Arc<Pattern>,
+    ) -> Result<Run, SampleError> {
+        search_radius(parameters, count, |radius| {
+            let parameters = Parameters {
+                radius,
+                ..*parameters
+            };
+            let run = Sequential::new(&parameters, Arc::clone(pattern))?.finish(&mut Unobserved)?;
+            Ok((run.result.len() as u64, run))
+        })
+    }
 
     #[test]
     fn small_counts_are_met_in_both_boundaries() {
@@ -135,8 +193,12 @@ mod tests {
                     seed: seed as u64,
                     ..Parameters::default()
                 };
-                match sample_count(&base, count, &pattern, &mut Unobserved) {
-                    Ok(run) => assert!((run.result.len() as u64).abs_diff(count) <= 1),
+                match sample_count(&base, count, &pattern) {
+                    Ok(run) => {
+                        assert!((run.result.len() as u64).abs_diff(count) <= 1);
+                        let radius = radius_for_count(&base, count, &pattern, &mut Unobserved);
+                        assert_eq!(radius, Ok(run.parameters.radius), "{count}");
+                    }
                     Err(SampleError::Parameters(ParameterError::Count { minimum, .. })) => {
                         assert!(count < minimum && boundary == Boundary::Periodic);
                     }

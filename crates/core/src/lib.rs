@@ -49,7 +49,8 @@ pub mod windows {
 }
 
 pub use circumcentre::{Offset, circumcentre, on_line, round_half_up};
-pub use count::{radius_estimate, sample_count, search_radius};
+pub use count::{radius_estimate, radius_for_count, search_radius};
+pub use engine::parallel::cut::Cut;
 pub use engine::parallel::instructions::InstructionSet;
 pub use engine::parallel::plane::Plane;
 pub use engine::parallel::sweep::{Sweep, SweepState};

@@ -26,7 +26,7 @@ pub struct AdapterReport {
 }
 
 /// The limits that decide how large a run in one go may be.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 pub struct Limits {
     /// The longest buffer, in bytes.
     pub max_buffer_size: u64,

@@ -114,6 +114,16 @@ impl From<ParameterError> for GpuError {
 }
 
 impl GpuError {
+    /// Returns the error where another engine can take over.
+    ///
+    /// Fails with the run's own error where the run fails on any engine.
+    pub fn of_device(self) -> Result<Self, SampleError> {
+        match self {
+            Self::Sample(error) => Err(error),
+            error => Ok(error),
+        }
+    }
+
     /// Returns whether another engine may succeed, because the device failed and not the run. This includes samples
     /// that depend on too wide a surrounding, since the CPU engines allow wider halos.
     #[must_use]

@@ -20,6 +20,7 @@
 //! ```
 
 pub mod adapter;
+mod backend;
 mod buffer_rows;
 mod constants;
 pub mod cpu_reference;
@@ -43,6 +44,7 @@ mod upload;
 mod window_run;
 
 pub use adapter::{AdapterReport, Choice, Gpu, Limits, adapters};
+pub use backend::{ASKED_FOR, Backend, Bands, Engine, WORTH_A_GPU};
 pub use buffer_rows::BufferRows;
 pub use error::GpuError;
 pub use pass_report::PassReport;

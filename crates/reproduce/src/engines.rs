@@ -8,9 +8,9 @@ use rayon::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use tilescope_core::combine::{CombineOptions, Piece, combine, grid};
 use tilescope_core::{
-    Boundary, Domain, Parameters, Pattern, Point, Rect, Sequential, Sweep, reference_sample,
+    Boundary, Domain, Parameters, Pattern, Point, Rect, Sequential, reference_sample,
 };
-use tilescope_gpu::{Choice, Gpu, GpuSweep};
+use tilescope_gpu::{self as gpu, ASKED_FOR, Backend, Bands, Choice, Gpu};
 
 use crate::control::Control;
 use crate::error::ReproduceError;
@@ -89,6 +89,7 @@ impl Engines {
     ) -> Result<Vec<Point>, ReproduceError> {
         let observer = &mut |_| control.flow();
         let domain = parameters.validate()?;
+        let by_bands = |engine| by_bands(engine, parameters, pattern, control);
         let points = match engine {
             Engine::Reference => reference_sample(domain, parameters.seed, observer)?,
             Engine::Combined => combined(domain, parameters.seed, control)?,
@@ -96,22 +97,11 @@ impl Engines {
                 let engine = Sequential::new(parameters, Arc::clone(pattern))?;
                 engine.finish(observer)?.points()
             }
-            Engine::Parallel { all: true } => parallel(parameters, pattern, control)?,
-            Engine::Parallel { all: false } => self
-                .one
-                .install(|| parallel(parameters, pattern, control))?,
-            Engine::Gpu { adapter } => {
-                let gpu = self.gpu(adapter)?;
-                let sweep = block_on(GpuSweep::new(
-                    gpu,
-                    parameters,
-                    pattern,
-                    tilescope_gpu::Options::default(),
-                ));
-                let sweep = sweep.map_err(failed)?;
-                let made = block_on(sweep.finish(observer)).map_err(failed)?;
-                made.0.points
+            Engine::Parallel { all: true } => by_bands(gpu::Engine::Parallel)?,
+            Engine::Parallel { all: false } => {
+                self.one.install(|| by_bands(gpu::Engine::Parallel))?
             }
+            Engine::Gpu { adapter } => by_bands(gpu::Engine::Gpu(self.gpu(adapter)?))?,
         };
         Ok(points)
     }
@@ -129,13 +119,22 @@ fn failed(error: impl std::fmt::Display) -> ReproduceError {
     ReproduceError::Engine(error.to_string())
 }
 
-fn parallel(
+/// Makes a set with an engine that has no substitute.
+fn by_bands(
+    engine: gpu::Engine,
     parameters: &Parameters,
-    pattern: &Pattern,
+    pattern: &Arc<Pattern>,
     control: &Control<'_>,
 ) -> Result<Vec<Point>, ReproduceError> {
-    let sweep = Sweep::new(parameters, pattern, false)?;
-    Ok(sweep.finish(&mut control.observer())?.0.points)
+    let backend = Backend::new(engine, ASKED_FOR);
+    let made = block_on(async {
+        let bands = Bands::new(parameters, pattern, false, &backend, |_| {}).await?;
+        bands.finish(&mut control.observer()).await
+    });
+    match made {
+        Ok((sampled, ..)) => Ok(sampled.points),
+        Err(error) => Err(failed(error.of_device()?)),
+    }
 }
 
 fn combined(

@@ -130,8 +130,7 @@ pub async fn on_gpu(
             session.engine = engine;
             return Ok(session);
         }
-        Err(GpuError::Sample(error)) => return Err(error.into()),
-        Err(error) => error,
+        Err(error) => error.of_device()?,
     };
     let sampling = SampleTask { recipe, generation };
     let session = task::run_for(sampling, monitor).await;

@@ -1,23 +1,30 @@
-//! The figures of an analysis: curves of all subjects over each other, and their differences from a reference.
+//! The figures of an analysis: curves of all subjects over each other, their differences from a reference, and periodograms.
+//! What is painted is decided here; the painting is done by `tilescope_figures`.
 
-use tilescope_analysis::measures::{DifferenceCurve, anisotropy_reference_db};
-use tilescope_figures::chart::{Axis, Figure, Level, LineChart, Look, Panel, Series};
+use tilescope_analysis::measures::anisotropy_reference_db;
+use tilescope_figures::chart::{Axis, Figure, ImageChart, Level, LineChart, Look, Panel, Series};
 
-use super::differences::Comparison;
+use super::curve::{Band, Curve};
 use super::gather::Analysis;
-use super::pictures::{self, IN_A_ROW};
-use super::subject::{Place, Subject, places};
+use super::names;
+use super::subject::Subject;
 
-/// A peak higher than this is cut off: those of lattices would flatten everything else.
+/// Curves higher than this are cut off: the peaks of lattices would flatten everything else.
 const MAX_PEAK: f64 = 8.0;
-/// The same of a difference, of either sign.
-const MAX_FREQUENCY: f64 = 4.0;
+/// Differences beyond this, of either sign, are cut off.
+const MAX_DIFFERENCE: f64 = 4.0;
 /// Bands may reach this many times as high as the highest curve.
 const MAX_BAND: f64 = 1.5;
 /// Anisotropies of fewer frequencies scatter by decibels: they do not stretch their axis.
 const FEW: u64 = 50;
 /// Periodograms in a figure that has curves as well.
 const MAX_PICTURES: usize = 12;
+/// Periodograms in a row.
+const IN_A_ROW: usize = 3;
+/// Power that is black in a periodogram; none is white.
+const BLACK: f64 = 3.0;
+/// Letters of a name that a periodogram's heading has room for.
+const HEADING: usize = 24;
 
 const FREQUENCY: &str = "frequency \u{3bd} = |k| / \u{221a}N";
 const DISTANCE: &str = "distance r / r_max";
@@ -27,18 +34,16 @@ pub fn figure(analysis: &Analysis) -> (Figure, usize) {
     let subjects = &analysis.subjects;
     let left_out = subjects.len().saturating_sub(MAX_PICTURES);
     let shown = &subjects[..subjects.len() - left_out];
-    let mut pictures: Vec<Panel> = shown.iter().map(pictures::panel).collect();
-    let (mut rows, pairs) = curve_rows(analysis);
+    let mut pictures: Vec<Panel> = shown.iter().map(periodogram).collect();
+    let (spectra, pairs) = curve_rows(analysis);
+    let mut rows = vec![spectra];
     if pictures.len() <= 2 {
         pictures.insert(0, pairs);
-        rows.push(pictures);
-        rows.extend(difference_row(analysis));
+        rows.extend([pictures, difference_row(analysis)]);
     } else {
-        rows.push(vec![pairs]);
-        rows.extend(difference_row(analysis));
+        rows.extend([vec![pairs], difference_row(analysis)]);
         rows.extend(pictures.chunks(IN_A_ROW).map(<[Panel]>::to_vec));
     }
-    rows.retain(|row| !row.is_empty());
     let title = match left_out {
         0 => title(analysis),
         some => format!(
@@ -47,7 +52,7 @@ pub fn figure(analysis: &Analysis) -> (Figure, usize) {
             subjects.len()
         ),
     };
-    (Figure { title, rows }, left_out)
+    (of_rows(title, rows), left_out)
 }
 
 /// Returns the figures of a page, which has room: curves, differences, all periodograms.
@@ -56,28 +61,23 @@ pub fn figures(analysis: &Analysis) -> Vec<Figure> {
     if subjects.len() <= 2 {
         return vec![figure(analysis).0];
     }
-    let (mut rows, pairs) = curve_rows(analysis);
-    rows.push(vec![pairs]);
-    rows.extend(difference_row(analysis));
-    rows.retain(|row| !row.is_empty());
-    let curves = Figure {
-        title: title(analysis),
-        rows,
-    };
+    let (spectra, pairs) = curve_rows(analysis);
+    let rows = vec![spectra, vec![pairs], difference_row(analysis)];
+    let curves = of_rows(title(analysis), rows);
     let pictures = subjects.chunks(MAX_PICTURES).enumerate();
     let pictures = pictures.map(|(index, some)| {
         let first = index * MAX_PICTURES + 1;
-        let panels: Vec<Panel> = some.iter().map(pictures::panel).collect();
-        Figure {
-            title: format!(
-                "Periodograms {first} to {} of {}",
-                first + some.len() - 1,
-                subjects.len()
-            ),
-            rows: panels.chunks(IN_A_ROW).map(<[Panel]>::to_vec).collect(),
-        }
+        let (last, all) = (first + some.len() - 1, subjects.len());
+        let panels: Vec<Panel> = some.iter().map(periodogram).collect();
+        let rows = panels.chunks(IN_A_ROW).map(<[Panel]>::to_vec).collect();
+        of_rows(format!("Periodograms {first} to {last} of {all}"), rows)
     });
     std::iter::once(curves).chain(pictures).collect()
+}
+
+fn of_rows(title: String, mut rows: Vec<Vec<Panel>>) -> Figure {
+    rows.retain(|row| !row.is_empty());
+    Figure { title, rows }
 }
 
 fn title(analysis: &Analysis) -> String {
@@ -88,89 +88,106 @@ fn title(analysis: &Analysis) -> String {
     }
 }
 
-fn look(analysis: &Analysis, index: usize) -> Look {
-    match (analysis.against, index) {
-        (true, 0) => Look::Reference,
-        (true, _) => Look::Numbered(index - 1),
-        (false, _) => Look::Numbered(index),
-    }
+/// Returns the periodogram of a subject; both axes are as long as the domain's shape makes them.
+fn periodogram(subject: &Subject) -> Panel {
+    let picture = &subject.spectrum.picture;
+    let [x, y] = subject.spectrum.picture_reach;
+    let each = match [picture.side, picture.row_side] {
+        [1, 1] => String::new(),
+        [along_x, along_y] => format!(" (means of {along_x} \u{d7} {along_y})"),
+    };
+    let middle = picture.power.len() / 2;
+    let is_absent = !picture.power[middle].is_finite();
+    Panel::Image(ImageChart {
+        title: format!("Periodogram, {}", names::cut(&subject.label, HEADING)),
+        x: Axis::new(format!("\u{3bd} along x; white 0, black {BLACK} and above"))
+            .with_range(-x, x),
+        y: Axis::new(format!("\u{3bd} along y{each}")).with_range(-y, y),
+        columns: picture.size,
+        values: picture.power.clone(),
+        clamp: [0.0, BLACK],
+        absent: is_absent.then_some(middle),
+    })
 }
 
 /// Returns the row of spectra, and the pair correlation.
-fn curve_rows(analysis: &Analysis) -> (Vec<Vec<Panel>>, Panel) {
+fn curve_rows(analysis: &Analysis) -> (Vec<Panel>, Panel) {
     let subjects = &analysis.subjects;
-    let name = |index: usize| match look(analysis, index) {
-        Look::Reference => format!("{} (reference)", subjects[index].label),
-        Look::Numbered(_) => subjects[index].label.clone(),
-    };
-    let all = |curve: fn(&Subject) -> Vec<Place>| -> Vec<Series> {
+    let all = |curve: usize| {
         let each = subjects.iter().enumerate();
-        let each = each
-            .map(|(index, subject)| series(name(index), look(analysis, index), &curve(subject)));
-        each.filter(|series| !series.points.is_empty()).collect()
+        series(each.map(|(index, subject)| {
+            let number = index.checked_sub(usize::from(analysis.has_reference));
+            let look = number.map_or(Look::Reference, Look::Numbered);
+            (subject.title.clone(), look, &subject.curves[curve].1)
+        }))
     };
-    let spectra = [
-        power(all(Subject::power)),
-        anisotropy(all(Subject::anisotropy), subjects),
-    ];
-    let spectra = spectra.into_iter().filter(|chart| !chart.series.is_empty());
-    let pairs = Panel::Lines(correlation(all(Subject::correlation)));
-    (vec![spectra.map(Panel::Lines).collect()], pairs)
+    let levels = levels_of_anisotropy(subjects);
+    let axis = anisotropy_axis(subjects, &levels);
+    let [power, anisotropy, pairs] = [0, 1, 2].map(all);
+    let noise = |title: &str, x: &str, y: &str, series: Vec<Series>| {
+        let level = Level {
+            name: "white noise".to_owned(),
+            y: 1.0,
+        };
+        chart(title, x, cut(y, &series), series, vec![level])
+    };
+    let power = noise("Radial mean power", FREQUENCY, "power P(\u{3bd})", power);
+    let anisotropy = chart("Anisotropy", FREQUENCY, axis, anisotropy, levels);
+    let pairs = noise("Pair correlation", DISTANCE, "g(r)", pairs);
+    (drawn([power, anisotropy]), Panel::Lines(pairs))
 }
 
-/// Returns the differences of all subjects from the reference, if there are any.
-fn difference_row(analysis: &Analysis) -> Option<Vec<Panel>> {
-    let subjects = analysis.held();
-    let all = |curve: fn(&Comparison) -> &DifferenceCurve| -> Vec<Series> {
-        // Without a reference there are no comparisons.
-        let each = subjects.iter().zip(&analysis.comparisons).enumerate();
-        each.map(|(index, (subject, comparison))| {
-            let curve = curve(comparison);
-            let places = places(&curve.places, curve.bands.as_ref());
-            series(subject.label.clone(), Look::Numbered(index), &places)
-        })
-        .filter(|series| !series.points.is_empty())
-        .collect()
-    };
+/// Returns the differences of all subjects from the reference, if there is one.
+fn difference_row(analysis: &Analysis) -> Vec<Panel> {
     let charts = [
-        difference(
-            "Difference of radial mean power",
-            FREQUENCY,
-            "\u{394}P(\u{3bd})",
-            all(|comparison| &comparison.power),
-        ),
-        difference(
-            "Difference of pair correlation",
-            DISTANCE,
-            "\u{394}g(r)",
-            all(|comparison| &comparison.pairs),
-        ),
+        ("radial mean power", FREQUENCY, "P(\u{3bd})"),
+        ("pair correlation", DISTANCE, "g(r)"),
     ];
-    let charts = charts.into_iter().filter(|chart| !chart.series.is_empty());
-    let row: Vec<Panel> = charts.map(Panel::Lines).collect();
-    (!row.is_empty()).then_some(row)
-}
-
-fn difference(title: &str, x: &str, y: &str, series: Vec<Series>) -> LineChart {
-    LineChart {
-        title: title.to_owned(),
-        x: from_zero(x, &series),
-        y: cut_difference(y, &series),
-        levels: vec![Level {
+    let charts = charts.iter().enumerate().map(|(curve, (what, x, y))| {
+        let each = analysis.compared().iter().zip(&analysis.differences);
+        let all = series(each.enumerate().map(|(index, (subject, differences))| {
+            let curve = &differences.curves[curve].1;
+            (subject.label.clone(), Look::Numbered(index), curve)
+        }));
+        let level = Level {
             name: "no difference".to_owned(),
             y: 0.0,
-        }],
-        series,
-    }
+        };
+        let axis = cut_difference(&format!("\u{394}{y}"), &all);
+        chart(&format!("Difference of {what}"), x, axis, all, vec![level])
+    });
+    drawn(charts)
 }
 
-fn series(name: String, look: Look, places: &[Place]) -> Series {
-    let band: Vec<[f64; 2]> = places.iter().filter_map(|place| place.band).collect();
-    Series {
-        name,
-        look,
-        points: places.iter().map(|place| [place.x, place.y]).collect(),
-        band: (band.len() == places.len()).then_some(band),
+/// Returns the charts that have a curve.
+fn drawn(charts: impl IntoIterator<Item = LineChart>) -> Vec<Panel> {
+    let charts = charts.into_iter().filter(|chart| !chart.series.is_empty());
+    charts.map(Panel::Lines).collect()
+}
+
+/// Returns the curves that have a place.
+fn series<'a>(curves: impl Iterator<Item = (String, Look, &'a Curve)>) -> Vec<Series> {
+    let curves = curves.filter(|(_, _, curve)| !curve.x.is_empty());
+    curves
+        .map(|(name, look, curve)| Series {
+            name,
+            look,
+            points: curve.points(),
+            band: curve.band.as_ref().map(Band::ends),
+        })
+        .collect()
+}
+
+/// Returns a chart whose horizontal axis begins at 0 and ends with its longest curve.
+fn chart(title: &str, x: &str, y: Axis, series: Vec<Series>, levels: Vec<Level>) -> LineChart {
+    let ends = series.iter().filter_map(|series| series.points.last());
+    let end = ends.map(|point| point[0]).fold(0.0, f64::max);
+    LineChart {
+        title: title.to_owned(),
+        x: Axis::new(x).with_range(0.0, end),
+        y,
+        levels,
+        series,
     }
 }
 
@@ -207,115 +224,68 @@ fn cut(label: &str, series: &[Series]) -> Axis {
 fn cut_difference(label: &str, series: &[Series]) -> Axis {
     let [low, high] = ends_of_bands(series);
     let (what, far) = match highest(series) {
-        far if far > MAX_FREQUENCY => ("", far),
+        far if far > MAX_DIFFERENCE => ("", far),
         _ => ("bands ", high.max(-low)),
     };
-    if far > MAX_FREQUENCY {
-        return Axis::new(format!("{label}, {what}cut off at \u{b1}{MAX_FREQUENCY}"))
-            .with_range(-MAX_FREQUENCY, MAX_FREQUENCY);
+    if far > MAX_DIFFERENCE {
+        return Axis::new(format!("{label}, {what}cut off at \u{b1}{MAX_DIFFERENCE}"))
+            .with_range(-MAX_DIFFERENCE, MAX_DIFFERENCE);
     }
     Axis::new(label)
 }
 
-fn noise(y: f64) -> Level {
-    Level {
-        name: "white noise".to_owned(),
-        y,
-    }
-}
-
-fn power(series: Vec<Series>) -> LineChart {
-    LineChart {
-        title: "Radial mean power".to_owned(),
-        x: from_zero(FREQUENCY, &series),
-        y: cut("power P(\u{3bd})", &series),
-        levels: vec![noise(1.0)],
-        series,
-    }
-}
-
-/// A mean of K sets without preferred directions has a level of its own: one line for each K.
-fn anisotropy(series: Vec<Series>, subjects: &[Subject]) -> LineChart {
+/// The mean of K sets without preferred directions has an anisotropy of its own: a line for each K.
+fn levels_of_anisotropy(subjects: &[Subject]) -> Vec<Level> {
     let mut sets: Vec<u64> = subjects.iter().map(Subject::sets).collect();
     sets.sort_unstable();
     sets.dedup();
-    let formula = "\u{2212}10 log\u{2081}\u{2080} K";
     // Several names share a line: the first has the formula.
     let what = if sets.len() == 1 {
         "no preferred direction: "
     } else {
         ""
     };
-    let levels: Vec<Level> = (sets.iter().enumerate())
-        .map(|(index, sets)| Level {
-            name: match (index, sets) {
-                (0, 1) => format!("{what}{formula}, K = 1 set"),
-                (0, _) => format!("{what}{formula}, K = {sets} sets"),
-                _ => format!("K = {sets} sets"),
+    let level = |(index, &count): (usize, &u64)| {
+        let plural = if count == 1 { "set" } else { "sets" };
+        let name = format!("K = {count} {plural}");
+        Level {
+            name: match index {
+                0 => format!("{what}\u{2212}10 log\u{2081}\u{2080} K, {name}"),
+                _ => name,
             },
-            y: anisotropy_reference_db(*sets),
-        })
-        .collect();
-    LineChart {
-        title: "Anisotropy".to_owned(),
-        x: from_zero(FREQUENCY, &series),
-        y: anisotropy_axis(subjects, &levels),
-        levels,
-        series,
-    }
+            y: anisotropy_reference_db(count),
+        }
+    };
+    sets.iter().enumerate().map(level).collect()
 }
 
 /// Returns an axis as long as the anisotropies of many frequencies ask for.
 fn anisotropy_axis(subjects: &[Subject], levels: &[Level]) -> Axis {
-    let annuli = subjects
-        .iter()
-        .flat_map(|subject| &subject.spectrum.profile.annuli);
+    let annuli = subjects.iter().flat_map(|one| &one.spectrum.profile.annuli);
     let annuli = annuli.filter(|annulus| annulus.anisotropy_db.is_finite());
-    let all = annuli.map(|annulus| (annulus.count, annulus.anisotropy_db));
-    range_of_many(all, levels.iter().map(|level| level.y))
+    let all: Vec<_> = annuli.map(|one| (one.count, one.anisotropy_db)).collect();
+    range_of_many(&all, levels.iter().map(|level| level.y))
 }
 
-fn range_of_many(all: impl Iterator<Item = (u64, f64)>, levels: impl Iterator<Item = f64>) -> Axis {
+fn range_of_many(all: &[(u64, f64)], levels: impl Iterator<Item = f64>) -> Axis {
     let label = "anisotropy, dB";
     let wider = |[low, high]: [f64; 2], value: f64| [low.min(value), high.max(value)];
     let nothing = [f64::INFINITY, f64::NEG_INFINITY];
-    let (mut few, mut many) = (nothing, nothing);
-    for (count, value) in all {
-        if count < FEW {
-            few = wider(few, value);
-        } else {
-            many = wider(many, value);
-        }
-    }
+    let many = all.iter().filter(|(count, _)| *count >= FEW);
+    let many = many.map(|(_, value)| *value).fold(nothing, wider);
     if many[0] > many[1] {
         return Axis::new(label);
     }
     let many = levels.fold(many, wider);
     let spare = (0.05 * (many[1] - many[0])).max(0.5);
-    let range = [many[0] - spare, many[1] + spare];
-    let cut = few[0] < range[0] || few[1] > range[1];
-    let label = if cut {
-        format!("{label}; few frequencies cut off")
+    let [low, high] = [many[0] - spare, many[1] + spare];
+    let is_cut = all.iter().any(|(_, value)| !(low..=high).contains(value));
+    let cut = if is_cut {
+        "; few frequencies cut off"
     } else {
-        label.to_owned()
+        ""
     };
-    Axis::new(label).with_range(range[0], range[1])
-}
-
-fn correlation(series: Vec<Series>) -> LineChart {
-    LineChart {
-        title: "Pair correlation".to_owned(),
-        x: from_zero(DISTANCE, &series),
-        y: cut("g(r)", &series),
-        levels: vec![noise(1.0)],
-        series,
-    }
-}
-
-fn from_zero(label: &str, series: &[Series]) -> Axis {
-    let ends = series.iter().filter_map(|series| series.points.last());
-    let end = ends.map(|point| point[0]).fold(0.0, f64::max);
-    Axis::new(label).with_range(0.0, end)
+    Axis::new(format!("{label}{cut}")).with_range(low, high)
 }
 
 #[cfg(test)]
@@ -342,13 +312,13 @@ mod tests {
         assert!(range[0].abs() < 1e-12 && range[1] > 2.5, "{range:?}");
         assert_eq!(axis(20.0, [19.0, 21.0]).range, Some([0.0, MAX_PEAK]));
         let difference = cut_difference("d", &[curve(0.1, [-9.0, 9.0])]);
-        assert_eq!(difference.range, Some([-MAX_FREQUENCY, MAX_FREQUENCY]));
+        assert_eq!(difference.range, Some([-MAX_DIFFERENCE, MAX_DIFFERENCE]));
         assert_eq!(cut_difference("d", &[curve(0.1, [-1.0, 1.0])]).range, None);
     }
 
     #[test]
     fn a_handful_of_frequencies_does_not_stretch_the_axis_of_anisotropy() {
-        let axis = |all: &[(u64, f64)]| range_of_many(all.iter().copied(), std::iter::once(0.0));
+        let axis = |all: &[(u64, f64)]| range_of_many(all, std::iter::once(0.0));
         let many = [(50, -1.0), (400, 1.0)];
         let with_few = [(4, -12.0), (50, -1.0), (400, 1.0)];
         assert_eq!(axis(&with_few).range, axis(&many).range);

@@ -1,67 +1,81 @@
-//! From the files of the command line to subjects. A file that cannot be used is told of, and the others are used all the same.
+//! From the files of the command line to subjects. A file that cannot be used is reported, and the others are used all the same.
 
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result, ensure};
+use anyhow::{Context, Result, anyhow, ensure};
+use serde::Serialize;
 use tilescope_analysis::measures::Spectrum;
 
-use super::differences::Comparison;
+use super::differences::Differences;
 use super::measured::{Member, Request};
 use super::subject::{Population, Subject};
 use super::{AnalyzeArguments, names};
+use crate::output::region_text;
 use crate::{describe, interrupt, output};
 
 /// A file that was not analysed, and why.
+#[derive(Serialize)]
 pub struct Failure {
+    #[serde(rename = "file")]
     pub name: String,
     pub reason: String,
 }
 
-/// Everything that was found out.
+/// All that the tables, the charts and the reports show.
 pub struct Analysis {
     /// The columns, that of `--against` first.
     pub subjects: Vec<Subject>,
-    /// Whether the first is what others are held against.
-    pub against: bool,
+    /// Whether the first is the one that others are compared with.
+    pub has_reference: bool,
     /// Whether the files were averaged.
     pub averaged: bool,
-    /// How each of the others differs from the first.
-    pub comparisons: Vec<Comparison>,
+    /// How each of the others differs from the reference.
+    pub differences: Vec<Differences>,
     pub failures: Vec<Failure>,
-    /// What else there is to know, a sentence each.
+    /// What else a reader should know, a sentence each.
     pub notes: Vec<String>,
 }
 
 impl Analysis {
     pub fn reference(&self) -> Option<&Subject> {
-        self.subjects.first().filter(|_| self.against)
+        self.subjects.first().filter(|_| self.has_reference)
     }
 
     /// The subjects but the reference.
-    pub fn held(&self) -> &[Subject] {
-        &self.subjects[usize::from(self.against)..]
+    pub fn compared(&self) -> &[Subject] {
+        &self.subjects[usize::from(self.has_reference)..]
     }
 
     /// Analyses the files one after another; only Ctrl-C and a useless `--against` end it early.
     pub fn of(arguments: &AnalyzeArguments) -> Result<Self> {
-        let paths = arguments.against.iter().chain(&arguments.files);
-        let paths: Vec<&Path> = paths.map(PathBuf::as_path).collect();
+        let (files, against) = (&arguments.files, &arguments.against);
+        let paths: Vec<&Path> = against.iter().chain(files).map(PathBuf::as_path).collect();
         let request = Request::new(&arguments.set, arguments.frequencies, &paths);
         let mut analysis = Self {
             subjects: Vec::new(),
-            against: !arguments.against.is_empty(),
+            has_reference: !against.is_empty(),
             averaged: arguments.average,
-            comparisons: Vec::new(),
+            differences: Vec::new(),
             failures: Vec::new(),
             notes: Vec::new(),
         };
-        let reference = analysis.held_against(&arguments.against, &request)?;
-        analysis.subjects.extend(reference);
+        match &against[..] {
+            [] => {}
+            [path] => {
+                let reference = request.measure(path, None).context("--against")?;
+                analysis.subjects.push(Subject::one(reference));
+            }
+            paths => {
+                let average = analysis.average(paths, &request)?;
+                let average = average.context("--against: none of its sets can be used")?;
+                analysis.subjects.push(average);
+            }
+        }
         if arguments.average {
-            let average = analysis.average(&arguments.files, &request)?;
+            let average = analysis.average(files, &request)?;
             analysis.subjects.extend(average);
         } else {
-            analysis.one_by_one(&arguments.files, &request)?;
+            analysis.one_by_one(files, &request)?;
         }
         analysis.note_shared(arguments);
         analysis.name();
@@ -70,40 +84,21 @@ impl Analysis {
         if arguments.frequencies.is_none() {
             analysis.note_short_spectra();
         }
-        analysis.compare()?;
+        if let Some(reference) = analysis.reference() {
+            let each = analysis.compared().iter();
+            let each = each.map(|subject| Differences::of(subject, reference));
+            analysis.differences = each.collect::<Result<_, _>>()?;
+        }
         Ok(analysis)
     }
 
-    /// Returns the reference: a set, or the average of several.
-    fn held_against(
-        &mut self,
-        paths: &[PathBuf],
-        request: &Request<'_>,
-    ) -> Result<Option<Subject>> {
-        match paths {
-            [] => Ok(None),
-            [path] => {
-                let reference = request.measured(path, None).context("--against")?;
-                Ok(Some(Subject::one(reference)))
-            }
-            paths => {
-                let average = self.average(paths, request)?;
-                Ok(Some(
-                    average.context("--against: none of its sets can be used")?,
-                ))
-            }
-        }
-    }
-
     fn one_by_one(&mut self, paths: &[PathBuf], request: &Request<'_>) -> Result<()> {
-        for (path, again) in paths.iter().zip(again(paths)) {
-            let found = (request.measured(path, None))
-                .and_then(|found| self.same_domain(&found.member).map(|()| found));
-            match found {
-                Ok(found) => {
-                    self.subjects.push(Subject::one(found));
-                    if let Some(first) = again {
-                        let same = same_file(path, first);
+        for (path, same) in paths.iter().zip(repetitions(paths)) {
+            let measured = request.measure(path, None);
+            match measured.and_then(|set| self.same_domain(&set.member).map(|()| set)) {
+                Ok(set) => {
+                    self.subjects.push(Subject::one(set));
+                    if let Some(same) = same {
                         self.note(format!("{same}: it is analysed twice"));
                     }
                 }
@@ -113,22 +108,18 @@ impl Analysis {
         Ok(())
     }
 
-    /// Averages files, of which it keeps nothing but their numbers.
+    /// Averages files and keeps only their numbers.
     fn average(&mut self, paths: &[PathBuf], request: &Request<'_>) -> Result<Option<Subject>> {
         let mut population = Population::default();
-        for (path, again) in paths.iter().zip(again(paths)) {
-            let added = match again {
-                Some(first) => Err(anyhow::anyhow!(
-                    "{}: a set counts once in an average",
-                    same_file(path, first)
-                )),
-                None => request
-                    .measured(path, population.common())
-                    .and_then(|found| {
-                        self.same_domain(&found.member)?;
-                        Ok(population.add(found)?)
-                    }),
+        for (path, same) in paths.iter().zip(repetitions(paths)) {
+            let measured = match same {
+                Some(same) => Err(anyhow!("{same}: a set counts once in an average")),
+                None => request.measure(path, population.common()),
             };
+            let added = measured.and_then(|set| {
+                self.same_domain(&set.member)?;
+                Ok(population.add(set)?)
+            });
             if let Err(error) = added {
                 self.fail(path, error)?;
             }
@@ -152,97 +143,82 @@ impl Analysis {
         self.notes.push(note);
     }
 
-    fn same_domain(&self, found: &Member) -> Result<()> {
+    fn same_domain(&self, member: &Member) -> Result<()> {
         if let Some(reference) = self.reference() {
             ensure!(
-                found.region == reference.region,
+                member.region == reference.region,
                 "{}: its domain, {}, is not that of {}, {}",
-                found.name,
-                output::region_text(&found.region),
+                member.name,
+                region_text(&member.region),
                 reference.name,
-                output::region_text(&reference.region)
+                region_text(&reference.region)
             );
         }
         Ok(())
     }
 
-    /// Bands take both sides for independent.
+    /// Bands of differences are right for independent sets.
     fn note_shared(&mut self, arguments: &AnalyzeArguments) {
-        let places: Vec<PathBuf> = arguments.against.iter().map(|path| place(path)).collect();
-        let shared: Vec<String> = (arguments.files.iter())
-            .filter(|path| places.contains(&place(path)))
-            .map(|path| path.display().to_string())
-            .collect();
-        if let Some(first) = shared.first() {
-            let stand = match shared.len() {
-                1 => " stands".to_owned(),
-                more => format!(" and {} more stand", more - 1),
+        let against: Vec<PathBuf> = arguments.against.iter().map(|path| place(path)).collect();
+        let mut shared = (arguments.files.iter()).filter(|path| against.contains(&place(path)));
+        if let Some(first) = shared.next() {
+            let stand = match shared.count() {
+                0 => " stands".to_owned(),
+                more => format!(" and {more} more stand"),
             };
             self.note(format!(
-                "{first}{stand} on both sides: bands of differences take them for independent"
+                "{}{stand} on both sides: bands of differences take them for independent",
+                first.display()
             ));
         }
     }
 
-    /// Curves of different domains lie in one chart, each over its own frequencies.
+    /// Curves of different domains are in one chart, each over its own frequencies.
     fn note_domains(&mut self) {
+        let named =
+            |subject: &Subject| format!("{} ({})", subject.label, region_text(&subject.region));
         let Some(first) = self.subjects.first() else {
             return;
         };
-        let (label, region) = (first.label.clone(), first.region);
-        let others: Vec<String> = (self.subjects.iter())
-            .filter(|subject| subject.region != region)
-            .map(|subject| {
-                format!(
-                    "{} ({})",
-                    subject.label,
-                    output::region_text(&subject.region)
-                )
-            })
-            .collect();
+        let others = (self.subjects.iter()).filter(|subject| subject.region != first.region);
+        let others: Vec<String> = others.map(named).collect();
         if !others.is_empty() {
-            self.note(format!(
-                "the domains differ: {} beside {label} ({})",
-                others.join(", "),
-                output::region_text(&region)
-            ));
+            let (others, first) = (others.join(", "), named(first));
+            self.note(format!("the domains differ: {others} beside {first}"));
         }
     }
 
     /// Student's quantile of one degree of freedom is 12.7.
     fn note_two_sets(&mut self) {
-        let two = |subject: &&Subject| subject.members.len() == 2;
-        let labels = self
-            .subjects
-            .iter()
-            .filter(two)
-            .map(|subject| subject.label.clone());
-        for label in labels.collect::<Vec<String>>() {
-            self.note(format!(
-                "{label}: two sets hardly tell their spread; bands from it are 12.7 standard errors wide on either side, with three \
-                 sets 4.3"
-            ));
-        }
+        self.note_each(|subject| {
+            (subject.members.len() == 2).then(|| {
+                format!(
+                    "{}: two sets hardly tell their spread; bands from it are 12.7 standard errors wide on either side, with three \
+                     sets 4.3",
+                    subject.label
+                )
+            })
+        });
     }
 
     /// The spectra of large sets end before their first ring.
     fn note_short_spectra(&mut self) {
-        let reach = |subject: &Subject| {
+        self.note_each(|subject| {
             let [x, y] = subject.spectrum.picture_reach;
-            x.min(y)
-        };
-        let short = |subject: &&Subject| reach(subject) < 0.9 * Spectrum::MAX_NU;
-        let notes: Vec<String> = (self.subjects.iter().filter(short))
-            .map(|subject| {
+            let reach = x.min(y);
+            (reach < 0.9 * Spectrum::MAX_NU).then(|| {
                 format!(
-                    "{}: frequencies are looked at up to nu = {:.2}, {} cycles along a side; \
+                    "{}: frequencies are looked at up to nu = {reach:.2}, {} cycles along a side; \
                      --frequencies asks for more",
                     subject.label,
-                    reach(subject),
                     Spectrum::MAX_CYCLES
                 )
             })
-            .collect();
+        });
+    }
+
+    fn note_each(&mut self, note: impl Fn(&Subject) -> Option<String>) {
+        let notes: Vec<String> = self.subjects.iter().filter_map(note).collect();
         for note in notes {
             self.note(note);
         }
@@ -251,75 +227,52 @@ impl Analysis {
     /// Gives every subject names of its own; that of the reference may be a file's as well.
     fn name(&mut self) {
         // Two averages are told apart by their files.
-        if self
-            .subjects
-            .iter()
-            .filter(|subject| subject.average)
-            .count()
-            > 1
-        {
-            for subject in self.subjects.iter_mut().filter(|subject| subject.average) {
-                let files: Vec<&str> = (subject.members.iter())
-                    .map(|member| member.name.as_str())
-                    .collect();
-                subject.name = format!("{}: {}", subject.name, names::pattern(&files));
+        let is_average = |subject: &&mut Subject| subject.average;
+        if self.subjects.iter_mut().filter(is_average).count() > 1 {
+            for subject in self.subjects.iter_mut().filter(is_average) {
+                let files = subject.members.iter().map(|member| member.name.as_str());
+                let files = names::pattern(&files.collect::<Vec<&str>>());
+                subject.name = format!("{}: {files}", subject.name);
             }
         }
-        let names: Vec<String> = self
-            .subjects
-            .iter()
-            .map(|subject| subject.name.clone())
-            .collect();
+        let each = self.subjects.iter();
+        let names: Vec<String> = each.map(|subject| subject.name.clone()).collect();
         let labels = names::short(&names);
-        let from = usize::from(self.against);
-        let held = names::numbered(&names[from..]);
-        let held_labels = names::numbered(&labels[from..]);
-        let (reference, others) = self.subjects.split_at_mut(from);
-        for (subject, (name, label)) in others.iter_mut().zip(held.into_iter().zip(held_labels)) {
-            (subject.name, subject.label) = (name, label);
-        }
-        for subject in reference {
+        let (reference, others) = self.subjects.split_at_mut(usize::from(self.has_reference));
+        for subject in &mut *reference {
             subject.label.clone_from(&labels[0]);
+            subject.title = format!("{} (reference)", subject.label);
             if names[1..].contains(&subject.name) {
                 subject.name.push_str(" (reference)");
             }
         }
-    }
-
-    fn compare(&mut self) -> Result<()> {
-        if let Some(reference) = self.reference() {
-            let each = self.held().iter();
-            let each = each.map(|subject| Comparison::of(subject, reference));
-            self.comparisons = each.collect::<Result<_, _>>()?;
+        let numbered = |all: &[String]| names::numbered(&all[reference.len()..]);
+        for (subject, name) in others.iter_mut().zip(numbered(&names)) {
+            subject.name = name;
         }
-        Ok(())
+        for (subject, label) in others.iter_mut().zip(numbered(&labels)) {
+            subject.title.clone_from(&label);
+            subject.label = label;
+        }
     }
 }
 
-/// Returns where a file is; what cannot be found is where it is said to be.
+/// Returns where a file is; the path itself where there is no such file.
 fn place(path: &Path) -> PathBuf {
     path.canonicalize().unwrap_or_else(|_| path.to_owned())
 }
 
-fn same_file(path: &Path, first: &Path) -> String {
-    let (name, first_name) = (path.display(), first.display());
-    if path == first {
-        return format!("{name} is given more than once");
-    }
-    format!("{name} is the file {first_name} again")
-}
-
-/// Returns, for each path, an earlier one of the same file.
-fn again(paths: &[PathBuf]) -> Vec<Option<&PathBuf>> {
-    let mut first = std::collections::HashMap::new();
-    paths
-        .iter()
-        .map(|path| match first.entry(place(path)) {
-            std::collections::hash_map::Entry::Occupied(entry) => Some(*entry.get()),
-            std::collections::hash_map::Entry::Vacant(entry) => {
-                entry.insert(path);
-                None
-            }
+/// Returns, for each path of the same file as an earlier one, a sentence that says so.
+fn repetitions(paths: &[PathBuf]) -> Vec<Option<String>> {
+    let places: Vec<PathBuf> = paths.iter().map(|path| place(path)).collect();
+    let repetition = |(index, path): (usize, &PathBuf)| {
+        let mut earlier = places[..index].iter();
+        let first = &paths[earlier.position(|place| *place == places[index])?];
+        Some(if path == first {
+            format!("{} is given more than once", path.display())
+        } else {
+            format!("{} is the file {} again", path.display(), first.display())
         })
-        .collect()
+    };
+    paths.iter().enumerate().map(repetition).collect()
 }

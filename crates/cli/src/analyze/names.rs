@@ -1,82 +1,66 @@
-//! Names of files that can be told from each other, short where people read them.
-
-use std::collections::HashMap;
+//! Names of files that differ from each other, short where people read them.
 
 /// Letters of a short name at most.
 const MAX_LENGTH: usize = 40;
 
-/// Returns the names, with a number behind those that were there before.
+/// Returns the names, with a number behind those that occurred before.
 pub fn numbered(names: &[String]) -> Vec<String> {
-    let mut seen: HashMap<&str, usize> = HashMap::new();
-    let taken = |name: &String| names.contains(name);
-    names
-        .iter()
-        .map(|name| {
-            let count = seen.entry(name).or_default();
-            *count += 1;
-            if *count == 1 {
-                return name.clone();
-            }
-            // A file may be called like the numbered name of another.
-            let mut number = *count;
-            while taken(&format!("{name} ({number})")) {
-                number += names.len();
-            }
-            format!("{name} ({number})")
-        })
-        .collect()
+    let numbered = |(index, name): (usize, &String)| {
+        let before = names[..index].iter().filter(|other| *other == name);
+        let number = before.count() + 1;
+        if number == 1 {
+            return name.clone();
+        }
+        // A file may be called like the numbered name of another.
+        let numbers = (number..).step_by(names.len());
+        let mut all = numbers.map(|number| format!("{name} ({number})"));
+        all.find(|name| !names.contains(name)).unwrap_or_default()
+    };
+    names.iter().enumerate().map(numbered).collect()
 }
 
-/// Returns, for each name, as many of its last parts as tell it from all others, in at most 40 letters; no two are the same.
+/// Returns, for each name, as many of its last parts as tell it from all others, in at most 40 letters.
 pub fn short(names: &[String]) -> Vec<String> {
-    let parts: Vec<Vec<&str>> = names
-        .iter()
-        .map(|name| name.rsplit(['/', '\\']).collect())
-        .collect();
-    let tail = |index: usize, count: usize| -> String {
-        let parts = &parts[index];
-        let mut kept = parts[..count.min(parts.len())].to_vec();
-        kept.reverse();
-        kept.join("/")
+    let tail = |name: &String, count: usize| -> String {
+        let parts: Vec<&str> = name.split(['/', '\\']).collect();
+        parts[parts.len().saturating_sub(count)..].join("/")
     };
-    let label = |index: usize| {
-        let most = parts[index].len();
-        let alone = (1..most).find(|&count| {
-            let own = tail(index, count);
-            (0..names.len()).all(|other| names[other] == names[index] || tail(other, count) != own)
-        });
-        cut(&tail(index, alone.unwrap_or(most)), MAX_LENGTH)
+    let label = |name: &String| {
+        let most = name.split(['/', '\\']).count();
+        let is_alone = |count: &usize| {
+            let own = tail(name, *count);
+            (names.iter()).all(|other| other == name || tail(other, *count) != own)
+        };
+        cut(
+            &tail(name, (1..most).find(is_alone).unwrap_or(most)),
+            MAX_LENGTH,
+        )
     };
-    (0..names.len()).map(label).collect()
+    names.iter().map(label).collect()
 }
 
-/// Returns what the file names of `names` have in common, with an asterisk for the rest.
+/// Returns the beginning and the end that the file names of `names` have in common, with an asterisk between them.
 pub fn pattern(names: &[&str]) -> String {
-    let files: Vec<Vec<char>> = names
-        .iter()
-        .map(|name| name.rsplit(['/', '\\']).next().unwrap_or(name))
-        .map(|name| name.chars().collect())
-        .collect();
-    let Some((first, rest)) = files.split_first() else {
+    let file = |name: &&str| -> Vec<char> {
+        let file = name.rsplit(['/', '\\']).next();
+        file.unwrap_or_default().chars().collect()
+    };
+    let mut files: Vec<Vec<char>> = names.iter().map(file).collect();
+    files.sort_by_key(Vec::len);
+    let Some((shortest, others)) = files.split_first() else {
         return String::new();
     };
-    let same = |letters: &dyn Fn(&[char]) -> Vec<char>, file: &[char]| {
-        let pairs = letters(first).into_iter().zip(letters(file));
-        pairs.take_while(|(a, b)| a == b).count()
-    };
-    let shortest = files.iter().map(Vec::len).min().unwrap_or(0);
-    let common = |letters: &dyn Fn(&[char]) -> Vec<char>| {
-        let counts = rest.iter().map(|file| same(letters, file));
-        counts.min().unwrap_or(first.len())
-    };
-    let head = common(&<[char]>::to_vec);
-    if head == first.len() && head == shortest {
-        return first.iter().collect();
+    let is_common = |at: &usize| others.iter().all(|file| file[*at] == shortest[*at]);
+    let head = (0..shortest.len()).take_while(is_common).count();
+    if others.iter().all(|file| file == shortest) {
+        return shortest.iter().collect();
     }
-    let backwards = |file: &[char]| file.iter().rev().copied().collect();
-    let tail = common(&backwards).min(shortest - head.min(shortest));
-    let end = &first[first.len() - tail..];
-    first[..head].iter().chain(&['*']).chain(end).collect()
+    let at_end = |file: &[char], back: usize| file[file.len() - 1 - back];
+    let is_common =
+        |&back: &usize| (others.iter()).all(|file| at_end(file, back) == at_end(shortest, back));
+    let tail = (0..shortest.len() - head).take_while(is_common).count();
+    let end = &shortest[shortest.len() - tail..];
+    shortest[..head].iter().chain(&['*']).chain(end).collect()
 }
 
 /// Returns a name in at most `most` letters: its beginning, an ellipsis, its end.
@@ -86,11 +70,11 @@ pub fn cut(name: &str, most: usize) -> String {
         return name.to_owned();
     }
     let (head, tail) = (most / 2, most - most / 2 - 1);
-    let end = letters.len() - tail;
+    let end = &letters[letters.len() - tail..];
     letters[..head]
         .iter()
         .chain(&['\u{2026}'])
-        .chain(&letters[end..])
+        .chain(end)
         .collect()
 }
 

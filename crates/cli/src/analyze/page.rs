@@ -1,12 +1,11 @@
-//! The page: tables, figures and the command that made it. It needs nothing from elsewhere.
+//! The report as a page: tables, figures and the command that made it. It loads nothing from elsewhere.
 
 use std::fmt::Write;
 
 use tilescope_figures::{Font, escape, font_faces};
 
-use super::differences;
 use super::gather::Analysis;
-use super::table::{self, Table};
+use super::table::{self, Column, Table};
 
 const STYLE: &str = "body{font:15px/1.5 system-ui,sans-serif;color:#1a1d21;margin:2rem auto;max-width:1240px;padding:0 1rem}\
 table{border-collapse:collapse;font-variant-numeric:tabular-nums;margin:1rem 0}\
@@ -23,17 +22,16 @@ pub fn html(analysis: &Analysis, figures: &[String]) -> String {
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<title>{title}</title>\n\
          <style>{STYLE}{fonts}</style>\n</head>\n<body>\n<h1>{title}</h1>\n"
     );
-    let measures = table::measures(&analysis.subjects, analysis.against);
+    let measures = table::measures(&analysis.subjects);
     page_table(&mut out, &measures);
     if let Some(reference) = analysis.reference() {
         out.push_str("<h2>Differences</h2>\n");
-        let held = analysis.held();
-        let table = differences::table(reference, held, &analysis.comparisons);
+        let table = table::differences(reference, analysis.compared(), &analysis.differences);
         page_table(&mut out, &table);
     }
     out.push_str("<h2>Curves</h2>\n");
     for (index, svg) in figures.iter().enumerate() {
-        let svg = with_names_of_its_own(svg, index);
+        let svg = with_own_ids(svg, index);
         let _ = writeln!(out, "<div class=\"wide\">\n{svg}</div>");
     }
     out.push_str(NOTES);
@@ -50,8 +48,8 @@ pub fn html(analysis: &Analysis, figures: &[String]) -> String {
     out
 }
 
-/// Several figures on one page: what refers to a name within must find its own.
-fn with_names_of_its_own(svg: &str, index: usize) -> String {
+/// Renames the ids of a figure, so that those of several figures on one page differ.
+fn with_own_ids(svg: &str, index: usize) -> String {
     svg.replace("id=\"clip-", &format!("id=\"f{index}-clip-"))
         .replace("url(#clip-", &format!("url(#f{index}-clip-"))
         .replace("id=\"layer-", &format!("id=\"f{index}-layer-"))
@@ -97,27 +95,27 @@ curves that have one truth, 95 times in a hundred. Periodograms are white where 
 frequency out; where it has a cell of its own, a ring marks it.</p>\n";
 
 fn page_table(out: &mut String, table: &Table) {
-    let units = table.rows.iter().any(|row| !row.unit.is_empty());
-    let _ = write!(
-        out,
-        "<div class=\"wide\"><table{}>\n<thead><tr><th>{}</th>{}",
-        if units { " class=\"units\"" } else { "" },
-        escape(&table.head),
-        if units { "<th>unit</th>" } else { "" }
-    );
-    for name in &table.names {
-        let _ = write!(out, "<th>{}</th>", escape(name));
-    }
-    out.push_str("</tr></thead>\n<tbody>\n");
-    for row in &table.rows {
-        let _ = write!(out, "<tr><td>{}</td>", escape(&row.label));
-        if units {
-            let _ = write!(out, "<td>{}</td>", row.unit);
-        }
-        for cell in &row.cells {
-            let _ = write!(out, "<td>{}</td>", escape(cell));
-        }
-        out.push_str("</tr>\n");
+    let units = table.rows.iter().any(|(_, unit)| !unit.is_empty());
+    let class = if units { " class=\"units\"" } else { "" };
+    let _ = write!(out, "<div class=\"wide\"><table{class}>\n<thead>");
+    let line = |tag: &str, label: &str, unit: &str, cell: &dyn Fn(&Column) -> String| {
+        let unit = units.then(|| unit.to_owned());
+        let cells = table.columns.iter().map(|column| escape(&cell(column)));
+        let cells = std::iter::once(escape(label)).chain(unit).chain(cells);
+        let cells = cells
+            .collect::<Vec<String>>()
+            .join(&format!("</{tag}><{tag}>"));
+        format!("<tr><{tag}>{cells}</{tag}></tr>")
+    };
+    out.push_str(&line("th", &table.head, "unit", &|column| {
+        column.name.clone()
+    }));
+    out.push_str("</thead>\n<tbody>\n");
+    for (row, (label, unit)) in table.rows.iter().enumerate() {
+        out.push_str(&line("td", label, unit, &|column| {
+            column.cells[row].clone()
+        }));
+        out.push('\n');
     }
     out.push_str("</tbody></table></div>\n");
 }

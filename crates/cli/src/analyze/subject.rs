@@ -1,96 +1,69 @@
 //! What has a column in the tables and a curve in the charts: a set, or the average of several.
-//! An average takes its sets one after another and keeps none of them.
+//! An average takes its sets one after another and keeps only their numbers.
 
-use anyhow::Result;
 use tilescope_analysis::Region;
 use tilescope_analysis::measures::{
-    Average, DifferenceCurve, MeanCurve, MeanPeriodogram, MeasureError, PowerCurve, RadialProfile,
-    Spectrum,
+    Average, DifferenceCurve, MeanCurve, MeanPeriodogram, MeasureError, PowerCurve, Spectrum,
 };
 
-use super::measured::{Common, Measured, Member};
-use super::scalars::{Scalar, of_mean_power};
-
-/// A number of a column.
-pub struct Number {
-    pub scalar: Scalar,
-    /// What is known of it over several sets.
-    pub spread: Option<Spread>,
-}
-
-/// A number over several sets.
-#[derive(Clone, Copy)]
-pub struct Spread {
-    pub standard_error: f64,
-    /// The ends of the interval that holds the true mean with probability 0.95.
-    pub band: [f64; 2],
-    pub least: f64,
-    pub most: f64,
-}
+use super::curve::Curve;
+use super::measure::{Measure, of_mean_power};
+use super::measured::{Common, MeasuredSet, Member};
 
 /// A column of the tables.
 pub struct Subject {
     /// Its name in CSV and JSON: the file as it was given.
     pub name: String,
-    /// Its name where people read: short, and of no other subject.
+    /// Its name in notes and differences: short, and of no other subject.
     pub label: String,
+    /// Its heading in tables and charts: the label, which says so of the reference.
+    pub title: String,
     pub region: Region,
-    /// An average, of `members`; otherwise one set.
+    /// Whether it is the average of `members`; otherwise it is its one member.
     pub average: bool,
     pub members: Vec<Member>,
-    pub numbers: Vec<Number>,
+    pub measures: Vec<Measure>,
     pub spectrum: Spectrum,
-    /// Ends of the band of each annulus's mean power.
-    pub power_bands: Option<Vec<[f64; 2]>>,
-    /// Mean powers by the spread between sets.
+    /// Radial mean power, anisotropy and pair correlation, by their names in CSV and JSON.
+    pub curves: [(&'static str, Curve); 3],
+    /// Mean powers, by the spread between sets.
     powers: MeanCurve,
-    correlation: MeanCurve,
-    correlation_bands: Option<Vec<[f64; 2]>>,
+    correlations: MeanCurve,
 }
 
-/// A place of a curve.
-pub struct Place {
-    pub x: f64,
-    pub y: f64,
-    pub band: Option<[f64; 2]>,
-}
+type Bands<'a> = Option<&'a Vec<[f64; 2]>>;
 
-/// Returns the places of a curve, with a band if there is one.
-pub fn places(curve: &[[f64; 2]], bands: Option<&Vec<[f64; 2]>>) -> Vec<Place> {
-    let each = curve.iter().enumerate();
-    each.map(|(index, [x, y])| Place {
-        x: *x,
-        y: *y,
-        band: bands.map(|bands| bands[index]),
-    })
-    .collect()
+/// Returns the curves of a subject; annuli without an anisotropy are left out.
+fn curves(spectrum: &Spectrum, power: Bands<'_>, pairs: Curve) -> [(&'static str, Curve); 3] {
+    [
+        ("power", Curve::new(&spectrum.power(), power)),
+        ("anisotropy_db", Curve::new(&spectrum.anisotropy(), None)),
+        ("pair_correlation", pairs),
+    ]
 }
 
 impl Subject {
     /// Returns the column of one set.
-    pub fn one(measured: Measured) -> Self {
-        let Measured {
-            member,
-            spectrum,
-            pairs,
-            ..
-        } = measured;
-        let [nu, distances] = [spectrum.power(), pairs];
+    pub fn one(set: MeasuredSet) -> Self {
+        let (member, spectrum) = (set.member, set.spectrum);
+        let pairs = Curve::new(&set.pairs, None);
+        let curves = curves(&spectrum, spectrum.bands.as_ref(), pairs);
+        let alone = |curve: &Curve| MeanCurve {
+            x: curve.x.clone(),
+            y: curve.y.clone(),
+            errors: None,
+            sets: 1,
+        };
         Self {
             name: member.name.clone(),
-            label: member.name.clone(),
+            label: String::new(),
+            title: String::new(),
             region: member.region,
             average: false,
-            numbers: (member.scalars.iter().cloned())
-                .map(|scalar| Number {
-                    scalar,
-                    spread: None,
-                })
-                .collect(),
-            powers: curve(&nu),
-            power_bands: spectrum.bands.clone(),
-            correlation: curve(&distances),
-            correlation_bands: None,
+            measures: member.measures.clone(),
+            powers: alone(&curves[0].1),
+            correlations: alone(&curves[2].1),
+            curves,
             members: vec![member],
             spectrum,
         }
@@ -101,45 +74,19 @@ impl Subject {
         self.spectrum.profile.sets
     }
 
-    /// Returns the mean powers as nu, power and, where there is one, the ends of its band.
-    pub fn power(&self) -> Vec<Place> {
-        places(&self.spectrum.power(), self.power_bands.as_ref())
-    }
-
-    /// Returns the anisotropies in decibels; annuli without one are left out.
-    pub fn anisotropy(&self) -> Vec<Place> {
-        places(&self.spectrum.anisotropy(), None)
-    }
-
-    /// Returns the pair correlation.
-    pub fn correlation(&self) -> Vec<Place> {
-        let MeanCurve { x, y, .. } = &self.correlation;
-        let curve: Vec<[f64; 2]> = x.iter().zip(y).map(|(x, y)| [*x, *y]).collect();
-        places(&curve, self.correlation_bands.as_ref())
-    }
-
     /// Returns how its radial mean power and its pair correlation differ from a reference's.
     pub fn less(&self, reference: &Self) -> Result<[DifferenceCurve; 2], MeasureError> {
         // Bounded sets are tapered: neighbouring powers are not independent, but sets are.
         let independent = self.spectrum.bands.is_some() && reference.spectrum.bands.is_some();
         let level = Spectrum::LEVEL;
         let power = if independent {
-            let profiles = [self, reference].map(|subject| &subject.spectrum.profile);
-            DifferenceCurve::of_powers(profiles[0], profiles[1], level)?
+            let [own, base] = [self, reference].map(|subject| &subject.spectrum.profile);
+            DifferenceCurve::of_powers(own, base, level)?
         } else {
             DifferenceCurve::of_means(&self.powers, &reference.powers, level)?
         };
-        let pairs = DifferenceCurve::of_means(&self.correlation, &reference.correlation, level)?;
+        let pairs = DifferenceCurve::of_means(&self.correlations, &reference.correlations, level)?;
         Ok([power, pairs])
-    }
-}
-
-fn curve(places: &[[f64; 2]]) -> MeanCurve {
-    MeanCurve {
-        x: places.iter().map(|place| place[0]).collect(),
-        y: places.iter().map(|place| place[1]).collect(),
-        errors: None,
-        sets: 1,
     }
 }
 
@@ -152,86 +99,44 @@ pub struct Population {
     periodograms: MeanPeriodogram,
     powers: Option<Average>,
     correlations: Option<Average>,
-    smooth: Smooth,
-}
-
-/// The mean of smooth spectra, while every set has one.
-#[derive(Default)]
-enum Smooth {
-    #[default]
-    Nothing,
-    Mean {
-        frequencies: Vec<f64>,
-        powers: Average,
-    },
-    Missing,
-}
-
-impl Smooth {
-    fn add(&mut self, curve: Option<&PowerCurve>) -> Result<(), MeasureError> {
-        let Some(curve) = curve else {
-            *self = Self::Missing;
-            return Ok(());
-        };
-        if matches!(self, Self::Nothing) {
-            *self = Self::Mean {
-                frequencies: curve.frequencies().to_vec(),
-                powers: Average::new(curve.powers().len()),
-            };
-        }
-        match self {
-            Self::Mean { powers, .. } => powers.add(curve.powers()),
-            Self::Nothing | Self::Missing => Ok(()),
-        }
-    }
-
-    fn mean(self) -> Option<PowerCurve> {
-        match self {
-            Self::Mean {
-                frequencies,
-                powers,
-            } => PowerCurve::new(frequencies, powers.means().to_vec()).ok(),
-            Self::Nothing | Self::Missing => None,
-        }
-    }
+    /// Frequencies and mean powers of the smooth spectra.
+    smooth: Option<(Vec<f64>, Average)>,
+    /// Whether a set has no smooth spectrum, so that there is no mean of them.
+    lacks_smooth: bool,
 }
 
 impl Population {
     /// Returns what the first set decided for the others.
-    pub fn common(&self) -> Option<&Common> {
+    pub const fn common(&self) -> Option<&Common> {
         self.common.as_ref()
     }
 
     /// Adds a set that was measured with [`Self::common`].
-    pub fn add(&mut self, measured: Measured) -> Result<(), MeasureError> {
+    pub fn add(&mut self, set: MeasuredSet) -> Result<(), MeasureError> {
         if self.common.is_none() {
-            self.common = Some(Common::of(&measured));
-            let places = measured.pairs.iter();
-            self.distances = places.map(|place| place[0]).collect();
+            self.common = Some(Common::of(&set));
+            self.distances = set.pairs.iter().map(|place| place[0]).collect();
         }
-        let Measured {
-            member,
-            spectrum,
-            curve,
-            pairs,
-            periodogram,
-            ..
-        } = measured;
-        self.smooth.add(curve.as_ref())?;
-        self.periodograms.add(&periodogram)?;
-        let powers = spectrum.profile.powers();
-        self.powers
-            .get_or_insert_with(|| Average::new(powers.len()))
-            .add(&powers)?;
-        let correlation: Vec<f64> = pairs.iter().map(|place| place[1]).collect();
-        self.correlations
-            .get_or_insert_with(|| Average::new(correlation.len()))
-            .add(&correlation)?;
-        self.members.push(member);
+        match &set.curve {
+            Some(curve) if !self.lacks_smooth => {
+                let nothing = || (curve.frequencies().to_vec(), of_as_many(curve.powers()));
+                let (_, powers) = self.smooth.get_or_insert_with(nothing);
+                powers.add(curve.powers())?;
+            }
+            _ => self.lacks_smooth = true,
+        }
+        self.periodograms.add(&set.periodogram)?;
+        let powers = set.spectrum.profile.powers();
+        let average = self.powers.get_or_insert_with(|| of_as_many(&powers));
+        average.add(&powers)?;
+        let correlation: Vec<f64> = set.pairs.iter().map(|place| place[1]).collect();
+        let average = (self.correlations).get_or_insert_with(|| of_as_many(&correlation));
+        average.add(&correlation)?;
+        self.members.push(set.member);
         Ok(())
     }
 
-    /// Returns the column of the average; none without a set.
+    /// Returns the column of the average; `None` without a set.
     pub fn finish(self) -> Result<Option<Subject>, MeasureError> {
         let (Some(mean), Some(powers), Some(correlations)) =
             (self.periodograms.mean(), self.powers, self.correlations)
@@ -243,40 +148,41 @@ impl Population {
             Some(bands) => Some(bands.clone()),
             None => powers.band(Spectrum::LEVEL)?,
         };
-        let label = match self.members.len() {
+        let smooth = self.smooth.filter(|_| !self.lacks_smooth);
+        let smooth = smooth.and_then(|(frequencies, powers)| {
+            PowerCurve::new(frequencies, powers.means().to_vec()).ok()
+        });
+        let mut measures = means(&self.members)?;
+        measures.extend(of_mean_power(smooth.as_ref()));
+        let pair_places: Vec<[f64; 2]> = (self.distances.iter().zip(correlations.means()))
+            .map(|(&x, &g)| [x, g])
+            .collect();
+        let pairs = Curve::new(&pair_places, correlations.band(Spectrum::LEVEL)?.as_ref());
+        let name = match self.members.len() {
             1 => "average of 1 set".to_owned(),
             sets => format!("average of {sets} sets"),
         };
-        let mut numbers = numbers(&self.members)?;
-        numbers.extend(
-            of_mean_power(self.smooth.mean().as_ref())
-                .into_iter()
-                .map(|scalar| Number {
-                    scalar,
-                    spread: None,
-                }),
-        );
         Ok(Some(Subject {
-            name: label.clone(),
-            label,
+            name,
+            label: String::new(),
+            title: String::new(),
             region: mean.region,
             average: true,
-            numbers,
-            powers: averaged(&powers, nus(&spectrum.profile)),
-            power_bands,
-            correlation_bands: correlations.band(Spectrum::LEVEL)?,
-            correlation: averaged(&correlations, self.distances),
+            measures,
+            powers: mean_curve(&powers, spectrum.profile.relative_frequencies()),
+            correlations: mean_curve(&correlations, self.distances),
+            curves: curves(&spectrum, power_bands.as_ref(), pairs),
             members: self.members,
             spectrum,
         }))
     }
 }
 
-fn nus(profile: &RadialProfile) -> Vec<f64> {
-    profile.relative_frequencies()
+fn of_as_many(values: &[f64]) -> Average {
+    Average::new(values.len())
 }
 
-fn averaged(average: &Average, x: Vec<f64>) -> MeanCurve {
+fn mean_curve(average: &Average, x: Vec<f64>) -> MeanCurve {
     MeanCurve {
         x,
         y: average.means().to_vec(),
@@ -285,38 +191,12 @@ fn averaged(average: &Average, x: Vec<f64>) -> MeanCurve {
     }
 }
 
-/// Returns the numbers of an average: means over the sets in which they are defined.
-fn numbers(members: &[Member]) -> Result<Vec<Number>, MeasureError> {
-    let rows = members.first().map_or(0, |first| first.scalars.len());
-    (0..rows)
-        .map(|row| {
-            let scalars: Vec<&Scalar> = (members.iter())
-                .map(|member| &member.scalars[row])
-                .collect();
-            number(&scalars)
-        })
-        .collect()
-}
-
-fn number(scalars: &[&Scalar]) -> Result<Number, MeasureError> {
-    let mut average = Average::new(1);
-    let [mut least, mut most] = [f64::INFINITY, f64::NEG_INFINITY];
-    for value in scalars.iter().filter_map(|scalar| scalar.value) {
-        average.add(&[value])?;
-        (least, most) = (least.min(value), most.max(value));
-    }
-    let errors = average.standard_errors();
-    let band = average.band(Spectrum::LEVEL)?;
-    Ok(Number {
-        scalar: Scalar {
-            value: (average.sets() > 0).then(|| average.means()[0]),
-            ..scalars[0].clone()
-        },
-        spread: errors.zip(band).map(|(errors, band)| Spread {
-            standard_error: errors[0],
-            band: band[0],
-            least,
-            most,
-        }),
-    })
+/// Returns the mean of each measure over the sets in which it is defined.
+fn means(members: &[Member]) -> Result<Vec<Measure>, MeasureError> {
+    let rows = members.first().map_or(0, |first| first.measures.len());
+    let row = |row| {
+        let of: Vec<&Measure> = members.iter().map(|one| &one.measures[row]).collect();
+        Measure::mean(&of)
+    };
+    (0..rows).map(row).collect()
 }

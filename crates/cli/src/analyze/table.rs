@@ -1,133 +1,100 @@
-//! Tables of measures: a row a measure, a column a set.
+//! Tables of measures: a row a measure, a column a set. Tables wider than a terminal are split between sets, which is
+//! why no table library serves.
 
 use std::fmt::Write;
 
+use super::differences::{Difference, Differences};
+use super::measure::{Measure, Spread};
 use super::measured::Member;
-use super::scalars::Scalar;
-use super::subject::{Number, Subject};
+use super::subject::Subject;
 use crate::output::region_text;
 
-/// Columns wider than this many letters together are split into several tables.
-const WIDE: usize = 110;
+/// Tables with more letters in a row than this are split into several.
+const MAX_WIDTH: usize = 110;
 
-/// A row of a table.
-pub struct Row {
-    pub label: String,
-    pub unit: &'static str,
-    pub cells: Vec<String>,
-}
+/// Letters between two columns.
+const GAP: usize = 3;
 
-/// A table with the sets' names on top.
+/// A table.
 #[derive(Default)]
 pub struct Table {
     /// Above the labels.
     pub head: String,
-    pub names: Vec<String>,
-    pub rows: Vec<Row>,
-    /// Columns that are never parted from the one before them.
-    pub joined: Vec<usize>,
+    /// A label and a unit each.
+    pub rows: Vec<(String, &'static str)>,
+    pub columns: Vec<Column>,
 }
 
-/// Which of a number's values stands in a column.
-type Value = fn(&Number) -> Option<f64>;
-
-/// A column: its heading, whose it is, and which of a number's values stands in it.
-struct Column<'a> {
-    name: String,
-    subject: &'a Subject,
-    value: Value,
-    /// Words stand in the first column of a subject alone.
-    first: bool,
+/// A column: its name, and a cell for each row.
+pub struct Column {
+    pub name: String,
+    pub cells: Vec<String>,
+    /// Whether it is never parted from the column before it.
+    joined: bool,
 }
 
-impl<'a> Column<'a> {
-    fn all(subject: &'a Subject, reference: bool) -> Vec<Self> {
-        let after = if reference { " (reference)" } else { "" };
-        let column = |name: String, value, first| Self {
-            name,
-            subject,
-            value,
-            first,
-        };
-        let name = format!("{}{after}", subject.label);
-        let mut columns = vec![column(name, |number| number.scalar.value, true)];
-        if subject.members.len() > 1 {
-            let spread: [(&str, Value); 3] = [
-                ("standard error", |number| {
-                    number.spread.map(|spread| spread.standard_error)
-                }),
-                ("least", |number| number.spread.map(|spread| spread.least)),
-                ("most", |number| number.spread.map(|spread| spread.most)),
-            ];
-            for (name, value) in spread {
-                columns.push(column(name.to_owned(), value, false));
-            }
-        }
-        columns
-    }
-
-    fn words(&self, word: &dyn Fn(&Subject) -> String) -> String {
-        if self.first {
-            word(self.subject)
-        } else {
-            String::new()
+impl Column {
+    fn new(name: &str, cells: impl IntoIterator<Item = String>) -> Self {
+        Self {
+            name: name.to_owned(),
+            cells: cells.into_iter().collect(),
+            joined: false,
         }
     }
-
-    /// Errors have a digit more than what they are errors of, and so have means of whole numbers.
-    fn cell(&self, key: &str) -> String {
-        let mut numbers = self.subject.numbers.iter();
-        let Some(number) = numbers.find(|number| number.scalar.key == key) else {
-            return "-".to_owned();
-        };
-        let several = self.subject.members.len() > 1;
-        let more = several && (!self.first || number.scalar.decimals == 0);
-        let decimals = number.scalar.decimals + usize::from(more);
-        let text = |value| format!("{value:.decimals$}");
-        (self.value)(number).map_or_else(|| "-".to_owned(), text)
-    }
 }
 
-/// Returns the measures of all subjects; the first may be what others are held against.
-pub fn measures(subjects: &[Subject], against: bool) -> Table {
-    let columns: Vec<Column<'_>> = (subjects.iter().enumerate())
-        .flat_map(|(index, subject)| Column::all(subject, against && index == 0))
-        .collect();
-    let words = |label: &str, word: &dyn Fn(&Subject) -> String| Row {
-        label: label.to_owned(),
-        unit: "",
-        cells: columns.iter().map(|column| column.words(word)).collect(),
-    };
-    let domain = words("domain", &|subject| region_text(&subject.region));
-    let format = words("format", &|subject| format(&subject.members));
-    let origin = words("radius is", &|subject| origin(&subject.members));
-    let numbers = keys(subjects).into_iter().map(|scalar| Row {
-        label: scalar.label.to_owned(),
-        unit: scalar.unit,
-        cells: (columns.iter())
-            .map(|column| column.cell(scalar.key))
-            .collect(),
-    });
+/// Returns the measures of all subjects.
+pub fn measures(subjects: &[Subject]) -> Table {
+    // Averages have more measures than sets.
+    let longest = subjects.iter().max_by_key(|subject| subject.measures.len());
+    let rows: &[Measure] = longest.map_or(&[], |subject| &subject.measures);
+    let of_a_set = ["format", "domain", "radius is"].map(|label| (label.to_owned(), ""));
+    let of_measures = rows.iter().map(labelled);
     Table {
         head: "measure".to_owned(),
-        names: columns.iter().map(|column| column.name.clone()).collect(),
-        rows: [format, domain, origin]
-            .into_iter()
-            .chain(numbers)
-            .collect(),
-        joined: (0..columns.len())
-            .filter(|&column| !columns[column].first)
-            .collect(),
+        rows: of_a_set.into_iter().chain(of_measures).collect(),
+        columns: subjects.iter().flat_map(|one| columns(one, rows)).collect(),
     }
 }
 
-/// Returns the numbers that subjects have: averages have more than sets.
-fn keys(subjects: &[Subject]) -> Vec<&Scalar> {
-    let most = subjects.iter().max_by_key(|subject| subject.numbers.len());
-    most.map_or(Vec::new(), |subject| {
-        let numbers = subject.numbers.iter();
-        numbers.map(|number| &number.scalar).collect()
-    })
+/// Returns the column of a subject, and those of the spread between the sets of an average.
+fn columns(subject: &Subject, rows: &[Measure]) -> Vec<Column> {
+    let several = subject.members.len() > 1;
+    let column = |name: &str, words: [String; 3], value: &dyn Fn(&Measure) -> String| {
+        let cell = |row: &Measure| {
+            let own = subject.measures.iter().find(|own| own.key == row.key);
+            own.map_or_else(|| "-".to_owned(), value)
+        };
+        Column::new(name, words.into_iter().chain(rows.iter().map(cell)))
+    };
+    let words = [
+        format(&subject.members),
+        region_text(&subject.region),
+        origin(&subject.members),
+    ];
+    // Means of whole numbers have a decimal, and errors have one more than what they are errors of.
+    let mean = |own: &Measure| own.text(own.value, usize::from(several && own.decimals == 0));
+    let mut columns = vec![column(&subject.title, words, &mean)];
+    if several {
+        type Part = fn(&Spread) -> f64;
+        let spreads: [(&str, Part); 3] = [
+            ("standard error", |spread| spread.standard_error),
+            ("least", |spread| spread.least),
+            ("most", |spread| spread.most),
+        ];
+        columns.extend(spreads.map(|(name, value)| {
+            let value = |own: &Measure| own.text(own.spread.as_ref().map(value), 1);
+            column(name, [const { String::new() }; 3], &value)
+        }));
+    }
+    for column in &mut columns[1..] {
+        column.joined = true;
+    }
+    columns
+}
+
+fn labelled(measure: &Measure) -> (String, &'static str) {
+    (measure.label.clone(), measure.unit)
 }
 
 fn format(members: &[Member]) -> String {
@@ -139,7 +106,7 @@ fn format(members: &[Member]) -> String {
 }
 
 fn origin(members: &[Member]) -> String {
-    let known = members.iter().filter(|member| member.certain).count();
+    let known = members.iter().filter(|member| member.has_radius).count();
     match known {
         0 => "smallest distance".to_owned(),
         all if all == members.len() => "known".to_owned(),
@@ -147,31 +114,51 @@ fn origin(members: &[Member]) -> String {
     }
 }
 
-/// Returns the table of the files behind an average.
-pub fn files(members: &[Member]) -> Table {
-    let Some(first) = members.first() else {
+/// Returns the differences of `subjects` from a reference.
+pub fn differences(reference: &Subject, subjects: &[Subject], all: &[Differences]) -> Table {
+    let Some(first) = all.first() else {
         return Table::default();
     };
-    let cell = |scalar: &Scalar| {
-        let text = |value| format!("{value:.*}", scalar.decimals);
-        scalar.value.map_or_else(|| "-".to_owned(), text)
+    let of_measures = first.measures.iter().map(|difference| &difference.measure);
+    let column = |(subject, of): (&Subject, &Differences)| {
+        let curves = of.of_curves.iter().map(|own| own.text(own.value, 0));
+        let measures = of.measures.iter().map(Difference::text);
+        Column::new(&subject.label, measures.chain(curves))
+    };
+    Table {
+        head: format!("less {}", reference.label),
+        rows: of_measures.chain(&first.of_curves).map(labelled).collect(),
+        columns: subjects.iter().zip(all).map(column).collect(),
+    }
+}
+
+/// Returns the table of the files behind an average.
+pub fn files(members: &[Member]) -> Table {
+    let measures = members.first().map_or(&[][..], |first| &first.measures);
+    let column = |(index, measure): (usize, &Measure)| {
+        let cell = |member: &Member| {
+            let own = &member.measures[index];
+            own.text(own.value, 0)
+        };
+        Column::new(
+            &with_unit(&measure.label, measure.unit),
+            members.iter().map(cell),
+        )
     };
     Table {
         head: "file".to_owned(),
-        names: (first.scalars.iter())
-            .map(|scalar| match scalar.unit {
-                "" => scalar.label.to_owned(),
-                unit => format!("{}, {unit}", scalar.label),
-            })
+        rows: members
+            .iter()
+            .map(|member| (member.name.clone(), ""))
             .collect(),
-        rows: (members.iter())
-            .map(|member| Row {
-                label: member.name.clone(),
-                unit: "",
-                cells: member.scalars.iter().map(cell).collect(),
-            })
-            .collect(),
-        joined: Vec::new(),
+        columns: measures.iter().enumerate().map(column).collect(),
+    }
+}
+
+fn with_unit(label: &str, unit: &str) -> String {
+    match unit {
+        "" => label.to_owned(),
+        unit => format!("{label}, {unit}"),
     }
 }
 
@@ -179,55 +166,52 @@ fn letters(text: &str) -> usize {
     text.chars().count()
 }
 
-/// Returns the letters of the columns, with room between.
-fn widths(table: &Table) -> Vec<usize> {
-    let width = |(column, name): (usize, &String)| {
-        let cells = table.rows.iter().map(|row| letters(&row.cells[column]));
-        cells.max().unwrap_or(0).max(letters(name)) + 3
-    };
-    table.names.iter().enumerate().map(width).collect()
-}
-
 /// Returns a table as aligned text, in as many parts as its width asks for.
 pub fn text(table: &Table) -> String {
-    let label = |row: &Row| match row.unit {
-        "" => row.label.clone(),
-        unit => format!("{}, {unit}", row.label),
-    };
-    let labels: Vec<String> = table.rows.iter().map(label).collect();
-    let first = (labels.iter().chain([&table.head])).map(|text| letters(text));
+    let labels = table
+        .rows
+        .iter()
+        .map(|(label, unit)| with_unit(label, unit));
+    let labels: Vec<String> = labels.collect();
+    let first = labels.iter().chain([&table.head]).map(|text| letters(text));
     let first = first.max().unwrap_or(0);
-    let widths = widths(table);
-    let mut out = String::new();
-    let mut from = 0;
-    while from < widths.len() {
-        let to = end_of_part(table, &widths, first, from);
-        if from > 0 {
-            out.push('\n');
-        }
-        let head = (&table.head, &table.names);
-        let rows = labels.iter().zip(table.rows.iter().map(|row| &row.cells));
-        // Words stand in the first column of a subject: a later part may have none of them.
-        let told = |cells: &[String]| cells[from..to].iter().any(|cell| !cell.is_empty());
-        let rows = rows.filter(|(_, cells)| from == 0 || told(cells));
-        for (label, cells) in std::iter::once(head).chain(rows) {
+    let mut parts: Vec<String> = Vec::new();
+    let mut rest = &table.columns[..];
+    while !rest.is_empty() {
+        let (part, behind) = rest.split_at(end_of_part(rest, MAX_WIDTH.saturating_sub(first)));
+        let mut out = String::new();
+        let mut line = |label: &str, cell: &dyn Fn(&Column) -> String| {
             let _ = write!(out, "{label:first$}");
-            for column in from..to {
-                let _ = write!(out, "{:>1$}", cells[column], widths[column]);
+            for column in part {
+                let _ = write!(out, "{:>1$}", cell(column), width(column));
             }
             out.push('\n');
+        };
+        line(&table.head, &|column| column.name.clone());
+        for (row, label) in labels.iter().enumerate() {
+            // Only the first column of a subject has words: a later part may have none.
+            if parts.is_empty() || part.iter().any(|column| !column.cells[row].is_empty()) {
+                line(label, &|column| column.cells[row].clone());
+            }
         }
-        from = to;
+        parts.push(out);
+        rest = behind;
     }
-    out
+    parts.join("\n")
 }
 
-/// Returns the end of the part that begins with the column `from`: as many subjects as fit, and at least one.
-fn end_of_part(table: &Table, widths: &[usize], labels: usize, from: usize) -> usize {
-    let ends = (from + 1..=widths.len()).filter(|end| !table.joined.contains(end));
-    let fits = |end: &usize| labels + widths[from..*end].iter().sum::<usize>() <= WIDE;
+/// Returns the letters of a column, with the gap before it.
+fn width(column: &Column) -> usize {
+    let cells = column.cells.iter().map(|cell| letters(cell));
+    GAP + cells.max().unwrap_or(0).max(letters(&column.name))
+}
+
+/// Returns how many of the columns are a part: those of as many subjects as fit into `most` letters, and of at least one.
+fn end_of_part(columns: &[Column], most: usize) -> usize {
+    let ends = (1..=columns.len()).filter(|&end| columns.get(end).is_none_or(|next| !next.joined));
+    let fits = |end: &usize| columns[..*end].iter().map(width).sum::<usize>() <= most;
     let mut ends = ends.peekable();
-    let least = ends.peek().copied().unwrap_or(widths.len());
+    let least = ends.peek().copied().unwrap_or(columns.len());
     ends.take_while(fits).last().unwrap_or(least)
 }
 
@@ -235,47 +219,47 @@ fn end_of_part(table: &Table, widths: &[usize], labels: usize, from: usize) -> u
 mod tests {
     use super::*;
 
+    fn column(name: &str, cells: &[&str], joined: bool) -> Column {
+        Column {
+            joined,
+            ..Column::new(name, cells.iter().map(|&cell| cell.to_owned()))
+        }
+    }
+
     #[test]
     fn columns_of_one_subject_stay_together() {
-        let row = Row {
-            label: "samples".to_owned(),
-            unit: "",
-            cells: ["1", "2", "3", "4", "5"].map(str::to_owned).to_vec(),
-        };
-        let mut table = Table {
-            head: "measure".to_owned(),
-            names: ["a", "b", "error", "c", "error"]
-                .map(|name| format!("{name:30}"))
-                .to_vec(),
-            rows: vec![row],
-            joined: vec![2, 4],
-        };
-        let parts = |table: &Table| -> Vec<usize> {
-            let found = text(table);
+        let parts = |joined: &[usize]| -> Vec<usize> {
+            let names = ["a", "b", "error", "c", "error"].map(|name| format!("{name:30}"));
+            let columns = names.iter().enumerate();
+            let columns = columns.map(|(k, name)| column(name, &["1"], joined.contains(&k)));
+            let table = Table {
+                head: "measure".to_owned(),
+                rows: vec![("samples".to_owned(), "")],
+                columns: columns.collect(),
+            };
+            let found = text(&table);
             let heads = found.split("\n\n").map(|part| part.lines().next().unwrap());
             heads
                 .map(|head| head.split_whitespace().count() - 1)
                 .collect()
         };
-        assert_eq!(parts(&table), [3, 2]);
-        table.joined = vec![3, 4];
-        assert_eq!(parts(&table), [2, 3]);
-        table.joined = vec![1, 2, 3, 4];
-        assert_eq!(parts(&table), [5]);
+        assert_eq!(parts(&[2, 4]), [3, 2]);
+        assert_eq!(parts(&[3, 4]), [2, 3]);
+        assert_eq!(parts(&[1, 2, 3, 4]), [5]);
     }
 
     #[test]
     fn a_later_part_has_no_rows_without_a_word() {
-        let row = |label: &str, cells: [&str; 2]| Row {
-            label: label.to_owned(),
-            unit: "",
-            cells: cells.map(str::to_owned).to_vec(),
-        };
+        let names = ["a", "b"].map(|name| name.repeat(MAX_WIDTH / 2));
         let table = Table {
             head: "measure".to_owned(),
-            names: ["a", "b"].map(|name| name.repeat(WIDE / 2)).to_vec(),
-            rows: vec![row("domain", ["1 x 1", ""]), row("samples", ["9", "8"])],
-            joined: Vec::new(),
+            rows: ["domain", "samples"]
+                .map(|label| (label.to_owned(), ""))
+                .to_vec(),
+            columns: vec![
+                column(&names[0], &["1 x 1", "9"], false),
+                column(&names[1], &["", "8"], false),
+            ],
         };
         let found = text(&table);
         let parts: Vec<&str> = found.split("\n\n").collect();

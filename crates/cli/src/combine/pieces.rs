@@ -1,14 +1,13 @@
 //! The sets of a layout: read and checked, or made, on all threads at once.
 
-use std::fmt;
 use std::fs;
 use std::ops::ControlFlow;
 use std::path::Path;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
 use anyhow::{Context, Result, ensure};
+use serde::Serialize;
 use serde_json::{Value, json};
 use tilescope_analysis::Region;
 use tilescope_core::combine::Piece;
@@ -30,53 +29,47 @@ pub struct Pieces {
 }
 
 /// What pieces there are.
+#[derive(Serialize)]
 pub struct Census {
+    count: usize,
     sources: Vec<Value>,
     seconds: f64,
-    pub files: usize,
-    pub runs: usize,
-    pub references: usize,
+    /// From files, by kdrt, by the reference sampler.
+    #[serde(skip)]
+    pub kinds: [usize; 3],
 }
 
 impl Census {
     fn new(places: &[PlacedPiece], folder: &Path, seconds: f64) -> Self {
-        let count = |test: fn(&PieceSource) -> bool| {
-            places.iter().filter(|place| test(&place.source)).count()
-        };
+        let mut kinds = [0; 3];
+        for place in places {
+            kinds[match place.source {
+                PieceSource::File { .. } => 0,
+                PieceSource::Run { .. } => 1,
+                PieceSource::Reference { .. } => 2,
+            }] += 1;
+        }
+        let source = |place: &PlacedPiece| described(&place.source, folder);
         Self {
-            sources: places
-                .iter()
-                .map(|place| told(&place.source, folder))
-                .collect(),
+            count: places.len(),
+            sources: places.iter().map(source).collect(),
             seconds,
-            files: count(|source| matches!(source, PieceSource::File { .. })),
-            runs: count(|source| matches!(source, PieceSource::Run { .. })),
-            references: count(|source| matches!(source, PieceSource::Reference { .. })),
+            kinds,
         }
     }
 
-    pub fn json(&self) -> Value {
-        json!({ "count": self.sources.len(), "sources": self.sources, "seconds": self.seconds })
-    }
-}
-
-impl fmt::Display for Census {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let count = self.sources.len();
-        write!(f, "{count} pieces in {:.1} ms:", self.seconds * 1e3)?;
-        let kinds = [
-            (self.files, "from files"),
-            (self.runs, "by kdrt"),
-            (self.references, "by the reference sampler"),
-        ];
-        let kinds = kinds.into_iter().filter(|&(count, _)| count > 0);
+    pub fn text(&self) -> String {
+        let names = ["from files", "by kdrt", "by the reference sampler"];
+        let kinds = self.kinds.into_iter().zip(names);
+        let kinds = kinds.filter(|&(count, _)| count > 0);
         let kinds: Vec<String> = kinds.map(|(n, kind)| format!("{n} {kind}")).collect();
-        write!(f, " {}", kinds.join(", "))
+        let (count, kinds) = (self.count, kinds.join(", "));
+        format!("{count} pieces in {:.1} ms: {kinds}", self.seconds * 1e3)
     }
 }
 
-/// Returns how a source is told of.
-fn told(source: &PieceSource, folder: &Path) -> Value {
+/// Returns what the output says of a source.
+fn described(source: &PieceSource, folder: &Path) -> Value {
     match source {
         PieceSource::File { path, .. } => {
             json!({ "file": folder.join(path).display().to_string() })
@@ -140,16 +133,12 @@ fn file(
         "the file has {} bytes; it may have {MAX_FILE_BYTES}",
         about.len()
     );
-    let found = set_of_file(path, radius, "its \"radius\"", |stated| {
+    set_of_file(path, radius, "its \"radius\"", |stated| {
         let stated = stated.unwrap_or(UNIT_SQUARE);
         Region {
             width: width.unwrap_or(stated.width),
             height: height.unwrap_or(stated.height),
             boundary: boundary.map_or(stated.boundary, crate::options::judged),
         }
-    })?;
-    Ok(Set {
-        pattern: Arc::new(found.pattern),
-        domain: found.domain,
     })
 }

@@ -1,25 +1,25 @@
-//! What is said of a file beside its bytes: its kind, how long it may be kept, and what a page may do.
+//! HTTP headers of the files that are served: type, caching, and security policy.
 
 use std::path::Path;
 
-use axum::http::header::{CACHE_CONTROL, CONTENT_SECURITY_POLICY, CONTENT_TYPE, REFERRER_POLICY};
-use axum::http::header::{HeaderMap, HeaderName, HeaderValue, X_CONTENT_TYPE_OPTIONS};
+use axum::http::header::{CACHE_CONTROL, CONTENT_SECURITY_POLICY, CONTENT_TYPE};
+use axum::http::header::{HeaderMap, HeaderName, HeaderValue};
 
-/// What the page may load and do, as its meta element says too (`web/page/index.html`).
+/// The content security policy of the page, the same as in its meta element (`web/page/index.html`).
 const POLICY: &str = "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self'; \
     img-src 'self' data: blob:; connect-src 'self'; worker-src 'self'; manifest-src 'self'; font-src 'self' data:; \
     base-uri 'none'; form-action 'none'";
 
-/// The same for the example, which shows the page of this place, or of this machine, in a frame.
+/// The policy of the example, which shows the page in a frame, from this server or another one of this machine.
 const EXAMPLE_POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; \
     frame-src 'self' http://localhost:* https://localhost:* http://127.0.0.1:* https://127.0.0.1:*; base-uri 'none'; form-action 'none'";
 
-/// Asked for again each time; a server's answer that nothing has changed is short.
+/// Browsers check each time whether the file has changed.
 const CHECK: HeaderValue = HeaderValue::from_static("no-cache");
-/// Never asked for again.
+/// Browsers keep the file and do not check.
 const KEEP: HeaderValue = HeaderValue::from_static("public, max-age=31536000, immutable");
 
-/// Returns the kind of a file, by its ending.
+/// Returns the media type of a file, by its extension.
 fn kind(file: &Path) -> &'static str {
     match file.extension().and_then(|ending| ending.to_str()) {
         Some("html") => "text/html; charset=utf-8",
@@ -49,30 +49,25 @@ fn is_hashed(file: &Path) -> bool {
     })
 }
 
-/// Adds what is said with every answer, also with a refusal.
+/// Adds the headers of every response, also of refusals.
 pub fn add_always(headers: &mut HeaderMap) {
     for (name, value) in [
-        (X_CONTENT_TYPE_OPTIONS, "nosniff"),
-        (REFERRER_POLICY, "no-referrer"),
-        // Other origins may show the page in a frame; they may not take its files apart.
+        ("x-content-type-options", "nosniff"),
+        ("referrer-policy", "no-referrer"),
+        // Other origins may show the page in a frame; they may not read its files.
+        ("cross-origin-resource-policy", "same-origin"),
+        ("cross-origin-opener-policy", "same-origin"),
         (
-            HeaderName::from_static("cross-origin-resource-policy"),
-            "same-origin",
-        ),
-        (
-            HeaderName::from_static("cross-origin-opener-policy"),
-            "same-origin",
-        ),
-        (
-            HeaderName::from_static("permissions-policy"),
+            "permissions-policy",
             "camera=(), geolocation=(), microphone=()",
         ),
     ] {
+        let name = HeaderName::from_static(name);
         headers.insert(name, HeaderValue::from_static(value));
     }
 }
 
-/// Adds what is said of the file `file`, whose path in the folder is `path`.
+/// Adds the headers of the file `file`, whose path in the folder is `path`.
 pub fn add(headers: &mut HeaderMap, file: &Path, path: &str) {
     let policy = if path.starts_with("/example/") {
         EXAMPLE_POLICY

@@ -1,10 +1,10 @@
-//! The browser, asked to show an address.
+//! Opens an address in the system's browser.
 
 use std::process::{Command, Stdio};
 
 use anyhow::{Context, Result, ensure};
 
-/// Asks the system to show `page`, and waits until it has passed that on.
+/// Asks the system to open `page`, and waits until that command ends.
 pub fn in_browser(page: &str) -> Result<()> {
     let (program, arguments): (&str, &[&str]) = if cfg!(target_os = "macos") {
         ("open", &[])

@@ -1,4 +1,4 @@
-//! Answers to requests: files of one folder, to those who may ask.
+//! Answers to requests: the files of one folder, if the request uses an allowed host name.
 
 use std::net::IpAddr;
 use std::path::{Path, PathBuf};
@@ -21,13 +21,13 @@ use super::{headers, within};
 pub struct Site {
     /// Canonical.
     folder: PathBuf,
-    /// Whether requests must name this machine: a page from elsewhere whose name was made to mean this machine's
-    /// address would otherwise read what is served here.
+    /// Whether requests must name this machine as their host. Otherwise a foreign page could point its own host name at this
+    /// machine's address and read what is served here (DNS rebinding).
     local: bool,
 }
 
 impl Site {
-    /// Returns the site of a folder; a `local` one answers only those who call it by a name of this machine.
+    /// Returns the site of a folder; a `local` one answers only requests whose host is this machine.
     pub fn new(folder: &Path, local: bool) -> Result<Self> {
         let folder = folder
             .canonicalize()
@@ -45,7 +45,7 @@ impl Site {
         Router::new().fallback(answer).with_state(Arc::new(self))
     }
 
-    /// Whether a request may be answered under the names by which it calls this server.
+    /// Whether the host that a request names may be answered.
     fn is_called_rightly(&self, request: &Request) -> bool {
         if !self.local {
             return true;
@@ -60,12 +60,12 @@ impl Site {
     }
 }
 
-/// Whether `HOST` or `HOST:PORT` means this machine whoever is asked.
+/// Whether `HOST` or `HOST:PORT` always means this machine.
 fn is_local(name: &str) -> bool {
     let Ok(name) = name.parse::<Authority>() else {
         return false;
     };
-    // A name with a user's before it is no host of a request.
+    // A user name before the host is not allowed in requests.
     if name.as_str().contains('@') {
         return false;
     }
@@ -104,7 +104,7 @@ async fn file(site: &Site, request: Request) -> Response {
     let mut service = ServeFile::new(&file)
         .precompressed_br()
         .precompressed_gzip();
-    // It may have been built anew since.
+    // A new build may have removed it since.
     let Ok(response) = service.try_call(request).await else {
         return missing();
     };

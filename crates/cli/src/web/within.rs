@@ -1,13 +1,13 @@
-//! From the path of a request to a file within a folder. Whatever is not plainly the name of a file there is refused,
-//! before the file system is asked.
+//! From the path of a request to a file within a folder. Paths that are not plain file names are refused before the file
+//! system is asked; so are links that lead out of the folder. `ServeDir` would serve hidden files and follow such links.
 
 use std::path::{Path, PathBuf};
 
 /// The longest path, in bytes, as it is written in a request.
 const MAX_BYTES: usize = 1024;
 
-/// Returns the parts of a request's path, decoded; nothing if one of them is not a plain name. Hidden files, among
-/// them `.` and `..`, are not plain, nor is what means something else to any system: slashes of either kind, colons,
+/// Returns the decoded parts of a request's path, or `None` if one of them is not a plain name. Names that begin with a
+/// dot are not plain, nor are names with characters that are special on some system: slashes of either kind, colons,
 /// control characters.
 fn parts(path: &str) -> Option<Vec<String>> {
     if path == "/" {
@@ -26,7 +26,7 @@ fn parts(path: &str) -> Option<Vec<String>> {
     parts.map(|part| decoded(part).filter(is_plain)).collect()
 }
 
-/// Returns text with its percent escapes read, once; nothing if they are broken or are no UTF-8.
+/// Decodes percent escapes, once; `None` if one is broken or the text is not UTF-8.
 fn decoded(text: &str) -> Option<String> {
     let mut bytes = Vec::with_capacity(text.len());
     let mut rest = text.bytes();
@@ -56,7 +56,7 @@ pub fn file(folder: &Path, path: &str) -> Option<PathBuf> {
         let copy = PathBuf::from(copy);
         match copy.canonicalize() {
             Ok(copy) if !copy.starts_with(folder) => return None,
-            // A missing copy is none; a link into nowhere fails when it is opened.
+            // Without a copy the file itself is served; a broken link fails when it is opened.
             Ok(_) | Err(_) => {}
         }
     }

@@ -8,6 +8,7 @@
 mod claim;
 pub(crate) mod clip;
 pub(crate) mod counts;
+pub(crate) mod cut;
 pub(crate) mod frame;
 pub(crate) mod gaps;
 pub(crate) mod instructions;

@@ -1,34 +1,46 @@
-//! Where the pair correlation is looked at: how far, and in which bins. Sets of one radius are cut at that radius,
-//! where their pairs begin, so that curves of different numbers of samples can be subtracted. Counts no pair.
+//! The bins of the pair correlation, and how far they reach. For sets of one radius a bin begins at that radius,
+//! where their pairs begin, so that curves of different numbers of samples can be subtracted. Pairs are counted elsewhere.
 
-use tilescope_analysis::Region;
-use tilescope_analysis::measures::{PairCorrelation, largest_min_distance};
+use super::distances::largest_min_distance;
+use super::pair_correlation::PairCorrelation;
+use crate::region::Region;
 
-use super::measured::SPREAD_OF_COUNTS;
-
-/// Bins in a unit.
+/// Bins in a unit of distance.
 const EACH: f64 = 40.0;
 
-/// Units that are looked at, at most.
+/// The farthest distance, in units.
 const MAX_UNITS: f64 = 5.0;
 
 /// The bins of a pair correlation.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Bins {
+pub enum PairBins {
     /// Fortieths of the radius of all sets.
-    OfRadius { radius: f64, count: usize },
+    OfRadius {
+        /// The radius, in the unit of the samples.
+        radius: f64,
+        /// How many bins there are.
+        count: usize,
+    },
     /// About fortieths of `r_max`, up to a distance in units of it.
-    OfSpacing { farthest: f64, count: usize },
+    OfSpacing {
+        /// The end of the last bin.
+        farthest: f64,
+        /// How many bins there are.
+        count: usize,
+    },
 }
 
-impl Bins {
-    /// Returns the bins for a set of so many samples. Sets of fewer samples, as far as they are averaged with it, reach
-    /// as far.
+impl PairBins {
+    /// Numbers of samples that are averaged differ from the first set's by this part of it at most.
+    pub const MAX_COUNT_SPREAD: f64 = 0.1;
+
+    /// Returns the bins for a set of so many samples, which serve all sets that may be averaged with it.
+    #[must_use]
     pub fn of(radius: Option<f64>, samples: usize, region: Region) -> Self {
         let r_max = largest_min_distance(samples, region.area());
         let half = 0.499 * region.width.min(region.height);
         if let Some(radius) = radius.filter(|radius| *radius > 0.0) {
-            // A radius that is none of the set's may hold all of it.
+            // A radius that is not the set's may be longer than its domain.
             let reach = half.min(PairCorrelation::MAX_DISTANCE * r_max) / radius;
             let count = (EACH * reach.min(MAX_UNITS)).floor();
             if count >= 1.0 {
@@ -36,21 +48,23 @@ impl Bins {
                 return Self::OfRadius { radius, count };
             }
         }
-        let farthest = (half / r_max * (1.0 - SPREAD_OF_COUNTS).sqrt()).min(MAX_UNITS);
+        let farthest = (half / r_max * (1.0 - Self::MAX_COUNT_SPREAD).sqrt()).min(MAX_UNITS);
         Self::OfSpacing {
             farthest,
             count: (EACH * farthest).ceil().max(1.0) as usize,
         }
     }
 
-    /// Returns how many there are.
+    /// Returns the number of bins.
+    #[must_use]
     pub const fn count(&self) -> usize {
         match *self {
             Self::OfRadius { count, .. } | Self::OfSpacing { count, .. } => count,
         }
     }
 
-    /// Returns the end of the last one for a set of so many samples, in units of its `r_max`.
+    /// Returns the end of the last bin for a set of so many samples, in units of its `r_max`.
+    #[must_use]
     pub fn farthest(&self, samples: usize, region: Region) -> f64 {
         match *self {
             Self::OfRadius { radius, count } => {
@@ -64,26 +78,32 @@ impl Bins {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::options::UNIT_SQUARE;
+    use crate::region::Boundary;
+
+    const UNIT_SQUARE: Region = Region {
+        width: 1.0,
+        height: 1.0,
+        boundary: Boundary::Periodic,
+    };
 
     #[test]
     fn bins_of_a_radius_end_at_the_same_distances_whatever_the_number() {
         let ends = |samples: usize| {
-            let bins = Bins::of(Some(0.02), samples, UNIT_SQUARE);
+            let bins = PairBins::of(Some(0.02), samples, UNIT_SQUARE);
             let r_max = largest_min_distance(samples, 1.0);
             (bins.count(), bins.farthest(samples, UNIT_SQUARE) * r_max)
         };
         let ((count, end), (other, other_end)) = (ends(1700), ends(1750));
         assert_eq!((count, other), (200, 200));
         assert!((end - 0.1).abs() < 1e-12 && (other_end - 0.1).abs() < 1e-12);
-        let spacing = |samples: usize| Bins::of(None, samples, UNIT_SQUARE);
+        let spacing = |samples: usize| PairBins::of(None, samples, UNIT_SQUARE);
         assert_eq!(spacing(1700), spacing(1750));
     }
 
     #[test]
     fn a_radius_that_cannot_be_the_sets_costs_no_more_than_its_spacing() {
         for radius in [0.4, 1e3, f64::INFINITY, f64::NAN, -1.0] {
-            let bins = Bins::of(Some(radius), 1_000_000, UNIT_SQUARE);
+            let bins = PairBins::of(Some(radius), 1_000_000, UNIT_SQUARE);
             let farthest = bins.farthest(1_000_000, UNIT_SQUARE);
             assert!(
                 (0.0..=PairCorrelation::MAX_DISTANCE).contains(&farthest),
@@ -91,7 +111,7 @@ mod tests {
             );
         }
         // Few samples in a small domain reach half of it.
-        let bins = Bins::of(Some(0.3), 8, UNIT_SQUARE);
+        let bins = PairBins::of(Some(0.3), 8, UNIT_SQUARE);
         assert!(bins.farthest(8, UNIT_SQUARE) * largest_min_distance(8, 1.0) < 0.5);
     }
 }

@@ -4,7 +4,6 @@ use std::fs;
 
 use tilescope_core::Boundary;
 
-use super::tests::{arguments, folder, judged, save_reference, written};
 use super::*;
 use crate::describe;
 

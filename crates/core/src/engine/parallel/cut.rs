@@ -1,0 +1,124 @@
+//! A window of a plane with a margin around it, as a set of its own. Whether the set is valid is for others to say.
+
+use super::plane::Plane;
+use crate::error::SampleError;
+use crate::lattice::{Point, R, Window};
+use crate::progress::Observer;
+
+/// Units around a window that a [`Cut`] has: 4r, although 2r suffice to judge the window.
+const MARGIN: i64 = 4 * R as i64;
+
+/// The samples of a window and around it, as far as the domain reaches. Positions are in user units, from the lowest corner
+/// of the cut; those of a periodic domain may come twice, if the cut is longer than the domain.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Cut {
+    /// The samples.
+    pub positions: Vec<[f64; 2]>,
+    /// Width and height.
+    pub size: [f64; 2],
+    /// The lowest and the highest corner of the window.
+    pub window: [[f64; 2]; 2],
+}
+
+impl Cut {
+    /// Returns whether the window has a position.
+    #[must_use]
+    pub fn window_has(&self, position: [f64; 2]) -> bool {
+        let [low, high] = self.window;
+        (0..2).all(|axis| (low[axis]..=high[axis]).contains(&position[axis]))
+    }
+}
+
+impl Plane {
+    /// Returns `window` with a margin around it.
+    ///
+    /// Fails as [`Self::observed_window`].
+    pub fn cut(&self, window: &Window, observer: &mut dyn Observer) -> Result<Cut, SampleError> {
+        let domain = self.domain();
+        let (periodic, max) = (domain.is_periodic(), domain.rect().max);
+        let sides = [domain.width(), domain.height()];
+        let unit = [0, 1].map(|axis| domain.size()[axis] / f64::from(sides[axis]));
+        let mut wide = *window;
+        for (axis, max) in [max.x, max.y].into_iter().enumerate() {
+            wide.min[axis] -= MARGIN;
+            wide.max[axis] += MARGIN;
+            if !periodic {
+                wide.min[axis] = wide.min[axis].max(0);
+                wide.max[axis] = wide.max[axis].min(max.into());
+            }
+        }
+        let at = |v: i64, axis: usize| (v - wide.min[axis]) as f64 * unit[axis];
+        let images = |v: i32, axis: usize| {
+            let (side, first) = (i64::from(sides[axis]), i64::from(v) - wide.min[axis]);
+            let (first, step) = if periodic {
+                (first.rem_euclid(side), side)
+            } else {
+                (first, i64::MAX / 2)
+            };
+            let length = wide.max[axis] - wide.min[axis];
+            (0..2)
+                .map(move |k| first + k * step)
+                .filter(move |&offset| offset < length)
+                .map(move |offset| offset as f64 * unit[axis])
+        };
+        let shown = |p: &Point| {
+            let xs = images(p.x, 0);
+            images(p.y, 1)
+                .flat_map(move |y| xs.clone().map(move |x| [x, y]))
+                .collect::<Vec<_>>()
+        };
+        let samples = self.observed_window(&wide, observer)?;
+        // The border of a bounded domain is its last unit.
+        let last = i64::from(!periodic);
+        Ok(Cut {
+            positions: samples.iter().flat_map(shown).collect(),
+            size: [0, 1].map(|axis| (wide.max[axis] - wide.min[axis] - last) as f64 * unit[axis]),
+            window: [window.min, window.max]
+                .map(|corner| [0, 1].map(|axis| at(corner[axis], axis))),
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lattice::Boundary;
+    use crate::parameters::Parameters;
+    use crate::pattern::Pattern;
+    use crate::progress::Unobserved;
+
+    fn cut(boundary: Boundary, low: [f64; 2], high: [f64; 2]) -> Cut {
+        let parameters = Parameters {
+            radius: 0.05,
+            boundary,
+            ..Parameters::default()
+        };
+        let pattern = Pattern::of_spec(&parameters.pattern, &mut Unobserved).unwrap();
+        let plane = Plane::new(&parameters, &pattern).unwrap();
+        let window = plane.domain().window(low, high).unwrap();
+        plane.cut(&window, &mut Unobserved).unwrap()
+    }
+
+    #[test]
+    fn a_margin_of_four_radii_ends_at_a_closed_border() {
+        let near = |a: f64, b: f64| (a - b).abs() < 1e-4;
+        let inside = cut(Boundary::Bounded, [0.4, 0.4], [0.5, 0.6]);
+        assert!(
+            near(inside.size[0], 0.5) && near(inside.size[1], 0.6),
+            "{:?}",
+            inside.size
+        );
+        let corner = cut(Boundary::Bounded, [0.0, 0.0], [0.1, 0.1]);
+        assert!(near(corner.size[0], 0.3) && corner.window[0].iter().all(|v| v.abs() < 1e-12));
+        assert!(corner.window_has([0.05, 0.05]) && !corner.window_has([0.05, 0.2]));
+    }
+
+    #[test]
+    fn a_cut_longer_than_a_periodic_domain_has_samples_twice() {
+        let whole = cut(Boundary::Periodic, [0.0, 0.0], [1.0, 1.0]);
+        let small = cut(Boundary::Periodic, [0.0, 0.0], [0.1, 0.1]);
+        let mut all = whole.positions.clone();
+        all.retain(|[x, y]| *x < 1.0 && *y < 1.0);
+        assert!(whole.positions.len() > all.len() && all.len() > small.positions.len());
+    }
+}
