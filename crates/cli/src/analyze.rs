@@ -119,12 +119,9 @@ pub fn run(arguments: &AnalyzeArguments) -> Result<u8> {
 
 /// Refuses a report that would be written over a set.
 fn check_no_input_is_replaced(arguments: &AnalyzeArguments, out: &Path) -> Result<()> {
-    // A file that is not there yet replaces nothing.
-    let place = |path: &Path| path.canonicalize().ok();
     for input in arguments.files.iter().chain(&arguments.against) {
-        let is_same = input == out || place(out).is_some_and(|out| place(input) == Some(out));
         ensure!(
-            !is_same,
+            gather::place(input) != gather::place(out),
             "{}: --out would be written over this set; give it another name",
             input.display()
         );

@@ -13,10 +13,10 @@ use anyhow::{Context, Result, ensure};
 use clap::Args;
 use serde_json::{Value, json};
 use tilescope_core::Sampled;
+use tilescope_core::combine::combine;
 use tilescope_core::combine::file::{
     Layout, LayoutError, MAX_LAYOUT_BYTES, PieceSource, PlacedLayout,
 };
-use tilescope_core::combine::{Combined, combine};
 use tilescope_formats::{ExportContext, Format, PointSet, Precision};
 
 use crate::engine::ThreadArguments;
@@ -124,22 +124,26 @@ fn glue(path: &Path) -> Result<Glued> {
     let layout = read(path)?;
     let placed = layout.placed()?;
     let folder = path.parent().unwrap_or(Path::new(""));
-    let made = pieces::make(&placed, folder)?;
+    let (pieces, census) = pieces::make(&placed, folder)?;
     let mut watch = Stopwatch::start();
-    let combined = combine(placed.domain, &made.pieces, &layout.options(), &mut watch)?;
+    let combined = combine(placed.domain, &pieces, &layout.options(), &mut watch)?;
     let parameters = BTreeMap::from([("layout".to_owned(), stated(&layout, &placed, folder)?)]);
     let facts = Facts {
         summary: Some(combined.summary().clone()),
         seconds: watch.take(),
         ..Facts::new("combined", parameters, &combined.domain)
     };
-    let seams = combined.seams.len();
+    let (seams, points) = (combined.seams.len(), combined.positions());
+    let sampled = Sampled {
+        points: combined.points,
+        sources: Some(combined.sources),
+    };
+    // Pieces take the place of blocks.
+    let provenance = make::provenance(&sampled);
+    let set = PointSet { points, provenance };
     Ok(Glued {
-        made: Made {
-            facts,
-            set: set_of(combined),
-        },
-        census: made.census,
+        made: Made { facts, set },
+        census,
         seams,
     })
 }
@@ -166,17 +170,4 @@ fn stated(layout: &Layout, placed: &PlacedLayout, folder: &Path) -> Result<Value
         }
     }
     Ok(stated)
-}
-
-/// Returns the samples with their provenance: pieces in the place of blocks.
-fn set_of(combined: Combined) -> PointSet {
-    let points = combined.positions();
-    let sampled = Sampled {
-        points: combined.points,
-        sources: Some(combined.sources),
-    };
-    PointSet {
-        points,
-        provenance: make::provenance(&sampled),
-    }
 }

@@ -65,14 +65,13 @@ pub fn run(arguments: &GpuArguments) -> Result<u8> {
     let tested: Vec<Tested> = reports.map(Tested::of).collect();
     interrupt::check("the last test")?;
     let json = || json!({ "adapters": tested.iter().map(Tested::json).collect::<Vec<_>>() });
-    let texts = || {
-        tested
-            .iter()
-            .map(Tested::text)
-            .collect::<Vec<_>>()
-            .join("\n")
-    };
-    output::report(arguments.json, json, texts)?;
+    let texts: Vec<String> = tested.iter().map(Tested::text).collect();
+    output::report(arguments.json, json, || {
+        texts.join(
+            "
+",
+        )
+    })?;
     let has = |verdict: &str| tested.iter().any(|one| one.test.verdict == verdict);
     Ok(verdict_code(has(PASSED) && !has(FAILED)))
 }

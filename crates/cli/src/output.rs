@@ -160,15 +160,12 @@ pub fn warning_line(warning: &str) -> String {
 
 /// Returns "1 x 1, periodic".
 pub fn region_text(region: &Region) -> String {
-    let (width, height) = (Number(region.width), Number(region.height));
-    format!("{width} x {height}, {}", boundary_text(region.boundary))
-}
-
-pub const fn boundary_text(boundary: Boundary) -> &'static str {
-    match boundary {
+    let boundary = match region.boundary {
         Boundary::Periodic => "periodic",
         Boundary::Bounded => "bounded",
-    }
+    };
+    let (width, height) = (Number(region.width), Number(region.height));
+    format!("{width} x {height}, {boundary}")
 }
 
 /// Returns a table: a row a stage, with what it did and how long it took.

@@ -258,7 +258,7 @@ impl Analysis {
 }
 
 /// Returns where a file is; the path itself where there is no such file.
-fn place(path: &Path) -> PathBuf {
+pub fn place(path: &Path) -> PathBuf {
     path.canonicalize().unwrap_or_else(|_| path.to_owned())
 }
 

@@ -119,18 +119,18 @@ impl Population {
         }
         match &set.curve {
             Some(curve) if !self.lacks_smooth => {
-                let nothing = || (curve.frequencies().to_vec(), of_as_many(curve.powers()));
-                let (_, powers) = self.smooth.get_or_insert_with(nothing);
-                powers.add(curve.powers())?;
+                let (frequencies, powers) = (curve.frequencies(), curve.powers());
+                let nothing = || (frequencies.to_vec(), Average::new(powers.len()));
+                self.smooth.get_or_insert_with(nothing).1.add(powers)?;
             }
             _ => self.lacks_smooth = true,
         }
         self.periodograms.add(&set.periodogram)?;
         let powers = set.spectrum.profile.powers();
-        let average = self.powers.get_or_insert_with(|| of_as_many(&powers));
+        let average = (self.powers).get_or_insert_with(|| Average::new(powers.len()));
         average.add(&powers)?;
         let correlation: Vec<f64> = set.pairs.iter().map(|place| place[1]).collect();
-        let average = (self.correlations).get_or_insert_with(|| of_as_many(&correlation));
+        let average = (self.correlations).get_or_insert_with(|| Average::new(correlation.len()));
         average.add(&correlation)?;
         self.members.push(set.member);
         Ok(())
@@ -176,10 +176,6 @@ impl Population {
             spectrum,
         }))
     }
-}
-
-fn of_as_many(values: &[f64]) -> Average {
-    Average::new(values.len())
 }
 
 fn mean_curve(average: &Average, x: Vec<f64>) -> MeanCurve {

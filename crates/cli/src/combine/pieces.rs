@@ -22,12 +22,6 @@ use crate::progress::Bar;
 /// The longest file of a set: as many samples as a result may have, of 40 bytes.
 const MAX_FILE_BYTES: u64 = 8_000_000_000;
 
-/// The pieces of a layout.
-pub struct Pieces {
-    pub pieces: Vec<Piece>,
-    pub census: Census,
-}
-
 /// What pieces there are.
 #[derive(Serialize)]
 pub struct Census {
@@ -80,7 +74,7 @@ fn described(source: &PieceSource, folder: &Path) -> Value {
 }
 
 /// Makes all pieces of a layout; files are relative to `folder`.
-pub fn make(placed: &PlacedLayout, folder: &Path) -> Result<Pieces> {
+pub fn make(placed: &PlacedLayout, folder: &Path) -> Result<(Vec<Piece>, Census)> {
     let began = Instant::now();
     let bar = Bar::new("pieces");
     let (done, total) = (AtomicU64::new(0), placed.places.len() as u64);
@@ -94,10 +88,9 @@ pub fn make(placed: &PlacedLayout, folder: &Path) -> Result<Pieces> {
     let of_piece = |PieceError { piece, error }: PieceError<anyhow::Error>| {
         error.context(format!("pieces[{piece}]"))
     };
-    Ok(Pieces {
-        pieces: pieces.map_err(of_piece)?,
-        census: Census::new(&placed.places, folder, began.elapsed().as_secs_f64()),
-    })
+    let seconds = began.elapsed().as_secs_f64();
+    let census = Census::new(&placed.places, folder, seconds);
+    Ok((pieces.map_err(of_piece)?, census))
 }
 
 fn set(source: &PieceSource, folder: &Path) -> Result<Set> {
