@@ -36,7 +36,7 @@ pub fn run(study: &Study<'_>) -> Result<Outcome, ReproduceError> {
         tables.push(tables::passes(&passes));
     }
     let mut notes = vec![HOW.to_owned()];
-    notes.extend(no_gpu().map(|why| format!("StagePasses of a GPU were not timed: {why}.")));
+    notes.extend(no_gpu().map(|why| format!("Passes of a GPU were not timed: {why}.")));
     Ok(Outcome {
         claims: claims::claims(&rows),
         pictures: vec![picture::shares(&rows, plan)?],

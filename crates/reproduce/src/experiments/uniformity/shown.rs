@@ -280,11 +280,11 @@ fn maps(found: &UniformityResults, cells: usize) -> Result<Picture, ReproduceErr
     }
     let ends = [-100.0 * END, 100.0 * END];
     let mut rows: Vec<Vec<Panel>> = tiles.chunks(MAPS).map(<[Panel]>::to_vec).collect();
-    let deviation = |step: i32| END * f64::from(step) / 32.0;
+    let deviation = |step: i32| END * (f64::from(step) / 31.5 - 1.0);
     let [low, high] = ends.map(|end| format!("{} %", signed(end, 2)));
     rows[0].push(Panel::Scale(ColorScale {
         ends: [format!("samples of a cell, from the mean: {low}"), high],
-        colors: (-32..=32).map(|step| color(deviation(step))).collect(),
+        colors: (0..64).map(|step| color(deviation(step))).collect(),
     }));
     let caption = format!(
         "Samples in each of {cells} x {cells} cells of the domain, against the mean: blue fewer, red more, from {} % to +{} %. \
