@@ -3,9 +3,6 @@
 //! surfaces, so that exports look like the canvas; only the marks of a comparison and the witness of a verdict
 //! are drawn on the canvas alone. Begin with [`parts`].
 //!
-//! The window's canvas and exported pictures are such surfaces, so an exported picture is what was seen, except for the marks
-//! of a comparison and the place that a verdict was followed to. It knows no window.
-//!
 //! ```
 //! use emath::{Rect, pos2};
 //! use tilescope_drawing::camera::Camera;
