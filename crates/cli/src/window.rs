@@ -162,7 +162,7 @@ fn text(report: &WindowReport) -> String {
 
 /// Judges a window of a plane by the samples in it and around it.
 fn judge(plane: &Plane, window: &Window) -> Result<Verdict> {
-    let cut = plane.cut(window, &mut going_on)?;
+    let cut = plane.widened(window, &mut going_on)?;
     let region = Region {
         width: cut.size[0],
         height: cut.size[1],

@@ -50,10 +50,10 @@ pub mod windows {
 
 pub use circumcentre::{Offset, circumcentre, on_line, round_half_up};
 pub use count::{radius_estimate, radius_for_count, search_radius};
-pub use engine::parallel::cut::Cut;
 pub use engine::parallel::instructions::InstructionSet;
 pub use engine::parallel::plane::Plane;
 pub use engine::parallel::sweep::{Sweep, SweepState};
+pub use engine::parallel::widened::WidenedWindow;
 pub use engine::sequential::{Sequential, sample, sample_recorded};
 pub use error::{ParameterError, PatternError, SampleError};
 pub use grid::{NearSample, SampleGrid};

@@ -8,7 +8,6 @@
 mod claim;
 pub(crate) mod clip;
 pub(crate) mod counts;
-pub(crate) mod cut;
 pub(crate) mod frame;
 pub(crate) mod gaps;
 pub(crate) mod instructions;
@@ -19,3 +18,4 @@ mod stamp;
 pub(crate) mod sweep;
 mod uniform;
 mod whole;
+pub(crate) mod widened;

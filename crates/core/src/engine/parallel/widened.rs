@@ -5,13 +5,13 @@ use crate::error::SampleError;
 use crate::lattice::{Point, R, Window};
 use crate::progress::Observer;
 
-/// Units around a window that a [`Cut`] has: 4r, although 2r suffice to judge the window.
+/// Units around a window that a [`WidenedWindow`] has: 4r, although 2r suffice to judge the window.
 const MARGIN: i64 = 4 * R as i64;
 
 /// The samples of a window and around it, as far as the domain reaches. Positions are in user units, from the lowest corner
-/// of the cut; those of a periodic domain may come twice, if the cut is longer than the domain.
+/// of the whole; those of a periodic domain may come twice, if it is longer than the domain.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Cut {
+pub struct WidenedWindow {
     /// The samples.
     pub positions: Vec<[f64; 2]>,
     /// Width and height.
@@ -20,7 +20,7 @@ pub struct Cut {
     pub window: [[f64; 2]; 2],
 }
 
-impl Cut {
+impl WidenedWindow {
     /// Returns whether the window has a position.
     #[must_use]
     pub fn window_has(&self, position: [f64; 2]) -> bool {
@@ -33,7 +33,11 @@ impl Plane {
     /// Returns `window` with a margin around it.
     ///
     /// Fails as [`Self::observed_window`].
-    pub fn cut(&self, window: &Window, observer: &mut dyn Observer) -> Result<Cut, SampleError> {
+    pub fn widened(
+        &self,
+        window: &Window,
+        observer: &mut dyn Observer,
+    ) -> Result<WidenedWindow, SampleError> {
         let domain = self.domain();
         let (periodic, max) = (domain.is_periodic(), domain.rect().max);
         let sides = [domain.width(), domain.height()];
@@ -70,7 +74,7 @@ impl Plane {
         let samples = self.observed_window(&wide, observer)?;
         // The border of a bounded domain is its last unit.
         let last = i64::from(!periodic);
-        Ok(Cut {
+        Ok(WidenedWindow {
             positions: samples.iter().flat_map(shown).collect(),
             size: [0, 1].map(|axis| (wide.max[axis] - wide.min[axis] - last) as f64 * unit[axis]),
             window: [window.min, window.max]
@@ -87,7 +91,7 @@ mod tests {
     use crate::pattern::Pattern;
     use crate::progress::Unobserved;
 
-    fn cut(boundary: Boundary, low: [f64; 2], high: [f64; 2]) -> Cut {
+    fn widened(boundary: Boundary, low: [f64; 2], high: [f64; 2]) -> WidenedWindow {
         let parameters = Parameters {
             radius: 0.05,
             boundary,
@@ -96,27 +100,27 @@ mod tests {
         let pattern = Pattern::of_spec(&parameters.pattern, &mut Unobserved).unwrap();
         let plane = Plane::new(&parameters, &pattern).unwrap();
         let window = plane.domain().window(low, high).unwrap();
-        plane.cut(&window, &mut Unobserved).unwrap()
+        plane.widened(&window, &mut Unobserved).unwrap()
     }
 
     #[test]
     fn a_margin_of_four_radii_ends_at_a_closed_border() {
         let near = |a: f64, b: f64| (a - b).abs() < 1e-4;
-        let inside = cut(Boundary::Bounded, [0.4, 0.4], [0.5, 0.6]);
+        let inside = widened(Boundary::Bounded, [0.4, 0.4], [0.5, 0.6]);
         assert!(
             near(inside.size[0], 0.5) && near(inside.size[1], 0.6),
             "{:?}",
             inside.size
         );
-        let corner = cut(Boundary::Bounded, [0.0, 0.0], [0.1, 0.1]);
+        let corner = widened(Boundary::Bounded, [0.0, 0.0], [0.1, 0.1]);
         assert!(near(corner.size[0], 0.3) && corner.window[0].iter().all(|v| v.abs() < 1e-12));
         assert!(corner.window_has([0.05, 0.05]) && !corner.window_has([0.05, 0.2]));
     }
 
     #[test]
     fn a_cut_longer_than_a_periodic_domain_has_samples_twice() {
-        let whole = cut(Boundary::Periodic, [0.0, 0.0], [1.0, 1.0]);
-        let small = cut(Boundary::Periodic, [0.0, 0.0], [0.1, 0.1]);
+        let whole = widened(Boundary::Periodic, [0.0, 0.0], [1.0, 1.0]);
+        let small = widened(Boundary::Periodic, [0.0, 0.0], [0.1, 0.1]);
         let mut all = whole.positions.clone();
         all.retain(|[x, y]| *x < 1.0 && *y < 1.0);
         assert!(whole.positions.len() > all.len() && all.len() > small.positions.len());
