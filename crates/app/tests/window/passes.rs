@@ -235,7 +235,7 @@ fn the_listing_can_be_cancelled_and_begun_again() {
     drop(closed);
     passes.settle();
     assert!(passes.entries().len() <= 1);
-    assert!(passes.notice().expect("a notice").contains("not whole"));
+    assert!(passes.notice().expect("a notice").contains("incomplete"));
     go(&mut passes, PassCommand::Again);
     assert_eq!(passes.notice(), None);
     let last = &passes.entries()[last_place(&passes)];
