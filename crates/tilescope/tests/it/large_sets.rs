@@ -198,7 +198,7 @@ fn a_second_run_of_a_name_is_refused() {
     for more in [[].as_slice(), &["--resume"]] {
         let mut second = tilescope(&folder);
         second.args(LARGE).args(["--out", "set.npy"]).args(more);
-        let said = contains("set.npy: another process is writing it");
+        let said = contains("set.npy: this or another process is writing it");
         second.assert().code(2).stderr(said);
     }
     signal(&first, "TERM");
