@@ -84,7 +84,7 @@ pub fn run(arguments: &BenchArguments) -> Result<u8> {
     );
     let pools = pools(&arguments.threads)?;
     let began = Instant::now();
-    // What making a pattern costs is told, too, so neither a ready-made nor a kept one will do.
+    // The time to make a pattern is reported, too, so it is generated here, not taken from the kept ones.
     let pattern = Arc::new(Pattern::generate(&base.pattern, &mut stop_on_interrupt)?);
     let pattern_seconds = began.elapsed().as_secs_f64();
     let rows = measure(arguments, &base, &domain, &pattern, &pools)?;

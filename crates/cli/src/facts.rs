@@ -1,4 +1,4 @@
-//! What the output and a file's certificate say of a set, apart from its points.
+//! Facts about a set, apart from its points, for output and certificates.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -12,7 +12,7 @@ use tilescope_gpu::Backend;
 
 use crate::options::region;
 
-/// What there is to say of a set, apart from its points.
+/// Facts of a set for output and certificate: method, engine, parameters, domain, summary and times.
 pub struct Facts {
     pub method: &'static str,
     /// The engine that computed it, where there is a choice.

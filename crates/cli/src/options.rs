@@ -1,4 +1,4 @@
-//! Arguments that several commands share: what a file does not say of its point set, and values with names.
+//! Arguments that several commands share: the domain, radius and format of a set, and values given by name.
 
 use std::path::Path;
 
@@ -44,7 +44,7 @@ pub fn region(domain: &tilescope_core::Domain) -> Region {
     }
 }
 
-/// Returns the verifier's name of a run's boundary.
+/// Converts a run's boundary to the verifier's type.
 pub const fn judged(boundary: tilescope_core::Boundary) -> Boundary {
     match boundary {
         tilescope_core::Boundary::Periodic => Boundary::Periodic,
@@ -52,7 +52,7 @@ pub const fn judged(boundary: tilescope_core::Boundary) -> Boundary {
     }
 }
 
-/// Returns a run's name of the verifier's boundary.
+/// Converts the verifier's boundary to the type of a run's.
 pub const fn of_run(boundary: Boundary) -> tilescope_core::Boundary {
     match boundary {
         Boundary::Periodic => tilescope_core::Boundary::Periodic,
@@ -60,7 +60,7 @@ pub const fn of_run(boundary: Boundary) -> tilescope_core::Boundary {
     }
 }
 
-/// What a certificate states, given by hand.
+/// Options that stand in for, or override, a set's certificate.
 #[derive(Debug, Args)]
 pub struct SetArguments {
     /// Poisson-disk radius
@@ -100,7 +100,7 @@ impl SetArguments {
         })
     }
 
-    /// Returns the region that is given; what is not given of it is that of `base`.
+    /// Returns the given region, with missing parts taken from `base`.
     pub fn region_over(&self, base: Region) -> Region {
         Region {
             width: self.width.unwrap_or(base.width),

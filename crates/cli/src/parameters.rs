@@ -106,7 +106,7 @@ fn searches() -> impl TypedValueParser<Value = Search> {
     })
 }
 
-/// A run that is determined: nothing of it is looked up or searched for any more.
+/// A run with its radius, pattern and engine settled, ready to be computed.
 pub struct Resolved {
     pub parameters: Parameters,
     pub domain: Domain,

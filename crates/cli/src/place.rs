@@ -1,4 +1,4 @@
-//! Where a command writes: a file that could not be written at its end is refused before any work.
+//! Checks output paths before the work begins, so that a command does not fail only when it writes its result.
 
 use std::path::Path;
 

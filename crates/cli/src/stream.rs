@@ -28,7 +28,7 @@ use crate::{interrupt, make};
 /// Samples handed to the writer at a time.
 const PIECE: usize = 1 << 16;
 
-/// What is left of the samples: the verdict if there is one, the certificate's path, and what the user should know.
+/// The outcome of a stream: the verdict and the path of the certificate, if verified, and warnings.
 type End = (Option<Report>, Option<PathBuf>, Vec<Warning>);
 
 /// Makes the set of a run with an engine that makes bands, and writes and verifies it as it comes.

@@ -16,7 +16,7 @@ pub struct Machine {
     pub processor: String,
     /// Threads that the engines used.
     pub threads: usize,
-    /// Threads that the machine runs at once.
+    /// Hardware threads of the machine.
     pub cores: usize,
     /// Operating system and architecture.
     pub system: String,
@@ -93,7 +93,7 @@ pub fn no_gpu() -> Option<String> {
     })
 }
 
-/// Adapters do not come and go while a reproduction runs.
+/// Lists all adapters, once: they do not change while a reproduction runs.
 fn adapters() -> &'static [AdapterReport] {
     static FOUND: OnceLock<Vec<AdapterReport>> = OnceLock::new();
     FOUND.get_or_init(|| block_on(tilescope_gpu::adapters()))

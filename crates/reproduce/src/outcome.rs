@@ -17,7 +17,7 @@ pub enum Verdict {
 }
 
 impl Verdict {
-    /// Reproduced or not.
+    /// Returns `Reproduced` if the claim holds, else `NotReproduced`.
     #[must_use]
     pub const fn of(holds: bool) -> Self {
         if holds {
@@ -45,7 +45,7 @@ impl Verdict {
         }
     }
 
-    /// Returns the verdict of a claim of several parts: one that is contradicted contradicts it.
+    /// Returns the verdict of a claim of several parts: the worst one, with `NotReproduced` worse than `NotComparable`.
     pub(crate) fn of_all(parts: impl IntoIterator<Item = Self>) -> Self {
         let rank = |verdict: &Self| match verdict {
             Self::Reproduced => 0,
@@ -67,10 +67,10 @@ impl Verdict {
     }
 }
 
-/// The place of what the paper does not say: such a claim is confirmed or refuted, not reproduced.
+/// The `place` of a claim that the paper does not make: it is confirmed or refuted, not reproduced.
 pub const BEYOND: &str = "beyond the paper";
 
-/// Something that the paper says, and what was measured.
+/// A claim, of the paper or beyond it, and the measurement that decides it.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Claim {
     /// What is claimed, in words of this project.
@@ -111,7 +111,7 @@ impl Claim {
         self.place != BEYOND
     }
 
-    /// Returns the verdict in words that suit it.
+    /// Returns the verdict in words, which differ for claims beyond the paper.
     #[must_use]
     pub fn words(&self) -> &'static str {
         match (self.is_of_the_paper(), self.verdict) {

@@ -116,7 +116,7 @@ fn claims(title: &str, finished: &[Finished], of_the_paper: bool) -> Option<Bloc
     })
 }
 
-/// Returns what is said of an experiment.
+/// Returns the blocks of an experiment's section.
 fn section(one: &Finished) -> Vec<Block> {
     let mut facts = vec![
         ("Command", Span::Code(one.command())),

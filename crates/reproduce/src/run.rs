@@ -18,7 +18,7 @@ use crate::parts::Parts;
 use crate::report;
 use crate::study::{Settings, Study};
 
-/// What is asked for.
+/// Options of a reproduction.
 #[derive(Clone, Debug)]
 pub struct Options {
     /// What the numbers depend on.
@@ -41,7 +41,7 @@ pub struct Summary {
 }
 
 impl Summary {
-    /// Returns how many claims of the paper have a verdict.
+    /// Returns how many claims of the paper have this verdict.
     #[must_use]
     pub fn count(&self, verdict: Verdict) -> usize {
         let claims = self.finished.iter().flat_map(|one| &one.claims);
@@ -122,7 +122,7 @@ pub fn reproduce(
     Ok(summary)
 }
 
-/// What program and machine this is: another build may have other numbers.
+/// Identifies this build and machine, since another one may give other numbers.
 fn made_by(machine: &Machine) -> String {
     let read = std::env::current_exe().and_then(fs::read);
     let digest = read.map_or_else(

@@ -181,7 +181,7 @@ pub fn sound_camera(center: DVec2, scale: f64) -> Option<Camera> {
     may_be.then_some(Camera { center, scale })
 }
 
-/// Whether `place`, in r, is within reach of any domain.
+/// Whether both coordinates of `place`, in r, are within [`MAX_OFFSET`] of the origin.
 #[must_use]
 pub fn is_near(place: DVec2) -> bool {
     place.abs().cmple(DVec2::splat(MAX_OFFSET)).all()

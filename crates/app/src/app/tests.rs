@@ -259,7 +259,7 @@ fn drawn(window: &Window, text: &str) -> Vec<(bool, Rect, Rect)> {
     found
 }
 
-/// Returns the longest sentence of each kind of event and the ends of the stages, as cursors.
+/// Returns cursors: of the event of each kind that has the longest sentence, and of the end of each stage.
 fn longest(window: &Window) -> Vec<usize> {
     let session = window.app.state.runs.first.session.as_ref().unwrap();
     let recording = session.recording().unwrap();
@@ -358,7 +358,7 @@ fn a_bookmark_and_a_row_lead_to_the_same_moment() {
     assert_eq!(window.cursor(), 4_000);
 }
 
-/// The storage of an earlier version.
+/// A storage in memory.
 #[derive(Default)]
 struct Kept(std::collections::HashMap<String, String>);
 

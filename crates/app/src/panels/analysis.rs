@@ -51,7 +51,7 @@ struct Sets<'a> {
     held: Option<&'a Arc<ReferenceFile>>,
     /// The length of r in the unit of the file.
     unit: f64,
-    /// Of the session.
+    /// Generation of the session; see `Session::generation`.
     generation: u64,
     palette: &'a Palette,
 }
@@ -203,7 +203,7 @@ fn progress(
     }
 }
 
-/// Three lines of text, whatever it says.
+/// Shows text in a room of three lines, so that nothing below moves when the text changes.
 fn lines(ui: &mut Ui, text: RichText) -> egui::Response {
     let room = vec2(ui.available_width(), 52.0);
     let layout = egui::Layout::top_down(egui::Align::Min);
@@ -275,7 +275,7 @@ fn entry(ui: &mut Ui, line: Dash, color: Color32, text: &str) -> egui::Response 
     .inner
 }
 
-/// The choice of a reference.
+/// The buttons that choose and clear a file to compare with.
 fn file(
     ui: &mut Ui,
     context: &AnalysisContext<'_>,

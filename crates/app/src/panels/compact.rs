@@ -26,7 +26,7 @@ const BAR: f32 = 50.0;
 const CANVAS: f32 = 0.5;
 /// Width of the side column of a landscape window.
 const BESIDE: f32 = 366.0;
-/// What the canvas keeps beside an enlarged panel.
+/// Minimum height of the canvas in a portrait window.
 const MIN_CANVAS_WIDTH: f32 = 120.0;
 /// Minimum height of an open panel; its contents scroll.
 const MIN_DRAWER_WIDTH: f32 = 96.0;
@@ -182,7 +182,7 @@ fn scrolled(ui: &mut Ui, high: Rect, by_wheel: bool, add: impl FnOnce(&mut Ui, R
         });
 }
 
-/// What is shown, and what is done to it.
+/// The window on a small screen: its state, its canvas, and the commands that it issues.
 struct CompactPanel<'a> {
     state: &'a State,
     canvas: &'a mut Canvas,
@@ -190,7 +190,7 @@ struct CompactPanel<'a> {
 }
 
 impl CompactPanel<'_> {
-    /// The Tab key follows this order, too.
+    /// Shows all parts, in the order in which the Tab key visits them.
     fn all(&mut self, ui: &mut Ui, places: &Places) {
         self.bar(ui, places);
         self.canvas(ui, places.canvas);
@@ -299,7 +299,7 @@ fn drawer(
     }
 }
 
-/// What the tabs show: canvas and timeline are always visible, so their tab opens the remaining ones.
+/// Name of a tab. Canvas and timeline are always visible, so their tabs open their remaining controls.
 const fn tab_name(panel: Panel) -> &'static str {
     match panel {
         Panel::Canvas => "Layers",

@@ -1,4 +1,4 @@
-//! What the sheets over the window share: size, position, and the focus on their first field as soon as they open.
+//! Common to all sheets (dialogs over the window): size, position, keys, and focus on the first field when opened.
 
 use egui::text::{CCursor, CCursorRange};
 use egui::text_edit::TextEditState;
@@ -78,7 +78,7 @@ pub fn entered(ui: &Ui, response: &Response) -> bool {
     ui.input(|input| input.events.iter().any(pressed))
 }
 
-/// Returns whether a key closes the sheet; what lies over it is closed first.
+/// Returns whether Escape closes the sheet; the list of actions, if open above it, is closed first.
 pub fn escaped(ui: &Ui, state: &tilescope_workbench::state::State) -> bool {
     state.window.finder.is_none() && ui.input(|input| input.key_pressed(Key::Escape))
 }

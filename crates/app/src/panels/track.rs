@@ -1,4 +1,4 @@
-//! The track of the timeline: a segment for each stage, as wide as it has events, with the cursor, bookmarks and the
+//! The track of the timeline: a segment per stage, wider the more events it has, with the cursor, bookmarks and the
 //! loop. Click or drag to move in time.
 
 use std::ops::Range;

@@ -1,5 +1,5 @@
 //! The figures of an analysis: curves of all subjects over each other, their differences from a reference, and periodograms.
-//! What is painted is decided here; the painting is done by `tilescope_figures`.
+//! This module chooses what to draw; `tilescope_figures` draws it.
 
 use tilescope_analysis::measures::anisotropy_reference_db;
 use tilescope_figures::chart::{Axis, Figure, ImageChart, Level, LineChart, Look, Panel, Series};
@@ -21,7 +21,7 @@ const FEW: u64 = 50;
 const MAX_PICTURES: usize = 12;
 /// Periodograms in a row.
 const IN_A_ROW: usize = 3;
-/// Power that is black in a periodogram; none is white.
+/// Power drawn black in a periodogram; zero is white.
 const BLACK: f64 = 3.0;
 /// Letters of a name that a periodogram's heading has room for.
 const HEADING: usize = 24;
@@ -165,7 +165,7 @@ fn drawn(charts: impl IntoIterator<Item = LineChart>) -> Vec<Panel> {
     charts.map(Panel::Lines).collect()
 }
 
-/// Returns the curves that have a place.
+/// Returns the curves that have points.
 fn series<'a>(curves: impl Iterator<Item = (String, Look, &'a Curve)>) -> Vec<Series> {
     let curves = curves.filter(|(_, _, curve)| !curve.x.is_empty());
     curves
@@ -259,7 +259,7 @@ fn levels_of_anisotropy(subjects: &[Subject]) -> Vec<Level> {
     sets.iter().enumerate().map(level).collect()
 }
 
-/// Returns an axis as long as the anisotropies of many frequencies ask for.
+/// Returns an axis that holds all anisotropies of at least [`FEW`] frequencies.
 fn anisotropy_axis(subjects: &[Subject], levels: &[Level]) -> Axis {
     let annuli = subjects.iter().flat_map(|one| &one.spectrum.profile.annuli);
     let annuli = annuli.filter(|annulus| annulus.anisotropy_db.is_finite());

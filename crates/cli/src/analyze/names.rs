@@ -1,4 +1,4 @@
-//! Names of files that differ from each other, short where people read them.
+//! Short, unique labels of files, and the pattern that several names share.
 
 /// Letters of a short name at most.
 const MAX_LENGTH: usize = 40;
@@ -19,7 +19,7 @@ pub fn numbered(names: &[String]) -> Vec<String> {
     names.iter().enumerate().map(numbered).collect()
 }
 
-/// Returns, for each name, as many of its last parts as tell it from all others, in at most 40 letters.
+/// Returns the fewest last path components that make each name unique, cut to 40 characters.
 pub fn short(names: &[String]) -> Vec<String> {
     let tail = |name: &String, count: usize| -> String {
         let parts: Vec<&str> = name.split(['/', '\\']).collect();

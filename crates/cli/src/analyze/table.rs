@@ -1,5 +1,5 @@
-//! Tables of measures: a row a measure, a column a set. Tables wider than a terminal are split between sets, which is
-//! why no table library serves.
+//! Tables of measures: one row per measure, one column per set. Wide tables are split between sets, which table
+//! libraries do not do.
 
 use std::fmt::Write;
 
@@ -189,7 +189,7 @@ pub fn text(table: &Table) -> String {
         };
         line(&table.head, &|column| column.name.clone());
         for (row, label) in labels.iter().enumerate() {
-            // Only the first column of a subject has words: a later part may have none.
+            // Rows of text have cells in a subject's first column only: leave them out of parts where all are empty.
             if parts.is_empty() || part.iter().any(|column| !column.cells[row].is_empty()) {
                 line(label, &|column| column.cells[row].clone());
             }

@@ -1,3 +1,5 @@
+//! Cancelling, resuming and repeating a reproduction.
+
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 use std::sync::Mutex;
@@ -99,7 +101,7 @@ fn a_cancelled_run_keeps_its_parts_and_the_next_one_makes_only_the_rest() {
     let same = reproduce(&[OF], &options(&broken), &again).unwrap();
     assert_eq!(same.finished, later.finished);
     assert_eq!(again.kept(), units);
-    // What is forgotten is planned again.
+    // With `fresh`, all units are planned again.
     let fresh = Options {
         fresh: true,
         ..options(&broken)

@@ -1,3 +1,5 @@
+//! Studies in a temporary folder, for the tests of experiments (begin with `quick_run`), and tests of units of work.
+
 use std::ops::ControlFlow;
 
 use super::*;

@@ -5,7 +5,7 @@ use tilescope_debugger::Divergence;
 use tilescope_session::moment::Moment;
 use tilescope_session::session::Session;
 
-/// The cursors up to which two runs are equal, event by event, given where they diverge. `None` if tests were
+/// The cursors up to which two runs are equal, event by event, given where they diverge. `None` if events were
 /// left out of a tape, as single events then cannot be matched.
 #[must_use]
 pub fn common(a: &Session, b: &Session, divergence: Option<&Divergence>) -> Option<[usize; 2]> {

@@ -1,5 +1,5 @@
-//! A moment as the canvas shows it, as groups of the figures' shapes: the parts of `tilescope_drawing`, and the
-//! gaps exactly.
+//! Draws a moment, as the canvas does, into shapes of `tilescope_figures`: the parts of `tilescope_drawing`, with
+//! exact gaps.
 
 use emath::Rect;
 use tilescope_core::Stage;

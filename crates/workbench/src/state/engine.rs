@@ -99,7 +99,7 @@ impl State {
         }
     }
 
-    /// Returns to the clock before if it is that of passes and there are no passes.
+    /// If the clock counts passes but there are none any more, returns to the previous clock.
     pub(super) const fn follow_passes(&mut self) {
         if self.runs.first.passes.is_none() {
             self.time.playback.clock = self.time.playback.clock_of_events();

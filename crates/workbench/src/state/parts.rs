@@ -1,4 +1,4 @@
-//! Parts of the state, independent of each other. Larger parts are in files of their own.
+//! The smaller parts of the state: runs, files, links, messages, job context. Larger parts have their own files.
 
 use tilescope_session::incoming::NamedBytes;
 use tilescope_session::jobs::{Job, Wake};

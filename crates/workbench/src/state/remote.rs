@@ -59,7 +59,7 @@ impl State {
         })
     }
 
-    /// Samples with other parameters; the view stays.
+    /// Starts a run with other parameters; the view stays as it is.
     fn load(&mut self, parameters: Parameters) {
         self.files.stop_reading();
         (
@@ -71,7 +71,7 @@ impl State {
         self.start_sampling(Which::First, Recipe::from(parameters), self.gpu.engine);
     }
 
-    /// The session to seek in; refused while another one is being made, which would replace it.
+    /// Returns the session, or an error if there is none or a new one is being made.
     fn need_session(&self) -> Result<&tilescope_session::session::Session, RequestError> {
         let why = match self.runs.first.session.as_deref() {
             Some(session) if self.runs.first.sampling.is_none() => return Ok(session),

@@ -92,7 +92,7 @@ fn power(all: &[SamplerResults]) -> LineChart {
     }
 }
 
-/// The line with which the error of independent samples falls, through the last place of a sampler's curve.
+/// The power law with exponent -1/2, as for independent samples, through the last point of a sampler's curve.
 fn independent(one: &SamplerResults) -> Option<Series> {
     let (points, _) = logarithms(one);
     let (first, last) = (points.first()?, points.last()?);
@@ -105,7 +105,7 @@ fn independent(one: &SamplerResults) -> Option<Series> {
     })
 }
 
-/// The horizon's curve, to base 2 and 10.
+/// The horizon's curve as logarithms: samples per pixel to base 2, errors to base 10.
 fn logarithms(one: &SamplerResults) -> Curve {
     let curve = one.curve();
     let places = curve.iter().map(|at| [at.per_pixel.log2(), at.log]);

@@ -8,8 +8,8 @@ use super::spectra::{MethodSpectra, difference};
 pub struct Against {
     pub radius: f64,
     pub method: Method,
-    /// Difference of radial mean powers, root mean square, over the power; that of two groups of reference sets; and what is left of the
-    /// first without the second.
+    /// Relative RMS difference of radial mean powers: from the reference sets; between the two groups of them; and the
+    /// first with the second subtracted in quadrature.
     pub difference: f64,
     pub chance: f64,
     pub left: f64,
@@ -33,13 +33,13 @@ impl Against {
         self.method.tiles(self.radius)
     }
 
-    /// Whether there are enough blocks for a good tiling to be told from a bad one: the more share a pattern, the more regular they are.
+    /// Whether there are at least nine blocks: repetition shows only where many blocks share a pattern.
     pub fn tiled_often(&self) -> bool {
         self.method.tiles_often(self.radius)
     }
 }
 
-/// Holds every method against both groups of reference sets of its radius.
+/// Compares every method with both groups of reference sets of its radius.
 pub fn against(found: &[MethodSpectra]) -> Vec<Against> {
     let of = |radius: f64, method: Method| {
         (found.iter()).find(|one| one.radius.to_bits() == radius.to_bits() && one.method == method)

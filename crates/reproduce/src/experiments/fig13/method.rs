@@ -12,7 +12,7 @@ use crate::study::Settings;
 pub const PATTERN: f64 = 100.0;
 /// Copies of one set along each side of the control.
 const COPIES: i32 = 4;
-/// Seeds of the second group of reference sets are so far from those of the first.
+/// Added to the seeds of the first group of reference sets, gives those of the second.
 const APART: u64 = 10_000;
 
 /// How sets are made.
@@ -20,13 +20,13 @@ const APART: u64 = 10_000;
 pub enum Method {
     /// From scratch.
     Reference,
-    /// From scratch with other seeds: how far chance alone goes.
+    /// By the reference sampler with other seeds: differs by chance alone.
     Again,
     /// By randomized tiling, every set from a pattern of its own with this side.
     Kdrt { leaf: f64, side: f64 },
     /// By randomized tiling, all sets from one pattern.
     OnePattern { leaf: f64 },
-    /// A small periodic set, side by side: a tiling whose regularity must be found.
+    /// Copies of a small periodic set side by side: a control whose regularity the measures must detect.
     Copies,
 }
 
@@ -61,7 +61,7 @@ impl Method {
         Self::Kdrt { leaf, side }
     }
 
-    /// Whether every block fits its pattern, so that none contains a place of it twice.
+    /// Whether the largest block fits into the pattern, so that no block repeats a part of it.
     pub fn fits(self) -> bool {
         match self {
             Self::Kdrt { leaf, side } => side >= pattern_side(leaf),
@@ -80,8 +80,8 @@ impl Method {
         }
     }
 
-    /// Whether sets of this radius on the unit square have at least nine blocks: a side of four leaves, each part of which is shorter
-    /// than two.
+    /// Whether sets of this radius on the unit square have at least nine blocks: a side of four leaves is cut into parts shorter than
+    /// two leaves, so into at least three.
     pub fn tiles_often(self, radius: f64) -> bool {
         self.leaf().is_some_and(|leaf| 4.0 * leaf * radius <= 1.0)
     }

@@ -14,7 +14,7 @@ const CHANCE: f64 = 0.01;
 pub struct Peaks {
     /// Its power over the radial mean at its frequency.
     pub highest: f64,
-    /// What chance passes once in a hundred times, with so many frequencies and sets.
+    /// The limit that noise exceeds in 1 of 100 cases, with this number of frequencies and sets.
     pub limit: f64,
     /// Frequencies, of each opposite pair one, above the limit.
     pub above: usize,
@@ -23,7 +23,7 @@ pub struct Peaks {
 }
 
 impl Peaks {
-    /// Returns that of a mean periodogram.
+    /// Returns the peaks of a mean periodogram.
     pub fn of(periodogram: &Periodogram) -> Self {
         let rings = rings(periodogram);
         let means: Vec<[f64; 2]> = rings.iter().filter_map(|ring| mean(ring)).collect();
@@ -51,7 +51,7 @@ impl Peaks {
     }
 }
 
-/// A mean of powers of `sets` sets is a chi-square value of twice as many degrees of freedom.
+/// Limit of the highest ratio. The mean of n exponential powers, times 2 n, is chi-square with 2 n degrees of freedom.
 fn limit(sets: f64, frequencies: f64) -> f64 {
     let tail = CHANCE / frequencies.max(1.0);
     chi_square_quantile(tail, 2.0 * sets) / (2.0 * sets)
@@ -63,7 +63,7 @@ fn mean(ring: &[[f64; 2]]) -> Option<[f64; 2]> {
     (!ring.is_empty()).then(|| [of(0), of(1)])
 }
 
-/// Power between the means of rings and beyond them, along straight lines: where it is steep, it differs within a ring.
+/// Power by linear interpolation and extrapolation of the ring means, since a steep power varies within a ring.
 fn between(means: &[[f64; 2]], length: f64) -> f64 {
     let after = means.partition_point(|mean| mean[0] <= length);
     let after = after.min(means.len().saturating_sub(1)).max(1);

@@ -7,6 +7,7 @@ use super::counted::{EDGES, SeedCounts, SetCounts, joined};
 use super::gaps::CLASSES;
 use crate::error::ReproduceError;
 
+/// Confidence of intervals.
 pub const LEVEL: f64 = 0.99;
 /// Where the bands of distances from a block's border begin, in classes: at 0, 1 r and 3 r.
 pub const BANDS: [usize; 3] = [0, 4, 9];
@@ -26,12 +27,13 @@ const SIDES: [&str; 2] = [
     "within 1 r after the domain's border",
     "within 1 r before the domain's border",
 ];
-/// The grid and all of them.
+/// Number of intervals that must hold together: one for the grid and one for each band and strip.
 pub const JUDGED: usize = 1 + BLOCK_BANDS.len() + DOMAIN_BANDS.len() + SIDES.len();
 
 /// Everything that was counted.
 pub struct UniformityResults {
     pub reference: SamplerUniformity,
+    /// The control: reference sets with a known bias.
     pub moved: SamplerUniformity,
     pub circumcentre: SamplerUniformity,
     pub uniform: SamplerUniformity,
@@ -44,7 +46,7 @@ pub struct UniformityResults {
 pub struct SamplerUniformity {
     pub name: &'static str,
     pub sets: u64,
-    /// Samples for one of the reference sampler.
+    /// Number of samples, relative to the reference sampler.
     pub density: f64,
     pub cells: Uniformity,
     pub blocks: Uniformity,
@@ -54,10 +56,11 @@ pub struct SamplerUniformity {
     pub frame: Uniformity,
     /// Within 1 r after the domain's border, within 1 r before it, and elsewhere.
     pub sides: Uniformity,
-    /// Inserted samples by rank; none where nothing is inserted.
+    /// Inserted samples by rank in their gap; `None` if nothing was inserted.
     pub inside: Option<Uniformity>,
     /// Inserted samples by distance from a block's border.
     pub inserted: Vec<u64>,
+    /// Inserted samples without rank, because their gap is too small.
     pub skipped: u64,
 }
 
@@ -73,12 +76,12 @@ impl DensityOffset {
         (self.interval[0]..=self.interval[1]).contains(&0.0)
     }
 
-    /// Returns whether the interval reaches no further than `limit` from its middle.
+    /// Returns whether half the width of the interval is at most `limit`.
     pub fn tells(&self, limit: f64) -> bool {
         0.5 * (self.interval[1] - self.interval[0]) <= limit
     }
 
-    /// Returns it with the interval that it has as one of several of `sets`, which together hold with 99 % confidence.
+    /// Returns it with a wider interval, so that all of `several` together hold with 99 % confidence (Bonferroni).
     pub fn among(self, several: usize, sets: u64) -> Self {
         let reach = |missed: f64| student_quantile(missed, sets as f64 - 1.0);
         let wider = reach(MISSED / several as f64) / reach(MISSED);
@@ -147,7 +150,7 @@ impl SamplerUniformity {
         })
     }
 
-    /// Returns a class's density against the reference sampler's mean. Its own mean is known far better than its classes.
+    /// Returns a class's density relative to the reference sampler's mean; the errors of means are neglected.
     pub fn against(&self, class: &Deviation) -> DensityOffset {
         let scaled = |relative: f64| (1.0 + relative) * self.density - 1.0;
         DensityOffset {
@@ -205,7 +208,7 @@ impl SamplerUniformity {
         )
     }
 
-    /// Returns the probability of the ranks if they were uniform, and Cramer's V.
+    /// Returns the p-value of the chi-square test that ranks are uniform, and Cramer's V.
     pub fn ranks(&self) -> (f64, f64) {
         let test = self.inside.as_ref().map(|inside| inside.chi_square);
         test.map_or((f64::NAN, f64::NAN), |test| {

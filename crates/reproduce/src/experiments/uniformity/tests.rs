@@ -1,3 +1,5 @@
+//! Verdicts on counts with known deviations, and a quick run.
+
 use super::claims::claims;
 use super::counted::{EDGES, SetCounts};
 use super::*;
@@ -8,8 +10,8 @@ use crate::study::tests::quick_run;
 const CELLS: usize = 64;
 const SEEDS: usize = 30;
 
-/// How sets deviate: of the middle of the domain, near block borders, deep in blocks, at the domain's border, of high ranks, and on
-/// one side of that border.
+/// Relative deviations put into counts: a slope over the grid, near block borders, deep in blocks, at the domain's border,
+/// over the ranks, and on one side of that border.
 #[derive(Clone, Copy, Debug, Default)]
 struct Made {
     middle: f64,
@@ -66,7 +68,7 @@ fn counted(made: Made, stream: u32, index: usize) -> SetCounts {
     }
 }
 
-/// The verdicts of sets that deviate in known ways, and a moved control that does.
+/// Returns the verdicts on sets with known deviations; `moved` is the biased control.
 fn verdicts(reference: Made, moved: Made, circumcentre: Made, uniform: Made) -> Vec<Verdict> {
     with_random([reference, moved, circumcentre, uniform, Made::default()])
 }
@@ -111,7 +113,7 @@ const FLAT: Made = Made { near: 0.02, ..NONE };
 fn verdicts_follow_from_the_numbers() {
     use Verdict::{NotReproduced, Reproduced};
     let mut expected = [Reproduced; 12];
-    // A strip along borders is no even place, and uniform insertion leaves most of it.
+    // The bias near block borders refutes evenness, and uniform insertion leaves most of that bias.
     expected[..2].fill(NotReproduced);
     expected[6] = NotReproduced;
     assert_eq!(verdicts(NONE, MOVED, USUAL, FLAT), expected);

@@ -1,3 +1,5 @@
+//! Made-up errors of samplers, for this and other tests, and the numbers that follow from them.
+
 use super::*;
 
 pub fn plated(rmse: f64, index: u64) -> PlateErrors {
