@@ -40,12 +40,12 @@ pub fn region(domain: &tilescope_core::Domain) -> Region {
     Region {
         width,
         height,
-        boundary: judged(domain.boundary()),
+        boundary: verifier_boundary(domain.boundary()),
     }
 }
 
 /// Converts a run's boundary to the verifier's type.
-pub const fn judged(boundary: tilescope_core::Boundary) -> Boundary {
+pub const fn verifier_boundary(boundary: tilescope_core::Boundary) -> Boundary {
     match boundary {
         tilescope_core::Boundary::Periodic => Boundary::Periodic,
         tilescope_core::Boundary::Bounded => Boundary::Bounded,

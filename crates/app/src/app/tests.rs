@@ -360,9 +360,9 @@ fn a_bookmark_and_a_row_lead_to_the_same_moment() {
 
 /// A storage in memory.
 #[derive(Default)]
-struct Kept(std::collections::HashMap<String, String>);
+struct MemoryStorage(std::collections::HashMap<String, String>);
 
-impl eframe::Storage for Kept {
+impl eframe::Storage for MemoryStorage {
     fn get_string(&self, key: &str) -> Option<String> {
         self.0.get(key).cloned()
     }
@@ -382,9 +382,9 @@ impl eframe::Storage for Kept {
 fn the_panels_stand_where_they_stood_also_as_earlier_versions_kept_it() {
     let mut first = Window::opened([1440.0, 900.0]);
     first.app.state.window.layout.open(Panel::Legend);
-    let mut storage = Kept::default();
+    let mut storage = MemoryStorage::default();
     eframe::App::save(&mut first.app, &mut storage);
-    let remembered = |storage: &Kept| {
+    let remembered = |storage: &MemoryStorage| {
         let mut app = App::new(&Context::default());
         app.remember(storage);
         app.state.window.layout.clone()
@@ -394,7 +394,7 @@ fn the_panels_stand_where_they_stood_also_as_earlier_versions_kept_it() {
     let old = "((id:(7),root:Some((3)),tiles:(next_tile_id:4,tiles:{(1):Pane(Canvas),(2):Container(Tabs((children:[(1),(4)],\
                active:Some((4))))),(3):Container(Linear((children:[(2),(5)],dir:Vertical,shares:(shares:{(2):0.7,(5):0.3})))),\
                (4):Pane(Events),(5):Pane(Timeline)},invisible:[]),height:None,width:None))";
-    let mut storage = Kept::default();
+    let mut storage = MemoryStorage::default();
     eframe::Storage::set_string(&mut storage, "layout", old.to_owned());
     let layout = remembered(&storage);
     assert!(layout.is_whole() && layout.shows(Panel::Events) && !layout.shows(Panel::Canvas));

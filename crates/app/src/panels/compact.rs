@@ -27,9 +27,9 @@ const CANVAS: f32 = 0.5;
 /// Width of the side column of a landscape window.
 const BESIDE: f32 = 366.0;
 /// Minimum height of the canvas in a portrait window.
-const MIN_CANVAS_WIDTH: f32 = 120.0;
+const MIN_CANVAS_HEIGHT: f32 = 120.0;
 /// Minimum height of an open panel; its contents scroll.
-const MIN_DRAWER_WIDTH: f32 = 96.0;
+const MIN_DRAWER_HEIGHT: f32 = 96.0;
 /// Below this height the sentence has one line.
 const LOW: f32 = 720.0;
 
@@ -49,10 +49,10 @@ struct Places {
 /// all of a portrait one.
 fn needed_height(ctx: &Context, room: Rect, state: &State) -> f32 {
     let bar = if state.window.bare { 0.0 } else { BAR };
-    let drawer = state.window.drawer.open.map_or(0.0, |_| MIN_DRAWER_WIDTH);
+    let drawer = state.window.drawer.open.map_or(0.0, |_| MIN_DRAWER_HEIGHT);
     let canvas = match state.window.drawer.arrangement {
         Arrangement::Landscape => 0.0,
-        _ => MIN_CANVAS_WIDTH,
+        _ => MIN_CANVAS_HEIGHT,
     };
     bar + canvas + controls(ctx, room, state) + TABS + drawer
 }
@@ -79,17 +79,17 @@ impl Places {
         let bar = if state.window.bare { 0.0 } else { BAR };
         let (column, controls) = (column(room, state), controls(ctx, room, state));
         let mut canvas = room;
-        let lies = drawer.arrangement == Arrangement::Landscape;
-        if lies {
+        let is_landscape = drawer.arrangement == Arrangement::Landscape;
+        if is_landscape {
             canvas.max.x = column.left();
         } else {
             let rest = room.height() - bar - controls - TABS;
             let panel = match (drawer.open, drawer.is_tall) {
                 (None, _) => 0.0,
-                (Some(_), true) => rest - MIN_CANVAS_WIDTH,
+                (Some(_), true) => rest - MIN_CANVAS_HEIGHT,
                 (Some(_), false) => {
                     let half = CANVAS * room.height();
-                    rest - half.min(rest - MIN_DRAWER_WIDTH).max(MIN_CANVAS_WIDTH)
+                    rest - half.min(rest - MIN_DRAWER_HEIGHT).max(MIN_CANVAS_HEIGHT)
                 }
             };
             canvas.min.y = room.top() + bar;
@@ -100,7 +100,11 @@ impl Places {
             Rect::from_min_max(pos2(column.left(), top), pos2(column.right(), bottom))
         };
         let bar = slice(column.top(), bar);
-        let top = if lies { bar.bottom() } else { canvas.bottom() };
+        let top = if is_landscape {
+            bar.bottom()
+        } else {
+            canvas.bottom()
+        };
         let controls = slice(top, controls);
         let tabs = slice(controls.bottom(), TABS);
         Self {
@@ -129,7 +133,7 @@ pub fn show(ui: &mut Ui, state: &State, canvas: &mut Canvas, commands: &mut Vec<
     let needed = needed_height(ui.ctx(), room, state);
     let mut high = room;
     high.max.y = room.top() + needed.max(room.height());
-    let mut shown = CompactPanel {
+    let mut shown = CompactWindow {
         state,
         canvas,
         commands,
@@ -183,13 +187,13 @@ fn scrolled(ui: &mut Ui, high: Rect, by_wheel: bool, add: impl FnOnce(&mut Ui, R
 }
 
 /// The window on a small screen: its state, its canvas, and the commands that it issues.
-struct CompactPanel<'a> {
+struct CompactWindow<'a> {
     state: &'a State,
     canvas: &'a mut Canvas,
     commands: &'a mut Vec<Command>,
 }
 
-impl CompactPanel<'_> {
+impl CompactWindow<'_> {
     /// Shows all parts, in the order in which the Tab key visits them.
     fn all(&mut self, ui: &mut Ui, places: &Places) {
         self.bar(ui, places);

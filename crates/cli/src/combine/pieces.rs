@@ -131,7 +131,7 @@ fn file(
         Region {
             width: width.unwrap_or(stated.width),
             height: height.unwrap_or(stated.height),
-            boundary: boundary.map_or(stated.boundary, crate::options::judged),
+            boundary: boundary.map_or(stated.boundary, crate::options::verifier_boundary),
         }
     })
 }

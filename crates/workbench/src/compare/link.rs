@@ -44,12 +44,12 @@ pub fn corresponding(
         && cursor <= a.saturating_add(1)
     {
         let cursor = if cursor <= a { cursor.min(b) } else { b + 1 };
-        return behind(to, cursor);
+        return moment_at(to, cursor);
     }
     let [a, b] = common.map_or([0; 2], |both| both.map(|at| at.saturating_add(1)));
     if to.stages[stage] != at.stage {
         // Never before the divergence.
-        return behind(to, end.max(b));
+        return moment_at(to, end.max(b));
     }
     let bounds = |session: &Session, stage: usize, least: usize| {
         let start = stage
@@ -62,11 +62,11 @@ pub fn corresponding(
     let (first, last) = bounds(to, stage, b);
     let share = cursor.saturating_sub(low) as f64 / (high - low).max(1) as f64;
     let cursor = first + ((last - first) as f64 * share.min(1.0)).round() as usize;
-    behind(to, cursor.max(b))
+    moment_at(to, cursor.max(b))
 }
 
 /// The moment of a session after this many events, or at its end.
-fn behind(session: &Session, cursor: usize) -> Moment {
+fn moment_at(session: &Session, cursor: usize) -> Moment {
     let last = session.stages.len() - 1;
     let cursor = session
         .stage_end(last)
