@@ -4,6 +4,7 @@
 
 use crate::number::Number;
 use crate::region::{Boundary, Region};
+use crate::report::Report;
 
 /// Why [`verify`](crate::verify) or a [`StreamVerifier`](crate::StreamVerifier) gave no verdict.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -130,6 +131,17 @@ pub enum VerifyError {
         min_distance: f64,
         /// The distance up to which all pairs are seen.
         limit: f64,
+    },
+    /// The two judges differ on a set: one of them is wrong.
+    #[error(
+        "the two judges disagree on the {difference}: {} by {}, {} by {}; this is a fault of the verifier",
+        .reports[0].summary(), .reports[0].judges[0], .reports[1].summary(), .reports[1].judges[0]
+    )]
+    Disagreement {
+        /// On what they differ.
+        difference: &'static str,
+        /// The reports of both.
+        reports: Box<[Report; 2]>,
     },
     /// Bytes are not the saved state of a verifier of this question.
     #[error("the saved state of the verifier cannot be used: {reason}")]

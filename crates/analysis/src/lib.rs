@@ -28,11 +28,13 @@
     reason = "exactness is the subject: equal bits are meant where they are compared"
 )]
 
+mod circles;
 mod cover;
 mod delaunay;
 mod domain;
 mod error;
 mod grid;
+mod judge;
 pub mod measures;
 mod monitor;
 mod number;
@@ -46,6 +48,7 @@ mod witness;
 mod worst;
 
 pub use error::VerifyError;
+pub use judge::{Judge, JudgeChoice};
 pub use monitor::Progress;
 pub use number::Number;
 pub use pairs::MAX_CONFLICTS;

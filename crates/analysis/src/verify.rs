@@ -4,10 +4,12 @@
 
 use std::ops::ControlFlow;
 
+use crate::circles::{self, Question};
 use crate::cover::{self, CoverSearch};
 use crate::domain::Domain;
 use crate::error::VerifyError;
 use crate::grid::Grid;
+use crate::judge::{self, JudgeChoice};
 use crate::monitor::{Monitor, Progress};
 use crate::pairs;
 use crate::region::Region;
@@ -24,6 +26,8 @@ pub struct VerifyOptions {
     pub covering_tolerance: f64,
     /// Most witnesses listed of each kind; the counts are always complete.
     pub witnesses: usize,
+    /// Who judges.
+    pub judges: JudgeChoice,
     /// Most samples per tile of the triangulation. It decides memory and speed, never the verdict;
     /// the default was the fastest measured (a tile then fits the second-level cache).
     pub tile_samples: usize,
@@ -34,6 +38,7 @@ impl Default for VerifyOptions {
         Self {
             covering_tolerance: COVERING_TOLERANCE,
             witnesses: 16,
+            judges: JudgeChoice::default(),
             tile_samples: 16_384,
         }
     }
@@ -68,17 +73,56 @@ pub fn verify(
     check_tolerance(options.covering_tolerance)?;
     check_points(points, region)?;
 
-    // Both searches go over all samples.
-    let monitor = Monitor::new(control, 2 * points.len() as u64);
+    let question = Question {
+        domain,
+        radius: scaled_radius,
+        limit: (1.0 + options.covering_tolerance) * scaled_radius,
+        witnesses: options.witnesses,
+    };
+    let (by_circles, by_delaunay) = match options.judges {
+        JudgeChoice::Delaunay => (false, true),
+        JudgeChoice::Circles => (true, false),
+        JudgeChoice::Both => (true, true),
+        JudgeChoice::Automatic => (true, points.len() <= JudgeChoice::BOTH_UP_TO),
+    };
+    // Each of the first judge's two searches goes over all samples, and so does the second judge.
+    let passes = 2 * u64::from(by_delaunay) + u64::from(by_circles);
+    let monitor = Monitor::new(control, passes * points.len() as u64);
     monitor.advance(0)?;
-    let grid = Grid::new(points, domain, pairs::cell_side(&domain, points.len()));
-    let pairs = pairs::search(&grid, points, scaled_radius, options.witnesses, &monitor)?;
-    let limit = (1.0 + options.covering_tolerance) * scaled_radius;
-    let task = CoverSearch::new(&grid, scaled_radius, limit, options.witnesses);
-    let cover = cover::search(&task, options.tile_samples, &monitor)?;
-
     let asked = (points.len(), region, radius, options.covering_tolerance);
-    Ok(Report::new(asked, &domain, Findings { pairs, cover }))
+    let report = |found: Findings| Report::new(asked, &domain, found);
+    let circles = if by_circles {
+        circles::search(points, &question, &monitor)?.ok()
+    } else {
+        None
+    };
+    let circles = circles.map(|found| report(Findings::of_circles(found, options.witnesses)));
+    match circles {
+        Some(circles) if !by_delaunay => Ok(circles),
+        circles => {
+            let tile_samples = options.tile_samples;
+            let delaunay = report(delaunay_findings(points, &question, tile_samples, &monitor)?);
+            match circles {
+                Some(circles) => judge::agreed(delaunay, circles),
+                None => Ok(delaunay),
+            }
+        }
+    }
+}
+
+/// Both searches of the first judge.
+fn delaunay_findings(
+    points: &[[f64; 2]],
+    question: &Question,
+    tile_samples: usize,
+    monitor: &Monitor<'_>,
+) -> Result<Findings, VerifyError> {
+    let Question { domain, radius, limit, witnesses } = *question;
+    let grid = Grid::new(points, domain, pairs::cell_side(&domain, points.len()));
+    let pairs = pairs::search(&grid, points, radius, witnesses, monitor)?;
+    let task = CoverSearch::new(&grid, radius, limit, witnesses);
+    let cover = cover::search(&task, tile_samples, monitor)?;
+    Ok(Findings::of_delaunay(pairs, cover))
 }
 
 pub(crate) fn check_tolerance(tolerance: f64) -> Result<(), VerifyError> {

@@ -325,7 +325,7 @@ impl Bands {
         let places = mem::replace(&mut self.places, Places::new(0));
         let pairs = mem::replace(&mut self.pairs, Pairs::new(0));
         let cover = places.finish(&search.domain, search.same);
-        Ok(Findings { pairs, cover })
+        Ok(Findings::of_delaunay(pairs, cover))
     }
 }
 

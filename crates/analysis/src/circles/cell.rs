@@ -1,0 +1,288 @@
+//! The Voronoi cell of a sample, cut out of a square by one neighbour after the other: where its circle is exposed, if it is.
+//! The places of a cell farthest from its sample are corners of the cell, and those are centres of empty circles.
+//! Their radii come from three samples, the same bits in whichever cell they are seen.
+
+use glam::DVec2;
+
+use super::exact::{Site, circle_exceeds, corner_exceeds, crossing_exceeds};
+use super::samples::{Sample, Samples};
+use super::tile::Tile;
+use crate::witness::{Gap, GapKind};
+
+/// Radii this near to the limit are compared exactly; the error of one that is not nearly flat is far less.
+const DOUBT: f64 = 1e-9;
+
+/// What bounds a cell there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Edge {
+    /// The end of what is known.
+    Unknown,
+    /// A side of a bounded region: its axis, and whether it is the far one.
+    Side(usize, bool),
+    /// The bisector with a sample of the tile.
+    Bisector(usize),
+}
+
+/// A corner of a cell, and the edge from there to the next corner, anticlockwise.
+#[derive(Clone, Copy, Debug)]
+struct Corner {
+    at: DVec2,
+    edge: Edge,
+}
+
+/// Cuts out cells; one is used again and again.
+#[derive(Debug, Default)]
+pub(super) struct CellCutter {
+    corners: Vec<Corner>,
+    kept: Vec<Corner>,
+}
+
+/// What the corners of a cell say.
+#[derive(Debug, Default)]
+pub(crate) struct CellReach {
+    /// The distance of the farthest corner.
+    pub farthest: f64,
+    /// Corners farther than the limit.
+    pub gaps: Vec<Gap>,
+}
+
+impl CellCutter {
+    /// The corners of the cell of a tile's sample, seen with so many cells `around` its own; none if farther samples may
+    /// matter.
+    pub fn cut(
+        &mut self,
+        samples: &Samples,
+        tile: &Tile,
+        (index, cell): (usize, [usize; 2]),
+        around: [usize; 2],
+        limit: f64,
+    ) -> Option<CellReach> {
+        let known = samples.cells.certain_distance(around);
+        self.begin(samples, tile.position(index), known);
+        tile.around(index, cell, around, |other, offset| self.clip(offset, other));
+        let farthest = self.corners.iter().map(|corner| corner.at.length());
+        let farthest = farthest.fold(0.0, f64::max);
+        let is_unknown = |corner: &Corner| corner.edge == Edge::Unknown;
+        if self.corners.iter().any(is_unknown) || 2.0 * farthest * (1.0 + DOUBT) > known {
+            return None;
+        }
+        let mut reach = CellReach::default();
+        for (at, corner) in self.corners.iter().enumerate() {
+            let before = self.corners[(at + self.corners.len() - 1) % self.corners.len()];
+            let circle = Circles { samples, tile, index }.at([before.edge, corner.edge], limit);
+            let Some((circle, exceeds)) = circle else { continue };
+            reach.farthest = reach.farthest.max(circle.distance);
+            if exceeds {
+                reach.gaps.push(circle);
+            }
+        }
+        Some(reach)
+    }
+
+    /// Begins with the square that is known, within a bounded region.
+    fn begin(&mut self, samples: &Samples, position: DVec2, known: f64) {
+        let domain = &samples.cells.domain;
+        let (mut low, mut high) = (DVec2::splat(-known), DVec2::splat(known));
+        let mut edges = [[Edge::Unknown; 2]; 2];
+        if !domain.periodic {
+            for axis in [0, 1] {
+                let near = -position[axis];
+                let far = domain.extent[axis] - position[axis];
+                if near >= low[axis] {
+                    (low[axis], edges[axis][0]) = (near, Edge::Side(axis, false));
+                }
+                if far <= high[axis] {
+                    (high[axis], edges[axis][1]) = (far, Edge::Side(axis, true));
+                }
+            }
+        }
+        let [[left, right], [bottom, top]] = edges;
+        self.corners.clear();
+        self.corners.extend([
+            Corner { at: low, edge: bottom },
+            Corner { at: DVec2::new(high.x, low.y), edge: right },
+            Corner { at: high, edge: top },
+            Corner { at: DVec2::new(low.x, high.y), edge: left },
+        ]);
+    }
+
+    /// Cuts off what is nearer to a neighbour at an offset.
+    fn clip(&mut self, offset: DVec2, neighbour: usize) {
+        let limit = 0.5 * offset.length_squared();
+        let beyond = |corner: &Corner| corner.at.dot(offset) - limit;
+        // A neighbour at the same place cuts nothing off: both have one cell.
+        if limit == 0.0 || self.corners.iter().all(|corner| beyond(corner) <= 0.0) {
+            return;
+        }
+        self.kept.clear();
+        for (at, corner) in self.corners.iter().enumerate() {
+            let next = &self.corners[(at + 1) % self.corners.len()];
+            let (here, there) = (beyond(corner), beyond(next));
+            if here <= 0.0 {
+                self.kept.push(*corner);
+            }
+            if (here <= 0.0) != (there <= 0.0) {
+                let crossing = corner.at + (next.at - corner.at) * (here / (here - there));
+                let edge = if here <= 0.0 { Edge::Bisector(neighbour) } else { corner.edge };
+                self.kept.push(Corner { at: crossing, edge });
+            }
+        }
+        std::mem::swap(&mut self.corners, &mut self.kept);
+    }
+}
+
+/// The empty circles about the corners of one sample's cell.
+struct Circles<'a> {
+    samples: &'a Samples,
+    tile: &'a Tile,
+    index: usize,
+}
+
+impl Circles<'_> {
+    /// The circle about the corner between two edges, and whether it is larger than the limit. None for a corner that only
+    /// rounding makes: between parallel sides.
+    fn at(&self, edges: [Edge; 2], limit: f64) -> Option<(Gap, bool)> {
+        match edges {
+            [Edge::Bisector(a), Edge::Bisector(b)] => self.vertex([self.index, a, b], limit),
+            [Edge::Bisector(other), Edge::Side(axis, is_far)]
+            | [Edge::Side(axis, is_far), Edge::Bisector(other)] => {
+                self.crossing([self.index, other], (axis, is_far), limit)
+            }
+            [Edge::Side(a, a_far), Edge::Side(b, b_far)] if a != b => {
+                let is_far = if a == 0 { [a_far, b_far] } else { [b_far, a_far] };
+                Some(self.corner(is_far, limit))
+            }
+            _ => None,
+        }
+    }
+
+    /// The circle through three samples.
+    fn vertex(&self, sites: [usize; 3], limit: f64) -> Option<(Gap, bool)> {
+        let sites = self.in_sequence(sites);
+        let [first, second, third] = sites.map(|(_, site)| site);
+        let (a, b) = (self.between(first, second), self.between(first, third));
+        let c = b - a;
+        // The centre seen from the corner opposite the longest edge loses the fewest digits.
+        let squares = [a, b, c].map(DVec2::length_squared);
+        let (from, a, b) = if squares[2] >= squares[0] && squares[2] >= squares[1] {
+            (DVec2::ZERO, a, b)
+        } else if squares[1] >= squares[0] {
+            (a, c, -a)
+        } else {
+            (b, -b, -c)
+        };
+        let double_area = a.perp_dot(b);
+        if double_area == 0.0 {
+            return None;
+        }
+        let (aa, bb) = (a.length_squared(), b.length_squared());
+        let offset = (a * bb - b * aa).perp() * (0.5 / double_area);
+        let distance = offset.length();
+        let flatness = (aa * bb).sqrt() / double_area.abs();
+        let gap = Gap {
+            center: self.home(first.position + from + offset).to_array(),
+            distance,
+            kind: GapKind::VoronoiVertex,
+        };
+        let exceeds = self.exceeds(distance, limit, flatness, || {
+            circle_exceeds([first, second, third], self.extent(), limit)
+        });
+        Some((gap, exceeds))
+    }
+
+    /// The circle about the crossing of two samples' bisector with a side.
+    fn crossing(
+        &self,
+        sites: [usize; 2],
+        (axis, is_far): (usize, bool),
+        limit: f64,
+    ) -> Option<(Gap, bool)> {
+        let [first, second] = self.in_sequence(sites).map(|(_, site)| site);
+        let side = if is_far { self.extent()[axis] } else { 0.0 };
+        let [p, q] = [first, second].map(|site| site.position);
+        let (p_off, q_off) = (p[axis] - side, q[axis] - side);
+        let along = q[1 - axis] - p[1 - axis];
+        if along == 0.0 {
+            return None;
+        }
+        let step = 0.5 * (along + (q_off - p_off) * (q_off + p_off) / along);
+        let distance = step.hypot(p_off);
+        let mut center = p;
+        center[axis] = side;
+        center[1 - axis] = (p[1 - axis] + step).clamp(0.0, self.extent()[1 - axis]);
+        let gap = Gap {
+            center: center.to_array(),
+            distance,
+            kind: GapKind::Border,
+        };
+        let flatness = distance / along.abs();
+        let exceeds = self.exceeds(distance, limit, flatness, || {
+            crossing_exceeds([first, second], axis, is_far, self.extent(), limit)
+        });
+        Some((gap, exceeds))
+    }
+
+    /// The circle about a corner of the region.
+    fn corner(&self, is_far: [bool; 2], limit: f64) -> (Gap, bool) {
+        let [(_, site)] = self.in_sequence([self.index]);
+        let extent = self.extent();
+        let corner = DVec2::from([0, 1].map(|axis| if is_far[axis] { extent[axis] } else { 0.0 }));
+        let distance = (corner - site.position).length();
+        let gap = Gap {
+            center: corner.to_array(),
+            distance,
+            kind: GapKind::Corner,
+        };
+        let exceeds = self.exceeds(distance, limit, 1.0, || {
+            corner_exceeds(site, corner, extent, limit)
+        });
+        (gap, exceeds)
+    }
+
+    /// Compares a radius with the limit, exactly where its error leaves a doubt. Flatness is by how much the error grows.
+    fn exceeds(&self, distance: f64, limit: f64, flatness: f64, exact: impl FnOnce() -> bool) -> bool {
+        let doubt = DOUBT * (1.0 + 1e-6 * flatness);
+        if (distance / limit - 1.0).abs() < doubt {
+            exact()
+        } else {
+            distance > limit
+        }
+    }
+
+    /// Samples with the periods that their copies are away, in a sequence that does not depend on which cell is cut: by index,
+    /// and the first of them at home.
+    fn in_sequence<const N: usize>(&self, indices: [usize; N]) -> [(u32, Site); N] {
+        let mut sites = indices.map(|index| {
+            let Sample { position, id } = self.samples.all[self.tile.source[index] as usize];
+            let moved = (self.tile.position(index) - position) / self.samples.cells.domain.periods();
+            let periods = moved.to_array().map(|value| value.round() as i64);
+            (id, Site { position, periods })
+        });
+        sites.sort_unstable_by_key(|(id, site)| (*id, site.periods));
+        let home = sites[0].1.periods;
+        for (_, site) in &mut sites {
+            site.periods = [0, 1].map(|axis| site.periods[axis] - home[axis]);
+        }
+        sites
+    }
+
+    /// The offset of a site from one at home.
+    fn between(&self, first: Site, site: Site) -> DVec2 {
+        let periods = DVec2::from(site.periods.map(|count| count as f64));
+        (site.position - first.position) + periods * self.extent()
+    }
+
+    fn extent(&self) -> DVec2 {
+        self.samples.cells.domain.extent
+    }
+
+    /// A place within the region: that of a torus, or the nearest of a bounded one.
+    fn home(&self, place: DVec2) -> DVec2 {
+        let extent = self.extent();
+        if !self.samples.cells.domain.periodic {
+            return place.clamp(DVec2::ZERO, extent);
+        }
+        let wrapped = place - (place / extent).floor() * extent;
+        DVec2::select(wrapped.cmplt(extent), wrapped, DVec2::ZERO)
+    }
+}

@@ -1,0 +1,177 @@
+//! Comparisons of an empty circle's radius with a limit, exactly, by integers of any length.
+//! Coordinates are binary fractions, so a squared radius is a fraction of two integers, and the comparison has no rounding.
+//! It never says how large a circle is.
+
+use glam::DVec2;
+use num_bigint::BigInt;
+
+/// A sample, or a copy of one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Site {
+    pub position: DVec2,
+    /// Periods that the copy is away from the sample.
+    pub periods: [i64; 2],
+}
+
+/// Positions as multiples of one power of two.
+struct Integers {
+    exponent: i32,
+    extent: [BigInt; 2],
+}
+
+impl Integers {
+    fn new(sites: &[Site], extent: DVec2, limit: f64) -> Self {
+        let values = sites.iter().flat_map(|site| site.position.to_array());
+        let all = values.chain(extent.to_array()).chain([limit]);
+        let exponents = all.filter(|&value| value != 0.0).map(|value| parts(value).1);
+        let exponent = exponents.min().unwrap_or(0);
+        Self {
+            exponent,
+            extent: extent.to_array().map(|value| integer(value, exponent)),
+        }
+    }
+
+    fn of(&self, value: f64) -> BigInt {
+        integer(value, self.exponent)
+    }
+
+    fn site(&self, site: &Site) -> [BigInt; 2] {
+        [0, 1].map(|axis| self.of(site.position[axis]) + &self.extent[axis] * site.periods[axis])
+    }
+}
+
+/// Whether the circle through three sites is larger than `limit`.
+pub(super) fn circle_exceeds(sites: [Site; 3], extent: DVec2, limit: f64) -> bool {
+    let integers = Integers::new(&sites, extent, limit);
+    let [p, q, r] = sites.map(|site| integers.site(&site));
+    let (a, b, c) = (minus(&q, &p), minus(&r, &p), minus(&r, &q));
+    let double_area = &a[0] * &b[1] - &a[1] * &b[0];
+    let limit = integers.of(limit);
+    // The radius is |a| |b| |c| / (2 |a x b|).
+    square_length(&a) * square_length(&b) * square_length(&c)
+        > 4 * square(&double_area) * square(&limit)
+}
+
+/// Whether the circle about the crossing of two sites' bisector with a side of the region is larger than `limit`. The side lies
+/// at 0 or at the extent along `axis`.
+pub(super) fn crossing_exceeds(
+    sites: [Site; 2],
+    axis: usize,
+    is_far: bool,
+    extent: DVec2,
+    limit: f64,
+) -> bool {
+    let integers = Integers::new(&sites, extent, limit);
+    let [p, q] = sites.map(|site| integers.site(&site));
+    let side = if is_far {
+        integers.extent[axis].clone()
+    } else {
+        BigInt::ZERO
+    };
+    let [p_off, q_off] = [&p[axis] - &side, &q[axis] - &side];
+    let along = &q[1 - axis] - &p[1 - axis];
+    let twice = square(&along) + square(&q_off) - square(&p_off);
+    let limit = integers.of(limit);
+    // The crossing is twice / (2 along) from the foot of p, and p is p_off from the side.
+    square(&twice) + 4 * square(&along) * square(&p_off) > 4 * square(&along) * square(&limit)
+}
+
+/// Whether the circle about a corner of the region through a site is larger than `limit`.
+pub(super) fn corner_exceeds(site: Site, corner: DVec2, extent: DVec2, limit: f64) -> bool {
+    let of_corner = Site {
+        position: corner,
+        periods: [0; 2],
+    };
+    let integers = Integers::new(&[site, of_corner], extent, limit);
+    let offset = minus(&integers.site(&site), &integers.site(&of_corner));
+    square_length(&offset) > square(&integers.of(limit))
+}
+
+fn minus(a: &[BigInt; 2], b: &[BigInt; 2]) -> [BigInt; 2] {
+    [&a[0] - &b[0], &a[1] - &b[1]]
+}
+
+fn square(value: &BigInt) -> BigInt {
+    value * value
+}
+
+fn square_length([x, y]: &[BigInt; 2]) -> BigInt {
+    square(x) + square(y)
+}
+
+/// The integer and the exponent whose product with a power of two is the value.
+fn parts(value: f64) -> (i64, i32) {
+    let bits = value.to_bits();
+    let field = (bits >> 52 & 0x7FF) as i32;
+    let fraction = (bits & ((1 << 52) - 1)) as i64;
+    let whole = if field == 0 { fraction } else { fraction | 1 << 52 };
+    (if value < 0.0 { -whole } else { whole }, field.max(1) - 1075)
+}
+
+fn integer(value: f64, exponent: i32) -> BigInt {
+    let (whole, own) = parts(value);
+    if whole == 0 {
+        return BigInt::ZERO;
+    }
+    BigInt::from(whole) << (own - exponent)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const EXTENT: DVec2 = DVec2::new(2.0, 1.5);
+
+    fn site(x: f64, y: f64) -> Site {
+        Site {
+            position: DVec2::new(x, y),
+            periods: [0; 2],
+        }
+    }
+
+    #[test]
+    fn numbers_keep_their_value() {
+        for value in [1.0, -0.75, 3e-300, 5e-324, 1.999_999_999] {
+            let (whole, exponent) = parts(value);
+            assert_eq!(whole as f64 * 2f64.powi(exponent / 2) * 2f64.powi(exponent - exponent / 2), value);
+        }
+        assert_eq!(integer(0.75, -60), BigInt::from(3) << 58);
+    }
+
+    #[test]
+    fn a_circle_of_exactly_the_limit_does_not_exceed_it() {
+        // A triangle of 3, 4, 5 quarters: its circle has radius 5/8.
+        let sites = [site(0.25, 0.25), site(1.0, 0.25), site(0.25, 1.25)];
+        assert!(!circle_exceeds(sites, EXTENT, 0.625));
+        assert!(circle_exceeds(sites, EXTENT, 0.625_f64.next_down()));
+        let line = [site(0.25, 0.25), site(0.5, 0.5), site(1.0, 1.0)];
+        assert!(circle_exceeds(line, EXTENT, 1e9));
+    }
+
+    #[test]
+    fn copies_are_whole_periods_away() {
+        let copy = Site {
+            periods: [-1, 0],
+            ..site(1.75, 0.25)
+        };
+        // At (-0.25, 0.25); with (0.25, 0.25) and (0, 0.5) a circle of radius 1/4.
+        let sites = [copy, site(0.25, 0.25), site(0.0, 0.5)];
+        assert!(!circle_exceeds(sites, EXTENT, 0.25));
+        assert!(circle_exceeds(sites, EXTENT, 0.25_f64.next_down()));
+    }
+
+    #[test]
+    fn crossings_and_corners_are_exact() {
+        // Both are 3/4 from the middle of the lower side's part between them, at heights 0: a crossing at (1, 0).
+        let pair = [site(0.25, 0.0), site(1.75, 0.0)];
+        assert!(!crossing_exceeds(pair, 1, false, EXTENT, 0.75));
+        assert!(crossing_exceeds(pair, 1, false, EXTENT, 0.75_f64.next_down()));
+        // Of (1.5, 0.5) and (1.5, 1) from the far side x = 2: the crossing at height 0.75 is sqrt(5)/4 away.
+        let pair = [site(1.5, 0.5), site(1.5, 1.0)];
+        assert!(crossing_exceeds(pair, 0, true, EXTENT, 5f64.sqrt() / 4.0 - 1e-15));
+        assert!(!crossing_exceeds(pair, 0, true, EXTENT, 5f64.sqrt() / 4.0 + 1e-15));
+        let corner = DVec2::new(2.0, 1.5);
+        assert!(!corner_exceeds(site(1.625, 1.0), corner, EXTENT, 0.625));
+        assert!(corner_exceeds(site(1.625, 1.0), corner, EXTENT, 0.625_f64.next_down()));
+    }
+}

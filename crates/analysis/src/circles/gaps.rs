@@ -1,0 +1,72 @@
+//! Gathers the corners of cells so that every gap counts once: three cells or more see it.
+//! It never drops a gap that no other stands for.
+
+use glam::DVec2;
+use serde::{Deserialize, Serialize};
+
+use super::cell::CellReach;
+use crate::domain::Domain;
+use crate::witness::Gap;
+
+/// The gaps that some cells reach, and how far the farthest corner of any is.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub(crate) struct Gaps {
+    pub covering_radius: f64,
+    pub all: Vec<Gap>,
+}
+
+impl Gaps {
+    pub fn add(&mut self, cell: CellReach) {
+        self.covering_radius = self.covering_radius.max(cell.farthest);
+        self.all.extend(cell.gaps);
+    }
+
+    pub fn merge(&mut self, other: Self) {
+        self.covering_radius = self.covering_radius.max(other.covering_radius);
+        self.all.extend(other.all);
+    }
+
+    pub fn len(&self) -> usize {
+        self.all.len()
+    }
+
+    /// Keeps one of all gaps within `same` of each other along both axes, and puts the largest first.
+    pub fn settle(&mut self, domain: &Domain, same: f64, limit: f64) {
+        let extent = domain.extent;
+        let near_seam = |gap: &mut Gap| {
+            if domain.periodic {
+                // Places at a seam, from either side, come out near zero.
+                let center = DVec2::from(gap.center);
+                let beyond = center.cmpge(extent - 2.0 * same);
+                gap.center = DVec2::select(beyond, center - extent, center).to_array();
+            }
+        };
+        self.all.iter_mut().for_each(near_seam);
+        self.all.sort_unstable_by(|a, b| {
+            a.center[0]
+                .total_cmp(&b.center[0])
+                .then_with(|| a.center[1].total_cmp(&b.center[1]))
+        });
+        let mut kept: Vec<Gap> = Vec::new();
+        for gap in self.all.drain(..) {
+            let near = |other: &&mut Gap| (other.center[1] - gap.center[1]).abs() <= same;
+            let column = kept.iter_mut().rev();
+            let mut column = column.take_while(|other| gap.center[0] - other.center[0] <= same);
+            match column.find(near) {
+                Some(other) => {
+                    other.kind = other.kind.max(gap.kind);
+                    other.distance = other.distance.max(gap.distance);
+                }
+                None => kept.push(gap),
+            }
+        }
+        for gap in &mut kept {
+            gap.center = gap.center.map(|value| value.max(0.0));
+        }
+        if kept.is_empty() {
+            // Radii near the limit were compared exactly, but their rounded values may be beyond it.
+            self.covering_radius = self.covering_radius.min(limit);
+        }
+        self.all = kept;
+    }
+}
