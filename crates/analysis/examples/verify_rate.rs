@@ -1,6 +1,6 @@
 //! Measures the verifier: samples per second on a given number of threads, and peak memory.
 //! Usage: `verify_rate [samples] [threads] [tile samples] [percent emptied] [empty margin percent]
-//! [1 to stream] [delaunay, circles or both]`.
+//! [1 to stream]`.
 //! It never asserts a time; it prints what it saw.
 
 #[path = "../tests/it/support/mod.rs"]
@@ -10,7 +10,7 @@ use std::ops::ControlFlow;
 use std::time::Instant;
 
 use tilescope_analysis::{
-    Boundary, JudgeChoice, Region, Report, StreamVerifier, VerifyError, VerifyOptions, verify,
+    Boundary, Region, Report, StreamVerifier, VerifyError, VerifyOptions, verify,
 };
 
 /// Samples of the maximal periodic set that is repeated: large beside a neighbourhood.
@@ -19,14 +19,7 @@ const PATTERN: f64 = 10_000.0;
 const DENSITY: f64 = 0.7;
 
 fn main() {
-    let mut arguments: Vec<String> = std::env::args().skip(1).collect();
-    let judges = match arguments.get(6).map(String::as_str) {
-        Some("delaunay") => JudgeChoice::Delaunay,
-        Some("circles") => JudgeChoice::Circles,
-        _ => JudgeChoice::Both,
-    };
-    arguments.truncate(6);
-    let arguments: Vec<usize> = (arguments.iter())
+    let arguments: Vec<usize> = (std::env::args().skip(1))
         .map(|argument| argument.parse().expect("arguments are whole numbers"))
         .collect();
     let argument = |index: usize, default: usize| arguments.get(index).copied().unwrap_or(default);
@@ -57,7 +50,6 @@ fn main() {
 
     let mut options = VerifyOptions::default();
     options.tile_samples = argument(2, options.tile_samples);
-    options.judges = judges;
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(argument(1, 1))
         .build()
@@ -75,9 +67,8 @@ fn main() {
         options.tile_samples
     );
     println!(
-        "valid {} by {:?}: density {:.4}, min distance {:.6} r, covering radius {:.9} r",
+        "valid {}: density {:.4}, min distance {:.6} r, covering radius {:.9} r",
         report.valid(),
-        report.judges,
         report.density,
         report.min_distance / radius,
         report.covering_radius / radius

@@ -56,7 +56,7 @@ use samples::{Cells, Sample, Samples};
 use tile::{Rectangle, Tile, Unfilled};
 
 /// Columns and rows of a tile without its halo: its samples then fit the second-level cache.
-const TILE: [usize; 2] = [256, 64];
+const TILE: [usize; 2] = [256, 32];
 
 /// Cells around a sample that are looked through for the rim of a hole, before the judge declines.
 const HALOS: [usize; 4] = [4, 12, 32, 64];

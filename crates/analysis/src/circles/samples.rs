@@ -1,4 +1,4 @@
-//! Samples in rows of square cells, so that the neighbours of a sample are in the cells around its own.
+//! Samples in rows of cells, so that the neighbours of a sample are in the cells around its own.
 //! Some rows of the region or all of them; a row lies in blocks of columns, and a block holds its samples in any sequence.
 //! It decides nothing.
 
@@ -10,6 +10,9 @@ use crate::domain::Domain;
 
 /// Columns of a block.
 const BLOCK: usize = 32;
+
+/// Sides of a cell in radii: fewer and longer runs of samples are scanned than in square cells.
+const SHAPE: DVec2 = DVec2::new(1.0, 2.0);
 
 /// Cells are larger than the radius by this factor, which pays for the rounding of their borders.
 const SLACK: f64 = 1.0 + 1.0 / 1_048_576.0;
@@ -40,10 +43,10 @@ pub(crate) struct Cells {
 }
 
 impl Cells {
-    /// Cells with sides of at least `radius`, where the region is so large.
+    /// Cells of at least `radius` along x and twice that along y, where the region is so large.
     pub fn new(domain: Domain, radius: f64) -> Result<Self, Declined> {
         let side = radius * SLACK;
-        let counts = (domain.extent / side).floor().max(DVec2::ONE);
+        let counts = (domain.extent / (SHAPE * side)).floor().max(DVec2::ONE);
         let sides = domain.extent / counts;
         let mut reach = (2.0 * side / sides).ceil();
         if !domain.periodic {

@@ -3,15 +3,20 @@
 
 use std::ops::Range;
 
+use fearless_simd::prelude::*;
+use fearless_simd::{Level, Simd, dispatch, f32x8, i32x8};
 use glam::DVec2;
 
 use super::samples::{Cells, Sample, Samples};
-use super::table::{FULL, Mask, PER_RADIUS, Table, opposite};
+use super::table::{FULL, HALF, Mask, PER_RADIUS, SQUARES, Table, opposite};
 use super::{Declined, Found};
 use crate::witness::Conflict;
 
-/// Neighbours noted before they are looked at; runs of samples are cut to so many.
-const NOTED: usize = 64;
+/// Samples whose offsets are computed at once.
+const LANES: usize = 8;
+
+/// Squared distances, in squares, that the table is asked about: a little less than two radii.
+const WIDEST: f32 = (HALF * HALF) as f32 * (1.0 - 1.0 / 1024.0);
 
 /// Most pairs of samples in one cell, per sample of a tile.
 const MAX_CROWD: usize = 16;
@@ -36,17 +41,17 @@ pub(super) struct Tile {
     pub y: Vec<f64>,
     /// Which of [`Samples::all`] it is, maybe as a copy.
     pub source: Vec<u32>,
-    /// What the samples around it cover of each circle.
-    masks: Vec<Mask>,
-    noted: Vec<Noted>,
+    scan: Scan,
 }
 
-/// A neighbour of a sample.
-#[derive(Clone, Copy, Debug, Default)]
-struct Noted {
-    index: u32,
-    offset: DVec2,
-    square: f64,
+/// What the scan of pairs reads and writes.
+#[derive(Debug, Default)]
+struct Scan {
+    /// Positions from the lowest ones of the tile, in squares of the table.
+    x: Vec<f32>,
+    y: Vec<f32>,
+    /// What the samples around it cover of each circle.
+    masks: Vec<Mask>,
 }
 
 /// Why a tile could not be filled.
@@ -147,7 +152,7 @@ impl Tile {
     }
 
     pub fn is_proven(&self, index: usize) -> bool {
-        self.masks[index] == FULL
+        self.scan.masks[index] == FULL
     }
 
     pub fn position(&self, index: usize) -> DVec2 {
@@ -186,16 +191,40 @@ impl Tile {
     /// A pair belongs to the tile of whichever sample comes first in the sequence of rows and columns, counted on across the
     /// seams, so it is counted in one tile.
     pub fn scan(&mut self, samples: &Samples, rho: f64, radius: f64, found: &mut Found) {
-        let table = Table::get();
-        let reach = samples.cells.reach;
-        let [width, height] = self.size;
         let per_unit = PER_RADIUS / rho;
-        let widest = 4.0 * rho * rho;
-        let mut masks = std::mem::take(&mut self.masks);
-        let mut noted = std::mem::take(&mut self.noted);
-        masks.clear();
-        masks.resize(self.x.len(), 0);
-        noted.resize(NOTED + 1, Noted::default());
+        let low = [&self.x, &self.y].map(|values| values.iter().copied().fold(f64::INFINITY, f64::min));
+        let in_squares = |values: &[f64], low: f64, out: &mut Vec<f32>| {
+            out.clear();
+            out.extend(values.iter().map(|value| ((value - low) * per_unit) as f32));
+            // The last group of lanes reads beyond the end.
+            out.resize(values.len() + LANES, 0.0);
+        };
+        let mut scan = std::mem::take(&mut self.scan);
+        in_squares(&self.x, low[0], &mut scan.x);
+        in_squares(&self.y, low[1], &mut scan.y);
+        scan.masks.clear();
+        scan.masks.resize(self.x.len(), 0);
+        dispatch!(Level::new(), simd => self.scan_cells(simd, &mut scan, |pair, scan_found: &mut Found| {
+            self.pair(samples, pair, radius, scan_found);
+        }, samples.cells.reach, per_unit * per_unit, found));
+        self.scan = scan;
+    }
+
+    #[inline(always)]
+    fn scan_cells<S: Simd>(
+        &self,
+        simd: S,
+        scan: &mut Scan,
+        pair: impl Fn([usize; 2], &mut Found),
+        reach: [usize; 2],
+        squares: f64,
+        found: &mut Found,
+    ) {
+        let table = Table::get();
+        let [width, height] = self.size;
+        // Rounding may make a distance shorter or longer by a few parts in 2^14.
+        let limit = |square: f64| ((square * squares) * (1.0 + 1.0 / 1024.0)).min(f64::from(f32::MAX)) as f32;
+        let mut nearby = limit(found.nearby);
         for row in 0..self.own[1].end {
             for column in 0..width {
                 let cell = self.cell(column..column + 1, row);
@@ -208,32 +237,43 @@ impl Tile {
                 let same_row = self.cell(column..ahead, row).end;
                 let above = row + 1..(row + reach[1] + 1).min(height);
                 for index in cell {
-                    let position = self.position(index);
-                    let mut mask = masks[index];
+                    let lanes = |value: f32| f32x8::splat(simd, value);
+                    let (x, y) = (lanes(scan.x[index]), lanes(scan.y[index]));
+                    let near = if is_own { lanes(nearby) } else { lanes(-1.0) };
+                    let mut mask = scan.masks[index];
                     let lines = above.clone().map(|row| self.cell(columns.clone(), row));
                     for run in std::iter::once(index + 1..same_row).chain(lines) {
-                        for start in run.clone().step_by(NOTED) {
-                            let part = start..run.end.min(start + NOTED);
-                            let others = [&self.x[part.clone()], &self.y[part]];
-                            let count = note(&mut noted, position, others, start, widest);
-                            for neighbour in &noted[..count] {
-                                let other = neighbour.index as usize;
-                                if is_own && neighbour.square <= found.nearby {
-                                    self.pair(samples, [index, other], radius, found);
-                                }
-                                let offset = neighbour.offset * per_unit;
-                                let covered = table.mask(offset.x, offset.y);
+                        for start in run.clone().step_by(LANES) {
+                            let dx = f32x8::from_slice(simd, &scan.x[start..start + LANES]) - x;
+                            let dy = f32x8::from_slice(simd, &scan.y[start..start + LANES]) - y;
+                            let square = dx * dx + dy * dy;
+                            let count = (run.end - start).min(LANES);
+                            let within = (1_u64 << count) - 1;
+                            let mut hits = square.simd_lt(lanes(WIDEST)).to_bitmask() & within;
+                            let close = square.simd_le(near).to_bitmask() & within;
+                            let half = lanes(HALF as f32);
+                            let columns = i32x8::truncate_from(dx + half);
+                            let lines = i32x8::truncate_from(dy + half);
+                            let at: [i32; LANES] = (lines * i32x8::splat(simd, SQUARES as i32) + columns).into();
+                            while hits != 0 {
+                                let lane = hits.trailing_zeros() as usize;
+                                hits &= hits - 1;
+                                let covered = table.mask(at[lane]);
                                 mask |= covered;
-                                masks[other] |= opposite(covered);
+                                scan.masks[start + lane] |= opposite(covered);
+                            }
+                            if close != 0 {
+                                for lane in (0..count).filter(|lane| close >> lane & 1 == 1) {
+                                    pair([index, start + lane], found);
+                                }
+                                nearby = limit(found.nearby);
                             }
                         }
                     }
-                    masks[index] = mask;
+                    scan.masks[index] = mask;
                 }
             }
         }
-        self.masks = masks;
-        self.noted = noted;
     }
 
     /// Looks closely at a pair: its distance is that of the samples, the shorter way around a torus, whatever copies are near.
@@ -258,30 +298,6 @@ impl Tile {
             found.add_pair(one, other, distance(one, other, periods), radius);
         }
     }
-}
-
-/// Notes the samples within reach of a position; returns their number.
-#[inline]
-fn note(
-    noted: &mut [Noted],
-    from: DVec2,
-    [x, y]: [&[f64]; 2],
-    first: usize,
-    widest: f64,
-) -> usize {
-    let mut count = 0;
-    for (index, (&x, &y)) in x.iter().zip(y).enumerate() {
-        let offset = DVec2::new(x, y) - from;
-        let square = offset.length_squared();
-        // Written in any case and kept by moving on: a branch would be predicted badly.
-        noted[count] = Noted {
-            index: (first + index) as u32,
-            offset,
-            square,
-        };
-        count += usize::from(square < widest);
-    }
-    count
 }
 
 /// The distance of two samples, the shorter way around a torus. The long way is summed so that its rounding is
