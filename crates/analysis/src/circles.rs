@@ -214,7 +214,7 @@ impl<'a> Search<'a> {
             .par_iter()
             .map_init(Scratch::default, |scratch, rectangle| {
                 let found = self.tile(scratch, rectangle);
-                let count = scratch.tile.own().count();
+                let count: usize = scratch.tile.own().map(|run| run.len()).sum();
                 monitor.advance(count as u64)?;
                 Ok(found)
             })
@@ -231,7 +231,7 @@ impl<'a> Search<'a> {
         let mut seen = 0;
         for rectangle in tiles {
             self.fill(&mut scratch.tile, rectangle, reach)?;
-            for first in scratch.tile.own() {
+            for first in scratch.tile.own().flatten() {
                 let cell = scratch.cutter.cut(self.samples, &scratch.tile, first, reach, limit);
                 self.reaches(cell.map_or(limit, |cell| cell.farthest));
                 self.least = self.rho();
@@ -261,11 +261,11 @@ impl<'a> Search<'a> {
         let mut found = Found::new(self.question.witnesses);
         tile.scan(self.samples, self.rho(), self.question.radius, &mut found);
         let limit = self.question.limit;
-        for (index, cell) in tile.own() {
-            if tile.is_proven(index) || self.arcs_prove(tile, (index, cell), arcs) {
+        for index in tile.own().flatten() {
+            if tile.mask(index) == table::FULL || self.arcs_prove(tile, index, arcs) {
                 continue;
             }
-            match cutter.cut(self.samples, tile, (index, cell), reach, limit) {
+            match cutter.cut(self.samples, tile, index, reach, limit) {
                 Some(cell) => {
                     self.reaches(cell.farthest);
                     found.gaps.add(cell);
@@ -280,17 +280,17 @@ impl<'a> Search<'a> {
     fn arcs_prove(
         &self,
         tile: &Tile,
-        (index, cell): (usize, [usize; 2]),
+        index: usize,
         arcs: &mut Vec<Arc>,
     ) -> bool {
         let domain = &self.question.domain;
         let rho = self.rho();
         arcs.clear();
         let reach = self.samples.cells.reach;
-        tile.around(index, cell, reach, |_, offset| {
+        tile.around(index, reach, |_, offset| {
             let offset = offset / rho;
             if offset.length_squared() < 4.0 {
-                arcs.extend(Arc::of_disk(offset));
+                arcs.push(Arc::of_disk(offset));
             }
         });
         if !domain.periodic {
@@ -301,11 +301,15 @@ impl<'a> Search<'a> {
                 (DVec2::NEG_Y, position.y),
                 (DVec2::Y, domain.extent.y - position.y),
             ];
-            arcs.extend(sides.iter().filter_map(|&(toward, distance)| Arc::unless_short(toward, distance / rho)));
+            arcs.extend(sides.map(|(toward, distance)| Arc {
+                toward,
+                least: distance / rho,
+            }));
         }
         let extent = domain.extent.max_element() / rho;
         let margin = 2f64.powi(-40) + 2f64.powi(-49) * extent;
-        arcs::certainly_cover(arcs, margin)
+        let two_cover = |stretch| arcs::two_cover(arcs, stretch, margin);
+        table::open_stretches(tile.mask(index)).all(two_cover) || arcs::certainly_cover(arcs, margin)
     }
 
     /// Cuts out the cells that reach into holes, seen with more and more cells around them.
@@ -375,12 +379,12 @@ impl<'a> Search<'a> {
         halo: [usize; 2],
     ) -> (Gaps, Vec<Sample>) {
         let (mut gaps, mut rest) = (Gaps::default(), Vec::new());
-        for (index, cell) in tile.own() {
+        for index in tile.own().flatten() {
             let sample = self.samples.all[tile.source[index] as usize];
             if exposed.binary_search_by_key(&sample.id, |sample| sample.id).is_err() {
                 continue;
             }
-            match cutter.cut(self.samples, tile, (index, cell), halo, self.question.limit) {
+            match cutter.cut(self.samples, tile, index, halo, self.question.limit) {
                 Some(cell) => {
                     self.reaches(cell.farthest);
                     gaps.add(cell);

@@ -18,22 +18,23 @@ pub(super) struct Arc {
 
 impl Arc {
     /// The part of a circle of radius one that the open disk of the same radius at an offset covers.
-    pub fn of_disk(offset: DVec2) -> Option<Self> {
-        Self::unless_short(offset, 0.5 * offset.length_squared())
+    pub fn of_disk(offset: DVec2) -> Self {
+        Self {
+            toward: offset,
+            least: 0.5 * offset.length_squared(),
+        }
     }
 
-    /// An arc, unless it is so short, or its direction so vague, that its end would be known badly: it is not needed.
-    pub fn unless_short(toward: DVec2, least: f64) -> Option<Self> {
-        let length = toward.length();
-        (length > 1e-9 && least < (1.0 - 1e-6) * length).then_some(Self { toward, least })
-    }
-
-    /// The end of the arc, going anticlockwise.
-    fn end(&self) -> DVec2 {
+    /// The end of the arc, going anticlockwise; none if it is so short, or its direction so vague, that its end would be known
+    /// badly.
+    fn end(&self) -> Option<DVec2> {
         let length = self.toward.length();
+        if length < 1e-9 || self.least > (1.0 - 1e-6) * length {
+            return None;
+        }
         let along = self.toward / length;
         let cos = self.least / length;
-        along * cos + along.perp() * (1.0 - cos * cos).max(0.0).sqrt()
+        Some(along * cos + along.perp() * (1.0 - cos * cos).sqrt())
     }
 
     fn holds(&self, direction: DVec2, margin: f64) -> bool {
@@ -42,13 +43,23 @@ impl Arc {
 }
 
 /// Whether the arcs certainly cover the circle. `margin` bounds the error of a direction's product with an arc's.
-pub(super) fn certainly_cover(arcs: &[Arc], margin: f64) -> bool {
+///
+/// Arcs whose end is known badly are not counted on.
+pub(super) fn certainly_cover(arcs: &mut Vec<Arc>, margin: f64) -> bool {
+    arcs.retain(|arc| arc.end().is_some());
     let ends_inside = |(index, arc): (usize, &Arc)| {
-        let end = arc.end();
         let mut others = arcs.iter().enumerate();
-        others.any(|(other, arc)| other != index && arc.holds(end, margin))
+        arc.end().is_some_and(|end| others.any(|(other, arc)| other != index && arc.holds(end, margin)))
     };
     !arcs.is_empty() && arcs.iter().enumerate().all(ends_inside)
+}
+
+/// Whether two arcs certainly cover all directions from `first` anticlockwise to `last`, less than half a turn away: one holds
+/// the first, the other the last, and the end of the one is inside the other.
+pub(super) fn two_cover(arcs: &[Arc], [first, last]: [DVec2; 2], margin: f64) -> bool {
+    let from = arcs.iter().filter(|arc| arc.holds(first, margin));
+    let mut ends = from.filter_map(Arc::end);
+    ends.any(|end| arcs.iter().any(|arc| arc.holds(last, margin) && arc.holds(end, margin)))
 }
 
 #[cfg(test)]
@@ -59,18 +70,18 @@ mod tests {
 
     fn ring(count: u32, distance: f64) -> Vec<Arc> {
         let at = |index: u32| DVec2::from_angle(f64::from(index) / f64::from(count) * std::f64::consts::TAU);
-        (0..count).filter_map(|index| Arc::of_disk(at(index) * distance)).collect()
+        (0..count).map(|index| Arc::of_disk(at(index) * distance)).collect()
     }
 
     #[test]
     fn a_ring_of_disks_covers_the_circle_while_it_is_tight() {
         // Six neighbours cover arcs of half-angle acos(d / 2), which must exceed 30 degrees: d < sqrt 3.
-        assert!(certainly_cover(&ring(6, 1.732), MARGIN));
-        assert!(!certainly_cover(&ring(6, 1.733), MARGIN));
-        assert!(!certainly_cover(&ring(6, 3f64.sqrt()), MARGIN));
-        assert!(certainly_cover(&ring(3, 0.999), MARGIN));
-        assert!(!certainly_cover(&ring(3, 1.001), MARGIN));
-        assert!(!certainly_cover(&[], MARGIN));
+        assert!(certainly_cover(&mut ring(6, 1.732), MARGIN));
+        assert!(!certainly_cover(&mut ring(6, 1.733), MARGIN));
+        assert!(!certainly_cover(&mut ring(6, 3f64.sqrt()), MARGIN));
+        assert!(certainly_cover(&mut ring(3, 0.999), MARGIN));
+        assert!(!certainly_cover(&mut ring(3, 1.001), MARGIN));
+        assert!(!certainly_cover(&mut Vec::new(), MARGIN));
     }
 
     #[test]
@@ -78,7 +89,7 @@ mod tests {
         for index in 0..6 {
             let mut arcs = ring(6, 1.7);
             arcs.remove(index);
-            assert!(!certainly_cover(&arcs, MARGIN));
+            assert!(!certainly_cover(&mut arcs, MARGIN));
         }
     }
 
@@ -86,12 +97,24 @@ mod tests {
     fn the_outside_of_a_border_counts_as_covered() {
         // Half of the circle is outside; one disk within the region covers the other half when its centre is near.
         let border = Arc { toward: DVec2::NEG_X, least: 0.0 };
-        let disk = |x: f64| Arc::of_disk(DVec2::new(x, 0.0)).unwrap();
-        assert!(!certainly_cover(&[border], MARGIN));
-        assert!(!certainly_cover(&[border, disk(0.5)], MARGIN));
-        let above = Arc::of_disk(DVec2::new(0.5, 0.8)).unwrap();
-        let below = Arc::of_disk(DVec2::new(0.5, -0.8)).unwrap();
-        assert!(certainly_cover(&[border, above, below], MARGIN));
-        assert!(!certainly_cover(&[border, above], MARGIN));
+        let disk = |x: f64| Arc::of_disk(DVec2::new(x, 0.0));
+        assert!(!certainly_cover(&mut vec![border], MARGIN));
+        assert!(!certainly_cover(&mut vec![border, disk(0.5)], MARGIN));
+        let above = Arc::of_disk(DVec2::new(0.5, 0.8));
+        let below = Arc::of_disk(DVec2::new(0.5, -0.8));
+        assert!(certainly_cover(&mut vec![border, above, below], MARGIN));
+        assert!(!certainly_cover(&mut vec![border, above], MARGIN));
+    }
+
+    #[test]
+    fn two_arcs_cover_a_stretch_that_they_share() {
+        let at = |degrees: f64| DVec2::from_angle(degrees.to_radians());
+        // Disks at distance 1 cover 60 degrees to either side.
+        let arcs = |degrees: f64| [0.0, degrees].map(|angle| Arc::of_disk(at(angle)));
+        let stretch = [at(-50.0), at(110.0)];
+        assert!(two_cover(&arcs(119.0), stretch, MARGIN));
+        assert!(!two_cover(&arcs(121.0), stretch, MARGIN));
+        assert!(!two_cover(&arcs(119.0), [at(-61.0), at(110.0)], MARGIN));
+        assert!(!two_cover(&arcs(49.0), stretch, MARGIN));
     }
 }

@@ -53,13 +53,13 @@ impl CellCutter {
         &mut self,
         samples: &Samples,
         tile: &Tile,
-        (index, cell): (usize, [usize; 2]),
+        index: usize,
         around: [usize; 2],
         limit: f64,
     ) -> Option<CellReach> {
         let known = samples.cells.certain_distance(around);
         self.begin(samples, tile.position(index), known);
-        tile.around(index, cell, around, |other, offset| self.clip(offset, other));
+        tile.around(index, around, |other, offset| self.clip(offset, other));
         let farthest = self.corners.iter().map(|corner| corner.at.length());
         let farthest = farthest.fold(0.0, f64::max);
         let is_unknown = |corner: &Corner| corner.edge == Edge::Unknown;

@@ -65,12 +65,13 @@ impl Cells {
     }
 
     pub fn column(&self, x: f64) -> usize {
-        ((x * self.per_unit.x) as usize).min(self.counts[0] - 1)
+        // Through i32, which is quicker; counts are below its limit.
+        ((x * self.per_unit.x) as i32 as usize).min(self.counts[0] - 1)
     }
 
     /// The row of an ordinate; it does not fall when that rises.
     pub fn row(&self, y: f64) -> usize {
-        ((y * self.per_unit.y) as usize).min(self.counts[1] - 1)
+        ((y * self.per_unit.y) as i32 as usize).min(self.counts[1] - 1)
     }
 
     /// The distance up to which all samples around one are in its cell and so many cells to either side.
@@ -106,21 +107,24 @@ impl Samples {
         cells: Cells,
         first: usize,
         held: usize,
-        samples: impl Iterator<Item = Sample> + Clone,
+        samples: impl ExactSizeIterator<Item = Sample> + Clone,
     ) -> Result<Self, Declined> {
         let blocks = cells.counts[0].div_ceil(BLOCK);
-        let count = samples.clone().count();
+        let count = samples.len();
         let buckets = held.saturating_mul(blocks);
         if buckets > 1024 + 4 * count {
             return Err(Declined::Sparse);
         }
         let bucket = |sample: &Sample| {
             let (row, column) = (cells.row(sample.position.y), cells.column(sample.position.x));
-            slot(row as i64, first, cells.counts[1]) * blocks + column / BLOCK
+            // Rows before the first are those past the last row.
+            let slot = if row >= first { row - first } else { row + cells.counts[1] - first };
+            slot * blocks + column / BLOCK
         };
         let mut starts = vec![0_u32; buckets + 2];
-        for sample in samples.clone() {
-            starts[bucket(&sample) + 2] += 1;
+        let buckets: Vec<u32> = samples.clone().map(|sample| bucket(&sample) as u32).collect();
+        for &bucket in &buckets {
+            starts[bucket as usize + 2] += 1;
         }
         for index in 2..starts.len() {
             starts[index] += starts[index - 1];
@@ -130,9 +134,9 @@ impl Samples {
             id: 0,
         };
         let mut all = vec![unset; count];
-        for sample in samples {
+        for (sample, bucket) in samples.zip(buckets) {
             // Each start moves on to that of the next bucket.
-            let next = &mut starts[bucket(&sample) + 1];
+            let next = &mut starts[bucket as usize + 1];
             all[*next as usize] = sample;
             *next += 1;
         }

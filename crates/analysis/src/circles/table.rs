@@ -6,6 +6,8 @@
 use std::f64::consts::TAU;
 use std::sync::OnceLock;
 
+use glam::DVec2;
+
 /// Bins of the circle, one a bit.
 const BINS: usize = 128;
 /// Squares along the two radii to either side of a sample.
@@ -25,6 +27,42 @@ pub(super) const FULL: Mask = Mask::MAX;
 /// The same bins seen from the other one of two samples: opposite directions.
 pub(super) const fn opposite(mask: Mask) -> Mask {
     mask.rotate_left(BINS as u32 / 2)
+}
+
+/// The stretches of open bins, each as its first and its last direction. Those of a stretch of half a turn or more are no
+/// numbers, so that nothing covers them.
+pub(super) fn open_stretches(mask: Mask) -> impl Iterator<Item = [DVec2; 2]> {
+    let directions = directions();
+    let (mut open, first) = (!mask, mask.trailing_zeros());
+    // Begin at a covered bin, so that no stretch is cut.
+    open = if mask == 0 { open } else { open.rotate_right(first) };
+    let mut at = if mask == 0 { 0 } else { first };
+    std::iter::from_fn(move || {
+        let skipped = open.trailing_zeros();
+        if skipped == BINS as u32 {
+            return None;
+        }
+        let start = at + skipped;
+        let length = (open >> skipped).trailing_ones();
+        let end = start + length;
+        let rest = skipped + length;
+        open = open.checked_shr(rest).unwrap_or(0);
+        at = end;
+        let is_short = length < BINS as u32 / 2;
+        Some([start, end].map(|bin| {
+            if is_short {
+                directions[bin as usize % BINS]
+            } else {
+                DVec2::NAN
+            }
+        }))
+    })
+}
+
+/// The first direction of each bin.
+fn directions() -> &'static [DVec2; BINS] {
+    static DIRECTIONS: OnceLock<[DVec2; BINS]> = OnceLock::new();
+    DIRECTIONS.get_or_init(|| std::array::from_fn(|bin| DVec2::from_angle(bin as f64 / BINS as f64 * TAU)))
 }
 
 pub(super) struct Table(Box<[Mask]>);
@@ -158,5 +196,22 @@ mod tests {
         let mask = table.mask(square(40, 20));
         assert_ne!(mask, 0);
         assert_eq!(table.mask(square(-41, -21)), opposite(mask));
+    }
+
+    #[test]
+    fn open_stretches_are_those_without_a_bit() {
+        let stretches = |mask: Mask| open_stretches(mask).collect::<Vec<_>>();
+        let direction = |bin: usize| directions()[bin];
+        assert!(stretches(FULL).is_empty());
+        assert_eq!(stretches(FULL ^ 1 << 5), [[direction(5), direction(6)]]);
+        // Across the first bin, and two more.
+        let open = [127, 0, 1, 40, 90, 91];
+        let mask = open.iter().fold(FULL, |mask, bin| mask ^ 1 << bin);
+        let expected = [[40, 41], [90, 92], [127, 2]].map(|ends| ends.map(direction));
+        let mut found = stretches(mask);
+        found.sort_by_key(|[first, _]| directions().iter().position(|at| at == first));
+        assert_eq!(found, expected);
+        let whole = stretches(0);
+        assert!(whole.len() == 1 && whole[0].iter().all(|end| end.is_nan()));
     }
 }

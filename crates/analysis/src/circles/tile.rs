@@ -8,7 +8,7 @@ use fearless_simd::{Level, Simd, dispatch, f32x8, i32x8};
 use glam::DVec2;
 
 use super::samples::{Cells, Sample, Samples};
-use super::table::{FULL, HALF, Mask, PER_RADIUS, SQUARES, Table, opposite};
+use super::table::{HALF, Mask, PER_RADIUS, SQUARES, Table, opposite};
 use super::{Declined, Found};
 use crate::witness::Conflict;
 
@@ -35,6 +35,7 @@ pub(super) struct Tile {
     size: [usize; 2],
     /// The cells without it, counted from the lowest of the halo.
     own: [Range<usize>; 2],
+    listed: Vec<Listed>,
     /// The first sample of each cell, row by row, and the end.
     starts: Vec<u32>,
     pub x: Vec<f64>,
@@ -42,6 +43,15 @@ pub(super) struct Tile {
     /// Which of [`Samples::all`] it is, maybe as a copy.
     pub source: Vec<u32>,
     scan: Scan,
+}
+
+/// A sample of the tile before all are sorted.
+#[derive(Clone, Copy, Debug)]
+struct Listed {
+    source: u32,
+    cell: u32,
+    /// How far it is moved along x.
+    shift: f64,
 }
 
 /// What the scan of pairs reads and writes.
@@ -90,69 +100,79 @@ impl Tile {
             return Err(Unfilled::Rows);
         }
         let runs = runs(cells, &columns);
-        self.count(samples, &rows, &runs)?;
-        self.place(samples, &rows, &runs);
-        Ok(())
+        self.list(samples, &rows, &runs);
+        self.sort(samples, &rows)
     }
 
-    fn count(&mut self, samples: &Samples, rows: &Range<i64>, runs: &[Run]) -> Result<(), Unfilled> {
+    /// Lists the samples row by row, and counts those of each cell.
+    fn list(&mut self, samples: &Samples, rows: &Range<i64>, runs: &[Run]) {
         let width = self.size[0];
+        self.listed.clear();
         self.starts.clear();
         self.starts.resize(width * self.size[1] + 2, 0);
         for (line, row) in rows.clone().enumerate() {
             for run in runs {
-                let counts = &mut self.starts[line * width + run.at + 2..];
-                let first = run.columns.start;
-                samples.visit(row, run.columns.clone(), |_, column| counts[column - first] += 1);
+                let first = line * width + run.at;
+                samples.visit(row, run.columns.clone(), |source, column| {
+                    let cell = first + column - run.columns.start;
+                    self.starts[cell + 2] += 1;
+                    self.listed.push(Listed {
+                        source,
+                        cell: cell as u32,
+                        shift: run.shift,
+                    });
+                });
             }
         }
+    }
+
+    /// Puts the samples listed in the sequence of cells.
+    fn sort(&mut self, samples: &Samples, rows: &Range<i64>) -> Result<(), Unfilled> {
         let (mut total, mut crowd) = (0, 0);
         for start in &mut self.starts[2..] {
             crowd += *start as usize * *start as usize;
             total += *start;
             *start = total;
         }
-        if crowd > MAX_CROWD * (256 + total as usize) {
+        let total = total as usize;
+        if crowd > MAX_CROWD * (256 + total) {
             return Err(Unfilled::Declined(Declined::Crowded));
         }
-        let total = total as usize;
         self.x.resize(total, 0.0);
         self.y.resize(total, 0.0);
         self.source.resize(total, 0);
+        let cells = &samples.cells;
+        let row_of = |cell: u32| rows.start + i64::from(cell) / self.size[0] as i64;
+        let up = |cell: u32| row_of(cell).div_euclid(cells.counts[1] as i64) as f64 * cells.domain.extent.y;
+        let crosses = rows.start < 0 || rows.end > cells.counts[1] as i64;
+        for listed in &self.listed {
+            let position = samples.all[listed.source as usize].position;
+            // Each start moves on to that of the next cell.
+            let at = &mut self.starts[listed.cell as usize + 1];
+            self.x[*at as usize] = position.x + listed.shift;
+            self.y[*at as usize] = position.y + if crosses { up(listed.cell) } else { 0.0 };
+            self.source[*at as usize] = listed.source;
+            *at += 1;
+        }
+        self.starts.pop();
         Ok(())
     }
 
-    fn place(&mut self, samples: &Samples, rows: &Range<i64>, runs: &[Run]) {
-        let cells = &samples.cells;
-        let width = self.size[0];
-        for (line, row) in rows.clone().enumerate() {
-            let up = row.div_euclid(cells.counts[1] as i64) as f64 * cells.domain.extent.y;
-            for run in runs {
-                // Each start moves on to that of the next cell.
-                let starts = &mut self.starts[line * width + run.at + 1..];
-                let first = run.columns.start;
-                samples.visit(row, run.columns.clone(), |index, column| {
-                    let position = samples.all[index as usize].position;
-                    let at = &mut starts[column - first];
-                    self.x[*at as usize] = position.x + run.shift;
-                    self.y[*at as usize] = position.y + up;
-                    self.source[*at as usize] = index;
-                    *at += 1;
-                });
-            }
-        }
-        self.starts.pop();
-    }
-
-    /// The samples of the tile's own cells, without copies, as indices.
-    pub fn own(&self) -> impl Iterator<Item = (usize, [usize; 2])> + use<'_> {
+    /// The samples of the tile's own cells, in runs of a row each.
+    pub fn own(&self) -> impl Iterator<Item = Range<usize>> + use<'_> {
         let [columns, rows] = self.own.clone();
-        rows.flat_map(move |row| columns.clone().map(move |column| [column, row]))
-            .flat_map(|[column, row]| self.cell(column..column + 1, row).map(move |index| (index, [column, row])))
+        rows.map(move |row| self.cell(columns.clone(), row))
     }
 
-    pub fn is_proven(&self, index: usize) -> bool {
-        self.scan.masks[index] == FULL
+    /// The column and the row of a sample.
+    fn cell_of(&self, index: usize) -> [usize; 2] {
+        let cell = self.starts.partition_point(|&start| start as usize <= index) - 1;
+        [cell % self.size[0], cell / self.size[0]]
+    }
+
+    /// What the scan proved covered of a sample's circle.
+    pub fn mask(&self, index: usize) -> Mask {
+        self.scan.masks[index]
     }
 
     pub fn position(&self, index: usize) -> DVec2 {
@@ -169,10 +189,10 @@ impl Tile {
     pub fn around(
         &self,
         index: usize,
-        [column, row]: [usize; 2],
         reach: [usize; 2],
         mut each: impl FnMut(usize, DVec2),
     ) {
+        let [column, row] = self.cell_of(index);
         let columns = column.saturating_sub(reach[0])..(column + reach[0] + 1).min(self.size[0]);
         let rows = row.saturating_sub(reach[1])..(row + reach[1] + 1).min(self.size[1]);
         let position = self.position(index);
