@@ -35,6 +35,7 @@ mod cell;
 mod exact;
 mod gaps;
 mod samples;
+mod stream;
 mod table;
 mod tile;
 
@@ -52,7 +53,9 @@ use crate::worst::Worst;
 use arcs::Arc;
 use cell::CellCutter;
 use gaps::Gaps;
-use samples::{Cells, Sample, Samples};
+pub(crate) use samples::Sample;
+use samples::{Cells, Samples};
+pub(crate) use stream::CircleBands;
 use tile::{Rectangle, Tile, Unfilled};
 
 /// Columns and rows of a tile without its halo: its samples then fit the second-level cache.
@@ -130,7 +133,11 @@ pub(crate) struct Question {
 }
 
 /// Judges a whole set.
-pub(crate) fn search(points: &[[f64; 2]], question: &Question, monitor: &Monitor<'_>) -> Judged<Found> {
+pub(crate) fn search(
+    points: &[[f64; 2]],
+    question: &Question,
+    monitor: &Monitor<'_>,
+) -> Judged<Found> {
     let samples = points.iter().enumerate().map(|(index, &point)| Sample {
         position: question.domain.scale_point(point),
         id: index as u32,
@@ -150,8 +157,8 @@ pub(crate) fn search(points: &[[f64; 2]], question: &Question, monitor: &Monitor
         Ok(found) => found,
         Err(declined) => return Ok(Err(declined)),
     };
-    let found = search.holes(found, monitor)?;
-    Ok(found.and_then(|found| search.finish(found)))
+    let found = search.holes(found, &HALOS, monitor)?;
+    Ok(found.and_then(|found| search.finish(found, points.len())))
 }
 
 struct Search<'a> {
@@ -173,22 +180,32 @@ struct Scratch {
 
 impl<'a> Search<'a> {
     fn new(question: &'a Question, samples: &'a Samples) -> Self {
+        Self::resumed(question, samples, 0.0, 0.0)
+    }
+
+    /// Goes on with what was known before.
+    fn resumed(question: &'a Question, samples: &'a Samples, farthest: f64, least: f64) -> Self {
         Self {
             question,
             samples,
-            farthest: AtomicU64::new(0),
-            least: 0.0,
+            farthest: AtomicU64::new(farthest.to_bits()),
+            least,
         }
+    }
+
+    fn farthest(&self) -> f64 {
+        f64::from_bits(self.farthest.load(Ordering::Relaxed))
     }
 
     /// The radius of the circles: the largest that is known to be needed, up to the limit.
     fn rho(&self) -> f64 {
-        f64::from_bits(self.farthest.load(Ordering::Relaxed)).min(self.question.limit)
+        self.farthest().min(self.question.limit)
     }
 
     fn reaches(&self, farthest: f64) {
         // Bits of numbers that are not negative sort as they do.
-        self.farthest.fetch_max(farthest.to_bits(), Ordering::Relaxed);
+        self.farthest
+            .fetch_max(farthest.to_bits(), Ordering::Relaxed);
     }
 
     /// Cuts rows into tiles.
@@ -232,7 +249,9 @@ impl<'a> Search<'a> {
         for rectangle in tiles {
             self.fill(&mut scratch.tile, rectangle, reach)?;
             for first in scratch.tile.own().flatten() {
-                let cell = scratch.cutter.cut(self.samples, &scratch.tile, first, reach, limit);
+                let cell = scratch
+                    .cutter
+                    .cut(self.samples, &scratch.tile, first, reach, limit);
                 self.reaches(cell.map_or(limit, |cell| cell.farthest));
                 self.least = self.rho();
                 seen += 1;
@@ -247,11 +266,17 @@ impl<'a> Search<'a> {
         Err(Declined::Crowded)
     }
 
-    fn fill(&self, tile: &mut Tile, rectangle: &Rectangle, halo: [usize; 2]) -> Result<(), Declined> {
-        tile.fill(self.samples, rectangle, halo).map_err(|unfilled| match unfilled {
-            Unfilled::Declined(declined) => declined,
-            Unfilled::Rows => Declined::Holes,
-        })
+    fn fill(
+        &self,
+        tile: &mut Tile,
+        rectangle: &Rectangle,
+        halo: [usize; 2],
+    ) -> Result<(), Declined> {
+        tile.fill(self.samples, rectangle, halo)
+            .map_err(|unfilled| match unfilled {
+                Unfilled::Declined(declined) => declined,
+                Unfilled::Rows => Declined::Holes,
+            })
     }
 
     fn tile(&self, scratch: &mut Scratch, rectangle: &Rectangle) -> Result<Found, Declined> {
@@ -270,19 +295,16 @@ impl<'a> Search<'a> {
                     self.reaches(cell.farthest);
                     found.gaps.add(cell);
                 }
-                None => found.exposed.push(self.samples.all[tile.source[index] as usize]),
+                None => found
+                    .exposed
+                    .push(self.samples.all[tile.source[index] as usize]),
             }
         }
         Ok(found)
     }
 
     /// Whether the ends of arcs prove a sample's circle covered.
-    fn arcs_prove(
-        &self,
-        tile: &Tile,
-        index: usize,
-        arcs: &mut Vec<Arc>,
-    ) -> bool {
+    fn arcs_prove(&self, tile: &Tile, index: usize, arcs: &mut Vec<Arc>) -> bool {
         let domain = &self.question.domain;
         let rho = self.rho();
         arcs.clear();
@@ -309,16 +331,17 @@ impl<'a> Search<'a> {
         let extent = domain.extent.max_element() / rho;
         let margin = 2f64.powi(-40) + 2f64.powi(-49) * extent;
         let two_cover = |stretch| arcs::two_cover(arcs, stretch, margin);
-        table::open_stretches(tile.mask(index)).all(two_cover) || arcs::certainly_cover(arcs, margin)
+        table::open_stretches(tile.mask(index)).all(two_cover)
+            || arcs::certainly_cover(arcs, margin)
     }
 
     /// Cuts out the cells that reach into holes, seen with more and more cells around them.
-    fn holes(&self, mut found: Found, monitor: &Monitor<'_>) -> Judged<Found> {
+    fn holes(&self, mut found: Found, halos: &[usize], monitor: &Monitor<'_>) -> Judged<Found> {
         let mut exposed = std::mem::take(&mut found.exposed);
         if exposed.len() > MAX_EXPOSED {
             return Ok(Err(Declined::Holes));
         }
-        for around in HALOS {
+        for &around in halos {
             if exposed.is_empty() {
                 break;
             }
@@ -342,22 +365,26 @@ impl<'a> Search<'a> {
         around: usize,
     ) -> Result<Vec<Sample>, Declined> {
         let cells = &self.samples.cells;
-        let halo = cells.reach.map(|reach| reach.max(around));
-        // Samples of one small rectangle are looked at together.
+        // Cells are twice as high as wide.
+        let halo = [cells.reach[0].max(2 * around), cells.reach[1].max(around)];
+        // Samples of some cells of a row are looked at together.
         let group = |sample: &Sample| {
-            let at = [cells.column(sample.position.x), cells.row(sample.position.y)];
-            [at[1] / around, at[0] / around]
+            let (column, row) = (
+                cells.column(sample.position.x),
+                cells.row(sample.position.y),
+            );
+            [row, column / around]
         };
         exposed.sort_unstable_by_key(|sample| (group(sample), sample.id));
         let groups: Vec<&[Sample]> = exposed.chunk_by(|a, b| group(a) == group(b)).collect();
         let looked: Vec<_> = groups
             .par_iter()
             .map_init(Scratch::default, |scratch, samples| {
-                let [row, column] = group(&samples[0]).map(|at| (at * around) as i64);
-                let end = |axis: usize, start: i64| (start + around as i64).min(cells.counts[axis] as i64);
+                let [row, block] = group(&samples[0]);
+                let columns = block * around..cells.counts[0].min((block + 1) * around);
                 let rectangle = Rectangle {
-                    columns: column..end(0, column),
-                    rows: row..end(1, row),
+                    columns: columns.start as i64..columns.end as i64,
+                    rows: row as i64..row as i64 + 1,
                 };
                 self.fill(&mut scratch.tile, &rectangle, halo)?;
                 Ok(self.cut_exposed(scratch, samples, halo))
@@ -381,7 +408,10 @@ impl<'a> Search<'a> {
         let (mut gaps, mut rest) = (Gaps::default(), Vec::new());
         for index in tile.own().flatten() {
             let sample = self.samples.all[tile.source[index] as usize];
-            if exposed.binary_search_by_key(&sample.id, |sample| sample.id).is_err() {
+            if exposed
+                .binary_search_by_key(&sample.id, |sample| sample.id)
+                .is_err()
+            {
                 continue;
             }
             match cutter.cut(self.samples, tile, index, halo, self.question.limit) {
@@ -396,12 +426,17 @@ impl<'a> Search<'a> {
     }
 
     /// Completes the smallest distance and settles the gaps.
-    fn finish(&self, mut found: Found) -> Result<Found, Declined> {
-        let Question { domain, radius, limit, .. } = *self.question;
+    fn finish(&self, mut found: Found, count: usize) -> Result<Found, Declined> {
+        let Question {
+            domain,
+            radius,
+            limit,
+            ..
+        } = *self.question;
         let samples = &self.samples.all;
         // Pairs are noted up to twice the radius of the first circles.
         if found.min_distance > 2.0 * self.least {
-            if samples.len() > FEW {
+            if count > FEW || count > samples.len() {
                 return Err(Declined::Sparse);
             }
             for (index, &one) in samples.iter().enumerate() {
@@ -412,7 +447,7 @@ impl<'a> Search<'a> {
             }
         }
         if domain.periodic {
-            found.add_own_copies(samples, domain.extent.min_element(), radius);
+            found.add_own_copies(count, domain.extent.min_element(), radius);
         }
         let longer = domain.extent.max_element();
         let same = (limit * 2f64.powi(-30)).max(longer * 2f64.powi(-46));
@@ -423,12 +458,11 @@ impl<'a> Search<'a> {
 
 impl Found {
     /// On a torus each sample also neighbours its own copies.
-    fn add_own_copies(&mut self, samples: &[Sample], period: f64, radius: f64) {
+    fn add_own_copies(&mut self, count: usize, period: f64, radius: f64) {
         self.min_distance = self.min_distance.min(period);
         if period < radius {
-            self.conflicts += samples.len() as u64;
-            for sample in samples {
-                let id = sample.id as usize;
+            self.conflicts += count as u64;
+            for id in 0..count {
                 self.worst_conflicts.push(Conflict {
                     first: id,
                     second: id,

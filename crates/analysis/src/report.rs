@@ -40,7 +40,11 @@ impl Findings {
     pub fn of_circles(found: Found, witnesses: usize) -> Self {
         let mut worst_gaps = Worst::new(witnesses);
         let gaps = found.gaps.len() as u64;
-        found.gaps.all.into_iter().for_each(|gap| worst_gaps.push(gap));
+        found
+            .gaps
+            .all
+            .into_iter()
+            .for_each(|gap| worst_gaps.push(gap));
         Self {
             judge: Judge::Circles,
             conflicts: found.conflicts,
@@ -132,8 +136,16 @@ impl Report {
 
     /// The verdict in numbers, for messages.
     pub(crate) fn summary(&self) -> String {
-        let Self { conflicts, gaps, min_distance, covering_radius, .. } = self;
-        format!("{conflicts} conflicts, smallest distance {min_distance:e}, {gaps} gaps, covering radius {covering_radius:e}")
+        let Self {
+            conflicts,
+            gaps,
+            min_distance,
+            covering_radius,
+            ..
+        } = self;
+        format!(
+            "{conflicts} conflicts, smallest distance {min_distance:e}, {gaps} gaps, covering radius {covering_radius:e}"
+        )
     }
 
     /// Whether there are [`MAX_CONFLICTS`] or more: they were not counted further.

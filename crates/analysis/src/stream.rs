@@ -24,12 +24,14 @@ use std::ops::ControlFlow;
 
 use serde::{Deserialize, Serialize};
 
+use crate::circles::{CircleBands, Sample};
 use crate::domain::Domain;
 use crate::error::VerifyError;
 use crate::grid::{Entry, Grid};
+use crate::judge::{self, JudgeChoice};
 use crate::monitor::{Monitor, Progress};
 use crate::region::Region;
-use crate::report::Report;
+use crate::report::{Findings, Report};
 use crate::verify::{VerifyOptions, check_point, check_tolerance, verify};
 use bands::{Bands, StreamSearch};
 
@@ -83,8 +85,13 @@ impl Default for StreamBand {
 #[derive(Clone, Debug)]
 pub struct StreamVerifier {
     search: StreamSearch,
-    bands: Bands,
+    /// What the first judge holds, if it is asked.
+    bands: Option<Bands>,
+    /// What the second judge holds, if it is asked.
+    circles: Option<CircleBands>,
     intake: Intake,
+    /// Samples that the second judge holds when it looks for a complete band.
+    next_circles: usize,
     /// Samples that the caller expects, for the progress alone.
     expected: u64,
     /// What was wrong; there is no verdict after it.
@@ -101,11 +108,26 @@ impl StreamVerifier {
         let domain = Domain::new(region)?;
         let scaled_radius = domain.scale_radius(radius)?;
         check_tolerance(options.covering_tolerance)?;
-        let search = StreamSearch::new(region, radius, options.clone(), domain, scaled_radius);
-        let bands = Bands::new(&search);
+        let mut search = StreamSearch::new(region, radius, options.clone(), domain, scaled_radius);
+        let (by_delaunay, by_circles) = match options.judges {
+            JudgeChoice::Delaunay => (true, false),
+            JudgeChoice::Circles => (false, true),
+            JudgeChoice::Both => (true, true),
+            JudgeChoice::Automatic => {
+                // The most samples that a region holds without conflicts, and some more.
+                let most = 1.2 * region.area() / (radius * radius);
+                search.whole = most <= JudgeChoice::BOTH_UP_TO as f64;
+                (search.whole, !search.whole)
+            }
+        };
+        // A region of few rows is held as a whole.
+        search.whole |= by_circles && !CircleBands::streams(&search.question());
+        let bands = by_delaunay || search.whole;
         Ok(Self {
+            bands: bands.then(|| Bands::new(&search)),
+            circles: (by_circles && !search.whole).then(|| CircleBands::new(options.witnesses)),
             search,
-            bands,
+            next_circles: StreamBand::default().samples,
             intake: Intake::default(),
             expected: 0,
             fault: None,
@@ -116,6 +138,7 @@ impl StreamVerifier {
     #[must_use]
     pub fn with_band(mut self, band: StreamBand) -> Self {
         self.search.band = band;
+        self.next_circles = band.samples;
         self
     }
 
@@ -190,39 +213,82 @@ impl StreamVerifier {
         for piece in points.chunks(PIECE) {
             for &point in piece {
                 let entry = self.intake.entry(point, &self.search)?;
-                self.bands.add(entry);
+                if let Some(bands) = &mut self.bands {
+                    bands.add(entry);
+                }
+                if let Some(circles) = &mut self.circles {
+                    let Entry { position, id } = entry;
+                    circles.add(Sample { position, id });
+                }
             }
-            self.bands
-                .judge_complete(&self.search, self.intake.highest, &monitor)?;
+            self.judge_complete(&monitor)?;
+        }
+        self.intake.work = monitor.done();
+        Ok(())
+    }
+
+    fn judge_complete(&mut self, monitor: &Monitor<'_>) -> Result<(), VerifyError> {
+        let (search, highest) = (&self.search, self.intake.highest);
+        if let Some(bands) = &mut self.bands {
+            bands.judge_complete(search, highest, monitor)?;
+        }
+        if let Some(circles) = &mut self.circles {
+            if circles.len() >= self.next_circles {
+                let complete = highest - STREAM_LAG * search.scaled_radius;
+                circles.judge_complete(&search.question(), complete, monitor)?;
+                self.next_circles = circles.len() + search.band.samples;
+            }
+            let (samples, limit) = (circles.len(), search.band.most_samples);
+            if samples > limit {
+                return Err(VerifyError::BandTooLarge { samples, limit });
+            }
         }
         Ok(())
     }
 
     fn report(&mut self, control: Control<'_>) -> Result<Report, VerifyError> {
-        let (region, radius) = (self.search.region, self.search.radius);
-        if let Some(all) = self.bands.take_unjudged(&self.search) {
-            return verify(&all, region, radius, &self.search.options, control);
+        let search = &self.search;
+        let (region, radius, options) = (search.region, search.radius, &search.options);
+        let unjudged = match (&mut self.bands, &mut self.circles) {
+            (Some(bands), _) => bands.take_unjudged(search),
+            (None, Some(circles)) => circles.take_unjudged().map(|samples| {
+                let unscaled = |sample: &Sample| (sample.position / search.domain.scale).to_array();
+                samples.iter().map(unscaled).collect()
+            }),
+            (None, None) => None,
+        };
+        if let Some(all) = unjudged {
+            return verify(&all, region, radius, options, control);
         }
         let monitor = self.monitor(control);
-        let found = self.bands.finish(&self.search, &monitor)?;
-        let search = &self.search;
-        let (domain, options) = (&search.domain, &search.options);
-        Ok(Report::new(
-            (
-                self.intake.count,
-                region,
-                radius,
-                options.covering_tolerance,
-            ),
-            domain,
-            found,
-        ))
+        let count = self.intake.count;
+        let asked = (count, region, radius, options.covering_tolerance);
+        let report = |found| Report::new(asked, &search.domain, found);
+        let bands = self.bands.as_mut();
+        let delaunay = bands
+            .map(|bands| bands.finish(search, &monitor))
+            .transpose()?;
+        let circles = self
+            .circles
+            .take()
+            .map(|circles| circles.finish(&search.question(), count, &monitor));
+        let circles = circles.transpose()?;
+        let circles = circles.map(|found| report(Findings::of_circles(found, options.witnesses)));
+        match (delaunay.map(report), circles) {
+            (Some(delaunay), Some(circles)) => judge::agreed(delaunay, circles),
+            (Some(report), None) | (None, Some(report)) => Ok(report),
+            (None, None) => Err(VerifyError::Empty),
+        }
     }
 
     fn monitor<'a>(&self, control: Control<'a>) -> Monitor<'a> {
         let total = self.expected.max(self.count());
-        // Both searches go over all samples.
-        Monitor::resumed(control, self.bands.work, 2 * total)
+        let passes = if self.search.whole {
+            self.search.options.judges.passes(total as usize)
+        } else {
+            2 * u64::from(self.bands.is_some()) + u64::from(self.circles.is_some())
+        };
+        Monitor::resumed(control, self.intake.work, passes * total)
     }
 }
 
@@ -237,6 +303,8 @@ struct Intake {
     count: usize,
     /// The highest ordinate so far, in the domain's unit.
     highest: f64,
+    /// Work done, for the progress.
+    work: u64,
 }
 
 impl Intake {

@@ -79,15 +79,9 @@ pub fn verify(
         limit: (1.0 + options.covering_tolerance) * scaled_radius,
         witnesses: options.witnesses,
     };
-    let (by_circles, by_delaunay) = match options.judges {
-        JudgeChoice::Delaunay => (false, true),
-        JudgeChoice::Circles => (true, false),
-        JudgeChoice::Both => (true, true),
-        JudgeChoice::Automatic => (true, points.len() <= JudgeChoice::BOTH_UP_TO),
-    };
-    // Each of the first judge's two searches goes over all samples, and so does the second judge.
-    let passes = 2 * u64::from(by_delaunay) + u64::from(by_circles);
-    let monitor = Monitor::new(control, passes * points.len() as u64);
+    let [by_delaunay, by_circles] = options.judges.asked(points.len());
+    let total = options.judges.passes(points.len()) * points.len() as u64;
+    let monitor = Monitor::new(control, total);
     monitor.advance(0)?;
     let asked = (points.len(), region, radius, options.covering_tolerance);
     let report = |found: Findings| Report::new(asked, &domain, found);
@@ -101,7 +95,12 @@ pub fn verify(
         Some(circles) if !by_delaunay => Ok(circles),
         circles => {
             let tile_samples = options.tile_samples;
-            let delaunay = report(delaunay_findings(points, &question, tile_samples, &monitor)?);
+            let delaunay = report(delaunay_findings(
+                points,
+                &question,
+                tile_samples,
+                &monitor,
+            )?);
             match circles {
                 Some(circles) => judge::agreed(delaunay, circles),
                 None => Ok(delaunay),
@@ -117,7 +116,12 @@ fn delaunay_findings(
     tile_samples: usize,
     monitor: &Monitor<'_>,
 ) -> Result<Findings, VerifyError> {
-    let Question { domain, radius, limit, witnesses } = *question;
+    let Question {
+        domain,
+        radius,
+        limit,
+        witnesses,
+    } = *question;
     let grid = Grid::new(points, domain, pairs::cell_side(&domain, points.len()));
     let pairs = pairs::search(&grid, points, radius, witnesses, monitor)?;
     let task = CoverSearch::new(&grid, radius, limit, witnesses);

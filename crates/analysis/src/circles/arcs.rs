@@ -49,7 +49,8 @@ pub(super) fn certainly_cover(arcs: &mut Vec<Arc>, margin: f64) -> bool {
     arcs.retain(|arc| arc.end().is_some());
     let ends_inside = |(index, arc): (usize, &Arc)| {
         let mut others = arcs.iter().enumerate();
-        arc.end().is_some_and(|end| others.any(|(other, arc)| other != index && arc.holds(end, margin)))
+        arc.end()
+            .is_some_and(|end| others.any(|(other, arc)| other != index && arc.holds(end, margin)))
     };
     !arcs.is_empty() && arcs.iter().enumerate().all(ends_inside)
 }
@@ -59,7 +60,10 @@ pub(super) fn certainly_cover(arcs: &mut Vec<Arc>, margin: f64) -> bool {
 pub(super) fn two_cover(arcs: &[Arc], [first, last]: [DVec2; 2], margin: f64) -> bool {
     let from = arcs.iter().filter(|arc| arc.holds(first, margin));
     let mut ends = from.filter_map(Arc::end);
-    ends.any(|end| arcs.iter().any(|arc| arc.holds(last, margin) && arc.holds(end, margin)))
+    ends.any(|end| {
+        arcs.iter()
+            .any(|arc| arc.holds(last, margin) && arc.holds(end, margin))
+    })
 }
 
 #[cfg(test)]
@@ -69,8 +73,12 @@ mod tests {
     const MARGIN: f64 = 1e-12;
 
     fn ring(count: u32, distance: f64) -> Vec<Arc> {
-        let at = |index: u32| DVec2::from_angle(f64::from(index) / f64::from(count) * std::f64::consts::TAU);
-        (0..count).map(|index| Arc::of_disk(at(index) * distance)).collect()
+        let at = |index: u32| {
+            DVec2::from_angle(f64::from(index) / f64::from(count) * std::f64::consts::TAU)
+        };
+        (0..count)
+            .map(|index| Arc::of_disk(at(index) * distance))
+            .collect()
     }
 
     #[test]
@@ -96,7 +104,10 @@ mod tests {
     #[test]
     fn the_outside_of_a_border_counts_as_covered() {
         // Half of the circle is outside; one disk within the region covers the other half when its centre is near.
-        let border = Arc { toward: DVec2::NEG_X, least: 0.0 };
+        let border = Arc {
+            toward: DVec2::NEG_X,
+            least: 0.0,
+        };
         let disk = |x: f64| Arc::of_disk(DVec2::new(x, 0.0));
         assert!(!certainly_cover(&mut vec![border], MARGIN));
         assert!(!certainly_cover(&mut vec![border, disk(0.5)], MARGIN));

@@ -69,8 +69,15 @@ impl CellCutter {
         let mut reach = CellReach::default();
         for (at, corner) in self.corners.iter().enumerate() {
             let before = self.corners[(at + self.corners.len() - 1) % self.corners.len()];
-            let circle = Circles { samples, tile, index }.at([before.edge, corner.edge], limit);
-            let Some((circle, exceeds)) = circle else { continue };
+            let circle = Circles {
+                samples,
+                tile,
+                index,
+            }
+            .at([before.edge, corner.edge], limit);
+            let Some((circle, exceeds)) = circle else {
+                continue;
+            };
             reach.farthest = reach.farthest.max(circle.distance);
             if exceeds {
                 reach.gaps.push(circle);
@@ -99,10 +106,22 @@ impl CellCutter {
         let [[left, right], [bottom, top]] = edges;
         self.corners.clear();
         self.corners.extend([
-            Corner { at: low, edge: bottom },
-            Corner { at: DVec2::new(high.x, low.y), edge: right },
-            Corner { at: high, edge: top },
-            Corner { at: DVec2::new(low.x, high.y), edge: left },
+            Corner {
+                at: low,
+                edge: bottom,
+            },
+            Corner {
+                at: DVec2::new(high.x, low.y),
+                edge: right,
+            },
+            Corner {
+                at: high,
+                edge: top,
+            },
+            Corner {
+                at: DVec2::new(low.x, high.y),
+                edge: left,
+            },
         ]);
     }
 
@@ -123,7 +142,11 @@ impl CellCutter {
             }
             if (here <= 0.0) != (there <= 0.0) {
                 let crossing = corner.at + (next.at - corner.at) * (here / (here - there));
-                let edge = if here <= 0.0 { Edge::Bisector(neighbour) } else { corner.edge };
+                let edge = if here <= 0.0 {
+                    Edge::Bisector(neighbour)
+                } else {
+                    corner.edge
+                };
                 self.kept.push(Corner { at: crossing, edge });
             }
         }
@@ -149,7 +172,11 @@ impl Circles<'_> {
                 self.crossing([self.index, other], (axis, is_far), limit)
             }
             [Edge::Side(a, a_far), Edge::Side(b, b_far)] if a != b => {
-                let is_far = if a == 0 { [a_far, b_far] } else { [b_far, a_far] };
+                let is_far = if a == 0 {
+                    [a_far, b_far]
+                } else {
+                    [b_far, a_far]
+                };
                 Some(self.corner(is_far, limit))
             }
             _ => None,
@@ -240,7 +267,13 @@ impl Circles<'_> {
     }
 
     /// Compares a radius with the limit, exactly where its error leaves a doubt. Flatness is by how much the error grows.
-    fn exceeds(&self, distance: f64, limit: f64, flatness: f64, exact: impl FnOnce() -> bool) -> bool {
+    fn exceeds(
+        &self,
+        distance: f64,
+        limit: f64,
+        flatness: f64,
+        exact: impl FnOnce() -> bool,
+    ) -> bool {
         let doubt = DOUBT * (1.0 + 1e-6 * flatness);
         if (distance / limit - 1.0).abs() < doubt {
             exact()
@@ -254,7 +287,8 @@ impl Circles<'_> {
     fn in_sequence<const N: usize>(&self, indices: [usize; N]) -> [(u32, Site); N] {
         let mut sites = indices.map(|index| {
             let Sample { position, id } = self.samples.all[self.tile.source[index] as usize];
-            let moved = (self.tile.position(index) - position) / self.samples.cells.domain.periods();
+            let moved =
+                (self.tile.position(index) - position) / self.samples.cells.domain.periods();
             let periods = moved.to_array().map(|value| value.round() as i64);
             (id, Site { position, periods })
         });

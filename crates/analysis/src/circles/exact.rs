@@ -23,7 +23,9 @@ impl Integers {
     fn new(sites: &[Site], extent: DVec2, limit: f64) -> Self {
         let values = sites.iter().flat_map(|site| site.position.to_array());
         let all = values.chain(extent.to_array()).chain([limit]);
-        let exponents = all.filter(|&value| value != 0.0).map(|value| parts(value).1);
+        let exponents = all
+            .filter(|&value| value != 0.0)
+            .map(|value| parts(value).1);
         let exponent = exponents.min().unwrap_or(0);
         Self {
             exponent,
@@ -104,8 +106,15 @@ fn parts(value: f64) -> (i64, i32) {
     let bits = value.to_bits();
     let field = (bits >> 52 & 0x7FF) as i32;
     let fraction = (bits & ((1 << 52) - 1)) as i64;
-    let whole = if field == 0 { fraction } else { fraction | 1 << 52 };
-    (if value < 0.0 { -whole } else { whole }, field.max(1) - 1075)
+    let whole = if field == 0 {
+        fraction
+    } else {
+        fraction | 1 << 52
+    };
+    (
+        if value < 0.0 { -whole } else { whole },
+        field.max(1) - 1075,
+    )
 }
 
 fn integer(value: f64, exponent: i32) -> BigInt {
@@ -133,7 +142,10 @@ mod tests {
     fn numbers_keep_their_value() {
         for value in [1.0, -0.75, 3e-300, 5e-324, 1.999_999_999] {
             let (whole, exponent) = parts(value);
-            assert_eq!(whole as f64 * 2f64.powi(exponent / 2) * 2f64.powi(exponent - exponent / 2), value);
+            assert_eq!(
+                whole as f64 * 2f64.powi(exponent / 2) * 2f64.powi(exponent - exponent / 2),
+                value
+            );
         }
         assert_eq!(integer(0.75, -60), BigInt::from(3) << 58);
     }
@@ -165,13 +177,36 @@ mod tests {
         // Both are 3/4 from the middle of the lower side's part between them, at heights 0: a crossing at (1, 0).
         let pair = [site(0.25, 0.0), site(1.75, 0.0)];
         assert!(!crossing_exceeds(pair, 1, false, EXTENT, 0.75));
-        assert!(crossing_exceeds(pair, 1, false, EXTENT, 0.75_f64.next_down()));
+        assert!(crossing_exceeds(
+            pair,
+            1,
+            false,
+            EXTENT,
+            0.75_f64.next_down()
+        ));
         // Of (1.5, 0.5) and (1.5, 1) from the far side x = 2: the crossing at height 0.75 is sqrt(5)/4 away.
         let pair = [site(1.5, 0.5), site(1.5, 1.0)];
-        assert!(crossing_exceeds(pair, 0, true, EXTENT, 5f64.sqrt() / 4.0 - 1e-15));
-        assert!(!crossing_exceeds(pair, 0, true, EXTENT, 5f64.sqrt() / 4.0 + 1e-15));
+        assert!(crossing_exceeds(
+            pair,
+            0,
+            true,
+            EXTENT,
+            5f64.sqrt() / 4.0 - 1e-15
+        ));
+        assert!(!crossing_exceeds(
+            pair,
+            0,
+            true,
+            EXTENT,
+            5f64.sqrt() / 4.0 + 1e-15
+        ));
         let corner = DVec2::new(2.0, 1.5);
         assert!(!corner_exceeds(site(1.625, 1.0), corner, EXTENT, 0.625));
-        assert!(corner_exceeds(site(1.625, 1.0), corner, EXTENT, 0.625_f64.next_down()));
+        assert!(corner_exceeds(
+            site(1.625, 1.0),
+            corner,
+            EXTENT,
+            0.625_f64.next_down()
+        ));
     }
 }

@@ -116,13 +116,23 @@ impl Samples {
             return Err(Declined::Sparse);
         }
         let bucket = |sample: &Sample| {
-            let (row, column) = (cells.row(sample.position.y), cells.column(sample.position.x));
+            let (row, column) = (
+                cells.row(sample.position.y),
+                cells.column(sample.position.x),
+            );
             // Rows before the first are those past the last row.
-            let slot = if row >= first { row - first } else { row + cells.counts[1] - first };
+            let slot = if row >= first {
+                row - first
+            } else {
+                row + cells.counts[1] - first
+            };
             slot * blocks + column / BLOCK
         };
         let mut starts = vec![0_u32; buckets + 2];
-        let buckets: Vec<u32> = samples.clone().map(|sample| bucket(&sample) as u32).collect();
+        let buckets: Vec<u32> = samples
+            .clone()
+            .map(|sample| bucket(&sample) as u32)
+            .collect();
         for &bucket in &buckets {
             starts[bucket as usize + 2] += 1;
         }
@@ -157,7 +167,12 @@ impl Samples {
     }
 
     /// Calls `each` with the index of every sample of some columns of a row, and with its column.
-    pub fn visit(&self, row: i64, columns: std::ops::Range<usize>, mut each: impl FnMut(u32, usize)) {
+    pub fn visit(
+        &self,
+        row: i64,
+        columns: std::ops::Range<usize>,
+        mut each: impl FnMut(u32, usize),
+    ) {
         let first = slot(row, self.first, self.cells.counts[1]) * self.blocks;
         let blocks = columns.start / BLOCK..columns.end.div_ceil(BLOCK);
         let [start, end] = [blocks.start, blocks.end].map(|block| self.starts[first + block]);

@@ -35,7 +35,11 @@ pub(super) fn open_stretches(mask: Mask) -> impl Iterator<Item = [DVec2; 2]> {
     let directions = directions();
     let (mut open, first) = (!mask, mask.trailing_zeros());
     // Begin at a covered bin, so that no stretch is cut.
-    open = if mask == 0 { open } else { open.rotate_right(first) };
+    open = if mask == 0 {
+        open
+    } else {
+        open.rotate_right(first)
+    };
     let mut at = if mask == 0 { 0 } else { first };
     std::iter::from_fn(move || {
         let skipped = open.trailing_zeros();
@@ -62,7 +66,9 @@ pub(super) fn open_stretches(mask: Mask) -> impl Iterator<Item = [DVec2; 2]> {
 /// The first direction of each bin.
 fn directions() -> &'static [DVec2; BINS] {
     static DIRECTIONS: OnceLock<[DVec2; BINS]> = OnceLock::new();
-    DIRECTIONS.get_or_init(|| std::array::from_fn(|bin| DVec2::from_angle(bin as f64 / BINS as f64 * TAU)))
+    DIRECTIONS.get_or_init(|| {
+        std::array::from_fn(|bin| DVec2::from_angle(bin as f64 / BINS as f64 * TAU))
+    })
 }
 
 pub(super) struct Table(Box<[Mask]>);
@@ -173,7 +179,13 @@ mod tests {
                 for step in 0..=2 {
                     let angle = (bin as f64 + f64::from(step) / 2.0) / BINS as f64 * TAU;
                     let (sin, cos) = angle.sin_cos();
-                    for at in [[-E, -E], [1.0 + E, -E], [-E, 1.0 + E], [1.0 + E, 1.0 + E], [0.5, 0.5]] {
+                    for at in [
+                        [-E, -E],
+                        [1.0 + E, -E],
+                        [-E, 1.0 + E],
+                        [1.0 + E, 1.0 + E],
+                        [0.5, 0.5],
+                    ] {
                         let x = (corner[0] + at[0]) / PER_RADIUS;
                         let y = (corner[1] + at[1]) / PER_RADIUS;
                         all &= x * cos + y * sin > (x * x + y * y) / 2.0;
@@ -186,7 +198,10 @@ mod tests {
             }
         }
         // Only bins that an arc leaves by less than the uncertainty are given up.
-        assert!(claimed > 0 && f64::from(claimed) > 0.98 * f64::from(covered), "{claimed} of {covered}");
+        assert!(
+            claimed > 0 && f64::from(claimed) > 0.98 * f64::from(covered),
+            "{claimed} of {covered}"
+        );
     }
 
     #[test]

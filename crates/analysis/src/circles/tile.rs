@@ -143,7 +143,9 @@ impl Tile {
         self.source.resize(total, 0);
         let cells = &samples.cells;
         let row_of = |cell: u32| rows.start + i64::from(cell) / self.size[0] as i64;
-        let up = |cell: u32| row_of(cell).div_euclid(cells.counts[1] as i64) as f64 * cells.domain.extent.y;
+        let up = |cell: u32| {
+            row_of(cell).div_euclid(cells.counts[1] as i64) as f64 * cells.domain.extent.y
+        };
         let crosses = rows.start < 0 || rows.end > cells.counts[1] as i64;
         for listed in &self.listed {
             let position = samples.all[listed.source as usize].position;
@@ -166,7 +168,10 @@ impl Tile {
 
     /// The column and the row of a sample.
     fn cell_of(&self, index: usize) -> [usize; 2] {
-        let cell = self.starts.partition_point(|&start| start as usize <= index) - 1;
+        let cell = self
+            .starts
+            .partition_point(|&start| start as usize <= index)
+            - 1;
         [cell % self.size[0], cell / self.size[0]]
     }
 
@@ -186,12 +191,7 @@ impl Tile {
     }
 
     /// Calls `each` with every other sample of the cells around a sample's, and its offset.
-    pub fn around(
-        &self,
-        index: usize,
-        reach: [usize; 2],
-        mut each: impl FnMut(usize, DVec2),
-    ) {
+    pub fn around(&self, index: usize, reach: [usize; 2], mut each: impl FnMut(usize, DVec2)) {
         let [column, row] = self.cell_of(index);
         let columns = column.saturating_sub(reach[0])..(column + reach[0] + 1).min(self.size[0]);
         let rows = row.saturating_sub(reach[1])..(row + reach[1] + 1).min(self.size[1]);
@@ -212,7 +212,8 @@ impl Tile {
     /// seams, so it is counted in one tile.
     pub fn scan(&mut self, samples: &Samples, rho: f64, radius: f64, found: &mut Found) {
         let per_unit = PER_RADIUS / rho;
-        let low = [&self.x, &self.y].map(|values| values.iter().copied().fold(f64::INFINITY, f64::min));
+        let low =
+            [&self.x, &self.y].map(|values| values.iter().copied().fold(f64::INFINITY, f64::min));
         let in_squares = |values: &[f64], low: f64, out: &mut Vec<f32>| {
             out.clear();
             out.extend(values.iter().map(|value| ((value - low) * per_unit) as f32));
@@ -243,7 +244,9 @@ impl Tile {
         let table = Table::get();
         let [width, height] = self.size;
         // Rounding may make a distance shorter or longer by a few parts in 2^14.
-        let limit = |square: f64| ((square * squares) * (1.0 + 1.0 / 1024.0)).min(f64::from(f32::MAX)) as f32;
+        let limit = |square: f64| {
+            ((square * squares) * (1.0 + 1.0 / 1024.0)).min(f64::from(f32::MAX)) as f32
+        };
         let mut nearby = limit(found.nearby);
         for row in 0..self.own[1].end {
             for column in 0..width {
@@ -274,7 +277,8 @@ impl Tile {
                             let half = lanes(HALF as f32);
                             let columns = i32x8::truncate_from(dx + half);
                             let lines = i32x8::truncate_from(dy + half);
-                            let at: [i32; LANES] = (lines * i32x8::splat(simd, SQUARES as i32) + columns).into();
+                            let at: [i32; LANES] =
+                                (lines * i32x8::splat(simd, SQUARES as i32) + columns).into();
                             while hits != 0 {
                                 let lane = hits.trailing_zeros() as usize;
                                 hits &= hits - 1;
@@ -336,7 +340,11 @@ pub(super) fn distance(one: Sample, other: Sample, periods: DVec2) -> f64 {
     let (x, y) = (along(0), along(1));
     let square = x * x + y * y;
     // Squares of less lose digits.
-    if square > 1e-280 { square.sqrt() } else { x.hypot(y) }
+    if square > 1e-280 {
+        square.sqrt()
+    } else {
+        x.hypot(y)
+    }
 }
 
 /// Columns of a tile that lie side by side in the region.

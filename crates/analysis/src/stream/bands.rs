@@ -8,6 +8,7 @@ use std::ops::Range;
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
+use crate::circles::Question;
 use crate::cover::{self, CoverSearch, Places, Visit};
 use crate::domain::Domain;
 use crate::error::VerifyError;
@@ -42,6 +43,8 @@ pub(super) struct StreamSearch {
     pub domain: Domain,
     pub scaled_radius: f64,
     pub band: StreamBand,
+    /// Whether all samples are held and judged at the end.
+    pub whole: bool,
     /// Columns and rows of the whole region.
     cells: [usize; 2],
     /// Distance below which two places are the same.
@@ -67,6 +70,7 @@ impl StreamSearch {
             domain,
             scaled_radius,
             band: StreamBand::default(),
+            whole: false,
             cells,
             same: cover::same_place(&domain, scaled_radius),
         }
@@ -77,7 +81,7 @@ impl StreamSearch {
     fn streams(&self) -> bool {
         let [columns, rows] = self.cells;
         let held = (self.band.rows + SEAM).saturating_mul(columns);
-        columns >= 8 && rows >= 4 * SEAM && held <= MAX_CELLS
+        !self.whole && columns >= 8 && rows >= 4 * SEAM && held <= MAX_CELLS
     }
 
     /// The row of an ordinate in the domain's unit; it does not fall when that rises.
@@ -93,6 +97,16 @@ impl StreamSearch {
     /// The first row whose pairs need not wait for the end: that of a torus may still get samples.
     fn first_pairs(&self) -> usize {
         usize::from(self.domain.periodic)
+    }
+
+    /// The same question for the second judge.
+    pub fn question(&self) -> Question {
+        Question {
+            domain: self.domain,
+            radius: self.scaled_radius,
+            limit: (1.0 + self.options.covering_tolerance) * self.scaled_radius,
+            witnesses: self.options.witnesses,
+        }
     }
 
     fn task<'a>(&self, grid: &'a Grid) -> CoverSearch<'a> {
@@ -119,8 +133,6 @@ pub(super) struct Bands {
     pub postponed: Vec<Visit>,
     pub pairs: Pairs,
     pub places: Places,
-    /// Work done, for the progress.
-    pub work: u64,
 }
 
 impl Bands {
@@ -135,7 +147,6 @@ impl Bands {
             postponed: Vec::new(),
             pairs: Pairs::new(witnesses),
             places: Places::new(witnesses),
-            work: 0,
         }
     }
 
@@ -211,7 +222,6 @@ impl Bands {
             return Err(self.too_large(search));
         }
         self.closed = rows.end;
-        self.work = monitor.done();
         self.forget(search);
         Ok(())
     }
@@ -312,7 +322,6 @@ impl Bands {
         if let Some(visit) = self.visit(&task, visits, monitor)?.first() {
             return Err(too_wide(search, visit));
         }
-        self.work = monitor.done();
         let limit = pairs::certain_distance(&grid);
         if self.pairs.min_distance > limit {
             let scale = search.domain.scale;

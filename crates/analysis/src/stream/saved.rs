@@ -3,7 +3,9 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::circles::CircleBands;
 use crate::error::VerifyError;
+use crate::judge::JudgeChoice;
 use crate::region::Region;
 use crate::verify::VerifyOptions;
 
@@ -11,7 +13,7 @@ use super::bands::Bands;
 use super::{Intake, StreamVerifier};
 
 /// The layout of a state: another number for every change of it.
-const LAYOUT: u32 = 3;
+const LAYOUT: u32 = 4;
 
 #[derive(Serialize)]
 struct SavedState<'a> {
@@ -19,14 +21,16 @@ struct SavedState<'a> {
     search: SavedSearch,
     expected: u64,
     intake: &'a Intake,
-    bands: &'a Bands,
+    bands: &'a Option<Bands>,
+    circles: &'a Option<CircleBands>,
 }
 
 #[derive(Deserialize)]
 struct RestoredState {
     expected: u64,
     intake: Intake,
-    bands: Bands,
+    bands: Option<Bands>,
+    circles: Option<CircleBands>,
 }
 
 /// What a state answers, which must be asked again to go on.
@@ -36,6 +40,7 @@ struct SavedSearch {
     radius: f64,
     covering_tolerance: f64,
     witnesses: usize,
+    judges: JudgeChoice,
 }
 
 impl SavedSearch {
@@ -46,6 +51,7 @@ impl SavedSearch {
             radius: search.radius,
             covering_tolerance: search.options.covering_tolerance,
             witnesses: search.options.witnesses,
+            judges: search.options.judges,
         }
     }
 }
@@ -66,6 +72,7 @@ impl StreamVerifier {
             expected: self.expected,
             intake: &self.intake,
             bands: &self.bands,
+            circles: &self.circles,
         };
         let failed = |_| bad("it cannot be written");
         let mut bytes = postcard::to_stdvec(&state).map_err(failed)?;
@@ -102,6 +109,7 @@ impl StreamVerifier {
         verifier.expected = saved.expected;
         verifier.intake = saved.intake;
         verifier.bands = saved.bands;
+        verifier.circles = saved.circles;
         Ok(verifier)
     }
 }

@@ -5,6 +5,7 @@ mod averages;
 mod blue_noise;
 mod distances;
 mod distant_pairs;
+mod judges;
 mod order;
 mod periodogram;
 mod refusals;

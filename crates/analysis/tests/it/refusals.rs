@@ -104,7 +104,8 @@ fn cancelling_stops_at_any_moment() {
         tile_samples: 100,
         ..VerifyOptions::default()
     };
-    let total = 2 * points.len() as u64;
+    // Two searches of the first judge and one of the second.
+    let total = 3 * points.len() as u64;
     for stop in [0, 1, total / 2 + 1, total] {
         let control = |progress: Progress| {
             assert_eq!(progress.total, total);

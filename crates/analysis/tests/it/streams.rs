@@ -11,8 +11,8 @@ use std::ops::ControlFlow;
 use crate::support::{Random, maximal_set, repeated};
 use proptest::prelude::*;
 use tilescope_analysis::{
-    Boundary, Progress, Region, Report, StreamBand, StreamVerifier, VerifyError, VerifyOptions,
-    verify,
+    Boundary, Judge, JudgeChoice, Progress, Region, Report, StreamBand, StreamVerifier,
+    VerifyError, VerifyOptions, verify,
 };
 
 const BOTH: [Boundary; 2] = [Boundary::Periodic, Boundary::Bounded];
@@ -28,6 +28,7 @@ const SMALL: StreamBand = StreamBand {
 fn options() -> VerifyOptions {
     VerifyOptions {
         tile_samples: 150,
+        judges: JudgeChoice::Both,
         ..VerifyOptions::default()
     }
 }
@@ -100,7 +101,31 @@ fn compared(
     in_rows(points, radius);
     let report = stream(points, region, radius, band, piece).expect("a verdict");
     same(&report, &whole(points, region, radius));
+    by_circles(points, region, radius, band, piece);
     report
+}
+
+/// The second judge alone finds in a stream what it finds in the whole.
+fn by_circles(points: &[[f64; 2]], region: Region, radius: f64, band: StreamBand, piece: usize) {
+    let options = VerifyOptions {
+        judges: JudgeChoice::Circles,
+        ..options()
+    };
+    let mut verifier = StreamVerifier::new(region, radius, &options)
+        .expect("supported")
+        .with_band(band);
+    for piece in points.chunks(piece) {
+        verifier.push(piece, &GO).expect("in rows");
+        // Interrupted and continued after each piece.
+        let state = verifier.save().expect("no fault");
+        verifier = StreamVerifier::restore(region, radius, &options, &state)
+            .expect("its own state")
+            .with_band(band);
+    }
+    let report = verifier.finish(&GO).expect("a verdict");
+    assert_eq!(report.judges, [Judge::Circles]);
+    let whole = verify(points, region, radius, &options, &GO).expect("a verdict");
+    assert_eq!(report, whole);
 }
 
 /// High enough for many bands: about 150 radii, 25 wide.
@@ -434,5 +459,6 @@ proptest! {
         let band = StreamBand { rows, ..SMALL };
         let report = stream(&points, region, radius * factor, band, piece).expect("a verdict");
         same(&report, &whole(&points, region, radius * factor));
+        by_circles(&points, region, radius * factor, band, piece);
     }
 }

@@ -335,6 +335,15 @@ fn circumcentre(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> Option<([f64; 2], f64)
 pub fn check_reports(
     measure: impl Fn(&(dyn Fn(Progress) -> ControlFlow<()> + Sync)) -> Option<MeasureError>,
 ) {
+    check_reports_of(measure, MeasureError::Cancelled);
+}
+
+/// The same for work with errors of its own.
+pub fn check_reports_of<E: std::fmt::Debug + PartialEq>(
+    measure: impl Fn(&(dyn Fn(Progress) -> ControlFlow<()> + Sync)) -> Option<E>,
+    cancelled: E,
+) {
+    let cancelled = Some(cancelled);
     let (calls, furthest, total) = (AtomicU64::new(0), AtomicU64::new(0), AtomicU64::new(0));
     let count = |progress: Progress| {
         calls.fetch_add(1, Ordering::Relaxed);
@@ -356,10 +365,6 @@ pub fn check_reports(
                 ControlFlow::Continue(())
             }
         };
-        assert_eq!(
-            measure(&control),
-            Some(MeasureError::Cancelled),
-            "{stop} of {all}"
-        );
+        assert_eq!(measure(&control), cancelled, "{stop} of {all}");
     }
 }

@@ -1,0 +1,251 @@
+//! The second judge of a stream: bands of rows are judged as soon as they are complete, and only the rows that later ones want
+//! are kept.
+//! The first rows of a torus are kept to the end and judged with the last ones; the very first stays open for latecomers.
+//! It never skips a circle: one that reaches into a hole too wide for the rows kept is refused.
+
+use std::mem;
+use std::ops::Range;
+
+use serde::{Deserialize, Serialize};
+
+use super::samples::{Cells, Sample, Samples};
+use super::{Declined, Found, Question, Search};
+use crate::error::VerifyError;
+use crate::monitor::Monitor;
+
+/// Rows kept below a band and above the exposed circles that are looked at, and so the halo for holes.
+const KEPT: usize = 8;
+
+/// Cells around a sample that are looked through for the rim of a hole.
+const HALOS: [usize; 2] = [4, KEPT];
+
+/// Least rows of a band: with fewer, the overlaps are costly.
+const MIN_ROWS: usize = 16;
+
+/// What is held of a stream, and what was found out.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(crate) struct CircleBands {
+    /// Samples of the rows from `keep` on, as they came, and latecomers of the first row.
+    held: Vec<Sample>,
+    /// Samples of the first rows of a torus, once they are below `keep`.
+    seam: Vec<Sample>,
+    /// Rows below it are no longer in `held`.
+    keep: usize,
+    /// Rows below it are judged, but for the first ones of a torus.
+    closed: usize,
+    found: Found,
+    /// The largest distance of a cell's corner so far, and the radius of the first circles.
+    farthest: f64,
+    least: f64,
+}
+
+impl CircleBands {
+    pub fn new(witnesses: usize) -> Self {
+        Self {
+            held: Vec::new(),
+            seam: Vec::new(),
+            keep: 0,
+            closed: 0,
+            found: Found::new(witnesses),
+            farthest: 0.0,
+            least: 0.0,
+        }
+    }
+
+    pub fn add(&mut self, sample: Sample) {
+        self.held.push(sample);
+    }
+
+    /// Samples held.
+    pub fn len(&self) -> usize {
+        self.held.len() + self.seam.len()
+    }
+
+    /// All samples, if no row was judged.
+    pub fn take_unjudged(&mut self) -> Option<Vec<Sample>> {
+        (self.closed == 0).then(|| mem::take(&mut self.held))
+    }
+
+    /// Whether a region is so high that its rows are worth being judged in bands.
+    pub fn streams(question: &Question) -> bool {
+        let cells = Cells::new(question.domain, question.limit);
+        cells.is_ok_and(|cells| cells.counts[1] >= 8 * KEPT && cells.reach[1] == 1)
+    }
+
+    /// Judges the rows below the ordinate `complete`, under which no sample can follow, if there are enough of them.
+    pub fn judge_complete(
+        &mut self,
+        question: &Question,
+        complete: f64,
+        monitor: &Monitor<'_>,
+    ) -> Result<(), VerifyError> {
+        let cells = cells(question)?;
+        let complete = cells.row(complete.max(0.0));
+        let rows = self.closed.max(first(&cells))..complete.saturating_sub(1);
+        if rows.len() < MIN_ROWS {
+            return Ok(());
+        }
+        let samples = Samples::new(
+            cells,
+            self.keep,
+            complete - self.keep,
+            self.below(&cells, complete).iter().copied(),
+        );
+        let samples = samples.map_err(|declined| refused(declined, question, self.len()))?;
+        self.judge(question, &samples, rows.clone(), monitor)?;
+        // Circles that reach into holes wait for the rows that their cells may need.
+        let ready =
+            |row: usize| row + KEPT < complete && (!cells.domain.periodic || row >= KEPT + 1);
+        self.holes(question, &samples, ready, monitor)?;
+        self.closed = rows.end;
+        let pending = self
+            .found
+            .exposed
+            .iter()
+            .map(|sample| cells.row(sample.position.y));
+        let pending = pending.filter(|&row| !cells.domain.periodic || row >= KEPT + 1);
+        let wanted = pending.fold(self.closed, usize::min).saturating_sub(KEPT);
+        self.drop_below(&cells, wanted);
+        Ok(())
+    }
+
+    /// The held samples of complete rows. Those of the first row are wanted only while it is held.
+    fn below(&self, cells: &Cells, complete: usize) -> Vec<Sample> {
+        let is_held =
+            |sample: &&Sample| (self.keep..complete).contains(&cells.row(sample.position.y));
+        self.held.iter().filter(is_held).copied().collect()
+    }
+
+    fn judge(
+        &mut self,
+        question: &Question,
+        samples: &Samples,
+        rows: Range<usize>,
+        monitor: &Monitor<'_>,
+    ) -> Result<(), VerifyError> {
+        if rows.is_empty() {
+            return Ok(());
+        }
+        let mut search = Search::resumed(question, samples, self.farthest, self.least);
+        let tiles = search.rectangles(rows.start as i64..rows.end as i64);
+        let refuse = |declined| refused(declined, question, samples.all.len());
+        if self.least == 0.0 {
+            search.begin(&tiles).map_err(refuse)?;
+        }
+        let found = search.tiles(&tiles, monitor)?.map_err(refuse)?;
+        (self.farthest, self.least) = (search.farthest(), search.least);
+        let before = mem::replace(&mut self.found, Found::new(question.witnesses));
+        self.found = before.merge(found);
+        Ok(())
+    }
+
+    /// Cuts out the exposed cells of rows that are ready.
+    fn holes(
+        &mut self,
+        question: &Question,
+        samples: &Samples,
+        ready: impl Fn(usize) -> bool,
+        monitor: &Monitor<'_>,
+    ) -> Result<(), VerifyError> {
+        let is_ready = |sample: &Sample| ready(samples.cells.row(sample.position.y));
+        let (exposed, later) = mem::take(&mut self.found.exposed)
+            .into_iter()
+            .partition(is_ready);
+        self.found.exposed = exposed;
+        let search = Search::resumed(question, samples, self.farthest, self.least);
+        let before = mem::replace(&mut self.found, Found::new(question.witnesses));
+        let found = search.holes(before, &HALOS, monitor)?;
+        self.found = found.map_err(|declined| refused(declined, question, samples.all.len()))?;
+        self.farthest = search.farthest();
+        self.found.exposed = later;
+        Ok(())
+    }
+
+    /// Drops the rows below `keep`, but for the first ones of a torus.
+    fn drop_below(&mut self, cells: &Cells, keep: usize) {
+        let keep = keep.max(self.keep);
+        let (seam, periodic) = (&mut self.seam, cells.domain.periodic);
+        let seam_rows = seam_rows(cells);
+        self.held.retain(|sample| {
+            let row = cells.row(sample.position.y);
+            if row < keep && row < seam_rows && periodic {
+                seam.push(*sample);
+            }
+            row >= keep
+        });
+        self.keep = keep;
+    }
+
+    /// Judges what is left, the seam of a torus included.
+    pub fn finish(
+        mut self,
+        question: &Question,
+        count: usize,
+        monitor: &Monitor<'_>,
+    ) -> Result<Found, VerifyError> {
+        let cells = cells(question)?;
+        let all = cells.counts[1];
+        let seam = if cells.domain.periodic {
+            seam_rows(&cells)
+        } else {
+            0
+        };
+        let (keep, held) = if all - self.keep + seam < all {
+            (self.keep, all - self.keep + seam)
+        } else {
+            (0, all)
+        };
+        let mut samples = mem::take(&mut self.held);
+        samples.append(&mut self.seam);
+        let samples = Samples::new(cells, keep, held, samples.iter().copied());
+        let samples = samples.map_err(|declined| refused(declined, question, count))?;
+        self.judge(
+            question,
+            &samples,
+            self.closed.max(first(&cells))..all,
+            monitor,
+        )?;
+        if cells.domain.periodic {
+            self.judge(question, &samples, 0..first(&cells), monitor)?;
+        }
+        self.holes(question, &samples, |_| true, monitor)?;
+        let search = Search::resumed(question, &samples, self.farthest, self.least);
+        let finished = search.finish(self.found, count);
+        finished.map_err(|declined| refused(declined, question, count))
+    }
+}
+
+fn cells(question: &Question) -> Result<Cells, VerifyError> {
+    let cells = Cells::new(question.domain, question.limit);
+    cells.map_err(|declined| refused(declined, question, 0))
+}
+
+/// The first row that need not wait for the end: those of a torus below it see the last rows or the open first one.
+fn first(cells: &Cells) -> usize {
+    if cells.domain.periodic {
+        1 + cells.reach[1]
+    } else {
+        0
+    }
+}
+
+/// Rows kept from the start of a torus: those of circles judged at the end, and those their cells may need.
+fn seam_rows(cells: &Cells) -> usize {
+    (first(cells) + KEPT).max(KEPT + 1) + KEPT
+}
+
+/// The error that says why a stream cannot be judged.
+fn refused(declined: Declined, question: &Question, samples: usize) -> VerifyError {
+    let scale = question.domain.scale;
+    match declined {
+        Declined::Radius | Declined::Sparse => VerifyError::TooSparse {
+            min_distance: f64::INFINITY,
+            limit: 2.0 * question.limit / scale,
+        },
+        Declined::Crowded => VerifyError::Crowded { samples },
+        Declined::Holes => VerifyError::HoleTooWide {
+            corner: [0.0, 0.0],
+            reach: 2.0 * KEPT as f64 * question.limit / scale,
+        },
+    }
+}
