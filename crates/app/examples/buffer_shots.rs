@@ -103,10 +103,10 @@ fn go(harness: &mut Harness<'_, App>, pass: &str, buffer: Name) {
     assert!(passes(harness), "the passes have not been run");
     let state = &harness.state().state;
     let entries = state.runs.first.passes.iter().flat_map(Passes::entries);
-    let place = entries
+    let index = entries
         .map(|entry| entry.report.name)
         .position(|name| name == pass);
-    let select = PassCommand::Select(place.expect("such a pass"));
+    let select = PassCommand::Select(index.expect("such a pass"));
     apply(harness, vec![Command::Passes(select)]);
     let state = &harness.state().state;
     let visit = state
@@ -116,8 +116,8 @@ fn go(harness: &mut Harness<'_, App>, pass: &str, buffer: Name) {
         .as_ref()
         .and_then(|passes| passes.visit());
     let mut tables = visit.expect("a visit").buffers.iter();
-    let place = tables.position(|table| table.name == buffer);
-    let choose = PassCommand::Buffer(place.unwrap_or(0));
+    let index = tables.position(|table| table.name == buffer);
+    let choose = PassCommand::Buffer(index.unwrap_or(0));
     apply(harness, vec![Command::Passes(choose)]);
 }
 

@@ -82,7 +82,7 @@ fn main() {
         let fault = Fault {
             after: 73,
             buffer: Name::Result,
-            place: 40,
+            index: 40,
             word: 77,
         };
         take("fault", vec![PassCommand::Fault(Some(fault))]);

@@ -246,7 +246,7 @@ fn pointed_at(harness: &mut Harness<'_, App>, folder: &str) {
     }
     harness.state_mut().state.settle();
     harness.run();
-    for (name, stage, place, radii, look) in [
+    for (name, stage, position, radii, look) in [
         ("hover-block", 1, [20.0, 30.0], 120.0, Look::Dark),
         ("hover-sample", 3, [37.0, 45.0], 18.0, Look::Dark),
         ("hover-margin", 3, [36.9, 41.0], 14.0, Look::Light),
@@ -257,14 +257,14 @@ fn pointed_at(harness: &mut Harness<'_, App>, folder: &str) {
         for command in [
             Command::Appearance(AppearanceCommand::Look(look)),
             Command::Time(TimeCommand::ShowStage(stage)),
-            Command::View(Which::First, ViewCommand::FlyTo(place.into(), radii)),
+            Command::View(Which::First, ViewCommand::FlyTo(position.into(), radii)),
         ] {
             state.apply(command);
         }
         harness.state_mut().state.settle();
         harness.run();
         let state = &harness.state().state;
-        let at = thing_near(state, name, place, radii);
+        let at = thing_near(state, name, position, radii);
         let pos = state
             .runs
             .first
@@ -386,29 +386,29 @@ fn moments(shoot: &mut dyn FnMut(&str, Vec<Command>)) {
     );
 }
 
-/// Returns the pointer's place for a picture: a gap, a sample, or the place itself.
-fn thing_near(state: &State, name: &str, place: [f64; 2], radii: f64) -> [f64; 2] {
+/// Returns the pointer's position for a picture: a gap, a sample, or the position itself.
+fn thing_near(state: &State, name: &str, position: [f64; 2], radii: f64) -> [f64; 2] {
     // If there is a gap in view, the pointer goes there.
     let deepest = state.shown().and_then(|shown| {
         let tessellation = state.runs.first.geometry.of(&shown)?;
         let near = |gap: &&tilescope_analysis::tessellation::GapRegion| {
             let deepest = gap.deepest.0;
-            (deepest[0] - place[0]).hypot(deepest[1] - place[1]) < 0.4 * radii
+            (deepest[0] - position[0]).hypot(deepest[1] - position[1]) < 0.4 * radii
         };
         tessellation.gaps.iter().find(near).map(|gap| gap.deepest.0)
     });
     let nearest = state.runs.first.session.as_ref().map(|session| {
         let distance = |id: &u32| {
-            let at = session.place(*id);
-            ((at[0] - place[0]).hypot(at[1] - place[1]) * 1e6) as u64
+            let at = session.position(*id);
+            ((at[0] - position[0]).hypot(at[1] - position[1]) * 1e6) as u64
         };
         let count = session.run().samples.len() as u32;
-        session.place((0..count).min_by_key(distance).unwrap_or(0))
+        session.position((0..count).min_by_key(distance).unwrap_or(0))
     });
     let at = match name {
         "hover-margin" => deepest,
         "hover-block" => None,
         _ => nearest,
     };
-    at.unwrap_or(place.into()).into()
+    at.unwrap_or(position.into()).into()
 }

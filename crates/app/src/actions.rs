@@ -333,7 +333,7 @@ fn view(list: &mut List, state: &State) {
 /// How far a key pans the view, in screen points.
 const PAN: f32 = 80.0;
 
-/// The camera's actions, for the keyboard.
+/// Adds the camera's actions, for the keyboard.
 fn camera(list: &mut List, state: &State) {
     let no_session = state.runs.first.session.is_none().then_some(NO_SESSION);
     for (name, key, delta) in [

@@ -30,7 +30,7 @@ pub struct App {
     commands: Vec<Command>,
     shown_look: Look,
     shown_input_style: InputStyle,
-    /// What had the focus in the previous frame.
+    /// The widget that had the focus in the previous frame.
     focused: Option<egui::Id>,
     /// Copies a text to the clipboard and returns true, or returns false to leave it to egui.
     copier: fn(&str) -> bool,
@@ -68,13 +68,13 @@ impl App {
         self.copier = copier;
     }
 
-    /// Passes announcements about the focus to `hearer`, for screen readers.
-    pub fn speak_to(ctx: &Context, hearer: impl Fn(&Spoken) + Send + Sync + 'static) {
-        ctx.add_plugin(Speaker::new(hearer));
+    /// Passes announcements about the focus to `callback`, for screen readers.
+    pub fn speak_to(ctx: &Context, callback: impl Fn(&Spoken) + Send + Sync + 'static) {
+        ctx.add_plugin(Speaker::new(callback));
     }
 
-    /// Returns whether a drag by one finger at this place is left to the surrounding page: on the canvas of an embedded
-    /// window, where one finger only taps.
+    /// Returns whether a drag by one finger at this position is left to the surrounding page: on the canvas of an
+    /// embedded window, where one finger only taps.
     #[must_use]
     pub fn scrolls_at(&self, ctx: &Context, pos: Pos2) -> bool {
         let is_below = |layer: egui::LayerId| layer.order == egui::Order::Background;

@@ -175,12 +175,12 @@ fn outcome(
         Ok(Ok(())) => Ok(()),
         Ok(Err(error)) if frames.shown() => Err(AppError::Lost(error.to_string())),
         Ok(Err(error)) => Err(error.into()),
-        Err(panic) if frames.shown() => Err(AppError::Lost(said(&*panic))),
-        Err(panic) => Err(AppError::WindowSystem(said(&*panic))),
+        Err(panic) if frames.shown() => Err(AppError::Lost(panic_message(&*panic))),
+        Err(panic) => Err(AppError::WindowSystem(panic_message(&*panic))),
     }
 }
 
-fn said(panic: &(dyn Any + Send)) -> String {
+fn panic_message(panic: &(dyn Any + Send)) -> String {
     let text = panic.downcast_ref::<&str>().map(|text| (*text).to_owned());
     text.or_else(|| panic.downcast_ref::<String>().cloned())
         .unwrap_or_else(|| "no message".to_owned())

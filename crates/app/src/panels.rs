@@ -100,7 +100,7 @@ pub fn show_projector(
     leave_projector(ui, palette, commands);
 }
 
-/// A small button in the corner of the canvas that leaves the projector mode.
+/// Shows a small button in the corner of the canvas that leaves the projector mode.
 fn leave_projector(ui: &Ui, palette: &Palette, commands: &mut Vec<Command>) {
     Area::new(Id::unique("leave projector"))
         .anchor(Align2::RIGHT_TOP, vec2(-8.0, 8.0))

@@ -21,12 +21,12 @@ pub fn paint(painter: &Painter, scene: &Scene<'_>, crowded: bool) -> Option<Stri
     let half = (0.42 * scene.scale()).clamp(1.5, 10.0);
     let view = scene.rect.expand(half);
     let there = contrast.there.iter();
-    let there = there.map(|&id| (contrast.other.place(id), false));
+    let there = there.map(|&id| (contrast.other.position(id), false));
     let here = contrast.here.iter();
-    let here = here.map(|&id| (scene.session.place(id), true));
+    let here = here.map(|&id| (scene.session.position(id), true));
     let seen: Vec<(Pos2, bool)> = there
         .chain(here)
-        .map(|(place, whole)| (scene.at(place), whole))
+        .map(|(position, whole)| (scene.at(position), whole))
         .filter(|(at, _)| view.contains(*at))
         .collect();
     let room = scene.domain().intersect(scene.rect).area();

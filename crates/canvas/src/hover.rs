@@ -25,7 +25,7 @@ const ON_SAMPLE: f32 = 5.0;
 /// Vertical room for a tag above what it names.
 const MAX_CARD_HEIGHT: f32 = 64.0;
 
-/// What is under the pointer.
+/// The object under the pointer.
 struct Named {
     /// A short name and a full description.
     brief: String,
@@ -61,17 +61,17 @@ fn name(subject: &Subject<'_>, rect: Rect, pointer: Pos2) -> Option<Named> {
     if shown.stage == Stage::Pattern {
         return None;
     }
-    let place = subject.camera.domain_from_screen(rect, pointer);
+    let position = subject.camera.domain_from_screen(rect, pointer);
     // Where symbols overlap too much, no single sample can be pointed at.
     let fine = subject.camera.scale >= MIN_DISK_SCALE;
     let hovered = subject.hovered.filter(|_| fine);
     let hovered = hovered.map(|id| {
-        let at = shown.session.place(id);
+        let at = shown.session.position(id);
         (id, subject.camera.screen_from_domain(rect, at))
     });
     // A gap is uncovered, so a sample is meant only when the pointer is on its symbol.
     let on_sample = hovered.is_some_and(|(_, at)| at.distance(pointer) <= ON_SAMPLE);
-    if let Some((gap, reach)) = gap(subject, place).filter(|_| !on_sample) {
+    if let Some((gap, reach)) = gap(subject, position).filter(|_| !on_sample) {
         let reach = reach * subject.camera.scale as f32;
         return Some(Named {
             brief: "Gap".to_owned(),
@@ -89,7 +89,7 @@ fn name(subject: &Subject<'_>, rect: Rect, pointer: Pos2) -> Option<Named> {
             reach: HALO,
         });
     }
-    let [brief, full] = block(subject, place)?;
+    let [brief, full] = block(subject, position)?;
     Some(Named {
         brief,
         full,
@@ -127,23 +127,23 @@ fn sample(subject: &Subject<'_>, id: u32) -> [String; 2] {
     ]
 }
 
-/// Describes the gap at a place, with its extent from there, in r.
-fn gap(subject: &Subject<'_>, place: DVec2) -> Option<(String, f32)> {
+/// Describes the gap at a position, with its extent from there, in r.
+fn gap(subject: &Subject<'_>, position: DVec2) -> Option<(String, f32)> {
     let shown = &subject.shown;
     let size = shown.session.size_radii();
-    let is_inside = (place.cmpge(DVec2::ZERO) & place.cmplt(size)).all();
+    let is_inside = (position.cmpge(DVec2::ZERO) & position.cmplt(size)).all();
     if shown.stage < Stage::Eliminate || !is_inside {
         return None;
     }
     let tessellation = subject.geometry.of(shown)?;
-    let gap = &tessellation.gaps[tessellation.gap_at(place)?];
+    let gap = &tessellation.gaps[tessellation.gap_at(position)?];
     let ends = gap.boundary.iter().flatten().map(|edge| match *edge {
         Edge::Line { from, .. } => from,
         Edge::Arc {
             center, from_angle, ..
         } => center + DVec2::from_angle(from_angle),
     });
-    let reach = ends.map(|end| end.distance(place));
+    let reach = ends.map(|end| end.distance(position));
     let (area, deepest) = (gap.area, gap.deepest.1);
     let text = format!("Gap: area {area:.4} r\u{b2}, deepest {deepest:.4} r");
     Some((text, reach.fold(0.0, f64::max) as f32))
@@ -157,12 +157,12 @@ const fn block_name(session: &tilescope_session::Session) -> &'static str {
     }
 }
 
-fn block(subject: &Subject<'_>, place: DVec2) -> Option<[String; 2]> {
+fn block(subject: &Subject<'_>, position: DVec2) -> Option<[String; 2]> {
     let made = Made::at(&subject.shown);
     let blocks = &subject.shown.session.run().blocks;
     let holds = |rect: &tilescope_core::Rect| {
         let axis = |low: i32, high: i32, at: f64| radii(low) <= at && at < radii(high);
-        axis(rect.min.x, rect.max.x, place.x) && axis(rect.min.y, rect.max.y, place.y)
+        axis(rect.min.x, rect.max.x, position.x) && axis(rect.min.y, rect.max.y, position.y)
     };
     let leaves = &blocks.leaves[..made.leaves];
     let number = leaves.iter().position(|leaf| holds(&leaf.rect))?;
@@ -183,7 +183,7 @@ fn block(subject: &Subject<'_>, place: DVec2) -> Option<[String; 2]> {
 }
 
 /// Draws the text above and to the right of its target, or on another side if there is more room. The side depends on
-/// the place alone, so that the tag does not jump when the text changes.
+/// the position alone, so that the tag does not jump when the text changes.
 fn tag(painter: &Painter, rect: Rect, named: &Named, text: &str, palette: &Palette) {
     let galley = painter.layout_no_wrap(text.to_owned(), FontId::proportional(12.5), palette.text);
     let to_right = named.at.x + named.reach + MAX_CARD_WIDTH < rect.right();
@@ -197,12 +197,12 @@ fn tag(painter: &Painter, rect: Rect, named: &Named, text: &str, palette: &Palet
     let y = if above { -1.0 } else { 1.0 };
     let margin = vec2(9.0, 5.0);
     let corner = named.at + vec2(x * (named.reach + margin.x), y * (named.reach + margin.y));
-    let place = anchor.anchor_size(corner, galley.size());
+    let text_rect = anchor.anchor_size(corner, galley.size());
     // A narrow canvas has no room on either side.
-    let overhang = (rect.left() + margin.x - place.left()).max(0.0);
-    let place = place.translate(vec2(overhang, 0.0));
-    let ground = place.expand2(margin);
+    let overhang = (rect.left() + margin.x - text_rect.left()).max(0.0);
+    let text_rect = text_rect.translate(vec2(overhang, 0.0));
+    let ground = text_rect.expand2(margin);
     let stroke = Stroke::new(1.0, palette.line);
     painter.rect(ground, 6.0, palette.panel, stroke, StrokeKind::Inside);
-    painter.galley(place.min, galley, palette.text);
+    painter.galley(text_rect.min, galley, palette.text);
 }

@@ -166,8 +166,8 @@ impl InstancedCanvas {
         self.size = units::size(domain);
         self.periodic = domain.is_periodic();
         let at = |&id: &u32| [points[id as usize].x, points[id as usize].y];
-        let places: Vec<[i32; 2]> = self.order.ids.iter().map(at).collect();
-        self.gpu.replace(&places);
+        let points: Vec<[i32; 2]> = self.order.ids.iter().map(at).collect();
+        self.gpu.replace(&points);
         self.looks = vec![SampleLook::HIDDEN.packed(); points.len()];
         self.gpu.write_looks(0, &self.looks);
         self.generation = Some(generation);
@@ -194,11 +194,11 @@ impl InstancedCanvas {
         }
         self.version = Some(version);
         let mut changed = Vec::new();
-        for (place, &id) in self.order.ids.iter().enumerate() {
+        for (index, &id) in self.order.ids.iter().enumerate() {
             let packed = look(id).packed();
-            if self.looks[place] != packed {
-                self.looks[place] = packed;
-                changed.push(place);
+            if self.looks[index] != packed {
+                self.looks[index] = packed;
+                changed.push(index);
             }
         }
         self.upload(&changed);
@@ -211,13 +211,13 @@ impl InstancedCanvas {
         self.version = Some(version);
         let mut changed = Vec::new();
         for (id, look) in looks {
-            let Some(&place) = self.order.places.get(*id as usize) else {
+            let Some(&index) = self.order.positions.get(*id as usize) else {
                 continue;
             };
-            let (place, packed) = (place as usize, look.packed());
-            if self.looks[place] != packed {
-                self.looks[place] = packed;
-                changed.push(place);
+            let (index, packed) = (index as usize, look.packed());
+            if self.looks[index] != packed {
+                self.looks[index] = packed;
+                changed.push(index);
             }
         }
         changed.sort_unstable();

@@ -80,9 +80,11 @@ pub fn cursor(
         return;
     }
     let zoom = format!("{:>7.2} px/r", subject.camera.scale);
-    let place = pointer.map(|pos| subject.camera.domain_from_screen(rect, pos));
-    let place = place.map(|DVec2 { x, y }| format!("x {x:>8.3} r  y {y:>8.3} r"));
-    let both = place.as_ref().map(|place| format!("{place}  {zoom}"));
+    let position = pointer.map(|pos| subject.camera.domain_from_screen(rect, pos));
+    let position = position.map(|DVec2 { x, y }| format!("x {x:>8.3} r  y {y:>8.3} r"));
+    let both = position
+        .as_ref()
+        .map(|position| format!("{position}  {zoom}"));
     // A narrow picture has no room for all of it beside the scale bar.
     let room = rect.width() - 2.0 * INSET - (bar(subject).1 + 21.0);
     let fits = |text: &String| {
@@ -90,7 +92,7 @@ pub fn cursor(
         let galley = painter.layout_no_wrap(text.clone(), font, palette.text);
         galley.size().x <= room
     };
-    let texts = [both, place, Some(zoom.trim_start().to_owned())];
+    let texts = [both, position, Some(zoom.trim_start().to_owned())];
     if let Some(text) = texts.into_iter().flatten().find(fits) {
         let corner = rect.right_bottom() - vec2(INSET, INSET - 4.0);
         tag(painter, corner, Align2::RIGHT_BOTTOM, &text, palette);
@@ -116,9 +118,9 @@ pub fn note(
         };
         let galley = painter.layout(text.to_owned(), font, palette.text, width);
         let pos = pos2(middle, rect.top() + INSET - 4.0);
-        let place = Align2::CENTER_TOP.anchor_size(pos, galley.size());
-        painter.rect_filled(place.expand2(vec2(12.0, 6.0)), 14.0, palette.panel);
-        painter.galley(place.min, galley, palette.text);
+        let rect = Align2::CENTER_TOP.anchor_size(pos, galley.size());
+        painter.rect_filled(rect.expand2(vec2(12.0, 6.0)), 14.0, palette.panel);
+        painter.galley(rect.min, galley, palette.text);
     }
 }
 

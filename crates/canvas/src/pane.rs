@@ -158,7 +158,7 @@ fn coverage(frame: &PixelGrid, shown: &ShownMoment<'_>) -> Coverage {
     session.index.visit(low, high, 1.0, |seen| {
         if shown.covers(seen.id) {
             let before = !inserted_now.contains(&seen.id);
-            coverage.cover(frame.pixel_from_domain(seen.place), radius, before);
+            coverage.cover(frame.pixel_from_domain(seen.position), radius, before);
         }
     });
     coverage
@@ -173,7 +173,7 @@ fn as_points(scene: &Scene<'_>, looks: &Looks<'_>, frame: &PixelGrid) -> ColorIm
         .visit(scene.low, scene.high, 0.0, |seen| {
             let is_there = || scene.shown.covers(seen.id);
             if !seen.image && is_there() {
-                density.add(frame.pixel_from_domain(seen.place), looks.color(seen.id));
+                density.add(frame.pixel_from_domain(seen.position), looks.color(seen.id));
             }
         });
     density.image(1.1)

@@ -39,11 +39,11 @@ impl PixelGrid {
         self.camera.scale * f64::from(self.pixels_per_point)
     }
 
-    /// Returns where `place` lies, in pixels from the upper left corner.
+    /// Returns where `position` lies, in pixels from the upper left corner.
     #[must_use]
-    pub fn pixel_from_domain(&self, place: DVec2) -> DVec2 {
+    pub fn pixel_from_domain(&self, position: DVec2) -> DVec2 {
         let half = self.viewport.size() * self.pixels_per_point * 0.5;
-        let from_middle = (place - self.camera.center) * self.scale();
+        let from_middle = (position - self.camera.center) * self.scale();
         DVec2::new(
             f64::from(half.x) + from_middle.x,
             f64::from(half.y) - from_middle.y,
@@ -117,15 +117,15 @@ impl Coverage {
         let period = (7.0 * pixels_per_point).round().max(3.0) as usize;
         let thick = (2.0 * pixels_per_point).round().max(1.0) as usize;
         for first in (0..width * height).step_by(SKIP) {
-            let places = first..(first + SKIP).min(width * height);
+            let pixels = first..(first + SKIP).min(width * height);
             // Most stretches are covered, and nothing is drawn there.
-            if self.cells[places.clone()]
+            if self.cells[pixels.clone()]
                 .iter()
                 .all(|&cell| cell >= BEFORE)
             {
                 continue;
             }
-            for k in places {
+            for k in pixels {
                 image.pixels[k] = match self.cells[k] {
                     OPEN if self.is_edge(k) => edge,
                     OPEN if (k / width + k % width) % period < thick => hatch,

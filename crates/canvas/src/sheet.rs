@@ -152,13 +152,13 @@ impl Surface for Sheet<'_> {
     fn tag(&mut self, tag: &Tag) {
         let font = FontId::monospace(tag.size);
         let galley = self.painter.layout_no_wrap(tag.text.clone(), font, tag.ink);
-        let place = tag.anchor.anchor_size(tag.pos, galley.size());
-        let ground = place.expand2(tag.padding);
+        let rect = tag.anchor.anchor_size(tag.pos, galley.size());
+        let ground = rect.expand2(tag.padding);
         let border = tag.border.map_or(egui::Stroke::NONE, line);
         let kind = StrokeKind::Inside;
         let ground = RectShape::new(ground, tag.rounding, tag.ground, border, kind);
         self.add(ground.into());
-        self.add(Shape::galley(place.min, galley, tag.ink));
+        self.add(Shape::galley(rect.min, galley, tag.ink));
     }
 
     fn text_size(&self, text: &str, size: f32) -> Vec2 {

@@ -227,15 +227,20 @@ mod tests {
     #[test]
     fn unshared_meshes_are_reused() {
         let mut sprites = Sprites::default();
-        let held = Shape::mesh(Mesh::default());
+        let shared = Shape::mesh(Mesh::default());
         let mut large = Mesh::default();
         large.reserve_vertices(1_000);
-        sprites.take_back([held.clone(), Shape::mesh(large), held.clone(), Shape::Noop]);
+        sprites.take_back([
+            shared.clone(),
+            Shape::mesh(large),
+            shared.clone(),
+            Shape::Noop,
+        ]);
         let again = sprites.mesh(TextureId::User(7));
         assert!(again.vertices.capacity() >= 1_000);
         assert_eq!(again.texture_id, TextureId::User(7));
         let fresh = sprites.mesh(TextureId::default());
-        assert_eq!(fresh.vertices.capacity(), 0, "the one that is held stays");
-        drop(held);
+        assert_eq!(fresh.vertices.capacity(), 0, "the shared one stays");
+        drop(shared);
     }
 }

@@ -8,7 +8,7 @@ use crate::sprites::{Sprite, Sprites, Stamp};
 /// Half the width of the line that the stroke's picture shows, in screen points.
 const HALF_WIDTH: f32 = 0.7;
 
-/// A mesh of one symbol at many places.
+/// A mesh of one symbol at many positions.
 pub struct Stamps {
     stamp: Stamp,
     mesh: Mesh,

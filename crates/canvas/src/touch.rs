@@ -14,7 +14,7 @@ pub struct Pinch {
     pub factor: f32,
 }
 
-/// What moves the pointer in this frame.
+/// The device that moves the pointer in this frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Hand {
     /// A mouse, or no pointer.
@@ -31,7 +31,7 @@ pub enum Hand {
 /// The touch state of this frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Touch {
-    /// What moves the pointer.
+    /// The device that moves the pointer.
     pub hand: Hand,
     /// The gesture of two fingers that began on this canvas.
     pub pinch: Option<Pinch>,

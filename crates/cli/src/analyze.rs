@@ -23,7 +23,7 @@ use tilescope_figures::chart::{Figure, figure_scene};
 use tilescope_formats::write_whole;
 
 use crate::options::{SetArguments, UNIT_SQUARE};
-use crate::place::{check_place, extension};
+use crate::target::{check_file, extension};
 use crate::{EXIT_BAD_INPUT, EXIT_FINE, interrupt, output};
 use gather::Analysis;
 
@@ -56,7 +56,7 @@ pub struct AnalyzeArguments {
 }
 
 const EXAMPLES: &str = "\
-Sides and boundary that neither a certificate nor an argument tells are those of the periodic unit
+Sides and boundary that neither a certificate nor an argument gives are those of the periodic unit
 square. Where no radius is known, the smallest distance between two samples stands for it.
 
 Frequencies are given as nu = |k| / sqrt(N), distances over r_max, the smallest distance in the
@@ -90,7 +90,7 @@ pub fn run(arguments: &AnalyzeArguments) -> Result<u8> {
             path.display()
         );
         check_no_input_is_replaced(arguments, path)?;
-        check_place(path).context("--out")?;
+        check_file(path).context("--out")?;
     }
     if let Some(nu) = arguments.frequencies {
         // What is too much for one sample is too much for any set.
@@ -121,7 +121,7 @@ pub fn run(arguments: &AnalyzeArguments) -> Result<u8> {
 fn check_no_input_is_replaced(arguments: &AnalyzeArguments, out: &Path) -> Result<()> {
     for input in arguments.files.iter().chain(&arguments.against) {
         ensure!(
-            gather::place(input) != gather::place(out),
+            gather::canonical(input) != gather::canonical(out),
             "{}: --out would be written over this set; give it another name",
             input.display()
         );

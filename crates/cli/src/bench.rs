@@ -31,7 +31,7 @@ enum Method {
     Sequential {
         leaf: f64,
     },
-    /// With the place of its pool.
+    /// With the index of its pool.
     Parallel {
         leaf: f64,
         pool: usize,
@@ -48,7 +48,7 @@ struct Row {
     reports: Vec<Report>,
 }
 
-/// What is measured of windows.
+/// The measurements of windows.
 struct Windows {
     plane_seconds: f64,
     seconds: Vec<f64>,
@@ -193,7 +193,7 @@ fn sequential(parameters: &Parameters, pattern: &Arc<Pattern>) -> Result<Vec<Poi
     Ok(engine.finish(&mut stop_on_interrupt)?.points())
 }
 
-/// Takes windows at random places of a large plane, one a round.
+/// Takes windows at random positions of a large plane, one a round.
 fn measure_windows(
     arguments: &BenchArguments,
     parameters: &Parameters,

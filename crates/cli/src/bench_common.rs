@@ -1,5 +1,5 @@
-//! What both benches of `tilescope bench` share: the arguments, the parallel engine that each of them times, and how rounds
-//! are summed up.
+//! The common part of both benches of `tilescope bench`: the arguments, the parallel engine that each of them times,
+//! and how rounds are summed up.
 
 use std::ops::ControlFlow;
 
@@ -45,7 +45,7 @@ pub struct BenchArguments {
     pub json: bool,
 }
 
-/// What is measured.
+/// The engines that are measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Measured {
     /// The engines of the CPU

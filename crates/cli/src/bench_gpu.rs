@@ -33,7 +33,7 @@ struct Row {
     valid: bool,
 }
 
-/// What the passes of one name took.
+/// The time of the passes of one name.
 struct Pass {
     stage: &'static str,
     name: &'static str,
@@ -48,7 +48,7 @@ struct Pass {
 struct Timed {
     passes: Vec<Pass>,
     samples: usize,
-    /// The most bytes that its buffers held at once.
+    /// Peak size of its buffers, in bytes.
     held_bytes: u64,
     /// Bytes a second that the device copies, read and written.
     copy_rate: f64,

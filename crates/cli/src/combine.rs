@@ -25,8 +25,8 @@ use crate::interrupt;
 use crate::make::{self, Made};
 use crate::options::{PRECISIONS, named};
 use crate::output;
-use crate::place::check_target;
 use crate::progress::Stopwatch;
+use crate::target::check_target;
 
 use pieces::Census;
 
@@ -39,7 +39,7 @@ pub struct CombineArguments {
     /// Save the set, validated, with a certificate beside it; the extension gives the format
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
-    /// Format of the file, where the extension does not tell
+    /// Format of the file, if its extension does not name one
     #[arg(long, value_name = "FORMAT", requires = "out")]
     format: Option<Format>,
     /// Number type, for formats that leave the choice: f32 or f64
@@ -77,7 +77,7 @@ Pieces:
                and the layout's; the boundary is the layout's, all else as in sample, if not given
   file         a point set, relative to the layout's folder, with a certificate beside it or with
                "radius" and, unless it is the periodic unit square, "width", "height", "boundary"
-  offset       of a set by file or parameters: which place of it, in its own units, lies on the
+  offset       of a set by file or parameters: which point of it, in its own units, lies on the
                rectangle's lowest corner
 Every set is scaled until its radius is the layout's. One that is not conflict-free and maximal is
 refused. A periodic set repeats; a bounded one must reach over its rectangle.
@@ -151,7 +151,7 @@ fn glue(path: &Path) -> Result<Glued> {
 /// Reads a layout. Fails when it is too long or has another form.
 fn read(path: &Path) -> Result<Layout> {
     let about = fs::metadata(path)?;
-    ensure!(about.is_file(), "this is no file");
+    ensure!(about.is_file(), "this is not a file");
     let bytes = about.len();
     if bytes > MAX_LAYOUT_BYTES {
         return Err(LayoutError::TooLong { bytes }.into());
@@ -162,8 +162,8 @@ fn read(path: &Path) -> Result<Layout> {
 /// Returns the layout as a certificate states it: files without folders, with their digests.
 fn stated(layout: &Layout, placed: &PlacedLayout, folder: &Path) -> Result<Value> {
     let mut stated = serde_json::to_value(layout)?;
-    for (k, place) in placed.places.iter().enumerate() {
-        if let PieceSource::File { path, .. } = &place.source {
+    for (k, piece) in placed.places.iter().enumerate() {
+        if let PieceSource::File { path, .. } = &piece.source {
             let named = named_by_content(&folder.join(path))?;
             stated["pieces"][k]["file"] = named["file"].clone();
             stated["pieces"][k]["digest"] = named["digest"].clone();

@@ -8,8 +8,8 @@ use tilescope_analysis::{Region, VerifyOptions};
 use tilescope_formats::{CheckError, ExportContext, Format, PointSet};
 
 use crate::options::{SetArguments, UNIT_SQUARE};
-use crate::place::check_target;
 use crate::progress::verifying;
+use crate::target::check_target;
 use crate::{interrupt, output, verdict_code};
 
 /// Arguments of `tilescope convert`.
@@ -22,7 +22,7 @@ pub struct ConvertArguments {
     output: PathBuf,
     #[command(flatten)]
     set: SetArguments,
-    /// Format of the output, where the extension does not tell
+    /// Format of the output, if its extension does not name one
     #[arg(long, value_name = "FORMAT")]
     to: Option<Format>,
 }

@@ -10,7 +10,7 @@ use tilescope_figures::{Palette, PictureOptions, Rect, Scene, SetPicture, set_sc
 use tilescope_formats::{Certificate, PointSet, Provenance, write_whole};
 
 use crate::options::{SetArguments, UNIT_SQUARE, of_run};
-use crate::place::{check_place, extension};
+use crate::target::{check_file, extension};
 use crate::{EXIT_FINE, interrupt, output};
 
 /// Arguments of `tilescope draw`.
@@ -38,8 +38,8 @@ pub struct DrawArguments {
 }
 
 const EXAMPLES: &str = "\
-Disks need a radius: from the certificate, or --radius. Blocks are drawn when the certificate tells
-the parameters of a KDRT run; samples have their block's colour when the file tells their origin
+Disks need a radius: from the certificate, or --radius. Blocks are drawn when the certificate states
+the parameters of a KDRT run; samples have their block's colour when the file states their origin
 (.ply and .json do).
 
 Examples:
@@ -60,7 +60,7 @@ pub fn run(arguments: &DrawArguments) -> Result<u8> {
         "svg" => true,
         _ => bail!("{}: the extension must be .png or .svg", path.display()),
     };
-    check_place(path)?;
+    check_file(path)?;
     ensure!(
         (16..=32_768).contains(&arguments.size),
         "--size is {}; it must be between 16 and 32768 pixels",

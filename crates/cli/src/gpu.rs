@@ -38,7 +38,7 @@ struct Tested {
     test: TestReport,
 }
 
-/// What the test of an adapter showed.
+/// The result of the test of an adapter.
 #[derive(Serialize)]
 struct TestReport {
     /// `passed`, `FAILED`, or `not run` where the adapter allows too little or cannot be told from another one.
@@ -46,8 +46,9 @@ struct TestReport {
     passed: bool,
     /// Samples compared.
     samples: usize,
-    /// What was compared, or why the test failed or was not run.
-    said: String,
+    /// The comparison made, or why the test failed or was not run.
+    #[serde(rename = "said")]
+    detail: String,
 }
 
 pub fn run(arguments: &GpuArguments) -> Result<u8> {
@@ -87,12 +88,12 @@ impl Tested {
             name: Some(report.name.clone()),
             ..Choice::default()
         };
-        let (verdict, samples, said) = match block_on(Gpu::open(&choice)) {
+        let (verdict, samples, detail) = match block_on(Gpu::open(&choice)) {
             Err(error) => (NOT_RUN, 0, error.to_string()),
             // Adapters are opened by name, and the first one of a name is opened.
             Ok(gpu) if *gpu.report() != report => {
-                let said = "an adapter before it has the same name".to_owned();
-                (NOT_RUN, 0, said)
+                let detail = "an adapter before it has the same name".to_owned();
+                (NOT_RUN, 0, detail)
             }
             Ok(gpu) => match block_on(self_test(&Arc::new(gpu))) {
                 Ok(test) if test.passed => (PASSED, test.samples, test.verdict),
@@ -104,7 +105,7 @@ impl Tested {
             verdict,
             passed: verdict == PASSED,
             samples,
-            said,
+            detail,
         };
         Self { report, test }
     }
@@ -121,7 +122,7 @@ impl Tested {
             report.driver,
             limits_text(&report.limits),
             test.verdict,
-            test.said,
+            test.detail,
         )
     }
 

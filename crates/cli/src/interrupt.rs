@@ -22,7 +22,7 @@ pub struct Interrupted(&'static str);
 
 /// A command did not finish, and can go on from the checkpoint of this file.
 #[derive(Debug, thiserror::Error)]
-#[error("{}: not finished; the same command with --resume goes on from the last checkpoint", .0.display())]
+#[error("{}: not finished; run the same command with --resume to continue from the last checkpoint", .0.display())]
 pub struct Resumable(pub PathBuf);
 
 /// Starts to listen for requests to end. Called by commands that take long, or write files.
@@ -99,8 +99,8 @@ impl Signals {
 #[cfg(unix)]
 const SIGXFSZ: i32 = 25;
 
-/// Whether this process was started to outlive its terminal, by nohup. Only Linux shows that; elsewhere the signal is not
-/// listened to.
+/// Returns whether this process was started to outlive its terminal, by nohup. Only Linux shows that; elsewhere the
+/// signal is not listened to.
 #[cfg(unix)]
 fn is_hangup_ignored() -> bool {
     std::fs::read_to_string("/proc/self/status").map_or(true, |status| ignores_hangup(&status))

@@ -17,7 +17,6 @@ mod make;
 mod options;
 mod output;
 mod parameters;
-mod place;
 mod progress;
 mod reproduce;
 mod sample;
@@ -25,6 +24,7 @@ mod sample_arguments;
 mod script;
 mod soak;
 mod stream;
+mod target;
 mod verify;
 mod web;
 mod window;
@@ -50,7 +50,7 @@ pub const EXIT_INTERRUPTED: u8 = 130;
 #[derive(Debug, Parser)]
 #[command(name = "tilescope", version, about, long_about = None, after_help = EXAMPLES, args_conflicts_with_subcommands = true)]
 pub struct Arguments {
-    /// What to do; without one the window opens.
+    /// The command to run; without one the window opens.
     #[command(subcommand)]
     pub command: Option<Command>,
     /// Open the window on what a link describes: the address of a page, or what stands behind its #
@@ -173,9 +173,9 @@ fn exit_code(outcome: anyhow::Result<u8>) -> ExitCode {
         Err(error) if interrupt::obeyed() => {
             let cancelled = |error| matches!(error, &ReproduceError::Cancelled);
             let goes_on = if error.is::<interrupt::Resumable>() {
-                "; the same command with --resume goes on"
+                "; run the same command with --resume to continue"
             } else if error.downcast_ref().is_some_and(cancelled) {
-                "; the same command goes on where it stopped"
+                "; run the same command again to continue"
             } else {
                 ""
             };

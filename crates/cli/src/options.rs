@@ -75,7 +75,7 @@ pub struct SetArguments {
     /// How the domain ends
     #[arg(long, value_parser = named::<Boundary>(&BOUNDARIES))]
     pub boundary: Option<Boundary>,
-    /// Format of the input, where neither extension nor content tell
+    /// Format of the input, if neither its extension nor its content names one
     #[arg(long, value_name = "FORMAT")]
     pub format: Option<Format>,
 }

@@ -1,4 +1,4 @@
-//! What commands print: text for people, one JSON object for programs.
+//! The output of commands: text for people, one JSON object for programs.
 
 use std::fmt::Write;
 use std::path::PathBuf;

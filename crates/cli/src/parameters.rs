@@ -162,15 +162,15 @@ impl RunArguments {
         }
     }
 
-    /// Returns the run. One whose set is `held` in memory is limited in size.
+    /// Returns the run. One whose set stays `in_memory` is limited in size.
     pub fn resolve(
         &self,
         parameters: Parameters,
         backend: Backend,
-        held: bool,
+        in_memory: bool,
         watch: &mut Stopwatch,
     ) -> Result<Resolved> {
-        if held && self.count.is_none() {
+        if in_memory && self.count.is_none() {
             parameters.validate_sequential()?;
         }
         let (pattern, pattern_file) = match &self.pattern {
@@ -186,7 +186,7 @@ impl RunArguments {
             parameters.radius = radius_for_count(&parameters, count, &pattern, watch)?;
             watch.drop_tries();
         }
-        let domain = if held {
+        let domain = if in_memory {
             parameters.validate_sequential()?
         } else {
             parameters.validate()?

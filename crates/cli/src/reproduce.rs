@@ -46,10 +46,10 @@ pub struct ReproduceArguments {
     json: bool,
 }
 
-/// What comes before the work, or instead of it.
+/// Options that act before the work, or instead of it.
 #[derive(Debug, Args)]
 struct Before {
-    /// Forget what an earlier run of these experiments left in the folder
+    /// Delete what an earlier run of these experiments left in the folder
     #[arg(long)]
     fresh: bool,
     /// Only say how many units of work there are, and how many of them --out has already
@@ -70,7 +70,7 @@ Experiments:
   all          all of them
 
 The folder receives report.html and REPORT.md, figures (PNG, SVG) and data (CSV, JSON). When
-interrupted, the same command goes on where it stopped; what depends on other settings, another
+interrupted, run the same command again to continue; what depends on other settings, another
 machine or another version is made anew.
 
 A set of another method is compared by tilescope analyze theirs.txt --against ours-*.npy.

@@ -5,9 +5,9 @@ use tilescope_core::Parameters;
 
 use crate::make;
 use crate::output::{self, Outcome};
-use crate::place::check_target;
 use crate::progress::Stopwatch;
 use crate::sample_arguments::{SampleArguments, SamplingMethod};
+use crate::target::check_target;
 use crate::{interrupt, stream, window};
 
 pub fn run(arguments: &SampleArguments) -> Result<u8> {
@@ -71,7 +71,7 @@ fn outcome(arguments: &SampleArguments) -> Result<Outcome> {
     Ok(with_remark(arguments, &parameters, outcome))
 }
 
-/// Adds a remark on a pattern that repeats itself within blocks.
+/// Adds a remark on a pattern that repeats within blocks.
 fn with_remark(
     arguments: &SampleArguments,
     parameters: &Parameters,
@@ -80,7 +80,7 @@ fn with_remark(
     let is_tiled = arguments.method == SamplingMethod::Kdrt && arguments.run.pattern.is_none();
     if let Some(side) = parameters.side_without_repeats().filter(|_| is_tiled) {
         let remark = format!(
-            "the pattern of {} r repeats itself within the largest blocks, which spectra show; --pattern-side {side} holds them",
+            "the pattern of {} r repeats within the largest blocks, which spectra show; --pattern-side {side} would avoid that",
             parameters.pattern.side
         );
         outcome.warnings.insert(0, remark);

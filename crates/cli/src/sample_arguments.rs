@@ -24,14 +24,14 @@ pub struct SampleArguments {
     pub run: RunArguments,
     #[command(flatten)]
     pub engine: EngineArguments,
-    /// Only the samples in this rectangle, X0 <= x < X1 and Y0 <= y < Y1: exactly those of the whole
-    /// set, which is never made; in a periodic domain it may lie across the border or beyond, and a bounded
-    /// one's border belongs to the windows that reach it
+    /// Only the samples of the set in this rectangle, X0 <= x < X1 and Y0 <= y < Y1, without making the
+    /// rest. In a periodic domain it may cross the border or lie beyond it; in a bounded domain a rectangle
+    /// that reaches the upper border includes it
     #[arg(long, num_args = 4, value_names = ["X0", "Y0", "X1", "Y1"],
         conflicts_with_all = ["shuffle", "resume", "no_verify"])]
     pub window: Option<Vec<f64>>,
-    /// KDRT, or the reference sampler, which makes a maximal set from scratch and of the arguments
-    /// above heeds radius or count, sides, boundary and seed
+    /// KDRT, or the reference sampler, which makes a maximal set from scratch and, of the arguments
+    /// above, uses only radius or count, sides, boundary and seed
     #[arg(long, value_enum, default_value = "kdrt")]
     pub method: SamplingMethod,
     /// Save the set, validated, with a certificate beside it; the extension gives the format.
@@ -47,7 +47,7 @@ pub struct SampleArguments {
     /// Do not verify; a file then has no certificate
     #[arg(long, requires = "out")]
     pub no_verify: bool,
-    /// Format of the file, where the extension does not tell
+    /// Format of the file, if its extension does not name one
     #[arg(long, value_name = "FORMAT", requires = "out")]
     pub format: Option<Format>,
     /// Number type, for formats that leave the choice: f32 or f64. Rounding to f32 moves samples of large sets (from some

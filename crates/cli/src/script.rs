@@ -26,7 +26,8 @@ pub struct ScriptArguments {
 const MAX_BYTES: u64 = 16 << 20;
 
 const EXAMPLES: &str = r#"A script begins with the default session. It holds the commands that buttons and keys of the window issue;
-the work that one starts is waited for. Cameras jump instead of flying, and time does not run by itself.
+each command's work ends before the next command begins. Cameras jump instead of flying, and time does not
+run by itself.
 
   [{"form": {"type": ["seed", "7"]}}, "run",
    {"debug": {"toggle-breakpoint": "eliminate.5"}}, {"time": {"continue": "forwards"}},
@@ -58,5 +59,5 @@ fn read(file: &Path) -> Result<String> {
         bytes.len() as u64 <= MAX_BYTES,
         "the script is larger than {MAX_BYTES} bytes, the most that is read"
     );
-    String::from_utf8(bytes).context("a script is text in UTF-8")
+    String::from_utf8(bytes).context("the script is not valid UTF-8")
 }

@@ -56,7 +56,7 @@ const MAX_FAULTS: usize = 50;
 /// Windows compared in a round.
 const WINDOWS: u32 = 4;
 
-/// What rounds add up to.
+/// Totals over the rounds.
 #[derive(Clone, Debug, Default, Serialize)]
 struct Tally {
     rounds: u64,

@@ -85,7 +85,7 @@ fn state_of(path: &Path, facts: &Facts, no_verify: bool) -> Result<SweepState> {
         let begun = &token["parameters"][name];
         ensure!(
             begun == asked,
-            "the interrupted run had {name} {begun}, asked was {asked}; all arguments must be the same"
+            "the interrupted run had {name} {begun}, this one has {asked}; all arguments must be the same"
         );
     }
     ensure!(
@@ -134,7 +134,7 @@ fn pass_into(
     })
 }
 
-/// What the computing thread sends to the writing one.
+/// A message from the computing thread to the writing one.
 enum Message {
     /// Samples, and what a checkpoint behind them must say to go on from there.
     Band(Sampled, Value),

@@ -161,19 +161,19 @@ fn folder(asked: Option<&Path>) -> Result<PathBuf> {
         );
         return Ok(folder.to_owned());
     }
-    let mut places = vec![PathBuf::from("web/dist")];
+    let mut folders = vec![PathBuf::from("web/dist")];
     if let Ok(program) = std::env::current_exe()
         && let Some(beside) = program.parent()
     {
-        places.push(beside.join("web"));
+        folders.push(beside.join("web"));
     }
-    if let Some(folder) = places.iter().find(|folder| has_page(folder)) {
+    if let Some(folder) = folders.iter().find(|folder| has_page(folder)) {
         return Ok(folder.clone());
     }
-    let places: Vec<String> = places.iter().map(|p| p.display().to_string()).collect();
+    let folders: Vec<String> = folders.iter().map(|p| p.display().to_string()).collect();
     bail!(
         "there is no page in {}; run web/build, or name its folder by --folder",
-        places.join(" or ")
+        folders.join(" or ")
     )
 }
 

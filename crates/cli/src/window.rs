@@ -25,9 +25,9 @@ const MAX_SAMPLES: f64 = 2e7;
 /// Gaps that the verifier lists, more than the cut borders of a window have.
 const MAX_GAPS: usize = 1 << 20;
 
-/// What the verifier says of a window.
+/// The verdict of the verifier on a window.
 #[derive(Serialize)]
-struct Verdict {
+struct WindowVerdict {
     /// Pairs in conflict in the window and around it.
     conflicts: u64,
     /// Uncovered places in the window.
@@ -52,7 +52,7 @@ struct WindowReport {
     count: usize,
     seconds: f64,
     #[serde(flatten)]
-    verdict: Verdict,
+    verdict: WindowVerdict,
     file: Option<String>,
 }
 
@@ -161,7 +161,7 @@ fn text(report: &WindowReport) -> String {
 }
 
 /// Judges a window of a plane by the samples in it and around it.
-fn judge(plane: &Plane, window: &Window) -> Result<Verdict> {
+fn judge(plane: &Plane, window: &Window) -> Result<WindowVerdict> {
     let cut = plane.widened(window, &mut going_on)?;
     let region = Region {
         width: cut.size[0],
@@ -181,7 +181,7 @@ fn judge(plane: &Plane, window: &Window) -> Result<Verdict> {
     let gaps = report.worst_gaps.iter().map(|gap| gap.center);
     let gaps = gaps.filter(|center| cut.window_has(*center)).count();
     let conflicts = report.conflicts;
-    Ok(Verdict {
+    Ok(WindowVerdict {
         conflicts,
         gaps,
         min_distance_r: report.min_distance / report.radius,

@@ -77,7 +77,7 @@ pub enum Variant {
 pub struct PatternSpec {
     /// Side of the square pattern, in radii.
     pub side: f64,
-    /// A periodic pattern allows any offset and any block size; a bounded one is the paper's.
+    /// A periodic pattern can be clipped at any offset, for blocks of any size; the paper uses a bounded one.
     pub boundary: Boundary,
     /// Seed of the reference sampler that makes it. It is not the run's seed: one
     /// pattern serves every run.

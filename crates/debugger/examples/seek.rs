@@ -50,19 +50,19 @@ fn main() {
     }
 }
 
-/// Seeks to a thousand places all over the tape, and steps.
+/// Seeks to a thousand cursors all over the tape, and steps.
 fn seek(recording: &Recording) {
     let mut state = State::start(recording);
     let (mut worst, mut total) = (Duration::ZERO, Duration::ZERO);
-    let places = 1_000;
-    for k in 0..places {
+    let cursors = 1_000;
+    for k in 0..cursors {
         let cursor = (k * 7_919_777_u64 % recording.len() as u64) as usize;
         let time = best(1, || state.seek(recording, cursor));
         (worst, total) = (worst.max(time), total + time);
     }
     println!(
         "  seek anywhere: {:?} on average, {worst:?} at worst",
-        total / places as u32
+        total / cursors as u32
     );
     let middle = recording.len() / 2;
     state.seek(recording, middle);

@@ -10,7 +10,8 @@ use tilescope_core::{RunEvent, Stage};
 use crate::kind::EventKind;
 use crate::recording::Recording;
 
-/// A reference to an event by its place in its stage. Written as `eliminate.test.12` or `iterate-2.insert.1`.
+/// A reference to an event by its kind and ordinal in its stage. Written as `eliminate.test.12` or
+/// `iterate-2.insert.1`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]
 pub struct Anchor {
@@ -24,7 +25,7 @@ pub struct Anchor {
 
 /// A text that is not an anchor.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("\"{0}\" is no anchor such as eliminate.test.12")]
+#[error("\"{0}\" is not an anchor such as eliminate.test.12")]
 pub struct AnchorError(String);
 
 impl fmt::Display for Anchor {

@@ -1,5 +1,5 @@
-//! The context of a cursor: current phase, iteration, sample, search and the place under test. It follows from the last
-//! few events.
+//! The context of a cursor: current phase, iteration, sample, search and the candidate under test. It follows from the
+//! last few events.
 
 use tilescope_core::stages::detect::Sites;
 use tilescope_core::{Point, RunEvent, Stage, Verdict};
@@ -19,7 +19,7 @@ pub struct NeighbourSearch {
     pub event: u32,
 }
 
-/// A place under test.
+/// A candidate under test.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Examined {
     /// The detector that examines it.
@@ -47,7 +47,7 @@ pub struct Context {
     pub other: Option<u32>,
     /// The last search of that sample: its test buffer is [`crate::Recording::test_buffer`].
     pub search: Option<NeighbourSearch>,
-    /// The place under test.
+    /// The candidate under test.
     pub examined: Option<Examined>,
     /// The dart under test.
     pub dart: Option<(Point, Verdict)>,
@@ -87,7 +87,7 @@ impl Context {
         };
     }
 
-    /// Records a search or an examined place.
+    /// Records a search or an examined candidate.
     fn look(&mut self, run_event: RunEvent, event: u32) {
         match run_event {
             RunEvent::Search {

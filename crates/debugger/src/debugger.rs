@@ -282,7 +282,7 @@ impl Debugger {
         let cursor = self.state.cursor();
         let is_there = |mark: &Bookmark| self.marked(mark) == Marked::Here(cursor);
         if !self.bookmarks.iter().any(is_there) {
-            let mark = self.placed(Bookmark {
+            let mark = self.anchored(Bookmark {
                 event: cursor,
                 ..Bookmark::default()
             });
@@ -305,7 +305,7 @@ impl Debugger {
     }
 
     /// Returns a bookmark with the run and the anchor that it lacks.
-    fn placed(&self, mut mark: Bookmark) -> Bookmark {
+    fn anchored(&self, mut mark: Bookmark) -> Bookmark {
         if mark.run.is_empty() {
             self.run_id().clone_into(&mut mark.run);
             let last = mark.event.checked_sub(1);
@@ -318,9 +318,9 @@ impl Debugger {
     fn sort_bookmarks(&mut self) {
         let mut marks = std::mem::take(&mut self.bookmarks);
         marks.sort_by_cached_key(|mark| {
-            let place = self.marked(mark);
-            let is_other = !matches!(place, Marked::Here(_));
-            let cursor = place.cursor().unwrap_or(usize::MAX);
+            let marked = self.marked(mark);
+            let is_other = !matches!(marked, Marked::Here(_));
+            let cursor = marked.cursor().unwrap_or(usize::MAX);
             (cursor, is_other, mark.run.clone(), mark.event)
         });
         self.bookmarks = marks;
@@ -344,8 +344,8 @@ impl Debugger {
             self.add_saved(saved)?;
         }
         self.watches = stops.watches;
-        let placed = stops.bookmarks.into_iter().map(|mark| self.placed(mark));
-        self.bookmarks = placed.collect();
+        let anchored = stops.bookmarks.into_iter().map(|mark| self.anchored(mark));
+        self.bookmarks = anchored.collect();
         self.sort_bookmarks();
         Ok(())
     }

@@ -1,5 +1,5 @@
 //! Finds where two runs diverge: the first event, or the first stage, at which they differ. Samples are compared by
-//! place and not by id, since engines may number them differently.
+//! position and not by id, since engines may number them differently.
 
 mod runs;
 
@@ -48,11 +48,12 @@ pub enum Divergence {
     Stage {
         /// The stage.
         stage: Stage,
-        /// The place at which they differ; of several the lowest.
-        place: Option<Point>,
-        /// What the first run has there.
+        /// The point at which they differ; of several the lowest.
+        #[serde(rename = "place")]
+        point: Option<Point>,
+        /// A description of the first run there.
         a: String,
-        /// What the second run has there.
+        /// A description of the second run there.
         b: String,
     },
 }
@@ -125,20 +126,20 @@ fn equal(a: &Recording, x: &Event, b: &Recording, y: &Event) -> bool {
         return false;
     }
     match (x.run_event(), y.run_event()) {
-        (Some(x), Some(y)) => placed(a, x) == placed(b, y),
+        (Some(x), Some(y)) => with_points(a, x) == with_points(b, y),
         _ => x == y,
     }
 }
 
-type Places = [Option<Point>; 5];
+type Points = [Option<Point>; 5];
 
-/// Returns an event with its ids removed, and the places of these ids.
-fn placed(recording: &Recording, run_event: RunEvent) -> (RunEvent, Places) {
-    let mut places = of_block(recording, run_event);
+/// Returns an event with its ids removed, and the points of these ids.
+fn with_points(recording: &Recording, run_event: RunEvent) -> (RunEvent, Points) {
+    let mut points = of_block(recording, run_event);
     let mut bare = run_event;
     let mut at = 0;
     strip(&mut bare, &mut |id: &mut u32| {
-        places[at] = recording.point(*id);
+        points[at] = recording.point(*id);
         (*id, at) = (0, at + 1);
     });
     if let RunEvent::Candidate { sites, .. } = bare {
@@ -148,9 +149,9 @@ fn placed(recording: &Recording, run_event: RunEvent) -> (RunEvent, Places) {
             _ => 2,
         };
         // The detector comes before the sites, the sample of the verdict after them.
-        places[1..first_after].sort_unstable_by_key(|place| place.map(Point::row_major));
+        points[1..first_after].sort_unstable_by_key(|point| point.map(Point::row_major));
     }
-    (bare, places)
+    (bare, points)
 }
 
 /// Takes all ids of samples out of an event.
@@ -209,8 +210,8 @@ fn take_from_sites(sites: &mut Sites, take: &mut impl FnMut(&mut u32)) {
     }
 }
 
-/// Returns the places that describe a node or a block: its corners, and its cut or the start of its clip.
-fn of_block(recording: &Recording, run_event: RunEvent) -> Places {
+/// Returns the points that describe a node or a block: its corners, and its cut or the start of its clip.
+fn of_block(recording: &Recording, run_event: RunEvent) -> Points {
     let run = recording.run();
     let (corners, third) = match run_event {
         RunEvent::Split { index, .. } => {

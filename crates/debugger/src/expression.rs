@@ -75,13 +75,13 @@ pub enum ExpressionError {
     /// It does not parse.
     #[error("{message}")]
     Syntax {
-        /// What is wrong, and where.
+        /// The fault, and its position.
         message: String,
     },
     /// It cannot be evaluated here.
     #[error("{message}")]
     Evaluation {
-        /// What is wrong.
+        /// The fault.
         message: String,
     },
     /// The value of a condition is not true or false.
@@ -286,9 +286,9 @@ fn event_scope(recording: &Recording, state: &State, scope: &mut Scope<'static>)
     put("a", maybe(sample(a)));
     put("b", maybe(sample(b)));
     put("distance", maybe(distance(recording, a, b)));
-    let place = event.and_then(|event| recording.place(event));
-    put("place_x", maybe(place.map(|p| radii(p.x))));
-    put("place_y", maybe(place.map(|p| radii(p.y))));
+    let point = event.and_then(|event| recording.event_point(event));
+    put("place_x", maybe(point.map(|p| radii(p.x))));
+    put("place_y", maybe(point.map(|p| radii(p.y))));
 }
 
 fn others(examined: &crate::context::Examined) -> [u32; 2] {

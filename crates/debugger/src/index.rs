@@ -98,13 +98,13 @@ impl Classes {
 
 /// Returns the nearest entry of a sorted list after (or before) a cursor.
 pub(crate) fn nearest(events: &[u32], cursor: usize, direction: Direction) -> Option<usize> {
-    let place = match direction {
+    let index = match direction {
         Direction::Forwards => events.partition_point(|&event| event as usize <= cursor),
         Direction::Backwards => events
             .partition_point(|&event| (event as usize) < cursor)
             .checked_sub(1)?,
     };
-    events.get(place).map(|&event| event as usize)
+    events.get(index).map(|&event| event as usize)
 }
 
 /// The events that name each sample, in sequence: 4 bytes for each sample that an event names.

@@ -206,8 +206,8 @@ impl Listings {
     /// Returns the number of the line with a stable id.
     #[must_use]
     pub fn find(&self, id: &str) -> Option<LineId> {
-        let place = self.lines.iter().position(|line| line.id == id)?;
-        Some(LineId(place as u8))
+        let index = self.lines.iter().position(|line| line.id == id)?;
+        Some(LineId(index as u8))
     }
 }
 

@@ -171,8 +171,8 @@ fn is_second(recording: &Recording, index: usize, event: &Event) -> bool {
             sites: Sites::Corner(id),
             ..
         } => inserted(id),
-        Origin::Inserted { .. } => recording.point(sample).is_some_and(|place| {
-            let near = recording.valid_near(place, 2 * R, index);
+        Origin::Inserted { .. } => recording.point(sample).is_some_and(|point| {
+            let near = recording.valid_near(point, 2 * R, index);
             near.iter().any(inserted)
         }),
         Origin::Tiled { .. } => false,
@@ -185,10 +185,10 @@ fn violates(recording: &Recording, index: usize, event: &Event) -> bool {
         return false;
     }
     let sample = event.samples()[0];
-    let Some(place) = recording.point(sample) else {
+    let Some(point) = recording.point(sample) else {
         return false;
     };
     let stays =
         |&id: &u32| id != sample && recording.status(id, index + 1) == crate::life::Status::Kept;
-    recording.valid_near(place, R, index + 1).iter().any(stays)
+    recording.valid_near(point, R, index + 1).iter().any(stays)
 }

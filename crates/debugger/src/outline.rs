@@ -141,7 +141,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// The parents, each found by walking back.
+    /// Returns the parents, each found by walking back.
     fn parents(depths: &[u8]) -> Vec<Option<usize>> {
         (0..depths.len())
             .map(|k| (0..k).rev().find(|&j| depths[j] < depths[k]))

@@ -173,17 +173,17 @@ pub fn block(recording: &Recording, event: &Event) -> Option<u32> {
     match recording.run().samples.origins.get(sample as usize)? {
         Origin::Tiled { block, .. } => Some(*block),
         Origin::Inserted { .. } => {
-            let place = recording.point(sample)?;
+            let point = recording.point(sample)?;
             let leaves = &recording.run().blocks.leaves;
             leaves
                 .iter()
-                .position(|block| block.rect.contains(place))
+                .position(|block| block.rect.contains(point))
                 .map(|k| k as u32)
         }
     }
 }
 
-/// Returns the name of the verdict of an event that examines a place.
+/// Returns the name of the verdict of an event that examines a point.
 #[must_use]
 pub fn verdict_name(event: &Event) -> Option<&'static str> {
     let (RunEvent::Candidate { verdict, .. } | RunEvent::Dart { verdict, .. }) =

@@ -173,7 +173,7 @@ impl Recording {
         &self.run.domain
     }
 
-    /// Returns the place of a sample, or `None` for an unknown id.
+    /// Returns the position of a sample, or `None` for an unknown id.
     #[must_use]
     pub fn point(&self, sample: u32) -> Option<Point> {
         self.run.samples.points.get(sample as usize).copied()
@@ -245,12 +245,12 @@ impl Recording {
         self.valid_near(centre, search.radius, search.event as usize)
     }
 
-    /// Returns the samples within `radius` units of a place that are valid at `cursor`, by id.
+    /// Returns the samples within `radius` units of a point that are valid at `cursor`, by id.
     #[must_use]
-    pub fn valid_near(&self, place: Point, radius: i32, cursor: usize) -> Vec<u32> {
+    pub fn valid_near(&self, point: Point, radius: i32, cursor: usize) -> Vec<u32> {
         let limit = i64::from(radius) * i64::from(radius);
         let mut found = Vec::new();
-        self.grid.any_near(place, radius, |near| {
+        self.grid.any_near(point, radius, |near| {
             let (dx, dy) = (i64::from(near.offset.0), i64::from(near.offset.1));
             if dx * dx + dy * dy <= limit && self.status(near.id, cursor).is_valid() {
                 found.push(near.id);
@@ -261,12 +261,12 @@ impl Recording {
         found
     }
 
-    /// Returns all samples that ever were within `radius` units of a place, by id.
+    /// Returns all samples that ever were within `radius` units of a point, by id.
     #[must_use]
-    pub fn ever_near(&self, place: Point, radius: i32) -> Vec<u32> {
+    pub fn ever_near(&self, point: Point, radius: i32) -> Vec<u32> {
         let limit = i64::from(radius) * i64::from(radius);
         let mut found = Vec::new();
-        self.grid.any_near(place, radius, |near| {
+        self.grid.any_near(point, radius, |near| {
             let (dx, dy) = (i64::from(near.offset.0), i64::from(near.offset.1));
             if dx * dx + dy * dy <= limit {
                 found.push(near.id);
@@ -277,9 +277,9 @@ impl Recording {
         found
     }
 
-    /// Returns the place that an event examines or changes, or `None` if it has none in the domain.
+    /// Returns the point that an event examines or changes, or `None` if it has none in the domain.
     #[must_use]
-    pub fn place(&self, event: &Event) -> Option<Point> {
+    pub fn event_point(&self, event: &Event) -> Option<Point> {
         match event.run_event()? {
             RunEvent::Candidate {
                 detector, offset, ..
@@ -295,8 +295,8 @@ impl Recording {
         }
     }
 
-    /// Returns the last event before `end` that accepted the place made by `sites`. Takes time logarithmic in the
-    /// number of places.
+    /// Returns the last event before `end` that accepted the candidate made by `sites`. Takes time logarithmic in the
+    /// number of candidates.
     #[must_use]
     pub fn gap(&self, sites: Sites, end: usize) -> Option<usize> {
         let first = self.gaps.partition_point(|(other, _)| *other < sites);
@@ -309,7 +309,7 @@ impl Recording {
         before.last()
     }
 
-    /// Returns whether an event accepts a place as lying in a gap.
+    /// Returns whether an event accepts a point as lying in a gap.
     #[must_use]
     pub fn is_gap(event: &Event) -> bool {
         match event.run_event() {

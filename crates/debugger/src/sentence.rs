@@ -55,8 +55,8 @@ pub(crate) fn radii(units: f64) -> String {
     }
 }
 
-/// Returns a place in r from the domain's lowest corner.
-pub(crate) fn place(point: Point) -> String {
+/// Returns the coordinates of a point, in r from the domain's lowest corner.
+pub(crate) fn coordinates(point: Point) -> String {
     let radii = |x: i32| f64::from(x) / f64::from(R);
     format!("({:.2}, {:.2}) r", radii(point.x), radii(point.y))
 }

@@ -141,7 +141,7 @@ pub enum SessionError {
     /// It exceeds a limit for saved sessions.
     #[error("the session has {found} {what}; at most {limit} are taken")]
     TooMuch {
-        /// What exceeds the limit.
+        /// The quantity that exceeds the limit.
         what: &'static str,
         /// How much there is.
         found: usize,

@@ -1,5 +1,5 @@
 //! Causes and histories: the event that caused an event, and so on up to the split of the KD-tree; and all events of a
-//! sample or a place.
+//! sample or a point.
 
 use tilescope_core::{Origin, Point, R, Rect, RunEvent};
 
@@ -8,8 +8,8 @@ use crate::kind::EventKind;
 use crate::moves::Direction;
 use crate::recording::Recording;
 
-/// How near a place an examined place must be to belong to its history: r / 8.
-pub const PLACE_REACH: i32 = R / 8;
+/// How near a point an examined point must be to belong to its history: r / 8.
+pub const POINT_REACH: i32 = R / 8;
 
 /// Returns the event that caused an event, which is always an earlier one; `None` for events without a cause: a phase,
 /// an iteration, the first split.
@@ -64,19 +64,19 @@ pub fn history_of_sample(recording: &Recording, sample: u32) -> Vec<usize> {
     events.map(|&event| event as usize).collect()
 }
 
-/// Returns the events that touched a place, in sequence: the splits and the block that hold it, all changes of
-/// samples that ever covered it, and examined places, darts and cells within [`PLACE_REACH`].
+/// Returns the events that touched a point, in sequence: the splits and the block that hold it, all changes of
+/// samples that ever covered it, and examined points, darts and cells within [`POINT_REACH`].
 #[must_use]
-pub fn history_of_place(recording: &Recording, place: Point) -> Vec<usize> {
+pub fn history_of_point(recording: &Recording, point: Point) -> Vec<usize> {
     let mut events = Vec::new();
-    for sample in recording.ever_near(place, R) {
+    for sample in recording.ever_near(point, R) {
         if let Some(life) = recording.life(sample) {
             events.extend([life.born, life.kept, life.lost, life.marked]);
         }
     }
     events.retain(|&event| event != NONE);
     let blocks = &recording.run().blocks;
-    let holds = |rect: &Rect| rect.contains(place);
+    let holds = |rect: &Rect| rect.contains(point);
     let splits = blocks.splits.iter().zip(recording.splits());
     events.extend(
         splits
@@ -89,14 +89,14 @@ pub fn history_of_place(recording: &Recording, place: Point) -> Vec<usize> {
             .filter(|(b, _)| holds(&b.rect))
             .map(|(_, &event)| event),
     );
-    let limit = i64::from(PLACE_REACH) * i64::from(PLACE_REACH);
+    let limit = i64::from(POINT_REACH) * i64::from(POINT_REACH);
     for (index, event) in recording.tape().from(0) {
         if matches!(
             event.kind(),
             EventKind::Candidate | EventKind::Pass | EventKind::Dart | EventKind::Cut
         ) {
-            let near = |p| recording.domain().distance_squared(p, place) <= limit;
-            if recording.place(event).is_some_and(near) {
+            let near = |p| recording.domain().distance_squared(p, point) <= limit;
+            if recording.event_point(event).is_some_and(near) {
                 events.push(index as u32);
             }
         }
@@ -167,7 +167,7 @@ fn cause_of_search(recording: &Recording, centre: u32, index: usize) -> Option<u
     last.map(|event| event as u32)
 }
 
-/// Returns the event that examined and accepted the place, or the dart.
+/// Returns the event that examined and accepted the candidate, or the dart.
 fn cause_of_insertion(recording: &Recording, sample: u32, index: usize) -> Option<u32> {
     let Origin::Inserted { sites, .. } = recording.run().samples.origins[sample as usize] else {
         return None;

@@ -20,13 +20,13 @@ pub struct Ages {
 }
 
 impl Ages {
-    /// The ages of a session's samples. It takes time logarithmic in their number.
+    /// Returns the ages of a session's samples. It takes time logarithmic in their number.
     pub fn of(session: &Session) -> Self {
         let run = session.run();
         let origins = &run.samples.origins;
         let is_tiled = |origin: &Origin| matches!(origin, Origin::Tiled { .. });
         Self {
-            // Without stages samples are ordered by place, and their block is all that is known of their age.
+            // Without stages samples are ordered by position, and their block is all that is known of their age.
             tiled: if session.has_stages() {
                 Ok(origins.partition_point(is_tiled) as u32)
             } else {
@@ -36,7 +36,7 @@ impl Ages {
         }
     }
 
-    /// The age of a sample.
+    /// Returns the age of a sample.
     #[must_use]
     pub fn of_sample(&self, id: u32, origin: &Origin) -> f32 {
         match *origin {
@@ -52,7 +52,7 @@ impl Ages {
         }
     }
 
-    /// The age of the samples of an iteration, counted from 1.
+    /// Returns the age of the samples of an iteration, counted from 1.
     #[must_use]
     pub fn of_iteration(&self, iteration: u32) -> f32 {
         let share = match self.iterations {
@@ -85,7 +85,7 @@ mod tests {
                 tiled: kept,
                 iterations: 3,
             };
-            let places = [
+            let ages = [
                 ages.of_sample(0, &tiled(0)),
                 ages.of_sample(50, &tiled(4)),
                 ages.of_sample(99, &tiled(8)),
@@ -93,12 +93,9 @@ mod tests {
                 ages.of_sample(120, &inserted(2)),
                 ages.of_sample(121, &inserted(3)),
             ];
-            assert!(
-                places.windows(2).all(|pair| pair[0] < pair[1]),
-                "{places:?}"
-            );
-            assert_eq!((places[0], places[2]), (0.0, LAST_TILED));
-            assert_eq!((places[3], places[5]), (FIRST_INSERTED, 1.0));
+            assert!(ages.windows(2).all(|pair| pair[0] < pair[1]), "{ages:?}");
+            assert_eq!((ages[0], ages[2]), (0.0, LAST_TILED));
+            assert_eq!((ages[3], ages[5]), (FIRST_INSERTED, 1.0));
         }
         let one = Ages {
             tiled: Ok(1),

@@ -37,7 +37,7 @@ pub enum Cause {
         frequencies: u64,
         /// Their mean power.
         mean_power: f64,
-        /// By id: the share divided by the one expected of a sample of noise in the same place, so that noise
+        /// By id: the share divided by the one expected of a sample of noise at the same position, so that noise
         /// has a mean of 1 all over the domain. Samples that a bounded domain's taper leaves too little of have
         /// the mean power and so no tint; samples that do not cover their disks have NaN.
         shares: Vec<f32>,
@@ -55,7 +55,7 @@ pub struct BrushedCause {
     pub cause: Cause,
 }
 
-/// The colour of a sample by the deviation of its share from the mean, and its size relative to that of the
+/// Returns the colour of a sample by the deviation of its share from the mean, and its size relative to that of the
 /// mean: samples that add more to the power are larger. `None` if shares are not known.
 #[must_use]
 pub fn tint(found: Option<&BrushedCause>, id: u32, palette: &Palette) -> Option<(Color32, f32)> {

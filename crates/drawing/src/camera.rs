@@ -1,4 +1,4 @@
-//! The camera: which place of the domain is at the centre of the canvas, and how large one r appears. Domain
+//! The camera: which position of the domain is at the centre of the canvas, and how large one r appears. Domain
 //! coordinates are in r with y upwards; the camera converts them to screen points.
 
 use emath::{Pos2, Rect, Vec2, vec2};
@@ -20,7 +20,7 @@ const FIT_MARGIN_PART: f32 = 0.08;
 /// A view of the domain plane.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Camera {
-    /// The place at the centre of the canvas, in r.
+    /// The position at the centre of the canvas, in r.
     pub center: DVec2,
     /// Screen points per r.
     pub scale: f64,
@@ -49,7 +49,7 @@ impl Camera {
         }
     }
 
-    /// The smallest and the largest scale allowed for a domain of `size` r in `viewport`.
+    /// Returns the smallest and the largest scale allowed for a domain of `size` r in `viewport`.
     #[must_use]
     pub fn scales(size: impl Into<DVec2>, viewport: Rect) -> [f64; 2] {
         let least = MIN_SHARE_OF_FIT * Self::fitting(size, viewport).scale;
@@ -65,14 +65,14 @@ impl Camera {
         }
     }
 
-    /// Returns where the domain's `place` appears.
+    /// Returns where the domain's `position` appears.
     #[must_use]
-    pub fn screen_from_domain(&self, viewport: Rect, place: impl Into<DVec2>) -> Pos2 {
-        let from_middle = (place.into() - self.center) * self.scale;
+    pub fn screen_from_domain(&self, viewport: Rect, position: impl Into<DVec2>) -> Pos2 {
+        let from_middle = (position.into() - self.center) * self.scale;
         viewport.center() + vec2(from_middle.x as f32, -from_middle.y as f32)
     }
 
-    /// Returns the place of the domain that appears at `pos`.
+    /// Returns the position of the domain that appears at `pos`.
     #[must_use]
     pub fn domain_from_screen(&self, viewport: Rect, pos: Pos2) -> DVec2 {
         let from_middle = pos - viewport.center();
@@ -92,7 +92,7 @@ impl Camera {
         self.center -= upwards(delta) / self.scale;
     }
 
-    /// Zooms by `factor` between `scales`, keeping the place under `pos` where it is.
+    /// Zooms by `factor` between `scales`, keeping the position under `pos` where it is.
     pub fn zoom_about(&mut self, viewport: Rect, pos: Pos2, factor: f64, scales: [f64; 2]) {
         let before = self.domain_from_screen(viewport, pos);
         self.scale *= factor;
@@ -101,7 +101,7 @@ impl Camera {
     }
 }
 
-/// A direction on the screen, where y points downwards, as one of the domain.
+/// Returns a direction on the screen, where y points downwards, as one of the domain.
 fn upwards(direction: Vec2) -> DVec2 {
     DVec2::new(f64::from(direction.x), -f64::from(direction.y))
 }
@@ -142,7 +142,7 @@ impl Flight {
         (self.at(eased), false)
     }
 
-    /// Zooms evenly and moves so that the picture grows about one fixed place.
+    /// Zooms evenly and moves so that the picture grows about one fixed position.
     fn at(&self, t: f64) -> Camera {
         let scale = self.from.scale * (self.to.scale / self.from.scale).powf(t);
         let (wide, narrow) = (1.0 / self.from.scale, 1.0 / self.to.scale);
@@ -185,11 +185,11 @@ mod tests {
     fn zoom_keeps_the_place_under_the_cursor() {
         let mut camera = Camera::fitting([119.6, 119.6], viewport());
         let cursor = pos2(500.0, 600.0);
-        let place = camera.domain_from_screen(viewport(), cursor);
+        let position = camera.domain_from_screen(viewport(), cursor);
         for factor in [1.7, 9.0, 0.02, 1e9, 1e-12] {
             camera.zoom_about(viewport(), cursor, factor, [MIN_SCALE, MAX_SCALE]);
             let now = camera.domain_from_screen(viewport(), cursor);
-            assert!((now[0] - place[0]).abs() < 1e-6 && (now[1] - place[1]).abs() < 1e-6);
+            assert!((now[0] - position[0]).abs() < 1e-6 && (now[1] - position[1]).abs() < 1e-6);
             assert!((MIN_SCALE..=MAX_SCALE).contains(&camera.scale));
         }
     }
@@ -197,9 +197,9 @@ mod tests {
     #[test]
     fn panning_moves_the_picture_with_the_pointer() {
         let mut camera = Camera::fitting([10.0, 20.0], viewport());
-        let place = camera.domain_from_screen(viewport(), pos2(400.0, 400.0));
+        let position = camera.domain_from_screen(viewport(), pos2(400.0, 400.0));
         camera.pan(Vec2::new(33.0, -21.0));
-        let moved = camera.screen_from_domain(viewport(), place);
+        let moved = camera.screen_from_domain(viewport(), position);
         assert!((moved - pos2(433.0, 379.0)).length() < 1e-3);
     }
 

@@ -84,7 +84,7 @@ impl SampleLook {
     }
 }
 
-/// The radii of dot, cross, diamond and ring at `scale` screen points per r, in screen points. They are
+/// Returns the radii of dot, cross, diamond and ring at `scale` screen points per r, in screen points. They are
 /// fractions of r, so that symbols of neighbours never overlap, up to sizes at which they would hide their
 /// surroundings.
 #[must_use]
@@ -97,7 +97,7 @@ pub const fn radii(scale: f32) -> [f32; 4] {
     ]
 }
 
-/// The width of the outline around a symbol of `radius`, in screen points.
+/// Returns the width of the outline around a symbol of `radius`, in screen points.
 #[must_use]
 pub const fn outline(radius: f32) -> f32 {
     (0.8 * radius).min(1.6)

@@ -41,7 +41,7 @@ impl Key {
         }
     }
 
-    /// The range between the two keys' cursors, if nothing else differs.
+    /// Returns the range between the two keys' cursors, if nothing else differs.
     #[must_use]
     pub fn span(self, other: Self) -> Option<Range<usize>> {
         let cursor = self.cursor;
@@ -99,7 +99,7 @@ pub struct Looks<'a> {
 }
 
 impl<'a> Looks<'a> {
-    /// The looks of a subject's samples; `swatches` must have been updated for the same subject and palette.
+    /// Returns the looks of a subject's samples; `swatches` must have been updated for the same subject and palette.
     #[must_use]
     pub fn new(subject: &Subject<'a>, palette: &'a Palette, swatches: &'a Swatches) -> Self {
         // When the result is shown, samples outside it are dimmed.
@@ -146,7 +146,7 @@ impl<'a> Looks<'a> {
         }
     }
 
-    /// The colour and size of a sample by its share of the brushed power.
+    /// Returns the colour and size of a sample by its share of the brushed power.
     fn tint(&self, id: u32) -> Option<(Color32, f32)> {
         brushed::tint(self.subject.causes, id, self.palette)
     }

@@ -13,7 +13,7 @@ pub struct Made {
 }
 
 impl Made {
-    /// The counts at a moment: all, unless the moment lies within the stage that makes them.
+    /// Returns the counts at a moment: all, unless the moment lies within the stage that makes them.
     #[must_use]
     pub fn at(shown: &ShownMoment<'_>) -> Self {
         let blocks = &shown.session.run().blocks;

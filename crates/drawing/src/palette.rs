@@ -50,7 +50,7 @@ pub struct Palette {
     pub halo: Color32,
 }
 
-/// A colour of the figures crate: marks have the same colours in the window and on paper.
+/// Returns a colour of the figures crate: marks have the same colours in the window and on paper.
 const fn mark([red, green, blue, _]: tilescope_figures::Color) -> Color32 {
     Color32::from_rgb(red, green, blue)
 }
@@ -131,7 +131,7 @@ impl Palette {
         oklch(lightness, chroma, hue)
     }
 
-    /// The colour of an age between 0, early, and 1, late: from blue over grey to yellow with growing
+    /// Returns the colour of an age between 0, early, and 1, late: from blue over grey to yellow with growing
     /// lightness, so that the order is visible with colour blindness, too.
     #[must_use]
     pub fn age(&self, age: f32) -> Color32 {

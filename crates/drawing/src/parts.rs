@@ -55,7 +55,7 @@ pub enum Part {
     Search,
     /// The numbers of the KD-tree's splits.
     TreeNumbers,
-    /// What the last event tests and changes.
+    /// The samples and points that the last event tests and changes.
     Step,
     /// The selected sample or place, and the one under the pointer.
     Selection,
@@ -111,7 +111,7 @@ impl Part {
         }
     }
 
-    /// Whether the part is drawn: its layer is on, and the stage has it.
+    /// Returns whether the part is drawn: its layer is on, and the stage has it.
     #[must_use]
     pub fn is_on(self, scene: &Scene<'_>) -> bool {
         let has = |layer| scene.has(layer);
@@ -134,7 +134,7 @@ impl Part {
         }
     }
 
-    /// The rectangle that the part is clipped to.
+    /// Returns the rectangle that the part is clipped to.
     #[must_use]
     pub fn clip(self, scene: &Scene<'_>) -> Rect {
         match self {

@@ -7,7 +7,7 @@ use tilescope_core::{Point, Rect as LatticeRect, Stage};
 use tilescope_session::layers::Layer;
 use tilescope_session::moment::ShownMoment;
 use tilescope_session::session::Session;
-use tilescope_session::units::{place, size};
+use tilescope_session::units::{position, size};
 
 use crate::made::Made;
 use crate::palette::Palette;
@@ -37,7 +37,7 @@ pub struct Scene<'a> {
 }
 
 impl<'a> Scene<'a> {
-    /// The scene of a subject in a rectangle.
+    /// Returns the scene of a subject in a rectangle.
     #[must_use]
     pub fn new(rect: Rect, subject: Subject<'a>, palette: &'a Palette) -> Self {
         let (low, high) = subject.camera.visible(rect);
@@ -55,16 +55,16 @@ impl<'a> Scene<'a> {
         }
     }
 
-    /// The position of a place, given in r, on the screen.
+    /// Returns the position on the screen of a position of the domain, given in r.
     #[must_use]
-    pub fn at(&self, place: impl Into<DVec2>) -> Pos2 {
-        self.subject.camera.screen_from_domain(self.rect, place)
+    pub fn at(&self, position: impl Into<DVec2>) -> Pos2 {
+        self.subject.camera.screen_from_domain(self.rect, position)
     }
 
-    /// The position of a lattice point on the screen.
+    /// Returns the position of a lattice point on the screen.
     #[must_use]
     pub fn point(&self, point: Point) -> Pos2 {
-        self.at(place(point))
+        self.at(position(point))
     }
 
     /// Returns the screen points in one r.
@@ -79,19 +79,19 @@ impl<'a> Scene<'a> {
         self.subject.layers.has(layer)
     }
 
-    /// The rectangle between two places, on the screen.
+    /// Returns the rectangle between two points, on the screen.
     #[must_use]
     pub fn screen_rect(&self, low: impl Into<DVec2>, high: impl Into<DVec2>) -> Rect {
         Rect::from_two_pos(self.at(low), self.at(high))
     }
 
-    /// A lattice rectangle on the screen.
+    /// Returns a lattice rectangle on the screen.
     #[must_use]
     pub fn lattice_rect(&self, rect: &LatticeRect) -> Rect {
         Rect::from_two_pos(self.point(rect.min), self.point(rect.max))
     }
 
-    /// The domain on the screen: the run's, or the pattern's where the pattern is shown.
+    /// Returns the domain on the screen: the run's, or the pattern's where the pattern is shown.
     #[must_use]
     pub fn domain(&self) -> Rect {
         let size = match self.stage {
@@ -101,7 +101,7 @@ impl<'a> Scene<'a> {
         self.screen_rect(DVec2::ZERO, size)
     }
 
-    /// The clip rectangle of parts that reach across the domain's border: the domain itself if it is periodic,
+    /// Returns the clip rectangle of parts that reach across the domain's border: the domain itself if it is periodic,
     /// since their images come in on the other side.
     #[must_use]
     pub fn inside(&self) -> Rect {
@@ -133,7 +133,7 @@ impl<'a> Scene<'a> {
         });
     }
 
-    /// The ends of the visible part of a horizontal or vertical line; `None` if no part is visible.
+    /// Returns the ends of the visible part of a horizontal or vertical line; `None` if no part is visible.
     pub(crate) fn visible_line(&self, ends: [Pos2; 2], width: f32) -> Option<[Pos2; 2]> {
         let line = Rect::from_two_pos(ends[0], ends[1]);
         let seen = line.intersect(self.rect.expand(width));

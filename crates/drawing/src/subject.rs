@@ -21,7 +21,7 @@ pub struct Subject<'a> {
     pub camera: Camera,
     /// The layers shown.
     pub layers: Layers,
-    /// What the colour of samples stands for.
+    /// The property of samples that their colour shows.
     pub colouring: Colouring,
     /// The sample under the pointer.
     pub hovered: Option<u32>,

@@ -16,7 +16,7 @@ use tilescope_formats::FormatError;
 #[non_exhaustive]
 pub enum ReproduceError {
     /// The caller stopped it.
-    #[error("cancelled; the same command goes on where it stopped")]
+    #[error("cancelled; run the same command again to continue")]
     Cancelled,
     /// A set that should be valid is not: nothing is concluded from it.
     #[error(

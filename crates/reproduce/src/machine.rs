@@ -12,7 +12,7 @@ use tilescope_gpu::AdapterReport;
 /// A machine, as far as rates depend on it.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Machine {
-    /// The processor's name, where the system tells it.
+    /// The processor's name, where the system states it.
     pub processor: String,
     /// Threads that the engines used.
     pub threads: usize,
@@ -87,7 +87,7 @@ pub fn no_gpu() -> Option<String> {
         "no GPU on this machine".to_owned()
     } else {
         format!(
-            "no GPU on this machine; {} computes on the processor and says nothing about one",
+            "no GPU on this machine; {} runs on the CPU, so its times say nothing about a GPU",
             names.join(", ")
         )
     })

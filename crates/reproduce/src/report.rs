@@ -18,9 +18,9 @@ use crate::outcome::{Claim, Verdict};
 const TITLE: &str =
     "Reproduction of Wang & Suda 2017, \"Fast Maximal Poisson-Disk Sampling by Randomized Tiling\"";
 
-/// What every report begins with.
+/// The first paragraph of every report.
 const INTRODUCTION: &str = "Sets by KDRT and by the reference sampler were made by the commands below, on the machines named there, and \
-judged by an independent verifier before anything was concluded from them; sets that are no maximal Poisson-disk sets by design (random, \
+judged by an independent verifier before anything was concluded from them; sets that are by design not maximal Poisson-disk sets (random, \
 jittered, controls) are measured as they are. A verdict follows from the numbers by the rule beside it. \"Not comparable\" \
 means that the numbers decide nothing. Rates are the machine's; the paper's are of an Intel Core i7-4930K and an NVIDIA GTX 1080.";
 
@@ -80,13 +80,13 @@ fn blocks(out: &Path) -> Vec<Block> {
     blocks
 }
 
-/// Returns what was kept of an experiment, if anything was.
+/// Returns the kept results of an experiment, if there are any.
 fn read(out: &Path, experiment: Experiment) -> Option<Result<Finished, String>> {
     let path = out.join("data").join(format!("{experiment}.json"));
     let bytes = fs::read(path).ok()?;
     let found = serde_json::from_slice(&bytes);
     Some(found.map_err(|error| {
-        format!("What was kept of {experiment} cannot be read ({error}); tilescope reproduce {experiment} makes it anew.")
+        format!("The kept results of {experiment} cannot be read ({error}); run tilescope reproduce {experiment} again.")
     }))
 }
 

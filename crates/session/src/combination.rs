@@ -9,7 +9,7 @@ use tilescope_core::combine::{CombineError, Seam};
 use tilescope_core::{Domain, Rect, SampleError, Stage};
 
 use crate::encoding::as_json;
-use crate::units::{place, radii};
+use crate::units::{position, radii};
 use crate::words::grouped;
 
 /// The layout of the paper's figure 12: nine independent sets.
@@ -55,7 +55,7 @@ pub struct Combination {
 }
 
 impl Combination {
-    /// The combination of a layout. `stated` is the layout as its certificate states it.
+    /// Returns the combination of a layout. `stated` is the layout as its certificate states it.
     #[must_use]
     pub fn of(
         layout: Layout,
@@ -65,7 +65,7 @@ impl Combination {
         band: Vec<Rect>,
     ) -> Self {
         let domain = &placed.domain;
-        let sources = placed.places.iter().map(|place| &place.source);
+        let sources = placed.places.iter().map(|piece| &piece.source);
         let files = sources.filter(|source| is_file(source)).count();
         let area = |rect: &Rect| f64::from(rect.width()) * f64::from(rect.height());
         let length = |seam: &Seam| radii(seam.to.x - seam.from.x + seam.to.y - seam.from.y);
@@ -86,7 +86,7 @@ fn lines(domain: &Domain, seams: &[Seam]) -> Vec<[DVec2; 2]> {
     let size = [domain.width(), domain.height()].map(radii);
     let mut lines = Vec::with_capacity(seams.len());
     for seam in seams {
-        let line = [seam.from, seam.to].map(place);
+        let line = [seam.from, seam.to].map(position);
         lines.push(line);
         for axis in 0..2 {
             if line.iter().all(|end| end[axis] <= 0.0) {
@@ -145,7 +145,7 @@ pub enum CombinationError {
     Piece(Box<PieceError<CombinationError>>),
 }
 
-/// A number rounded to two significant digits, such as "3,100,000".
+/// Returns a number rounded to two significant digits, such as "3,100,000".
 fn about(expected: f64) -> String {
     let unit = 10_f64.powi((expected.max(1.0).log10().floor() as i32 - 1).max(0));
     grouped(((expected / unit).round() * unit) as usize)

@@ -42,14 +42,14 @@ impl Task for TriangulateTask {
     }
 }
 
-/// The key of a moment.
+/// Returns the key of a moment.
 #[must_use]
 pub fn key_of(shown: &ShownMoment<'_>) -> Key {
     (shown.session.generation, shown.cursor())
 }
 
 impl Geometry {
-    /// The triangulation of a moment, computed at once; empty where there is none or there are too many
+    /// Returns the triangulation of a moment, computed at once; empty where there is none or there are too many
     /// samples.
     #[must_use]
     pub fn made(shown: &ShownMoment<'_>) -> Self {
@@ -61,7 +61,7 @@ impl Geometry {
         geometry
     }
 
-    /// The triangulation of a moment, in r, if that is the one computed last.
+    /// Returns the triangulation of a moment, in r, if that is the one computed last.
     #[must_use]
     pub fn of(&self, shown: &ShownMoment<'_>) -> Option<&Arc<Tessellation>> {
         let (key, ready) = self.ready.as_ref()?;
@@ -114,14 +114,14 @@ impl Geometry {
     }
 }
 
-/// The places of the samples that cover their disks, in r.
+/// Returns the positions of the samples that cover their disks, in r.
 fn covering(shown: &ShownMoment<'_>) -> Vec<[f64; 2]> {
     let covering = shown.moment().covering(shown.session);
-    let places = covering.into_iter();
-    (places.map(|(_, id)| shown.session.place(id).to_array())).collect()
+    let positions = covering.into_iter();
+    (positions.map(|(_, id)| shown.session.position(id).to_array())).collect()
 }
 
-/// The region of a session, in r.
+/// Returns the region of a session, in r.
 #[must_use]
 pub fn region_of(session: &Session) -> Region {
     let domain = &session.run().domain;

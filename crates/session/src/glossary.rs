@@ -6,7 +6,7 @@
 pub struct Term {
     /// The term as it is written within a sentence.
     pub name: &'static str,
-    /// What it means, in one or two sentences.
+    /// Its meaning, in one or two sentences.
     pub meaning: &'static str,
     /// Where the paper introduces it (Wang and Suda, HPG 2017); empty where the paper has no such term.
     pub paper: &'static str,

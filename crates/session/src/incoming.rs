@@ -75,7 +75,7 @@ pub struct Incoming {
 }
 
 impl Incoming {
-    /// A file that came alone.
+    /// Returns a file that came alone.
     #[must_use]
     pub fn new(file: NamedBytes) -> Self {
         Self {
@@ -94,7 +94,7 @@ impl Incoming {
         }
     }
 
-    /// Its text; fails if it is not text or is longer than a session may be.
+    /// Returns its text; fails if it is not text or is longer than a session may be.
     pub fn text(&self) -> Result<&str, String> {
         self.within(MAX_BYTES as u64)?;
         let text = std::str::from_utf8(&self.bytes);
@@ -104,14 +104,14 @@ impl Incoming {
         })
     }
 
-    /// The certificate that came with it.
+    /// Returns the certificate that came with it.
     #[must_use]
     pub fn certificate(&self) -> Option<&NamedBytes> {
         let of_this = |other: &&NamedBytes| is_certificate_of(&other.name, &self.name);
         self.beside.iter().find(of_this)
     }
 
-    /// The point set in it, in domain units if it has a certificate. Errors begin with the file's name.
+    /// Returns the point set in it, in domain units if it has a certificate. Errors begin with the file's name.
     pub fn point_set(&self) -> Result<ReadSet, String> {
         self.within(MAX_PATTERN_BYTES)?;
         let name = last_part(&self.name);
@@ -134,7 +134,7 @@ impl Incoming {
         })
     }
 
-    /// A file that it names, with that file's certificate, if they came with it. Only the last part of the path
+    /// Returns a file that it names, with that file's certificate, if they came with it. Only the last part of the path
     /// is compared, since files that came together have no folders.
     #[must_use]
     pub fn companion(&self, named: &str) -> Option<Self> {
@@ -146,7 +146,7 @@ impl Incoming {
         Some(found)
     }
 
-    /// The files among `others` that it does not use: for a session or a layout those that it does not name,
+    /// Returns the files among `others` that it does not use: for a session or a layout those that it does not name,
     /// otherwise all.
     #[must_use]
     pub fn without_named(&self, mut others: Vec<String>) -> Vec<String> {
@@ -157,13 +157,13 @@ impl Incoming {
         others
     }
 
-    /// Whether it is an archive of files.
+    /// Returns whether it is an archive of files.
     #[must_use]
     pub fn is_archive(&self) -> bool {
         ends_with(&self.name, "zip") || self.bytes.starts_with(b"PK\x03\x04")
     }
 
-    /// Whether it is a session, a layout or other JSON that cannot be a point set. The content decides; the
+    /// Returns whether it is a session, a layout or other JSON that cannot be a point set. The content decides; the
     /// name counts only if the content is broken.
     #[must_use]
     pub fn is_document(&self) -> bool {
@@ -172,13 +172,13 @@ impl Incoming {
     }
 }
 
-/// Why a file of this length is not read, or `None` if it is.
+/// Returns why a file of this length is not read, or `None` if it is.
 pub fn too_long(name: &str, length: u64, limit: u64) -> Option<String> {
     let [has, most] = [length, limit].map(tilescope_debugger::grouped);
     (length > limit).then(|| format!("{name} has {has} bytes; at most {most} are read"))
 }
 
-/// Why each of several files, given by name and length, is not read, or `None` if it is. One file may be as
+/// Returns why each of several files, given by name and length, is not read, or `None` if it is. One file may be as
 /// long as a point set, all together twice as long.
 #[must_use]
 pub fn refusals(files: &[(&str, u64)]) -> Vec<Option<String>> {
@@ -215,13 +215,13 @@ fn is_certificate_of(name: &str, set: &str) -> bool {
         .is_some_and(|stem| last_part(stem) == last_part(set))
 }
 
-/// Whether bytes begin like a JSON object.
+/// Returns whether bytes begin like a JSON object.
 #[must_use]
 pub fn begins_as_object(bytes: &[u8]) -> bool {
     bytes.trim_ascii_start().starts_with(b"{")
 }
 
-/// Whether JSON is a session or a layout; `None` if it is not JSON.
+/// Returns whether JSON is a session or a layout; `None` if it is not JSON.
 #[must_use]
 pub fn holds_document(bytes: &[u8]) -> Option<bool> {
     let value: Value = serde_json::from_slice(bytes).ok()?;
@@ -229,9 +229,9 @@ pub fn holds_document(bytes: &[u8]) -> Option<bool> {
     Some(is_session || holds_combination(&value))
 }
 
-/// Which of several files is to be opened, and which files belong neither to it nor to another one. A
-/// certificate goes with its set. A session or layout (`holds_document` tests the file at an index) is opened
-/// before the sets that it may name.
+/// Returns which of several files is to be opened, and which files belong neither to it nor to another one. A
+/// certificate goes with its set. A session or layout (`holds_document` tests the file at an index) is opened before
+/// the sets that it may name.
 pub fn pick(
     names: &[&str],
     mut holds_document: impl FnMut(usize) -> bool,
@@ -274,7 +274,7 @@ pub fn gather(mut files: Vec<NamedBytes>) -> Option<(Incoming, Vec<String>)> {
     Some((incoming, left))
 }
 
-/// Whether a JSON object is a layout or a saved combination, rather than a session or a point set.
+/// Returns whether a JSON object is a layout or a saved combination, rather than a session or a point set.
 #[must_use]
 pub fn holds_combination(value: &Value) -> bool {
     value.get("combination").is_some() || value.get("pieces").is_some()

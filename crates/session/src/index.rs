@@ -4,7 +4,7 @@
 use glam::DVec2;
 use tilescope_core::{Domain, Point};
 
-use crate::units::{place, radii, size};
+use crate::units::{position, radii, size};
 
 /// The most cells of the grid: 32 MB of offsets.
 const MAX_CELLS: f64 = 8e6;
@@ -27,13 +27,13 @@ pub struct Seen {
     /// The sample.
     pub id: u32,
     /// Where it lies, in r; an image lies outside the domain.
-    pub place: DVec2,
+    pub position: DVec2,
     /// Whether it is an image across the border.
     pub image: bool,
 }
 
 impl SampleIndex {
-    /// Returns the index of `points`, whose ids are their places in the list.
+    /// Returns the index of `points`, whose ids are their indices in the list.
     #[must_use]
     pub fn new(domain: &Domain, points: &[Point]) -> Self {
         let size = size(domain);
@@ -56,7 +56,7 @@ impl SampleIndex {
         let mut entries = vec![(0, [0.0; 2]); points.len()];
         for (point, id) in points.iter().zip(0..) {
             let slot = &mut next[cell_of(point)];
-            entries[*slot as usize] = (id, place(*point).as_vec2().to_array());
+            entries[*slot as usize] = (id, position(*point).as_vec2().to_array());
             *slot += 1;
         }
         Self {
@@ -100,9 +100,13 @@ impl SampleIndex {
                 let image = right != 0.0 || up != 0.0;
                 let from = (low - reach).max(DVec2::splat(-beyond)) - shift;
                 let to = (high + reach).min(self.size + beyond) - shift;
-                self.visit_copy(from, to, |id, place| {
-                    let place = place + shift;
-                    visit(Seen { id, place, image });
+                self.visit_copy(from, to, |id, position| {
+                    let position = position + shift;
+                    visit(Seen {
+                        id,
+                        position,
+                        image,
+                    });
                 });
             }
         }
@@ -115,10 +119,10 @@ impl SampleIndex {
         for row in rows.0..=rows.1 {
             let start = self.starts[row * self.columns + columns.0] as usize;
             let end = self.starts[row * self.columns + columns.1 + 1] as usize;
-            for &(id, place) in &self.entries[start..end] {
-                let place = DVec2::from(place.map(f64::from));
-                if (place.cmpge(low) & place.cmple(high)).all() {
-                    visit(id, place);
+            for &(id, position) in &self.entries[start..end] {
+                let position = DVec2::from(position.map(f64::from));
+                if (position.cmpge(low) & position.cmple(high)).all() {
+                    visit(id, position);
                 }
             }
         }

@@ -12,12 +12,12 @@ use std::sync::{Arc, Mutex, PoisonError};
 /// Requests a new frame of the window; may be called from any thread.
 pub type Wake = Arc<dyn Fn() + Send + Sync>;
 
-/// What a job can be given: natively only what can be sent to a thread, on the web, which has none, anything.
+/// Values that a job can receive: natively those that can be sent to a thread, on the web, which has no threads, any.
 #[cfg(not(target_arch = "wasm32"))]
 pub trait Portable: Send + 'static {}
 #[cfg(not(target_arch = "wasm32"))]
 impl<T: Send + 'static> Portable for T {}
-/// What a job can be given: natively only what can be sent to a thread, on the web, which has none, anything.
+/// Values that a job can receive: natively those that can be sent to a thread, on the web, which has no threads, any.
 #[cfg(target_arch = "wasm32")]
 pub trait Portable: 'static {}
 #[cfg(target_arch = "wasm32")]
@@ -32,7 +32,7 @@ pub struct Monitor {
 }
 
 impl Monitor {
-    /// The monitor of work whose owner is elsewhere: `tell` receives the activity and the fraction done.
+    /// Returns the monitor of work whose owner is elsewhere: `tell` receives the activity and the fraction done.
     #[must_use]
     pub fn reporting(tell: impl Fn(&str, f32) + Send + Sync + 'static) -> Arc<Self> {
         Arc::new_cyclic(|monitor: &std::sync::Weak<Self>| {
@@ -55,13 +55,13 @@ impl Monitor {
         }
     }
 
-    /// The fraction done, from 0 to 1.
+    /// Returns the fraction done, from 0 to 1.
     #[must_use]
     pub fn fraction(&self) -> f32 {
         f32::from_bits(self.fraction_bits.load(Ordering::Relaxed))
     }
 
-    /// What the job is doing now.
+    /// Returns the current step of the job.
     #[must_use]
     pub fn activity(&self) -> String {
         let current = self.activity.lock();
@@ -73,7 +73,7 @@ impl Monitor {
         self.cancelled.store(true, Ordering::Relaxed);
     }
 
-    /// Whether the job was cancelled.
+    /// Returns whether the job was cancelled.
     #[must_use]
     pub fn is_cancelled(&self) -> bool {
         self.cancelled.load(Ordering::Relaxed)
@@ -146,14 +146,14 @@ impl<T: Portable> Job<T> {
         job
     }
 
-    /// A job that ends with the value sent through the sender.
+    /// Returns a job that ends with the value sent through the sender.
     pub fn begun(wake: &Wake) -> (Self, Sender<Result<T, String>>) {
         let monitor = Arc::new(Monitor::waking(Arc::clone(wake)));
         let (sender, result) = channel();
         (Self { monitor, result }, sender)
     }
 
-    /// The monitor of its work.
+    /// Returns the monitor of its work.
     #[must_use]
     pub const fn monitor(&self) -> &Arc<Monitor> {
         &self.monitor
@@ -164,25 +164,25 @@ impl<T: Portable> Job<T> {
         self.monitor.cancel();
     }
 
-    /// Whether it was cancelled.
+    /// Returns whether it was cancelled.
     #[must_use]
     pub fn is_cancelled(&self) -> bool {
         self.monitor.is_cancelled()
     }
 
-    /// The fraction done, from 0 to 1.
+    /// Returns the fraction done, from 0 to 1.
     #[must_use]
     pub fn fraction(&self) -> f32 {
         self.monitor.fraction()
     }
 
-    /// What it is doing now.
+    /// Returns its current step.
     #[must_use]
     pub fn activity(&self) -> String {
         self.monitor.activity()
     }
 
-    /// The result, once, when it is there.
+    /// Returns the result, once, when it is there.
     #[must_use]
     pub fn poll(&self) -> Option<Result<T, String>> {
         match self.result.try_recv() {
@@ -232,7 +232,7 @@ fn spawn(body: impl FnOnce() + Portable) {
     body();
 }
 
-/// The message of a panic, in a sentence.
+/// Returns the message of a panic, in a sentence.
 pub fn panic_sentence(panic: &(dyn std::any::Any + Send)) -> String {
     let text = panic
         .downcast_ref::<&str>()

@@ -80,7 +80,7 @@ impl Layer {
         }
     }
 
-    /// Whether a kind of session has this layer: seams belong to combinations, the tree to runs.
+    /// Returns whether a kind of session has this layer: seams belong to combinations, the tree to runs.
     #[must_use]
     pub const fn is_of(self, combination: bool) -> bool {
         match self {
@@ -90,7 +90,7 @@ impl Layer {
         }
     }
 
-    /// The name in a session: the blocks of a combination are its pieces.
+    /// Returns the name in a session: the blocks of a combination are its pieces.
     #[must_use]
     pub const fn name_in(self, combination: bool) -> &'static str {
         match self {
@@ -173,7 +173,7 @@ impl Layers {
     }
 }
 
-/// What the colour of a sample stands for.
+/// The property of a sample that its colour shows.
 #[derive(
     Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize,
 )]

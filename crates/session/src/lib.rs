@@ -3,7 +3,7 @@
 //! It knows no window. A [`Session`] is a finished run with its stages and events; [`task`]s are the work in the background that
 //! makes, verifies and measures one, carried out by [`jobs`] natively and by workers on a page; [`moment`] is the state at a
 //! cursor; [`sentence`] and [`words`] put it into English, and [`glossary`] defines the terms.
-//! Places in r are [`glam::DVec2`]; sets in user units are plain `[f64; 2]`.
+//! Positions in r are [`glam::DVec2`]; sets in user units are plain `[f64; 2]`.
 //!
 //! ```
 //! use tilescope_core::{Parameters, Stage};
@@ -11,7 +11,7 @@
 //!
 //! let parameters = Parameters { radius: 0.03, leaf: 10.0, ..Parameters::default() };
 //! let session = Session::sample(&Recipe::from(parameters), 1, &Monitor::reporting(|_, _| {}))?;
-//! let tiled = Moment::after(&session, session.place_of(Stage::Tile));
+//! let tiled = Moment::after(&session, session.stage_index(Stage::Tile));
 //! assert!(tiled.samples(&session).len() > session.summary.count);
 //! assert!(stage_sentence(&session, Stage::Tile).starts_with("Tile: "));
 //! # Ok::<(), tilescope_core::SampleError>(())

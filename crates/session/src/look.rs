@@ -33,7 +33,7 @@ impl Look {
         }
     }
 
-    /// The light look for the dark one, and the dark one for the others.
+    /// Returns the light look for the dark one, and the dark one for the others.
     #[must_use]
     pub const fn other(self) -> Self {
         match self {

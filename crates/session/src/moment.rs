@@ -29,16 +29,16 @@ impl Moment {
         }
     }
 
-    /// The end of the stage at index `place` of the session.
+    /// Returns the end of the stage at `index` of the session.
     #[must_use]
-    pub fn after(session: &Session, place: usize) -> Self {
+    pub fn after(session: &Session, index: usize) -> Self {
         Self {
-            stage: session.stages[place],
-            cursor: session.stage_end(place),
+            stage: session.stages[index],
+            cursor: session.stage_end(index),
         }
     }
 
-    /// The status of a sample.
+    /// Returns the status of a sample.
     #[must_use]
     pub fn standing(&self, session: &Session, id: u32) -> Standing {
         let run = session.run();
@@ -57,14 +57,14 @@ impl Moment {
         }
     }
 
-    /// Whether a sample covers its disk: it exists and is not eliminated.
+    /// Returns whether a sample covers its disk: it exists and is not eliminated.
     #[must_use]
     pub fn covers(&self, session: &Session, id: u32) -> bool {
         let standing = self.standing(session, id);
         matches!(standing, Standing::Tiled | Standing::Valid)
     }
 
-    /// Returns the samples that cover their disks, with their places.
+    /// Returns the samples that cover their disks, with their positions.
     #[must_use]
     pub fn covering(&self, session: &Session) -> Vec<(Point, u32)> {
         let points = &session.run().samples.points;
@@ -89,14 +89,14 @@ impl Moment {
         self.stage >= Stage::Tile && ids.into_iter().any(|id| self.covers(session, id))
     }
 
-    /// Whether a stage ends at this moment.
+    /// Returns whether a stage ends at this moment.
     #[must_use]
     pub fn ends_stage(&self, session: &Session) -> bool {
         self.cursor
             .is_none_or(|cursor| session.stage_end(session.stage_at(cursor)) == Some(cursor))
     }
 
-    /// The description of the moment for files.
+    /// Returns the description of the moment for files.
     #[must_use]
     pub fn description(&self, session: &Session) -> Value {
         json!({
@@ -119,7 +119,7 @@ pub struct ShownMoment<'a> {
 }
 
 impl<'a> ShownMoment<'a> {
-    /// The moment alone.
+    /// Returns the moment alone.
     #[must_use]
     pub fn moment(&self) -> Moment {
         Moment {
@@ -128,19 +128,19 @@ impl<'a> ShownMoment<'a> {
         }
     }
 
-    /// The status of a sample.
+    /// Returns the status of a sample.
     #[must_use]
     pub fn standing(&self, id: u32) -> Standing {
         self.moment().standing(self.session, id)
     }
 
-    /// Whether a sample covers its disk: it exists and is not eliminated.
+    /// Returns whether a sample covers its disk: it exists and is not eliminated.
     #[must_use]
     pub fn covers(&self, id: u32) -> bool {
         self.moment().covers(self.session, id)
     }
 
-    /// The number of events that have happened; without events, the stage's index.
+    /// Returns the number of events that have happened; without events, the stage's index.
     #[must_use]
     pub fn cursor(&self) -> usize {
         self.debugger.map_or_else(
@@ -155,19 +155,19 @@ impl<'a> ShownMoment<'a> {
         )
     }
 
-    /// Whether the moment is the end of a stage.
+    /// Returns whether the moment is the end of a stage.
     #[must_use]
     pub fn ends_stage(&self) -> bool {
         self.moment().ends_stage(self.session)
     }
 
-    /// The objects that the algorithm works on at this moment.
+    /// Returns the objects that the algorithm works on at this moment.
     #[must_use]
     pub fn context(&self) -> Option<&'a Context> {
         self.debugger.map(|debugger| debugger.state().context())
     }
 
-    /// The last event that has happened.
+    /// Returns the last event that has happened.
     #[must_use]
     pub fn last_event(&self) -> Option<&'a Event> {
         let debugger = self.debugger?;
@@ -176,7 +176,7 @@ impl<'a> ShownMoment<'a> {
             .event(debugger.state().cursor().checked_sub(1)?)
     }
 
-    /// Whether the sample is a detector at this moment, or will be one in the coming iteration.
+    /// Returns whether the sample is a detector at this moment, or will be one in the coming iteration.
     #[must_use]
     pub fn is_marked(&self, id: u32) -> bool {
         let Some(debugger) = self.debugger else {
@@ -218,7 +218,7 @@ impl Still {
         &self.session
     }
 
-    /// Returns the samples that cover their disks, with their places.
+    /// Returns the samples that cover their disks, with their positions.
     #[must_use]
     pub fn covering(&self) -> Vec<(Point, u32)> {
         self.moment.covering(&self.session)

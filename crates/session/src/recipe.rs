@@ -50,7 +50,7 @@ impl From<Parameters> for Recipe {
 }
 
 impl Recipe {
-    /// The pattern: the own one, otherwise the one that the parameters describe.
+    /// Returns the pattern: the own one, otherwise the one that the parameters describe.
     pub fn pattern(&self, observer: &mut dyn Observer) -> Result<Arc<Pattern>, SampleError> {
         match &self.own {
             Some(own) => Ok(Arc::clone(&own.pattern)),

@@ -1,4 +1,4 @@
-//! What happened at a stage, in one sentence. The numbers come from the run.
+//! The events of a stage, in one sentence. The numbers come from the run.
 
 use tilescope_core::{Boundary, Stage};
 
@@ -17,7 +17,7 @@ pub fn name_in(session: &Session, stage: Stage) -> String {
     }
 }
 
-/// What happened last at a moment: the stage, if the moment is its end, otherwise the event.
+/// Returns the last step at a moment, in words: the stage, if the moment is its end, otherwise the event.
 #[must_use]
 pub fn happened(shown: Option<&ShownMoment<'_>>) -> String {
     let Some(shown) = shown else {
@@ -98,7 +98,7 @@ pub fn stage_sentence(session: &Session, stage: Stage) -> String {
     }
 }
 
-/// The sentence for a stage of a combination, if that differs from the stage of a run.
+/// Returns the sentence for a stage of a combination, if that differs from the stage of a run.
 fn combination_sentence(session: &Session, stage: Stage) -> Option<String> {
     let combination = session.combination.as_ref()?;
     let summary = &session.summary;

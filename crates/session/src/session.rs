@@ -1,4 +1,4 @@
-//! A finished run prepared for display: its stages, an index of its samples by place, and the conflicts that
+//! A finished run prepared for display: its stages, an index of its samples by position, and the conflicts that
 //! elimination resolved. Built once, in the background; immutable.
 
 mod report;
@@ -24,7 +24,7 @@ use crate::units;
 pub use report::MakeError;
 pub use report::Reporter;
 
-/// Whether a run is small enough to keep every stage of it. Algorithm 4 as printed always keeps them.
+/// Returns whether a run is small enough to keep every stage of it. Algorithm 4 as printed always keeps them.
 pub fn keeps_everything(parameters: &Parameters) -> Result<bool, SampleError> {
     let expected = parameters.validate()?.area_radii() * MAXIMAL_DENSITY;
     Ok(expected <= MAX_STAGED || parameters.variant == Variant::AsPrinted)
@@ -42,7 +42,7 @@ pub struct Session {
     last: Option<Iteration>,
     /// Its counts.
     pub summary: Summary,
-    /// The index of all samples by place.
+    /// The index of all samples by position.
     pub index: SampleIndex,
     /// Pairs of tiled samples in each other's disks: the conflicts before elimination.
     pub conflicts: Vec<[u32; 2]>,
@@ -115,7 +115,7 @@ impl Session {
         }
     }
 
-    /// The recipe it was made from.
+    /// Returns the recipe it was made from.
     #[must_use]
     pub fn recipe(&self) -> Recipe {
         Recipe {
@@ -154,21 +154,21 @@ impl Session {
         }
     }
 
-    /// The digest of the result's positions in user units, as in certificates. Computed at the first call.
+    /// Returns the digest of the result's positions in user units, as in certificates. Computed at the first call.
     #[must_use]
     pub fn positions_digest(&self) -> &str {
         let digest = || tilescope_formats::positions_digest(&self.run().positions());
         self.positions_digest.get_or_init(digest)
     }
 
-    /// The digest of the result, 16 hexadecimal digits. Computed at the first call.
+    /// Returns the digest of the result, 16 hexadecimal digits. Computed at the first call.
     #[must_use]
     pub fn digest(&self) -> &str {
         self.digest
             .get_or_init(|| tilescope_debugger::digest(self.run()))
     }
 
-    /// The events of the run, if they were recorded.
+    /// Returns the events of the run, if they were recorded.
     #[must_use]
     pub const fn recording(&self) -> Option<&Arc<Recording>> {
         match &self.source {
@@ -177,28 +177,28 @@ impl Session {
         }
     }
 
-    /// The index of a stage, otherwise of the last stage before it.
+    /// Returns the index of a stage, otherwise of the last stage before it.
     #[must_use]
-    pub fn place_of(&self, stage: Stage) -> usize {
-        let place = self.stages.iter().rposition(|&other| other <= stage);
-        place.unwrap_or(0)
+    pub fn stage_index(&self, stage: Stage) -> usize {
+        let index = self.stages.iter().rposition(|&other| other <= stage);
+        index.unwrap_or(0)
     }
 
-    /// The index of the stage that is current when `cursor` events have happened.
+    /// Returns the index of the stage that is current when `cursor` events have happened.
     #[must_use]
     pub fn stage_at(&self, cursor: usize) -> usize {
         self.starts.partition_point(|&start| start < cursor)
     }
 
-    /// The cursor after the last event of the stage at index `place`, if events were recorded.
+    /// Returns the cursor after the last event of the stage at `index`, if events were recorded.
     #[must_use]
-    pub fn stage_end(&self, place: usize) -> Option<usize> {
+    pub fn stage_end(&self, index: usize) -> Option<usize> {
         let recording = self.recording()?;
-        let next = self.starts.get(place).copied();
+        let next = self.starts.get(index).copied();
         Some(next.unwrap_or_else(|| recording.len()))
     }
 
-    /// Whether every sample's fate was kept, so that every stage can be shown.
+    /// Returns whether every sample's fate was kept, so that every stage can be shown.
     #[must_use]
     pub fn has_stages(&self) -> bool {
         self.run().counted.is_none()
@@ -275,35 +275,35 @@ impl Session {
 
     /// Returns where sample `id` lies, in r.
     #[must_use]
-    pub fn place(&self, id: u32) -> DVec2 {
-        units::place(self.run().samples.points[id as usize])
+    pub fn position(&self, id: u32) -> DVec2 {
+        units::position(self.run().samples.points[id as usize])
     }
 
-    /// Returns where the nearest image of sample `id` to `place` lies, in r.
+    /// Returns where the nearest image of sample `id` to `position` lies, in r.
     #[must_use]
-    pub fn image_near(&self, id: u32, place: DVec2) -> DVec2 {
-        let there = self.place(id);
+    pub fn image_near(&self, id: u32, position: DVec2) -> DVec2 {
+        let there = self.position(id);
         if !self.run().domain.is_periodic() {
             return there;
         }
         let size = self.size_radii();
-        there - ((there - place) / size).round() * size
+        there - ((there - position) / size).round() * size
     }
 
     /// Iteration `k`, from 1; with events, also the last one, which found nothing.
     #[must_use]
     pub fn iteration(&self, k: u32) -> Option<&Iteration> {
-        let place = (k as usize).checked_sub(1)?;
+        let index = (k as usize).checked_sub(1)?;
         let kept = &self.run().iterations;
-        let last = || self.last.as_ref().filter(|_| place == kept.len());
-        kept.get(place).or_else(last)
+        let last = || self.last.as_ref().filter(|_| index == kept.len());
+        kept.get(index).or_else(last)
     }
 
-    /// The number of samples that are valid (or, before elimination, tiled) after the stage at index `place`.
+    /// Returns the number of samples that are valid (or, before elimination, tiled) after the stage at `index`.
     #[must_use]
-    pub fn count_after(&self, place: usize) -> usize {
+    pub fn count_after(&self, index: usize) -> usize {
         let summary = &self.summary;
-        match self.stages[place] {
+        match self.stages[index] {
             Stage::Pattern => self.run().pattern.samples().len(),
             Stage::Blocks => 0,
             Stage::Tile => summary.tiled,
@@ -316,7 +316,7 @@ impl Session {
         }
     }
 
-    /// The number of samples that elimination itself inserts: Algorithm 4 as printed fills gaps at once.
+    /// Returns the number of samples that elimination itself inserts: Algorithm 4 as printed fills gaps at once.
     #[must_use]
     pub fn inserted_at_once(&self) -> usize {
         match self.run().parameters.variant {
@@ -326,7 +326,7 @@ impl Session {
     }
 }
 
-/// The iteration after those that the run keeps, if the recording has one; it found nothing.
+/// Returns the iteration after those that the run keeps, if the recording has one; it found nothing.
 fn last_iteration(recording: &Recording) -> Option<Iteration> {
     let run = recording.run();
     let number = run.iterations.len() as u32 + 1;
@@ -364,7 +364,7 @@ fn last_iteration(recording: &Recording) -> Option<Iteration> {
     })
 }
 
-/// The first event of each of `stages` but the first.
+/// Returns the first event of each of `stages` but the first.
 fn stage_starts(recording: &Recording, stages: &[Stage]) -> Vec<usize> {
     let mut starts = Vec::with_capacity(stages.len());
     for (index, event) in recording.tape().from(0) {
@@ -380,7 +380,7 @@ fn stage_starts(recording: &Recording, stages: &[Stage]) -> Vec<usize> {
     starts
 }
 
-/// All pairs of tiled samples inside the domain that lie in each other's disks.
+/// Returns all pairs of tiled samples inside the domain that lie in each other's disks.
 fn tiled_conflicts(run: &Run) -> Vec<[u32; 2]> {
     let is_tiled = |id: u32| run.standing(id, Stage::Tile) == Standing::Tiled;
     let points = &run.samples.points;

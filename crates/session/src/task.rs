@@ -26,7 +26,8 @@ pub trait Task: Serialize + DeserializeOwned + Portable {
     /// Does the work.
     fn run(self, monitor: &Monitor) -> Self::Outcome;
 
-    /// The result to report where the task was cancelled before its end, if there is one; `monitor` has its progress.
+    /// Returns the result to report where the task was cancelled before its end, if there is one; `monitor` has its
+    /// progress.
     fn cancelled(_monitor: &Monitor) -> Option<Self::Outcome> {
         None
     }
@@ -173,7 +174,7 @@ pub fn run<T: Task>(input: &[u8], monitor: &Monitor) -> Result<Vec<u8>, TaskErro
     Ok(bytes)
 }
 
-/// A session as bytes, for [`keep_session`].
+/// Returns a session as bytes, for [`keep_session`].
 pub fn session_bytes(session: &Session) -> Result<Vec<u8>, String> {
     postcard::to_stdvec(session).map_err(|error| fault("session", &error))
 }
@@ -185,7 +186,7 @@ pub fn keep_session(bytes: &[u8]) -> Result<(), String> {
     Ok(())
 }
 
-/// The generations of the sessions that tasks may refer to here.
+/// Returns the generations of the sessions that tasks may refer to here.
 #[must_use]
 pub fn kept_sessions() -> Vec<u64> {
     session_ref::kept()

@@ -11,7 +11,7 @@ pub fn radii(units: i32) -> f64 {
 
 /// Returns a point of the lattice in r.
 #[must_use]
-pub fn place(point: Point) -> DVec2 {
+pub fn position(point: Point) -> DVec2 {
     DVec2::new(radii(point.x), radii(point.y))
 }
 

@@ -85,7 +85,7 @@ impl Verdict {
         })
     }
 
-    /// The place of `witness`, if it is known.
+    /// Returns the place of `witness`, if it is known.
     #[must_use]
     pub fn witness_mark(&self, witness: Witness, session: &Session) -> Option<WitnessMark> {
         let radius = self.report.radius;

@@ -10,9 +10,9 @@ pub fn sentence(text: &str) -> String {
     if word.contains(['.', '/', '\\', '_']) && !word.ends_with('.') {
         return ended(text);
     }
-    let mut letters = text.chars();
-    let first = letters.next().map(|c| c.to_uppercase().to_string());
-    ended(&(first.unwrap_or_default() + letters.as_str()))
+    let mut characters = text.chars();
+    let first = characters.next().map(|c| c.to_uppercase().to_string());
+    ended(&(first.unwrap_or_default() + characters.as_str()))
 }
 
 /// `text` with a full stop. For text that begins with a name, which keeps its case.
@@ -32,7 +32,7 @@ pub fn grouped(count: usize) -> String {
     tilescope_debugger::grouped(count as u64)
 }
 
-/// The number of an event as shown. Events count from 1, so the last event's number is how many have happened.
+/// Returns the number of an event as shown. Events count from 1, so the last event's number is how many have happened.
 #[must_use]
 pub fn event_number(index: usize) -> String {
     grouped(index + 1)

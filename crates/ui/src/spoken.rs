@@ -14,22 +14,22 @@ pub struct Spoken {
 }
 
 /// Receives the announcements.
-type Hearer = Box<dyn Fn(&Spoken) + Send + Sync>;
+type Callback = Box<dyn Fn(&Spoken) + Send + Sync>;
 
 /// Derives announcements from the tree after each frame.
 pub struct Speaker {
-    hearer: Hearer,
+    callback: Callback,
     before: Option<SpokenFocus>,
     /// Whether playback runs: values that change in every frame are not announced then.
     pub is_playing: bool,
 }
 
 impl Speaker {
-    /// Creates one that passes announcements to `hearer`.
+    /// Creates one that passes announcements to `callback`.
     #[must_use]
-    pub fn new(hearer: impl Fn(&Spoken) + Send + Sync + 'static) -> Self {
+    pub fn new(callback: impl Fn(&Spoken) + Send + Sync + 'static) -> Self {
         Self {
-            hearer: Box::new(hearer),
+            callback: Box::new(callback),
             before: None,
             is_playing: false,
         }
@@ -42,14 +42,15 @@ impl Speaker {
             (Some(now), Some(before)) => now.focus == before.focus,
             _ => false,
         };
-        let writes = |told: &Option<SpokenFocus>| told.as_ref().is_some_and(|told| told.is_field);
+        let writes =
+            |focus: &Option<SpokenFocus>| focus.as_ref().is_some_and(|focus| focus.is_field);
         let is_left = now.is_none() && writes(&self.before);
         self.before = now;
         if is_left {
-            (self.hearer)(&Spoken::default());
+            (self.callback)(&Spoken::default());
         }
         if let Some(spoken) = spoken.filter(|_| !(is_of_value && self.is_playing)) {
-            (self.hearer)(&spoken);
+            (self.callback)(&spoken);
         }
     }
 }
@@ -105,13 +106,13 @@ impl SpokenFocus {
 
     /// Returns what changed since the previous frame, if anything; everything if the focus has moved.
     fn since(&self, before: Option<&Self>) -> Option<Spoken> {
-        let parts = |told: &Self| {
+        let parts = |focus: &Self| {
             let parts: [&str; 5] = [
-                &told.name,
-                told.role,
-                &told.state,
-                &told.value,
-                &told.chosen,
+                &focus.name,
+                focus.role,
+                &focus.state,
+                &focus.value,
+                &focus.chosen,
             ];
             parts.map(str::to_owned)
         };
@@ -142,7 +143,7 @@ fn find(tree: &TreeUpdate, id: NodeId) -> Option<&Node> {
     found.map(|(_, node)| node)
 }
 
-/// The node's own name, or else that of its label.
+/// Returns the node's own name, or else that of its label.
 fn name(tree: &TreeUpdate, node: &Node) -> String {
     if let Some(label) = node.label() {
         return label.to_owned();

@@ -8,7 +8,7 @@ use tilescope_session::look::Look;
 
 pub use input_style::{FINGER, InputStyle, install, is_for_fingers, restyle, row_height};
 
-/// The family of headings.
+/// Returns the family of headings.
 #[must_use]
 pub fn semibold() -> FontFamily {
     FontFamily::Name("semibold".into())

@@ -70,7 +70,7 @@ pub fn heading(ui: &mut Ui, text: &str) -> Response {
     response
 }
 
-/// A name on the left, a number in tabular figures on the right.
+/// Shows a name on the left, a number in tabular figures on the right.
 pub fn row(ui: &mut Ui, name: &str, value: &str, palette: &Palette) {
     // The row is not clickable, so it may be lower than a button.
     let height = ui.spacing().interact_size.y;
@@ -84,7 +84,7 @@ pub fn row(ui: &mut Ui, name: &str, value: &str, palette: &Palette) {
     ui.spacing_mut().interact_size.y = height;
 }
 
-/// The symbol of a layer, as on the canvas, in a square around `at`.
+/// Draws the symbol of a layer, as on the canvas, in a square around `at`.
 pub fn symbol(painter: &Painter, layer: Layer, at: Pos2, palette: &Palette) {
     let thin = |color: Color32| Stroke::new(1.4, color);
     match layer {
@@ -212,7 +212,7 @@ fn gap_symbol(painter: &Painter, at: Pos2, palette: &Palette) {
     }
 }
 
-/// A pill with a symbol and a name that is on or off.
+/// Shows a pill with a symbol and a name that is on or off.
 pub fn chip(ui: &mut Ui, (layer, name): (Layer, &str), on: bool, palette: &Palette) -> Response {
     let font = FontId::proportional(12.2);
     let color = if on { palette.text } else { palette.muted };
@@ -290,7 +290,7 @@ pub enum Icon {
     Shorter,
 }
 
-/// A square button with an icon; `name` is its accessible name and tooltip.
+/// Shows a square button with an icon; `name` is its accessible name and tooltip.
 pub fn icon_button(
     ui: &mut Ui,
     icon: Icon,
@@ -395,7 +395,7 @@ fn paint_icon(painter: &Painter, icon: Icon, at: Pos2, color: Color32, ground: C
     }
 }
 
-/// A check mark or a cross, for verdicts.
+/// Draws a check mark or a cross, for verdicts.
 pub fn verdict_mark(painter: &Painter, at: Pos2, well: bool, color: Color32) {
     let stroke = Stroke::new(2.0, color);
     if well {
@@ -420,7 +420,7 @@ fn button_place(ui: &mut Ui, size: Vec2, name: &str, enabled: bool) -> (Rect, Re
     (rect, response)
 }
 
-/// The main button of a panel: filled with the accent.
+/// Shows the main button of a panel: filled with the accent.
 pub fn primary_button(
     ui: &mut Ui,
     text: &str,

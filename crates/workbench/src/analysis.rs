@@ -87,7 +87,7 @@ pub struct Analysis {
 }
 
 impl Analysis {
-    /// The measures of a moment, incomplete while it is being measured.
+    /// Returns the measures of a moment, incomplete while it is being measured.
     #[must_use]
     pub fn of(&self, shown: &ShownMoment<'_>) -> Option<&Known> {
         let key = key_of(shown);
@@ -98,7 +98,7 @@ impl Analysis {
             .find(|known| known.key == key)
     }
 
-    /// The moment of this session that was last measured completely. It is shown, faded, until a newer one
+    /// Returns the moment of this session that was last measured completely. It is shown, faded, until a newer one
     /// replaces it.
     #[must_use]
     pub fn last(&self, shown: &ShownMoment<'_>) -> Option<&Known> {
@@ -107,14 +107,14 @@ impl Analysis {
         own.find(|known| known.key.0 == generation)
     }
 
-    /// The part being measured and the fraction of it done, from 0 to 1.
+    /// Returns the part being measured and the fraction of it done, from 0 to 1.
     #[must_use]
     pub fn progress(&self) -> Option<(MeasurePart, f32)> {
         let work = self.work.as_ref()?;
         Some((work.part, work.job.fraction()))
     }
 
-    /// Whether the user stopped measuring this moment.
+    /// Returns whether the user stopped measuring this moment.
     #[must_use]
     pub fn is_stopped(&self, shown: &ShownMoment<'_>) -> bool {
         self.stopped == Some(key_of(shown))
@@ -127,7 +127,7 @@ impl Analysis {
         (*key == key_of(shown)).then_some(why)
     }
 
-    /// Whether a moment is measured completely.
+    /// Returns whether a moment is measured completely.
     #[must_use]
     pub fn is_whole(&self, shown: &ShownMoment<'_>) -> bool {
         self.of(shown)
@@ -181,8 +181,8 @@ impl Analysis {
 
     /// Moves a moment's measures to the end of the list, and drops incomplete ones of another.
     fn look_at(&mut self, key: Key) {
-        if let Some(place) = self.kept.iter().position(|known| known.key == key) {
-            let known = self.kept.remove(place);
+        if let Some(index) = self.kept.iter().position(|known| known.key == key) {
+            let known = self.kept.remove(index);
             self.kept.push(known);
         }
         self.growing = self.growing.take().filter(|(known, _)| known.key == key);
@@ -307,7 +307,7 @@ fn one_more(
     done.map_err(|error| refusal(&error))
 }
 
-/// The samples that cover their disks at a moment, in r.
+/// Returns the samples that cover their disks at a moment, in r.
 #[must_use]
 pub fn samples(still: &Still) -> Samples {
     let covering = still.covering().into_iter();
@@ -320,7 +320,7 @@ pub fn samples(still: &Still) -> Samples {
     }
 }
 
-/// The name of a moment.
+/// Returns the name of a moment.
 #[must_use]
 pub fn name_of(shown: &ShownMoment<'_>) -> String {
     let stage = match shown.stage {

@@ -10,7 +10,7 @@ use crate::command::AppearanceCommand;
 pub struct Appearance {
     /// The layers shown.
     pub layers: Layers,
-    /// What the colour of samples stands for.
+    /// The property of samples that their colour shows.
     pub colouring: Colouring,
     /// Light, dark or for a projector; [`Self::choose_look`] changes it.
     pub look: Look,
@@ -59,7 +59,7 @@ impl Appearance {
         self.choose_look(other.look);
     }
 
-    /// The user's choice of reduced motion, if any.
+    /// Returns the user's choice of reduced motion, if any.
     #[must_use]
     pub const fn motion_chosen(&self) -> Option<bool> {
         self.motion_chosen

@@ -27,7 +27,7 @@ pub enum Arrangement {
 }
 
 impl Arrangement {
-    /// The arrangement of a window of `size`, in screen points before the look's enlargement.
+    /// Returns the arrangement of a window of `size`, in screen points before the look's enlargement.
     #[must_use]
     pub fn of(size: Vec2, look: Look) -> Self {
         let room = match look {

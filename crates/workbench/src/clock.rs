@@ -35,7 +35,7 @@ impl Clock {
         }
     }
 
-    /// The duration of a tick at speed 1, in seconds.
+    /// Returns the duration of a tick at speed 1, in seconds.
     #[must_use]
     pub const fn tick_secs(self) -> f32 {
         match self {
@@ -91,7 +91,7 @@ impl Playback {
         self.clock = clock;
     }
 
-    /// The clock, or the one before it if the clock is that of passes.
+    /// Returns the clock, or the one before it if the clock is that of passes.
     #[must_use]
     pub const fn clock_of_events(&self) -> Clock {
         match self.clock {

@@ -256,7 +256,7 @@ pub enum Command {
 }
 
 impl ViewCommand {
-    /// Whether the command moves the camera.
+    /// Returns whether the command moves the camera.
     #[must_use]
     pub const fn moves_camera(&self) -> bool {
         matches!(
@@ -272,7 +272,7 @@ impl ViewCommand {
 }
 
 impl Command {
-    /// Whether a key may issue this command where the window is embedded in another page: not if it opens
+    /// Returns whether a key may issue this command where the window is embedded in another page: not if it opens
     /// something that is not shown there.
     #[must_use]
     pub const fn works_in_frame(&self) -> bool {

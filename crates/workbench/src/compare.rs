@@ -87,7 +87,7 @@ impl ComparePreset {
         }
     }
 
-    /// The parameters of the second run if the first has `first` and the panel has `typed`.
+    /// Returns the parameters of the second run if the first has `first` and the panel has `typed`.
     #[must_use]
     pub fn parameters(self, first: &Parameters, typed: &Parameters) -> Parameters {
         let mut second = *first;
@@ -162,7 +162,7 @@ enum Parting {
 }
 
 impl Comparison {
-    /// Whether cameras are linked, playback is linked, and differences are marked.
+    /// Returns whether cameras are linked, playback is linked, and differences are marked.
     #[must_use]
     pub const fn links(&self) -> [bool; 3] {
         [
@@ -179,7 +179,7 @@ impl Comparison {
         self.shows_differences = differences;
     }
 
-    /// Where two sessions diverge, once known.
+    /// Returns where two sessions diverge, once known.
     #[must_use]
     pub fn divergence(&self, a: &Session, b: &Session) -> Option<&Divergence> {
         match &self.parting {
@@ -190,7 +190,7 @@ impl Comparison {
         }
     }
 
-    /// Why the divergence could not be found.
+    /// Returns why the divergence could not be found.
     #[must_use]
     pub fn failure(&self) -> Option<&str> {
         match &self.parting {
@@ -263,14 +263,14 @@ fn divergence_of(a: &Session, b: &Session) -> Divergence {
     }
 }
 
-/// The parameters by which two sessions differ, as [`contrast`] returns them; `None` if one is a combination.
+/// Returns the parameters by which two sessions differ, as [`contrast`] returns them; `None` if one is a combination.
 #[must_use]
 pub fn contrast_of(a: &Session, b: &Session) -> Option<Vec<(String, String, String)>> {
     let glued = a.combination.is_some() || b.combination.is_some();
     (!glued).then(|| contrast(&a.run().parameters, &b.run().parameters))
 }
 
-/// The parameters by which two runs differ: the name, the first run's value and the second run's.
+/// Returns the parameters by which two runs differ: the name, the first run's value and the second run's.
 #[must_use]
 pub fn contrast(a: &Parameters, b: &Parameters) -> Vec<(String, String, String)> {
     let mut found = Vec::new();

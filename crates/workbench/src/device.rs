@@ -53,7 +53,7 @@ impl Device {
         }
     }
 
-    /// Its state, in a word.
+    /// Returns its state, in a word.
     #[must_use]
     pub const fn word(&self) -> &'static str {
         match self {
@@ -64,7 +64,7 @@ impl Device {
         }
     }
 
-    /// Its name, once known.
+    /// Returns its name, once known.
     #[must_use]
     pub fn name(&self) -> Option<&str> {
         self.ready().map(|gpu| gpu.report().name.as_str())
@@ -79,7 +79,7 @@ impl Device {
         }
     }
 
-    /// Its state in a sentence, unless it was not requested yet.
+    /// Returns its state in a sentence, unless it was not requested yet.
     #[must_use]
     pub fn description(&self) -> Option<String> {
         match self {
@@ -99,7 +99,7 @@ impl Device {
         }
     }
 
-    /// The state after opening and testing.
+    /// Returns the state after opening and testing.
     #[must_use]
     pub fn from_test(outcome: Result<Result<Tried, GpuError>, String>) -> Self {
         match outcome {

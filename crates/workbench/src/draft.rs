@@ -83,7 +83,7 @@ impl Default for Draft {
 }
 
 impl Draft {
-    /// The draft with the texts of `parameters`.
+    /// Returns the draft with the texts of `parameters`.
     #[must_use]
     pub fn from_parameters(parameters: Parameters) -> Self {
         let p = &parameters;
@@ -135,7 +135,7 @@ impl Draft {
         }
     }
 
-    /// All errors, field by field: unreadable texts first, then what the core refuses. If empty, the draft can
+    /// Returns all errors, field by field: unreadable texts first, then what the core refuses. If empty, the draft can
     /// be run.
     #[must_use]
     pub fn refusals(&self) -> Vec<DraftRefusal> {
@@ -166,7 +166,7 @@ impl Draft {
         refusals
     }
 
-    /// The parameters, unless a text cannot be read, since the numbers are then those of an earlier text.
+    /// Returns the parameters, unless a text cannot be read, since the numbers are then those of an earlier text.
     fn read(&self) -> Option<&Parameters> {
         let is_readable = |field| self.unreadable(field).is_none();
         FIELDS
@@ -175,7 +175,7 @@ impl Draft {
             .then_some(&self.parameters)
     }
 
-    /// The names of the parameters that differ from `made`.
+    /// Returns the names of the parameters that differ from `made`.
     #[must_use]
     pub fn differences(&self, made: &Parameters) -> Vec<&'static str> {
         let p = &self.parameters;
@@ -211,14 +211,14 @@ impl Draft {
         typed.map(|(_, name)| name).chain(chosen).collect()
     }
 
-    /// The expected number of samples of a run.
+    /// Returns the expected number of samples of a run.
     #[must_use]
     pub fn expected_samples(&self) -> Option<f64> {
         let domain = self.read()?.validate_sequential().ok()?;
         Some(domain.area_radii() * MAXIMAL_DENSITY)
     }
 
-    /// The smallest side of a pattern that does not repeat within a block, if the present one does.
+    /// Returns the smallest side of a pattern that does not repeat within a block, if the present one does.
     #[must_use]
     pub fn side_without_repeats(&self) -> Option<f64> {
         self.read()?.side_without_repeats()

@@ -14,7 +14,7 @@ impl Embedding {
     /// Every one.
     pub const ALL: [Self; 2] = [Self::Canvas, Self::Player];
 
-    /// The name in addresses.
+    /// Returns the name in addresses.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -23,7 +23,7 @@ impl Embedding {
         }
     }
 
-    /// The one with this name.
+    /// Returns the one with this name.
     #[must_use]
     pub fn named(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|one| one.name() == name)

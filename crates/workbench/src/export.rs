@@ -36,9 +36,9 @@ pub enum ExportKind {
     Result,
     /// The samples that cover their disks at the moment.
     Samples,
-    /// What the canvas shows.
+    /// The view of the canvas.
     Picture,
-    /// What the canvas shows during playback.
+    /// The view of the canvas during playback.
     Animation,
 }
 
@@ -57,13 +57,13 @@ impl ExportKind {
         }
     }
 
-    /// Whether it is a set of samples, rather than a picture.
+    /// Returns whether it is a set of samples, rather than a picture.
     #[must_use]
     pub const fn is_set(self) -> bool {
         matches!(self, Self::Result | Self::Samples)
     }
 
-    /// The extensions of its files, the default first.
+    /// Returns the extensions of its files, the default first.
     #[must_use]
     pub fn extensions(self) -> Vec<&'static str> {
         match self {
@@ -96,7 +96,7 @@ impl ExportKind {
         }
     }
 
-    /// The name of the format for a file name, or `None` if the extension is unknown.
+    /// Returns the name of the format for a file name, or `None` if the extension is unknown.
     #[must_use]
     pub fn format(self, path: &Path) -> Option<String> {
         if self.is_set() {
@@ -109,7 +109,7 @@ impl ExportKind {
     }
 }
 
-/// The extension of a path in lower case.
+/// Returns the extension of a path in lower case.
 #[must_use]
 pub fn extension(path: &Path) -> Option<String> {
     Some(path.extension()?.to_str()?.to_ascii_lowercase())
@@ -150,7 +150,7 @@ pub struct ExportJob {
     pub path: PathBuf,
     /// The session.
     pub session: SessionRef,
-    /// What to write.
+    /// The content to write.
     pub content: ExportContent,
 }
 

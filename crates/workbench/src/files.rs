@@ -58,7 +58,7 @@ impl Purpose {
         }
     }
 
-    /// What happens, in a sentence.
+    /// Returns the effect of the file, in a sentence.
     #[must_use]
     pub const fn explanation(self) -> &'static str {
         match self {
@@ -80,7 +80,7 @@ impl Purpose {
         }
     }
 
-    /// The label of the button.
+    /// Returns the label of the button.
     #[must_use]
     pub const fn verb(self) -> &'static str {
         match self {
@@ -96,7 +96,7 @@ impl Purpose {
 /// The file sheet.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FileForm {
-    /// What the file is for.
+    /// The purpose of the file.
     pub purpose: Purpose,
     /// Its name.
     pub path: String,

@@ -22,7 +22,7 @@ pub enum Panel {
     /// The layers and the picture.
     #[serde(alias = "Canvas")]
     Canvas,
-    /// What happened, and the playback controls.
+    /// The last event, and the playback controls.
     #[serde(alias = "Timeline")]
     Timeline,
     /// The selected sample or place and its history.
@@ -110,7 +110,7 @@ const ROWS: [PanelRow; 14] = [
 ];
 
 impl Panel {
-    /// Every panel, the most useful first.
+    /// Returns every panel, the most useful first.
     #[must_use]
     pub fn all() -> impl DoubleEndedIterator<Item = Self> {
         ROWS.iter().map(|row| row.panel)
@@ -130,7 +130,7 @@ impl Panel {
         self.row().name
     }
 
-    /// Its letter in links; the same in every version.
+    /// Returns its letter in links; the same in every version.
     #[must_use]
     pub const fn letter(self) -> char {
         self.row().letter
@@ -175,7 +175,7 @@ pub enum LayoutTile {
 }
 
 impl LayoutTile {
-    /// The direct children.
+    /// Returns the direct children.
     pub fn children(&self) -> impl Iterator<Item = &Self> {
         let (tabs, linear): (&[Self], &[(Self, f32)]) = match self {
             Self::Panel(_) => (&[], &[]),
@@ -222,16 +222,16 @@ impl LayoutTile {
 
     fn open(&mut self, panel: Panel) {
         if let Self::Tabs { tiles, open } = self
-            && let Some(place) = tiles.iter().position(|tile| tile.has(panel))
+            && let Some(index) = tiles.iter().position(|tile| tile.has(panel))
         {
-            *open = place;
+            *open = index;
         }
         for tile in self.children_mut() {
             tile.open(panel);
         }
     }
 
-    /// The tabs that directly contain a panel.
+    /// Returns the tabs that directly contain a panel.
     fn tabs_around(&mut self, panel: Panel) -> Option<&mut Vec<Self>> {
         let is_here = self.children().any(|tile| *tile == Self::Panel(panel));
         match self {
@@ -249,7 +249,7 @@ impl LayoutTile {
         }
     }
 
-    /// The first visible tabs.
+    /// Returns the first visible tabs.
     fn seen_tabs(&mut self) -> Option<&mut Vec<Self>> {
         match self {
             Self::Panel(_) => None,
@@ -258,7 +258,7 @@ impl LayoutTile {
         }
     }
 
-    /// The tile without empty containers.
+    /// Returns the tile without empty containers.
     fn pruned(self) -> Option<Self> {
         match self {
             Self::Panel(_) => Some(self),
@@ -339,7 +339,7 @@ impl Layout {
         }
     }
 
-    /// Whether the panel is visible: it exists, and its tab is open.
+    /// Returns whether the panel is visible: it exists, and its tab is open.
     #[must_use]
     pub fn shows(&self, panel: Panel) -> bool {
         self.root.shows(panel)
@@ -357,14 +357,14 @@ impl Layout {
         self.root.open(panel);
     }
 
-    /// Whether every panel occurs once, as in every layout of this program.
+    /// Returns whether every panel occurs once, as in every layout of this program.
     #[must_use]
     pub fn is_whole(&self) -> bool {
         let all = Panel::all().fold(0, |set, panel| set | panel.bit());
         self.root.add_panels(0) == Some(all)
     }
 
-    /// The layout completed with missing panels as tabs, or `None` if it is not valid: a saved layout may be of
+    /// Returns the layout completed with missing panels as tabs, or `None` if it is not valid: a saved layout may be of
     /// a version with fewer panels, or come from anywhere.
     #[must_use]
     pub fn completed(mut self) -> Option<Self> {
@@ -394,7 +394,7 @@ struct Room<L> {
 }
 
 impl<L: Fn(Panel) -> Vec2> Room<L> {
-    /// The smallest size of a tile.
+    /// Returns the smallest size of a tile.
     fn of(&self, tile: &LayoutTile) -> Vec2 {
         match tile {
             LayoutTile::Panel(panel) => (self.least)(*panel),
@@ -509,8 +509,8 @@ mod tests {
 
     #[test]
     fn every_panel_has_one_row_one_letter_and_a_place_of_its_own() {
-        for (place, row) in ROWS.iter().enumerate() {
-            assert_eq!(row.panel as usize, place, "{}", row.name);
+        for (index, row) in ROWS.iter().enumerate() {
+            assert_eq!(row.panel as usize, index, "{}", row.name);
         }
         let letters: HashSet<char> = ROWS.iter().map(|row| row.letter).collect();
         assert_eq!(letters.len(), ROWS.len());

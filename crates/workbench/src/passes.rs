@@ -33,7 +33,7 @@ use device::{Arrival, DeviceRun, Survey, Walker};
 #[derive(Clone, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum PassCommand {
-    /// Go to a pass, by its place in the run.
+    /// Go to a pass, by its index in the run.
     Select(usize),
     /// To the pass before.
     Previous,
@@ -43,7 +43,7 @@ pub enum PassCommand {
     First,
     /// To the last pass.
     Last,
-    /// Show a buffer of the pass, by its place.
+    /// Show a buffer of the pass, by its index.
     Buffer(usize),
     /// Show one side of the pass.
     Side(PassSide),
@@ -153,9 +153,9 @@ impl Passes {
             PassCommand::Next => self.select((at + 1).min(last)),
             PassCommand::First => self.select(0),
             PassCommand::Last => self.select(last),
-            PassCommand::Buffer(place) => {
+            PassCommand::Buffer(index) => {
                 self.export_result = None;
-                self.shown.show(self.visit.as_ref(), place);
+                self.shown.show(self.visit.as_ref(), index);
             }
             PassCommand::Side(side) => self.shown.set_side(self.visit.as_ref(), side),
             PassCommand::Filter(text) => self.shown.set_filter(self.visit.as_ref(), text),
@@ -230,7 +230,7 @@ impl Passes {
         }
     }
 
-    /// The stage of the selected pass, and whether that pass ends it.
+    /// Returns the stage of the selected pass, and whether that pass ends it.
     #[must_use]
     pub fn position(&self) -> Option<(Stage, bool)> {
         let pass = self.selected?;
@@ -238,7 +238,7 @@ impl Passes {
         Some((entry.report.stage, entry.badge != Badge::Intermediate))
     }
 
-    /// The last stage that is complete after the selected pass. The blocks are complete before the first pass.
+    /// Returns the last stage that is complete after the selected pass. The blocks are complete before the first pass.
     #[must_use]
     pub fn whole_stage(&self) -> Option<Stage> {
         let passed = self.entries.get(..=self.selected?)?;
@@ -247,7 +247,7 @@ impl Passes {
         Some(last.map_or(Stage::Blocks, |entry| entry.report.stage))
     }
 
-    /// The passes of the run that are known so far.
+    /// Returns the passes of the run that are known so far.
     #[must_use]
     pub fn entries(&self) -> &[PassEntry] {
         &self.entries
@@ -259,13 +259,13 @@ impl Passes {
         &self.lines
     }
 
-    /// How often the run was restarted with more memory or a wider halo.
+    /// Returns how often the run was restarted with more memory or a wider halo.
     #[must_use]
     pub const fn restarts(&self) -> u32 {
         self.restarts
     }
 
-    /// Returns the place of the selected pass.
+    /// Returns the index of the selected pass.
     #[must_use]
     pub const fn selected(&self) -> Option<usize> {
         self.selected
@@ -278,20 +278,20 @@ impl Passes {
         visit.filter(|visit| Some(visit.pass) == self.selected)
     }
 
-    /// The choice of buffer, side and rows, and the rows shown.
+    /// Returns the choice of buffer, side and rows, and the rows shown.
     #[must_use]
     pub const fn shown(&self) -> &ShownBuffer {
         &self.shown
     }
 
-    /// Whether the rows shown are also drawn on the canvas.
+    /// Returns whether the rows shown are also drawn on the canvas.
     #[must_use]
     pub const fn is_on_canvas(&self) -> bool {
         self.is_on_canvas
     }
 
-    /// What the canvas shows of the selected pass; `None` if rows are not drawn on the canvas, or if the pass
-    /// was not visited and is not about to be.
+    /// Returns the rows of the selected pass to show on the canvas; `None` if rows are not drawn on the canvas, or if
+    /// the pass was not visited and is not about to be.
     #[must_use]
     pub fn on_canvas(&self) -> Option<OnCanvas<'_>> {
         let pass = self.selected.filter(|_| self.is_on_canvas)?;
@@ -303,12 +303,12 @@ impl Passes {
         })
     }
 
-    /// Returns where the selected row lies, in r, if it has a place.
+    /// Returns where the selected row lies, in r, if it has a position.
     #[must_use]
-    pub fn picked_place(&self) -> Option<DVec2> {
+    pub fn picked_position(&self) -> Option<DVec2> {
         let rows = self.on_canvas()?.rows?;
         let spot = rows.places.of(rows.shown.picked()? as usize).first()?;
-        Some(tilescope_session::units::place(placed::middle(spot)))
+        Some(tilescope_session::units::position(placed::middle(spot)))
     }
 
     /// Notes the moment of the timeline at a command of the passes.
@@ -316,7 +316,7 @@ impl Passes {
         self.moment = moment;
     }
 
-    /// The moment of the timeline at the last command of the passes.
+    /// Returns the moment of the timeline at the last command of the passes.
     #[must_use]
     pub const fn moment(&self) -> Option<Moment> {
         self.moment
@@ -334,13 +334,13 @@ impl Passes {
         &self.subject.gpu.report().name
     }
 
-    /// The word changed in this run, if any.
+    /// Returns the word changed in this run, if any.
     #[must_use]
     pub const fn fault(&self) -> Option<Fault> {
         self.subject.fault
     }
 
-    /// The work in the background and the fraction of it done, from 0 to 1.
+    /// Returns the work in the background and the fraction of it done, from 0 to 1.
     #[must_use]
     pub fn activity(&self) -> Option<(String, f32)> {
         match &self.work {
@@ -350,7 +350,7 @@ impl Passes {
         }
     }
 
-    /// A message about the last work: why it ended early, or why the list is incomplete.
+    /// Returns a message about the last work: why it ended early, or why the list is incomplete.
     #[must_use]
     pub fn notice(&self) -> Option<&str> {
         self.notice.as_deref().or(self.unlisted.as_deref())
@@ -362,13 +362,13 @@ impl Passes {
         self.path.clone().unwrap_or_else(|| self.file_name())
     }
 
-    /// The result of the last export, as a sentence in both cases.
+    /// Returns the result of the last export, as a sentence in both cases.
     #[must_use]
     pub fn export_result(&self) -> Option<&Result<String, String>> {
         self.export_result.as_ref()
     }
 
-    /// The name and bytes of an exported file where there is no file system; taken once.
+    /// Returns the name and bytes of an exported file where there is no file system; taken once.
     #[must_use]
     pub const fn take_download(&mut self) -> Option<(String, Vec<u8>)> {
         self.download.take()

@@ -52,7 +52,7 @@ pub struct Wanted {
     pub whole: bool,
     /// The visible layers.
     pub layers: Option<Layers>,
-    /// What the colour of samples stands for.
+    /// The property of samples that their colour shows.
     pub colouring: Option<Colouring>,
     /// The look.
     pub look: Option<Look>,
@@ -123,7 +123,7 @@ pub enum RequestError {
         field: String,
         /// Its value.
         found: String,
-        /// What is allowed.
+        /// The allowed values.
         wanted: String,
     },
     /// Not exactly one of several fields is given.
@@ -353,7 +353,7 @@ fn layers(value: &Value) -> Result<Layers, RequestError> {
     Ok(layers)
 }
 
-/// The default session's parameters changed by those given. Unlike a link's, invalid ones are refused, not
+/// Returns the default session's parameters changed by those given. Unlike a link's, invalid ones are refused, not
 /// corrected.
 fn parameters(value: &Value) -> Result<Parameters, RequestError> {
     let Some(given) = value.as_object() else {
@@ -389,31 +389,31 @@ fn lay_over(
     action: &'static str,
 ) -> Result<(), RequestError> {
     for (field, value) in given {
-        let Some(place) = all.get_mut(field) else {
+        let Some(current) = all.get_mut(field) else {
             let field = quoted(field);
             return Err(RequestError::UnknownField { action, field });
         };
-        match (place.is_object(), value.as_object()) {
-            (true, Some(inner)) => lay_over(place, inner, "pattern")?,
+        match (current.is_object(), value.as_object()) {
+            (true, Some(inner)) => lay_over(current, inner, "pattern")?,
             (true, None) => return Err(wrong(field, value, "an object")),
             (false, _) => {
                 // Seeds may be given as text, since JavaScript would round large numbers.
                 let exact = value.as_str().filter(|_| field == "seed");
                 let exact = exact.and_then(|text| text.parse::<u64>().ok());
                 let value = &exact.map_or_else(|| value.clone(), Value::from);
-                let as_before = same_kind(place, value);
+                let as_before = same_kind(current, value);
                 if !as_before {
-                    let wanted = format!("of the kind of {place}");
+                    let wanted = format!("of the kind of {current}");
                     return Err(wrong(field, value, wanted));
                 }
-                *place = value.clone();
+                *current = value.clone();
             }
         }
     }
     Ok(())
 }
 
-/// Whether two values are both numbers, both strings or both booleans.
+/// Returns whether two values are both numbers, both strings or both booleans.
 fn same_kind(a: &Value, b: &Value) -> bool {
     (a.is_number() && b.is_number())
         || (a.is_string() && b.is_string())

@@ -31,12 +31,12 @@ pub enum ScriptError {
     BadCommand {
         /// Its number, from 1.
         number: usize,
-        /// What is wrong with it.
+        /// The fault in it.
         why: serde_json::Error,
     },
 }
 
-/// The commands of a script.
+/// Returns the commands of a script.
 pub fn read(text: &str) -> Result<Vec<Command>, ScriptError> {
     let values: Vec<Value> = serde_json::from_str(text).map_err(ScriptError::NotAList)?;
     if values.len() > MAX_COMMANDS {

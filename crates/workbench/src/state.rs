@@ -58,7 +58,7 @@ pub enum FullScreen {
 }
 
 impl FullScreen {
-    /// Why the window cannot use full screen, if so.
+    /// Returns why the window cannot use full screen, if so.
     #[must_use]
     pub const fn refusal(self) -> Option<&'static str> {
         match self {
@@ -95,7 +95,7 @@ pub struct State {
 }
 
 impl State {
-    /// The state of a new window, with the default session being sampled.
+    /// Returns the state of a new window, with the default session being sampled.
     #[must_use]
     pub fn new(wake: Wake) -> Self {
         let mut state = Self {
@@ -143,7 +143,7 @@ impl State {
         self.runs.first.cursor()
     }
 
-    /// What the canvas draws.
+    /// Returns the subject of the canvas.
     #[must_use]
     pub fn subject(&self) -> Option<Subject<'_>> {
         let first = &self.runs.first;
@@ -153,7 +153,7 @@ impl State {
         })
     }
 
-    /// Why the draft cannot be run now, or `None` if it can.
+    /// Returns why the draft cannot be run now, or `None` if it can.
     #[must_use]
     pub fn run_refusal(&self) -> Option<String> {
         let refusal = self.form.draft.refusals().into_iter().next();

@@ -66,7 +66,7 @@ enum SavedSelection {
 }
 
 impl SavedView {
-    /// The view as JSON.
+    /// Returns the view as JSON.
     #[must_use]
     pub fn to_json(&self) -> Value {
         let Appearance {
@@ -105,7 +105,7 @@ impl SavedView {
         Value::Object(map)
     }
 
-    /// The saved view, read over the current view `now`, and the names of the invalid parts. Parts that are
+    /// Returns the saved view, read over the current view `now`, and the names of the invalid parts. Parts that are
     /// missing or invalid stay as in `now`; without a saved second run there is none.
     #[must_use]
     pub fn from_json(value: &Value, now: &Self) -> (Self, Vec<&'static str>) {
@@ -174,14 +174,14 @@ fn camera(saved: SavedCamera) -> Option<Camera> {
     sound_camera(saved.center, saved.scale)
 }
 
-/// The camera at `center`, in r, with `scale` screen points per r, if both are valid.
+/// Returns the camera at `center`, in r, with `scale` screen points per r, if both are valid.
 #[must_use]
 pub fn sound_camera(center: DVec2, scale: f64) -> Option<Camera> {
     let may_be = is_near(center) && (MIN_SCALE..=MAX_SCALE).contains(&scale);
     may_be.then_some(Camera { center, scale })
 }
 
-/// Whether both coordinates of `place`, in r, are within [`MAX_OFFSET`] of the origin.
+/// Returns whether both coordinates of `place`, in r, are within [`MAX_OFFSET`] of the origin.
 #[must_use]
 pub fn is_near(place: DVec2) -> bool {
     place.abs().cmple(DVec2::splat(MAX_OFFSET)).all()
@@ -215,13 +215,13 @@ fn selection(saved: SavedSelection) -> Option<Selection> {
     }
 }
 
-/// A second run from a file is limited like a session.
+/// Returns the parameters of a second run from a file, limited like those of a session.
 fn second(second: Parameters) -> Option<Parameters> {
     let domain = second.validate_sequential().ok()?;
     (MAXIMAL_DENSITY * domain.area_radii() <= MAX_SAMPLES as f64).then_some(second)
 }
 
-/// The speed, if it is between the slowest and the fastest choice.
+/// Returns the speed, if it is between the slowest and the fastest choice.
 #[must_use]
 pub fn speed(speed: f32) -> Option<f32> {
     let fastest = SPEEDS[SPEEDS.len() - 1];

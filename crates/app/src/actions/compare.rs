@@ -53,7 +53,7 @@ pub(super) fn compare(list: &mut List, state: &State) {
         refusal(ready),
     );
     add(
-        "Go to where A and B part".to_owned(),
+        "Go to the event where A and B diverge".to_owned(),
         Some(Key::D),
         Command::Compare(CompareCommand::GoToDivergence),
         state.parting_refusal().map(str::to_owned),

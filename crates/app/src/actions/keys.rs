@@ -65,21 +65,21 @@ pub fn press_keys(ctx: &egui::Context, state: &mut State) -> bool {
         input.events[..end].iter().filter_map(press).collect()
     });
     let mut any = false;
-    for (key, held) in presses {
-        let free = !typing || held.command || is_function(key);
+    for (key, pressed) in presses {
+        let free = !typing || pressed.command || is_function(key);
         // Escape closes an open menu or list.
         let is_meant_for_popup = key == Key::Escape && has_popup;
-        let is_tick = matches!(key, Key::ArrowLeft | Key::ArrowRight) && held.is_none();
+        let is_tick = matches!(key, Key::ArrowLeft | Key::ArrowRight) && pressed.is_none();
         let is_taken = pointed && !on_canvas;
         if !free || is_meant_for_popup || (key == Key::Space && is_taken) || (is_tick && on_canvas)
         {
             continue;
         }
         // The topmost surface comes first: Escape closes it, and letters go to it.
-        if state.files.has_sheet() && !held.command {
+        if state.files.has_sheet() && !pressed.command {
             continue;
         }
-        let Some((action, modifiers)) = meant_by(key, held, state) else {
+        let Some((action, modifiers)) = meant_by(key, pressed, state) else {
             continue;
         };
         ctx.input_mut(|input| input.consume_key(modifiers, key));
@@ -94,11 +94,11 @@ pub fn press_keys(ctx: &egui::Context, state: &mut State) -> bool {
 }
 
 /// Returns what a press does in the current state, and the modifiers of its shortcut.
-fn meant_by(key: Key, held: Modifiers, state: &State) -> Option<(Command, Modifiers)> {
+fn meant_by(key: Key, pressed: Modifiers, state: &State) -> Option<(Command, Modifiers)> {
     let listed = state.window.finder.is_some();
     actions(state).into_iter().find_map(|action| {
         let shortcut = action.keys().find(|shortcut| {
-            shortcut.logical_key == key && held.matches_exact(shortcut.modifiers)
+            shortcut.logical_key == key && pressed.matches_exact(shortcut.modifiers)
         })?;
         let is_open = !listed || action.command == Command::Window(WindowCommand::ToggleFinder);
         let is_here = state.window.embedding.is_none() || action.command.works_in_frame();
@@ -141,8 +141,9 @@ fn ahead(ctx: &egui::Context, state: &State) -> Option<Ahead> {
             Some(_) => 0,
             None => {
                 let opens = |event: &Event| {
-                    press(event)
-                        .is_some_and(|(key, held)| key == Key::K && held.matches_exact(COMMAND))
+                    press(event).is_some_and(|(key, pressed)| {
+                        key == Key::K && pressed.matches_exact(COMMAND)
+                    })
                 };
                 input.events.iter().position(opens)? + 1
             }
@@ -166,15 +167,15 @@ fn ahead(ctx: &egui::Context, state: &State) -> Option<Ahead> {
             return None;
         }
         // Consume the events, so that no other widget reacts to them.
-        let mut place = 0;
+        let mut count = 0;
         let taken = [
             asked.is_entered.then_some((Key::Enter, NONE)),
             asked.is_closed.then_some((Key::Escape, NONE)),
         ];
         input.events.retain(|event| {
-            place += 1;
+            count += 1;
             let ends = taken.iter().flatten().any(|key| press(event) == Some(*key));
-            place <= from || !(ends || matches!(event, Event::Text(_)))
+            count <= from || !(ends || matches!(event, Event::Text(_)))
         });
         Some(asked)
     })

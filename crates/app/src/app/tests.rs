@@ -73,7 +73,7 @@ impl Window {
     }
 
     /// Returns where the widget of an id is.
-    fn place_of(&self, id: &str) -> Rect {
+    fn rect_of(&self, id: &str) -> Rect {
         let known = |node: &&(NodeId, Node)| node.1.author_id() == Some(id);
         let found = self.nodes.iter().find(known);
         let bounds = found.and_then(|node| node.1.bounds());
@@ -110,7 +110,7 @@ fn click(at: Pos2) -> [Event; 3] {
 fn a_click_within_one_frame_goes_there_on_the_timeline() {
     for size in [[1440.0, 900.0], [390.0, 844.0]] {
         let mut window = Window::opened(size);
-        let track = window.place_of("moment");
+        let track = window.rect_of("moment");
         let (_, len) = window.app.state.cursor().unwrap();
         let mut before = len;
         for part in [0.8, 0.35, 0.6] {
@@ -236,13 +236,13 @@ fn all_panels_show_the_same_moment() {
     }
 }
 
-/// Returns the galleys with a text that are drawn, each with its place and what it is clipped to.
+/// Returns the galleys with a text that are drawn, each with its rectangle and what it is clipped to.
 fn drawn(window: &Window, text: &str) -> Vec<(bool, Rect, Rect)> {
     fn visit(shape: &egui::Shape, clip: Rect, text: &str, found: &mut Vec<(bool, Rect, Rect)>) {
         match shape {
             egui::Shape::Text(shape) if shape.galley.text() == text => {
-                let place = Rect::from_min_size(shape.pos, shape.galley.size());
-                found.push((shape.galley.elided, place, clip));
+                let rect = Rect::from_min_size(shape.pos, shape.galley.size());
+                found.push((shape.galley.elided, rect, clip));
             }
             egui::Shape::Vec(shapes) => {
                 for shape in shapes {
@@ -269,7 +269,7 @@ fn longest(window: &Window) -> Vec<usize> {
         let most = longest.entry(event.kind().name()).or_default();
         *most = (*most).max((length, index + 1));
     }
-    let ends = (0..session.stages.len()).filter_map(|place| session.stage_end(place));
+    let ends = (0..session.stages.len()).filter_map(|index| session.stage_end(index));
     longest
         .values()
         .map(|&(_, cursor)| cursor)
@@ -298,7 +298,7 @@ fn sentences_are_whole() {
             window.size /= window.ctx.zoom_factor();
             window.rest();
         }
-        let mut places = std::collections::BTreeSet::new();
+        let mut tops = std::collections::BTreeSet::new();
         for cursor in longest(&window) {
             window
                 .app
@@ -308,17 +308,17 @@ fn sentences_are_whole() {
             window.frame(Vec::new());
             let text = happened(window.app.state.shown().as_ref());
             let found = drawn(&window, &text);
-            let whole = |&(elided, place, clip): &(bool, Rect, Rect)| {
-                !elided && clip.expand(0.5).contains_rect(place)
+            let whole = |&(elided, rect, clip): &(bool, Rect, Rect)| {
+                !elided && clip.expand(0.5).contains_rect(rect)
             };
             assert!(found.iter().any(whole), "{size:?} \"{text}\": {found:?}");
-            let track = window.place_of("moment");
+            let track = window.rect_of("moment");
             let all = Rect::from_min_size(Pos2::ZERO, window.size);
             assert!(all.contains_rect(track), "{size:?}: {track:?}");
-            places.insert(track.top() as i32);
+            tops.insert(track.top() as i32);
         }
         // Nothing moves on screen from event to event.
-        assert_eq!(places.len(), 1, "{size:?}: {places:?}");
+        assert_eq!(tops.len(), 1, "{size:?}: {tops:?}");
     }
 }
 

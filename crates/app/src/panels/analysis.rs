@@ -36,9 +36,9 @@ pub struct AnalysisContext<'a> {
     /// The measures.
     pub analysis: &'a Analysis,
     /// The reference file, or why it could not be measured.
-    pub held: Option<Result<&'a Arc<ReferenceFile>, String>>,
+    pub reference_file: Option<Result<&'a Arc<ReferenceFile>, String>>,
     /// The result of the brush.
-    pub said: String,
+    pub brush_text: String,
 }
 
 /// The sets shown, and their colours and line styles.
@@ -48,7 +48,7 @@ struct Sets<'a> {
     /// The latest measures, of another moment, until those of this one are there.
     before: Option<&'a MeasuredSet>,
     reference: Option<&'a Arc<MeasuredSet>>,
-    held: Option<&'a Arc<ReferenceFile>>,
+    reference_file: Option<&'a Arc<ReferenceFile>>,
     /// The length of r in the unit of the file.
     unit: f64,
     /// Generation of the session; see `Session::generation`.
@@ -65,7 +65,7 @@ impl<'a> Sets<'a> {
             now,
             before: before.filter(|_| !whole && context.analysis.failure(shown).is_none()),
             reference: context.analysis.reference.measured(),
-            held: context.held.clone().and_then(Result::ok),
+            reference_file: context.reference_file.clone().and_then(Result::ok),
             unit: shown.session.run().domain.radius(),
             generation: shown.session.generation,
             palette: context.palette,
@@ -112,7 +112,7 @@ pub fn show(ui: &mut Ui, context: &AnalysisContext<'_>, commands: &mut Vec<Comma
     commands.extend(own.into_iter().map(Command::Analysis));
 }
 
-/// The numbers and the settings.
+/// Shows the numbers and the settings.
 fn rest(
     ui: &mut Ui,
     context: &AnalysisContext<'_>,
@@ -167,9 +167,9 @@ fn status(
 
 /// Returns a text with a capital first letter.
 fn capital(text: &str) -> String {
-    let mut letters = text.chars();
-    let first = letters.next().into_iter().flat_map(char::to_uppercase);
-    first.chain(letters).collect()
+    let mut characters = text.chars();
+    let first = characters.next().into_iter().flat_map(char::to_uppercase);
+    first.chain(characters).collect()
 }
 
 /// Shows what is being measured, with a button to stop or resume.
@@ -214,7 +214,7 @@ fn lines(ui: &mut Ui, text: RichText) -> egui::Response {
     ui.allocate_ui_with_layout(room, layout, add).inner
 }
 
-/// The legend of the lines.
+/// Shows the legend of the lines.
 fn legend(ui: &mut Ui, context: &AnalysisContext<'_>, sets: &Sets<'_>) {
     ui.add_space(4.0);
     ui.scope(|ui| {
@@ -240,17 +240,17 @@ fn entries(ui: &mut Ui, context: &AnalysisContext<'_>, sets: &Sets<'_>) {
         _ => format!("reference: {}", reference.name()),
     };
     entry(ui, Dash::Dotted, palette.text, &name).known_as("analysis.reference");
-    match context.held.clone() {
-        Some(Ok(held)) => {
-            let guessed = if held.guessed {
+    match context.reference_file.clone() {
+        Some(Ok(file)) => {
+            let guessed = if file.guessed {
                 " (unit square assumed)"
             } else {
                 ""
             };
-            let radius = held.measured.radius;
-            let name = format!("file: {}{guessed}, judged at r = {radius}", held.name());
+            let radius = file.measured.radius;
+            let name = format!("file: {}{guessed}, judged at r = {radius}", file.name());
             entry(ui, Dash::Dashed, palette.conflict, &name).known_as("analysis.file");
-            if let Some(reason) = numbers::unjudged(&held.measured, sets.unit) {
+            if let Some(reason) = numbers::unjudged(&file.measured, sets.unit) {
                 ui.label(RichText::new(reason).size(12.0).color(palette.muted))
                     .known_as("analysis.unjudged");
             }
@@ -263,7 +263,7 @@ fn entries(ui: &mut Ui, context: &AnalysisContext<'_>, sets: &Sets<'_>) {
     }
 }
 
-/// A line of the legend.
+/// Shows a line of the legend.
 fn entry(ui: &mut Ui, line: Dash, color: Color32, text: &str) -> egui::Response {
     let muted = ui.visuals().weak_text_color();
     ui.horizontal_top(|ui| {
@@ -275,7 +275,7 @@ fn entry(ui: &mut Ui, line: Dash, color: Color32, text: &str) -> egui::Response 
     .inner
 }
 
-/// The buttons that choose and clear a file to compare with.
+/// Shows the buttons that choose and clear a file to compare with.
 fn file(
     ui: &mut Ui,
     context: &AnalysisContext<'_>,
@@ -291,7 +291,7 @@ fn file(
         let there = context.analysis.reference_file.is_some();
         let clear = ui.add_enabled(there, Button::new("Clear"));
         clear.known_as("analysis.clear");
-        let clear = clear.on_hover_text("Forgets the file.");
+        let clear = clear.on_hover_text("Stops comparing with the file.");
         let clear = clear.on_disabled_hover_text("This run is not compared with a file.");
         if clear.clicked() {
             own.push(AnalysisCommand::Clear);
@@ -299,7 +299,7 @@ fn file(
     });
 }
 
-/// The brushed range as numbers, for the keyboard.
+/// Shows the brushed range as numbers, for the keyboard.
 fn brushed(ui: &mut Ui, context: &AnalysisContext<'_>, own: &mut Vec<AnalysisCommand>) {
     let (palette, brush) = (context.palette, context.analysis.brush);
     for (axis, name, sign, start) in [
@@ -329,7 +329,7 @@ fn brushed(ui: &mut Ui, context: &AnalysisContext<'_>, own: &mut Vec<AnalysisCom
                 field.widget_info(|| egui::WidgetInfo::labeled(egui::Role::SpinButton, on, &label));
                 field.known_as(format_args!("brush.{}.{which}", Kebab(axis)));
                 changed |= field.changed();
-                field.on_disabled_hover_text("Nothing of this kind is brushed.");
+                field.on_disabled_hover_text("Switched off: no range is selected.");
             }
             if changed {
                 let brush = Brush::between(axis, low, high).filter(|_| on);
@@ -349,8 +349,8 @@ fn brushed(ui: &mut Ui, context: &AnalysisContext<'_>, own: &mut Vec<AnalysisCom
             }
         }
     });
-    let said = RichText::new(&*context.said).size(12.0);
-    let response = lines(ui, said.color(palette.muted));
+    let text = RichText::new(&*context.brush_text).size(12.0);
+    let response = lines(ui, text.color(palette.muted));
     super::common::read_out(ui, &response);
     response.known_as("brush.status");
 }

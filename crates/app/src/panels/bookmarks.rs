@@ -35,7 +35,7 @@ pub fn show(
             if remove.known_as(id).clicked() {
                 commands.push(Command::Debug(DebugCommand::RemoveBookmark(index)));
             }
-            place(ui, debugger, (index, mark), palette, commands);
+            moment(ui, debugger, (index, mark), palette, commands);
             let mut note = mark.note.clone();
             let response = ui.add(
                 TextEdit::singleline(&mut note)
@@ -67,14 +67,14 @@ pub fn show(
             .known_as("no-breakpoints");
     }
     breakpoints(ui, debugger, palette, commands);
-    if let Some(said) = context.run.hits.description() {
-        ui.label(RichText::new(said).color(palette.muted))
+    if let Some(text) = context.run.hits.description() {
+        ui.label(RichText::new(text).color(palette.muted))
             .known_as("hits");
     }
 }
 
-/// The moment of a bookmark in this run, and its name in the run where it was set if that was another.
-fn place(
+/// Shows the moment of a bookmark in this run, and its name in the run where it was set if that was another.
+fn moment(
     ui: &mut Ui,
     debugger: &Debugger,
     (index, mark): (usize, &Bookmark),
@@ -106,7 +106,7 @@ fn place(
     link.known_as(format_args!("bookmark-{}", index + 1));
     let link = link.on_hover_text(match marked {
         Marked::Here(_) => event,
-        _ => format!("{event}\n{origin} This is the same place of its stage."),
+        _ => format!("{event}\n{origin} This is the corresponding event of its stage."),
     });
     if link.clicked() {
         commands.push(Command::Time(TimeCommand::Jump(cursor)));

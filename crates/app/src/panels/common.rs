@@ -8,7 +8,7 @@ use tilescope_ui::widgets::Known;
 use super::context::PanelContext;
 use tilescope_workbench::layout::Panel;
 
-/// A panel scrolls independently of what was shown in its place before.
+/// Shows the content of a panel, which scrolls independently of other panels of the same tab.
 pub fn scrolled(ui: &mut Ui, panel: Panel, add: impl FnOnce(&mut Ui)) {
     ScrollArea::vertical()
         .id_salt(panel.name())
@@ -20,7 +20,7 @@ pub fn scrolled(ui: &mut Ui, panel: Panel, add: impl FnOnce(&mut Ui)) {
         });
 }
 
-/// A thin line between two sections.
+/// Draws a thin line between two sections.
 pub fn divide(ui: &mut Ui, palette: &Palette) {
     ui.add_space(10.0);
     let (rect, _) =

@@ -35,7 +35,7 @@ const LOW: f32 = 720.0;
 
 /// The rectangles of the parts.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Places {
+struct PartRects {
     bar: Rect,
     canvas: Rect,
     controls: Rect,
@@ -72,7 +72,7 @@ fn controls(ctx: &Context, room: Rect, state: &State) -> f32 {
     timeline::compact_height(ctx, &TimeContext::of(state), is_low(room), width)
 }
 
-impl Places {
+impl PartRects {
     /// Divides `room` into the parts.
     fn of(ctx: &Context, room: Rect, state: &State) -> Self {
         let drawer = &state.window.drawer;
@@ -139,11 +139,11 @@ pub fn show(ui: &mut Ui, state: &State, canvas: &mut Canvas, commands: &mut Vec<
         commands,
     };
     if needed <= room.height() {
-        shown.all(ui, &Places::of(ui.ctx(), room, state));
+        shown.all(ui, &PartRects::of(ui.ctx(), room, state));
     } else if state.window.drawer.arrangement == Arrangement::Landscape {
-        let places = Places::of(ui.ctx(), high, state);
-        shown.canvas(ui, places.canvas.intersect(room));
-        let beside = room.with_min_x(places.bar.left());
+        let rects = PartRects::of(ui.ctx(), high, state);
+        shown.canvas(ui, rects.canvas.intersect(room));
+        let beside = room.with_min_x(rects.bar.left());
         part(
             ui,
             "beside",
@@ -152,9 +152,9 @@ pub fn show(ui: &mut Ui, state: &State, canvas: &mut Canvas, commands: &mut Vec<
             Color32::TRANSPARENT,
             |ui| {
                 scrolled(ui, high, true, |ui, high| {
-                    let places = Places::of(ui.ctx(), high, state);
-                    shown.bar(ui, &places);
-                    shown.below(ui, &places);
+                    let rects = PartRects::of(ui.ctx(), high, state);
+                    shown.bar(ui, &rects);
+                    shown.below(ui, &rects);
                 });
             },
         );
@@ -163,7 +163,7 @@ pub fn show(ui: &mut Ui, state: &State, canvas: &mut Canvas, commands: &mut Vec<
         let pointer = ui.input(|input| input.pointer.hover_pos());
         let by_wheel = pointer.is_none_or(|pointer| !state.runs.first.viewport.contains(pointer));
         scrolled(ui, high, by_wheel, |ui, high| {
-            shown.all(ui, &Places::of(ui.ctx(), high, state));
+            shown.all(ui, &PartRects::of(ui.ctx(), high, state));
         });
     }
 }
@@ -195,26 +195,26 @@ struct CompactWindow<'a> {
 
 impl CompactWindow<'_> {
     /// Shows all parts, in the order in which the Tab key visits them.
-    fn all(&mut self, ui: &mut Ui, places: &Places) {
-        self.bar(ui, places);
-        self.canvas(ui, places.canvas);
-        self.below(ui, places);
+    fn all(&mut self, ui: &mut Ui, rects: &PartRects) {
+        self.bar(ui, rects);
+        self.canvas(ui, rects.canvas);
+        self.below(ui, rects);
     }
 
-    fn bar(&mut self, ui: &mut Ui, places: &Places) {
+    fn bar(&mut self, ui: &mut Ui, rects: &PartRects) {
         let fill = Palette::of(self.state.appearance.look).panel;
         if !self.state.window.bare {
-            part(ui, "bar", places.bar, vec2(10.0, 0.0), fill, |ui| {
+            part(ui, "bar", rects.bar, vec2(10.0, 0.0), fill, |ui| {
                 toolbar::show_compact(ui, self.state, self.commands);
             });
         }
     }
 
-    fn canvas(&mut self, ui: &mut Ui, place: Rect) {
+    fn canvas(&mut self, ui: &mut Ui, rect: Rect) {
         part(
             ui,
             "canvas",
-            place,
+            rect,
             vec2(0.0, 0.0),
             Color32::TRANSPARENT,
             |ui| {
@@ -224,24 +224,24 @@ impl CompactWindow<'_> {
         );
     }
 
-    /// The time controls, the tabs and the open panel.
-    fn below(&mut self, ui: &mut Ui, places: &Places) {
+    /// Shows the time controls, the tabs and the open panel.
+    fn below(&mut self, ui: &mut Ui, rects: &PartRects) {
         let fill = Palette::of(self.state.appearance.look).panel;
-        part(ui, "time", places.controls, TIME_MARGIN, fill, |ui| {
+        part(ui, "time", rects.controls, TIME_MARGIN, fill, |ui| {
             timeline::show_compact(
                 ui,
                 &TimeContext::of(self.state),
-                places.is_low,
+                rects.is_low,
                 self.commands,
             );
         });
-        part(ui, "tabs", places.tabs, vec2(8.0, 4.0), fill, |ui| {
+        part(ui, "tabs", rects.tabs, vec2(8.0, 4.0), fill, |ui| {
             tabs(ui, self.state, self.commands);
         });
-        if places.drawer.height() < 1.0 {
+        if rects.drawer.height() < 1.0 {
             return;
         }
-        part(ui, "drawer", places.drawer, vec2(0.0, 0.0), fill, |ui| {
+        part(ui, "drawer", rects.drawer, vec2(0.0, 0.0), fill, |ui| {
             if let Some(panel) = self.state.window.drawer.open {
                 drawer(ui, panel, self.state, self.canvas, self.commands);
             }
@@ -249,21 +249,21 @@ impl CompactWindow<'_> {
     }
 }
 
-/// Shows a part of the window in its place, clipped to it.
+/// Shows a part of the window in its rectangle, clipped to it.
 pub(super) fn part(
     ui: &mut Ui,
     name: &str,
-    place: Rect,
+    rect: Rect,
     margin: egui::Vec2,
     fill: Color32,
     add: impl FnOnce(&mut Ui),
 ) {
-    ui.painter().rect_filled(place, 0.0, fill);
+    ui.painter().rect_filled(rect, 0.0, fill);
     let builder = UiBuilder::new()
         .id_salt(name)
-        .max_rect(place.shrink2(margin));
+        .max_rect(rect.shrink2(margin));
     ui.scope_builder(builder, |ui| {
-        ui.shrink_clip_rect(place);
+        ui.shrink_clip_rect(rect);
         add(ui);
     });
 }
@@ -358,7 +358,7 @@ fn tabs(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     });
 }
 
-/// A tab; clicking the tab of the open panel closes it.
+/// Shows a tab; clicking the tab of the open panel closes it.
 fn tab(
     ui: &mut Ui,
     panel: Panel,

@@ -143,7 +143,7 @@ fn parting(
             .known_as("parting-0");
         return;
     };
-    for (k, line) in said(divergence).into_iter().enumerate() {
+    for (k, line) in description(divergence).into_iter().enumerate() {
         ui.label(line).known_as(format_args!("parting-{k}"));
     }
     let thinned = [a, b].into_iter().any(|session| {
@@ -162,7 +162,7 @@ fn parting(
 }
 
 /// Describes where two runs diverge.
-fn said(divergence: &Divergence) -> Vec<String> {
+fn description(divergence: &Divergence) -> Vec<String> {
     match divergence {
         Divergence::Same => {
             vec!["Nowhere: every event is the same, sample by sample, to the bit.".to_owned()]

@@ -38,7 +38,7 @@ pub struct TimeContext<'a> {
     pub run: &'a RunView,
     /// Playback.
     pub time: &'a Time,
-    /// What a window shows that is too small for tiles.
+    /// The panel below the canvas of a window too small for tiles.
     pub drawer: &'a Drawer,
 }
 

@@ -64,7 +64,7 @@ pub fn show(
     }
 }
 
-/// A button in the corner of the canvas that shows the whole domain again, if the view has changed.
+/// Shows a button in the corner of the canvas that shows the whole domain again, if the view has changed.
 fn whole_domain(ui: &mut Ui, canvas: Rect, palette: &Palette, commands: &mut Vec<Command>) {
     let corner = canvas.shrink2(INSET);
     let builder = egui::UiBuilder::new()

@@ -123,9 +123,9 @@ fn list(
                 ui.max_rect().left(),
                 top + here.unwrap_or(0) as f32 * height,
             );
-            let place = Rect::from_min_size(at, vec2(1.0, height));
+            let row = Rect::from_min_size(at, vec2(1.0, height));
             let at_once = ScrollAnimation::none();
-            ui.scroll_to_rect_animation(place, Some(Align::Center), at_once);
+            ui.scroll_to_rect_animation(row, Some(Align::Center), at_once);
         }
     });
 }

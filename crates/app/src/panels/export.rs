@@ -172,7 +172,7 @@ impl Sheet<'_> {
                 self.commands.push(ExportCommand::Browse);
             }
         });
-        let (told, color) = if let Some(refusal) = self.form.name_refusal() {
+        let (text, color) = if let Some(refusal) = self.form.name_refusal() {
             (refusal.to_string(), self.palette.conflict)
         } else {
             let format = self.form.kind.format(self.form.file());
@@ -181,7 +181,7 @@ impl Sheet<'_> {
             let all = ExportRefusal::Extension { known };
             (format!("Format: {format}. {all}"), self.palette.muted)
         };
-        ui.label(RichText::new(told).small().color(color))
+        ui.label(RichText::new(text).small().color(color))
             .known_as("export.format");
         if let Some(taken) = &self.form.taken {
             let name = taken.file_name().unwrap_or_default().to_string_lossy();
@@ -261,13 +261,13 @@ impl Sheet<'_> {
         });
     }
 
-    /// A label and the fields beside it.
+    /// Shows a label and the fields beside it.
     fn named(&mut self, ui: &mut Ui, name: &str, add: impl FnOnce(&mut Self, &mut Ui, egui::Id)) {
         ui.horizontal_wrapped(|ui| {
             ui.set_min_height(28.0);
             let size = vec2(NAME_WIDTH, 20.0);
-            let place = egui::Layout::left_to_right(egui::Align::Center);
-            let label = ui.allocate_ui_with_layout(size, place, |ui| {
+            let layout = egui::Layout::left_to_right(egui::Align::Center);
+            let label = ui.allocate_ui_with_layout(size, layout, |ui| {
                 ui.set_min_width(NAME_WIDTH);
                 ui.label(name).id
             });
@@ -308,7 +308,7 @@ impl Sheet<'_> {
 
     /// Describes what will be written, or why nothing can be.
     fn prospect(&self, ui: &mut Ui) {
-        let (told, color) = match self.exports.prospect(self.source) {
+        let (text, color) = match self.exports.prospect(self.source) {
             Ok(prospect) => (sentence(&prospect), self.palette.text),
             // Shown below the file name instead.
             Err(refusal) if Some(&refusal) == self.form.name_refusal().as_ref() => {
@@ -316,7 +316,7 @@ impl Sheet<'_> {
             }
             Err(refusal) => (refusal.to_string(), self.palette.conflict),
         };
-        ui.label(RichText::new(told).color(color))
+        ui.label(RichText::new(text).color(color))
             .known_as("export.prospect");
     }
 

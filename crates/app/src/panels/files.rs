@@ -89,7 +89,8 @@ const fn together(purpose: Purpose) -> Option<&'static str> {
     }
 }
 
-/// The field for the file's name. In a browser a name is typed only to save, and files to open are chosen in its dialog.
+/// Shows the field for the file's name. In a browser a name is typed only to save, and files to open are chosen in its
+/// dialog.
 fn file(ui: &mut Ui, state: &State, form: &FileForm, own: &mut Vec<FileCommand>) {
     let (web, saves) = (state.files.in_browser(), form.purpose == Purpose::Save);
     let label = ui.label(if web && saves { "File name" } else { "File" });

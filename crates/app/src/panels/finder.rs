@@ -42,9 +42,9 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             .auto_shrink([false, false])
             .show(ui, |ui| {
                 ui.spacing_mut().item_spacing.y = 0.0;
-                for (place, action) in found.iter().enumerate() {
-                    if show_action(ui, state, action, field, place == choice, moved) {
-                        done = Some(place);
+                for (index, action) in found.iter().enumerate() {
+                    if show_action(ui, state, action, field, index == choice, moved) {
+                        done = Some(index);
                     }
                 }
                 if found.is_empty() {
@@ -56,7 +56,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             });
         done
     });
-    let chosen = modal.inner.and_then(|place| found.get(place));
+    let chosen = modal.inner.and_then(|index| found.get(index));
     if let Some(action) = chosen.filter(|action| action.refusal.is_none()) {
         commands.push(Command::Window(WindowCommand::CloseFinder));
         if action.command != Command::Window(WindowCommand::ToggleFinder) {

@@ -139,7 +139,7 @@ fn place(ui: &mut Ui, shown: &ShownMoment<'_>, at: DVec2, palette: &Palette) {
     let mut nearest: Option<(f64, u32)> = None;
     let reach = 3.5;
     shown.session.index.visit(at, at, reach, |seen| {
-        let distance = seen.place.distance(at);
+        let distance = seen.position.distance(at);
         if shown.covers(seen.id) && nearest.is_none_or(|(best, _)| distance < best) {
             nearest = Some((distance, seen.id));
         }
@@ -193,7 +193,7 @@ fn sample(
     let session = shown.session;
     let run = session.run();
     row(ui, "Id", &grouped(id as usize), palette);
-    coordinates(ui, shown, session.place(id), palette);
+    coordinates(ui, shown, session.position(id), palette);
     match run.samples.origins[id as usize] {
         Origin::Tiled {
             block,

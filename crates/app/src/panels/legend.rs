@@ -150,8 +150,8 @@ fn ages(ui: &mut Ui, ages: Ages, palette: &Palette) {
     let painter = ui.painter();
     let x = |age: f32| rect.left() + age * rect.width();
     let band = |from: f32, to: f32, age: f32| {
-        let place = Rect::from_x_y_ranges(x(from)..=x(to), rect.top()..=rect.top() + 14.0);
-        painter.rect_filled(place, 0.0, palette.age(age));
+        let swatch = Rect::from_x_y_ranges(x(from)..=x(to), rect.top()..=rect.top() + 14.0);
+        painter.rect_filled(swatch, 0.0, palette.age(age));
     };
     for k in 0..SHADES {
         let at = |k: u16| LAST_TILED * f32::from(k) / f32::from(SHADES);
@@ -173,7 +173,7 @@ fn ages(ui: &mut Ui, ages: Ages, palette: &Palette) {
         (LAST_TILED, Align2::RIGHT_TOP, "last"),
         (1.0, Align2::RIGHT_TOP, inserted.as_str()),
     ] {
-        let place = pos2(x(at), rect.top() + 18.0);
-        painter.text(place, anchor, text, font.clone(), palette.muted);
+        let corner = pos2(x(at), rect.top() + 18.0);
+        painter.text(corner, anchor, text, font.clone(), palette.muted);
     }
 }

@@ -133,7 +133,7 @@ fn form(ui: &mut Ui, context: &FormContext<'_>, commands: &mut Vec<Command>) {
         (Field::PatternSeed, "Pattern seed"),
     ];
     pair(ui, context, "Pattern, seed", fields, &refusals, commands);
-    let why = "A periodic pattern allows any offset; a bounded one is the paper's.";
+    let why = "A periodic pattern can be clipped at any offset; the paper uses a bounded one.";
     let chosen = choice(
         ui,
         ("pattern-boundary", "Pattern ends"),
@@ -190,8 +190,9 @@ fn own_pattern(ui: &mut Ui, context: &FormContext<'_>, commands: &mut Vec<Comman
 /// Notes that the pattern repeats within blocks, if it does.
 fn repeats(ui: &mut Ui, context: &FormContext<'_>, palette: &Palette) {
     if let Some(side) = context.form.draft.side_without_repeats() {
-        let text =
-            format!("It repeats itself within the largest blocks; a side of {side} r holds them.");
+        let text = format!(
+            "The pattern repeats within the largest blocks; a side of {side} r would avoid that."
+        );
         ui.label(RichText::new(text).color(palette.muted))
             .known_as("pattern-repeats");
     }
@@ -270,7 +271,7 @@ fn expected(ui: &mut Ui, context: &FormContext<'_>, palette: &Palette) {
     });
 }
 
-/// A labelled line; `add` shows the field and receives the label's id.
+/// Shows a labelled line; `add` shows the field and receives the label's id.
 pub(super) fn labelled(
     ui: &mut Ui,
     name: &str,

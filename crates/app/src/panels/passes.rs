@@ -47,7 +47,7 @@ pub fn show(ui: &mut Ui, passes: &Passes, palette: &Palette, commands: &mut Vec<
     ui.advance_cursor_after_rect(area);
 }
 
-/// The list and its heading.
+/// Shows the list and its heading.
 fn strip(ui: &mut Ui, passes: &Passes, palette: &Palette, commands: &mut Vec<PassCommand>) {
     ui.add(Label::new(muted(passes.adapter(), palette)).truncate());
     let times = if passes.has_timestamps() {
@@ -64,13 +64,13 @@ fn muted(text: &str, palette: &Palette) -> RichText {
     RichText::new(text).small().color(palette.muted)
 }
 
-/// The work in progress, and its result.
+/// Shows the work in progress, and its result.
 fn work(ui: &mut Ui, passes: &Passes, palette: &Palette, commands: &mut Vec<PassCommand>) {
     if let Some(fault) = passes.fault() {
         ui.horizontal(|ui| {
             let text = format!(
                 "What if: word {} of {} becomes {} after pass {}.",
-                grouped(fault.place as usize),
+                grouped(fault.index as usize),
                 fault.buffer.as_str(),
                 fault.word,
                 fault.after + 1,
@@ -129,7 +129,7 @@ fn summary(passes: &Passes) -> String {
     format!("{all}, {stages}: {equal} {are} equal to the CPU, {differ} differ{again}")
 }
 
-/// The selected pass.
+/// Shows the selected pass.
 fn pass(
     ui: &mut Ui,
     passes: &Passes,
@@ -167,7 +167,7 @@ fn pass(
     }
 }
 
-/// How the run came to this pass.
+/// Shows how the run reached this pass.
 fn way(ui: &mut Ui, visit: &Visit, palette: &Palette) {
     let text = if visit.replayed {
         "Reached by a new run from the beginning: the device only steps forwards."
@@ -241,7 +241,7 @@ fn numbers(ui: &mut Ui, passes: &Passes, entry: &PassEntry, palette: &Palette) {
     ui.label(RichText::new(parts.join("   ")).color(palette.muted));
 }
 
-/// The choice of a buffer.
+/// Shows the choice of a buffer.
 fn buffers(
     ui: &mut Ui,
     passes: &Passes,
@@ -251,10 +251,10 @@ fn buffers(
 ) {
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing.x = 6.0;
-        for (place, table) in visit.buffers.iter().enumerate() {
+        for (index, table) in visit.buffers.iter().enumerate() {
             let access = access_text(table.access);
             let text = RichText::new(table.name.as_str()).monospace();
-            let is_shown = place == passes.shown().buffer();
+            let is_shown = index == passes.shown().buffer();
             let count = table.changed_count();
             let mut button = Button::selectable(is_shown, text).right_text(muted(access, palette));
             if !is_shown {
@@ -275,7 +275,7 @@ fn buffers(
             });
             response.known_as(format_args!("buffer.{}", Kebab(table.name)));
             if response.clicked() {
-                commands.push(PassCommand::Buffer(place));
+                commands.push(PassCommand::Buffer(index));
             }
         }
     });
@@ -288,7 +288,7 @@ fn changed_text(count: usize) -> String {
     }
 }
 
-/// The choice of side and rows.
+/// Shows the choice of side and rows.
 fn tools(
     ui: &mut Ui,
     passes: &Passes,
@@ -374,8 +374,8 @@ fn export(ui: &mut Ui, passes: &Passes, palette: &Palette, commands: &mut Vec<Pa
         }
         let (text, color) = match passes.export_result() {
             None => return,
-            Some(Ok(told)) => (told, palette.inserted),
-            Some(Err(told)) => (told, palette.conflict),
+            Some(Ok(message)) => (message, palette.inserted),
+            Some(Err(message)) => (message, palette.conflict),
         };
         let label = ui.add(Label::new(RichText::new(text).color(color)).truncate());
         label.known_as("passes.written");
@@ -383,7 +383,7 @@ fn export(ui: &mut Ui, passes: &Passes, palette: &Palette, commands: &mut Vec<Pa
     });
 }
 
-/// A word of the buffer to be changed after the pass, to inject a fault.
+/// Shows the fields for a word of the buffer to change after the pass, to inject a fault.
 fn fault_editor(
     ui: &mut Ui,
     visit: &Visit,
@@ -392,12 +392,12 @@ fn fault_editor(
     commands: &mut Vec<PassCommand>,
 ) {
     let id = ui.scope_id().with("what if");
-    let (mut place, mut word) = ui.data(|data| data.get_temp(id)).unwrap_or((0_u64, 0_u32));
+    let (mut index, mut word) = ui.data(|data| data.get_temp(id)).unwrap_or((0_u64, 0_u32));
     ui.horizontal(|ui| {
         let muted = |text: &str| RichText::new(text).color(palette.muted);
         let label = ui.label(muted("What if word"));
         let last = (table.bytes / 4).saturating_sub(1);
-        ui.add(DragValue::new(&mut place).range(0..=last))
+        ui.add(DragValue::new(&mut index).range(0..=last))
             .labelled_by(label.id);
         let label = ui.label(muted("of this buffer became"));
         ui.add(DragValue::new(&mut word)).labelled_by(label.id);
@@ -406,10 +406,10 @@ fn fault_editor(
             commands.push(PassCommand::Fault(Some(Fault {
                 after: visit.pass,
                 buffer: table.name,
-                place,
+                index,
                 word,
             })));
         }
     });
-    ui.data_mut(|data| data.insert_temp(id, (place, word)));
+    ui.data_mut(|data| data.insert_temp(id, (index, word)));
 }

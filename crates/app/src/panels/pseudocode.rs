@@ -256,7 +256,7 @@ fn breakpoint(
 
 fn explanation(line: &ListingLine) -> String {
     match &line.erratum {
-        Some(erratum) => format!("{}\n\nThe print: {erratum}", line.explanation),
+        Some(erratum) => format!("{}\n\nErratum: {erratum}", line.explanation),
         None => line.explanation.clone(),
     }
 }
@@ -274,7 +274,7 @@ pub fn next_line(ui: &mut Ui, context: &PanelContext<'_>) {
         .as_ref()
         .and_then(|d| lines.line(d.event()?.line()));
     let otherwise = if context.run.shows_combination() {
-        ("combine", "Maximal sets become one along their seams.")
+        ("combine", "Maximal sets are joined along their seams.")
     } else {
         ("end", "The run is over.")
     };

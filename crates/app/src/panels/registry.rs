@@ -116,8 +116,8 @@ impl<'a> AnalysisContext<'a> {
             palette: Palette::of(state.appearance.look),
             run: &state.runs.first,
             analysis: &state.analysis,
-            held: state.reference_file(),
-            said: state.brush_text(),
+            reference_file: state.reference_file(),
+            brush_text: state.brush_text(),
         }
     }
 }

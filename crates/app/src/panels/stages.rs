@@ -23,19 +23,19 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
     };
     ui.spacing_mut().item_spacing.y = 1.0;
     row(ui, ["", "change", "samples"], false, palette, None);
-    for (place, &stage) in session.stages.iter().enumerate() {
+    for (index, &stage) in session.stages.iter().enumerate() {
         let texts = [
             name_in(session, stage),
             change(session, stage),
             if stage == Stage::Blocks {
                 "\u{2013}".to_owned()
             } else {
-                grouped(session.count_after(place))
+                grouped(session.count_after(index))
             },
         ];
         let texts = texts.each_ref().map(String::as_str);
-        if row(ui, texts, place == context.run.stage, palette, Some(stage)) {
-            commands.push(Command::Time(TimeCommand::ShowStage(place)));
+        if row(ui, texts, index == context.run.stage, palette, Some(stage)) {
+            commands.push(Command::Time(TimeCommand::ShowStage(index)));
         }
     }
     if !session.has_stages() {

@@ -57,11 +57,11 @@ fn room_beside(ctx: &Context, context: &TimeContext<'_>, width: f32) -> f32 {
         return 0.0;
     };
     let most = grouped(session.summary.tiled.max(session.summary.count));
-    let place = match context.run.cursor() {
+    let moment = match context.run.cursor() {
         Some((_, len)) => format!("event {0} of {0}", grouped(len)),
         None => "stage 9 of 9".to_owned(),
     };
-    let text = format!("{most} samples   {place}   iteration 9");
+    let text = format!("{most} samples   {moment}   iteration 9");
     let font = TextStyle::Monospace.resolve(&ctx.style_of(ctx.theme()));
     let job = LayoutJob::simple_singleline(text, font, Color32::WHITE);
     ctx.fonts_mut(|fonts| fonts.layout_job(job)).size().x + BESIDE
@@ -295,8 +295,8 @@ pub fn more(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>)
     });
 }
 
-/// The buttons that move time; where there is no room, those to the first and last stage are left out, since the track
-/// does the same.
+/// Shows the buttons that move time; where there is no room, those to the first and last stage are left out, since the
+/// track does the same.
 fn controls(ui: &mut Ui, context: &TimeContext<'_>, with_ends: bool, commands: &mut Vec<Command>) {
     let palette = context.palette;
     let no_session = context
@@ -355,13 +355,13 @@ fn controls(ui: &mut Ui, context: &TimeContext<'_>, with_ends: bool, commands: &
 }
 
 fn capital(name: &str) -> String {
-    let mut letters = name.chars();
-    letters.next().map_or_else(String::new, |first| {
-        first.to_uppercase().chain(letters).collect()
+    let mut characters = name.chars();
+    characters.next().map_or_else(String::new, |first| {
+        first.to_uppercase().chain(characters).collect()
     })
 }
 
-/// The choice of the clock's tick.
+/// Shows the choice of the clock's tick.
 fn clock(ui: &mut Ui, context: &TimeContext<'_>, width: f32, commands: &mut Vec<Command>) {
     let playback = &context.time.playback;
     let chosen = ComboBox::from_id_salt("clock")
@@ -385,7 +385,7 @@ fn clock(ui: &mut Ui, context: &TimeContext<'_>, width: f32, commands: &mut Vec<
     response.on_hover_text("What play and the arrow keys advance by");
 }
 
-/// The choice of the speed.
+/// Shows the choice of the speed.
 fn speed(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>) {
     let playback = &context.time.playback;
     let chosen = ComboBox::from_id_salt("speed")

@@ -109,7 +109,7 @@ const MAX_MENU_WIDTH: f32 = 340.0;
 /// Minimum room beside the menu to show the name of a small window; room for the longest verdict is reserved.
 const ROOM_FOR_TITLE: f32 = 310.0;
 
-/// All menus in one: a chosen one opens below its name.
+/// Shows all menus in one: a chosen one opens below its name.
 fn one_menu(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let palette = Palette::of(state.appearance.look);
     ui.spacing_mut().item_spacing.y = 2.0;

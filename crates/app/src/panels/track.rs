@@ -27,7 +27,7 @@ const BAR: f32 = 24.0;
 
 /// A stage on the track.
 struct Segment {
-    place: usize,
+    index: usize,
     stage: Stage,
     left: f32,
     right: f32,
@@ -37,19 +37,19 @@ struct Segment {
 /// Returns the segments of a session between `left` and `right`.
 fn segments(session: &Session, left: f32, right: f32) -> Vec<Segment> {
     let count = session.stages.len();
-    let end = |place: usize| session.stage_end(place).unwrap_or(place);
-    let range = |place: usize| place.checked_sub(1).map_or(0, end)..end(place);
-    let total: usize = (0..count).map(|place| range(place).len()).sum();
+    let end = |index: usize| session.stage_end(index).unwrap_or(index);
+    let range = |index: usize| index.checked_sub(1).map_or(0, end)..end(index);
+    let total: usize = (0..count).map(|index| range(index).len()).sum();
     let least = MIN_WIDTH.min((right - left) / count as f32);
     let room = (right - left - least * count as f32).max(0.0);
     let mut at = left;
-    let segment = |(place, &stage): (usize, &Stage)| {
-        let events = range(place);
+    let segment = |(index, &stage): (usize, &Stage)| {
+        let events = range(index);
         let width = least + room * events.len() as f32 / total.max(1) as f32;
         let from = at;
         at += width;
         Segment {
-            place,
+            index,
             stage,
             left: from,
             right: at,
@@ -72,7 +72,7 @@ fn x_of(segments: &[Segment], cursor: usize) -> f32 {
     segment.left + (segment.right - segment.left) * part.min(1.0)
 }
 
-/// Returns the cursor at a place of the track.
+/// Returns the cursor at `x` of the track.
 fn cursor_at(segments: &[Segment], x: f32) -> usize {
     let found = segments.iter().find(|segment| x <= segment.right);
     let Some(segment) = found.or(segments.last()) else {
@@ -139,7 +139,7 @@ fn show_segment(
         Some(session) => name_in(session, segment.stage),
         None => stage_name(segment.stage),
     };
-    let current = segment.place == context.run.stage;
+    let current = segment.index == context.run.stage;
     let bar = Rect::from_min_max(
         pos2(segment.left + 1.0, rect.top()),
         pos2(segment.right - 1.0, rect.top() + BAR),
@@ -153,7 +153,7 @@ fn show_segment(
     ui.painter().rect_filled(bar, 3.0, fill);
     let response = ui.interact(
         label,
-        ui.scope_id().with(("stage", segment.place)),
+        ui.scope_id().with(("stage", segment.index)),
         Sense::click(),
     );
     response.widget_info(|| WidgetInfo::selected(Role::Button, true, current, &name));
@@ -184,7 +184,7 @@ fn show_segment(
         .on_hover_text(tip)
         .clicked()
     {
-        commands.push(Command::Time(TimeCommand::ShowStage(segment.place)));
+        commands.push(Command::Time(TimeCommand::ShowStage(segment.index)));
     }
 }
 
@@ -265,11 +265,11 @@ fn marks(
     };
     hits(painter, context, segments, rect, palette);
     for mark in &debugger.bookmarks {
-        let place = debugger.marked(mark);
-        let Some(cursor) = place.cursor() else {
+        let marked = debugger.marked(mark);
+        let Some(cursor) = marked.cursor() else {
             continue;
         };
-        let color = match place {
+        let color = match marked {
             Marked::Here(_) => palette.accent,
             _ => palette.muted,
         };

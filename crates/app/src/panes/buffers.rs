@@ -8,7 +8,7 @@ use egui::{Color32, FontId, Mesh, Painter, Pos2, Rect, Stroke, StrokeKind, Ui, V
 use tilescope_core::{Rect as LatticeRect, Stage};
 use tilescope_drawing::palette::Palette;
 use tilescope_gpu::RowPlace;
-use tilescope_session::units::place;
+use tilescope_session::units::position;
 use tilescope_ui::widgets::Known;
 
 use tilescope_canvas::sprites::{Sprite, Sprites, Stamp};
@@ -125,7 +125,7 @@ struct Scene<'a> {
 impl Scene<'_> {
     fn at(&self, point: tilescope_core::Point) -> Pos2 {
         let camera = self.subject.camera;
-        camera.screen_from_domain(self.rect, place(point))
+        camera.screen_from_domain(self.rect, position(point))
     }
 
     fn square(&self, rect: &LatticeRect) -> Rect {
@@ -244,7 +244,7 @@ fn add_line(mesh: &mut Mesh, ends: [Pos2; 2], width: f32, color: Color32) {
     mesh.add_triangle(first + 1, first + 2, first + 3);
 }
 
-/// The tag.
+/// Draws the tag.
 fn tag(
     ui: &Ui,
     painter: &Painter,
@@ -269,10 +269,10 @@ fn tag(
     job.append(&changed, 0.0, format(color));
     job.wrap.max_width = (painter.clip_rect().width() - 2.0 * INSET.x).max(80.0);
     let galley = painter.layout_job(job);
-    let place = Rect::from_min_size(corner, galley.size());
-    let ground = place.expand2(vec2(7.0, 4.0));
+    let text_rect = Rect::from_min_size(corner, galley.size());
+    let ground = text_rect.expand2(vec2(7.0, 4.0));
     painter.rect_filled(ground, 5.0, palette.panel.gamma_multiply(0.92));
-    painter.galley(place.min, galley, palette.text);
+    painter.galley(text_rect.min, galley, palette.text);
     let response = ui.interact(
         ground,
         ui.scope_id().with("buffer on the canvas"),

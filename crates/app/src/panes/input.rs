@@ -1,4 +1,4 @@
-//! What the pointer, fingers and keys do to a canvas, as commands. Nothing is drawn and nothing is changed.
+//! The commands of pointer, fingers and keys on a canvas. Nothing is drawn and nothing is changed.
 //!
 //! Where the canvas is part of another page, the plain wheel and one finger are that page's, which scrolls: the wheel zooms
 //! together with Ctrl, and fingers move the picture by two.
@@ -23,7 +23,7 @@ const PICK_BY_FINGER: f64 = 24.0;
 /// How far an arrow key pans the view, in screen points.
 const PAN: f32 = 80.0;
 
-/// Pans, zooms, hovers and selects; returns the pointer's place, if it hovers.
+/// Pans, zooms, hovers and selects; returns the pointer's position, if it hovers.
 pub fn handle(
     ui: &Ui,
     response: &Response,
@@ -40,8 +40,8 @@ pub fn handle(
     keys(ui, response, commands);
     let flies = response.double_clicked() && touch.hand != Hand::Gesture;
     if flies && let Some(pos) = response.interact_pointer_pos() {
-        let place = subject.camera.domain_from_screen(response.rect, pos);
-        commands.push(ViewCommand::FlyToBlock(place));
+        let position = subject.camera.domain_from_screen(response.rect, pos);
+        commands.push(ViewCommand::FlyToBlock(position));
     }
     inspect_later(ui, response, is_picked, flies, context, commands);
     response.hover_pos().filter(|_| touch.hand == Hand::Mouse)
@@ -178,26 +178,29 @@ fn pick(
 /// Returns the sample nearest to a point on the screen, within `reach` screen points.
 fn nearest(response: &Response, subject: &Subject<'_>, pos: Pos2, reach: f64) -> Option<u32> {
     let shown = subject.shown;
-    let place = subject.camera.domain_from_screen(response.rect, pos);
+    let position = subject.camera.domain_from_screen(response.rect, pos);
     let reach = (reach / subject.camera.scale).min(1.5);
     let mut best: Option<(f64, u32)> = None;
-    shown.session.index.visit(place, place, reach, |seen| {
-        let distance = seen.place.distance(place);
-        let visible = !seen.image && shown.standing(seen.id) != Standing::Absent;
-        if visible && distance <= reach && best.is_none_or(|(d, _)| distance < d) {
-            best = Some((distance, seen.id));
-        }
-    });
+    shown
+        .session
+        .index
+        .visit(position, position, reach, |seen| {
+            let distance = seen.position.distance(position);
+            let visible = !seen.image && shown.standing(seen.id) != Standing::Absent;
+            if visible && distance <= reach && best.is_none_or(|(d, _)| distance < d) {
+                best = Some((distance, seen.id));
+            }
+        });
     best.map(|(_, id)| id)
 }
 
 /// Returns the position in the domain of a point on the screen.
 fn place(response: &Response, subject: &Subject<'_>, pos: Pos2) -> Selection {
-    let place = subject.camera.domain_from_screen(response.rect, pos);
+    let position = subject.camera.domain_from_screen(response.rect, pos);
     let size = subject.shown.session.size_radii();
-    let inside = place.cmpge(DVec2::ZERO) & place.cmplt(size);
+    let inside = position.cmpge(DVec2::ZERO) & position.cmplt(size);
     if inside.all() {
-        Selection::Place(place)
+        Selection::Place(position)
     } else {
         Selection::Nothing
     }

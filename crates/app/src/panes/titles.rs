@@ -178,8 +178,8 @@ pub fn echo(
         if !rects[here].contains(pointer) {
             continue;
         }
-        let place = from.camera.domain_from_screen(rects[here], pointer);
-        let at = to.camera.screen_from_domain(rects[there], place);
+        let position = from.camera.domain_from_screen(rects[here], pointer);
+        let at = to.camera.screen_from_domain(rects[there], position);
         let painter = ui.painter_at(rects[there]);
         let stroke = Stroke::new(1.2, context.palette.halo.gamma_multiply(0.7));
         for side in [vec2(9.0, 0.0), vec2(0.0, 9.0)] {

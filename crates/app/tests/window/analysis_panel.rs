@@ -40,9 +40,9 @@ const CONFLICTS: &str = "analysis.number-3";
 /// Asserts that a widget's text contains all of `facts`.
 #[track_caller]
 fn says(harness: &Harness<'_, App>, id: &str, facts: &[&str]) {
-    let said = text(harness, id);
+    let shown = text(harness, id);
     for fact in facts {
-        assert!(said.contains(fact), "{id} does not say {fact}: {said}");
+        assert!(shown.contains(fact), "{id} does not say {fact}: {shown}");
     }
 }
 
@@ -94,22 +94,22 @@ fn a_file_is_held_against_the_run_until_it_is_cleared() {
         harness.state().state.files.sheet.is_none(),
         "the sheet is closed"
     );
-    let held = harness
+    let file = harness
         .state()
         .state
         .reference_file()
         .unwrap()
         .unwrap()
         .clone();
-    assert_eq!(held.measured.samples, 900);
+    assert_eq!(file.measured.samples, 900);
     // Noise has conflicts with the run's radius.
-    assert!(held.measured.verdict().unwrap().conflicts > 100);
+    assert!(file.measured.verdict().unwrap().conflicts > 100);
     says(&harness, "analysis.file", &["noise.csv", "0.02"]);
     says(&harness, "chart.P", &["noise.csv"]);
     says(&harness, SAMPLES, &["file 900"]);
     assert!(find(&harness, "analysis.unjudged").is_none());
     // With another radius, measures independent of it stay, and verdicts for the old one go.
-    let conflicts = held.measured.verdict().unwrap().conflicts as usize;
+    let conflicts = file.measured.verdict().unwrap().conflicts as usize;
     let conflicts = format!("file {}", tilescope_session::words::grouped(conflicts));
     says(&harness, CONFLICTS, &[&conflicts]);
     // 900 samples times r squared.
@@ -233,15 +233,15 @@ fn files_made_to_do_harm_are_refused_and_the_session_stays() {
     let rest = "0.9,0.4\n0.6,0.1\n0.2,0.3\n0.2,0.3\n";
     std::fs::write(&twice, format!("x,y\n{rest}")).unwrap();
     go(&mut harness, Purpose::Against, &twice);
-    let held = harness
+    let file = harness
         .state()
         .state
         .reference_file()
         .unwrap()
         .unwrap()
         .clone();
-    let verdict = held.measured.verdict().expect("a verdict");
-    assert!(verdict.conflicts > 0 && held.measured.spectrum.is_some());
+    let verdict = file.measured.verdict().expect("a verdict");
+    assert!(verdict.conflicts > 0 && file.measured.spectrum.is_some());
 }
 
 #[test]

@@ -63,8 +63,8 @@ fn state<'a>(harness: &'a Harness<'_, App>) -> &'a State {
 /// Goes to the first pass of this name, and to one of its buffers.
 fn go(harness: &mut Harness<'_, App>, name: &str, buffer: Name) {
     let entries = state(harness).runs.first.passes.as_ref().unwrap().entries();
-    let place = entries.iter().position(|entry| entry.report.name == name);
-    pass(harness, PassCommand::Select(place.expect("such a pass")));
+    let index = entries.iter().position(|entry| entry.report.name == name);
+    pass(harness, PassCommand::Select(index.expect("such a pass")));
     let visit = state(harness)
         .runs
         .first
@@ -73,8 +73,8 @@ fn go(harness: &mut Harness<'_, App>, name: &str, buffer: Name) {
         .unwrap()
         .visit()
         .unwrap();
-    let place = visit.buffers.iter().position(|table| table.name == buffer);
-    pass(harness, PassCommand::Buffer(place.expect("such a buffer")));
+    let index = visit.buffers.iter().position(|table| table.name == buffer);
+    pass(harness, PassCommand::Buffer(index.expect("such a buffer")));
 }
 
 fn rows<'a>(harness: &'a Harness<'_, App>) -> Rows<'a> {
@@ -218,9 +218,9 @@ fn the_timeline_stands_at_the_last_stage_that_is_whole_behind_the_pass() {
         .unwrap()
         .entries()
         .to_vec();
-    for (place, stage) in [("survive", Stage::Eliminate), ("attribute", Stage::Tile)] {
-        go(&mut harness, place, Name::Places);
-        assert_eq!(state(&harness).current_stage(), Some(stage), "{place}");
+    for (pass, stage) in [("survive", Stage::Eliminate), ("attribute", Stage::Tile)] {
+        go(&mut harness, pass, Name::Places);
+        assert_eq!(state(&harness).current_stage(), Some(stage), "{pass}");
     }
     pass(&mut harness, PassCommand::Select(0));
     assert_eq!(state(&harness).current_stage(), Some(Stage::Blocks));

@@ -217,12 +217,12 @@ fn tree_at(harness: &mut Harness<'_, App>, ends: [[f64; 2]; 2]) -> f64 {
         let state = &harness.state().state;
         let along = (0..40).map(|k| {
             let t = 0.05 + 0.9 * f64::from(k) / 40.0;
-            let place = [0, 1].map(|k| ends[0][k] + (ends[1][k] - ends[0][k]) * t);
+            let position = [0, 1].map(|k| ends[0][k] + (ends[1][k] - ends[0][k]) * t);
             let pos = state
                 .runs
                 .first
                 .camera
-                .screen_from_domain(state.runs.first.viewport, place);
+                .screen_from_domain(state.runs.first.viewport, position);
             f64::from(image.get_pixel(pos.x as u32, pos.y as u32).0[0])
         });
         let seen: Vec<f64> = along.collect();
@@ -303,14 +303,14 @@ fn ages_colour_the_samples() {
     assert!(difference(&by_block, &shoot(&mut harness)) < 1e-3);
 }
 
-/// The tag at a place of the domain.
-fn said_of(harness: &mut Harness<'_, App>, place: [f64; 2]) -> Option<String> {
+/// The tag at a position of the domain.
+fn tag_at(harness: &mut Harness<'_, App>, position: [f64; 2]) -> Option<String> {
     let state = &harness.state().state;
     let pos = state
         .runs
         .first
         .camera
-        .screen_from_domain(state.runs.first.viewport, place);
+        .screen_from_domain(state.runs.first.viewport, position);
     harness.hover_at(pos);
     settle(harness);
     // The tag appears one frame after the pointer.
@@ -334,8 +334,11 @@ fn the_tag_names_the_thing_under_the_pointer() {
     );
     apply(&mut harness, Command::Time(TimeCommand::ShowStage(3)));
     let lost = (0..run.samples.len() as u32).find(|&id| {
-        let place = session.place(id);
-        let inside = place.to_array().iter().all(|x| (20.0..100.0).contains(x));
+        let position = session.position(id);
+        let inside = position
+            .to_array()
+            .iter()
+            .all(|x| (20.0..100.0).contains(x));
         inside && matches!(run.samples.fates[id as usize], Fate::Eliminated { .. })
     });
     let lost = lost.expect("an eliminated sample");
@@ -344,21 +347,24 @@ fn the_tag_names_the_thing_under_the_pointer() {
     };
     apply(
         &mut harness,
-        Command::View(Which::First, ViewCommand::FlyTo(session.place(lost), 6.0)),
+        Command::View(
+            Which::First,
+            ViewCommand::FlyTo(session.position(lost), 6.0),
+        ),
     );
-    let said = said_of(&mut harness, session.place(lost).into()).expect("a sample");
+    let tag = tag_at(&mut harness, session.position(lost).into()).expect("a sample");
     let number = |id: u32| grouped(id as usize);
     assert!(
-        said.starts_with(&format!("Sample {} ", number(lost))),
-        "{said}"
+        tag.starts_with(&format!("Sample {} ", number(lost))),
+        "{tag}"
     );
-    assert!(said.ends_with(&format!(": eliminated by sample {}", number(by))));
+    assert!(tag.ends_with(&format!(": eliminated by sample {}", number(by))));
     apply(
         &mut harness,
         Command::Time(TimeCommand::ShowStage(TILE_STAGE)),
     );
-    let said = said_of(&mut harness, session.place(lost).into()).expect("a sample");
-    assert!(said.ends_with(": not decided yet"), "{said}");
+    let tag = tag_at(&mut harness, session.position(lost).into()).expect("a sample");
+    assert!(tag.ends_with(": not decided yet"), "{tag}");
 
     let inserted = run.iterations[0].inserted.start;
     apply(&mut harness, Command::Time(TimeCommand::LastStage));
@@ -366,21 +372,21 @@ fn the_tag_names_the_thing_under_the_pointer() {
         &mut harness,
         Command::View(
             Which::First,
-            ViewCommand::FlyTo(session.place(inserted), 6.0),
+            ViewCommand::FlyTo(session.position(inserted), 6.0),
         ),
     );
-    let said = said_of(&mut harness, session.place(inserted).into()).expect("a sample");
+    let tag = tag_at(&mut harness, session.position(inserted).into()).expect("a sample");
     let expected = format!("Sample {} inserted in iteration 1: valid", number(inserted));
-    assert_eq!(said, expected);
+    assert_eq!(tag, expected);
 
     apply(&mut harness, Command::Time(TimeCommand::ShowStage(3)));
-    let said = said_of(&mut harness, session.place(inserted).into()).expect("a gap");
-    assert!(said.starts_with("Gap: area 0."), "{said}");
+    let tag = tag_at(&mut harness, session.position(inserted).into()).expect("a gap");
+    assert!(tag.starts_with("Gap: area 0."), "{tag}");
     apply(
         &mut harness,
         Command::Time(TimeCommand::ShowStage(BLOCKS_STAGE)),
     );
-    let block = said_of(&mut harness, session.place(inserted).into()).expect("a block");
+    let block = tag_at(&mut harness, session.position(inserted).into()).expect("a block");
     assert!(block.starts_with("Block ") && block.contains("cut off by split"));
     apply(
         &mut harness,
@@ -390,14 +396,14 @@ fn the_tag_names_the_thing_under_the_pointer() {
         &mut harness,
         Command::View(
             Which::First,
-            ViewCommand::FlyTo(session.place(inserted), 6.0),
+            ViewCommand::FlyTo(session.position(inserted), 6.0),
         ),
     );
-    let brief = said_of(&mut harness, session.place(inserted).into()).expect("a block");
+    let brief = tag_at(&mut harness, session.position(inserted).into()).expect("a block");
     assert!(block.starts_with(&brief) && !brief.contains("split"));
     apply(
         &mut harness,
         Command::View(Which::First, ViewCommand::FlyTo([-90.0, -90.0].into(), 6.0)),
     );
-    assert_eq!(said_of(&mut harness, [-90.0, -90.0]), None);
+    assert_eq!(tag_at(&mut harness, [-90.0, -90.0]), None);
 }

@@ -193,7 +193,7 @@ fn cameras_are_linked_from_either_canvas_until_unlinked() {
 }
 
 #[test]
-fn the_runs_change_places_and_the_second_one_goes() {
+fn the_runs_are_swapped_and_the_second_one_is_closed() {
     let mut harness = compared(ComparePreset::NextSeed);
     let seed = |state: &State| {
         state
@@ -304,7 +304,7 @@ fn both_runs_stand_behind_the_first_event_that_differs_however_long_they_are() {
             [a + 1, b + 1],
             "{preset:?}"
         );
-        // From there time advances in both, and goes back to the same places.
+        // From there time advances in both, and goes back to the same moments.
         let mut last = cursors(&harness.state().state);
         for cursor in (a + 2..a + 400).step_by(7) {
             apply(&mut harness, Command::Time(TimeCommand::Jump(cursor)));

@@ -186,17 +186,17 @@ fn the_event_browser_finds_and_selects_events_and_shows_errors() {
     );
     apply(&mut harness, Command::Time(TimeCommand::Jump(1)));
     let session = session(&harness);
-    let place = session
+    let index = session
         .stages
         .iter()
         .position(|&stage| stage == Stage::Tile)
         .unwrap();
-    let begin = session.stage_end(place - 1).unwrap();
+    let begin = session.stage_end(index - 1).unwrap();
     apply(
         &mut harness,
         Command::Debug(DebugCommand::SelectEvent(begin)),
     );
-    assert_eq!(Some(cursor(&harness)), session.stage_end(place));
+    assert_eq!(Some(cursor(&harness)), session.stage_end(index));
 }
 
 #[test]

@@ -103,7 +103,7 @@ fn the_plain_wheel_is_left_to_the_page_around() {
     }
 }
 
-/// Sends the events a browser sends for fingers, each moving from one place to another.
+/// Sends the events a browser sends for fingers, each moving from one position to another.
 fn drag(harness: &mut Harness<'_, App>, tracks: &[(Pos2, Vec2)]) {
     let touch = |id: usize, phase, pos| Event::Touch {
         device_id: TouchDeviceId(0),

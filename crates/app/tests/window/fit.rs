@@ -181,7 +181,7 @@ fn nothing_of_the_bar_lies_over_another() {
             let is_row = |id: &str| id.contains(".line") || id.contains(".breakpoint");
             node.label().is_some() && !node.author_id().is_some_and(is_row)
         });
-        let places: Vec<(Rect, String)> = said
+        let rects: Vec<(Rect, String)> = said
             .map(|node| {
                 (
                     node.rect(),
@@ -189,9 +189,9 @@ fn nothing_of_the_bar_lies_over_another() {
                 )
             })
             .collect();
-        assert!(places.len() > 8);
-        for (k, (a, name)) in places.iter().enumerate() {
-            for (b, other) in &places[..k] {
+        assert!(rects.len() > 8);
+        for (k, (a, name)) in rects.iter().enumerate() {
+            for (b, other) in &rects[..k] {
                 let over = a.intersect(*b);
                 let is_free = !over.is_positive() || over.width() < 1.0;
                 assert!(is_free || name == other, "{name} over {other} at {size:?}");

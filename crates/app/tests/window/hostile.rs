@@ -19,51 +19,57 @@ fn changed(name: &str, change: impl FnOnce(&mut Value)) -> (String, bool) {
     let before = harness.state().state.saved();
     apply(&mut harness, Command::DismissNotice);
     go(&mut harness, Purpose::Open, &path);
-    let said = notice(&harness);
-    if said.1 {
+    let message = notice(&harness);
+    if message.1 {
         // The previous session is still shown, and so is the sheet.
         assert_eq!(harness.state().state.saved(), before);
         assert!(harness.state().state.files.sheet.is_some());
     }
-    said
+    message
 }
 
 #[test]
 fn a_bad_session_file_is_reported_and_the_current_session_stays() {
-    let (said, is_error) = changed("newer", |value| {
+    let (message, is_error) = changed("newer", |value| {
         value["version"] = json!(99);
     });
-    assert!(is_error && said.contains("version 99"), "{said}");
-    let (said, is_error) = changed("digest", |value| {
+    assert!(is_error && message.contains("version 99"), "{message}");
+    let (message, is_error) = changed("digest", |value| {
         value["digest"] = json!("0123456789abcdef");
     });
-    assert!(is_error && said.contains("0123456789abcdef"), "{said}");
-    let (said, is_error) = changed("cursor", |value| {
+    assert!(
+        is_error && message.contains("0123456789abcdef"),
+        "{message}"
+    );
+    let (message, is_error) = changed("cursor", |value| {
         value["cursor"] = json!(99_999_999);
     });
-    assert!(is_error && said.contains("99999999"), "{said}");
-    let (said, is_error) = changed("line", |value| {
+    assert!(is_error && message.contains("99999999"), "{message}");
+    let (message, is_error) = changed("line", |value| {
         value["breakpoints"][0]["line"] = json!("eliminate.999");
     });
-    assert!(is_error && said.contains("eliminate.999"), "{said}");
-    let (said, is_error) = changed("huge", |value| {
+    assert!(is_error && message.contains("eliminate.999"), "{message}");
+    let (message, is_error) = changed("huge", |value| {
         value["parameters"]["radius"] = json!(1e-4);
     });
-    assert!(is_error && said.contains("at most 2000000"), "{said}");
-    let (said, is_error) = changed("radius", |value| {
+    assert!(is_error && message.contains("at most 2000000"), "{message}");
+    let (message, is_error) = changed("radius", |value| {
         value["parameters"]["radius"] = json!(0.0);
     });
-    assert!(is_error && said.contains("radius"), "{said}");
+    assert!(is_error && message.contains("radius"), "{message}");
 }
 
 #[test]
 fn parts_of_a_view_that_make_no_sense_are_named_and_the_rest_is_opened() {
-    let (said, is_error) = changed("view", |value| {
+    let (message, is_error) = changed("view", |value| {
         value["view"]["camera"]["scale"] = json!(-4.0);
         value["view"]["selection"] = json!({"sample": 4_000_000});
     });
     assert!(!is_error);
-    assert!(said.ends_with("left out: camera, selection."), "{said}");
+    assert!(
+        message.ends_with("left out: camera, selection."),
+        "{message}"
+    );
 }
 
 #[test]
@@ -79,33 +85,33 @@ fn files_that_are_no_sessions_are_refused() {
         let path = folder.join(name);
         std::fs::write(&path, bytes).unwrap();
         go(&mut harness, Purpose::Open, &path);
-        let (said, is_error) = notice(&harness);
-        assert!(is_error && said.contains(name), "{said}");
-        assert!(said.contains("not a saved session"), "{said}");
+        let (message, is_error) = notice(&harness);
+        assert!(is_error && message.contains(name), "{message}");
+        assert!(message.contains("not a saved session"), "{message}");
     }
     let missing = folder.join("missing.json");
     go(&mut harness, Purpose::Open, &missing);
-    let (said, is_error) = notice(&harness);
-    assert!(is_error && said.contains("missing.json"), "{said}");
+    let (message, is_error) = notice(&harness);
+    assert!(is_error && message.contains("missing.json"), "{message}");
     let long = folder.join("long.json");
     let file = std::fs::File::create(&long).unwrap();
     file.set_len(17_000_000).unwrap();
     go(&mut harness, Purpose::Open, &long);
-    let (said, _) = notice(&harness);
+    let (message, _) = notice(&harness);
     assert!(
-        said.contains("17,000,000 bytes") && said.contains("at most 16,000,000"),
-        "{said}"
+        message.contains("17,000,000 bytes") && message.contains("at most 16,000,000"),
+        "{message}"
     );
     // A path that cannot be written.
     let nowhere = folder.join("no-such-folder").join("x.json");
     go(&mut harness, Purpose::Save, &nowhere);
-    let (said, is_error) = notice(&harness);
-    assert!(is_error && said.contains("not written"), "{said}");
+    let (message, is_error) = notice(&harness);
+    assert!(is_error && message.contains("not written"), "{message}");
 }
 
 #[test]
 fn saved_views_are_limited() {
-    let (said, is_error) = changed("view-huge", |value| {
+    let (message, is_error) = changed("view-huge", |value| {
         let mut second = value["parameters"].clone();
         second["radius"] = json!(0.000_1);
         second["variant"] = json!("as-printed");
@@ -118,24 +124,27 @@ fn saved_views_are_limited() {
     });
     assert!(!is_error);
     let expected = "left out: layout, second, selection.";
-    assert!(said.ends_with(expected), "{said}");
+    assert!(message.ends_with(expected), "{message}");
 }
 
 #[test]
 #[cfg(unix)]
 fn a_pattern_that_is_no_file_is_not_read() {
-    let (said, is_error) = changed("device", |value| {
+    let (message, is_error) = changed("device", |value| {
         value["pattern"] = json!({"path": "/dev/zero", "digest": "0123456789abcdef"});
     });
     assert!(
-        is_error && said.contains("/dev/zero is not a regular file"),
-        "{said}"
+        is_error && message.contains("/dev/zero is not a regular file"),
+        "{message}"
     );
-    let (said, is_error) = changed("elsewhere", |value| {
+    let (message, is_error) = changed("elsewhere", |value| {
         let path = "//elsewhere/sets/own.csv";
         value["pattern"] = json!({"path": path, "digest": "0123456789abcdef"});
     });
-    assert!(is_error && said.contains("on another machine"), "{said}");
+    assert!(
+        is_error && message.contains("on another machine"),
+        "{message}"
+    );
 }
 
 #[test]
@@ -146,7 +155,7 @@ fn sessions_that_could_not_be_reopened_are_not_saved() {
     let note = tilescope_workbench::command::DebugCommand::Note(0, note);
     apply(&mut harness, Command::Debug(note));
     go(&mut harness, Purpose::Save, &path);
-    let (said, is_error) = notice(&harness);
-    assert!(is_error && said.contains("10000"), "{said}");
+    let (message, is_error) = notice(&harness);
+    assert!(is_error && message.contains("10000"), "{message}");
     assert!(!path.exists());
 }

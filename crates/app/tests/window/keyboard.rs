@@ -230,11 +230,11 @@ fn tab_goes_through_a_small_window_from_top_to_bottom() {
         .apply(Command::Window(WindowCommand::OpenPanel(Panel::Parameters)));
     settle(&mut harness);
     let round = tab_round(&mut harness);
-    let place = |id: &str| {
+    let index = |id: &str| {
         let found = round.iter().position(|at| at.1.as_deref() == Some(id));
         found.unwrap_or_else(|| panic!("{id} is not in {round:?}"))
     };
-    let places = [
+    let indices = [
         "menu",
         "canvas",
         "time-first-stage",
@@ -243,8 +243,8 @@ fn tab_goes_through_a_small_window_from_top_to_bottom() {
         "radius",
         "run",
     ]
-    .map(place);
-    assert!(places.is_sorted(), "{round:?}");
+    .map(index);
+    assert!(indices.is_sorted(), "{round:?}");
 }
 
 #[test]
@@ -306,13 +306,13 @@ fn a_panel_scrolls_to_the_focused_widget() {
         .apply(Command::Window(WindowCommand::OpenPanel(Panel::Parameters)));
     settle(&mut harness);
     let window = egui::Rect::from_min_size(egui::Pos2::ZERO, egui::vec2(390.0, 844.0));
-    let place = |harness: &Harness<'_, App>| node(harness, "variant").rect();
+    let rect = |harness: &Harness<'_, App>| node(harness, "variant").rect();
     let above = |harness: &Harness<'_, App>| node(harness, "run").rect().top();
-    assert!(place(&harness).bottom() > above(&harness));
+    assert!(rect(&harness).bottom() > above(&harness));
     tab_to(&mut harness, "variant");
     harness.run();
     let seen = window.with_max_y(above(&harness));
-    assert!(seen.contains_rect(place(&harness)));
+    assert!(seen.contains_rect(rect(&harness)));
 }
 
 fn key(key: Key, modifiers: Modifiers) -> Event {

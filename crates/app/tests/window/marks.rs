@@ -39,11 +39,11 @@ fn pixels(harness: &mut Harness<'_, App>, colors: &[Color32], other: Color32) ->
 fn detectors_of_a_whole_domain_on_a_phone_leave_conflicts_and_gaps_to_be_seen() {
     let mut harness = opened_at([390.0, 844.0]);
     let stages = session(&harness);
-    let place = stages
+    let index = stages
         .stages
         .iter()
         .position(|&stage| stage == Stage::Eliminate);
-    let eliminated = Command::Time(TimeCommand::ShowStage(place.expect("the stage")));
+    let eliminated = Command::Time(TimeCommand::ShowStage(index.expect("the stage")));
     harness.state_mut().state.apply(eliminated);
     harness
         .state_mut()

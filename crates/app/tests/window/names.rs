@@ -33,29 +33,29 @@ const FIELDS: [Role; 5] = [
 /// A focusable widget: id, role and name.
 fn focusable(harness: &Harness<'_, App>) -> Vec<(NodeId, Role, String)> {
     let nodes = harness.query_all_by(|node| node.data().supports_action(Action::Focus));
-    let told = nodes.map(|node| {
+    let names = nodes.map(|node| {
         let node = node.accesskit_node();
         let name = node.label().unwrap_or_default();
         (node.locate().0, node.role(), name.trim().to_owned())
     });
-    told.collect()
+    names.collect()
 }
 
-fn check(harness: &Harness<'_, App>, place: &str) {
+fn check(harness: &Harness<'_, App>, view: &str) {
     let all = focusable(harness);
-    assert!(!all.is_empty(), "{place}: nothing can have the focus");
+    assert!(!all.is_empty(), "{view}: nothing can have the focus");
     let nameless: Vec<_> = all.iter().filter(|(.., name)| name.is_empty()).collect();
-    assert!(nameless.is_empty(), "{place}: without a name: {nameless:?}");
+    assert!(nameless.is_empty(), "{view}: without a name: {nameless:?}");
     let mut fields: BTreeMap<(String, &str), usize> = BTreeMap::new();
     for (_, role, name) in all.iter().filter(|(_, role, _)| FIELDS.contains(role)) {
         *fields.entry((format!("{role:?}"), name)).or_default() += 1;
     }
     fields.retain(|_, count| *count > 1);
-    assert!(fields.is_empty(), "{place}: equal names: {fields:?}");
+    assert!(fields.is_empty(), "{view}: equal names: {fields:?}");
     let mut ids = ids(harness);
     ids.sort_unstable();
     let twice: Vec<_> = ids.windows(2).filter(|pair| pair[0] == pair[1]).collect();
-    assert!(ids.len() > 8 && twice.is_empty(), "{place}: {twice:?}");
+    assert!(ids.len() > 8 && twice.is_empty(), "{view}: {twice:?}");
 }
 
 /// Adds two each of watches, bookmarks and breakpoints.
@@ -126,31 +126,37 @@ fn sheets_and_lists_have_names_too() {
 }
 
 /// The announcements since the last call.
-fn taken(said: &Mutex<Vec<Spoken>>) -> Vec<Spoken> {
-    std::mem::take(&mut said.lock().expect("nothing failed"))
+fn taken(announced: &Mutex<Vec<Spoken>>) -> Vec<Spoken> {
+    std::mem::take(&mut announced.lock().expect("nothing failed"))
 }
 
-fn texts(said: &Mutex<Vec<Spoken>>) -> Vec<String> {
-    taken(said).into_iter().map(|spoken| spoken.text).collect()
+fn texts(announced: &Mutex<Vec<Spoken>>) -> Vec<String> {
+    taken(announced)
+        .into_iter()
+        .map(|spoken| spoken.text)
+        .collect()
 }
 
 #[test]
 fn the_focused_widget_and_its_changes_are_announced() {
     let mut harness = opened_at([1440.0, 900.0]);
-    let said = Arc::new(Mutex::new(Vec::new()));
-    let hearer = Arc::clone(&said);
+    let announced = Arc::new(Mutex::new(Vec::new()));
+    let received = Arc::clone(&announced);
     App::speak_to(&harness.ctx, move |spoken| {
-        hearer.lock().expect("nothing failed").push(spoken.clone());
+        received
+            .lock()
+            .expect("nothing failed")
+            .push(spoken.clone());
     });
     harness.run();
-    assert_eq!(taken(&said), []);
+    assert_eq!(taken(&announced), []);
     let focus = |harness: &mut Harness<'_, App>, role, name| {
         harness.get_by_role_and_label(role, name).focus();
         harness.run();
     };
     // A field is named by its label.
     focus(&mut harness, Role::TextInput, "Radius");
-    let spoken = taken(&said);
+    let spoken = taken(&announced);
     let typed = |harness: &Harness<'_, App>| {
         let draft = &harness.state().state.form.draft;
         draft.text(Field::Radius).to_owned()
@@ -161,16 +167,16 @@ fn the_focused_widget_and_its_changes_are_announced() {
     harness.event(egui::Event::Text("5".to_owned()));
     harness.run();
     assert_ne!(typed(&harness), before);
-    assert_eq!(texts(&said), [typed(&harness)]);
+    assert_eq!(texts(&announced), [typed(&harness)]);
     focus(&mut harness, Role::ComboBox, "Clock");
-    let spoken = taken(&said);
+    let spoken = taken(&announced);
     assert_eq!(spoken[0].text, "Clock, drop-down list, stage");
     assert_eq!(spoken[0].field, "");
     focus(&mut harness, Role::CheckBox, "Disks");
-    assert!(texts(&said)[0].starts_with("Disks, check box, "));
+    assert!(texts(&announced)[0].starts_with("Disks, check box, "));
     harness.key_press(egui::Key::Space);
     harness.run();
-    let changed = texts(&said);
+    let changed = texts(&announced);
     assert!(
         ["checked", "not checked"].contains(&changed[0].as_str()),
         "{changed:?}"
@@ -178,7 +184,7 @@ fn the_focused_widget_and_its_changes_are_announced() {
     // Values that change during playback are not announced.
     apply(&mut harness, Command::Time(TimeCommand::FirstStage));
     focus(&mut harness, Role::Slider, "Moment");
-    assert_eq!(texts(&said), ["Moment, slider, 0"]);
+    assert_eq!(texts(&announced), ["Moment, slider, 0"]);
     harness
         .state_mut()
         .state
@@ -187,26 +193,26 @@ fn the_focused_widget_and_its_changes_are_announced() {
         harness.step();
     }
     assert!(harness.state().state.cursor().expect("events").0 > 0);
-    assert_eq!(texts(&said), Vec::<String>::new());
+    assert_eq!(texts(&announced), Vec::<String>::new());
     harness
         .state_mut()
         .state
         .apply(Command::Time(TimeCommand::TogglePlay));
     harness.run();
-    taken(&said);
+    taken(&announced);
     // In the list of actions the field keeps the focus, and the selection is announced.
     harness.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::K);
     harness.run();
-    let opened = texts(&said).join(" ");
+    let opened = texts(&announced).join(" ");
     assert!(opened.contains("Find an action, text field"), "{opened}");
     harness.key_press(egui::Key::ArrowDown);
     harness.run();
     let second = tilescope_app::actions::actions(&harness.state().state)[1]
         .name
         .clone();
-    assert_eq!(texts(&said), [second]);
+    assert_eq!(texts(&announced), [second]);
     // After the focus has left, no field has the keyboard.
     harness.key_press(egui::Key::Escape);
     harness.run();
-    assert_eq!(taken(&said).last(), Some(&Spoken::default()));
+    assert_eq!(taken(&announced).last(), Some(&Spoken::default()));
 }

@@ -30,11 +30,11 @@ fn small() -> Parameters {
 }
 
 fn begun(parameters: &Parameters) -> Passes {
-    held(parameters, &Arc::default())
+    gated(parameters, &Arc::default())
 }
 
 /// Returns passes whose background work blocks at its next progress report while `gate` is locked.
-fn held(parameters: &Parameters, gate: &Arc<RwLock<()>>) -> Passes {
+fn gated(parameters: &Parameters, gate: &Arc<RwLock<()>>) -> Passes {
     let gate = Arc::clone(gate);
     let wake: Wake = Arc::new(move || drop(gate.read()));
     Passes::new(gpu(), parameters, &wake).expect("a small run")
@@ -46,7 +46,7 @@ fn opened(parameters: &Parameters) -> Passes {
     passes
 }
 
-fn last_place(passes: &Passes) -> usize {
+fn last_index(passes: &Passes) -> usize {
     passes.entries().len() - 1
 }
 
@@ -170,7 +170,7 @@ fn buffers_after_a_pass_equal_those_before_the_next() {
 #[test]
 fn a_word_set_behind_a_pass_is_found_and_undone() {
     let mut passes = opened(&small());
-    let last = last_place(&passes);
+    let last = last_index(&passes);
     go(&mut passes, PassCommand::Last);
     let table = passes.visit().and_then(|visit| {
         let mut tables = visit.buffers.iter();
@@ -180,7 +180,7 @@ fn a_word_set_behind_a_pass_is_found_and_undone() {
     let fault = Fault {
         after: last,
         buffer: Name::Result,
-        place: 0,
+        index: 0,
         word: x as u32 ^ 1,
     };
     go(&mut passes, PassCommand::Fault(Some(fault)));
@@ -211,7 +211,7 @@ fn a_word_set_behind_a_pass_is_found_and_undone() {
 #[test]
 fn a_visit_can_be_cancelled_and_taken_up_again() {
     let gate = Arc::default();
-    let mut passes = held(&small(), &gate);
+    let mut passes = gated(&small(), &gate);
     passes.settle();
     let closed = gate.write().expect("the gate");
     passes.apply(PassCommand::Last);
@@ -230,7 +230,7 @@ fn a_visit_can_be_cancelled_and_taken_up_again() {
 fn the_listing_can_be_cancelled_and_begun_again() {
     let gate = Arc::default();
     let closed = RwLock::write(&gate).expect("the gate");
-    let mut passes = held(&small(), &gate);
+    let mut passes = gated(&small(), &gate);
     passes.apply(PassCommand::Cancel);
     drop(closed);
     passes.settle();
@@ -238,7 +238,7 @@ fn the_listing_can_be_cancelled_and_begun_again() {
     assert!(passes.notice().expect("a notice").contains("incomplete"));
     go(&mut passes, PassCommand::Again);
     assert_eq!(passes.notice(), None);
-    let last = &passes.entries()[last_place(&passes)];
+    let last = &passes.entries()[last_index(&passes)];
     assert_eq!(
         (last.report.stage, &last.badge),
         (Stage::Finish, &Badge::Equal)
@@ -265,11 +265,11 @@ fn at_places() -> Passes {
     let mut passes = opened(&small());
     passes.select_stage(Stage::Tile);
     passes.settle();
-    let place = passes.visit().and_then(|visit| {
+    let index = passes.visit().and_then(|visit| {
         let mut tables = visit.buffers.iter();
         tables.position(|table| table.name == Name::Places)
     });
-    go(&mut passes, PassCommand::Buffer(place.expect("places")));
+    go(&mut passes, PassCommand::Buffer(index.expect("places")));
     passes
 }
 

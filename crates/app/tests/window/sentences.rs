@@ -30,12 +30,12 @@ use crate::support::sessions::{apply, folder, go, path_text};
 use crate::support::{find, node, opened_at, session, settle};
 
 /// A window, and the texts that differ from what is expected.
-struct Told {
+struct Wording {
     harness: Harness<'static, App>,
     otherwise: Vec<String>,
 }
 
-impl Told {
+impl Wording {
     fn opened() -> Self {
         Self {
             harness: opened_at([1440.0, 900.0]),
@@ -61,7 +61,7 @@ impl Told {
     }
 
     /// Checks texts of widgets by id; all differences are reported together at the end.
-    fn says(&mut self, table: &[(&str, &str)]) -> &mut Self {
+    fn shows(&mut self, table: &[(&str, &str)]) -> &mut Self {
         for &(id, expected) in table {
             let node = find(&self.harness, id).map(|node| node.accesskit_node());
             let said = node.map(|node| node.label().or(node.value()).unwrap_or_default());
@@ -114,8 +114,8 @@ fn typed(entry: NumberField, text: &str) -> Command {
 
 #[test]
 fn the_window_and_its_export_sheet() {
-    let mut told = Told::opened();
-    told.says(&[
+    let mut window = Wording::opened();
+    window.shows(&[
         ("verdict", "Verdict: verified"),
         ("status", "Finish: 10,041 samples*"),
         ("counts", "10,041 samples   event 45,961 of 45,961"),
@@ -138,31 +138,31 @@ fn the_window_and_its_export_sheet() {
         ("radius", "Radius"),
         ("seed", "Seed"),
     ]);
-    told.after([Command::Appearance(AppearanceCommand::Look(Look::Light))]);
-    told.says(&[("toggle-theme", "Dark theme")]);
-    let session = session(&told.harness);
+    window.after([Command::Appearance(AppearanceCommand::Look(Look::Light))]);
+    window.shows(&[("toggle-theme", "Dark theme")]);
+    let session = session(&window.harness);
     let first = |stage: &Stage| *stage == Stage::Iterate(1);
-    let place = session.stages.iter().position(first).unwrap();
-    told.after([Command::Time(TimeCommand::ShowStage(place))]);
-    told.says(&[
+    let index = session.stages.iter().position(first).unwrap();
+    window.after([Command::Time(TimeCommand::ShowStage(index))]);
+    window.shows(&[
         ("status", "Iteration 1: *"),
         ("verdict", "Verdict: result verified"),
     ]);
     let event = Command::Time(TimeCommand::Clock(Clock::Event));
-    told.after([event]);
-    told.says(&[("time-step-forward", "Event forward (Right)")]);
-    told.after([Command::Time(TimeCommand::Clock(Clock::Stage))]);
-    the_export_sheet(&mut told);
-    told.end();
+    window.after([event]);
+    window.shows(&[("time-step-forward", "Event forward (Right)")]);
+    window.after([Command::Time(TimeCommand::Clock(Clock::Stage))]);
+    the_export_sheet(&mut window);
+    window.end();
 }
 
 /// The sheet, and the list of actions behind it.
-fn the_export_sheet(told: &mut Told) {
-    told.after([
+fn the_export_sheet(window: &mut Wording) {
+    window.after([
         Command::Time(TimeCommand::FirstStage),
         export(ExportCommand::Open(ExportKind::Animation)),
     ]);
-    told.says(&[
+    window.shows(&[
         ("export.prospect", "*is empty: there is nothing to animate*"),
         ("export.result", "Result"),
         ("export.samples", "Samples of this moment"),
@@ -171,40 +171,40 @@ fn the_export_sheet(told: &mut Told) {
         ("export.write", "Write animation"),
     ]);
     let every = |text| typed(NumberField::Every, text);
-    told.after([Command::Time(TimeCommand::LastStage), every("0")]);
-    told.says(&[("export.prospect", "*whole number from 1 to 10,000,000*")]);
-    told.after([every("1"), typed(NumberField::Delay, "5")]);
-    told.says(&[("export.prospect", "The delay is \"5\" ms*")]);
-    told.after([
+    window.after([Command::Time(TimeCommand::LastStage), every("0")]);
+    window.shows(&[("export.prospect", "*whole number from 1 to 10,000,000*")]);
+    window.after([every("1"), typed(NumberField::Delay, "5")]);
+    window.shows(&[("export.prospect", "The delay is \"5\" ms*")]);
+    window.after([
         typed(NumberField::Delay, "40"),
         typed(NumberField::Scale, "9"),
     ]);
-    told.says(&[(
+    window.shows(&[(
         "export.prospect",
         "The scale is \"9\"; it must be a number from 0.5 to 8.",
     )]);
     let lines = export(ExportCommand::Clock(Clock::Line));
-    told.after([typed(NumberField::Scale, "2"), lines]);
-    told.says(&[
+    window.after([typed(NumberField::Scale, "2"), lines]);
+    window.shows(&[
         ("export.line", "lines"),
         ("export.prospect", "* frames of at most 600, *"),
     ]);
-    told.after([export(ExportCommand::Open(ExportKind::Result))]);
-    told.says(&[
+    window.after([export(ExportCommand::Open(ExportKind::Result))]);
+    window.shows(&[
         ("export.prospect", "10,041 samples.*"),
         ("export.write", "Write file and certificate"),
     ]);
-    told.after([export(ExportCommand::Path("set.jpeg".to_owned()))]);
-    told.says(&[("export.format", "*The extension chooses the format: *")]);
+    window.after([export(ExportCommand::Path("set.jpeg".to_owned()))]);
+    window.shows(&[("export.format", "*The extension chooses the format: *")]);
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("moment.png");
     let path = export(ExportCommand::Path(path_text(&path)));
     let write = || export(ExportCommand::Write);
-    told.after([
+    window.after([
         export(ExportCommand::Open(ExportKind::Picture)),
         path.clone(),
     ]);
-    told.says(&[
+    window.shows(&[
         ("export.write", "Write picture"),
         (
             "export.format",
@@ -212,26 +212,26 @@ fn the_export_sheet(told: &mut Told) {
         ),
         ("export.prospect", "* pixels.*"),
     ]);
-    told.after([write()]);
-    told.says(&[("notice", "Wrote the picture to *")]);
-    told.after([
+    window.after([write()]);
+    window.shows(&[("notice", "Wrote the picture to *")]);
+    window.after([
         export(ExportCommand::Open(ExportKind::Picture)),
         path,
         write(),
     ]);
-    told.says(&[
+    window.shows(&[
         (
             "export.taken",
             "moment.png exists already and would be replaced.",
         ),
         ("export.write", "Replace moment.png?"),
     ]);
-    told.after([
+    window.after([
         export(ExportCommand::Close),
         Command::Time(TimeCommand::FirstStage),
         Command::Window(WindowCommand::ToggleFinder),
     ]);
-    told.says(&[
+    window.shows(&[
         ("find-action", "Find an action"),
         ("action.go-time-step-forward", "Tick forward"),
         (
@@ -253,50 +253,50 @@ fn the_export_sheet(told: &mut Told) {
 
 #[test]
 fn parameters_engines_and_verdicts() {
-    let mut told = Told::opened();
-    told.typed(&[(Field::Radius, "0")]);
-    told.says(&[("refusal-radius", "*must be a finite number above 0*")]);
-    told.typed(&[(Field::Radius, "0.5")]);
-    told.says(&[(
+    let mut window = Wording::opened();
+    window.typed(&[(Field::Radius, "0")]);
+    window.shows(&[("refusal-radius", "*must be a finite number above 0*")]);
+    window.typed(&[(Field::Radius, "0.5")]);
+    window.shows(&[(
         "refusal-width",
         "The width is 2 r long; it must be at least 10 r: choose a smaller radius.",
     )]);
     // Cancelled before it is finished.
-    told.typed(&[(Field::Radius, "0.0005")]);
-    told.harness.state_mut().state.apply(Command::Run);
-    told.after([Command::Cancel(Which::First)]);
-    told.says(&[(
+    window.typed(&[(Field::Radius, "0.0005")]);
+    window.harness.state_mut().state.apply(Command::Run);
+    window.after([Command::Cancel(Which::First)]);
+    window.shows(&[(
         "notice",
-        "Cancelled during stage *. The session before it is still here.",
+        "Cancelled during stage *. The previous session is kept.",
     )]);
-    told.after([Command::Gpu(GpuCommand::NameAdapter(Some(
+    window.after([Command::Gpu(GpuCommand::NameAdapter(Some(
         "no such adapter".to_owned(),
     )))]);
-    told.after([Command::Gpu(GpuCommand::Engine(Engine::Gpu))]);
-    told.says(&[("notice", "*The GPU cannot be used.*")]);
-    node(&told.harness, "engine").click();
-    told.harness.run();
-    told.says(&[("engine.auto", "auto (CPU)"), ("engine.gpu", "GPU")]);
-    told.harness.key_press(egui::Key::Escape);
-    told.after([Command::Form(FormCommand::Choose(Choice::Search(
+    window.after([Command::Gpu(GpuCommand::Engine(Engine::Gpu))]);
+    window.shows(&[("notice", "*The GPU cannot be used.*")]);
+    node(&window.harness, "engine").click();
+    window.harness.run();
+    window.shows(&[("engine.auto", "auto (CPU)"), ("engine.gpu", "GPU")]);
+    window.harness.key_press(egui::Key::Escape);
+    window.after([Command::Form(FormCommand::Choose(Choice::Search(
         Search::TwoRadii,
     )))]);
-    told.typed(&[(Field::Leaf, "6"), (Field::Radius, "0.004")]);
-    told.after([Command::Run]);
-    told.says(&[("verdict", "Verdict: not maximal")]);
-    told.end();
+    window.typed(&[(Field::Leaf, "6"), (Field::Radius, "0.004")]);
+    window.after([Command::Run]);
+    window.shows(&[("verdict", "Verdict: not maximal")]);
+    window.end();
 }
 
 #[test]
 fn two_runs_and_the_debugger() {
-    let mut told = Told::opened();
-    told.typed(&[(Field::Radius, "0.02"), (Field::Leaf, "8")]);
-    told.after([
+    let mut window = Wording::opened();
+    window.typed(&[(Field::Radius, "0.02"), (Field::Leaf, "8")]);
+    window.after([
         Command::Run,
         Command::Window(WindowCommand::OpenPanel(Panel::Compare)),
         Command::Compare(CompareCommand::Start(ComparePreset::Typed)),
     ]);
-    told.says(&[
+    window.shows(&[
         (
             "parting-0",
             "Nowhere: every event is the same, sample by sample, to the bit.",
@@ -308,122 +308,122 @@ fn two_runs_and_the_debugger() {
         ("compare.go", "Go there in both"),
         ("compare.keep", "the run after this one"),
     ]);
-    let refusal = told
+    let refusal = window
         .harness
         .state()
         .state
         .preset_refusal(ComparePreset::Engine);
     assert!(refusal.expect("a reason").contains("Choose the GPU"));
-    told.after([Command::Compare(CompareCommand::Start(
+    window.after([Command::Compare(CompareCommand::Start(
         ComparePreset::NextSeed,
     ))]);
-    told.says(&[("run-a", "Run A: seed 1*"), ("run-b", "Run B: seed 2*")]);
-    told.after([
+    window.shows(&[("run-a", "Run A: seed 1*"), ("run-b", "Run B: seed 2*")]);
+    window.after([
         Command::Compare(CompareCommand::Keep),
         Command::Form(FormCommand::Choose(Choice::Boundary(Boundary::Bounded))),
         Command::Run,
     ]);
-    told.says(&[
+    window.shows(&[
         (
             "compare.refusal",
             "The domains differ: places cannot be compared.",
         ),
         ("run-a", "Run A: boundary bounded*"),
     ]);
-    told.after([Command::Compare(CompareCommand::Close)]);
+    window.after([Command::Compare(CompareCommand::Close)]);
     let target = TimeCommand::RunTo(Target::Violation, Direction::Forwards);
-    told.after([
+    window.after([
         Command::Time(TimeCommand::FirstStage),
         Command::Time(target),
     ]);
-    told.says(&[("notice", "*no violated invariant*")]);
+    window.shows(&[("notice", "*no violated invariant*")]);
     let query = |text: &str| Command::Debug(DebugCommand::Query(text.to_owned()));
-    told.after([
+    window.after([
         Command::Window(WindowCommand::OpenPanel(Panel::Events)),
         query("insert colour=3"),
     ]);
-    told.says(&[("found-events", "*there is no \"colour\"*")]);
-    told.after([query("")]);
-    told.says(&[
+    window.shows(&[("found-events", "*there is no \"colour\"*")]);
+    window.after([query("")]);
+    window.shows(&[
         ("find-events", "Find events"),
         ("event-0", "Event 1: begin: blocks"),
     ]);
-    told.after([Command::Window(WindowCommand::OpenPanel(Panel::Inspector))]);
-    told.says(&[(
+    window.after([Command::Window(WindowCommand::OpenPanel(Panel::Inspector))]);
+    window.shows(&[(
         "inspector.hint",
         "Click a sample, or any place, to read what happened there.",
     )]);
     let pick = ViewCommand::Pick(Selection::Sample(40));
-    told.after([Command::View(Which::First, pick)]);
-    told.says(&[("history", "History: * events")]);
-    told.after([Command::Window(WindowCommand::OpenPanel(Panel::Bookmarks))]);
-    told.says(&[("no-bookmarks", "B remembers the moment.")]);
-    told.after([Command::Debug(DebugCommand::Bookmark)]);
+    window.after([Command::View(Which::First, pick)]);
+    window.shows(&[("history", "History: * events")]);
+    window.after([Command::Window(WindowCommand::OpenPanel(Panel::Bookmarks))]);
+    window.shows(&[("no-bookmarks", "B remembers the moment.")]);
+    window.after([Command::Debug(DebugCommand::Bookmark)]);
     let listings = Command::Window(WindowCommand::OpenPanel(Panel::Pseudocode));
     let jump = |at| Command::Time(TimeCommand::Jump(at));
-    told.after([Command::Debug(DebugCommand::Watch(
+    window.after([Command::Debug(DebugCommand::Watch(
         "inserted + 1".to_owned(),
     ))]);
-    told.says(&[
+    window.shows(&[
         ("bookmark-1", "event *"),
         ("bookmark-1.note", "Note of bookmark 1"),
     ]);
-    told.after([listings]);
-    told.says(&[("eliminate.5.breakpoint", "Breakpoint on line eliminate.5")]);
-    told.after([
+    window.after([listings]);
+    window.shows(&[("eliminate.5.breakpoint", "Breakpoint on line eliminate.5")]);
+    window.after([
         jump(3_000),
         Command::Window(WindowCommand::OpenPanel(Panel::Watches)),
     ]);
-    told.says(&[("watch-1.value", "= *"), ("add-watch", "Add a watch")]);
-    told.end();
+    window.shows(&[("watch-1.value", "= *"), ("add-watch", "Add a watch")]);
+    window.end();
 }
 
 #[test]
 fn sessions_and_patterns() {
-    let mut told = Told::opened();
-    told.typed(&[(Field::Radius, "0.02"), (Field::Leaf, "8")]);
-    told.after([Command::Run]);
+    let mut window = Wording::opened();
+    window.typed(&[(Field::Radius, "0.02"), (Field::Leaf, "8")]);
+    window.after([Command::Run]);
     let folder = folder("sentences");
     let path = folder.join("one.json");
-    told.after([Command::File(FileCommand::Sheet(Purpose::Save))]);
-    told.says(&[("file.go", "Save"), ("file.browse", "Browse\u{2026}")]);
-    go(&mut told.harness, Purpose::Save, &path);
+    window.after([Command::File(FileCommand::Sheet(Purpose::Save))]);
+    window.shows(&[("file.go", "Save"), ("file.browse", "Browse\u{2026}")]);
+    go(&mut window.harness, Purpose::Save, &path);
     let saved = format!("The session is in {}.", path_text(&path));
-    told.says(&[("notice", &saved)]);
-    told.typed(&[(Field::Seed, "2")]);
-    told.after([Command::Run]);
-    go(&mut told.harness, Purpose::Save, &path);
-    told.says(&[
+    window.shows(&[("notice", &saved)]);
+    window.typed(&[(Field::Seed, "2")]);
+    window.after([Command::Run]);
+    go(&mut window.harness, Purpose::Save, &path);
+    window.shows(&[
         ("file.question", "There is such a file already."),
         ("file.go", "Replace the file"),
     ]);
-    told.after([Command::File(FileCommand::Sheet(Purpose::Open))]);
-    told.says(&[("file.go", "Open")]);
-    told.after([Command::File(FileCommand::Close)]);
-    let own = pattern(&mut told.harness, &folder);
-    go(&mut told.harness, Purpose::Pattern, &own);
-    told.says(&[("notice", "*The next run clips from*")]);
-    told.after([Command::Window(WindowCommand::OpenPanel(Panel::Parameters))]);
-    told.says(&[
+    window.after([Command::File(FileCommand::Sheet(Purpose::Open))]);
+    window.shows(&[("file.go", "Open")]);
+    window.after([Command::File(FileCommand::Close)]);
+    let own = pattern(&mut window.harness, &folder);
+    go(&mut window.harness, Purpose::Pattern, &own);
+    window.shows(&[("notice", "*The next run clips from*")]);
+    window.after([Command::Window(WindowCommand::OpenPanel(Panel::Parameters))]);
+    window.shows(&[
         ("own-pattern", "The pattern comes from *own.csv: * samples."),
         ("generated-pattern", "Use a generated pattern"),
     ]);
-    told.after([Command::Run]);
+    window.after([Command::Run]);
     let path = folder.join("with-pattern.json");
-    go(&mut told.harness, Purpose::Save, &path);
+    go(&mut window.harness, Purpose::Save, &path);
     std::fs::remove_file(&own).unwrap();
-    go(&mut told.harness, Purpose::Open, &path);
-    told.says(&[("notice", "*own.csv cannot be loaded*")]);
-    told.end();
+    go(&mut window.harness, Purpose::Open, &path);
+    window.shows(&[("notice", "*own.csv cannot be loaded*")]);
+    window.end();
 }
 
 #[test]
 fn the_analysis() {
-    let mut told = Told {
+    let mut window = Wording {
         harness: crate::analysis_panel::analysing(),
         otherwise: Vec::new(),
     };
-    told.says(&[
+    window.shows(&[
         (
             "analysis.status",
             "Event *, finish: * samples, 0 conflicts, 0 open places.",
@@ -441,7 +441,7 @@ fn the_analysis() {
         ),
         (
             "brush.status",
-            "Drag over a chart or the periodogram, or choose here: *",
+            "Drag over a chart or the periodogram, or enter a range here: *",
         ),
         ("brush.distance", "Distances"),
         ("brush.distance.to", "Brush: Distances to"),
@@ -449,8 +449,8 @@ fn the_analysis() {
         ("analysis.clear", "Clear"),
     ]);
     let path = noise("sentences-against");
-    go(&mut told.harness, Purpose::Against, &path);
-    told.says(&[
+    go(&mut window.harness, Purpose::Against, &path);
+    window.shows(&[
         (
             "analysis.file",
             "file: noise.csv (unit square assumed), judged at r = 0.02",
@@ -458,29 +458,30 @@ fn the_analysis() {
         ("chart.P", "* noise.csv: highest*"),
         ("analysis.number-1", "Samples: *, file 900"),
     ]);
-    told.typed(&[(Field::Radius, "0.03")]);
-    told.after([Command::Run]);
-    told.says(&[(
+    window.typed(&[(Field::Radius, "0.03")]);
+    window.after([Command::Run]);
+    window.shows(&[(
         "analysis.unjudged",
         "The file was judged at r = 0.02, and this run's r is 0.03: hold the run against it again.",
     )]);
-    told.typed(&[(Field::Width, "2")]);
-    told.after([Command::Run]);
+    window.typed(&[(Field::Width, "2")]);
+    window.after([Command::Run]);
     let domains = "*a domain of 1 \u{d7} 1 periodic, and this run's domain is 2 \u{d7} 1 periodic*";
-    told.says(&[("analysis.refusal", domains)]);
-    told.after([Command::Analysis(AnalysisCommand::Clear)]);
-    go(&mut told.harness, Purpose::Against, &path);
-    told.says(&[("notice", domains)]);
+    window.shows(&[("analysis.refusal", domains)]);
+    window.after([Command::Analysis(AnalysisCommand::Clear)]);
+    go(&mut window.harness, Purpose::Against, &path);
+    window.shows(&[("notice", domains)]);
     let jump = Command::Time(TimeCommand::Jump(1_500));
-    told.after([Command::File(FileCommand::Close), jump]);
-    told.says(&[("analysis.status", "Event 1,500, tile: *")]);
-    told.end();
+    window.after([Command::File(FileCommand::Close), jump]);
+    window.shows(&[("analysis.status", "Event 1,500, tile: *")]);
+    window.end();
 }
 
 /// Goes to the first pass of this name, and to one of its buffers.
-fn go_to(told: &mut Told, name: &str, buffer: Name) {
+fn go_to(window: &mut Wording, name: &str, buffer: Name) {
     let passes = || {
-        told.harness
+        window
+            .harness
             .state()
             .state
             .runs
@@ -490,10 +491,10 @@ fn go_to(told: &mut Told, name: &str, buffer: Name) {
             .unwrap()
     };
     let entries = passes().entries();
-    let place = entries.iter().position(|entry| entry.report.name == name);
-    let place = place.expect("such a pass");
-    told.after([Command::Passes(PassCommand::Select(place))]);
-    let visit = told
+    let index = entries.iter().position(|entry| entry.report.name == name);
+    let index = index.expect("such a pass");
+    window.after([Command::Passes(PassCommand::Select(index))]);
+    let visit = window
         .harness
         .state()
         .state
@@ -504,53 +505,53 @@ fn go_to(told: &mut Told, name: &str, buffer: Name) {
         .unwrap()
         .visit();
     let tables = &visit.expect("a visit").buffers;
-    let place = tables.iter().position(|table| table.name == buffer);
-    let place = place.expect("such a buffer");
-    told.after([Command::Passes(PassCommand::Buffer(place))]);
+    let index = tables.iter().position(|table| table.name == buffer);
+    let index = index.expect("such a buffer");
+    window.after([Command::Passes(PassCommand::Buffer(index))]);
 }
 
 #[test]
 fn passes_on_a_device() {
-    let mut told = Told::opened();
-    told.typed(&[(Field::Radius, "0.02")]);
-    told.after([Command::Run, Command::Gpu(GpuCommand::Engine(Engine::Gpu))]);
-    told.says(&[("engine-said", "*self-test passed*")]);
-    told.after([Command::Run]);
-    told.says(&[
+    let mut window = Wording::opened();
+    window.typed(&[(Field::Radius, "0.02")]);
+    window.after([Command::Run, Command::Gpu(GpuCommand::Engine(Engine::Gpu))]);
+    window.shows(&[("engine-status", "*self-test passed*")]);
+    window.after([Command::Run]);
+    window.shows(&[
         ("engine-used", "engine: GPU (*"),
         ("verdict", "Verdict: verified"),
     ]);
     let pass = |command| Command::Passes(command);
     let filter = |text: &str| Command::Passes(PassCommand::Filter(text.to_owned()));
-    told.after([Command::OpenPasses]);
-    go_to(&mut told, "tile", Name::Places);
-    told.after([pass(PassCommand::ShowCanvas)]);
-    told.says(&[(
+    window.after([Command::OpenPasses]);
+    go_to(&mut window, "tile", Name::Places);
+    window.after([pass(PassCommand::ShowCanvas)]);
+    window.shows(&[(
         "on-canvas",
         "On the canvas: pass 7 tile, buffer places, after: * rows, *",
     )]);
-    told.after([pass(PassCommand::Side(PassSide::Before))]);
-    told.says(&[(
+    window.after([pass(PassCommand::Side(PassSide::Before))]);
+    window.shows(&[(
         "on-canvas",
         "*buffer places, before: no pass has written it yet",
     )]);
-    told.after([pass(PassCommand::Side(PassSide::After)), filter("row<10")]);
-    told.says(&[("on-canvas", "*after: 10 rows, 10 changed")]);
-    told.after([filter("")]);
-    go_to(&mut told, "tile", Name::Starts);
-    told.says(&[(
+    window.after([pass(PassCommand::Side(PassSide::After)), filter("row<10")]);
+    window.shows(&[("on-canvas", "*after: 10 rows, 10 changed")]);
+    window.after([filter("")]);
+    go_to(&mut window, "tile", Name::Starts);
+    window.shows(&[(
         "on-canvas",
         "*buffer starts, after: no row changed; a filter shows others",
     )]);
-    go_to(&mut told, "tile", Name::Counters);
-    told.says(&[(
+    go_to(&mut window, "tile", Name::Counters);
+    window.shows(&[(
         "on-canvas",
         "*buffer counters, after: its rows are numbers, not places",
     )]);
     // While the panel is shown there is no canvas.
-    told.after([Command::Window(WindowCommand::OpenPanel(Panel::Passes))]);
-    go_to(&mut told, "tile", Name::Origins);
-    told.says(&[
+    window.after([Command::Window(WindowCommand::OpenPanel(Panel::Passes))]);
+    go_to(&mut window, "tile", Name::Origins);
+    window.shows(&[
         ("passes.summary", "* are equal to the CPU, 0 differ*"),
         ("passes.previous", "Previous pass"),
         ("passes.next", "Next pass"),
@@ -562,30 +563,30 @@ fn passes_on_a_device() {
             "Row 0, changed, image 0, pattern index 0 \u{2192}*",
         ),
     ]);
-    told.after([filter("row<10")]);
-    told.says(&[("filtered", "10 of *")]);
-    told.after([filter("picture>1")]);
-    told.says(&[("filtered", "No column is called \"picture\"*")]);
-    told.after([filter(""), pass(PassCommand::Select(2))]);
-    told.says(&[("pass-3", "Pass 3: count, not comparable (intermediate)")]);
-    told.after([pass(PassCommand::Last)]);
-    let passes = told.harness.state().state.runs.first.passes.as_ref();
+    window.after([filter("row<10")]);
+    window.shows(&[("filtered", "10 of *")]);
+    window.after([filter("picture>1")]);
+    window.shows(&[("filtered", "No column is called \"picture\"*")]);
+    window.after([filter(""), pass(PassCommand::Select(2))]);
+    window.shows(&[("pass-3", "Pass 3: count, not comparable (intermediate)")]);
+    window.after([pass(PassCommand::Last)]);
+    let passes = window.harness.state().state.runs.first.passes.as_ref();
     let last = format!("pass-{}", passes.expect("passes").entries().len());
-    told.says(&[
+    window.shows(&[
         ("passes.place", "pass * of *, stage Finish"),
         (&last, "Pass *, equal to the CPU"),
     ]);
-    told.after([pass(PassCommand::Previous)]);
-    told.says(&[(
+    window.after([pass(PassCommand::Previous)]);
+    window.shows(&[(
         "passes.way",
         "Reached by a new run from the beginning: the device only steps forwards.",
     )]);
-    node(&told.harness, "passes.try").click();
-    told.harness.step();
-    settle(&mut told.harness);
-    told.says(&[(
+    node(&window.harness, "passes.try").click();
+    window.harness.step();
+    settle(&mut window.harness);
+    window.shows(&[(
         "passes.fault",
         "What if: word 0 of * becomes 0 after pass *.",
     )]);
-    told.end();
+    window.end();
 }

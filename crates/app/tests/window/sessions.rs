@@ -32,8 +32,11 @@ fn a_session_is_opened_where_it_was_left() {
     let before = harness.state().state.saved().expect("a session");
     let digest = before.digest.clone();
     go(&mut harness, Purpose::Save, &path);
-    let (said, is_error) = notice(&harness);
-    assert!(!is_error && said.contains(&path_text(&path)), "{said}");
+    let (message, is_error) = notice(&harness);
+    assert!(
+        !is_error && message.contains(&path_text(&path)),
+        "{message}"
+    );
     drop(harness);
 
     let mut other = opened();
@@ -147,19 +150,19 @@ fn a_pattern_of_ones_own_is_used_saved_and_missed_when_it_is_gone() {
     let mut harness = busy();
     let own = pattern(&mut harness, &folder);
     go(&mut harness, Purpose::Pattern, &own);
-    let (said, is_error) = notice(&harness);
-    assert!(!is_error && said.contains("own.csv"), "{said}");
+    let (message, is_error) = notice(&harness);
+    assert!(!is_error && message.contains("own.csv"), "{message}");
     apply(
         &mut harness,
         Command::Form(FormCommand::Type(Field::Seed, "3".to_owned())),
     );
     apply(&mut harness, Command::Run);
     let session = session(&harness);
-    let held = session.own.as_ref().expect("a pattern of one's own");
-    assert_eq!(held.file.path, path_text(&own));
+    let own_pattern = session.own.as_ref().expect("a pattern of one's own");
+    assert_eq!(own_pattern.file.path, path_text(&own));
     assert_eq!(
         session.run().pattern.samples().len(),
-        held.pattern.samples().len()
+        own_pattern.pattern.samples().len()
     );
     assert!(harness.state().state.verdict().unwrap().report.valid());
     let path = folder.join("with-pattern.json");
@@ -190,11 +193,11 @@ fn a_pattern_of_ones_own_is_used_saved_and_missed_when_it_is_gone() {
         .unwrap()
         .own
         .clone();
-    assert_eq!(found.expect("found").file.digest, held.file.digest);
+    assert_eq!(found.expect("found").file.digest, own_pattern.file.digest);
     // The pattern file is missing.
     go(&mut other, Purpose::Open, &path);
-    let (said, is_error) = notice(&other);
-    assert!(is_error && said.contains("own.csv"), "{said}");
+    let (message, is_error) = notice(&other);
+    assert!(is_error && message.contains("own.csv"), "{message}");
 }
 
 #[test]
@@ -204,8 +207,8 @@ fn files_that_are_not_patterns_are_refused() {
     let bare = folder.join("bare.csv");
     std::fs::write(&bare, "x,y\n0.1,0.2\n0.5,0.6\n").unwrap();
     go(&mut harness, Purpose::Pattern, &bare);
-    let (said, is_error) = notice(&harness);
-    assert!(is_error && said.contains("certificate"), "{said}");
+    let (message, is_error) = notice(&harness);
+    assert!(is_error && message.contains("certificate"), "{message}");
     assert!(harness.state().state.form.own_pattern.is_none());
     go(&mut harness, Purpose::Pattern, &folder.join("none.csv"));
     assert!(notice(&harness).1);
@@ -253,8 +256,8 @@ fn one_block_and_the_fewest_samples_are_sessions_and_three_are_refused_with_the_
     let session = state.runs.first.session.as_ref().unwrap();
     assert_eq!(session.summary.blocks, 1);
     assert!(state.verdict().unwrap().report.valid());
-    for place in 0..session.stages.len() {
-        apply(&mut harness, Command::Time(TimeCommand::ShowStage(place)));
+    for index in 0..session.stages.len() {
+        apply(&mut harness, Command::Time(TimeCommand::ShowStage(index)));
     }
     // As few samples as there can be: a side of 6 r.
     apply(

@@ -103,22 +103,22 @@ fn sample(harness: &Harness<'_, App>) -> (u32, Pos2) {
     session
         .index
         .visit([60.0; 2].into(), [60.0; 2].into(), 2.0, |seen| {
-            let distance = (seen.place[0] - 60.0).hypot(seen.place[1] - 60.0);
+            let distance = (seen.position[0] - 60.0).hypot(seen.position[1] - 60.0);
             if shown.covers(seen.id) && distance < best.0 {
                 best = (distance, seen.id);
             }
         });
-    (best.1, place_of(harness, best.1))
+    (best.1, screen_position(harness, best.1))
 }
 
-fn place_of(harness: &Harness<'_, App>, id: u32) -> Pos2 {
+fn screen_position(harness: &Harness<'_, App>, id: u32) -> Pos2 {
     let state = &harness.state().state;
     let session = state.runs.first.session.as_ref().expect("a session");
     state
         .runs
         .first
         .camera
-        .screen_from_domain(state.runs.first.viewport, session.place(id))
+        .screen_from_domain(state.runs.first.viewport, session.position(id))
 }
 
 fn is_nothing_selected(harness: &Harness<'_, App>) -> bool {
@@ -144,7 +144,7 @@ fn a_tap_selects_and_leaves_no_hover() {
         );
         // A mouse still hovers.
         wait(&mut harness, 0.5);
-        let at = place_of(&harness, id);
+        let at = screen_position(&harness, id);
         harness.hover_at(at);
         harness.step();
         harness.step();
@@ -176,7 +176,7 @@ fn two_fingers_pinch_about_their_middle_and_pan() {
     // Away from the middle of the view, so that the fixed point of zooming is tested.
     let between = middle(&harness) + vec2(50.0, -80.0);
     let view = harness.state().state.runs.first.viewport;
-    let place = camera(&harness).domain_from_screen(view, between);
+    let position = camera(&harness).domain_from_screen(view, between);
     let before = camera(&harness);
     let apart = |k: usize| vec2(30.0 + 3.0 * k as f32, 0.0);
     down(&mut harness, 0, between - apart(0));
@@ -187,14 +187,14 @@ fn two_fingers_pinch_about_their_middle_and_pan() {
     }
     let after = camera(&harness);
     assert!((after.scale / before.scale - 2.0).abs() < 0.02);
-    let now = after.screen_from_domain(view, place);
+    let now = after.screen_from_domain(view, position);
     assert!((now - between).length() < 2.0, "{now:?} {between:?}");
     for k in 1..=10 {
         let by = vec2(0.0, 4.0 * k as f32);
         finger(&mut harness, 0, TouchPhase::Move, between - apart(10) + by);
         moved(&mut harness, 1, between + apart(10) + by);
     }
-    let now = camera(&harness).screen_from_domain(view, place);
+    let now = camera(&harness).screen_from_domain(view, position);
     assert!((now - between - vec2(0.0, 40.0)).length() < 2.0);
     up(&mut harness, 1, between);
     up(&mut harness, 0, between);
@@ -280,21 +280,21 @@ fn a_tap_opens_the_inspector_and_keeps_the_sample_in_view() {
         state.runs.first.viewport.bottom() < bottom.y,
         "the panel took a part of {before:?}"
     );
-    let place = match state.runs.first.selected {
+    let position = match state.runs.first.selected {
         Some(id) => state
             .runs
             .first
             .session
             .as_ref()
             .expect("a session")
-            .place(id),
+            .position(id),
         None => state.runs.first.place.expect("a place"),
     };
     let now = state
         .runs
         .first
         .camera
-        .screen_from_domain(state.runs.first.viewport, place);
+        .screen_from_domain(state.runs.first.viewport, position);
     assert!(state.runs.first.viewport.contains(now), "{now:?}");
     // A tap beside the domain clears the selection, and opens nothing.
     harness

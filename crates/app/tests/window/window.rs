@@ -188,7 +188,7 @@ fn the_canvas_zooms_about_the_pointer_and_pans() {
     let viewport = harness.state().state.runs.first.viewport;
     assert!(viewport.width() >= 0.6 * 1440.0);
     let at = viewport.center() + egui::vec2(120.0, 60.0);
-    let place = harness
+    let position = harness
         .state()
         .state
         .runs
@@ -206,7 +206,7 @@ fn the_canvas_zooms_about_the_pointer_and_pans() {
     harness.run();
     let camera = harness.state().state.runs.first.camera;
     let now = camera.domain_from_screen(viewport, at);
-    assert!(camera.scale > 6.0 && (now[0] - place[0]).abs() < 1e-3);
+    assert!(camera.scale > 6.0 && (now[0] - position[0]).abs() < 1e-3);
     let center = camera.center;
     harness.drag_at(at);
     harness.run();

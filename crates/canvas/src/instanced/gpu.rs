@@ -11,7 +11,7 @@ use eframe::egui_wgpu::{CallbackResources, CallbackTrait, RenderState, ScreenDes
 use super::pipeline::pipelines;
 use super::still::{Origin, Stills};
 
-/// Bytes of a place and of a look.
+/// Bytes of a position and of a look.
 pub const BYTES_PER_SAMPLE: u64 = 8;
 /// Number of frame parameters kept at once: more than one frame of the window needs.
 const SLOTS: u32 = 512;
@@ -35,7 +35,7 @@ pub struct LayerUniforms {
     pub unused: u32,
 }
 
-/// What is drawn of a sample.
+/// The mark of a sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum InstanceKind {
     Disk,
@@ -43,7 +43,7 @@ pub enum InstanceKind {
     Point,
 }
 
-/// What the renderer needs to draw, by canvas.
+/// The buffers on the GPU, by canvas.
 #[derive(Default)]
 struct Residents(HashMap<u64, GpuBuffers>);
 
@@ -51,7 +51,7 @@ struct GpuBuffers {
     pipelines: [wgpu::RenderPipeline; 3],
     frames: wgpu::Buffer,
     parameters: wgpu::BindGroup,
-    places: wgpu::Buffer,
+    positions: wgpu::Buffer,
     looks: wgpu::Buffer,
     stills: Stills,
 }
@@ -60,7 +60,7 @@ struct GpuBuffers {
 pub struct Gpu {
     render: RenderState,
     key: u64,
-    places: wgpu::Buffer,
+    positions: wgpu::Buffer,
     looks: wgpu::Buffer,
     revision: Cell<u64>,
 }
@@ -80,14 +80,14 @@ impl Gpu {
             pipelines: pipelines(render, &layout),
             parameters: bind_group(device, &layout, &frames),
             frames,
-            places: sample_buffer(device, "samples: places", 0),
+            positions: sample_buffer(device, "samples: positions", 0),
             looks: sample_buffer(device, "samples: looks", 0),
             stills: Stills::new(render),
         };
         let gpu = Self {
             render: render.clone(),
             key: NEXT_KEY.fetch_add(1, Ordering::Relaxed),
-            places: resident.places.clone(),
+            positions: resident.positions.clone(),
             looks: resident.looks.clone(),
             revision: Cell::new(0),
         };
@@ -103,18 +103,18 @@ impl Gpu {
         self.render.device.limits().max_buffer_size / BYTES_PER_SAMPLE
     }
 
-    /// Creates buffers for samples at `places`; their styles are written later.
-    pub fn replace(&mut self, places: &[[i32; 2]]) {
+    /// Creates buffers for samples at `positions`; their styles are written later.
+    pub fn replace(&mut self, positions: &[[i32; 2]]) {
         self.revision.update(|revision| revision + 1);
         let device = &self.render.device;
-        self.places = sample_buffer(device, "samples: places", places.len());
-        self.looks = sample_buffer(device, "samples: looks", places.len());
-        let bytes = bytemuck::cast_slice(places);
-        self.render.queue.write_buffer(&self.places, 0, bytes);
+        self.positions = sample_buffer(device, "samples: positions", positions.len());
+        self.looks = sample_buffer(device, "samples: looks", positions.len());
+        let bytes = bytemuck::cast_slice(positions);
+        self.render.queue.write_buffer(&self.positions, 0, bytes);
         let mut renderer = self.render.renderer.write();
         let residents = renderer.callback_resources.get_mut::<Residents>();
         if let Some(resident) = residents.and_then(|all| all.0.get_mut(&self.key)) {
-            resident.places = self.places.clone();
+            resident.positions = self.positions.clone();
             resident.looks = self.looks.clone();
         }
     }
@@ -152,7 +152,7 @@ impl Drop for Gpu {
     }
 }
 
-/// What one layer draws in one frame.
+/// The draw call of one layer in one frame.
 pub struct Drawing {
     key: u64,
     revision: u64,
@@ -161,7 +161,7 @@ pub struct Drawing {
     still: Option<u32>,
 }
 
-/// Places to draw and the parameters for them.
+/// Positions to draw and the parameters for them.
 pub struct InstanceRange {
     /// How many parts the canvas had drawn before: an index among the parts of a frame.
     pub number: u32,
@@ -179,10 +179,10 @@ impl Drawing {
     /// Draws the samples in a pass over the whole target.
     fn draw(&self, resident: &GpuBuffers, pass: &mut wgpu::RenderPass<'static>) {
         pass.set_pipeline(&resident.pipelines[self.kind as usize]);
-        pass.set_vertex_buffer(0, resident.places.slice(..));
+        pass.set_vertex_buffer(0, resident.positions.slice(..));
         pass.set_vertex_buffer(1, resident.looks.slice(..));
         // A frame laid out before the samples were replaced must not draw beyond the new buffer.
-        let count = (resident.places.size() / BYTES_PER_SAMPLE) as u32;
+        let count = (resident.positions.size() / BYTES_PER_SAMPLE) as u32;
         for part in &self.parts {
             pass.set_bind_group(0, &resident.parameters, &[part.offset()]);
             for range in part.ranges.iter().filter(|range| range.end <= count) {
@@ -246,7 +246,7 @@ impl CallbackTrait for Drawing {
         let Some(resident) = residents.and_then(|all| all.0.get(&self.key)) else {
             return;
         };
-        // Places are pixels of the target; the clip rectangle is set already.
+        // Positions are pixels of the target; the clip rectangle is set already.
         let [width, height] = info.screen_size_px.map(|side| side as f32);
         pass.set_viewport(0.0, 0.0, width, height, 0.0, 1.0);
         match self.still {

@@ -29,7 +29,7 @@ pub struct CellOrder {
     /// The sample at each position.
     pub ids: Vec<u32>,
     /// The position of each sample.
-    pub places: Vec<u32>,
+    pub positions: Vec<u32>,
 }
 
 impl CellOrder {
@@ -92,16 +92,16 @@ impl CellOrder {
         accumulate(&mut self.starts);
         let mut next = self.starts.clone();
         self.ids = vec![0; points.len()];
-        self.places = vec![0; points.len()];
+        self.positions = vec![0; points.len()];
         for (&slot, &id) in slots.iter().zip(by_cell) {
-            let place = next[slot];
+            let position = next[slot];
             next[slot] += 1;
-            self.ids[place as usize] = id;
-            self.places[id as usize] = place;
+            self.ids[position as usize] = id;
+            self.positions[id as usize] = position;
         }
     }
 
-    /// Returns the places of the samples of the first `levels` levels in the cells that meet the rectangle from
+    /// Returns the positions of the samples of the first `levels` levels in the cells that meet the rectangle from
     /// `low` to `high`, in r: all samples of those levels in it, and some around it.
     pub fn ranges(&self, low: DVec2, high: DVec2, levels: usize) -> Vec<Range<u32>> {
         let mut ranges: Vec<Range<u32>> = Vec::new();
@@ -169,7 +169,7 @@ mod tests {
 
     const SIDE: f64 = 100.0;
 
-    /// One sample per squared r, not in order of position.
+    /// Returns one sample per squared r, not in order of position.
     fn grid() -> (Domain, Vec<Point>) {
         let domain = Domain::from_size([SIDE; 2], 1.0, Boundary::Bounded).unwrap();
         let at = |k: i32| Point::new((k % 100) * R + R / 2, (k / 100) * R + R / 2);
@@ -179,19 +179,21 @@ mod tests {
 
     fn ids(order: &CellOrder, low: [f64; 2], high: [f64; 2], levels: usize) -> Vec<u32> {
         let ranges = order.ranges(low.into(), high.into(), levels);
-        let places = ranges.into_iter().flatten();
-        places.map(|place| order.ids[place as usize]).collect()
+        let positions = ranges.into_iter().flatten();
+        positions
+            .map(|position| order.ids[position as usize])
+            .collect()
     }
 
     #[test]
-    fn every_sample_has_one_place() {
+    fn every_sample_has_one_position() {
         let (domain, points) = grid();
         let order = CellOrder::new(&domain, &points);
         let mut all = order.ids.clone();
         all.sort_unstable();
         assert!(all.iter().copied().eq(0..10_000));
-        for (id, &place) in (0..).zip(&order.places) {
-            assert_eq!(order.ids[place as usize], id);
+        for (id, &position) in (0..).zip(&order.positions) {
+            assert_eq!(order.ids[position as usize], id);
         }
         let whole = order.ranges(DVec2::splat(-9.0), DVec2::splat(SIDE + 9.0), LEVELS);
         assert_eq!(whole, vec![0..10_000], "all of it is one call");
@@ -221,8 +223,8 @@ mod tests {
             for corner in [[0.0, 0.0], [0.0, 50.0], [50.0, 0.0], [50.0, 50.0]] {
                 let far = corner.map(|from| from + 49.0);
                 let inside = |&id: &u32| {
-                    let place = [points[id as usize].x, points[id as usize].y].map(radii);
-                    (0..2).all(|k| corner[k] <= place[k] && place[k] <= far[k])
+                    let point = [points[id as usize].x, points[id as usize].y].map(radii);
+                    (0..2).all(|k| corner[k] <= point[k] && point[k] <= far[k])
                 };
                 let seen = |levels| ids(&order, corner, far, levels);
                 let count = |levels| seen(levels).iter().filter(|id| inside(id)).count() as f64;

@@ -4,7 +4,7 @@ use eframe::egui_wgpu::{RenderState, wgpu};
 
 use super::gpu::{BYTES_PER_SAMPLE, InstanceKind};
 
-const PLACE: [wgpu::VertexAttribute; 1] = wgpu::vertex_attr_array![0 => Sint32x2];
+const POSITION: [wgpu::VertexAttribute; 1] = wgpu::vertex_attr_array![0 => Sint32x2];
 const LOOK: [wgpu::VertexAttribute; 2] = wgpu::vertex_attr_array![1 => Unorm8x4, 2 => Uint32];
 
 /// Returns the pipelines of disks, symbols and points, in the order of [`InstanceKind`].
@@ -43,7 +43,7 @@ pub fn pipelines(
                 attributes,
             })
         };
-        let buffers = [buffer(&PLACE), buffer(&LOOK)];
+        let buffers = [buffer(&POSITION), buffer(&LOOK)];
         let entries = [vertex, names[kind as usize]];
         pipeline(render, layout, &shader, entries, &buffers, topology)
     })

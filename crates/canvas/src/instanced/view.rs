@@ -19,10 +19,10 @@ pub enum Marks {
     Symbols(Symbols),
 }
 
-/// What a layer draws and how.
+/// The marks of a layer and their style.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PaintOptions {
-    /// What is drawn.
+    /// The kind of mark.
     pub marks: Marks,
     /// Whether a periodic domain's images around it are drawn: eight copies, as far as the painter's clip rectangle
     /// lets them be seen.

@@ -1,4 +1,4 @@
-//! Curves as they are drawn and written: columns of places, with a confidence band where one is known.
+//! Curves as they are drawn and written: columns of points, with a confidence band where one is known.
 
 use serde::Serialize;
 use tilescope_analysis::measures::DifferenceCurve;
@@ -12,7 +12,7 @@ pub struct Curve {
     pub band: Option<Band>,
 }
 
-/// The ends of a curve's confidence band, at each place.
+/// The ends of a curve's confidence band, at each point.
 #[derive(Clone, Serialize)]
 pub struct Band {
     pub lower: Vec<f64>,
@@ -20,9 +20,9 @@ pub struct Band {
 }
 
 impl Curve {
-    /// Returns the curve through `places`.
-    pub fn new(places: &[[f64; 2]], bands: Option<&Vec<[f64; 2]>>) -> Self {
-        let [x, y] = columns(places);
+    /// Returns the curve through `points`.
+    pub fn new(points: &[[f64; 2]], bands: Option<&Vec<[f64; 2]>>) -> Self {
+        let [x, y] = columns(points);
         let band = bands.filter(|bands| !bands.is_empty()).map(|bands| {
             let [lower, upper] = columns(bands);
             Band { lower, upper }
@@ -30,14 +30,14 @@ impl Curve {
         Self { x, y, band }
     }
 
-    /// Returns the places.
+    /// Returns the points.
     pub fn points(&self) -> Vec<[f64; 2]> {
         rows(&self.x, &self.y)
     }
 }
 
 impl Band {
-    /// Returns the ends at each place.
+    /// Returns the ends at each point.
     pub fn ends(&self) -> Vec<[f64; 2]> {
         rows(&self.lower, &self.upper)
     }

@@ -1,4 +1,5 @@
-//! How a subject differs from the one that it is compared with: value less reference, number by number and along curves.
+//! How a subject differs from the one that it is compared with: value minus reference, number by number and along
+//! curves.
 
 use tilescope_analysis::measures::{DifferenceCurve, MeasureError};
 
@@ -10,7 +11,7 @@ use super::subject::Subject;
 pub struct Differences {
     /// Those of its measures.
     pub measures: Vec<Difference>,
-    /// What is measured of the curves' differences.
+    /// Measures of the curves' differences.
     pub of_curves: Vec<Measure>,
     /// The differences of the radial mean power and of the pair correlation, by their names in CSV and JSON.
     pub curves: [(&'static str, Curve); 2],
@@ -29,7 +30,7 @@ pub struct Difference {
 impl Differences {
     /// Returns how a subject differs from the reference.
     pub fn of(subject: &Subject, reference: &Subject) -> Result<Self, MeasureError> {
-        let [power, pairs] = subject.less(reference)?;
+        let [power, pairs] = subject.minus(reference)?;
         let difference = |measure: &Measure| {
             let same = |other: &&Measure| other.key == measure.key;
             let base = reference.measures.iter().find(same);
@@ -56,16 +57,16 @@ impl Differences {
     }
 }
 
-/// Returns the measures of a curve of differences, whose places are `places` and whose x is in `unit`.
+/// Returns the measures of a curve of differences, whose points are called `points` and whose x is in `unit`.
 fn of_curve(
     curve: &DifferenceCurve,
     key: &str,
-    [name, places]: [&str; 2],
+    [name, points]: [&str; 2],
     unit: &'static str,
 ) -> [Measure; 4] {
     let largest = curve.largest();
     let outside = curve.outside().map(|share| 100.0 * share);
-    let outside_label = format!("{places} outside the band (5 by chance)");
+    let outside_label = format!("{points} outside the band (5 by chance)");
     let measure = |end: &str, label: &str, unit, value| {
         Measure::new(format!("{key}_{end}"), label.to_owned(), unit, value)
     };
@@ -80,13 +81,13 @@ fn of_curve(
             "largest",
             "largest difference",
             ("", 4),
-            largest.map(|place| place[1]),
+            largest.map(|point| point[1]),
         ),
         measure(
             "largest_at",
-            "where that is",
+            "position of the largest difference",
             (unit, 3),
-            largest.map(|place| place[0]),
+            largest.map(|point| point[0]),
         ),
         measure("outside", &outside_label, ("%", 1), outside),
     ]

@@ -32,7 +32,7 @@ pub struct Analysis {
     /// How each of the others differs from the reference.
     pub differences: Vec<Differences>,
     pub failures: Vec<Failure>,
-    /// What else a reader should know, a sentence each.
+    /// Remarks for the reader, a sentence each.
     pub notes: Vec<String>,
 }
 
@@ -41,7 +41,7 @@ impl Analysis {
         self.subjects.first().filter(|_| self.has_reference)
     }
 
-    /// The subjects but the reference.
+    /// Returns the subjects but the reference.
     pub fn compared(&self) -> &[Subject] {
         &self.subjects[usize::from(self.has_reference)..]
     }
@@ -159,8 +159,12 @@ impl Analysis {
 
     /// Bands of differences are right for independent sets.
     fn note_shared(&mut self, arguments: &AnalyzeArguments) {
-        let against: Vec<PathBuf> = arguments.against.iter().map(|path| place(path)).collect();
-        let mut shared = (arguments.files.iter()).filter(|path| against.contains(&place(path)));
+        let against: Vec<PathBuf> = arguments
+            .against
+            .iter()
+            .map(|path| canonical(path))
+            .collect();
+        let mut shared = (arguments.files.iter()).filter(|path| against.contains(&canonical(path)));
         if let Some(first) = shared.next() {
             let stand = match shared.count() {
                 0 => " stands".to_owned(),
@@ -257,17 +261,17 @@ impl Analysis {
     }
 }
 
-/// Returns where a file is; the path itself where there is no such file.
-pub fn place(path: &Path) -> PathBuf {
+/// Returns the canonical path of a file, or the path itself if there is no such file.
+pub fn canonical(path: &Path) -> PathBuf {
     path.canonicalize().unwrap_or_else(|_| path.to_owned())
 }
 
 /// Returns, for each path of the same file as an earlier one, a sentence that says so.
 fn repetitions(paths: &[PathBuf]) -> Vec<Option<String>> {
-    let places: Vec<PathBuf> = paths.iter().map(|path| place(path)).collect();
+    let canonicals: Vec<PathBuf> = paths.iter().map(|path| canonical(path)).collect();
     let repetition = |(index, path): (usize, &PathBuf)| {
-        let mut earlier = places[..index].iter();
-        let first = &paths[earlier.position(|place| *place == places[index])?];
+        let mut earlier = canonicals[..index].iter();
+        let first = &paths[earlier.position(|other| *other == canonicals[index])?];
         Some(if path == first {
             format!("{} is given more than once", path.display())
         } else {

@@ -20,7 +20,7 @@ use crate::progress::{Control, measuring, verifying};
 /// samples.
 const MAX_UNASKED_BYTES: u64 = 1 << 31;
 
-/// What is known of a set beside its curves.
+/// The facts about a set beside its curves.
 #[derive(Clone)]
 pub struct Member {
     /// The file as it was given.
@@ -48,7 +48,7 @@ pub struct MeasuredSet {
     bins: PairBins,
 }
 
-/// What all sets of an average share: the first of them decides it.
+/// The settings that all sets of an average share, taken from the first.
 pub struct Common {
     first: Member,
     window: FrequencyWindow,
@@ -122,8 +122,8 @@ impl<'a> Request<'a> {
             let own = largest_min_distance(samples, region.area());
             let unit = self.unit.get().unwrap_or(own);
             self.unit.set(Some(unit));
-            for place in &mut measured.pairs {
-                place[0] *= own / unit;
+            for point in &mut measured.pairs {
+                point[0] *= own / unit;
             }
         }
         Ok(measured)
@@ -257,7 +257,7 @@ fn measure(
     })
 }
 
-/// Reads and verifies a file; without a radius its mean spacing takes the radius's place.
+/// Reads and verifies a file; without a radius its mean spacing replaces the radius.
 fn read(path: &Path, arguments: &SetArguments) -> Result<CheckedSet> {
     let mut overrides = arguments.overrides(path)?;
     let mut has_radius = true;
@@ -324,7 +324,7 @@ fn reason(error: CheckError) -> anyhow::Error {
     }
 }
 
-/// Whether two samples are the same point.
+/// Returns whether two samples are the same point.
 fn has_equal(report: &Report) -> bool {
     report.min_distance <= 0.0
 }

@@ -63,15 +63,15 @@ pub fn pattern(names: &[&str]) -> String {
     shortest[..head].iter().chain(&['*']).chain(end).collect()
 }
 
-/// Returns a name in at most `most` letters: its beginning, an ellipsis, its end.
+/// Returns a name in at most `most` characters: its beginning, an ellipsis, its end.
 pub fn cut(name: &str, most: usize) -> String {
-    let letters: Vec<char> = name.chars().collect();
-    if letters.len() <= most {
+    let characters: Vec<char> = name.chars().collect();
+    if characters.len() <= most {
         return name.to_owned();
     }
     let (head, tail) = (most / 2, most - most / 2 - 1);
-    let end = &letters[letters.len() - tail..];
-    letters[..head]
+    let end = &characters[characters.len() - tail..];
+    characters[..head]
         .iter()
         .chain(&['\u{2026}'])
         .chain(end)

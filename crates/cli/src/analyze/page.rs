@@ -55,7 +55,7 @@ fn with_own_ids(svg: &str, index: usize) -> String {
         .replace("id=\"layer-", &format!("id=\"f{index}-layer-"))
 }
 
-/// The files behind averages with their numbers, and those whose label is not their name.
+/// Writes the files behind averages with their numbers, and those whose label is not their name.
 fn files(out: &mut String, analysis: &Analysis) {
     for subject in analysis.subjects.iter().filter(|subject| subject.average) {
         let _ = writeln!(out, "<h2>{}</h2>", escape(&capital(&subject.label)));
@@ -82,16 +82,16 @@ fn list<'a>(out: &mut String, heading: &str, lines: impl Iterator<Item = &'a Str
 }
 
 fn capital(text: &str) -> String {
-    let mut letters = text.chars();
-    let first = letters.next().map(|letter| letter.to_ascii_uppercase());
-    first.into_iter().chain(letters).collect()
+    let mut characters = text.chars();
+    let first = characters.next().map(|letter| letter.to_ascii_uppercase());
+    first.into_iter().chain(characters).collect()
 }
 
 const NOTES: &str = "<p>Frequencies are given as nu = |k| / sqrt(N), distances over r_max, the smallest distance in \
 the hexagonal lattice of as many samples. Shaded bands hold the true mean with probability 0.95: those of power follow from the \
 number of frequencies and sets and hold where powers are independent; of bounded sets, which are tapered, and of \
-pair correlations they follow from the spread between sets and need several. Bands about zero hold a difference of \
-curves that have one truth, 95 times in a hundred. Periodograms are white where there is no power and black from three times that of white noise on; they leave the zero \
+pair correlations they follow from the spread between sets and need several. Bands about zero hold the difference of \
+equal curves with probability 0.95. Periodograms are white where there is no power and black from three times that of white noise on; they leave the zero \
 frequency out; where it has a cell of its own, a ring marks it.</p>\n";
 
 fn page_table(out: &mut String, table: &Table) {

@@ -1,4 +1,4 @@
-//! What has a column in the tables and a curve in the charts: a set, or the average of several.
+//! A subject of the analysis: a set, or the average of several, with a column in the tables and a curve in the charts.
 //! An average takes its sets one after another and keeps only their numbers.
 
 use tilescope_analysis::Region;
@@ -75,7 +75,7 @@ impl Subject {
     }
 
     /// Returns how its radial mean power and its pair correlation differ from a reference's.
-    pub fn less(&self, reference: &Self) -> Result<[DifferenceCurve; 2], MeasureError> {
+    pub fn minus(&self, reference: &Self) -> Result<[DifferenceCurve; 2], MeasureError> {
         // Bounded sets are tapered: neighbouring powers are not independent, but sets are.
         let independent = self.spectrum.bands.is_some() && reference.spectrum.bands.is_some();
         let level = Spectrum::LEVEL;
@@ -115,7 +115,7 @@ impl Population {
     pub fn add(&mut self, set: MeasuredSet) -> Result<(), MeasureError> {
         if self.common.is_none() {
             self.common = Some(Common::of(&set));
-            self.distances = set.pairs.iter().map(|place| place[0]).collect();
+            self.distances = set.pairs.iter().map(|point| point[0]).collect();
         }
         match &set.curve {
             Some(curve) if !self.lacks_smooth => {
@@ -129,7 +129,7 @@ impl Population {
         let powers = set.spectrum.profile.powers();
         let average = (self.powers).get_or_insert_with(|| Average::new(powers.len()));
         average.add(&powers)?;
-        let correlation: Vec<f64> = set.pairs.iter().map(|place| place[1]).collect();
+        let correlation: Vec<f64> = set.pairs.iter().map(|point| point[1]).collect();
         let average = (self.correlations).get_or_insert_with(|| Average::new(correlation.len()));
         average.add(&correlation)?;
         self.members.push(set.member);
@@ -154,10 +154,10 @@ impl Population {
         });
         let mut measures = means(&self.members)?;
         measures.extend(of_mean_power(smooth.as_ref()));
-        let pair_places: Vec<[f64; 2]> = (self.distances.iter().zip(correlations.means()))
+        let pair_points: Vec<[f64; 2]> = (self.distances.iter().zip(correlations.means()))
             .map(|(&x, &g)| [x, g])
             .collect();
-        let pairs = Curve::new(&pair_places, correlations.band(Spectrum::LEVEL)?.as_ref());
+        let pairs = Curve::new(&pair_points, correlations.band(Spectrum::LEVEL)?.as_ref());
         let name = match self.members.len() {
             1 => "average of 1 set".to_owned(),
             sets => format!("average of {sets} sets"),

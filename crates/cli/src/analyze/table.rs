@@ -9,7 +9,7 @@ use super::measured::Member;
 use super::subject::Subject;
 use crate::output::region_text;
 
-/// Tables with more letters in a row than this are split into several.
+/// Tables with more characters in a row than this are split into several.
 const MAX_WIDTH: usize = 110;
 
 /// Letters between two columns.
@@ -162,7 +162,7 @@ fn with_unit(label: &str, unit: &str) -> String {
     }
 }
 
-fn letters(text: &str) -> usize {
+fn character_count(text: &str) -> usize {
     text.chars().count()
 }
 
@@ -173,7 +173,10 @@ pub fn text(table: &Table) -> String {
         .iter()
         .map(|(label, unit)| with_unit(label, unit));
     let labels: Vec<String> = labels.collect();
-    let first = labels.iter().chain([&table.head]).map(|text| letters(text));
+    let first = labels
+        .iter()
+        .chain([&table.head])
+        .map(|text| character_count(text));
     let first = first.max().unwrap_or(0);
     let mut parts: Vec<String> = Vec::new();
     let mut rest = &table.columns[..];
@@ -200,13 +203,14 @@ pub fn text(table: &Table) -> String {
     parts.join("\n")
 }
 
-/// Returns the letters of a column, with the gap before it.
+/// Returns the characters of a column, with the gap before it.
 fn width(column: &Column) -> usize {
-    let cells = column.cells.iter().map(|cell| letters(cell));
-    GAP + cells.max().unwrap_or(0).max(letters(&column.name))
+    let cells = column.cells.iter().map(|cell| character_count(cell));
+    GAP + cells.max().unwrap_or(0).max(character_count(&column.name))
 }
 
-/// Returns how many of the columns are a part: those of as many subjects as fit into `most` letters, and of at least one.
+/// Returns how many of the columns are a part: those of as many subjects as fit into `most` characters, and of at least
+/// one.
 fn end_of_part(columns: &[Column], most: usize) -> usize {
     let ends = (1..=columns.len()).filter(|&end| columns.get(end).is_none_or(|next| !next.joined));
     let fits = |end: &usize| columns[..*end].iter().map(width).sum::<usize>() <= most;

@@ -22,7 +22,7 @@ use crate::progress::Bar;
 /// The longest file of a set: as many samples as a result may have, of 40 bytes.
 const MAX_FILE_BYTES: u64 = 8_000_000_000;
 
-/// What pieces there are.
+/// The number and sources of the pieces.
 #[derive(Serialize)]
 pub struct Census {
     count: usize,
@@ -34,19 +34,19 @@ pub struct Census {
 }
 
 impl Census {
-    fn new(places: &[PlacedPiece], folder: &Path, seconds: f64) -> Self {
+    fn new(pieces: &[PlacedPiece], folder: &Path, seconds: f64) -> Self {
         let mut kinds = [0; 3];
-        for place in places {
-            kinds[match place.source {
+        for piece in pieces {
+            kinds[match piece.source {
                 PieceSource::File { .. } => 0,
                 PieceSource::Run { .. } => 1,
                 PieceSource::Reference { .. } => 2,
             }] += 1;
         }
-        let source = |place: &PlacedPiece| described(&place.source, folder);
+        let source = |piece: &PlacedPiece| described(&piece.source, folder);
         Self {
-            count: places.len(),
-            sources: places.iter().map(source).collect(),
+            count: pieces.len(),
+            sources: pieces.iter().map(source).collect(),
             seconds,
             kinds,
         }
@@ -120,7 +120,7 @@ fn file(
     boundary: Option<Boundary>,
 ) -> Result<Set> {
     let about = fs::metadata(path)?;
-    ensure!(about.is_file(), "this is no file");
+    ensure!(about.is_file(), "this is not a file");
     ensure!(
         about.len() <= MAX_FILE_BYTES,
         "the file has {} bytes; it may have {MAX_FILE_BYTES}",

@@ -37,7 +37,7 @@ fn kind(file: &Path) -> &'static str {
     }
 }
 
-/// Whether a file's name ends with a hash of its content, as `web/build` names files: `main-0123456789ab.js`.
+/// Returns whether a file's name ends with a hash of its content, as `web/build` names files: `main-0123456789ab.js`.
 fn is_hashed(file: &Path) -> bool {
     let hash = file
         .file_stem()

@@ -45,7 +45,7 @@ impl Site {
         Router::new().fallback(answer).with_state(Arc::new(self))
     }
 
-    /// Whether the host that a request names may be answered.
+    /// Returns whether the host that a request names may be answered.
     fn is_called_rightly(&self, request: &Request) -> bool {
         if !self.local {
             return true;
@@ -60,7 +60,7 @@ impl Site {
     }
 }
 
-/// Whether `HOST` or `HOST:PORT` always means this machine.
+/// Returns whether `HOST` or `HOST:PORT` always means this machine.
 fn is_local(name: &str) -> bool {
     let Ok(name) = name.parse::<Authority>() else {
         return false;

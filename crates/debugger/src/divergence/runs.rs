@@ -31,18 +31,18 @@ struct Pair<'a> {
 /// The sort key of lists that are compared: row, column and one more number.
 type Key = (i32, i32, u32);
 
-fn keyed(place: Point, number: u32) -> Key {
-    let (row, column) = place.row_major();
+fn keyed(point: Point, number: u32) -> Key {
+    let (row, column) = point.row_major();
     (row, column, number)
 }
 
-/// Writes a place in units, since places may differ by a single unit.
-fn units(place: Point) -> String {
-    format!("({}, {}) units", place.x, place.y)
+/// Writes a point in units, since points may differ by a single unit.
+fn units(point: Point) -> String {
+    format!("({}, {}) units", point.x, point.y)
 }
 
-fn differ(stage: Stage, place: Option<Point>, a: String, b: String) -> Divergence {
-    Divergence::Stage { stage, place, a, b }
+fn differ(stage: Stage, point: Option<Point>, a: String, b: String) -> Divergence {
+    Divergence::Stage { stage, point, a, b }
 }
 
 /// Returns the lowest key that only one of two sorted lists has, and whether it is the first one.
@@ -59,15 +59,15 @@ fn first_alone(a: &[Key], b: &[Key]) -> Option<(Key, bool)> {
 /// Returns the first difference of two sorted lists.
 fn lists(stage: Stage, noun: &str, a: &[Key], b: &[Key]) -> Option<Divergence> {
     let ((y, x, _), of_a) = first_alone(a, b)?;
-    let place = Point::new(x, y);
-    let there = format!("{noun} at {}", units(place));
+    let point = Point::new(x, y);
+    let there = format!("{noun} at {}", units(point));
     let nothing = format!("no such {noun} there");
     let (a, b) = if of_a {
         (there, nothing)
     } else {
         (nothing, there)
     };
-    Some(differ(stage, Some(place), a, b))
+    Some(differ(stage, Some(point), a, b))
 }
 
 impl Pair<'_> {
@@ -90,12 +90,12 @@ impl Pair<'_> {
         let splits = a.splits.iter().zip(&b.splits);
         if let Some((x, y)) = splits.clone().find(|(x, y)| x != y) {
             let text = |plane| format!("a node cut at {plane} units");
-            let place = Some(x.rect.min);
-            return Some(differ(Stage::Blocks, place, text(x.plane), text(y.plane)));
+            let point = Some(x.rect.min);
+            return Some(differ(Stage::Blocks, point, text(x.plane), text(y.plane)));
         }
         let leaves = a.leaves.iter().zip(&b.leaves);
         if let Some((x, y)) = leaves.clone().find(|(x, y)| x != y) {
-            let text = |place| format!("a block from {}", units(place));
+            let text = |point| format!("a block from {}", units(point));
             let (low, other) = (x.rect.min, y.rect.min);
             return Some(differ(Stage::Blocks, Some(low), text(low), text(other)));
         }
@@ -109,7 +109,7 @@ impl Pair<'_> {
         let keys = |tiled: &[(Key, u32)]| tiled.iter().map(|&(key, _)| key).collect::<Vec<_>>();
         let found = self.tiles();
         let found = found.or_else(|| lists(Stage::Tile, "tiled sample", &keys(&a), &keys(&b)));
-        // From here on the lists have the same places at the same indices.
+        // From here on the lists have the same points at the same indices.
         let found = found.or_else(|| self.fates(Stage::Tile, &a, &b));
         let found = found.or_else(|| self.fates(Stage::Eliminate, &a, &b));
         let last = self.a.iterations.len().max(self.b.iterations.len());
@@ -160,8 +160,8 @@ impl Pair<'_> {
                     by.map_or_else(String::new, |by| format!(" by the sample at {}", units(by)));
                 format!("{} is {name}{by}", sample_name(run, id))
             };
-            let place = Some(Point::new(key.1, key.0));
-            (!same).then(|| differ(stage, place, text(self.a, x, of_a), text(self.b, y, of_b)))
+            let point = Some(Point::new(key.1, key.0));
+            (!same).then(|| differ(stage, point, text(self.a, x, of_a), text(self.b, y, of_b)))
         })
     }
 
@@ -184,7 +184,7 @@ impl Pair<'_> {
         found.or_else(|| lists(stage, "inserted sample", &a, &b))
     }
 
-    /// Compares the sites of the candidates, whose places are equal.
+    /// Compares the sites of the candidates, whose points are equal.
     fn sites(&self, stage: Stage, k: usize) -> Option<Divergence> {
         let sorted = |run: &Run| {
             let mut all = run
@@ -198,10 +198,10 @@ impl Pair<'_> {
         a.iter().zip(&b).find_map(|(x, y)| {
             let (of_a, of_b) = (sites(self.a, x)?, sites(self.b, y)?);
             let text = |sites: &[Key]| {
-                let places = sites.iter().map(|&(y, x, _)| units(Point::new(x, y)));
+                let points = sites.iter().map(|&(y, x, _)| units(Point::new(x, y)));
                 format!(
                     "a candidate made by samples at {}",
-                    places.collect::<Vec<_>>().join(", ")
+                    points.collect::<Vec<_>>().join(", ")
                 )
             };
             let differs = of_a != of_b;
@@ -211,11 +211,11 @@ impl Pair<'_> {
 
     fn results(&self) -> Option<Divergence> {
         let (a, b) = (self.a.points(), self.b.points());
-        let keys = |points: &[Point]| sorted(points.iter().map(|&place| keyed(place, 0)).collect());
+        let keys = |points: &[Point]| sorted(points.iter().map(|&point| keyed(point, 0)).collect());
         let found = lists(Stage::Finish, "sample of the result", &keys(&a), &keys(&b));
         found.or_else(|| {
             let (x, y) = a.iter().zip(&b).find(|(x, y)| x != y)?;
-            let text = |place: &Point| format!("the sample at {} comes first", units(*place));
+            let text = |point: &Point| format!("the sample at {} comes first", units(*point));
             Some(differ(Stage::Finish, Some(*x), text(x), text(y)))
         })
     }
@@ -226,12 +226,12 @@ fn sorted(mut keys: Vec<Key>) -> Vec<Key> {
     keys
 }
 
-/// Returns the tiled samples by place and block, with their ids.
+/// Returns the tiled samples by position and block, with their ids.
 fn tiled(run: &Run) -> Vec<(Key, u32)> {
     let samples = run.samples.points.iter().zip(&run.samples.origins).zip(0..);
     let mut all: Vec<(Key, u32)> = samples
-        .filter_map(|((&place, origin), id)| match *origin {
-            Origin::Tiled { block, .. } => Some((keyed(place, block), id)),
+        .filter_map(|((&point, origin), id)| match *origin {
+            Origin::Tiled { block, .. } => Some((keyed(point, block), id)),
             Origin::Inserted { .. } => None,
         })
         .collect();
@@ -239,21 +239,21 @@ fn tiled(run: &Run) -> Vec<(Key, u32)> {
     all
 }
 
-/// Returns the places of ids. Unknown ids are skipped.
-fn places(run: &Run, ids: impl Iterator<Item = u32>) -> Vec<Key> {
+/// Returns the positions of ids. Unknown ids are skipped.
+fn points(run: &Run, ids: impl Iterator<Item = u32>) -> Vec<Key> {
     let points = &run.samples.points;
     let found = ids.filter_map(|id| points.get(id as usize));
-    sorted(found.map(|&place| keyed(place, 0)).collect())
+    sorted(found.map(|&point| keyed(point, 0)).collect())
 }
 
 fn detectors(run: &Run, k: usize) -> Vec<Key> {
     let iteration = run.iterations.get(k);
-    iteration.map_or_else(Vec::new, |i| places(run, i.detectors.iter().copied()))
+    iteration.map_or_else(Vec::new, |i| points(run, i.detectors.iter().copied()))
 }
 
 fn inserted(run: &Run, k: usize) -> Vec<Key> {
     let iteration = run.iterations.get(k);
-    iteration.map_or_else(Vec::new, |i| places(run, i.inserted.clone()))
+    iteration.map_or_else(Vec::new, |i| points(run, i.inserted.clone()))
 }
 
 fn cells(run: &Run, k: usize) -> Vec<Key> {
@@ -269,7 +269,7 @@ fn candidates(run: &Run, k: usize) -> Vec<Key> {
     sorted(candidates.iter().map(|c| keyed(c.point, 0)).collect())
 }
 
-/// Returns the places of the samples that made a candidate, or `None` if they were not recorded.
+/// Returns the positions of the samples that made a candidate, or `None` if they were not recorded.
 fn sites(run: &Run, candidate: &Candidate) -> Option<Vec<Key>> {
     let ids: &[u32] = match &candidate.sites {
         Sites::Three(ids) => ids,
@@ -278,5 +278,5 @@ fn sites(run: &Run, candidate: &Candidate) -> Option<Vec<Key>> {
         Sites::Dart => &[],
         Sites::Unrecorded => return None,
     };
-    Some(places(run, ids.iter().copied()))
+    Some(points(run, ids.iter().copied()))
 }

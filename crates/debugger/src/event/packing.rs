@@ -195,7 +195,7 @@ const fn two(kind: EventKind, a: u32, b: u32) -> Event {
     plain(kind, [a, b, 0, 0, 0])
 }
 
-/// A placeholder that the parts of [`pack`] need for events that they are never called with.
+/// Returns a placeholder that the parts of [`pack`] need for events that they are never called with.
 const fn nothing() -> Event {
     plain(EventKind::Candidate, [NONE; 5])
 }
@@ -224,7 +224,7 @@ pub(super) fn pack(run_event: &RunEvent) -> Event {
         | RunEvent::IterationEnd { .. }
         | RunEvent::Finish { .. } => pack_filling(run_event),
         RunEvent::Pass { .. } | RunEvent::Dart { .. } | RunEvent::Cut { .. } => {
-            pack_place(run_event)
+            pack_point(run_event)
         }
         RunEvent::Candidate { .. } => pack_candidate(run_event),
     }
@@ -284,8 +284,8 @@ fn pack_filling(run_event: &RunEvent) -> Event {
     }
 }
 
-/// Packs events at a place that is not a sample.
-fn pack_place(run_event: &RunEvent) -> Event {
+/// Packs events at a point that is not a sample.
+fn pack_point(run_event: &RunEvent) -> Event {
     match *run_event {
         RunEvent::Pass { point, by } => {
             plain(EventKind::Pass, [point.x as u32, point.y as u32, by, 0, 0])
@@ -311,7 +311,7 @@ fn pack_place(run_event: &RunEvent) -> Event {
     }
 }
 
-/// Packs an examined place. Offsets that are packed together with another sample's id are within reach, below 2^19
+/// Packs an examined point. Offsets that are packed together with another sample's id are within reach, below 2^19
 /// units.
 fn pack_candidate(run_event: &RunEvent) -> Event {
     let &RunEvent::Candidate {
@@ -329,7 +329,7 @@ fn pack_candidate(run_event: &RunEvent) -> Event {
         Sites::Corner(a) => (2, [a, NONE, NONE]),
         Sites::Dart | Sites::Unrecorded => (2, [detector, NONE, NONE]),
     };
-    let place = ids.iter().position(|&id| id == detector).unwrap_or(0) as u8;
+    let index = ids.iter().position(|&id| id == detector).unwrap_or(0) as u8;
     let (tags, by) = verdict_tags(verdict);
     let (words, extra) = match by {
         None => ([ids[0], ids[1], ids[2], x as u32, y as u32], 0),
@@ -340,7 +340,7 @@ fn pack_candidate(run_event: &RunEvent) -> Event {
         }
     };
     Event {
-        tags: tags | tag << 3 | place << 5,
+        tags: tags | tag << 3 | index << 5,
         extra,
         ..plain(EventKind::Candidate, words)
     }

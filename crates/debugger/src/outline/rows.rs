@@ -27,7 +27,7 @@ struct Node {
 #[derive(Clone, Debug)]
 struct Open {
     /// Which child it is.
-    place: usize,
+    index: usize,
     /// Rows inside earlier expanded children.
     before: usize,
     /// Rows inside this one.
@@ -58,17 +58,17 @@ impl Node {
         self.children.len() + below
     }
 
-    fn has_children(&self, place: usize) -> bool {
-        let next = self.children.get(place + 1).copied().unwrap_or(self.end);
-        next > self.children[place] + 1
+    fn has_children(&self, index: usize) -> bool {
+        let next = self.children.get(index + 1).copied().unwrap_or(self.end);
+        next > self.children[index] + 1
     }
 
-    fn open_at(&self, place: usize) -> Result<usize, usize> {
-        self.open.binary_search_by_key(&place, |open| open.place)
+    fn open_at(&self, index: usize) -> Result<usize, usize> {
+        self.open.binary_search_by_key(&index, |open| open.index)
     }
 
     /// Returns the index of the child that is the event or its ancestor.
-    fn place_of(&self, event: usize) -> Option<usize> {
+    fn child_of(&self, event: usize) -> Option<usize> {
         if event >= self.end as usize {
             return None;
         }
@@ -82,11 +82,11 @@ impl Node {
         // The last expanded child whose own row is at or before the wanted one.
         let after = self
             .open
-            .partition_point(|open| open.place + open.before <= k);
-        let (place, expanded) = match after.checked_sub(1).map(|last| &self.open[last]) {
+            .partition_point(|open| open.index + open.before <= k);
+        let (index, expanded) = match after.checked_sub(1).map(|last| &self.open[last]) {
             None => (k, false),
             Some(open) => {
-                let below = k - open.place - open.before;
+                let below = k - open.index - open.before;
                 if below > 0 && below <= open.rows {
                     return open.node.row(below - 1, level + 1);
                 }
@@ -97,44 +97,44 @@ impl Node {
             }
         };
         Some(OutlineRow {
-            event: *self.children.get(place)? as usize,
+            event: *self.children.get(index)? as usize,
             level,
-            has_children: self.has_children(place),
+            has_children: self.has_children(index),
             expanded,
         })
     }
 
     fn row_of(&self, event: usize) -> Option<usize> {
-        let place = self.place_of(event)?;
-        let at = self.open_at(place);
+        let index = self.child_of(event)?;
+        let at = self.open_at(index);
         let earlier = at.unwrap_or_else(|next| next).checked_sub(1);
         let before = earlier.map_or(0, |last| self.open[last].before + self.open[last].rows);
-        if self.children[place] as usize == event {
-            return Some(place + before);
+        if self.children[index] as usize == event {
+            return Some(index + before);
         }
         let below = self.open[at.ok()?].node.row_of(event)?;
-        Some(place + before + 1 + below)
+        Some(index + before + 1 + below)
     }
 
     /// Expands or collapses a visible event, or toggles it if `wanted` is `None`. Returns whether anything changed.
     fn set(&mut self, outline: &Outline, event: usize, wanted: Option<bool>) -> bool {
-        let Some(place) = self.place_of(event) else {
+        let Some(index) = self.child_of(event) else {
             return false;
         };
-        let at = self.open_at(place);
-        let own = self.children[place] as usize == event;
+        let at = self.open_at(index);
+        let own = self.children[index] as usize == event;
         let changed = match at {
             Ok(at) if !own => self.open[at].node.set(outline, event, wanted),
             Ok(at) if wanted != Some(true) => {
                 self.open.remove(at);
                 true
             }
-            Err(at) if own && wanted != Some(false) && self.has_children(place) => {
+            Err(at) if own && wanted != Some(false) && self.has_children(index) => {
                 let node = Node::of(outline.children(event), outline.end(event));
                 self.open.insert(
                     at,
                     Open {
-                        place,
+                        index,
                         before: 0,
                         rows: 0,
                         node,
@@ -220,7 +220,7 @@ mod tests {
     use proptest::prelude::*;
     use std::collections::BTreeSet;
 
-    /// A reference implementation: all rows, one by one.
+    /// Returns a reference implementation: all rows, one by one.
     fn naive(outline: &Outline, expanded: &BTreeSet<usize>) -> Vec<OutlineRow> {
         fn walk(
             outline: &Outline,

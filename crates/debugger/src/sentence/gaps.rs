@@ -3,7 +3,7 @@
 use tilescope_core::stages::detect::Sites;
 use tilescope_core::{Origin, Point, RunEvent, Verdict};
 
-use super::{Words, count, fraction, grouped, place, radii};
+use super::{Words, coordinates, count, fraction, grouped, radii};
 use crate::event::NONE;
 
 impl Words<'_> {
@@ -48,7 +48,7 @@ impl Words<'_> {
     }
 
     fn pass(&self, point: Point, by: u32) -> String {
-        let (at, inserted) = (place(point), self.sample(by));
+        let (at, inserted) = (coordinates(point), self.sample(by));
         let apart = self.0.point(by).map_or_else(String::new, |by| {
             let squared = self.0.domain().distance_squared(by, point);
             format!(", {} away,", radii((squared as f64).sqrt()))
@@ -121,7 +121,7 @@ impl Words<'_> {
     }
 
     pub(super) fn dart(&self, point: Point, ranked: bool, verdict: Verdict) -> String {
-        let at = place(point);
+        let at = coordinates(point);
         let by = |by: u32| match by {
             NONE => String::new(),
             by => format!(" by {}", self.sample(by)),
@@ -154,7 +154,7 @@ impl Words<'_> {
 }
 
 pub(super) fn cut(cell: Point, side: i32, kept: u32) -> String {
-    let at = place(cell);
+    let at = coordinates(cell);
     let side = fraction(side);
     let kept = match kept {
         0 => "no quarter is left open".to_owned(),

@@ -3,7 +3,7 @@
 use tilescope_core::stages::detect::Sites;
 use tilescope_core::{RunEvent, Verdict};
 
-use super::{Words, count, fraction, grouped, place, radii, size};
+use super::{Words, coordinates, count, fraction, grouped, radii, size};
 use crate::event::NONE;
 use crate::recording::Recording;
 
@@ -56,7 +56,7 @@ impl Words<'_> {
             RunEvent::Finish { count: n } => format!("result: {}", count(n.into(), "sample")),
             RunEvent::Candidate { sites, verdict, .. } => short_candidate(sites, verdict),
             RunEvent::Dart { point, verdict, .. } => {
-                format!("dart at {}: {}", place(point), outcome(verdict))
+                format!("dart at {}: {}", coordinates(point), outcome(verdict))
             }
             RunEvent::Cut { side, kept, .. } => {
                 format!(

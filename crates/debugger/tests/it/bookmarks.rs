@@ -17,7 +17,7 @@ fn debugger(seed: u64, radius: f64) -> Debugger {
 }
 
 /// Where the bookmarks of a session are.
-fn places(debugger: &Debugger) -> Vec<Marked> {
+fn marked(debugger: &Debugger) -> Vec<Marked> {
     let marks = debugger.bookmarks.iter();
     marks.map(|mark| debugger.marked(mark)).collect()
 }
@@ -55,13 +55,13 @@ fn bookmarks_stay_with_their_moments_in_other_runs_and_come_back_exactly() {
         first.bookmark();
     }
     first.bookmarks[2].note = "half".to_owned();
-    assert_eq!(places(&first), moments.map(Marked::Here));
+    assert_eq!(marked(&first), moments.map(Marked::Here));
     let set = first.bookmarks.clone();
     // A run of fewer samples does not have them all.
     let mut small = debugger(2, 0.06);
     small.put_stops(first.take_stops()).unwrap();
     assert!(first.bookmarks.is_empty());
-    let there = places(&small);
+    let there = marked(&small);
     assert_eq!(there[0], Marked::Like(0));
     assert!(there.contains(&Marked::Nowhere));
     for mark in &small.bookmarks {
@@ -79,7 +79,7 @@ fn bookmarks_stay_with_their_moments_in_other_runs_and_come_back_exactly() {
     let mut again = debugger(1, 0.02);
     again.put_stops(restored.take_stops()).unwrap();
     assert_eq!(again.bookmarks, set);
-    assert_eq!(places(&again), moments.map(Marked::Here));
+    assert_eq!(marked(&again), moments.map(Marked::Here));
 }
 
 #[test]

@@ -27,7 +27,7 @@ fn changed(variant: usize, change: impl FnOnce(&mut Run)) -> Recording {
 
 fn stage(divergence: &Divergence) -> (Stage, Option<Point>, &str, &str) {
     match divergence {
-        Divergence::Stage { stage, place, a, b } => (*stage, *place, a, b),
+        Divergence::Stage { stage, point, a, b } => (*stage, *point, a, b),
         other => panic!("{other:?}"),
     }
 }
@@ -75,10 +75,10 @@ fn a_point_moved_by_a_unit_is_found_where_it_is_tiled() {
         "{sentence_a}"
     );
     let divergence = first_divergence_of_runs(whole.run(), moved.run());
-    let (at, place, a, b) = stage(&divergence);
+    let (at, point, a, b) = stage(&divergence);
     assert_eq!(at, Stage::Tile);
-    let places = [whole.point(40), moved.point(40)];
-    assert!(places.contains(&place), "{place:?}");
+    let points = [whole.point(40), moved.point(40)];
+    assert!(points.contains(&point), "{point:?}");
     assert!(a.contains("tiled sample") && b.contains("tiled sample") && a != b);
 }
 
@@ -90,9 +90,9 @@ fn a_flipped_fate_is_found_at_elimination() {
     let id = whole.samples.fates.iter().position(lost).unwrap();
     flipped.samples.fates[id] = Fate::Kept;
     let divergence = first_divergence_of_runs(&whole, &flipped);
-    let (at, place, a, b) = stage(&divergence);
+    let (at, point, a, b) = stage(&divergence);
     assert_eq!(
-        (at, place),
+        (at, point),
         (Stage::Eliminate, Some(whole.samples.points[id]))
     );
     assert!(
@@ -126,12 +126,12 @@ fn a_missing_candidate_is_found_in_its_iteration() {
     let mut missing = whole.clone();
     let gone = missing.iterations[0].candidates.remove(3);
     let divergence = first_divergence_of_runs(&whole, &missing);
-    let (at, place, a, b) = stage(&divergence);
-    assert_eq!((at, place), (Stage::Iterate(1), Some(gone.point)));
+    let (at, point, a, b) = stage(&divergence);
+    assert_eq!((at, point), (Stage::Iterate(1), Some(gone.point)));
     assert!(a.starts_with("candidate at") && b.starts_with("no such candidate"));
     let back = first_divergence_of_runs(&missing, &whole);
     assert_eq!(stage(&back).1, Some(gone.point));
-    // A candidate at the same place, made by other samples.
+    // A candidate at the same point, made by other samples.
     let mut other = whole.clone();
     let [first, second] = [0, 1].map(|k| whole.iterations[0].candidates[k].sites);
     assert_ne!(first, second);
@@ -147,17 +147,17 @@ fn a_result_that_lacks_a_sample_or_is_in_another_order_differs_at_the_end() {
     let mut missing = whole.clone();
     let id = missing.result.remove(7);
     let divergence = first_divergence_of_runs(&whole, &missing);
-    let (at, place, ..) = stage(&divergence);
+    let (at, point, ..) = stage(&divergence);
     assert_eq!(
-        (at, place),
+        (at, point),
         (Stage::Finish, Some(whole.samples.points[id as usize]))
     );
     let mut swapped = whole.clone();
     swapped.result.swap(4, 5);
     let divergence = first_divergence_of_runs(&whole, &swapped);
-    let (at, place, ..) = stage(&divergence);
+    let (at, point, ..) = stage(&divergence);
     let expected = whole.samples.points[whole.result[4] as usize];
-    assert_eq!((at, place), (Stage::Finish, Some(expected)));
+    assert_eq!((at, point), (Stage::Finish, Some(expected)));
 }
 
 #[test]

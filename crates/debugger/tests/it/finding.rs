@@ -42,13 +42,13 @@ proptest! {
     #[test]
     fn runs_reach_what_a_scan_reaches(
         variant in 0_usize..6,
-        places in prop::collection::vec(any::<prop::sample::Index>(), 4),
+        indices in prop::collection::vec(any::<prop::sample::Index>(), 4),
         line in 0_u8..60,
         sample: u32,
     ) {
         let recording = record(&variants()[variant], DEFAULT_BUDGET);
         let ends = [0, recording.len(), recording.len() - 1];
-        let inner = places.iter().map(|place| place.index(recording.len()));
+        let inner = indices.iter().map(|index| index.index(recording.len()));
         for cursor in inner.chain(ends) {
             for target in targets(&recording, line, sample) {
                 for way in [FORWARDS, BACKWARDS] {
@@ -63,11 +63,11 @@ proptest! {
     #[test]
     fn counts_are_those_of_a_scan(
         variant in 0_usize..6,
-        places in prop::array::uniform2(any::<prop::sample::Index>()),
+        indices in prop::array::uniform2(any::<prop::sample::Index>()),
         buckets in 1_usize..300,
     ) {
         let recording = record(&variants()[variant], DEFAULT_BUDGET);
-        let mut ends = places.map(|place| place.index(recording.len() + 1));
+        let mut ends = indices.map(|index| index.index(recording.len() + 1));
         ends.sort_unstable();
         let (start, end) = (ends[0], ends[1]);
         let found = density(&recording, start..end, buckets);
@@ -240,9 +240,9 @@ fn a_second_dart_is_within_two_radii_of_an_earlier_one() {
         let Some(RunEvent::Insert { sample, .. }) = event.run_event() else {
             continue;
         };
-        let place = recording.point(sample).unwrap();
+        let point = recording.point(sample).unwrap();
         let is_near = |other: &Point| {
-            let offset = [place.x - other.x, place.y - other.y].map(i64::from);
+            let offset = [point.x - other.x, point.y - other.y].map(i64::from);
             offset[0] * offset[0] + offset[1] * offset[1] <= 4 * i64::from(R) * i64::from(R)
         };
         let expected = before.iter().any(is_near);
@@ -251,7 +251,7 @@ fn a_second_dart_is_within_two_radii_of_an_earlier_one() {
         assert_eq!(found, expected, "event {index}");
         second += usize::from(expected);
         far += usize::from(!expected);
-        before.push(place);
+        before.push(point);
     }
     assert!(second > 0 && far > 0, "{second} {far}");
 }

@@ -225,9 +225,14 @@ fn an_eliminated_samples_history_tells_its_life() {
     assert!(history.contains(&lost));
     assert_eq!(recording.status(sample, lost), Status::Undecided);
     assert_eq!(recording.status(sample, lost + 1), Status::Eliminated);
-    let place = why::history_of_place(&recording, recording.point(sample).unwrap());
-    assert!(place.contains(&lost) && place.contains(&(recording.life(by).unwrap().kept as usize)));
-    assert_eq!(recording.event(place[0]).unwrap().kind(), EventKind::Split);
+    let history = why::history_of_point(&recording, recording.point(sample).unwrap());
+    assert!(
+        history.contains(&lost) && history.contains(&(recording.life(by).unwrap().kept as usize))
+    );
+    assert_eq!(
+        recording.event(history[0]).unwrap().kind(),
+        EventKind::Split
+    );
 }
 
 #[test]

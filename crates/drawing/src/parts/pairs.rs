@@ -23,7 +23,7 @@ pub fn draw_these(scene: &Scene<'_>, pairs: &[[Pos2; 2]], surface: &mut impl Sur
     }
 }
 
-/// The edges in view, limited to those nearest to its middle, and how many there are in all.
+/// Returns the edges in view, limited to those nearest to its middle, and how many there are in all.
 #[must_use]
 pub fn in_view(scene: &Scene<'_>) -> (Vec<[Pos2; 2]>, usize) {
     let cause = scene.subject.causes.map(|found| &found.cause);
@@ -33,7 +33,7 @@ pub fn in_view(scene: &Scene<'_>) -> (Vec<[Pos2; 2]>, usize) {
         return (Vec::new(), 0);
     };
     let ends = pairs.iter().map(|pair| {
-        let from = scene.session.place(pair.ids[0]);
+        let from = scene.session.position(pair.ids[0]);
         [scene.at(from), scene.at(from + pair.offset)]
     });
     let seen = |ends: &[Pos2; 2]| scene.rect.intersects(Rect::from_two_pos(ends[0], ends[1]));

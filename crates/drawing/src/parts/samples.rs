@@ -19,7 +19,7 @@ pub fn visit(scene: &Scene<'_>, mut visit: impl FnMut(u32, Pos2)) {
     let index = &scene.session.index;
     index.visit(scene.low, scene.high, reach, |seen| {
         if !seen.image {
-            visit(seen.id, scene.at(seen.place));
+            visit(seen.id, scene.at(seen.position));
         }
     });
 }
@@ -27,9 +27,9 @@ pub fn visit(scene: &Scene<'_>, mut visit: impl FnMut(u32, Pos2)) {
 /// Draws the samples of the pattern, in the pattern's own domain.
 pub fn pattern(scene: &Scene<'_>, surface: &mut impl Surface) {
     let radius = (0.17 * scene.scale()).clamp(0.8, 5.0);
-    let places = scene.session.run().pattern.samples().iter();
-    let places = places.map(|point| scene.point(*point));
-    for pos in places.filter(|pos| scene.rect.expand(8.0).contains(*pos)) {
+    let positions = scene.session.run().pattern.samples().iter();
+    let positions = positions.map(|point| scene.point(*point));
+    for pos in positions.filter(|pos| scene.rect.expand(8.0).contains(*pos)) {
         surface.mark(Mark::Dot, pos, [radius, 0.0], scene.palette.sample);
     }
 }
@@ -40,7 +40,7 @@ pub fn disks(scene: &Scene<'_>, looks: &Looks<'_>, surface: &mut impl Surface) {
     index.visit(scene.low, scene.high, 1.0, |seen| {
         let look = looks.of(seen.id);
         if look.disk {
-            surface.disk(scene.at(seen.place), scene.scale(), look.color);
+            surface.disk(scene.at(seen.position), scene.scale(), look.color);
         }
     });
 }
@@ -95,7 +95,7 @@ fn open_conflicts(scene: &Scene<'_>, surface: &mut impl Surface) {
 }
 
 fn edge(scene: &Scene<'_>, surface: &mut impl Surface, [a, b]: [u32; 2], stroke: Stroke) {
-    let from = scene.session.place(a);
+    let from = scene.session.position(a);
     let to = scene.session.image_near(b, from);
     let ends = [scene.at(from), scene.at(to)];
     if scene.rect.intersects(Rect::from_two_pos(ends[0], ends[1])) {
@@ -122,15 +122,15 @@ pub fn search(scene: &Scene<'_>, surface: &mut impl Surface) {
         let color = color.gamma_multiply((scale / 6.0).clamp(0.5, 1.0));
         let detectors = iteration.detectors.iter();
         let marked = detectors.filter(|&&id| scene.shown.is_marked(id));
-        let places = marked.map(|&id| scene.at(scene.session.place(id)));
-        for pos in places.filter(|pos| view.contains(*pos)) {
+        let positions = marked.map(|&id| scene.at(scene.session.position(id)));
+        for pos in positions.filter(|pos| view.contains(*pos)) {
             surface.mark(Mark::Detector, pos, [radius, 0.0], color);
         }
     }
     if scene.has(Layer::Candidates) && scene.stage != Stage::Eliminate {
         let radius = (0.36 * scale).clamp(1.4, 10.0);
-        let places = candidates(scene, iteration).map(|point| scene.point(point));
-        for pos in places.filter(|pos| view.contains(*pos)) {
+        let positions = candidates(scene, iteration).map(|point| scene.point(point));
+        for pos in positions.filter(|pos| view.contains(*pos)) {
             let color = scene.palette.candidate;
             surface.mark(Mark::Triangle, pos, [radius, 0.0], color);
         }

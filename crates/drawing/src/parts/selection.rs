@@ -24,26 +24,26 @@ pub fn draw(scene: &Scene<'_>, surface: &mut impl Surface) {
         }
     }
     if let Some(id) = subject.selected {
-        let place = scene.session.place(id);
-        let at = scene.at(place);
+        let position = scene.session.position(id);
+        let at = scene.at(position);
         if scene.stage >= Stage::Tile {
             surface.circle(at, scene.scale(), None, Some(stroke));
         }
         for cause in causes(&scene.shown, id) {
-            let from = scene.at(scene.session.image_near(cause, place));
+            let from = scene.at(scene.session.image_near(cause, position));
             surface.line([from, at], stroke);
         }
         surface.mark(Mark::Halo, at, [radius, 0.0], palette.halo);
     }
     let hovered = subject.hovered.filter(|id| subject.selected != Some(*id));
     if let Some(id) = hovered {
-        let at = scene.at(scene.session.place(id));
+        let at = scene.at(scene.session.position(id));
         let color = palette.halo.gamma_multiply(0.6);
         surface.mark(Mark::Halo, at, [radius, 0.0], color);
     }
 }
 
-/// The samples that caused the origin or fate of `id`.
+/// Returns the samples that caused the origin or fate of `id`.
 fn causes(shown: &ShownMoment<'_>, id: u32) -> Vec<u32> {
     if let Standing::Eliminated { by } = shown.standing(id) {
         return vec![by];
@@ -70,7 +70,7 @@ fn witness_mark(scene: &Scene<'_>, surface: &mut impl Surface, witness_mark: Wit
     };
     match witness_mark {
         WitnessMark::Pair([a, b], distance) => {
-            let from = scene.session.place(a);
+            let from = scene.session.position(a);
             let ends = [scene.at(from), scene.at(scene.session.image_near(b, from))];
             surface.line(ends, Stroke::new(2.5, color(distance >= 1.0)));
             let middle = ends[0].lerp(ends[1], 0.5) + vec2(14.0, -14.0);

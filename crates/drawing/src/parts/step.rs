@@ -24,7 +24,7 @@ pub fn draw(scene: &Scene<'_>, surface: &mut impl Surface) {
         .examined
         .map_or(DVec2::ZERO, |examined| shift_of(scene, &examined));
     if let Some(search) = context.search {
-        let center = scene.session.place(search.centre) + shift;
+        let center = scene.session.position(search.centre) + shift;
         let radius = radii(search.radius) as f32 * scene.scale();
         let stroke = Stroke::new(1.4, palette.detector);
         dashed_circle(surface, scene.at(center), radius, [7.0, 5.0], stroke);
@@ -48,7 +48,7 @@ pub fn draw(scene: &Scene<'_>, surface: &mut impl Surface) {
         surface.circle(scene.point(dart), 4.0, Some(color), Some(border));
     }
     if let Some(id) = context.sample {
-        let at = scene.at(scene.session.place(id));
+        let at = scene.at(scene.session.position(id));
         let stroke = Stroke::new(2.5, palette.halo);
         surface.circle(at, ring(scene) + 4.0, None, Some(stroke));
         let faint = Stroke::new(1.2, palette.halo.gamma_multiply(0.6));
@@ -57,13 +57,13 @@ pub fn draw(scene: &Scene<'_>, surface: &mut impl Surface) {
     last_event(scene, surface);
 }
 
-/// The shift that moves a place under test, with its surroundings, into the domain: in a periodic domain its
+/// Returns the shift that moves a place under test, with its surroundings, into the domain: in a periodic domain its
 /// detector may lie across the border.
 fn shift_of(scene: &Scene<'_>, examined: &Examined) -> DVec2 {
     if !scene.session.run().domain.is_periodic() {
         return DVec2::ZERO;
     }
-    let detector = scene.session.place(examined.detector);
+    let detector = scene.session.position(examined.detector);
     let size = scene.session.size_radii();
     let offset = DVec2::from(examined.offset.map(radii));
     let shift = -((detector + offset) / size).floor() * size;
@@ -108,14 +108,14 @@ fn last_event(scene: &Scene<'_>, surface: &mut impl Surface) {
         pair(scene, surface, ids, color);
     }
     if let Some((id, color)) = changed {
-        let at = scene.at(scene.session.place(id));
+        let at = scene.at(scene.session.position(id));
         let stroke = Stroke::new(3.0, color);
         surface.circle(at, ring(scene) + 2.0, None, Some(stroke));
     }
 }
 
 fn pair(scene: &Scene<'_>, surface: &mut impl Surface, [a, b]: [u32; 2], color: Color32) {
-    let from = scene.session.place(a);
+    let from = scene.session.position(a);
     let to = scene.session.image_near(b, from);
     let distance = from.distance(to);
     let ends = [scene.at(from), scene.at(to)];
@@ -135,7 +135,7 @@ fn color_of(scene: &Scene<'_>, verdict: Verdict) -> Color32 {
 
 /// Draws the circle through the sites of a place under test, and the verdict.
 fn examination(scene: &Scene<'_>, surface: &mut impl Surface, examined: &Examined, shift: DVec2) {
-    let detector = scene.session.place(examined.detector) + shift;
+    let detector = scene.session.position(examined.detector) + shift;
     let offset = DVec2::from(examined.offset.map(radii));
     let center = detector + offset;
     let at = scene.at(center);

@@ -21,7 +21,7 @@ const WIDE: f32 = 2.0;
 /// The width of a line relative to its parent's.
 const TAPER: f32 = 0.76;
 
-/// The splits made so far, with their numbers and the visible parts of their lines.
+/// Returns the splits made so far, with their numbers and the visible parts of their lines.
 fn visible<'a>(scene: &'a Scene<'_>) -> impl Iterator<Item = (usize, &'a Split, [Pos2; 2])> {
     let splits = &scene.session.run().blocks.splits[..scene.made.splits];
     let numbered = (1..).zip(splits);
@@ -37,7 +37,7 @@ fn visible<'a>(scene: &'a Scene<'_>) -> impl Iterator<Item = (usize, &'a Split, 
     })
 }
 
-/// The width of a split's line, in screen points.
+/// Returns the width of a split's line, in screen points.
 fn width(split: &Split) -> f32 {
     (MAX_WIDTH * TAPER.powi(split.depth as i32)).max(MIN_WIDTH)
 }
@@ -78,8 +78,8 @@ pub fn numbers(scene: &Scene<'_>, surface: &mut impl Surface) {
     for (number, _, [from, to]) in visible(scene) {
         let (text, size, padding) = (number.to_string(), 11.5, vec2(5.0, 2.0));
         let middle = from.lerp(to, 0.5);
-        let place = Align2::CENTER_CENTER.anchor_size(middle, surface.text_size(&text, size));
-        let ground = place.expand2(padding);
+        let rect = Align2::CENTER_CENTER.anchor_size(middle, surface.text_size(&text, size));
+        let ground = rect.expand2(padding);
         let long_enough = (to - from).length() >= min_length * ground.width();
         if !long_enough || taken.iter().any(|other| other.intersects(ground)) {
             continue;

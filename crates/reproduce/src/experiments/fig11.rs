@@ -59,7 +59,7 @@ mod tests {
     use crate::study::tests::quick_run;
 
     #[test]
-    fn a_quick_run_has_the_units_it_said_and_its_shares_make_a_whole() {
+    fn a_quick_run_has_all_units_and_comparable_claims() {
         let outcome = quick_run(Experiment::Fig11, &Settings::default());
         assert_eq!(outcome.claims.len(), 2);
         assert_ne!(outcome.claims[0].verdict, Verdict::NotComparable);

@@ -90,7 +90,7 @@ fn a_folder_s_report_holds_verdict_command_table_and_picture_and_breaks_no_marku
     fs::write(out.join("data/fig10.json"), "{").unwrap();
     write(out).unwrap();
     let text = fs::read_to_string(out.join("REPORT.md")).unwrap();
-    assert!(text.contains("What was kept of fig10 cannot be read"));
+    assert!(text.contains("The kept results of fig10 cannot be read"));
     // A picture that is gone is told, and the report is made all the same.
     fs::remove_file(out.join("figures/fig12-seams.svg")).unwrap();
     write(out).unwrap();

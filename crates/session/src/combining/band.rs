@@ -4,7 +4,7 @@
 use tilescope_core::combine::{Piece, Seam, TOUCHED};
 use tilescope_core::{Domain, Point, Rect};
 
-/// The band, piece by piece: everything within reach of a seam, or of a border of a bounded domain that cuts a
+/// Returns the band, piece by piece: everything within reach of a seam, or of a border of a bounded domain that cuts a
 /// piece's set. `None` once `stops` returns true, which is checked throughout.
 pub fn of(
     domain: &Domain,
@@ -35,7 +35,7 @@ pub fn of(
     Some(band)
 }
 
-/// A line and its images across the borders of a periodic domain.
+/// Returns a line and its images across the borders of a periodic domain.
 fn images(domain: &Domain, from: Point, to: Point) -> Vec<Rect> {
     let shifts = |side: i32| -> Vec<i32> {
         if domain.is_periodic() {
@@ -55,7 +55,7 @@ fn images(domain: &Domain, from: Point, to: Point) -> Vec<Rect> {
         .collect()
 }
 
-/// The sides of a piece that lie on the border of a bounded domain and cut its set: samples that covered places
+/// Returns the sides of a piece that lie on the border of a bounded domain and cut its set: samples that covered places
 /// inside are lost there.
 fn cut(domain: &Domain, piece: &Piece) -> Vec<Rect> {
     if domain.is_periodic() {
@@ -156,7 +156,7 @@ fn union(mut parts: Vec<Rect>, stops: &dyn Fn() -> bool, band: &mut Vec<Rect>) -
     Some(())
 }
 
-/// The horizontal intervals that `parts`, sorted by their left edges, cover.
+/// Returns the horizontal intervals that `parts`, sorted by their left edges, cover.
 fn spans(parts: &[Rect]) -> Vec<[i32; 2]> {
     let mut spans: Vec<[i32; 2]> = Vec::new();
     for part in parts {
@@ -233,7 +233,7 @@ mod tests {
         assert_eq!(of(&domain, &[piece], &[], &|| false), Some(Vec::new()));
     }
 
-    /// A square of `across` units of r with a ring of `4 * (across - 1)` squares around one piece.
+    /// Returns a square of `across` units of r with a ring of `4 * (across - 1)` squares around one piece.
     fn ringed(across: i32) -> (Domain, Vec<Piece>, Vec<Seam>) {
         let side = f64::from(across);
         let domain = Domain::from_size([side, side], 1.0, Boundary::Bounded).unwrap();

@@ -40,7 +40,7 @@ pub struct Files<'a> {
 }
 
 impl<'a> Files<'a> {
-    /// The files of a layout that was opened as `around`; without it, the layout may not use files.
+    /// Returns the files of a layout that was opened as `around`; without it, the layout may not use files.
     pub fn of(around: Option<&'a Incoming>) -> Self {
         let read = Mutex::default();
         Self { around, read }
@@ -67,7 +67,7 @@ impl<'a> Files<'a> {
             let why = "it lies on another machine; put it beside the layout";
             return Some(Err(failed(Path::new(path), why)));
         }
-        let path = place_of(around, path);
+        let path = path_of(around, path);
         let slot = self.slot(&path);
         let set = match slot.get_or_init(|| read(around, &path, monitor)) {
             Ok(file) => set(file, *radius, *size, *boundary).map_err(|why| failed(&path, &why)),
@@ -84,14 +84,14 @@ impl<'a> Files<'a> {
         Arc::clone(read.entry(path.to_owned()).or_default())
     }
 
-    /// The layout as certificates state it: files without folders, each with the digest of the content that was
+    /// Returns the layout as certificates state it: files without folders, each with the digest of the content that was
     /// read.
     pub fn stated(&self, layout: &Layout, placed: &PlacedLayout) -> Value {
         let mut stated = saved::json(layout);
-        for (k, place) in placed.places.iter().enumerate() {
-            if let (PieceSource::File { path, .. }, Some(around)) = (&place.source, self.around) {
+        for (k, piece) in placed.places.iter().enumerate() {
+            if let (PieceSource::File { path, .. }, Some(around)) = (&piece.source, self.around) {
                 stated["pieces"][k]["file"] = json!(last_part(path));
-                let path = place_of(around, path);
+                let path = path_of(around, path);
                 if let Some(Ok(file)) = self.slot(&path).get() {
                     stated["pieces"][k]["digest"] = json!(file.digest);
                 }
@@ -109,8 +109,8 @@ fn failed(path: &Path, why: &str) -> CombinationError {
     CombinationError::File { path, why }
 }
 
-/// The path of a file that a layout names: in the layout's folder, if it has one.
-fn place_of(around: &Incoming, path: &str) -> PathBuf {
+/// Returns the path of a file that a layout names: in the layout's folder, if it has one.
+fn path_of(around: &Incoming, path: &str) -> PathBuf {
     let folder = around.folder.as_deref();
     folder.map_or_else(|| PathBuf::from(path), |folder| folder.join(path))
 }

@@ -95,7 +95,7 @@ impl Drop for OneSet<'_> {
     }
 }
 
-/// Where a stage of a tiled set begins, and its share, as measured on a million samples.
+/// Returns where a stage of a tiled set begins, and its share, as measured on a million samples.
 const fn tiling(stage: Stage) -> (f32, f32) {
     match stage {
         Stage::Pattern => (0.0, 0.08),
@@ -166,7 +166,7 @@ impl Observer for Gluing<'_> {
     }
 }
 
-/// The error for cancellation after the last stage.
+/// Returns the error for cancellation after the last stage.
 pub(super) const fn stopped() -> SampleError {
     SampleError::Cancelled {
         stage: Stage::Finish,
@@ -191,7 +191,7 @@ mod tests {
         PieceSource::Reference { seed: 1, own }
     }
 
-    /// The fraction that some work reports.
+    /// Returns the fraction that some work reports.
     fn fraction(work: impl FnOnce(&Monitor) + Send + 'static) -> f32 {
         let job = Job::start(&(Arc::new(|| {}) as crate::jobs::Wake), work);
         job.wait().unwrap();

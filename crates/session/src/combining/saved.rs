@@ -23,7 +23,7 @@ pub struct SavedCombination {
     pub combination: Value,
     /// The digest of the result.
     pub digest: String,
-    /// The stage shown, as its place in the session's list.
+    /// The stage shown, as its index in the session's list.
     pub stage: usize,
     /// The view, as `tilescope-workbench` writes it.
     #[serde(default)]
@@ -71,7 +71,7 @@ pub(super) fn json(layout: &Layout) -> Value {
 }
 
 impl SavedCombination {
-    /// The file content for a session that shows a combination; `None` if it shows a run, or a combination with
+    /// Returns the file content for a session that shows a combination; `None` if it shows a run, or a combination with
     /// sets from files, which the file would not contain.
     #[must_use]
     pub fn of(session: &Session, stage: usize, view: Value) -> Option<Self> {

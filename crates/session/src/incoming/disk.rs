@@ -22,7 +22,7 @@ pub fn plain_file(path: &Path, limit: u64) -> Result<(), String> {
     too_long(&name, about.len(), limit).map_or(Ok(()), Err)
 }
 
-/// The bytes of a file; fails above `limit` bytes even if the file grows while it is read.
+/// Returns the bytes of a file; fails above `limit` bytes even if the file grows while it is read.
 pub fn read_limited(path: &Path, limit: u64, monitor: &Monitor) -> Result<Vec<u8>, Unread> {
     plain_file(path, limit)?;
     let named = |error: io::Error| Unread::Failed(format!("{}: {error}", path.display()));

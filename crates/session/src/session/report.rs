@@ -46,7 +46,7 @@ impl<'de> Deserialize<'de> for MakeError {
 }
 
 impl MakeError {
-    /// The error of a session whose making was cancelled, in the stage that `monitor` reported last.
+    /// Returns the error of a session whose making was cancelled, in the stage that `monitor` reported last.
     pub fn cancelled_by(monitor: &Monitor) -> Self {
         let activity = monitor.activity();
         let stages = [

@@ -59,10 +59,10 @@ impl<'de> Deserialize<'de> for SessionRef {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let generation = u64::deserialize(deserializer)?;
         let session = KEPT.with_borrow_mut(|kept| {
-            let place = kept
+            let index = kept
                 .iter()
                 .position(|session| session.generation == generation)?;
-            let session = kept.remove(place);
+            let session = kept.remove(index);
             kept.push(Arc::clone(&session));
             Some(session)
         });
@@ -73,14 +73,14 @@ impl<'de> Deserialize<'de> for SessionRef {
     }
 }
 
-/// A task as bytes, and the sessions it refers to.
+/// Returns a task as bytes, and the sessions it refers to.
 pub fn packed(task: &impl Serialize) -> Result<(Vec<u8>, Vec<Arc<Session>>), postcard::Error> {
     REFERRED.with_borrow_mut(Vec::clear);
     let bytes = postcard::to_stdvec(task)?;
     Ok((bytes, REFERRED.take()))
 }
 
-/// The task of these bytes.
+/// Returns the task of these bytes.
 pub fn unpacked<'de, E: Deserialize<'de>>(bytes: &'de [u8]) -> Result<E, TaskError> {
     MISSING.with_borrow_mut(Vec::clear);
     postcard::from_bytes(bytes).map_err(|error| {
@@ -103,7 +103,7 @@ pub fn keep(session: Session) {
     });
 }
 
-/// The generations of the sessions kept here.
+/// Returns the generations of the sessions kept here.
 #[must_use]
 pub fn kept() -> Vec<u64> {
     KEPT.with_borrow(|kept| kept.iter().map(|session| session.generation).collect())

@@ -36,7 +36,7 @@ pub enum BrushAxis {
 }
 
 impl BrushAxis {
-    /// The upper end of its range.
+    /// Returns the upper end of its range.
     #[must_use]
     pub const fn end(self) -> f64 {
         match self {
@@ -56,7 +56,7 @@ pub struct Brush {
 }
 
 impl Brush {
-    /// The brush between two values in either order; `None` if it is empty or a value is NaN.
+    /// Returns the brush between two values in either order; `None` if it is empty or a value is NaN.
     #[must_use]
     pub fn between(axis: BrushAxis, a: f64, b: f64) -> Option<Self> {
         let [low, high] = [a.min(b), a.max(b)].map(|value| value.clamp(0.0, axis.end()));
@@ -66,7 +66,7 @@ impl Brush {
         })
     }
 
-    /// The range of a brush, if it is along `axis`.
+    /// Returns the range of a brush, if it is along `axis`.
     #[must_use]
     pub fn along(brush: Option<Self>, axis: BrushAxis) -> Option<[f64; 2]> {
         let range = brush.filter(|brush| brush.axis == axis);
@@ -91,14 +91,14 @@ pub struct Marks {
 }
 
 impl Marks {
-    /// The causes of a brush at a moment.
+    /// Returns the causes of a brush at a moment.
     #[must_use]
     pub fn of(&self, shown: &ShownMoment<'_>, brush: Brush) -> Option<&BrushedCause> {
         let (of, found) = self.found.as_ref()?;
         (*of == (key_of(shown), brush)).then_some(found)
     }
 
-    /// The result in words, or why there is none.
+    /// Returns the result in words, or why there is none.
     #[must_use]
     pub fn description(&self, shown: &ShownMoment<'_>, brush: Brush) -> String {
         if let Some(found) = self.of(shown, brush) {
@@ -110,7 +110,7 @@ impl Marks {
         }
     }
 
-    /// The fraction of a running search that is done, from 0 to 1.
+    /// Returns the fraction of a running search that is done, from 0 to 1.
     #[must_use]
     pub fn progress(&self) -> Option<f32> {
         self.work.as_ref().map(|(_, job)| job.fraction())
@@ -209,7 +209,7 @@ impl Task for BrushTask {
     }
 }
 
-/// The causes of a brush over `set`. `ids` are the ids of its samples, among `all` samples of the run.
+/// Returns the causes of a brush over `set`. `ids` are the ids of its samples, among `all` samples of the run.
 pub fn cause(
     set: &Samples,
     ids: &[u32],
@@ -251,15 +251,15 @@ pub fn cause(
     }
 }
 
-/// The distance from the mean that all but a few shares keep within.
+/// Returns the distance from the mean that all but a few shares keep within.
 fn strongest(shares: &[f32], mean: f32) -> f32 {
     let sizes = shares.iter().filter(|share| share.is_finite());
     let mut sizes: Vec<f32> = sizes.map(|share| (share - mean).abs()).collect();
     if sizes.is_empty() {
         return 1.0;
     }
-    let place = (TINTED * (sizes.len() - 1) as f64) as usize;
-    let (_, size, _) = sizes.select_nth_unstable_by(place, f32::total_cmp);
+    let index = (TINTED * (sizes.len() - 1) as f64) as usize;
+    let (_, size, _) = sizes.select_nth_unstable_by(index, f32::total_cmp);
     size.max(f32::MIN_POSITIVE)
 }
 

@@ -64,7 +64,7 @@ pub enum MeasurePart {
 }
 
 impl MeasurePart {
-    /// What is measured in this part, as shown while it runs.
+    /// Returns the name of the measure in this part, as shown while it runs.
     #[must_use]
     pub const fn doing(self) -> &'static str {
         match self {
@@ -77,7 +77,7 @@ impl MeasurePart {
 }
 
 impl MeasuredSet {
-    /// The measures before any part is known.
+    /// Returns the measures before any part is known.
     #[must_use]
     pub fn nothing(set: &Samples) -> Self {
         Self {
@@ -92,7 +92,7 @@ impl MeasuredSet {
         }
     }
 
-    /// The part to measure next; `None` when all are known.
+    /// Returns the part to measure next; `None` when all are known.
     #[must_use]
     pub fn missing(&self) -> Option<MeasurePart> {
         if self.pairs.is_none() {
@@ -110,7 +110,7 @@ impl MeasuredSet {
 
     /// Measures a part of `set`.
     ///
-    /// Fails for fewer than three samples, for samples outside the region or all at one place, and when
+    /// Fails for fewer than three samples, for samples outside the region or all at one position, and when
     /// `control` breaks.
     pub fn measure(
         &mut self,
@@ -161,7 +161,7 @@ impl MeasuredSet {
         Ok(())
     }
 
-    /// All measures of `set`, without the spectrum of low frequencies.
+    /// Returns all measures of `set`, without the spectrum of low frequencies.
     pub fn whole(set: &Samples, control: Control<'_>) -> Result<Self, MeasureError> {
         let mut measured = Self::nothing(set);
         for part in [
@@ -174,7 +174,7 @@ impl MeasuredSet {
         Ok(measured)
     }
 
-    /// The spectrum, or otherwise that of low frequencies.
+    /// Returns the spectrum, or otherwise that of low frequencies.
     #[must_use]
     pub fn spectrum_so_far(&self) -> Option<&Arc<Spectrum>> {
         self.spectrum.as_ref().or(self.rough.as_ref())
@@ -186,21 +186,21 @@ impl MeasuredSet {
         Some(self.report.as_ref()?.as_ref().ok()?)
     }
 
-    /// Whether conflicts and gaps were verified with a radius of `unit`.
+    /// Returns whether conflicts and gaps were verified with a radius of `unit`.
     #[must_use]
     pub fn is_judged_with(&self, unit: f64) -> bool {
         (self.radius - unit).abs() <= 1e-9 * unit
     }
 
-    /// The pair correlation as pairs of a distance, divided by `unit`, and g.
+    /// Returns the pair correlation as pairs of a distance, divided by `unit`, and g.
     #[must_use]
     pub fn correlation(&self, unit: f64) -> Vec<[f64; 2]> {
         let Some(pairs) = &self.pairs else {
             return Vec::new();
         };
         let scale = pairs.r_max / unit;
-        let places = pairs.places().into_iter();
-        places.map(|[x, g]| [x * scale, g]).collect()
+        let points = pairs.places().into_iter();
+        points.map(|[x, g]| [x * scale, g]).collect()
     }
 }
 
@@ -214,7 +214,7 @@ fn spectrum(
     Spectrum::of(&periodogram).map(Arc::new)
 }
 
-/// Why a set cannot be measured, as a sentence; `None` if the user stopped it.
+/// Returns why a set cannot be measured, as a sentence; `None` if the user stopped it.
 #[must_use]
 pub fn refusal(error: &MeasureError) -> Option<String> {
     match error {

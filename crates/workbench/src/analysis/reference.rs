@@ -32,7 +32,7 @@ pub enum Reference {
 }
 
 impl Reference {
-    /// Its measures, once known.
+    /// Returns its measures, once known.
     #[must_use]
     pub const fn measured(&self) -> Option<&Arc<MeasuredSet>> {
         match self {
@@ -41,7 +41,7 @@ impl Reference {
         }
     }
 
-    /// Its description.
+    /// Returns its description.
     #[must_use]
     pub fn name(&self) -> String {
         let count = self.measured().map_or_else(String::new, |measured| {

@@ -22,13 +22,13 @@ pub struct ReferenceFile {
 }
 
 impl ReferenceFile {
-    /// The last part of its path.
+    /// Returns the last part of its path.
     #[must_use]
     pub fn name(&self) -> &str {
         last_part(&self.path)
     }
 
-    /// Why it cannot be compared with a run on `run`, or `None` if it can.
+    /// Returns why it cannot be compared with a run on `run`, or `None` if it can.
     #[must_use]
     pub fn refusal(&self, run: Region) -> Option<String> {
         refusal(self.name(), self.measured.region, self.guessed, run)

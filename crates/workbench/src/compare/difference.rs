@@ -35,7 +35,7 @@ pub struct Differences {
     failed: Option<Key>,
 }
 
-/// Whether samples of two moments can be compared: both runs must have the same domain.
+/// Returns whether samples of two moments can be compared: both runs must have the same domain.
 #[must_use]
 pub fn comparable(a: &ShownMoment<'_>, b: &ShownMoment<'_>) -> bool {
     let (a, b) = (&a.session.run().domain, &b.session.run().domain);
@@ -50,7 +50,7 @@ fn key_of(a: &ShownMoment<'_>, b: &ShownMoment<'_>) -> Key {
 }
 
 impl Differences {
-    /// The difference of two moments, if that is the one computed last.
+    /// Returns the difference of two moments, if that is the one computed last.
     #[must_use]
     pub fn of(&self, a: &ShownMoment<'_>, b: &ShownMoment<'_>) -> Option<&UnsharedSamples> {
         let (key, ready) = self.ready.as_ref()?;
@@ -113,7 +113,7 @@ impl Task for DifferenceTask {
     }
 }
 
-/// The samples that are in only one of two lists.
+/// Returns the samples that are in only one of two lists.
 #[must_use]
 pub fn between(mut first: Vec<(Point, u32)>, mut second: Vec<(Point, u32)>) -> UnsharedSamples {
     let order = |&(point, id): &(Point, u32)| (point.x, point.y, id);

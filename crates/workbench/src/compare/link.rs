@@ -5,7 +5,7 @@ use tilescope_debugger::Divergence;
 use tilescope_session::moment::Moment;
 use tilescope_session::session::Session;
 
-/// The cursors up to which two runs are equal, event by event, given where they diverge. `None` if events were
+/// Returns the cursors up to which two runs are equal, event by event, given where they diverge. `None` if events were
 /// left out of a tape, as single events then cannot be matched.
 #[must_use]
 pub fn common(a: &Session, b: &Session, divergence: Option<&Divergence>) -> Option<[usize; 2]> {
@@ -25,7 +25,7 @@ pub fn common(a: &Session, b: &Session, divergence: Option<&Divergence>) -> Opti
     }
 }
 
-/// The moment of `to` that corresponds to the moment `at` of `from`. `common` are the cursors up to which the
+/// Returns the moment of `to` that corresponds to the moment `at` of `from`. `common` are the cursors up to which the
 /// two are equal, if known.
 #[must_use]
 pub fn corresponding(
@@ -34,7 +34,7 @@ pub fn corresponding(
     to: &Session,
     common: Option<[usize; 2]>,
 ) -> Moment {
-    let stage = to.place_of(at.stage);
+    let stage = to.stage_index(at.stage);
     let end = to.stage_end(stage);
     let (Some(cursor), Some(end)) = (at.cursor, end) else {
         return Moment::after(to, stage);
@@ -58,14 +58,14 @@ pub fn corresponding(
         let end = session.stage_end(stage).unwrap_or(0);
         (start.unwrap_or(0).max(least.min(end)), end)
     };
-    let (low, high) = bounds(from, from.place_of(at.stage), a);
+    let (low, high) = bounds(from, from.stage_index(at.stage), a);
     let (first, last) = bounds(to, stage, b);
     let share = cursor.saturating_sub(low) as f64 / (high - low).max(1) as f64;
     let cursor = first + ((last - first) as f64 * share.min(1.0)).round() as usize;
     moment_at(to, cursor.max(b))
 }
 
-/// The moment of a session after this many events, or at its end.
+/// Returns the moment of a session after this many events, or at its end.
 fn moment_at(session: &Session, cursor: usize) -> Moment {
     let last = session.stages.len() - 1;
     let cursor = session

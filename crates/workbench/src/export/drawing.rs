@@ -19,7 +19,7 @@ use tilescope_session::selection::Selection;
 use super::picture::PictureView;
 use super::surface::{Shapes, at, color, rect};
 
-/// The visible parts from bottom to top, drawn within `frame`.
+/// Returns the visible parts from bottom to top, drawn within `frame`.
 pub(super) fn groups(
     shown: ShownMoment<'_>,
     view: &PictureView,
@@ -58,7 +58,7 @@ pub(super) fn groups(
     groups
 }
 
-/// The empty domain of the run, before the first event.
+/// Returns the empty domain of the run, before the first event.
 pub(super) fn empty_domain(shown: ShownMoment<'_>, view: &PictureView, frame: Rect) -> Vec<Group> {
     let geometry = Geometry::default();
     // The pattern has its own domain.
@@ -97,7 +97,7 @@ fn subject<'a>(
     }
 }
 
-/// The domain and its surroundings.
+/// Returns the domain and its surroundings.
 fn ground(scene: &Scene<'_>, view: &PictureView) -> Vec<Group> {
     let mut shapes = Shapes::default();
     shapes.rect(scene.rect, Some(view.outside()), None);
@@ -105,7 +105,7 @@ fn ground(scene: &Scene<'_>, view: &PictureView) -> Vec<Group> {
     shapes.into_groups("ground", scene.rect).collect()
 }
 
-/// The hatched domain, covered with disks: exactly the gaps stay hatched.
+/// Returns the hatched domain, covered with disks: exactly the gaps stay hatched.
 fn gaps(scene: &Scene<'_>) -> [Group; 2] {
     let gap = color(scene.palette.gap);
     let hatch = Hatch {
@@ -127,7 +127,7 @@ fn gaps(scene: &Scene<'_>) -> [Group; 2] {
     index.visit(scene.low, scene.high, 1.0, |seen| {
         if scene.shown.covers(seen.id) {
             let radius = f64::from(scene.scale());
-            disks.push(Shape::circle(at(scene.at(seen.place)), radius, style));
+            disks.push(Shape::circle(at(scene.at(seen.position)), radius, style));
         }
     });
     [("gaps", hatched.into()), ("covered", disks)].map(|(name, shapes)| Group {

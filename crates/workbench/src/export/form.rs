@@ -102,7 +102,7 @@ impl ExportForm {
         };
     }
 
-    /// Why no file of this name can be written.
+    /// Returns why no file of this name can be written.
     #[must_use]
     pub fn name_refusal(&self) -> Option<ExportRefusal> {
         if self.file().file_name().is_none() {
@@ -115,7 +115,7 @@ impl ExportForm {
         }
     }
 
-    /// Whether the scale applies; a vector picture has no pixels.
+    /// Returns whether the scale applies; a vector picture has no pixels.
     #[must_use]
     pub fn has_scale(&self) -> bool {
         !self.kind.is_set() && extension(self.file()).as_deref() != Some("svg")

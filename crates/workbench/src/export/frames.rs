@@ -13,14 +13,14 @@ pub const MAX_FRAMES: usize = 600;
 /// The approximate number of frames proposed for an animation.
 const AT_FIRST: usize = 120;
 
-/// What the number of frames depends on: the session's generation, the range, the clock and the ticks from
+/// The inputs that determine the number of frames: the session's generation, the range, the clock and the ticks from
 /// frame to frame.
 pub type Key = (u64, Range<usize>, Clock, usize);
 
 /// The number of frames for a key, or why there are none.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Count {
-    /// What the number depends on.
+    /// The inputs of the number.
     pub key: Key,
     /// The number.
     pub frames: Result<usize, ExportRefusal>,
@@ -46,7 +46,7 @@ pub fn frames(
     Ok(cursors)
 }
 
-/// The number of frames that [`frames`] would return, with the same errors.
+/// Returns the number of frames that [`frames`] would return, with the same errors.
 ///
 /// # Errors
 ///
@@ -71,13 +71,13 @@ pub fn count(
     Ok(frames)
 }
 
-/// The number of ticks between frames to propose.
+/// Returns the number of ticks between frames to propose.
 #[must_use]
 pub fn every_at_first(session: &Session, range: &Range<usize>, clock: Clock) -> usize {
     number(session, range, clock) / AT_FIRST + 1
 }
 
-/// The number of ticks inside a range.
+/// Returns the number of ticks inside a range.
 fn number(session: &Session, range: &Range<usize>, clock: Clock) -> usize {
     match clock {
         Clock::Event => range.len().saturating_sub(1),
@@ -109,7 +109,7 @@ fn ticks<'a>(
         }
         // GPU passes have no events; stages are counted instead.
         Clock::Stage | Clock::Pass => {
-            let ends = (0..session.stages.len()).filter_map(|place| session.stage_end(place));
+            let ends = (0..session.stages.len()).filter_map(|index| session.stage_end(index));
             Box::new(ends.filter(move |end| inside.contains(end)))
         }
     }

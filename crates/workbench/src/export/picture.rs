@@ -38,7 +38,7 @@ pub struct PictureView {
     pub size: [f64; 2],
     /// The layers shown.
     pub layers: Layers,
-    /// What the colour of samples stands for.
+    /// The property of samples that their colour shows.
     pub colouring: Colouring,
     /// The selection.
     pub selection: Selection,
@@ -49,13 +49,13 @@ pub struct PictureView {
 }
 
 impl PictureView {
-    /// The size in pixels of a picture with `scale` pixels for a point, including margins and caption.
+    /// Returns the size in pixels of a picture with `scale` pixels for a point, including margins and caption.
     #[must_use]
     pub fn pixels(&self, scale: f64) -> [usize; 2] {
         self.paper().map(|side| (side * scale).round() as usize)
     }
 
-    /// Why a picture, or a frame of an animation, of this size is refused.
+    /// Returns why a picture, or a frame of an animation, of this size is refused.
     #[must_use]
     pub fn size_refusal(&self, scale: f64, animated: bool) -> Option<ExportRefusal> {
         let [width, height] = self.pixels(scale);
@@ -96,13 +96,13 @@ impl PictureView {
         }
     }
 
-    /// The size of the whole picture in points, including margins and caption.
+    /// Returns the size of the whole picture in points, including margins and caption.
     fn paper(&self) -> [f64; 2] {
         let width = self.size[0] / (1.0 - 2.0 * MARGIN);
         [width, self.size[1] + (2.0 * MARGIN + CAPTION) * width]
     }
 
-    /// The rectangle in which the picture shows the plane, in points.
+    /// Returns the rectangle in which the picture shows the plane, in points.
     #[must_use]
     pub fn frame(&self) -> Rect {
         let width = self.paper()[0];
@@ -132,7 +132,7 @@ pub fn scene(
     scene
 }
 
-/// The description of a view for files.
+/// Returns the description of a view for files.
 #[must_use]
 pub fn described(view: &PictureView) -> String {
     let on = Layer::ALL
@@ -150,7 +150,7 @@ pub fn described(view: &PictureView) -> String {
     .to_string()
 }
 
-/// A frame of an animation. Before the first event it shows the empty domain of the run.
+/// Returns a frame of an animation. Before the first event it shows the empty domain of the run.
 pub(super) fn frame(session: &Session, cursor: usize, view: &PictureView) -> Scene {
     drawn(session, &Moment::at(session, cursor), view, None, false)
 }
@@ -219,7 +219,7 @@ fn caption(scene: &mut Scene, shown: &ShownMoment<'_>, view: &PictureView) {
     scene.groups.push(group);
 }
 
-/// The moment in a sentence: the result, a whole stage, or the last event.
+/// Returns the moment in a sentence: the result, a whole stage, or the last event.
 fn moment_sentence(shown: &ShownMoment<'_>) -> String {
     let session = shown.session;
     let last = shown.cursor().checked_sub(1);

@@ -8,7 +8,7 @@ use tilescope_debugger::{digest, pattern_digest};
 use tilescope_formats::{PointSet, Provenance};
 use tilescope_session::session::Session;
 
-/// Samples of a run by id, with their origins.
+/// Returns samples of a run by id, with their origins.
 #[must_use]
 pub fn point_set(run: &Run, ids: &[u32]) -> PointSet {
     let samples = &run.samples;
@@ -36,7 +36,7 @@ pub const fn method(session: &Session) -> &'static str {
     }
 }
 
-/// The parameters of a session by name, for its certificate; for a combination its layout. A pattern from a
+/// Returns the parameters of a session by name, for its certificate; for a combination its layout. A pattern from a
 /// file is given by the file's name and digest.
 #[must_use]
 pub fn parameter_map(session: &Session) -> BTreeMap<String, Value> {
@@ -56,7 +56,7 @@ pub fn parameter_map(session: &Session) -> BTreeMap<String, Value> {
     map
 }
 
-/// The metadata of a session's pictures: its parameters, the digests by which a run can be recognised, and the
+/// Returns the metadata of a session's pictures: its parameters, the digests by which a run can be recognised, and the
 /// program.
 #[must_use]
 pub fn provenance(session: &Session) -> Vec<(String, String)> {

@@ -51,7 +51,7 @@ pub(super) struct Shapes {
 }
 
 impl Shapes {
-    /// The shapes as a group of this name, followed by groups of marks, in drawing order. Nothing if nothing
+    /// Returns the shapes as a group of this name, followed by groups of marks, in drawing order. Nothing if nothing
     /// was drawn.
     pub(super) fn into_groups(
         mut self,
@@ -172,11 +172,11 @@ impl Surface for Shapes {
     }
 
     fn tag(&mut self, tag: &Tag) {
-        let place = tag
+        let rect = tag
             .anchor
             .anchor_size(tag.pos, self.text_size(&tag.text, tag.size));
-        self.rect(place.expand2(tag.padding), Some(tag.ground), tag.border);
-        let middle = [f64::from(place.min.x), f64::from(place.center().y)];
+        self.rect(rect.expand2(tag.padding), Some(tag.ground), tag.border);
+        let middle = [f64::from(rect.min.x), f64::from(rect.center().y)];
         let mut text = Text::new(
             middle,
             tag.text.clone(),

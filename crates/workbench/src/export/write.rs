@@ -34,7 +34,7 @@ pub const MAX_ANIMATION_BYTES: usize = 512 << 20;
 pub struct Written {
     /// The file.
     pub path: PathBuf,
-    /// What it contains.
+    /// Its contents.
     pub what: What,
 }
 
@@ -66,7 +66,7 @@ pub enum What {
 pub struct Outgoing {
     /// The files, by names without folders; the export itself is first.
     pub files: Vec<NamedBytes>,
-    /// What they contain.
+    /// Their contents.
     pub written: Written,
 }
 
@@ -203,7 +203,7 @@ fn go_on(monitor: &Monitor) -> Result<(), WriteError> {
     Ok(())
 }
 
-/// The samples of an export, the context for their certificate, and whether they are the result.
+/// Returns the samples of an export, the context for their certificate, and whether they are the result.
 fn samples(order: &ExportJob) -> (PointSet, ExportContext, bool) {
     let (session, run) = (&*order.session, order.session.run());
     let mut context = ExportContext::new(region_of(session), run.domain.radius());

@@ -27,7 +27,7 @@ pub enum PackError {
     },
 }
 
-/// A single file unchanged, or an archive of several, named after the first.
+/// Returns a single file unchanged, or an archive of several, named after the first.
 pub fn packed(mut files: Vec<NamedBytes>) -> Result<NamedBytes, PackError> {
     if files.len() == 1 {
         return files.pop().ok_or(PackError::Nothing);
@@ -56,7 +56,7 @@ pub fn packed(mut files: Vec<NamedBytes>) -> Result<NamedBytes, PackError> {
     Ok(NamedBytes { name, bytes })
 }
 
-/// The files of an archive made by [`packed`]. Fails if it is not an archive, is compressed, or contains more
+/// Returns the files of an archive made by [`packed`]. Fails if it is not an archive, is compressed, or contains more
 /// than the limits allow.
 pub fn unpacked(file: &NamedBytes) -> Result<Vec<NamedBytes>, String> {
     let name = &file.name;

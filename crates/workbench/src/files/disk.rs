@@ -22,7 +22,7 @@ fn sentence(unread: Unread) -> String {
     }
 }
 
-/// The path of a point set's certificate.
+/// Returns the path of a point set's certificate.
 #[must_use]
 pub fn certificate_of(path: &str) -> PathBuf {
     certificate_path(Path::new(path))

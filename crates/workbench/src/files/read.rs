@@ -55,7 +55,7 @@ pub struct FileOutcome {
 }
 
 impl FileOutcome {
-    /// The result for a single file.
+    /// Returns the result for a single file.
     #[must_use]
     pub const fn of(done: Result<Done, String>) -> Self {
         let left = Vec::new();

@@ -21,7 +21,7 @@ pub struct SaveTask {
     pub combination: Option<SavedCombination>,
 }
 
-/// The name of a session's file, with `.json` added if it has no extension.
+/// Returns the name of a session's file, with `.json` added if it has no extension.
 #[must_use]
 pub fn with_json(path: String) -> String {
     let last = last_part(&path);
@@ -34,7 +34,7 @@ pub fn with_json(path: String) -> String {
     }
 }
 
-/// The file of a session.
+/// Returns the file of a session.
 pub fn render(task: &SaveTask) -> Result<NamedBytes, String> {
     let failed = |error: &dyn std::fmt::Display| format!("the session was not written: {error}");
     let text = match (&task.run, &task.combination) {

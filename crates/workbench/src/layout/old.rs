@@ -61,7 +61,7 @@ struct Shares {
 }
 
 impl OldLayout {
-    /// The layout with all panels, if it is valid.
+    /// Returns the layout with all panels, if it is valid.
     #[must_use]
     pub fn completed(self) -> Option<Layout> {
         let mut left = MAX_TILES;
@@ -72,7 +72,7 @@ impl OldLayout {
 }
 
 impl Tree {
-    /// The tile of an id; `None` if a tile is missing or contains itself.
+    /// Returns the tile of an id; `None` if a tile is missing or contains itself.
     fn tile(&self, id: Id, depth: usize, left: &mut usize) -> Option<LayoutTile> {
         *left = left.checked_sub(1)?;
         if depth > MAX_DEPTH {
@@ -112,7 +112,7 @@ mod tests {
 
     use super::*;
 
-    /// The layout of a new window of an earlier version, with the events opened.
+    /// Returns the layout of a new window of an earlier version, with the events opened.
     fn saved() -> Value {
         serde_json::from_str(include_str!("old.json")).unwrap()
     }

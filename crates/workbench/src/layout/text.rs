@@ -11,7 +11,7 @@ const END: char = '-';
 /// The mark before the open tab.
 const OPEN: char = '_';
 
-/// A layout as text: `H`, `V` or `T`, the children, `-`. A child of a row or column is followed by its share in
+/// Returns a layout as text: `H`, `V` or `T`, the children, `-`. A child of a row or column is followed by its share in
 /// ten thousandths.
 #[must_use]
 pub fn written(layout: &Layout) -> String {
@@ -25,8 +25,8 @@ fn write(tile: &LayoutTile, text: &mut String) {
         LayoutTile::Panel(panel) => text.push(panel.letter()),
         LayoutTile::Tabs { tiles, open } => {
             text.push('T');
-            for (place, tile) in tiles.iter().enumerate() {
-                if place == *open {
+            for (index, tile) in tiles.iter().enumerate() {
+                if index == *open {
                     text.push(OPEN);
                 }
                 write(tile, text);
@@ -48,7 +48,7 @@ fn write(tile: &LayoutTile, text: &mut String) {
     }
 }
 
-/// The layout of a text, completed with missing panels; `None` if the text is malformed.
+/// Returns the layout of a text, completed with missing panels; `None` if the text is malformed.
 #[must_use]
 pub fn read(text: &str) -> Option<Layout> {
     let mut reader = LayoutReader {

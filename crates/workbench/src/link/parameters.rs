@@ -43,7 +43,7 @@ const SEARCHES: [Search; 2] = [Search::Complete, Search::TwoRadii];
 const VARIANTS: [Variant; 2] = [Variant::Staged, Variant::AsPrinted];
 const SWITCH: [&str; 2] = ["no", "yes"];
 
-/// The value of a key as written in a link.
+/// Returns the value of a key as written in a link.
 fn value(p: &Parameters, key: &str) -> String {
     match key {
         "seed" => p.seed.to_string(),
@@ -77,10 +77,10 @@ pub fn differing(
 
 /// Sets the parameter of a key; returns whether the text is valid. Sizes are checked against each other later.
 fn take(p: &mut Parameters, key: &str, text: &str) -> bool {
-    fn put<T>(place: &mut T, read: Option<T>) -> bool {
+    fn put<T>(field: &mut T, read: Option<T>) -> bool {
         let is_there = read.is_some();
         if let Some(read) = read {
-            *place = read;
+            *field = read;
         }
         is_there
     }
@@ -107,7 +107,7 @@ fn take(p: &mut Parameters, key: &str, text: &str) -> bool {
     }
 }
 
-/// The parameters of a link: `base` changed by `texts`, corrected to the limits. `run` is appended to the names
+/// Returns the parameters of a link: `base` changed by `texts`, corrected to the limits. `run` is appended to the names
 /// of parameters in warnings: "" or " of run B".
 pub fn read<'a>(
     texts: impl Fn(&str) -> Option<&'a str>,
@@ -131,7 +131,7 @@ pub fn read<'a>(
     parameters
 }
 
-/// The name of a key's parameter in sentences.
+/// Returns the name of a key's parameter in sentences.
 fn name_of(key: &str) -> &str {
     match key {
         "pattern" => "the pattern side",
@@ -176,7 +176,7 @@ fn fit(p: &mut Parameters, run: &str, warnings: &mut LinkWarnings) {
     }
 }
 
-/// The parameters that a link to a run cannot reproduce, because they exceed what a link may ask for.
+/// Returns the parameters that a link to a run cannot reproduce, because they exceed what a link may ask for.
 #[must_use]
 pub fn excess(p: &Parameters) -> Vec<String> {
     let domain = p.validate_sequential();
@@ -197,7 +197,7 @@ pub fn excess(p: &Parameters) -> Vec<String> {
     excess
 }
 
-/// The smallest and the largest radius allowed for a domain.
+/// Returns the smallest and the largest radius allowed for a domain.
 fn radii(p: &Parameters) -> [f64; 2] {
     let shortest = match p.boundary {
         Boundary::Periodic => MIN_SIDE_RADII_PERIODIC,
@@ -236,7 +236,7 @@ fn fit_radius(p: &mut Parameters, run: &str, warnings: &mut LinkWarnings) {
     }
 }
 
-/// The next number of three digits above.
+/// Returns the next number of three digits above.
 fn up(number: f64) -> f64 {
     three_digits(number, 1.000_001)
 }
@@ -246,7 +246,7 @@ fn down(number: f64) -> f64 {
     three_digits(number, 0.999_999)
 }
 
-/// A number of three digits near `number`, on the side of `toward` times `number`.
+/// Returns a number of three digits near `number`, on the side of `toward` times `number`.
 fn three_digits(number: f64, toward: f64) -> f64 {
     let exponent = number.log10().floor() as i32 - 2;
     let unit = 10_f64.powi(exponent.abs());

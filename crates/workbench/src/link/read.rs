@@ -73,13 +73,13 @@ struct LinkReader {
     warnings: LinkWarnings,
 }
 
-/// Every key except those of a second run, which are prefixed by `b.`.
+/// Returns every key except those of a second run, which are prefixed by `b.`.
 #[cfg(test)]
 pub fn keys() -> impl Iterator<Item = &'static str> {
     OTHERS.into_iter().chain(KEYS).chain([VARIANT])
 }
 
-/// Whether a link of this version may have this key.
+/// Returns whether a link of this version may have this key.
 fn is_known(key: &str) -> bool {
     let of_run = |key: &str| KEYS.contains(&key) || key == VARIANT;
     OTHERS.contains(&key) || of_run(key) || key.strip_prefix("b.").is_some_and(of_run)
@@ -96,7 +96,7 @@ impl LinkReader {
                 Entry::Occupied(_) => self
                     .warnings
                     .add(format!("\"{name}\" is there twice; the first one counts.")),
-                Entry::Vacant(place) if is_known(place.key()) => drop(place.insert(value)),
+                Entry::Vacant(entry) if is_known(entry.key()) => drop(entry.insert(value)),
                 Entry::Vacant(_) => self
                     .warnings
                     .add(format!("\"{name}\" is unknown in links and was left out.")),
@@ -104,7 +104,7 @@ impl LinkReader {
         }
     }
 
-    /// The part of a text within the limit, cut between two parts.
+    /// Returns the part of a text within the limit, cut between two parts.
     fn cut<'a>(&mut self, text: &'a str) -> &'a str {
         if text.len() <= MAX_BYTES {
             return text;
@@ -138,7 +138,7 @@ impl LinkReader {
         }
     }
 
-    /// The value of a key as `sense` reads it; warns if it is invalid.
+    /// Returns the value of a key as `sense` reads it; warns if it is invalid.
     fn take<T>(&mut self, key: &str, sense: impl FnOnce(&str) -> Option<T>) -> Option<T> {
         let text = self.pairs.get(key)?;
         let taken = sense(text);
@@ -209,7 +209,7 @@ impl LinkReader {
         }
     }
 
-    /// The layers of a list. If none of those named exists, the default layers: closer to the intention than an
+    /// Returns the layers of a list. If none of those named exists, the default layers: closer to the intention than an
     /// empty canvas.
     fn layers(&mut self, names: &str) -> Layers {
         let (mut layers, mut are_unknown) = (Layers::none(), false);
@@ -264,7 +264,7 @@ impl LinkReader {
         let mut links = [false; 3];
         for name in names.split(',').filter(|name| !name.is_empty()) {
             match LINKS.iter().position(|link| *link == name) {
-                Some(place) => links[place] = true,
+                Some(index) => links[index] = true,
                 None => self.warnings.add(format!(
                     "Two runs cannot be linked by \"{}\"; it was left out.",
                     quoted(name)
@@ -320,8 +320,8 @@ fn short(text: &str) -> Option<String> {
 
 /// Reads an event and its note; a bookmark of another run has the run and an anchor between them.
 fn bookmark(text: &str) -> Option<Bookmark> {
-    let (place, note) = text.split_once(':').unwrap_or((text, ""));
-    let mut parts = place.split('@');
+    let (mark, note) = text.split_once(':').unwrap_or((text, ""));
+    let mut parts = mark.split('@');
     let event = parts.next()?.parse().ok()?;
     let run = short(parts.next().unwrap_or_default())?;
     let anchor = parts.next().map(|anchor| anchor.parse().ok());
@@ -371,17 +371,17 @@ fn combination(text: &str) -> Result<Combination, String> {
         ));
     }
     let of_file = |source: &PieceSource| matches!(source, PieceSource::File { .. });
-    if placed.places.iter().any(|place| of_file(&place.source)) {
+    if placed.places.iter().any(|piece| of_file(&piece.source)) {
         return Err("it has sets from files, which a link does not open".to_owned());
     }
     Ok(layout)
 }
 
-/// The expected number of samples of all different patterns that pieces clip from.
-fn of_patterns(places: &[PlacedPiece]) -> f64 {
+/// Returns the expected number of samples of all different patterns that pieces clip from.
+fn of_patterns(pieces: &[PlacedPiece]) -> f64 {
     let mut specs: Vec<PatternSpec> = Vec::new();
-    for place in places {
-        if let PieceSource::Run { parameters, .. } = &place.source
+    for piece in pieces {
+        if let PieceSource::Run { parameters, .. } = &piece.source
             && !specs.contains(&parameters.pattern)
         {
             specs.push(parameters.pattern);

@@ -22,7 +22,7 @@ pub fn escaped(text: &str) -> String {
     escaped
 }
 
-/// The keys and values of a fragment, read as `URLSearchParams` does: escapes are decoded, and invalid ones are
+/// Returns the keys and values of a fragment, read as `URLSearchParams` does: escapes are decoded, and invalid ones are
 /// kept as text. `&amp;`, as copied from a page's source, stands for `&`.
 pub fn pairs(fragment: &str) -> impl Iterator<Item = (String, String)> {
     form_urlencoded::parse(fragment.as_bytes()).map(|(key, value)| {
@@ -31,7 +31,7 @@ pub fn pairs(fragment: &str) -> impl Iterator<Item = (String, String)> {
     })
 }
 
-/// A text as an item of a list. Items are separated by semicolons, so a semicolon or backslash within a text is
+/// Returns a text as an item of a list. Items are separated by semicolons, so a semicolon or backslash within a text is
 /// escaped with a backslash.
 pub fn item(text: &str) -> String {
     text.replace('\\', r"\\").replace(';', r"\;")
@@ -67,7 +67,7 @@ pub fn base64(bytes: &[u8]) -> String {
     text
 }
 
-/// The bytes of a base64 text; `None` if it is not one.
+/// Returns the bytes of a base64 text; `None` if it is not one.
 pub fn from_base64(text: &str) -> Option<Vec<u8>> {
     let mut bytes = Vec::with_capacity(text.len() / 4 * 3);
     for chunk in text.as_bytes().chunks(4) {
@@ -99,7 +99,7 @@ pub fn exact(number: f64) -> String {
     plain
 }
 
-/// A number for display positions, to a millionth and at least six digits.
+/// Returns a number for display positions, to a millionth and at least six digits.
 pub fn rounded(number: f64) -> String {
     let digits = DECIMALS - 1 - number.abs().max(1e-9).log10().floor() as i32;
     let decimals = digits.clamp(DECIMALS, 12) as usize;
@@ -108,7 +108,7 @@ pub fn rounded(number: f64) -> String {
     if text == "-0" { "0" } else { text }.to_owned()
 }
 
-/// The number in a text, if it is finite.
+/// Returns the number in a text, if it is finite.
 pub fn finite(text: &str) -> Option<f64> {
     text.parse().ok().filter(|number: &f64| number.is_finite())
 }
@@ -119,7 +119,7 @@ pub fn numbers<const N: usize>(text: &str) -> Option<[f64; N]> {
     numbers?.try_into().ok()
 }
 
-/// The name of a choice in links.
+/// Returns the name of a choice in links.
 pub fn name<T: Serialize>(choice: &T) -> String {
     match serde_json::to_value(choice) {
         Ok(Value::String(name)) => slug(&name),
@@ -132,7 +132,7 @@ pub fn named<T: Serialize + Copy>(all: &[T], text: &str) -> Option<T> {
     all.iter().find(|one| name(*one) == text).copied()
 }
 
-/// A name of the window as written in links: in lower case, with hyphens.
+/// Returns a name of the window as written in links: in lower case, with hyphens.
 #[must_use]
 pub fn slug(name: &str) -> String {
     name.to_lowercase().replace(' ', "-")

@@ -22,13 +22,13 @@ impl LinkWarnings {
         }
     }
 
-    /// Whether there are no warnings.
+    /// Returns whether there are no warnings.
     #[must_use]
     pub const fn is_empty(&self) -> bool {
         self.sentences.is_empty()
     }
 
-    /// The warnings, one sentence each; the last one counts those beyond the limit.
+    /// Returns the warnings, one sentence each; the last one counts those beyond the limit.
     #[must_use]
     pub fn sentences(&self) -> Vec<String> {
         let mut sentences = self.sentences.clone();
@@ -40,7 +40,7 @@ impl LinkWarnings {
         sentences
     }
 
-    /// All warnings as one text.
+    /// Returns all warnings as one text.
     #[must_use]
     pub fn text(&self) -> String {
         self.sentences().join(" ")

@@ -20,7 +20,7 @@ use tilescope_drawing::camera::Camera;
 pub struct Link {
     /// The fragment of the address, without its `#`: at most [`MAX_CHARACTERS`] letters, digits and marks.
     pub fragment: String,
-    /// What the link leaves out, as phrases such as "the panel layout".
+    /// The settings that the link leaves out, as phrases such as "the panel layout".
     pub left_out: Vec<String>,
 }
 
@@ -68,7 +68,7 @@ impl Writer {
         self.text.push_str(value.as_ref());
     }
 
-    /// The number of characters left for the value of a key.
+    /// Returns the number of characters left for the value of a key.
     fn room(&self, key: &str) -> usize {
         MAX_CHARACTERS.saturating_sub(self.text.len() + key.len() + 2)
     }
@@ -243,7 +243,7 @@ impl Writer {
     }
 }
 
-/// What can be linked between two runs; names in links.
+/// The settings that can be linked between two runs; names in links.
 pub(super) const LINKS: [&str; 3] = ["cameras", "clocks", "differences"];
 
 fn names(layers: Layers) -> String {

@@ -28,7 +28,7 @@ pub fn csv(table: &BufferTable, rows: &[u32]) -> String {
     text
 }
 
-/// The file name for a buffer of a pass; passes count from 1, as in the window.
+/// Returns the file name for a buffer of a pass; passes count from 1, as in the window.
 #[must_use]
 pub fn file_name(pass: usize, shader: &str, buffer: Name) -> String {
     format!("pass-{:03}-{shader}-{}.csv", pass + 1, buffer.as_str())

@@ -18,12 +18,13 @@ use super::table::{BufferTable, MAX_NUMBERS};
 /// An injected fault: a word that is changed on the device after a pass.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Fault {
-    /// The pass, by its place in the run.
+    /// The pass, by its index in the run.
     pub after: usize,
     /// The buffer.
     pub buffer: Name,
     /// The word's index in it.
-    pub place: u64,
+    #[serde(rename = "place")]
+    pub index: u64,
     /// Its new value.
     pub word: u32,
 }
@@ -98,7 +99,7 @@ impl Walker {
         })
     }
 
-    /// The number of passes that have been run.
+    /// Returns the number of passes that have been run.
     pub(super) fn passed(&self) -> usize {
         self.stepper.reports().len()
     }
@@ -111,7 +112,7 @@ impl Walker {
         if let Some(fault) = self.fault
             && fault.after + 1 == self.passed()
         {
-            self.stepper.set_word(fault.buffer, fault.place, fault.word);
+            self.stepper.set_word(fault.buffer, fault.index, fault.word);
         }
         Ok(true)
     }
@@ -123,7 +124,7 @@ impl Walker {
         self.stepper.table(name, rows.max(1)).await
     }
 
-    /// Buffers of a pass of `stage`, with the places of their rows.
+    /// Returns buffers of a pass of `stage`, with the places of their rows.
     async fn side(
         &self,
         names: &[Name],
@@ -202,7 +203,7 @@ impl Survey {
     }
 }
 
-/// The fraction of a run that is done at a stage, estimated, since the number of passes is known only at its
+/// Returns the fraction of a run that is done at a stage, estimated, since the number of passes is known only at its
 /// end.
 const fn share(stage: Stage) -> f32 {
     match stage {

@@ -22,7 +22,7 @@ pub enum FilterError {
     /// No column has the name.
     #[error("no column is called {name:?}; there are: {}", columns.join(", "))]
     NoSuchColumn {
-        /// What was written.
+        /// The unknown name.
         name: String,
         /// The existing names.
         columns: Vec<String>,
@@ -30,7 +30,7 @@ pub enum FilterError {
     /// The other side is not a whole number of 64 bits.
     #[error("{text:?} is not a whole number between {} and {}", i64::MIN, i64::MAX)]
     NotANumber {
-        /// What was written.
+        /// The text in place of a number.
         text: String,
     },
 }

@@ -22,7 +22,7 @@ pub enum Badge {
 }
 
 impl Badge {
-    /// The text of the badge.
+    /// Returns the text of the badge.
     #[must_use]
     pub fn text(&self) -> String {
         match self {
@@ -36,14 +36,14 @@ impl Badge {
 /// A pass of the run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PassEntry {
-    /// What it did.
+    /// Its dispatch and timing.
     pub report: PassReport,
     /// How it compares with the CPU.
     pub badge: Badge,
 }
 
 impl PassEntry {
-    /// The readable buffers that it is bound to, each once, with its access. The dispatch's four numbers, which
+    /// Returns the readable buffers that it is bound to, each once, with its access. The dispatch's four numbers, which
     /// the host writes for every pass, are not included.
     #[must_use]
     pub fn buffers(&self) -> Vec<(Name, Access, u64)> {
@@ -69,7 +69,7 @@ pub enum PassLine {
         /// The seconds of its timed passes; `None` if none was timed.
         seconds: Option<f64>,
     },
-    /// A pass, by its place in the run.
+    /// A pass, by its index in the run.
     Pass(usize),
 }
 
@@ -94,7 +94,7 @@ pub fn lines(passes: &[PassEntry]) -> Vec<PassLine> {
 /// A visited pass: its buffers before and after it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Visit {
-    /// Its place in the run.
+    /// Its index in the run.
     pub pass: usize,
     /// Its buffers.
     pub buffers: Vec<BufferTable>,
@@ -106,7 +106,7 @@ pub struct Visit {
     pub replayed: bool,
 }
 
-/// Why the passes of a run cannot be inspected, in a sentence.
+/// Returns why the passes of a run cannot be inspected, in a sentence.
 #[must_use]
 pub fn refusal(parameters: &Parameters) -> Option<String> {
     let expected = match parameters.validate() {

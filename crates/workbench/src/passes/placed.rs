@@ -60,7 +60,7 @@ pub struct Rows<'a> {
 }
 
 impl<'a> Rows<'a> {
-    /// The spots that are drawn for a row. For buffers with a row for every cell, only cells that changed or
+    /// Returns the spots that are drawn for a row. For buffers with a row for every cell, only cells that changed or
     /// that a filter selects are drawn.
     #[must_use]
     pub fn marks(&self, row: u32) -> &'a [RowPlace] {
@@ -131,10 +131,10 @@ pub const fn middle(place: &RowPlace) -> Point {
     }
 }
 
-/// What the canvas shows of a pass.
+/// The rows of a pass on the canvas.
 #[derive(Clone, Copy, Debug)]
 pub struct OnCanvas<'a> {
-    /// The pass, by its place in the run.
+    /// The pass, by its index in the run.
     pub pass: usize,
     /// Its name.
     pub name: &'a str,
@@ -143,7 +143,7 @@ pub struct OnCanvas<'a> {
 }
 
 impl OnCanvas<'_> {
-    /// What is shown, in words: first what it is, then how much of it the pass changed.
+    /// Returns a description of the rows: first the buffer, then how many rows the pass changed.
     #[must_use]
     pub fn text(&self) -> [String; 2] {
         let pass = format!("pass {} {}", self.pass + 1, self.name);
@@ -176,7 +176,7 @@ fn buffer_text(name: Name) -> String {
     format!("buffer {}", name.as_str())
 }
 
-/// The name of the side whose places are shown.
+/// Returns the name of the side whose places are shown.
 const fn side_text(side: PassSide) -> &'static str {
     match side {
         PassSide::Before => "before",

@@ -27,7 +27,7 @@ pub struct ShownBuffer {
 }
 
 impl ShownBuffer {
-    /// The index of the buffer among those of the pass.
+    /// Returns the index of the buffer among those of the pass.
     #[must_use]
     pub const fn buffer(&self) -> usize {
         self.buffer
@@ -51,19 +51,19 @@ impl ShownBuffer {
         &self.text
     }
 
-    /// The filter's error, if it has one. All rows are shown then.
+    /// Returns the filter's error, if it has one. All rows are shown then.
     #[must_use]
     pub const fn error(&self) -> Option<&FilterError> {
         self.error.as_ref()
     }
 
-    /// The rows that pass the filter.
+    /// Returns the rows that pass the filter.
     #[must_use]
     pub fn rows(&self) -> &[u32] {
         &self.rows
     }
 
-    /// The width of each column in characters.
+    /// Returns the width of each column in characters.
     #[must_use]
     pub fn widths(&self) -> &[usize] {
         &self.widths
@@ -81,7 +81,7 @@ impl ShownBuffer {
         self.pointed
     }
 
-    /// Whether a filter is active.
+    /// Returns whether a filter is active.
     #[must_use]
     pub const fn is_filtered(&self) -> bool {
         self.is_filtered
@@ -110,24 +110,24 @@ impl ShownBuffer {
         let changed = |table: &BufferTable| {
             table.changed_count() > 0 && !matches!(table.access, Access::Read | Access::Uniform)
         };
-        let place = visit.buffers.iter().position(chosen);
-        let place = place.or_else(|| visit.buffers.iter().position(changed));
-        let place = place.unwrap_or(0);
+        let index = visit.buffers.iter().position(chosen);
+        let index = index.or_else(|| visit.buffers.iter().position(changed));
+        let index = index.unwrap_or(0);
         let name = |table: Option<&BufferTable>| table.map(|table| table.name);
-        if name(visit.buffers.get(place)) != self.entered {
+        if name(visit.buffers.get(index)) != self.entered {
             // The selected row belongs to the former buffer.
             self.picked = None;
         }
-        self.entered = name(visit.buffers.get(place));
-        self.buffer = place;
+        self.entered = name(visit.buffers.get(index));
+        self.buffer = index;
         self.pointed = None;
         self.refresh(Some(visit));
     }
 
     /// Shows another buffer.
-    pub(super) fn show(&mut self, visit: Option<&Visit>, place: usize) {
-        if let Some(table) = visit.and_then(|visit| visit.buffers.get(place)) {
-            self.buffer = place;
+    pub(super) fn show(&mut self, visit: Option<&Visit>, index: usize) {
+        if let Some(table) = visit.and_then(|visit| visit.buffers.get(index)) {
+            self.buffer = index;
             (self.picked, self.pointed) = (None, None);
             self.chosen = Some(table.name);
             self.entered = self.chosen;

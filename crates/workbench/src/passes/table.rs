@@ -40,7 +40,7 @@ impl PassSide {
 pub struct BufferTable {
     /// Which buffer.
     pub name: Name,
-    /// What the pass does with it.
+    /// Whether the pass reads or writes it.
     pub access: Access,
     /// Its length in bytes.
     pub bytes: u64,
@@ -57,7 +57,7 @@ pub struct BufferTable {
 }
 
 impl BufferTable {
-    /// The table of a buffer read before and after a pass. Rows that only one side has are left out.
+    /// Returns the table of a buffer read before and after a pass. Rows that only one side has are left out.
     #[must_use]
     pub fn new(
         name: Name,
@@ -102,13 +102,13 @@ impl BufferTable {
         self.changed.get(row).copied().unwrap_or(false)
     }
 
-    /// A row before the pass; empty if there is no such row.
+    /// Returns a row before the pass; empty if there is no such row.
     #[must_use]
     pub fn before(&self, row: usize) -> &[i64] {
         self.cells(&self.before, row)
     }
 
-    /// A row after the pass; empty if there is no such row.
+    /// Returns a row after the pass; empty if there is no such row.
     #[must_use]
     pub fn after(&self, row: usize) -> &[i64] {
         self.cells(self.after.as_ref().unwrap_or(&self.before), row)
@@ -119,7 +119,7 @@ impl BufferTable {
         of.get(row * width..(row + 1) * width).unwrap_or_default()
     }
 
-    /// The row that filters test for a side; for both sides, the one after the pass.
+    /// Returns the row that filters test for a side; for both sides, the one after the pass.
     #[must_use]
     pub fn side(&self, side: PassSide, row: usize) -> &[i64] {
         match side {
@@ -128,7 +128,7 @@ impl BufferTable {
         }
     }
 
-    /// The text of a cell; empty if there is no such cell.
+    /// Returns the text of a cell; empty if there is no such cell.
     #[must_use]
     pub fn cell(&self, side: PassSide, row: usize, column: usize) -> String {
         let value = |of: &[i64]| of.get(column).map_or_else(String::new, i64::to_string);
@@ -140,7 +140,7 @@ impl BufferTable {
         }
     }
 
-    /// The width of each column in characters, including its name.
+    /// Returns the width of each column in characters, including its name.
     #[must_use]
     pub fn widths(&self, side: PassSide) -> Vec<usize> {
         let mut widths: Vec<usize> = self.columns.iter().map(String::len).collect();

@@ -16,7 +16,7 @@ const README: &str = include_str!("../../../../web/README.md");
 
 type Words = BTreeSet<String>;
 
-/// The rows of the table whose head begins with `head`, cell by cell.
+/// Returns the rows of the table whose head begins with `head`, cell by cell.
 fn table(head: &str) -> Vec<Vec<&'static str>> {
     let at = README.find(&format!("\n| {head} |")).expect(head);
     let lines = README[at + 1..].lines().skip(2);
@@ -25,12 +25,12 @@ fn table(head: &str) -> Vec<Vec<&'static str>> {
         .collect()
 }
 
-/// The parts of a text between single backquotes.
+/// Returns the parts of a text between single backquotes.
 fn quoted(text: &str) -> impl Iterator<Item = String> {
     text.split('`').skip(1).step_by(2).map(str::to_owned)
 }
 
-/// The names in the first column of a table.
+/// Returns the names in the first column of a table.
 fn first_column(head: &str) -> Words {
     table(head).iter().flat_map(|row| quoted(row[0])).collect()
 }

@@ -11,7 +11,7 @@ use crate::layout::Panel;
 use tilescope_drawing::brushed::BrushedCause;
 
 impl State {
-    /// Whether the analysis panel is visible.
+    /// Returns whether the analysis panel is visible.
     #[must_use]
     pub fn analyses(&self) -> bool {
         self.window.shows(Panel::Analysis)
@@ -29,7 +29,7 @@ impl State {
         }
     }
 
-    /// The file that this run is compared with, or why it cannot be.
+    /// Returns the file that this run is compared with, or why it cannot be.
     #[must_use]
     pub fn reference_file(&self) -> Option<Result<&Arc<ReferenceFile>, String>> {
         let file = self.analysis.reference_file.as_ref()?;
@@ -40,18 +40,18 @@ impl State {
         })
     }
 
-    /// The causes of the brush at the current moment, if found, while the panel is visible.
+    /// Returns the causes of the brush at the current moment, if found, while the panel is visible.
     #[must_use]
     pub fn causes(&self) -> Option<&BrushedCause> {
         self.analysis.causes(&self.runs.first, self.analyses())
     }
 
-    /// The result of the brush, in words.
+    /// Returns the result of the brush, in words.
     #[must_use]
     pub fn brush_text(&self) -> String {
         match (self.analysis.brush, self.shown()) {
             (Some(brush), Some(shown)) => self.analysis.marks.description(&shown, brush),
-            _ => "Drag over a chart or the periodogram, or choose here: the samples or pairs that cause it are shown on the canvas.".to_owned(),
+            _ => "Drag over a chart or the periodogram, or enter a range here: the samples or pairs that cause it are shown on the canvas.".to_owned(),
         }
     }
 
@@ -74,7 +74,7 @@ impl State {
 }
 
 impl Analysis {
-    /// The causes of the brush at the moment of a run, if found and visible.
+    /// Returns the causes of the brush at the moment of a run, if found and visible.
     pub(super) fn causes(&self, run: &RunView, are_seen: bool) -> Option<&BrushedCause> {
         let brush = self.brush.filter(|_| are_seen)?;
         self.marks.of(&run.shown()?, brush)

@@ -4,7 +4,7 @@ use tilescope_session::sentence::{happened, name_in};
 
 use super::{State, Verification};
 
-/// What was announced last, and the announcement.
+/// The texts announced last, and the announcement.
 #[derive(Default)]
 pub struct Announcer {
     happened: String,
@@ -14,7 +14,7 @@ pub struct Announcer {
 }
 
 impl State {
-    /// The text for a screen reader: the newest of these. It stays the same until there is another.
+    /// Returns the text for a screen reader: the newest of these. It stays the same until there is another.
     #[must_use]
     pub fn announcement(&self) -> Option<String> {
         self.messages.announcer.announcement.clone()
@@ -52,7 +52,7 @@ impl State {
         };
     }
 
-    /// The announcement of the moment. During playback only stages are announced, since there are too many
+    /// Returns the announcement of the moment. During playback only stages are announced, since there are too many
     /// events to listen to.
     fn time_text(&self) -> String {
         match (&self.runs.first.session, self.current_stage()) {

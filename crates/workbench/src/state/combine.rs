@@ -49,7 +49,7 @@ impl State {
         }
     }
 
-    /// Whether the current session is a combination.
+    /// Returns whether the current session is a combination.
     #[must_use]
     pub fn shows_combination(&self) -> bool {
         self.runs.first.shows_combination()

@@ -35,7 +35,7 @@ impl State {
         }
     }
 
-    /// Why this second run cannot be made now, or `None` if it can.
+    /// Returns why this second run cannot be made now, or `None` if it can.
     #[must_use]
     pub fn preset_refusal(&self, preset: ComparePreset) -> Option<String> {
         let Some(session) = &self.runs.first.session else {
@@ -62,7 +62,7 @@ impl State {
         refused.map(|error| tilescope_session::words::sentence(&error.to_string()))
     }
 
-    /// Why one cannot go to the divergence of the two runs, or `None` if one can.
+    /// Returns why one cannot go to the divergence of the two runs, or `None` if one can.
     #[must_use]
     pub fn parting_refusal(&self) -> Option<&'static str> {
         let Some((side, comparison)) = &self.runs.second else {
@@ -79,7 +79,7 @@ impl State {
         }
     }
 
-    /// The engine other than the one that made the session.
+    /// Returns the engine other than the one that made the session.
     #[must_use]
     pub fn other_engine(&self) -> Engine {
         let by_gpu = self
@@ -292,8 +292,8 @@ impl State {
             Some(&Divergence::Events { a, b, .. }) => [a, b],
             Some(&Divergence::Ends { event, .. }) => [event, event],
             Some(&Divergence::Stage { stage, .. }) => {
-                let place = first.stages.iter().position(|&other| other == stage);
-                self.runs.first.show_stage(place.unwrap_or(usize::MAX));
+                let index = first.stages.iter().position(|&other| other == stage);
+                self.runs.first.show_stage(index.unwrap_or(usize::MAX));
                 return;
             }
             _ => return,
@@ -304,7 +304,7 @@ impl State {
         self.on(Which::Second, |run, _| run.jump(cursors[1] + 1));
     }
 
-    /// The samples that only one of two compared runs has, seen from the second one or the first.
+    /// Returns the samples that only one of two compared runs has, seen from the second one or the first.
     #[must_use]
     pub fn contrast(&self, from_second: bool) -> Option<Contrast<'_>> {
         let (side, comparison) = self.runs.second.as_ref()?;
@@ -326,7 +326,7 @@ impl State {
         })
     }
 
-    /// What the second canvas draws.
+    /// Returns the subject of the second canvas.
     #[must_use]
     pub fn second_subject(&self) -> Option<Subject<'_>> {
         let (side, _) = self.runs.second.as_ref()?;

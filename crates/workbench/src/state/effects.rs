@@ -7,7 +7,7 @@ use tilescope_session::jobs::Wake;
 use super::parts::JobContext;
 use super::{Appearance, Notice};
 
-/// What a part asks of the others. The state does it after the command.
+/// A request of a part to the others, which the state carries out after the command.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum Effect {
     /// Show this notice.
@@ -18,7 +18,7 @@ pub(super) enum Effect {
     Download(NamedBytes),
 }
 
-/// What a part may use of the others while it applies a command.
+/// The data of other parts that a part may use while it applies a command.
 pub(super) struct Context {
     /// Starts work in the background.
     pub(super) wake: Wake,
@@ -44,7 +44,7 @@ impl Context {
         self.effects.push(Effect::Tell(Notice { text, is_error }));
     }
 
-    /// The generation for a session that is about to be made.
+    /// Returns the generation for a session that is about to be made.
     pub(super) const fn next_generation(&mut self) -> u64 {
         self.generation += 1;
         self.generation

@@ -43,7 +43,7 @@ impl State {
         if differs {
             let text = format!(
                 "The run of {engine} differs from the CPU's run with the same parameters. It is shown as it is, without events. \
-                 The passes of the GPU show where the two part."
+                 The passes of the GPU show where the two diverge."
             );
             self.tell_of(which, text, true);
         }
@@ -53,7 +53,7 @@ impl State {
         }
     }
 
-    /// Why the passes cannot be inspected now, or `None` if they can.
+    /// Returns why the passes cannot be inspected now, or `None` if they can.
     #[must_use]
     pub fn passes_refusal(&self) -> Option<String> {
         let Some(session) = &self.runs.first.session else {
@@ -106,8 +106,8 @@ impl State {
         }
     }
 
-    /// What the canvas shows of the GPU's buffers. `None` unless the panel of passes is visible, passes are the
-    /// clock, or the timeline is at the moment of the last command of the passes.
+    /// Returns the rows of the GPU's buffers to show on the canvas. `None` unless the panel of passes is visible,
+    /// passes are the clock, or the timeline is at the moment of the last command of the passes.
     #[must_use]
     pub fn buffers_on_canvas(&self) -> Option<OnCanvas<'_>> {
         let passes = self.runs.first.passes.as_ref()?;
@@ -133,9 +133,9 @@ impl State {
         self.time.playback.choose(Clock::Pass);
         self.window.open_panel(Panel::Canvas);
         self.on(Which::First, |run, context| {
-            let place = run.passes.as_ref().and_then(Passes::picked_place);
-            if let Some(place) = place {
-                run.fly_to(place, 12.0, context);
+            let position = run.passes.as_ref().and_then(Passes::picked_position);
+            if let Some(position) = position {
+                run.fly_to(position, 12.0, context);
             }
         });
     }

@@ -47,7 +47,7 @@ pub struct ExportSource<'a> {
 }
 
 impl State {
-    /// The input of an export of what is shown.
+    /// Returns the input of an export of what is shown.
     #[must_use]
     pub fn export_source(&self) -> ExportSource<'_> {
         ExportSource {
@@ -145,7 +145,7 @@ impl Exports {
         }
     }
 
-    /// A short description of the export, or why it cannot be written.
+    /// Returns a short description of the export, or why it cannot be written.
     pub fn prospect(&self, source: ExportSource<'_>) -> Result<String, ExportRefusal> {
         let (Some(form), Some(session)) = (&self.sheet, &source.run.session) else {
             return Err(ExportRefusal::NoSession);
@@ -207,7 +207,7 @@ impl Exports {
         }
     }
 
-    /// The export that the sheet describes.
+    /// Returns the export that the sheet describes.
     pub fn order(&self, source: ExportSource<'_>) -> Result<ExportJob, ExportRefusal> {
         self.prospect(source)?;
         let (Some(form), Some(session), Some(moment)) =
@@ -249,7 +249,7 @@ impl Exports {
         })
     }
 
-    /// The fraction of the running export that is done.
+    /// Returns the fraction of the running export that is done.
     #[must_use]
     pub fn fraction(&self) -> Option<f32> {
         self.work.as_ref().map(Job::fraction)
@@ -257,7 +257,7 @@ impl Exports {
 }
 
 impl ExportSource<'_> {
-    /// Why nothing of a kind can be exported now, independent of the sheet.
+    /// Returns why nothing of a kind can be exported now, independent of the sheet.
     #[must_use]
     pub fn kind_refusal(&self, kind: ExportKind) -> Option<ExportRefusal> {
         let (Some(session), Some(moment)) = (&self.run.session, self.run.moment()) else {
@@ -273,7 +273,7 @@ impl ExportSource<'_> {
         }
     }
 
-    /// The range of cursors of an animation: the loop, or otherwise the stage.
+    /// Returns the range of cursors of an animation: the loop, or otherwise the stage.
     #[must_use]
     pub fn range(&self) -> Option<Range<usize>> {
         let session = self.run.session.as_ref()?;
@@ -286,7 +286,7 @@ impl ExportSource<'_> {
         Some(range.unwrap_or(start..end))
     }
 
-    /// The view of a picture, as on the canvas. Animations show the run's domain even while the canvas shows
+    /// Returns the view of a picture, as on the canvas. Animations show the run's domain even while the canvas shows
     /// the pattern.
     pub fn view(&self, kind: ExportKind, print: bool) -> Result<PictureView, ExportRefusal> {
         if !self.run.viewport.is_positive() {
@@ -324,7 +324,7 @@ impl ExportSource<'_> {
     }
 }
 
-/// The view of a sheet, its scale, and its size in words.
+/// Returns the view of a sheet, its scale, and its size in words.
 fn checked_view(
     form: &ExportForm,
     source: ExportSource<'_>,

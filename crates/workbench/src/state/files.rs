@@ -87,13 +87,13 @@ impl FileState {
         });
     }
 
-    /// Whether files are chosen in a browser and downloaded, instead of having paths.
+    /// Returns whether files are chosen in a browser and downloaded, instead of having paths.
     #[must_use]
     pub fn in_browser(&self) -> bool {
         self.delivery == Delivery::Download
     }
 
-    /// Whether a sheet is open.
+    /// Returns whether a sheet is open.
     #[must_use]
     pub const fn has_sheet(&self) -> bool {
         self.sheet.is_some() || self.exports.sheet.is_some()
@@ -288,7 +288,7 @@ impl State {
         });
     }
 
-    /// Why the session cannot be saved, or `None` if it can.
+    /// Returns why the session cannot be saved, or `None` if it can.
     #[must_use]
     pub fn save_refusal(&self) -> Option<&'static str> {
         if self.runs.first.session.is_none() {
@@ -310,14 +310,14 @@ impl State {
         self.runs.first.session.as_ref()?.combination.as_ref()
     }
 
-    /// The current combination in saved form, with its view.
+    /// Returns the current combination in saved form, with its view.
     #[must_use]
     pub fn saved_combination(&self) -> Option<SavedCombination> {
         let session = self.runs.first.session.as_ref()?;
         SavedCombination::of(session, self.runs.first.stage, self.view().to_json())
     }
 
-    /// The current session in saved form, with its view.
+    /// Returns the current session in saved form, with its view.
     #[must_use]
     pub fn saved(&self) -> Option<tilescope_debugger::Session> {
         let (debugger, session) = (

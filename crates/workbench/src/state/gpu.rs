@@ -137,7 +137,7 @@ impl GpuState {
         )
     }
 
-    /// Whether a ready device samples if `engine` is chosen.
+    /// Returns whether a ready device samples if `engine` is chosen.
     #[must_use]
     pub fn takes(&self, engine: Engine) -> bool {
         let is_gpu = |gpu: &Arc<Gpu>| !gpu.report().is_software;
@@ -148,19 +148,19 @@ impl GpuState {
         }
     }
 
-    /// The device that makes a run. Algorithm 4 as printed runs on the CPU, whatever was chosen.
+    /// Returns the device that makes a run. Algorithm 4 as printed runs on the CPU, whatever was chosen.
     pub(super) fn for_run(&self, parameters: &Parameters, engine: Engine) -> Option<Arc<Gpu>> {
         let serves = self.takes(engine) && parameters.variant == Variant::Staged;
         self.device.ready().filter(|_| serves).map(Arc::clone)
     }
 
-    /// Why no run can start yet, or `None` if it can: the chosen device is being tested.
+    /// Returns why no run can start yet, or `None` if it can: the chosen device is being tested.
     pub(super) fn waiting(&self) -> Option<String> {
         let waits = matches!(self.device, Device::Testing(_)) && self.engine == Engine::Gpu;
         self.device.description().filter(|_| waits)
     }
 
-    /// The engine of the next run, which is of `variant`: in a line, and in full. `None` if the choice alone
+    /// Returns the engine of the next run, which is of `variant`: in a line, and in full. `None` if the choice alone
     /// says it all.
     #[must_use]
     pub fn engine_text(&self, variant: Variant) -> Option<(&'static str, String)> {
@@ -191,7 +191,7 @@ impl GpuState {
         Some((line, all))
     }
 
-    /// Why the program chose the engine of the next run, which is of `variant`, and what draws the window;
+    /// Returns why the program chose the engine of the next run, which is of `variant`, and what draws the window;
     /// `None` unless the program chooses.
     #[must_use]
     pub fn chosen(&self, variant: Variant) -> Option<String> {

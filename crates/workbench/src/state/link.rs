@@ -20,7 +20,7 @@ pub(super) struct Arriving {
 }
 
 impl State {
-    /// The link to what is shown: run, moment and view. While the run of an opened link is being made, it is
+    /// Returns the link to what is shown: run, moment and view. While the run of an opened link is being made, it is
     /// that link. Cheap enough to be called every frame.
     #[must_use]
     pub fn link(&self) -> Link {
@@ -182,7 +182,7 @@ impl State {
         self.links.arriving = Some(Box::new(Arriving { content, warnings }));
     }
 
-    /// Whether the current session is the one that a link asks for.
+    /// Returns whether the current session is the one that a link asks for.
     fn is_made_from(&self, content: &LinkContent) -> bool {
         let Some(session) = &self.runs.first.session else {
             return false;
@@ -257,15 +257,15 @@ impl State {
 
     fn take_moment(&mut self, moment: &NamedMoment, warnings: &mut LinkWarnings) {
         let len = self.cursor().map(|(_, len)| len);
-        let place = match moment {
+        let index = match moment {
             NamedMoment::Stage(name) => self.stage_named(name),
             _ => None,
         };
-        let missed = match (moment, len, place) {
+        let missed = match (moment, len, index) {
             (NamedMoment::Event(cursor), Some(len), _) if *cursor <= len => {
                 return self.runs.first.jump(*cursor);
             }
-            (NamedMoment::Stage(_), _, Some(place)) => return self.runs.first.show_stage(place),
+            (NamedMoment::Stage(_), _, Some(index)) => return self.runs.first.show_stage(index),
             (NamedMoment::End, ..) => None,
             (NamedMoment::Event(cursor), Some(len), _) => Some(format!(
                 "The link asked for event {cursor} of a run of {}",
@@ -284,7 +284,7 @@ impl State {
         self.runs.first.show_stage(usize::MAX);
     }
 
-    /// The index of a stage by its name in links.
+    /// Returns the index of a stage by its name in links.
     pub(super) fn stage_named(&self, name: &str) -> Option<usize> {
         let stages = &self.runs.first.session.as_ref()?.stages;
         stages

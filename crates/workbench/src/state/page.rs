@@ -4,7 +4,7 @@ use super::{FullScreen, Notice, State};
 use crate::device::Engine;
 use crate::embedding::Embedding;
 
-/// What the page passes to the app at its start.
+/// The options that the page passes to the app at its start.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct PageStart {
     /// The description of what draws the window.

@@ -18,7 +18,7 @@ pub struct Runs {
 }
 
 impl Runs {
-    /// One of the runs, if it exists.
+    /// Returns one of the runs, if it exists.
     #[must_use]
     pub fn get(&self, which: Which) -> Option<&RunView> {
         match which {
@@ -76,7 +76,7 @@ pub struct Messages {
     pub(super) announcer: announce::Announcer,
 }
 
-/// What every background job needs.
+/// The inputs of every background job.
 pub(super) struct JobContext {
     /// Asks for a new frame.
     pub(super) wake: Wake,

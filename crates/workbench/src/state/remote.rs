@@ -113,12 +113,12 @@ impl State {
     fn seek_stage(&mut self, stage: &str) -> Result<(), RequestError> {
         let stages = self.need_session()?.stages.iter();
         let names: Vec<String> = stages.map(|&stage| slug(&stage_name(stage))).collect();
-        let Some(place) = self.stage_named(stage) else {
+        let Some(index) = self.stage_named(stage) else {
             let (stage, names) = (crate::link::quoted(stage), names.join(", "));
             let why = format!("there is no stage \"{stage}\"; there are {names}");
             return Err(RequestError::Refused(why));
         };
-        self.apply(Command::Time(TimeCommand::ShowStage(place)));
+        self.apply(Command::Time(TimeCommand::ShowStage(index)));
         Ok(())
     }
 
@@ -159,7 +159,7 @@ impl State {
         self.follow_first();
     }
 
-    /// The view, in the form of the request that changes it.
+    /// Returns the view, in the form of the request that changes it.
     fn view_json(&self) -> Value {
         let camera = self.view().camera;
         let numbers = |camera: Camera| json!([camera.center[0], camera.center[1], camera.scale]);
@@ -185,7 +185,7 @@ impl State {
         Ok(())
     }
 
-    /// The state as JSON, for pages that embed the window. The digest is computed once for each session.
+    /// Returns the state as JSON, for pages that embed the window. The digest is computed once for each session.
     #[must_use]
     pub fn to_json(&self) -> Value {
         let session = self.runs.first.session.as_deref();
@@ -219,7 +219,7 @@ impl State {
 /// The largest number up to which a 64-bit float, as in JavaScript, represents all whole numbers.
 const MAX_EXACT: u64 = 1 << 53;
 
-/// A seed as JSON: as text if a number would be rounded.
+/// Returns a seed as JSON: as text if a number would be rounded.
 fn seed(seed: u64) -> Value {
     if seed <= MAX_EXACT {
         json!(seed)

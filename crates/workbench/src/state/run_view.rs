@@ -132,7 +132,7 @@ impl RunView {
         })
     }
 
-    /// The moment that is shown, without references into the run.
+    /// Returns the moment that is shown, without references into the run.
     #[must_use]
     pub fn moment(&self) -> Option<Moment> {
         self.shown().map(|shown| shown.moment())
@@ -168,7 +168,7 @@ impl RunView {
         }
     }
 
-    /// What its canvas draws, without contrast and causes, which are known only for the first run.
+    /// Returns the subject of its canvas, without contrast and causes, which are known only for the first run.
     pub(super) fn subject<'a>(
         &'a self,
         appearance: &Appearance,

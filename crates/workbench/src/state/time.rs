@@ -33,7 +33,7 @@ impl Time {
         let before = run.stage;
         self.continuing = None;
         match command {
-            TimeCommand::ShowStage(place) => run.show_stage(place),
+            TimeCommand::ShowStage(index) => run.show_stage(index),
             TimeCommand::StepBack => self.tick(Direction::Backwards, run, context),
             TimeCommand::StepForward => self.tick(Direction::Forwards, run, context),
             TimeCommand::FirstStage => run.show_stage(0),
@@ -83,7 +83,7 @@ impl Time {
         }
     }
 
-    /// The indices of the chosen pass and of the last one, if the clock is that of passes.
+    /// Returns the indices of the chosen pass and of the last one, if the clock is that of passes.
     #[must_use]
     pub fn pass_tick(&self, run: &RunView) -> Option<(usize, usize)> {
         let by_passes = self.playback.clock == Clock::Pass;

@@ -28,7 +28,7 @@ pub(super) enum UndoPart {
     Form,
     /// The parameters and the run.
     Run,
-    /// The places of panels.
+    /// The layout of the panels.
     Layout,
     /// Everything that a link replaces.
     Everything,
@@ -58,7 +58,7 @@ pub struct History {
     typing: Option<Field>,
 }
 
-/// The undoable part of the state that a command may change; `None` for others, such as the frequent moves of
+/// Returns the undoable part of the state that a command may change; `None` for others, such as the frequent moves of
 /// the pointer.
 pub(super) const fn concerns(command: &Command) -> Option<UndoPart> {
     match command {
@@ -69,7 +69,7 @@ pub(super) const fn concerns(command: &Command) -> Option<UndoPart> {
 }
 
 impl State {
-    /// Whether there is something to undo.
+    /// Returns whether there is something to undo.
     #[must_use]
     pub fn can_undo(&self) -> bool {
         !self.history.past.is_empty()
@@ -140,22 +140,22 @@ impl State {
         let past = &mut self.history.past;
         let is_run = |change: &Change| matches!(change.part, UndoPart::Run | UndoPart::Everything);
         let last = past.iter().rposition(is_run);
-        let since = last.map_or(0, |place| place + 1);
+        let since = last.map_or(0, |index| index + 1);
         let typed = past[since..]
             .iter()
             .find(|change| change.part == UndoPart::Form);
         if let Some(typed) = typed {
             before.form = typed.memento.form.clone();
         }
-        let mut place = 0;
+        let mut count = 0;
         past.retain(|change| {
-            place += 1;
-            place <= since || change.part != UndoPart::Form
+            count += 1;
+            count <= since || change.part != UndoPart::Form
         });
         self.history.typing = None;
         // A run that was cancelled is not a step.
         let stopped =
-            last.is_some_and(|place| self.history.past[place].memento.made == before.made);
+            last.is_some_and(|index| self.history.past[index].memento.made == before.made);
         if stopped && part == UndoPart::Run {
             self.history.future.clear();
         } else {
@@ -229,7 +229,7 @@ impl State {
         }
     }
 
-    /// A sentence that names the parameters of the panel that differ from those of the run shown, if any.
+    /// Returns a sentence that names the parameters of the panel that differ from those of the run shown, if any.
     #[must_use]
     pub fn run_remark(&self) -> Option<String> {
         let session = self

@@ -8,7 +8,7 @@ use crate::command::Which;
 use crate::view::SavedView;
 
 impl State {
-    /// The current view.
+    /// Returns the current view.
     #[must_use]
     pub fn view(&self) -> SavedView {
         let second = self.runs.second.as_ref().and_then(|(side, _)| {

@@ -51,7 +51,7 @@ impl WindowState {
         }
     }
 
-    /// Whether a panel is visible.
+    /// Returns whether a panel is visible.
     #[must_use]
     pub fn shows(&self, panel: Panel) -> bool {
         match (self.drawer.arrangement, panel) {

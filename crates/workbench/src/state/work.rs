@@ -30,7 +30,7 @@ impl State {
         self.start_sampling(Which::First, recipe, self.gpu.engine);
     }
 
-    /// The recipe of the parameters panel.
+    /// Returns the recipe of the parameters panel.
     #[must_use]
     pub fn typed(&self) -> Recipe {
         Recipe {
@@ -106,7 +106,7 @@ impl State {
                     .get(which)
                     .is_some_and(|run| run.session.is_some());
                 let kept = if there {
-                    " The session before it is still here."
+                    " The previous session is kept."
                 } else {
                     ""
                 };

@@ -44,7 +44,7 @@ fn is_whole(state: &State) -> bool {
     state.analysis.is_whole(&state.shown().unwrap())
 }
 
-/// The places of the samples that cover their disks, in r, found sample by sample.
+/// The positions of the samples that cover their disks, in r, found sample by sample.
 fn standing(state: &State) -> (Vec<[f64; 2]>, Region) {
     let shown = state.shown().unwrap();
     let session = shown.session;
@@ -52,7 +52,7 @@ fn standing(state: &State) -> (Vec<[f64; 2]>, Region) {
     let all = 0..session.run().samples.len() as u32;
     let points = all
         .filter(stands)
-        .map(|id| session.place(id).to_array())
+        .map(|id| session.position(id).to_array())
         .collect();
     let [width, height] = session.size_radii().to_array();
     let boundary = if session.run().domain.is_periodic() {

@@ -35,12 +35,12 @@ fn cause(state: &State) -> &Cause {
     &state.causes().expect("causes").cause
 }
 
-/// The samples that cover their disks, by id, with their places in r.
+/// The samples that cover their disks, by id, with their positions in r.
 fn standing(state: &State) -> Vec<(u32, DVec2)> {
     let shown = state.shown().unwrap();
     let all = 0..shown.session.run().samples.len() as u32;
     let ids = all.filter(|id| shown.covers(*id));
-    ids.map(|id| (id, shown.session.place(id))).collect()
+    ids.map(|id| (id, shown.session.position(id))).collect()
 }
 
 /// All pairs of samples at the distances, found by brute force.
@@ -74,7 +74,7 @@ fn found_pairs(state: &State) -> BTreeSet<[u32; 2]> {
     let session = state.runs.first.session.as_ref().unwrap();
     for pair in pairs {
         // The offset leads to an image of the second sample.
-        let [from, to] = pair.ids.map(|id| session.place(id));
+        let [from, to] = pair.ids.map(|id| session.position(id));
         let turns = (from + pair.offset - to) / session.size_radii();
         assert!(turns.abs_diff_eq(turns.round(), 1e-9), "{pair:?}");
     }
@@ -140,7 +140,10 @@ fn shares_add_up_to_the_power_and_belong_to_covering_samples() {
             height,
             boundary: Boundary::Periodic,
         };
-        let points: Vec<[f64; 2]> = samples.iter().map(|(_, place)| place.to_array()).collect();
+        let points: Vec<[f64; 2]> = samples
+            .iter()
+            .map(|(_, position)| position.to_array())
+            .collect();
         let window = Spectrum::window(points.len() as f64, region);
         let go_on = |_| ControlFlow::Continue(());
         let periodogram = Periodogram::of(&points, region, &window, &go_on).unwrap();

@@ -37,7 +37,7 @@ fn of_core(text: &str) -> Combined {
     combine(placed.domain, &pieces, &layout.options(), &mut Unobserved).unwrap()
 }
 
-/// The places of the samples with this status after a stage.
+/// The positions of the samples with this status after a stage.
 fn standing(state: &State, stage: Stage, so: fn(Standing) -> bool) -> Vec<Point> {
     let run = state.runs.first.session.as_ref().unwrap().run();
     let ids = 0..run.samples.len() as u32;

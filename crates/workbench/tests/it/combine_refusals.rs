@@ -123,7 +123,7 @@ fn invalid_layouts_are_refused_with_a_reason() {
         (with("version", json!(7)), "version 7"),
         (
             NINE.replace("0.02", "NaN"),
-            "no layout of pieces: expected value",
+            "not a layout of pieces: expected value",
         ),
         (NINE.replace("0.02", "1e999"), "number out of range"),
     ] {
@@ -154,7 +154,7 @@ fn invalid_layouts_are_refused_with_a_reason() {
     state.settle();
     assert!(notice_text(&state).contains("files are read only with a layout that is in a file"));
     state.apply(Command::Combine(CombineCommand::Text("[".to_owned())));
-    assert!(notice_text(&state).contains("no layout of pieces"));
+    assert!(notice_text(&state).contains("not a layout of pieces"));
     assert!(!state.shows_combination() && state.verdict().is_some());
     // A valid layout is opened after all these refusals.
     drop_text(&mut state, &path, NINE);

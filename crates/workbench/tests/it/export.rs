@@ -392,9 +392,9 @@ fn state_cursor(certificate: &Certificate) -> usize {
     certificate.parameters["moment"]["cursor"].as_u64().unwrap() as usize
 }
 
-/// The pixel of a place, given in r, in a picture of this view at scale 1.
-fn pixel(picture: &Decoded, view: &PictureView, place: DVec2) -> [u8; 3] {
-    let at = view.camera.screen_from_domain(view.frame(), place);
+/// The pixel of a position, given in r, in a picture of this view at scale 1.
+fn pixel(picture: &Decoded, view: &PictureView, position: DVec2) -> [u8; 3] {
+    let at = view.camera.screen_from_domain(view.frame(), position);
     let at = [at.x as usize, at.y as usize];
     let first = (at[1] * picture.info.width as usize + at[0]) * picture.info.color_type.samples();
     [0, 1, 2].map(|k| picture.pixels[first + k])
@@ -411,27 +411,27 @@ fn are_alike(a: [u8; 3], b: [u8; 3]) -> bool {
     (0..3).all(|k| a[k].abs_diff(b[k]) <= 2)
 }
 
-/// A place in a block away from samples and lines, and one of the block's samples, in r.
-fn places(state: &State, block: u32) -> (DVec2, DVec2) {
+/// A position in a block away from samples and lines, and one of the block's samples, in r.
+fn free_and_sample(state: &State, block: u32) -> (DVec2, DVec2) {
     let session = state.runs.first.session.as_ref().unwrap();
     let run = session.run();
     let shown = state.shown().unwrap();
     let radii = |x: i32| f64::from(x) / f64::from(tilescope_core::R);
     let rect = run.blocks.leaves[block as usize].rect;
     let ids = (0..run.samples.len() as u32).filter(|&id| shown.covers(id));
-    let all: Vec<(u32, DVec2)> = ids.map(|id| (id, session.place(id))).collect();
+    let all: Vec<(u32, DVec2)> = ids.map(|id| (id, session.position(id))).collect();
     let [low, high] = [rect.min, rect.max].map(|p| DVec2::new(radii(p.x), radii(p.y)));
     let is_inside = |at: DVec2| (at.cmpgt(low + 1.0) & at.cmplt(high - 1.0)).all();
     let of_block = |id: u32| matches!(run.samples.origins[id as usize], Origin::Tiled { block: other, .. } if other == block);
     let (_, sample) = all
         .iter()
         .copied()
-        .find(|&(id, place)| is_inside(place) && of_block(id))
+        .find(|&(id, position)| is_inside(position) && of_block(id))
         .unwrap();
     let steps = (0..400).map(|k| f64::from(k) * 0.01);
     let mut around = steps.map(|by| sample + DVec2::new(by, 0.0));
-    let is_free = |place: &DVec2| {
-        is_inside(*place) && (all.iter()).all(|(_, other)| place.distance(*other) > 0.35)
+    let is_free = |position: &DVec2| {
+        is_inside(*position) && (all.iter()).all(|(_, other)| position.distance(*other) > 0.35)
     };
     (around.find(is_free).unwrap(), sample)
 }
@@ -479,7 +479,7 @@ fn a_picture_has_the_colours_of_the_canvas_at_every_moment() {
                 &LIGHT
             };
             for block in [0, 3] {
-                let (free, sample) = places(&state, block);
+                let (free, sample) = free_and_sample(&state, block);
                 let color = palette.block(block);
                 let tint = mixed(palette.domain, color, 0.085);
                 let found = pixel(&picture, &view, free);

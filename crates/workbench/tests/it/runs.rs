@@ -1,4 +1,4 @@
-//! What is kept, and what undo restores, when another run replaces the current one.
+//! The settings that stay, and those that undo restores, when another run replaces the current one.
 
 use tilescope_core::Order;
 use tilescope_debugger::{Listings, Marked};
@@ -107,7 +107,7 @@ fn bookmarks_of_other_runs_are_in_sessions_and_links() {
     assert!(
         marks(&state)
             .iter()
-            .any(|(place, _)| *place == Marked::Nowhere)
+            .any(|(marked, _)| *marked == Marked::Nowhere)
     );
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("lecture.json");

@@ -133,8 +133,8 @@ fn anisotropy(ui: &mut Ui, sets: &Sets<'_>, brush: Option<Brush>, own: &mut Vec<
 
 fn correlation(ui: &mut Ui, sets: &Sets<'_>, brush: Option<Brush>, own: &mut Vec<AnalysisCommand>) {
     let pairs = curves_of(sets, &|measured, unit| {
-        let places = measured.correlation(unit);
-        (!places.is_empty()).then_some((places, None))
+        let points = measured.correlation(unit);
+        (!points.is_empty()).then_some((points, None))
     });
     let chart = Plot {
         title: "Pair correlation g",
@@ -144,7 +144,7 @@ fn correlation(ui: &mut Ui, sets: &Sets<'_>, brush: Option<Brush>, own: &mut Vec
             range: [0.0, BrushAxis::Distance.end()],
         },
         y: PlotAxis {
-            label: "pairs, where independent samples have 1",
+            label: "pairs, relative to independent samples",
             sign: "g",
             range: [0.0, grown(ui, sets, "g", end_of(&pairs))],
         },
@@ -161,21 +161,24 @@ fn correlation(ui: &mut Ui, sets: &Sets<'_>, brush: Option<Brush>, own: &mut Vec
     );
 }
 
-type Places = (Vec<[f64; 2]>, Option<Vec<[f64; 2]>>);
+type CurvePoints = (Vec<[f64; 2]>, Option<Vec<[f64; 2]>>);
 
-/// Returns the curves of the moment, of the reference and of the file; `places` receives a set and the length of r in
+/// Returns the curves of the moment, of the reference and of the file; `points` receives a set and the length of r in
 /// its unit.
-fn curves_of(sets: &Sets<'_>, places: &dyn Fn(&MeasuredSet, f64) -> Option<Places>) -> Vec<Curve> {
+fn curves_of(
+    sets: &Sets<'_>,
+    points: &dyn Fn(&MeasuredSet, f64) -> Option<CurvePoints>,
+) -> Vec<Curve> {
     let palette = sets.palette;
-    let curve = |name: &str, line, color: Color32, places: Places| Curve {
+    let curve = |name: &str, line, color: Color32, points: CurvePoints| Curve {
         name: name.to_owned(),
-        points: places.0,
-        band: places.1,
+        points: points.0,
+        band: points.1,
         line,
         color,
     };
     let mut curves = Vec::new();
-    if let Some((found, faded)) = sets.part(|measured| places(measured, 1.0)) {
+    if let Some((found, faded)) = sets.part(|measured| points(measured, 1.0)) {
         let (name, color) = if faded {
             ("a moment before", palette.accent.gamma_multiply(FADED))
         } else {
@@ -186,13 +189,13 @@ fn curves_of(sets: &Sets<'_>, places: &dyn Fn(&MeasuredSet, f64) -> Option<Place
     let others = [
         sets.reference
             .map(|measured| (measured, 1.0, "reference", Dash::Dotted, palette.text)),
-        sets.held.map(|held| {
+        sets.reference_file.map(|file| {
             let (line, color) = (Dash::Dashed, palette.conflict);
-            (&held.measured, sets.unit, held.name(), line, color)
+            (&file.measured, sets.unit, file.name(), line, color)
         }),
     ];
     for (measured, unit, name, line, color) in others.into_iter().flatten() {
-        if let Some((found, _)) = places(measured, unit) {
+        if let Some((found, _)) = points(measured, unit) {
             curves.push(curve(name, line, color, (found, None)));
         }
     }
@@ -212,7 +215,7 @@ fn grown(ui: &Ui, sets: &Sets<'_>, sign: &str, end: f64) -> f64 {
 /// Returns the end of an axis from zero that holds most of the curves: single peaks are cut off.
 fn end_of(curves: &[Curve]) -> f64 {
     let all = curves.iter().flat_map(|curve| &curve.points);
-    let highest = all.map(|place| place[1]).fold(0.0, f64::max);
+    let highest = all.map(|point| point[1]).fold(0.0, f64::max);
     let fits = ENDS.into_iter().find(|end| highest <= *end);
     fits.unwrap_or(ENDS[ENDS.len() - 1])
 }

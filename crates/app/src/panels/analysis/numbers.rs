@@ -70,7 +70,7 @@ const NUMBERS: [NumberRow; 8] = [
 /// Shows the table. The rows are shown before their values are known.
 pub fn show(ui: &mut Ui, sets: &Sets<'_>) {
     let heads = ["moment", "reference", "file"];
-    let columns = if sets.held.is_some() { 3 } else { 2 };
+    let columns = if sets.reference_file.is_some() { 3 } else { 2 };
     row(
         ui,
         sets,
@@ -79,7 +79,7 @@ pub fn show(ui: &mut Ui, sets: &Sets<'_>) {
         false,
         "",
     );
-    for (place, number) in (1..).zip(&NUMBERS) {
+    for (ordinal, number) in (1..).zip(&NUMBERS) {
         let value = |set: Option<&MeasuredSet>, unit| {
             let text = set.and_then(|set| (number.value)(set, unit));
             text.unwrap_or_else(|| "\u{2013}".to_owned())
@@ -87,21 +87,21 @@ pub fn show(ui: &mut Ui, sets: &Sets<'_>) {
         let (now, faded) = sets
             .part(|set| (number.value)(set, 1.0))
             .unwrap_or_else(|| ("\u{2013}".to_owned(), false));
-        let held = sets.held.map(|held| &*held.measured);
+        let file = sets.reference_file.map(|file| &*file.measured);
         let texts = [
             now,
             value(sets.reference.map(|set| &**set), 1.0),
-            value(held, sets.unit),
+            value(file, sets.unit),
         ];
         let reason = sets
-            .held
-            .and_then(|held| unjudged(&held.measured, sets.unit));
+            .reference_file
+            .and_then(|file| unjudged(&file.measured, sets.unit));
         let explanation = match reason.filter(|_| JUDGED.contains(&number.name)) {
             Some(reason) => format!("{} {reason}", number.explanation),
             None => number.explanation.to_owned(),
         };
         let texts = &texts[..columns];
-        let name = (place, number.name);
+        let name = (ordinal, number.name);
         row(ui, sets, name, texts, faded, &explanation);
     }
 }
@@ -141,7 +141,7 @@ pub fn counts(set: &MeasuredSet) -> String {
 fn row(
     ui: &mut Ui,
     sets: &Sets<'_>,
-    (place, name): (usize, &str),
+    (ordinal, name): (usize, &str),
     texts: &[String],
     faded: bool,
     explanation: &str,
@@ -156,9 +156,9 @@ fn row(
             .zip(texts)
             .map(|(name, text)| format!("{name}{text}"));
         let old = if faded { " (of a moment before)" } else { "" };
-        let said = format!("{name}: {}{old}", each.collect::<Vec<_>>().join(", "));
-        response.widget_info(|| WidgetInfo::labeled(Role::Label, true, &said));
-        response.known_as(format_args!("analysis.number-{place}"));
+        let description = format!("{name}: {}{old}", each.collect::<Vec<_>>().join(", "));
+        response.widget_info(|| WidgetInfo::labeled(Role::Label, true, &description));
+        response.known_as(format_args!("analysis.number-{ordinal}"));
         response.on_hover_text(explanation);
     }
     let painter = ui.painter();

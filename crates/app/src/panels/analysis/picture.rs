@@ -30,8 +30,8 @@ pub fn show(
 ) -> Option<Dragged> {
     let side = ui.available_width().min(MAX_SIDE);
     let room = vec2(ui.available_width(), side);
-    let (place, response) = ui.allocate_exact_size(room, Sense::CLICK | Sense::DRAG);
-    let rect = Rect::from_center_size(place.center(), vec2(side, side));
+    let (area, response) = ui.allocate_exact_size(room, Sense::CLICK | Sense::DRAG);
+    let rect = Rect::from_center_size(area.center(), vec2(side, side));
     let reach = Spectrum::MAX_NU;
     let name =
         "Periodogram, frequencies up to \u{3bd} = 2.5 from its middle; a ring can be dragged";
@@ -71,7 +71,7 @@ pub fn show(
     dragged(ui, &response, brush, nu)
 }
 
-/// Returns the change of the ring, where `nu` is the frequency at a place.
+/// Returns the change of the ring, where `nu` is the frequency at a pixel.
 fn dragged(
     ui: &Ui,
     response: &Response,
@@ -158,8 +158,8 @@ mod tests {
             height,
             boundary: Boundary::Periodic,
         };
-        let places = (1..=600).map(|i| [0.754_877, 0.569_84].map(|step| f64::from(i) * step));
-        let points: Vec<[f64; 2]> = places
+        let fractions = (1..=600).map(|i| [0.754_877, 0.569_84].map(|step| f64::from(i) * step));
+        let points: Vec<[f64; 2]> = fractions
             .map(|[x, y]| [x.fract() * width, y.fract() * height])
             .collect();
         let window = Spectrum::window(points.len() as f64, region);

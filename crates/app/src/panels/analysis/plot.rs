@@ -85,8 +85,8 @@ impl Plot<'_> {
     pub fn show(&self, ui: &mut Ui, palette: &Palette) -> Option<Dragged> {
         let size = vec2(ui.available_width(), self.height);
         let (rect, response) = ui.allocate_exact_size(size, Sense::CLICK | Sense::DRAG);
-        let said = self.said();
-        response.widget_info(|| WidgetInfo::labeled(Role::Image, true, &said));
+        let description = self.description();
+        response.widget_info(|| WidgetInfo::labeled(Role::Image, true, &description));
         response.known_as(format_args!("chart.{}", self.y.sign));
         let mut inner = rect;
         inner.min += vec2(LEFT, ABOVE);
@@ -124,7 +124,7 @@ impl Plot<'_> {
     }
 
     /// Describes the chart for screen readers.
-    fn said(&self) -> String {
+    fn description(&self) -> String {
         let highest = |curve: &Curve| {
             let points = curve.points.iter().copied();
             points.max_by(|a, b| a[1].total_cmp(&b[1]))
@@ -169,12 +169,12 @@ fn nearest(points: &[[f64; 2]], x: f64) -> Option<[f64; 2]> {
         .into_iter()
         .flatten()
         .filter_map(|index| points.get(index));
-    let place = near.min_by(|a, b| (a[0] - x).abs().total_cmp(&(b[0] - x).abs()))?;
+    let nearest = near.min_by(|a, b| (a[0] - x).abs().total_cmp(&(b[0] - x).abs()))?;
     let step = match points {
         [first, .., last] => (last[0] - first[0]) / (points.len() - 1) as f64,
         _ => f64::INFINITY,
     };
-    ((place[0] - x).abs() <= 2.0 * step).then_some(*place)
+    ((nearest[0] - x).abs() <= 2.0 * step).then_some(*nearest)
 }
 
 /// A chart and its rectangle.
@@ -268,20 +268,20 @@ impl PlotFrame<'_> {
     }
 
     fn curve(&self, painter: &Painter, curve: &Curve) {
-        let places: Vec<Pos2> = curve.points.iter().map(|&place| self.at(place)).collect();
+        let points: Vec<Pos2> = curve.points.iter().map(|&point| self.at(point)).collect();
         if let Some(band) = &curve.band {
             painter.add(self.band(curve, band));
         }
         match curve.line {
             Dash::Solid => {
-                painter.line(places, Stroke::new(1.8, curve.color));
+                painter.line(points, Stroke::new(1.8, curve.color));
             }
             Dash::Dotted => {
-                painter.extend(Shape::dotted_line(&places, curve.color, 4.0, 1.1));
+                painter.extend(Shape::dotted_line(&points, curve.color, 4.0, 1.1));
             }
             Dash::Dashed => {
                 let stroke = Stroke::new(1.7, curve.color);
-                painter.extend(Shape::dashed_line(&places, stroke, 6.0, 3.5));
+                painter.extend(Shape::dashed_line(&points, stroke, 6.0, 3.5));
             }
         }
     }
@@ -289,9 +289,9 @@ impl PlotFrame<'_> {
     fn band(&self, curve: &Curve, band: &[[f64; 2]]) -> Mesh {
         let mut mesh = Mesh::default();
         let color = curve.color.gamma_multiply(0.25);
-        for (place, ends) in curve.points.iter().zip(band) {
+        for (point, ends) in curve.points.iter().zip(band) {
             for end in ends {
-                mesh.colored_vertex(self.at([place[0], *end]), color);
+                mesh.colored_vertex(self.at([point[0], *end]), color);
             }
         }
         for k in (2..mesh.vertices.len() as u32).step_by(2) {
@@ -306,8 +306,8 @@ impl PlotFrame<'_> {
         let stroke = Stroke::new(1.0, palette.muted);
         painter.vline(self.at([x, 0.0]).x, self.inner.y_range(), stroke);
         for curve in &self.plot.curves {
-            if let Some(place) = nearest(&curve.points, x) {
-                painter.circle_filled(self.at(place), 3.0, curve.color);
+            if let Some(point) = nearest(&curve.points, x) {
+                painter.circle_filled(self.at(point), 3.0, curve.color);
             }
         }
     }
@@ -376,7 +376,7 @@ mod tests {
     }
 
     #[test]
-    fn the_place_under_the_pointer_is_the_nearest_one_or_none() {
+    fn the_point_under_the_pointer_is_the_nearest_one_or_none() {
         let points = [[0.0, 1.0], [1.0, 2.0], [2.0, 3.0]];
         assert_eq!(nearest(&points, 0.6), Some([1.0, 2.0]));
         assert_eq!(nearest(&points, 3.9), Some([2.0, 3.0]));

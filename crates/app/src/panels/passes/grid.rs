@@ -185,7 +185,7 @@ fn label(table: &BufferTable, number: usize) -> String {
     text
 }
 
-/// A buffer of one row: a line for each column, with both sides.
+/// Shows a buffer of one row: a line for each column, with both sides.
 fn fields(ui: &mut Ui, table: &BufferTable, palette: &Palette) {
     let (rect, _) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::hover());
     let painter = ui.painter();

@@ -37,16 +37,16 @@ pub(super) fn show(
         if let Some(line) = selected.filter(|_| has_moved) {
             let top = ui.max_rect().top() + (line as f32 - range.start as f32) * LINE;
             let size = vec2(ui.available_width(), LINE);
-            let place = Rect::from_min_size(Pos2::new(ui.max_rect().left(), top), size);
-            ui.scroll_to_rect(place.expand2(vec2(0.0, LINE)), None);
+            let rect = Rect::from_min_size(Pos2::new(ui.max_rect().left(), top), size);
+            ui.scroll_to_rect(rect.expand2(vec2(0.0, LINE)), None);
         }
         for line in &passes.lines()[range] {
             match line {
                 PassLine::Stage { .. } => stage(ui, line, palette),
-                PassLine::Pass(place) => {
-                    if row(ui, passes, *place, longest, palette).clicked() {
+                PassLine::Pass(index) => {
+                    if row(ui, passes, *index, longest, palette).clicked() {
                         focus.request_focus();
-                        commands.push(PassCommand::Select(*place));
+                        commands.push(PassCommand::Select(*index));
                     }
                 }
             }
@@ -59,8 +59,8 @@ fn frame(ui: &Ui, passes: &Passes, palette: &Palette) -> Response {
     let rect = ui.max_rect();
     let id = ui.scope_id().with("passes");
     let response = ui.interact(rect, id, Sense::focusable_noninteractive());
-    let place = passes.selected().map_or(0, |place| place + 1);
-    let label = format!("Passes: {place} of {}, arrow keys", passes.entries().len());
+    let number = passes.selected().map_or(0, |index| index + 1);
+    let label = format!("Passes: {number} of {}, arrow keys", passes.entries().len());
     response.widget_info(|| WidgetInfo::labeled(Role::ListBox, true, &label));
     response.known_as("passes");
     if response.has_focus() {
@@ -134,15 +134,15 @@ fn stage(ui: &mut Ui, line: &PassLine, palette: &Palette) {
     painter.text(at, Align2::RIGHT_CENTER, right, font, palette.muted);
 }
 
-fn row(ui: &mut Ui, passes: &Passes, place: usize, longest: f64, palette: &Palette) -> Response {
-    let pass = &passes.entries()[place];
-    let current = passes.selected() == Some(place);
+fn row(ui: &mut Ui, passes: &Passes, index: usize, longest: f64, palette: &Palette) -> Response {
+    let pass = &passes.entries()[index];
+    let current = passes.selected() == Some(index);
     let size = vec2(ui.available_width() - 6.0, LINE);
     let (rect, response) = ui.allocate_exact_size(size, Sense::CLICK);
     let text = pass.badge.text();
-    let label = format!("Pass {}: {}, {text}", place + 1, pass.report.name);
+    let label = format!("Pass {}: {}, {text}", index + 1, pass.report.name);
     response.widget_info(|| WidgetInfo::selected(Role::ListBoxOption, true, current, &label));
-    response.known_as(format_args!("pass-{}", place + 1));
+    response.known_as(format_args!("pass-{}", index + 1));
     let painter = ui.painter();
     if current {
         painter.rect_filled(rect, 5.0, palette.accent.gamma_multiply(0.18));
@@ -153,7 +153,7 @@ fn row(ui: &mut Ui, passes: &Passes, place: usize, longest: f64, palette: &Palet
     let left = rect.left_center();
     let number = FontId::monospace(11.0);
     let at = left + vec2(34.0, 0.0);
-    let text = (place + 1).to_string();
+    let text = (index + 1).to_string();
     painter.text(at, Align2::RIGHT_CENTER, text, number, palette.muted);
     mark(ui, left + vec2(48.0, 0.0), &pass.badge, palette);
     let font = FontId::proportional(13.0);
@@ -168,7 +168,7 @@ fn row(ui: &mut Ui, passes: &Passes, place: usize, longest: f64, palette: &Palet
     response.on_hover_cursor(CursorIcon::PointingHand)
 }
 
-/// The time of a pass, and a bar as long as its share of the longest.
+/// Draws the time of a pass, and a bar as long as its share of the longest.
 fn time(ui: &Ui, rect: Rect, pass: &PassEntry, longest: f64, palette: &Palette) {
     let Some(seconds) = pass.report.seconds else {
         return;
@@ -187,7 +187,7 @@ fn time(ui: &Ui, rect: Rect, pass: &PassEntry, longest: f64, palette: &Palette) 
     painter.text(at, Align2::RIGHT_CENTER, text, font, palette.muted);
 }
 
-/// A check mark, a cross, or a small dot for passes within a stage.
+/// Draws a check mark, a cross, or a small dot for passes within a stage.
 pub(super) fn mark(ui: &Ui, at: Pos2, badge: &Badge, palette: &Palette) {
     match badge {
         Badge::Equal => verdict_mark(ui.painter(), at, true, palette.inserted),

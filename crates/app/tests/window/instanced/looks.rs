@@ -15,8 +15,8 @@ fn a_sample_is_at_its_pixel_in_the_colour_that_egui_paints() {
         center: [8.0, 9.0].into(),
         scale: 20.0,
     };
-    let place = [10.0, 12.0];
-    let mut harness = probe(&domain, &[at(place[0], place[1])], camera);
+    let position = [10.0, 12.0];
+    let mut harness = probe(&domain, &[at(position[0], position[1])], camera);
     for color in [RED, Color32::from_rgba_unmultiplied(40, 200, 250, 120)] {
         harness.state_mut().patch = color;
         let version = u64::from(color.a());
@@ -26,7 +26,7 @@ fn a_sample_is_at_its_pixel_in_the_colour_that_egui_paints() {
             usize::from(color != RED)
         );
         let picture = shoot(&mut harness);
-        let pos = camera.screen_from_domain(Probe::rect(), place);
+        let pos = camera.screen_from_domain(Probe::rect(), position);
         assert_eq!(picture.at_pos(pos), picture.at(5.0, 5.0));
         assert_eq!(picture.at_pos(pos + vec2(0.0, 30.0)), GROUND.to_array());
         let centroid = picture.centroid();

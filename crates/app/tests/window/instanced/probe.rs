@@ -83,9 +83,9 @@ impl Picture {
     pub fn marks(&self) -> impl Iterator<Item = (usize, usize, f64)> {
         let ground = GROUND.to_array();
         let in_canvas = |x: usize, y: usize| Probe::rect().contains(pos2(x as f32, y as f32));
-        let places = (0..self.pixels.len()).map(|k| (k % self.width, k / self.width));
-        let places = places.filter(move |&(x, y)| in_canvas(x, y));
-        places.map(move |(x, y)| {
+        let pixels = (0..self.pixels.len()).map(|k| (k % self.width, k / self.width));
+        let pixels = pixels.filter(move |&(x, y)| in_canvas(x, y));
+        pixels.map(move |(x, y)| {
             let pixel = self.pixels[y * self.width + x];
             (x, y, f64::from(pixel[0].abs_diff(ground[0])))
         })
@@ -134,7 +134,12 @@ pub fn at(x: f64, y: f64) -> Point {
 
 /// A crowd of samples, some two per squared r, in a square of `side` r.
 pub fn crowd(count: u32, side: f64) -> Vec<Point> {
-    let place = |k: u32, step: f64| (f64::from(k) * step).fract() * side;
-    let one = |k| at(place(k, 0.754_877_666_246), place(k, 0.569_840_290_998));
+    let coordinate = |k: u32, step: f64| (f64::from(k) * step).fract() * side;
+    let one = |k| {
+        at(
+            coordinate(k, 0.754_877_666_246),
+            coordinate(k, 0.569_840_290_998),
+        )
+    };
     (1..=count).map(one).collect()
 }

@@ -1,4 +1,4 @@
-//! Where samples are drawn: places, images across borders, what the view leaves out, crowds.
+//! Where samples are drawn: positions, images across borders, what the view leaves out, crowds.
 
 use tilescope_canvas::instanced::{Limits, PaintOptions, Symbols};
 use tilescope_core::{Boundary, Point, R};
@@ -8,7 +8,7 @@ use tilescope_drawing::look::{SampleLook, Symbol};
 use super::probe::{Probe, RED, at, crowd, domain, probe, shoot, shoot_now};
 
 #[test]
-fn places_are_exact_far_from_the_origin() {
+fn positions_are_exact_far_from_the_origin() {
     let domain = domain([65_000.0, 10.0], Boundary::Bounded);
     let units = Point::new(60_000 * R + 12_345, 5 * R + 777);
     for scale in [2_000.0, 4_000.0] {
@@ -18,17 +18,17 @@ fn places_are_exact_far_from_the_origin() {
         };
         let mut harness = probe(&domain, &[units], camera);
         let centroid = shoot(&mut harness).centroid();
-        let place = [units.x, units.y].map(|u| f64::from(u) / f64::from(R));
+        let position = [units.x, units.y].map(|u| f64::from(u) / f64::from(R));
         let rect = Probe::rect();
         let expected = [
-            f64::from(rect.center().x) + (place[0] - camera.center[0]) * scale,
-            f64::from(rect.center().y) - (place[1] - camera.center[1]) * scale,
+            f64::from(rect.center().x) + (position[0] - camera.center[0]) * scale,
+            f64::from(rect.center().y) - (position[1] - camera.center[1]) * scale,
         ];
         for k in 0..2 {
             let off = (centroid[k] - expected[k]).abs();
             assert!(off < 0.05, "{off} pixels at {scale}");
         }
-        let single = place[0] as f32 - camera.center[0] as f32;
+        let single = position[0] as f32 - camera.center[0] as f32;
         let in_single = f64::from(rect.center().x) + f64::from(single) * scale;
         let off = (in_single - expected[0]).abs();
         assert!(off > 1.0, "single precision would be {off} pixels off");

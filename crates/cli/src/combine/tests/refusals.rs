@@ -14,7 +14,7 @@ fn refusal(layout: &Value) -> String {
     describe(&glue(&written(&folder, layout)).err().expect("a refusal"))
 }
 
-/// A layout of a seed and of the file that [`refusal`] has.
+/// Returns a layout of a seed and of the file that [`refusal`] has.
 fn good() -> Value {
     json!({
         "version": 1, "radius": 0.1, "columns": [1.5, 1.5], "rows": [1.5],
@@ -34,9 +34,12 @@ fn second(piece: Value) -> String {
     with("pieces", Value::Array(vec![json!({ "seed": 1 }), piece]))
 }
 
-fn all_say(said: &[(String, &str)]) {
-    for (said, wanted) in said {
-        assert!(said.contains(wanted), "{said:?} should say {wanted:?}");
+fn all_say(messages: &[(String, &str)]) {
+    for (message, wanted) in messages {
+        assert!(
+            message.contains(wanted),
+            "{message:?} should say {wanted:?}"
+        );
     }
 }
 
@@ -117,7 +120,7 @@ fn files_that_cannot_serve_are_refused() {
     all_say(&[
         (with("file", json!("b.csv")), "pieces[1]: "),
         (with("file", json!("b.csv")), "b.csv"),
-        (with("file", json!(".")), "this is no file"),
+        (with("file", json!(".")), "this is not a file"),
         (with("file", json!("layout.json")), "layout.json"),
         (
             with("radius", json!(0.11)),
@@ -170,22 +173,25 @@ fn rectangles_that_overlap_or_leave_a_hole_name_their_pieces() {
             "version": 1, "radius": 0.1, "width": 3, "height": 2, "pieces": rects.map(piece),
         }))
     };
-    let said = with([[0.0, 0.0, 1.6, 2.0], [1.5, 0.0, 3.0, 2.0]]);
+    let message = with([[0.0, 0.0, 1.6, 2.0], [1.5, 0.0, 3.0, 2.0]]);
     assert!(
-        said.contains("pieces 0 and 1 overlap at (1.5, 0)"),
-        "{said}"
+        message.contains("pieces 0 and 1 overlap at (1.5, 0)"),
+        "{message}"
     );
-    let said = with([[0.0, 0.0, 1.5, 2.0], [1.6, 0.0, 3.0, 2.0]]);
-    assert!(said.contains("no piece covers (1.5, 0)"), "{said}");
-    let said = with([[0.0, 0.0, 1.5, 2.0], [1.5, 0.0, 3.1, 2.0]]);
+    let message = with([[0.0, 0.0, 1.5, 2.0], [1.6, 0.0, 3.0, 2.0]]);
+    assert!(message.contains("no piece covers (1.5, 0)"), "{message}");
+    let message = with([[0.0, 0.0, 1.5, 2.0], [1.5, 0.0, 3.1, 2.0]]);
     assert!(
-        said.contains("pieces[1]: the rect [1.5, 0, 3.1, 2]"),
-        "{said}"
+        message.contains("pieces[1]: the rect [1.5, 0, 3.1, 2]"),
+        "{message}"
     );
-    let said = refusal(&json!({
+    let message = refusal(&json!({
         "version": 1, "radius": 0.1, "width": 3, "height": 2, "pieces": [{ "seed": 1 }],
     }));
-    assert!(said.contains("pieces[0]: \"rect\" is missing"), "{said}");
+    assert!(
+        message.contains("pieces[0]: \"rect\" is missing"),
+        "{message}"
+    );
 }
 
 #[test]
@@ -219,16 +225,16 @@ fn a_set_that_ends_inside_its_rectangle_is_refused() {
 fn what_is_no_layout_is_refused() {
     let folder = folder();
     let path = folder.path().join("layout.json");
-    let said = |bytes: &[u8]| {
+    let message = |bytes: &[u8]| {
         fs::write(&path, bytes).unwrap();
         describe(&glue(&path).err().unwrap())
     };
-    assert!(said(b"x,y\n0,0\n").contains("this is no layout of pieces"));
-    assert!(said(b"{\"version\": 1, \"radius\": 1e400}").contains("out of range"));
-    assert!(said(b"{}").contains("this is no layout of pieces"));
-    assert!(said(&vec![b' '; (1 << 20) + 1]).contains("the layout has 1048577 bytes"));
-    assert!(said(&vec![b'['; 100_000]).contains("this is no layout of pieces"));
-    assert!(describe(&glue(folder.path()).err().unwrap()).contains("this is no file"));
+    assert!(message(b"x,y\n0,0\n").contains("this is not a layout of pieces"));
+    assert!(message(b"{\"version\": 1, \"radius\": 1e400}").contains("out of range"));
+    assert!(message(b"{}").contains("this is not a layout of pieces"));
+    assert!(message(&vec![b' '; (1 << 20) + 1]).contains("the layout has 1048577 bytes"));
+    assert!(message(&vec![b'['; 100_000]).contains("this is not a layout of pieces"));
+    assert!(describe(&glue(folder.path()).err().unwrap()).contains("this is not a file"));
     let command = crate::Command::Combine(arguments(&["missing.json"]));
     let code = crate::run(&command, |_, _, _| Ok(None));
     assert_eq!(code, std::process::ExitCode::from(crate::EXIT_BAD_INPUT));

@@ -18,7 +18,7 @@ pub enum LayoutError {
         bytes: u64,
     },
     /// It is not a layout.
-    #[error("this is no layout of pieces: {0}")]
+    #[error("this is not a layout of pieces: {0}")]
     NoLayout(serde_json::Error),
     /// It is of another version.
     #[error("the layout has version {version}; this program reads version {VERSION}")]

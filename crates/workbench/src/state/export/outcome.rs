@@ -158,14 +158,14 @@ impl Exports {
     }
 }
 
-/// The notice about a file, and whether it is an error; `download` is the name of the file that is downloaded
+/// Returns the notice about a file, and whether it is an error; `download` is the name of the file that is downloaded
 /// instead.
 fn notice_of(written: &Written, download: Option<&str>) -> (String, bool) {
-    let place = written.path.display().to_string();
+    let path = written.path.display().to_string();
     let verb = download.map_or("Wrote", |_| "Downloaded");
     let to = match download {
         Some(name) => format!("as {name}"),
-        None => format!("to {place}"),
+        None => format!("to {path}"),
     };
     match &written.what {
         What::Samples {

@@ -109,7 +109,7 @@ impl State {
         let others = counted(left.len(), "other file", "other files");
         let were = if left.len() == 1 { "was" } else { "were" };
         self.add(&format!(
-            "{others} {were} not opened: {names}. One is opened at a time."
+            "{others} {were} not opened: {names}. Only one file can be opened at a time."
         ));
     }
 
@@ -142,7 +142,7 @@ impl State {
     fn saved_as(&mut self, mut text: String, path: String) {
         if self.runs.second.is_some() && self.view().second.is_none() {
             text.push_str(
-                " The run beside it is not: it is not finished, or its pattern comes from a file.",
+                " The second run was not saved: it is not finished, or its pattern comes from a file.",
             );
         }
         self.tell(text, false);
@@ -153,7 +153,7 @@ impl State {
         if let Some(why) = no_pattern {
             let name = file.name();
             let text = format!(
-                "{name} is compared with this run: its curves are drawn dashed in the analysis. It cannot be used as a pattern: {why}. A pattern is maximal and comes together with its certificate."
+                "{name} is compared with this run: its curves are drawn dashed in the analysis. It cannot be used as a pattern: {why}. A pattern must be maximal and come with its certificate."
             );
             self.tell(text, false);
         }

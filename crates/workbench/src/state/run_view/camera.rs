@@ -48,7 +48,7 @@ impl RunView {
             ViewCommand::GoToSample(id) => {
                 self.pick(Selection::Sample(id), context);
                 if let Some(session) = &self.session {
-                    let center = session.place(id);
+                    let center = session.position(id);
                     self.fly_to(center, 12.0, context);
                 }
             }
@@ -74,12 +74,14 @@ impl RunView {
             return;
         }
         let sample = self.selected.zip(self.session.as_ref());
-        let place = sample.map(|(id, session)| session.place(id)).or(self.place);
-        let Some(place) = place.filter(|_| self.before_pattern.is_none()) else {
+        let position = sample
+            .map(|(id, session)| session.position(id))
+            .or(self.place);
+        let Some(position) = position.filter(|_| self.before_pattern.is_none()) else {
             return;
         };
-        if before.contains(self.camera.screen_from_domain(before, place)) {
-            let now = self.camera.screen_from_domain(viewport, place);
+        if before.contains(self.camera.screen_from_domain(before, position)) {
+            let now = self.camera.screen_from_domain(viewport, position);
             let room = viewport.shrink(IN_VIEW.min(0.5 * viewport.size().min_elem()));
             self.camera.pan(room.clamp(now) - now);
         }
@@ -93,7 +95,7 @@ impl RunView {
         let middle = self.camera.center;
         let mut best: Option<(f64, u32)> = None;
         shown.session.index.visit(middle, middle, 1.0, |seen| {
-            let distance = seen.place.distance(middle);
+            let distance = seen.position.distance(middle);
             let there = shown.standing(seen.id) != tilescope_core::Standing::Absent;
             if there && best.is_none_or(|(least, _)| distance < least) {
                 best = Some((distance, seen.id));
@@ -103,7 +105,7 @@ impl RunView {
         self.pick(nearest, context);
     }
 
-    /// The size of what is shown, in r: of the domain or of the pattern.
+    /// Returns the size of what is shown, in r: of the domain or of the pattern.
     fn shown_size(&self) -> Option<DVec2> {
         let session = self.session.as_ref()?;
         Some(match self.current_stage() {
@@ -113,7 +115,7 @@ impl RunView {
         })
     }
 
-    /// Whether the whole domain is fitted into the canvas, also when the window changes.
+    /// Returns whether the whole domain is fitted into the canvas, also when the window changes.
     #[must_use]
     pub const fn is_fitted(&self) -> bool {
         self.fitted
@@ -124,7 +126,7 @@ impl RunView {
         Camera::fitting(size, self.viewport)
     }
 
-    /// The range of scales allowed for what is shown; all scales without a session or a canvas.
+    /// Returns the range of scales allowed for what is shown; all scales without a session or a canvas.
     fn scales(&self) -> [f64; 2] {
         match self.shown_size() {
             Some(size) if self.viewport.is_positive() => Camera::scales(size, self.viewport),
@@ -132,15 +134,15 @@ impl RunView {
         }
     }
 
-    /// A camera corrected to the nearest allowed scale.
+    /// Returns a camera corrected to the nearest allowed scale.
     pub(in crate::state) fn within_scales(&self, camera: Camera) -> Camera {
         camera.within(self.scales())
     }
 
-    /// Shows the stage at index `place` of the session. Every change of the stage goes through this function,
+    /// Shows the stage at `index` of the session. Every change of the stage goes through this function,
     /// so that the camera follows.
-    pub(in crate::state) fn set_stage(&mut self, place: usize) {
-        self.stage = place;
+    pub(in crate::state) fn set_stage(&mut self, index: usize) {
+        self.stage = index;
         self.follow_pattern();
     }
 
@@ -178,12 +180,12 @@ impl RunView {
 
     fn go_to_current(&mut self, context: &Context) {
         let shown = self.shown();
-        let place = shown.and_then(|shown| {
+        let point = shown.and_then(|shown| {
             let event = shown.last_event()?;
-            shown.debugger?.recording().place(event)
+            shown.debugger?.recording().event_point(event)
         });
-        if let Some(point) = place {
-            self.fly_to(units::place(point), 12.0, context);
+        if let Some(point) = point {
+            self.fly_to(units::position(point), 12.0, context);
         }
     }
 
@@ -210,7 +212,7 @@ impl RunView {
         });
         if let Some(rect) = block.map(|block| block.rect) {
             self.pick(Selection::Place(place), context);
-            let center = units::place(rect.min).midpoint(units::place(rect.max));
+            let center = units::position(rect.min).midpoint(units::position(rect.max));
             let size = radii((rect.max.x - rect.min.x).max(rect.max.y - rect.min.y));
             self.fly_to(center, 1.1 * size, context);
         }
@@ -226,7 +228,7 @@ impl RunView {
         let center = match witness_mark {
             WitnessMark::Circle(center, _) => center,
             WitnessMark::Pair([a, b], _) => {
-                let from = session.place(a);
+                let from = session.position(a);
                 from.midpoint(session.image_near(b, from))
             }
         };

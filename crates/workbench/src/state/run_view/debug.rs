@@ -53,7 +53,7 @@ impl FoundEvents {
         }
     }
 
-    /// Why the search failed, if it did.
+    /// Returns why the search failed, if it did.
     #[must_use]
     pub fn failure(&self) -> Option<&str> {
         match self {
@@ -181,7 +181,7 @@ impl RunView {
         self.query.text = text;
     }
 
-    /// Whether the current session has the sample or place.
+    /// Returns whether the current session has the sample or place.
     #[must_use]
     pub fn can_select(&self, selection: Selection) -> bool {
         let Some(session) = &self.session else {
@@ -246,7 +246,7 @@ impl Task for FindEventsTask {
             Aim::Query(text) => Query::parse(&text)
                 .map_or_else(|_| Vec::new(), |query| query.find_all(recording, MAX_FOUND)),
             Aim::Sample(id) => why::history_of_sample(recording, id),
-            Aim::Place(point) => why::history_of_place(recording, point),
+            Aim::Place(point) => why::history_of_point(recording, point),
         }
     }
 }

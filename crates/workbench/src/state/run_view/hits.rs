@@ -28,7 +28,7 @@ pub struct Hits {
 }
 
 impl Hits {
-    /// The number of stops in words, once known.
+    /// Returns the number of stops in words, once known.
     #[must_use]
     pub fn description(&self) -> Option<String> {
         match &self.found {
@@ -46,7 +46,7 @@ impl Hits {
         }
     }
 
-    /// The first [`MAX_HITS`] events before which a run would stop.
+    /// Returns the first [`MAX_HITS`] events before which a run would stop.
     #[must_use]
     pub fn events(&self) -> &[usize] {
         self.found.events()

@@ -39,12 +39,12 @@ impl RunView {
         {
             // A session without events lacks the last iteration as a stage.
             let stages = self.session.iter().flat_map(|session| &session.stages);
-            let place = stages
+            let index = stages
                 .take_while(|&&other| other <= stage)
                 .count()
                 .checked_sub(1);
-            if let Some(place) = place {
-                self.show_stage(place);
+            if let Some(index) = index {
+                self.show_stage(index);
             }
         }
         let moment = self.moment();

@@ -12,7 +12,7 @@ use crate::state::effects::Context;
 use tilescope_session::moment::Moment;
 
 impl RunView {
-    /// The description of the moment: the number of blocks or samples, the event or stage, and the iteration.
+    /// Returns the description of the moment: the number of blocks or samples, the event or stage, and the iteration.
     #[must_use]
     pub fn moment_texts(&self) -> Vec<String> {
         let Some(session) = &self.session else {
@@ -34,11 +34,11 @@ impl RunView {
                 counted(count, "sample", "samples")
             }
         };
-        let place = match self.cursor() {
+        let moment = match self.cursor() {
             Some((at, len)) => format!("event {} of {}", grouped(at), grouped(len)),
             None => format!("stage {} of {}", self.stage + 1, session.stages.len()),
         };
-        let mut texts = vec![count, place];
+        let mut texts = vec![count, moment];
         if let Stage::Iterate(k) = session.stages[self.stage] {
             texts.push(format!("iteration {k}"));
         }
@@ -52,7 +52,7 @@ impl RunView {
         Some((debugger.state().cursor(), debugger.recording().len()))
     }
 
-    /// Whether the end of the run is shown.
+    /// Returns whether the end of the run is shown.
     #[must_use]
     pub fn is_at_end(&self) -> bool {
         match (self.cursor(), &self.session) {
@@ -77,15 +77,15 @@ impl RunView {
         }
     }
 
-    /// Shows the end of the stage at index `place`.
-    pub(in crate::state) fn show_stage(&mut self, place: usize) {
+    /// Shows the end of the stage at `index`.
+    pub(in crate::state) fn show_stage(&mut self, index: usize) {
         let Some(session) = &self.session else {
             return;
         };
-        let place = place.min(session.stages.len() - 1);
-        match session.stage_end(place) {
+        let index = index.min(session.stages.len() - 1);
+        match session.stage_end(index) {
             Some(cursor) => self.jump(cursor),
-            None => self.set_stage(place),
+            None => self.set_stage(index),
         }
     }
 
@@ -95,15 +95,15 @@ impl RunView {
             return;
         };
         debugger.jump(cursor);
-        let place = session.stage_at(debugger.state().cursor());
-        self.set_stage(place);
+        let index = session.stage_at(debugger.state().cursor());
+        self.set_stage(index);
     }
 
     /// Updates the stage after the debugger has moved the cursor.
     pub(in crate::state) fn follow_cursor(&mut self) {
         if let (Some(session), Some((cursor, _))) = (&self.session, self.cursor()) {
-            let place = session.stage_at(cursor);
-            self.set_stage(place);
+            let index = session.stage_at(cursor);
+            self.set_stage(index);
         }
     }
 
@@ -148,7 +148,7 @@ impl RunView {
     pub(in crate::state) fn go_to(&mut self, moment: Moment) {
         match (moment.cursor, &self.session) {
             (Some(cursor), _) if self.debugger.is_some() => self.jump(cursor),
-            (_, Some(session)) => self.set_stage(session.place_of(moment.stage)),
+            (_, Some(session)) => self.set_stage(session.stage_index(moment.stage)),
             (_, None) => {}
         }
         self.forget_unseen();
@@ -178,7 +178,7 @@ impl RunView {
     }
 }
 
-/// The cursor at which the next (or previous) line of pseudocode other than the current one begins.
+/// Returns the cursor at which the next (or previous) line of pseudocode other than the current one begins.
 pub(in crate::state) fn next_line(debugger: &Debugger, direction: Direction) -> usize {
     let cursor = debugger.state().cursor();
     let line = debugger.event().map(Event::line);
@@ -190,7 +190,7 @@ pub(in crate::state) fn next_line(debugger: &Debugger, direction: Direction) -> 
     moves::find(debugger.recording(), cursor, direction, other).unwrap_or(end)
 }
 
-/// The message that a run found nothing to stop at.
+/// Returns the message that a run found nothing to stop at.
 pub(in crate::state) fn none_there(target: Target, direction: Direction) -> String {
     let side = match direction {
         Direction::Forwards => "after",
@@ -199,7 +199,7 @@ pub(in crate::state) fn none_there(target: Target, direction: Direction) -> Stri
     format!("there is no {} {side} this moment", name_of(target))
 }
 
-/// The name of a target.
+/// Returns the name of a target.
 fn name_of(target: Target) -> String {
     match target {
         Target::Line(_) => "execution of this line".to_owned(),

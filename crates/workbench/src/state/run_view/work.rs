@@ -48,7 +48,7 @@ impl RunView {
         }
     }
 
-    /// Whether a session is of the same run as the one shown.
+    /// Returns whether a session is of the same run as the one shown.
     pub(in crate::state) fn is_same_run(&self, session: &Session) -> bool {
         self.session.as_ref().is_some_and(|old| {
             let are_runs = old.combination.is_none() && session.combination.is_none();

@@ -20,7 +20,7 @@ fn time(state: &mut State, command: TimeCommand) {
     state.apply(Command::Time(command));
 }
 
-/// Whether the camera is fitted.
+/// Returns whether the camera is fitted.
 fn fits(run: &RunView) -> bool {
     run.camera == run.fitting()
 }
@@ -148,7 +148,7 @@ fn a_run_to_an_event_shows_the_event() {
             Target::Insertion,
         ] {
             state.apply(Command::Time(TimeCommand::FirstStage));
-            let mut places = Vec::new();
+            let mut cursors = Vec::new();
             for way in [FORWARDS, FORWARDS, FORWARDS, BACKWARDS] {
                 time(&mut state, TimeCommand::RunTo(target, way));
                 let (cursor, _) = state.cursor().unwrap();
@@ -160,10 +160,10 @@ fn a_run_to_an_event_shows_the_event() {
                 assert_eq!(happened(state.shown().as_ref()), sentence);
                 // The canvas draws what the context has and the last event, unless a stage ends here.
                 assert!(!shown.ends_stage());
-                places.push(cursor);
+                cursors.push(cursor);
             }
-            assert!(places[0] < places[1] && places[1] < places[2]);
-            assert_eq!(places[3], places[1], "{target:?}");
+            assert!(cursors[0] < cursors[1] && cursors[1] < cursors[2]);
+            assert_eq!(cursors[3], cursors[1], "{target:?}");
         }
     }
 }
@@ -189,7 +189,7 @@ fn counts_equal_those_of_the_tape() {
     for mut state in small() {
         let (_, len) = state.cursor().unwrap();
         let session = state.runs.first.session.clone().unwrap();
-        let ends = (0..session.stages.len()).filter_map(|place| session.stage_end(place));
+        let ends = (0..session.stages.len()).filter_map(|index| session.stage_end(index));
         let ends = ends.flat_map(|end| [end.saturating_sub(1), end, end + 1]);
         let spread = (0..60).chain((60..len).step_by(len / 150));
         for cursor in ends.chain(spread).filter(|&cursor| cursor <= len) {
@@ -242,8 +242,8 @@ fn the_timeline_has_the_iterations_of_the_tree() {
             })
             .collect();
         assert_eq!(roots, session.stages[1..]);
-        for (place, root) in outline.roots().enumerate() {
-            assert_eq!(session.stage_end(place), Some(root));
+        for (index, root) in outline.roots().enumerate() {
+            assert_eq!(session.stage_end(index), Some(root));
         }
         // Every iteration has as many detectors as its event says.
         for root in outline.roots() {

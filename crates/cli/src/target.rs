@@ -20,11 +20,11 @@ pub fn check_target(path: &Path, format: Option<Format>, option: &str) -> Result
         outcome => outcome?,
     };
     destination(&certificate_path(path))?;
-    check_place(path)
+    check_file(path)
 }
 
 /// Refuses a file that could not be made or replaced at its end.
-pub fn check_place(path: &Path) -> Result<()> {
+pub fn check_file(path: &Path) -> Result<()> {
     let file = destination(path)?;
     let folder = file.parent().unwrap_or(Path::new(""));
     ensure!(
@@ -35,7 +35,7 @@ pub fn check_place(path: &Path) -> Result<()> {
     Ok(())
 }
 
-/// Returns the extension of a path, in small letters.
+/// Returns the extension of a path, in lower case.
 pub fn extension(path: &Path) -> String {
     let extension = path.extension().unwrap_or_default();
     extension.to_string_lossy().to_lowercase()
