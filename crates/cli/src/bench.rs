@@ -24,7 +24,7 @@ use crate::{bench_gpu, interrupt, make, output, verdict_code, window};
 /// Samples of a window.
 const WINDOW_SAMPLES: f64 = 10_000.0;
 
-/// Who makes a set.
+/// The sampler or engine that makes a set.
 #[derive(Clone, Copy, PartialEq)]
 enum Method {
     Reference,

@@ -9,10 +9,10 @@ use tilescope_gpu::{ASKED_FOR, Backend, Choice, Engine, Gpu, GpuError};
 /// The most threads that can be asked for.
 const MAX_THREADS: usize = 1024;
 
-/// Arguments that say who computes; they never change what is computed.
+/// Arguments that choose the engine and its device; they never change the points.
 #[derive(Clone, Debug, Args)]
 pub struct EngineArguments {
-    /// Who computes: all engines give the same points, bit for bit
+    /// The engine: all of them give the same points, bit for bit
     #[arg(long, value_enum, default_value = "auto")]
     pub engine: EngineArgument,
     #[command(flatten)]

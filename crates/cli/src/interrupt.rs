@@ -20,7 +20,7 @@ static OBEYED: AtomicBool = AtomicBool::new(false);
 #[error("cancelled before {0}")]
 pub struct Interrupted(&'static str);
 
-/// A command did not finish, and can go on from the checkpoint of this file.
+/// A command did not finish, and can be resumed from the checkpoint of this file.
 #[derive(Debug, thiserror::Error)]
 #[error("{}: not finished; run the same command with --resume to continue from the last checkpoint", .0.display())]
 pub struct Resumable(pub PathBuf);
@@ -141,7 +141,7 @@ pub fn obeyed() -> bool {
     OBEYED.load(Ordering::Relaxed)
 }
 
-/// Tells work whether to go on: not after the process was asked to end.
+/// Returns whether work continues: not after the process was asked to end.
 pub fn flow() -> ControlFlow<()> {
     if !requested() {
         return ControlFlow::Continue(());

@@ -47,7 +47,7 @@ impl Bar {
     }
 }
 
-/// Progress of a function of the analysis; the answer is whether it goes on.
+/// A progress callback for a function of the analysis; its result is whether to continue.
 pub type Control<'a> = &'a (dyn Fn(tilescope_analysis::Progress) -> ControlFlow<()> + Sync);
 
 /// Verifies with a bar; stops on Ctrl-C.

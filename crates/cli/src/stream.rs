@@ -65,7 +65,7 @@ pub fn pass(arguments: &SampleArguments, run: &Resolved, mut watch: Stopwatch) -
     })
 }
 
-/// Says how to go on, where that is possible.
+/// Returns the error with a note on how to resume, if there is a checkpoint.
 fn with_hint(error: anyhow::Error, out: Option<&Path>) -> anyhow::Error {
     let has_checkpoint = |path: &&Path| checkpoint_token(path).is_ok_and(|token| token.is_some());
     match out.filter(has_checkpoint) {
@@ -136,7 +136,7 @@ fn pass_into(
 
 /// A message from the computing thread to the writing one.
 enum Message {
-    /// Samples, and what a checkpoint behind them must say to go on from there.
+    /// Samples, and the checkpoint to resume from after them.
     Band(Sampled, Value),
     End,
 }

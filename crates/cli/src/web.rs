@@ -20,7 +20,7 @@ use hyper_util::service::TowerToHyperService;
 use tokio::net::TcpListener;
 
 use crate::{EXIT_FINE, interrupt, output};
-use site::Site;
+use site::ServedFolder;
 
 /// How long a request's head may take to arrive; then the connection is closed.
 const HEAD_LIMIT: Duration = Duration::from_secs(20);
@@ -45,7 +45,7 @@ pub struct WebArguments {
 
 pub fn run(arguments: &WebArguments) -> Result<u8> {
     let folder = folder(arguments.folder.as_deref())?;
-    let site = Site::new(&folder, arguments.host.is_loopback())?;
+    let site = ServedFolder::new(&folder, arguments.host.is_loopback())?;
     let runtime = tokio::runtime::Builder::new_current_thread()
         .enable_all()
         .build()
@@ -53,7 +53,7 @@ pub fn run(arguments: &WebArguments) -> Result<u8> {
     runtime.block_on(serve(arguments, site))
 }
 
-async fn serve(arguments: &WebArguments, site: Site) -> Result<u8> {
+async fn serve(arguments: &WebArguments, site: ServedFolder) -> Result<u8> {
     let listener = listen(arguments).await?;
     let address = listener.local_addr()?;
     let page = format!("http://{}/", reachable(address));

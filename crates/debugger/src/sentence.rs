@@ -285,8 +285,8 @@ impl Words<'_> {
                     }
                     _ => "detector",
                 };
-                let (number, who) = (grouped(number.into()), count(detectors.into(), noun));
-                format!("iteration {number} begins with {who}")
+                let (number, detectors) = (grouped(number.into()), count(detectors.into(), noun));
+                format!("iteration {number} begins with {detectors}")
             }
             RunEvent::IterationEnd { number, inserted } => {
                 let (number, what) = (grouped(number.into()), count(inserted.into(), "sample"));

@@ -18,7 +18,7 @@ use super::{headers, within};
 
 /// A folder that is served.
 #[derive(Clone, Debug)]
-pub struct Site {
+pub struct ServedFolder {
     /// Canonical.
     folder: PathBuf,
     /// Whether requests must name this machine as their host. Otherwise a foreign page could point its own host name at this
@@ -26,7 +26,7 @@ pub struct Site {
     local: bool,
 }
 
-impl Site {
+impl ServedFolder {
     /// Returns the site of a folder; a `local` one answers only requests whose host is this machine.
     pub fn new(folder: &Path, local: bool) -> Result<Self> {
         let folder = folder
@@ -77,7 +77,7 @@ fn is_local(name: &str) -> bool {
     host.eq_ignore_ascii_case("localhost") || address.is_ok_and(|address| address.is_loopback())
 }
 
-async fn answer(State(site): State<Arc<Site>>, request: Request) -> Response {
+async fn answer(State(site): State<Arc<ServedFolder>>, request: Request) -> Response {
     let mut response = if !site.is_called_rightly(&request) {
         refusal(
             StatusCode::MISDIRECTED_REQUEST,
@@ -95,7 +95,7 @@ async fn answer(State(site): State<Arc<Site>>, request: Request) -> Response {
     response
 }
 
-async fn file(site: &Site, request: Request) -> Response {
+async fn file(site: &ServedFolder, request: Request) -> Response {
     let path = request.uri().path().to_owned();
     let missing = || refusal(StatusCode::NOT_FOUND, "There is no such file.\n");
     let Some(file) = within::file(&site.folder, &path) else {
