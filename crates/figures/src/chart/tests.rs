@@ -1,3 +1,5 @@
+//! Tests of charts: positions of curves, ticks and legends, refusals, equal bytes, and the sizes of bars and tiles.
+
 #![allow(clippy::float_cmp, reason = "equal widths are meant")]
 
 use super::*;

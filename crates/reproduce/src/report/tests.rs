@@ -1,3 +1,5 @@
+//! Tests of the report: contents and markup of the page of a folder, and the digits of its numbers.
+
 use std::fs;
 
 use super::*;
