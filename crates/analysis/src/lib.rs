@@ -28,12 +28,15 @@
     reason = "exactness is the subject: equal bits are meant where they are compared"
 )]
 
+mod agreement;
 mod circles;
 mod cover;
 mod delaunay;
 mod domain;
 mod error;
+mod findings;
 mod grid;
+mod input;
 mod judge;
 pub mod measures;
 mod monitor;
@@ -47,11 +50,12 @@ mod verify;
 mod witness;
 mod worst;
 
+pub use circles::{ExposedArc, exposed_arcs};
 pub use error::VerifyError;
+pub use findings::MAX_CONFLICTS;
 pub use judge::{Judge, JudgeChoice};
 pub use monitor::Progress;
 pub use number::Number;
-pub use pairs::MAX_CONFLICTS;
 pub use region::{Boundary, Region};
 pub use report::Report;
 pub use stream::{STREAM_LAG, StreamBand, StreamVerifier};

@@ -69,8 +69,8 @@ pub use window::FrequencyWindow;
 
 use crate::domain::Domain;
 use crate::grid::Grid;
+use crate::input::check_point;
 use crate::region::Region;
-use crate::verify::check_point;
 
 /// Refuses sets that a measure has no use for.
 fn check_set(points: &[[f64; 2]], region: Region, least: usize) -> Result<(), MeasureError> {

@@ -20,10 +20,6 @@ use crate::monitor::Monitor;
 use crate::witness::Conflict;
 use crate::worst::Worst;
 
-/// Pairs in conflict are counted up to so many: a set with more has been misread, or asked about with a wrong radius, and
-/// counting them all would take a time that grows with the square of its samples.
-pub const MAX_CONFLICTS: u64 = 1_000_000;
-
 /// Cells per parallel task: enough to hide the scheduling, few enough for prompt cancellation.
 const CHUNK: usize = 4096;
 

@@ -4,64 +4,16 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::circles::Found;
-use crate::cover::Cover;
-use crate::domain::Domain;
+use crate::findings::{Findings, MAX_CONFLICTS};
 use crate::judge::Judge;
-use crate::pairs::{MAX_CONFLICTS, Pairs};
 use crate::region::Region;
 use crate::witness::{Conflict, Gap};
-use crate::worst::Worst;
-
-/// What a judge found, in the domain's unit.
-pub(crate) struct Findings {
-    pub judge: Judge,
-    pub conflicts: u64,
-    pub worst_conflicts: Worst<Conflict>,
-    pub min_distance: f64,
-    pub gaps: u64,
-    pub worst_gaps: Worst<Gap>,
-    pub covering_radius: f64,
-}
-
-impl Findings {
-    pub fn of_delaunay(pairs: Pairs, cover: Cover) -> Self {
-        Self {
-            judge: Judge::Delaunay,
-            conflicts: pairs.conflicts,
-            worst_conflicts: pairs.worst,
-            min_distance: pairs.min_distance,
-            gaps: cover.gaps,
-            worst_gaps: cover.worst,
-            covering_radius: cover.covering_radius,
-        }
-    }
-
-    pub fn of_circles(found: Found, witnesses: usize) -> Self {
-        let mut worst_gaps = Worst::new(witnesses);
-        let gaps = found.gaps.len() as u64;
-        found
-            .gaps
-            .all
-            .into_iter()
-            .for_each(|gap| worst_gaps.push(gap));
-        Self {
-            judge: Judge::Circles,
-            conflicts: found.conflicts,
-            worst_conflicts: found.worst_conflicts,
-            min_distance: found.min_distance,
-            gaps,
-            worst_gaps,
-            covering_radius: found.gaps.covering_radius,
-        }
-    }
-}
 
 /// What [`verify`](crate::verify) found out about a set. Lengths are in the unit of the samples.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Report {
     /// Who judged. Where both did, they agree, and the numbers are those of the first.
-    #[serde(default = "delaunay")]
+    #[serde(default = "Judge::first")]
     pub judges: Vec<Judge>,
     /// Number of samples.
     pub count: usize,
@@ -96,26 +48,26 @@ pub struct Report {
 }
 
 impl Report {
-    /// The report on `count` samples judged against a region, a radius and a tolerance.
+    /// The report on `count` samples judged against a region, a radius and a tolerance. Lengths were multiplied by `scale`.
     pub(crate) fn new(
         (count, region, radius, covering_tolerance): (usize, Region, f64, f64),
-        domain: &Domain,
+        scale: f64,
         found: Findings,
     ) -> Self {
         let conflict = |conflict: Conflict| Conflict {
-            distance: conflict.distance / domain.scale,
+            distance: conflict.distance / scale,
             ..conflict
         };
         let gap = |gap: Gap| Gap {
-            center: gap.center.map(|value| value / domain.scale),
-            distance: gap.distance / domain.scale,
+            center: gap.center.map(|value| value / scale),
+            distance: gap.distance / scale,
             ..gap
         };
         let (conflicts, gaps) = (
             found.worst_conflicts.into_sorted(),
             found.worst_gaps.into_sorted(),
         );
-        let min_distance = found.min_distance / domain.scale;
+        let min_distance = found.min_distance / scale;
         let r_max = (2.0 * region.area() / (3f64.sqrt() * count as f64)).sqrt();
         Self {
             judges: vec![found.judge],
@@ -128,7 +80,7 @@ impl Report {
             gaps: found.gaps,
             worst_gaps: gaps.into_iter().map(gap).collect(),
             min_distance,
-            covering_radius: found.covering_radius / domain.scale,
+            covering_radius: found.covering_radius / scale,
             density: count as f64 * radius * radius / region.area(),
             relative_radius: min_distance / r_max,
         }
@@ -173,11 +125,6 @@ impl Report {
     pub fn valid(&self) -> bool {
         self.conflict_free() && self.maximal()
     }
-}
-
-/// The judge of reports from the time when there was one.
-fn delaunay() -> Vec<Judge> {
-    vec![Judge::Delaunay]
 }
 
 /// Writes an infinite number as null and reads it back: JSON knows no infinity.

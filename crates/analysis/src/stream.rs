@@ -24,15 +24,17 @@ use std::ops::ControlFlow;
 
 use serde::{Deserialize, Serialize};
 
+use crate::agreement;
 use crate::circles::{CircleBands, Sample};
 use crate::domain::Domain;
 use crate::error::VerifyError;
 use crate::grid::{Entry, Grid};
-use crate::judge::{self, JudgeChoice};
+use crate::input::{check_point, check_tolerance};
+use crate::judge::JudgeChoice;
 use crate::monitor::{Monitor, Progress};
 use crate::region::Region;
-use crate::report::{Findings, Report};
-use crate::verify::{VerifyOptions, check_point, check_tolerance, verify};
+use crate::report::Report;
+use crate::verify::{VerifyOptions, verify};
 use bands::{Bands, StreamSearch};
 
 /// How far, in radii, an ordinate may lie below the highest one before it. Our samplers' order is by
@@ -263,7 +265,7 @@ impl StreamVerifier {
         let monitor = self.monitor(control);
         let count = self.intake.count;
         let asked = (count, region, radius, options.covering_tolerance);
-        let report = |found| Report::new(asked, &search.domain, found);
+        let report = |found| Report::new(asked, search.domain.scale, found);
         let bands = self.bands.as_mut();
         let delaunay = bands
             .map(|bands| bands.finish(search, &monitor))
@@ -273,9 +275,9 @@ impl StreamVerifier {
             .take()
             .map(|circles| circles.finish(&search.question(), count, &monitor));
         let circles = circles.transpose()?;
-        let circles = circles.map(|found| report(Findings::of_circles(found, options.witnesses)));
+        let circles = circles.map(|found| report(found.findings(options.witnesses)));
         match (delaunay.map(report), circles) {
-            (Some(delaunay), Some(circles)) => judge::agreed(delaunay, circles),
+            (Some(delaunay), Some(circles)) => agreement::agreed(delaunay, circles),
             (Some(report), None) | (None, Some(report)) => Ok(report),
             (None, None) => Err(VerifyError::Empty),
         }

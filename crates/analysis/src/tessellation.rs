@@ -18,8 +18,8 @@ use glam::DVec2;
 use crate::domain::Domain;
 use crate::error::VerifyError;
 use crate::grid::Grid;
+use crate::input::check_point;
 use crate::region::Region;
-use crate::verify::check_point;
 use cells::Cells;
 use window::Window;
 

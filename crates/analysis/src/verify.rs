@@ -4,16 +4,19 @@
 
 use std::ops::ControlFlow;
 
+use crate::agreement;
 use crate::circles::{self, Question};
-use crate::cover::{self, CoverSearch};
+use crate::cover::{self, Cover, CoverSearch};
 use crate::domain::Domain;
 use crate::error::VerifyError;
+use crate::findings::Findings;
 use crate::grid::Grid;
-use crate::judge::{self, JudgeChoice};
+use crate::input::{check_points, check_tolerance};
+use crate::judge::{Judge, JudgeChoice};
 use crate::monitor::{Monitor, Progress};
-use crate::pairs;
+use crate::pairs::{self, Pairs};
 use crate::region::Region;
-use crate::report::{Findings, Report};
+use crate::report::Report;
 
 /// Default relative tolerance of maximality: a covering radius of `(1 + 2^-15) r` passes. That is
 /// one unit of the sampler's lattice, whose radius is 2^15 units.
@@ -84,13 +87,13 @@ pub fn verify(
     let monitor = Monitor::new(control, total);
     monitor.advance(0)?;
     let asked = (points.len(), region, radius, options.covering_tolerance);
-    let report = |found: Findings| Report::new(asked, &domain, found);
+    let report = |found: Findings| Report::new(asked, domain.scale, found);
     let circles = if by_circles {
         circles::search(points, &question, &monitor)?.ok()
     } else {
         None
     };
-    let circles = circles.map(|found| report(Findings::of_circles(found, options.witnesses)));
+    let circles = circles.map(|found| report(found.findings(options.witnesses)));
     match circles {
         Some(circles) if !by_delaunay => Ok(circles),
         circles => {
@@ -102,7 +105,7 @@ pub fn verify(
                 &monitor,
             )?);
             match circles {
-                Some(circles) => judge::agreed(delaunay, circles),
+                Some(circles) => agreement::agreed(delaunay, circles),
                 None => Ok(delaunay),
             }
         }
@@ -126,79 +129,18 @@ fn delaunay_findings(
     let pairs = pairs::search(&grid, points, radius, witnesses, monitor)?;
     let task = CoverSearch::new(&grid, radius, limit, witnesses);
     let cover = cover::search(&task, tile_samples, monitor)?;
-    Ok(Findings::of_delaunay(pairs, cover))
+    Ok(of_delaunay(pairs, cover))
 }
 
-pub(crate) fn check_tolerance(tolerance: f64) -> Result<(), VerifyError> {
-    if tolerance.is_finite() && tolerance >= 0.0 {
-        Ok(())
-    } else {
-        Err(VerifyError::BadTolerance { tolerance })
-    }
-}
-
-fn check_points(points: &[[f64; 2]], region: Region) -> Result<(), VerifyError> {
-    check_count(points.len())?;
-    let mut each = points.iter().enumerate();
-    each.try_for_each(|(index, &point)| check_point(index, point, region))
-}
-
-/// Refuses a sample that is no place of the region.
-pub(crate) fn check_point(
-    index: usize,
-    point: [f64; 2],
-    region: Region,
-) -> Result<(), VerifyError> {
-    if region.contains(point) {
-        return Ok(());
-    }
-    Err(if point.iter().all(|value| value.is_finite()) {
-        VerifyError::OutOfRegion {
-            index,
-            point,
-            region,
-        }
-    } else {
-        VerifyError::NotFinite { index, point }
-    })
-}
-
-fn check_count(count: usize) -> Result<(), VerifyError> {
-    let limit = Grid::MAX_SAMPLES;
-    match count {
-        0 => Err(VerifyError::Empty),
-        1.. if count <= limit => Ok(()),
-        _ => Err(VerifyError::TooMany { count, limit }),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn sample_counts_are_limited_to_what_indices_can_name() {
-        assert_eq!(check_count(0), Err(VerifyError::Empty));
-        assert_eq!(check_count(1), Ok(()));
-        let limit = Grid::MAX_SAMPLES;
-        assert_eq!(check_count(limit), Ok(()));
-        // On a 32-bit target no slice can be longer than the limit.
-        if let Some(count) = limit.checked_add(1) {
-            assert_eq!(
-                check_count(count),
-                Err(VerifyError::TooMany { count, limit })
-            );
-        }
-    }
-
-    #[test]
-    fn tolerances_are_finite_and_not_negative() {
-        assert_eq!(check_tolerance(0.0), Ok(()));
-        for tolerance in [-1e-9, f64::NAN, f64::INFINITY] {
-            assert!(matches!(
-                check_tolerance(tolerance),
-                Err(VerifyError::BadTolerance { .. })
-            ));
-        }
+/// What the first judge found, by both searches.
+pub(crate) fn of_delaunay(pairs: Pairs, cover: Cover) -> Findings {
+    Findings {
+        judge: Judge::Delaunay,
+        conflicts: pairs.conflicts,
+        worst_conflicts: pairs.worst,
+        min_distance: pairs.min_distance,
+        gaps: cover.gaps,
+        worst_gaps: cover.worst,
+        covering_radius: cover.covering_radius,
     }
 }

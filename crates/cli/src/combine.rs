@@ -23,7 +23,7 @@ use crate::engine::ThreadArguments;
 use crate::facts::{Facts, named_by_content};
 use crate::interrupt;
 use crate::make::{self, Made};
-use crate::options::{PRECISIONS, named};
+use crate::options::{JudgeArguments, PRECISIONS, named};
 use crate::output;
 use crate::progress::Stopwatch;
 use crate::target::check_target;
@@ -45,6 +45,8 @@ pub struct CombineArguments {
     /// Number type, for formats that leave the choice: f32 or f64
     #[arg(long, value_parser = named::<Precision>(&PRECISIONS), default_value = "f64", requires = "out")]
     precision: Precision,
+    #[command(flatten)]
+    judge: JudgeArguments,
     #[command(flatten)]
     threads: ThreadArguments,
     /// Print one JSON object
@@ -98,6 +100,7 @@ pub fn run(arguments: &CombineArguments) -> Result<u8> {
             .format
             .or_else(|| Format::from_path(arguments.out.as_deref()?)),
         precision: arguments.precision,
+        verify: arguments.judge.options(),
         ..glued.made.facts.context()
     };
     let outcome = glued.made.finish(arguments.out.as_deref(), &context)?;

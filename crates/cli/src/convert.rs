@@ -4,10 +4,10 @@ use std::path::PathBuf;
 
 use anyhow::{Context, Result, bail, ensure};
 use clap::Args;
-use tilescope_analysis::{Region, VerifyOptions};
-use tilescope_formats::{CheckError, ExportContext, Format, PointSet};
+use tilescope_analysis::{JudgeChoice, Region, VerifyOptions};
+use tilescope_formats::{CheckError, ExportContext, Format, Overrides, PointSet};
 
-use crate::options::{SetArguments, UNIT_SQUARE};
+use crate::options::{JudgeArguments, SetArguments, UNIT_SQUARE};
 use crate::progress::verifying;
 use crate::target::check_target;
 use crate::{interrupt, output, verdict_code};
@@ -22,6 +22,8 @@ pub struct ConvertArguments {
     output: PathBuf,
     #[command(flatten)]
     set: SetArguments,
+    #[command(flatten)]
+    judge: JudgeArguments,
     /// Format of the output, if its extension does not name one
     #[arg(long, value_name = "FORMAT")]
     to: Option<Format>,
@@ -60,7 +62,10 @@ pub fn run(arguments: &ConvertArguments) -> Result<u8> {
 /// Returns the set, and what the new file states of it.
 fn read(arguments: &ConvertArguments) -> Result<(PointSet, ExportContext)> {
     let path = &arguments.input;
-    let overrides = arguments.set.overrides(path)?;
+    let overrides = Overrides {
+        judges: arguments.judge.choice(),
+        ..arguments.set.overrides(path)?
+    };
     let (set, context) =
         match verifying(|control| tilescope_formats::check(path, &overrides, control)) {
             Err(CheckError::NoRadius | CheckError::NoRegion(_)) => uncertified(arguments)?,
@@ -84,7 +89,15 @@ fn read(arguments: &ConvertArguments) -> Result<(PointSet, ExportContext)> {
             }
         };
     let format = arguments.to;
-    Ok((set, ExportContext { format, ..context }))
+    let verify = arguments.judge.options();
+    Ok((
+        set,
+        ExportContext {
+            format,
+            verify,
+            ..context
+        },
+    ))
 }
 
 /// Reads a set of unknown radius: its smallest distance becomes the radius.
@@ -105,7 +118,10 @@ fn smallest_distance(points: &[[f64; 2]], region: Region) -> Result<f64> {
     // The report's smallest distance does not depend on the radius it is asked about; the mean
     // spacing keeps the search quick.
     let spacing = (region.width * region.height / points.len().max(1) as f64).sqrt();
-    let options = VerifyOptions::default();
+    let options = VerifyOptions {
+        judges: JudgeChoice::Delaunay,
+        ..VerifyOptions::default()
+    };
     let report =
         verifying(|control| tilescope_analysis::verify(points, region, spacing, &options, control))
             .context("no radius is known, and none can be measured; give --radius")?;

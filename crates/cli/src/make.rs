@@ -6,12 +6,12 @@ use std::sync::Arc;
 use anyhow::{Context, Result};
 use pollster::block_on;
 use serde_json::json;
-use tilescope_analysis::{Region, Report, VerifyOptions};
+use tilescope_analysis::{Region, Report, VerifyError, VerifyOptions};
 use tilescope_core::{
     Domain, Origin, Parameters, Point, Run, SampleError, Sampled, Sequential, Source,
     reference_sample, search_radius,
 };
-use tilescope_formats::{ExportContext, PointSet, Provenance};
+use tilescope_formats::{ExportContext, Format, PointSet, Provenance};
 use tilescope_gpu::{Bands, Engine};
 
 use crate::engine::of_engine;
@@ -31,14 +31,18 @@ impl Made {
     pub fn finish(self, path: Option<&Path>, context: &ExportContext) -> Result<Outcome> {
         let Made { facts, set } = self;
         let count = set.len() as u64;
+        let disagreement = Path::new(DISAGREEMENT);
         let (report, certificate, warnings) = if let Some(path) = path {
             let exported =
                 verifying(|control| tilescope_formats::export(path, &set, context, control));
+            let exported =
+                exported.map_err(|error| with_set(error.into(), disagreement, &set, context));
             let exported = exported.with_context(|| path.display().to_string())?;
             let certificate = Some(exported.certificate_path);
             (exported.report, certificate, exported.warnings)
         } else {
-            let report = judge(&set.points, facts.region, facts.radius)?;
+            let report = judge_as(&set.points, facts.region, facts.radius, &context.verify);
+            let report = report.map_err(|error| with_set(error, disagreement, &set, context))?;
             (report, None, Vec::new())
         };
         Ok(Outcome {
@@ -158,7 +162,92 @@ pub fn positions(domain: &Domain, points: &[Point]) -> Vec<[f64; 2]> {
 
 /// Returns the verifier's report on positions.
 pub fn judge(points: &[[f64; 2]], region: Region, radius: f64) -> Result<Report> {
-    let options = VerifyOptions::default();
-    verifying(|control| tilescope_analysis::verify(points, region, radius, &options, control))
+    judge_as(points, region, radius, &VerifyOptions::default())
+}
+
+fn judge_as(
+    points: &[[f64; 2]],
+    region: Region,
+    radius: f64,
+    options: &VerifyOptions,
+) -> Result<Report> {
+    verifying(|control| tilescope_analysis::verify(points, region, radius, options, control))
         .context("the verifier gives no verdict")
+}
+
+/// The file that keeps a set on which the judges disagree.
+const DISAGREEMENT: &str = "tilescope-disagreement.csv";
+
+/// Adds to an error that says that the judges disagree how to see that again: the set is saved for it.
+fn with_set(
+    error: anyhow::Error,
+    path: &Path,
+    set: &PointSet,
+    context: &ExportContext,
+) -> anyhow::Error {
+    let disagrees = error
+        .chain()
+        .any(|cause| matches!(cause.downcast_ref(), Some(VerifyError::Disagreement { .. })));
+    if !disagrees {
+        return error;
+    }
+    let context = ExportContext {
+        format: Some(Format::Csv),
+        ..context.clone()
+    };
+    let saved = tilescope_formats::export_unverified(path, set, &context);
+    let path = path.display();
+    match saved {
+        Ok(_) => {
+            let Region {
+                width,
+                height,
+                boundary,
+            } = context.region;
+            let radius = context.radius;
+            let boundary = serde_json::to_value(boundary).unwrap_or_default();
+            error.context(format!(
+                "please report this with {path}, on which it can be seen again: tilescope verify {path} \
+                 --radius {radius} --width {width} --height {height} --boundary {} --judge both",
+                boundary.as_str().unwrap_or_default()
+            ))
+        }
+        Err(failed) => error.context(format!("{path} could not be saved: {failed}")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_set_on_which_the_judges_disagree_is_saved() {
+        let region = crate::options::UNIT_SQUARE;
+        let set = PointSet::from_points(vec![[0.25, 0.25], [0.75, 0.75]]);
+        let context = ExportContext::new(region, 0.5);
+        let report = judge(&set.points, region, 0.5).unwrap();
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("disagreement.csv");
+        let other = with_set(VerifyError::Empty.into(), &path, &set, &context);
+        assert!(!path.exists() && other.to_string() == VerifyError::Empty.to_string());
+        let fault = VerifyError::Disagreement {
+            difference: "conflicts",
+            reports: Box::new([report.clone(), report]),
+        };
+        let error = with_set(fault.into(), &path, &set, &context);
+        let text = format!("{error:#}");
+        assert!(
+            text.contains("--radius 0.5 --width 1 --height 1 --boundary periodic --judge both"),
+            "{text}"
+        );
+        assert!(
+            text.contains("the two judges disagree on the conflicts"),
+            "{text}"
+        );
+        let saved = std::fs::read_to_string(&path).unwrap();
+        assert!(
+            saved.contains("0.25,0.25") && saved.contains("0.75,0.75"),
+            "{saved}"
+        );
+    }
 }

@@ -6,7 +6,7 @@ use anyhow::{Context, Result};
 use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use serde::de::DeserializeOwned;
-use tilescope_analysis::{Boundary, Region};
+use tilescope_analysis::{Boundary, JudgeChoice, Region, VerifyOptions};
 use tilescope_formats::{Certificate, Format, Hint, Overrides, StreamReader};
 
 /// The names of a type's values in JSON, which options have as well, each with its line of `--help`, if any.
@@ -20,6 +20,36 @@ pub const BOUNDARIES: Names<2> = [
 
 /// The names of number types.
 pub const PRECISIONS: Names<2> = [("f32", ""), ("f64", "")];
+
+/// The names of judges.
+const JUDGES: Names<3> = [
+    ("delaunay", "Delaunay triangulation"),
+    ("circles", "Covered circles, several times faster"),
+    ("both", "Both, which must agree"),
+];
+
+/// Who verifies.
+#[derive(Clone, Debug, Args)]
+pub struct JudgeArguments {
+    /// Who verifies; if not given, both up to 1,048,576 samples and covered circles for more
+    #[arg(long, value_name = "JUDGE", value_parser = named::<JudgeChoice>(&JUDGES))]
+    judge: Option<JudgeChoice>,
+}
+
+impl JudgeArguments {
+    /// Returns the judges asked for.
+    pub fn choice(&self) -> JudgeChoice {
+        self.judge.unwrap_or_default()
+    }
+
+    /// Returns how to verify.
+    pub fn options(&self) -> VerifyOptions {
+        VerifyOptions {
+            judges: self.choice(),
+            ..VerifyOptions::default()
+        }
+    }
+}
 
 /// Reads values by their names.
 pub fn named<T>(names: &[(&'static str, &'static str)]) -> impl TypedValueParser<Value = T> + use<T>

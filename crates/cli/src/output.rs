@@ -4,7 +4,7 @@ use std::fmt::Write;
 use std::path::PathBuf;
 
 use serde_json::{Value, json};
-use tilescope_analysis::{Boundary, MAX_CONFLICTS, Number, Region, Report};
+use tilescope_analysis::{Boundary, Judge, MAX_CONFLICTS, Number, Region, Report};
 use tilescope_core::{Stage, Summary};
 use tilescope_gpu::Backend;
 
@@ -146,6 +146,7 @@ pub fn verdict_json(report: &Report) -> Value {
         "conflict_free": report.conflict_free(),
         "maximal": report.maximal(),
         "valid": report.valid(),
+        "judges": report.judges,
     })
 }
 
@@ -224,6 +225,12 @@ fn what_happened(stage: Stage, s: &Summary, at_once: bool) -> String {
     }
 }
 
+/// Returns "Delaunay triangulation and covered circles".
+fn judges_text(judges: &[Judge]) -> String {
+    let names: Vec<String> = judges.iter().map(Judge::to_string).collect();
+    names.join(" and ")
+}
+
 /// Returns the verdict in a few lines.
 pub fn verdict_text(report: &Report) -> String {
     let r = report.radius;
@@ -231,14 +238,16 @@ pub fn verdict_text(report: &Report) -> String {
         "samples        {}\n\
          density        {:.4} N r^2 / area\n\
          conflict-free  {}   min distance {:.9} r\n\
-         maximal        {}   covering radius {:.9} r, at most {:.9} r\n",
+         maximal        {}   covering radius {:.9} r, at most {:.9} r\n\
+         verified by    {}\n",
         report.count,
         report.density,
         conflicts_answer(report.conflicts),
         report.min_distance / r,
         answer(report.maximal(), report.gaps),
         report.covering_radius / r,
-        1.0 + report.covering_tolerance
+        1.0 + report.covering_tolerance,
+        judges_text(&report.judges)
     );
     for conflict in report.worst_conflicts.iter().take(3) {
         let (first, second, apart) = (conflict.first, conflict.second, conflict.distance / r);

@@ -10,7 +10,7 @@ use tilescope_formats::{ExportContext, Format, Precision, Warning};
 use crate::engine::EngineArguments;
 use crate::facts::Facts;
 use crate::make::Made;
-use crate::options::{PRECISIONS, named};
+use crate::options::{JudgeArguments, PRECISIONS, named};
 use crate::parameters::RunArguments;
 
 /// Sets expected to be larger than this are not held in memory as a whole, if that can be avoided.
@@ -44,8 +44,10 @@ pub struct SampleArguments {
     /// Seconds between checkpoints of a file written as it comes: what an interruption may cost
     #[arg(long, value_name = "SECONDS", default_value_t = 10, requires = "out")]
     pub checkpoint: u64,
+    #[command(flatten)]
+    pub judge: JudgeArguments,
     /// Do not verify; a file then has no certificate
-    #[arg(long, requires = "out")]
+    #[arg(long, requires = "out", conflicts_with = "judge")]
     pub no_verify: bool,
     /// Format of the file, if its extension does not name one
     #[arg(long, value_name = "FORMAT", requires = "out")]
@@ -119,6 +121,7 @@ impl SampleArguments {
             format: self.format(),
             shuffle_seed: self.shuffle,
             precision: self.precision,
+            verify: self.judge.options(),
             ..facts.context()
         }
     }

@@ -15,7 +15,7 @@ use tilescope_core::{
 };
 
 use crate::engine::ThreadArguments;
-use crate::options::region;
+use crate::options::{JudgeArguments, region};
 use crate::progress::Bar;
 use crate::{interrupt, make, output, verdict_code};
 
@@ -29,6 +29,8 @@ pub struct SoakArguments {
     /// Seed of the parameters
     #[arg(long, value_name = "S", default_value_t = 1)]
     seed: u64,
+    #[command(flatten)]
+    judge: JudgeArguments,
     #[command(flatten)]
     threads: ThreadArguments,
     /// Print one JSON object
@@ -101,7 +103,7 @@ pub fn run(arguments: &SoakArguments) -> Result<u8> {
     {
         let rounds: Vec<u64> = (sum.rounds..sum.rounds + ROUNDS_AT_ONCE).collect();
         let rounds = rounds.into_par_iter().with_max_len(1);
-        let rounds = rounds.map(|k| round_or_fault(arguments.seed, k));
+        let rounds = rounds.map(|k| round_or_fault(arguments, k));
         for round in rounds.collect::<Vec<Tally>>() {
             sum.add(round);
         }
@@ -210,15 +212,15 @@ fn parameters(dice: &Dice, seed: u64) -> Parameters {
 }
 
 /// Makes a round. An error counts as a failed round; an interrupted round does not count.
-fn round_or_fault(seed: u64, index: u64) -> Tally {
+fn round_or_fault(arguments: &SoakArguments, index: u64) -> Tally {
     if interrupt::requested() {
         return Tally::default();
     }
-    let key = Key::from_seed(seed).derive(Stream::Pattern, index as u32);
+    let key = Key::from_seed(arguments.seed).derive(Stream::Pattern, index as u32);
     let [low, high] = key.words();
     let dice = Dice(key);
     let parameters = parameters(&dice, u64::from(low) | u64::from(high) << 32);
-    match round(&parameters, &dice) {
+    match round(&parameters, &dice, &arguments.judge.options()) {
         Ok(round) => round,
         Err(_) if interrupt::requested() => Tally::default(),
         Err(error) => Tally {
@@ -230,7 +232,7 @@ fn round_or_fault(seed: u64, index: u64) -> Tally {
     }
 }
 
-fn round(parameters: &Parameters, dice: &Dice) -> Result<Tally> {
+fn round(parameters: &Parameters, dice: &Dice, verify: &VerifyOptions) -> Result<Tally> {
     let pattern = Pattern::of_spec(&parameters.pattern, &mut Unobserved)?;
     let run = Sequential::new(parameters, std::sync::Arc::clone(&pattern))?;
     let run = run.finish(&mut Unobserved)?;
@@ -244,7 +246,7 @@ fn round(parameters: &Parameters, dice: &Dice) -> Result<Tally> {
         &make::positions(&domain, &points),
         region(&domain),
         domain.radius(),
-        &VerifyOptions::default(),
+        verify,
         &|_| interrupt::flow(),
     )?;
     let is_complete = parameters.search == Search::Complete;

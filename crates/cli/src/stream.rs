@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use anyhow::{Context, Result, anyhow, ensure};
 use pollster::block_on;
 use serde_json::{Value, json};
-use tilescope_analysis::{Report, StreamVerifier, VerifyOptions};
+use tilescope_analysis::{Report, StreamVerifier};
 use tilescope_core::{Domain, Sampled, SweepState};
 use tilescope_formats::{
     ExportContext, Format, Provenance, StreamExport, StreamOptions, Warning, checkpoint_token,
@@ -154,7 +154,7 @@ enum Sink {
 impl Sink {
     fn open(arguments: &SampleArguments, context: &ExportContext) -> Result<Self> {
         let Some(path) = &arguments.out else {
-            let options = VerifyOptions::default();
+            let options = arguments.judge.options();
             let verifier = StreamVerifier::new(context.region, context.radius, &options)?;
             return Ok(Self::Judge(Box::new(verifier)));
         };

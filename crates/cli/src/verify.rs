@@ -8,7 +8,7 @@ use clap::Args;
 use serde_json::json;
 use tilescope_formats::{Certificate, CheckError, Overrides, StreamCheck, check_stream};
 
-use crate::options::{SetArguments, UNIT_SQUARE};
+use crate::options::{JudgeArguments, SetArguments, UNIT_SQUARE};
 use crate::progress::verifying;
 use crate::{interrupt, output, verdict_code};
 
@@ -20,6 +20,8 @@ pub struct VerifyArguments {
     file: PathBuf,
     #[command(flatten)]
     set: SetArguments,
+    #[command(flatten)]
+    judge: JudgeArguments,
     /// Print one JSON object
     #[arg(long)]
     json: bool,
@@ -37,14 +39,18 @@ Examples:
 
 pub fn run(arguments: &VerifyArguments) -> Result<u8> {
     interrupt::listen();
-    let check = checked(&arguments.file, &arguments.set)?;
+    let check = checked(arguments)?;
     output::report(arguments.json, || to_json(&check), || to_text(&check))?;
     Ok(verdict_code(check.passed()))
 }
 
 /// Reads and verifies a file.
-fn checked(file: &std::path::Path, set: &SetArguments) -> Result<StreamCheck> {
-    let overrides = set.overrides(file)?;
+fn checked(arguments: &VerifyArguments) -> Result<StreamCheck> {
+    let file = &arguments.file;
+    let overrides = Overrides {
+        judges: arguments.judge.choice(),
+        ..arguments.set.overrides(file)?
+    };
     let check = |overrides| verifying(|control| check_stream(file, &overrides, control));
     let outcome = match check(overrides.clone()) {
         Err(CheckError::NoRegion(_)) => check(Overrides {

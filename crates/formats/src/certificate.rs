@@ -6,7 +6,7 @@
 use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
-use tilescope_analysis::{Region, Report};
+use tilescope_analysis::{Judge, Region, Report};
 
 use crate::error::FormatError;
 use crate::format::{Format, Precision};
@@ -69,6 +69,9 @@ pub struct Certificate {
     pub relative_radius: Option<f64>,
     /// The verdict: conflict-free and maximal.
     pub valid: bool,
+    /// Who verified. Certificates of versions that had one judge do not say so.
+    #[serde(default = "Judge::first")]
+    pub judges: Vec<Judge>,
     /// The data file's name when it was written, without folders.
     pub file: String,
     /// Its format.
@@ -107,6 +110,7 @@ impl Certificate {
         self.density = report.density;
         self.relative_radius = finite(report.relative_radius);
         self.valid = report.valid();
+        self.judges.clone_from(&report.judges);
     }
 
     /// The certificate in `bytes`, which come from a file called `name`.
@@ -155,7 +159,7 @@ impl Certificate {
             .map(|name| format!("parameters.{name}"));
         let shuffled = self.shuffle_seed.map(|_| "shuffle_seed");
         let rounded = self.rounding.as_ref().map(|_| "rounding");
-        (["program", "program_version", "method", "file"].into_iter())
+        (["program", "program_version", "method", "file", "judges"].into_iter())
             .chain(shuffled)
             .chain(rounded)
             .map(str::to_owned)

@@ -7,7 +7,8 @@ use std::fmt;
 use std::ops::ControlFlow;
 
 use tilescope_analysis::{
-    Boundary, MAX_CONFLICTS, Progress, Region, Report, VerifyError, VerifyOptions, verify,
+    Boundary, JudgeChoice, MAX_CONFLICTS, Progress, Region, Report, VerifyError, VerifyOptions,
+    verify,
 };
 
 use crate::certificate::{Certificate, finite};
@@ -34,6 +35,8 @@ pub struct Overrides {
     pub region: Option<Region>,
     /// The radius.
     pub radius: Option<f64>,
+    /// Who verifies.
+    pub judges: JudgeChoice,
 }
 
 /// One statement of a certificate that does not hold for the file.
@@ -206,7 +209,10 @@ impl Judged {
             region,
             radius: radius.ok_or(CheckError::NoRadius)?,
             // Not from the certificate, which could hide any gap by stating a large tolerance.
-            options: VerifyOptions::default(),
+            options: VerifyOptions {
+                judges: overrides.judges,
+                ..VerifyOptions::default()
+            },
             mapping: Mapping::new(format, Some(region), precision),
         })
     }

@@ -408,6 +408,7 @@ pub(crate) fn certificate(
         density: 0.0,
         relative_radius: None,
         valid: false,
+        judges: Vec::new(),
         file: name.to_owned(),
         file_format: target.format,
         precision: target.format.precision(target.precision),

@@ -4,7 +4,7 @@
 use glam::DVec2;
 
 use tilescope_analysis::{
-    Boundary, Conflict, Gap, Region, Report, VerifyError, VerifyOptions, verify,
+    Boundary, Conflict, Gap, JudgeChoice, Region, Report, VerifyError, VerifyOptions, verify,
 };
 
 use crate::jobs::Monitor;
@@ -67,6 +67,8 @@ impl Verdict {
             let exact = VerifyOptions {
                 covering_tolerance: 0.0,
                 witnesses: 1,
+                // The verdict is out; this only looks up where its extremes are.
+                judges: JudgeChoice::Circles,
                 ..VerifyOptions::default()
             };
             if closest.is_none() && report.min_distance.is_finite() {

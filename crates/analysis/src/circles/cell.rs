@@ -5,7 +5,9 @@
 use glam::DVec2;
 
 use super::exact::{Site, circle_exceeds, corner_exceeds, crossing_exceeds};
-use super::samples::{Sample, Samples};
+use super::gaps::CellReach;
+use super::sample::Sample;
+use super::samples::Samples;
 use super::tile::Tile;
 use crate::witness::{Gap, GapKind};
 
@@ -35,15 +37,6 @@ struct Corner {
 pub(super) struct CellCutter {
     corners: Vec<Corner>,
     kept: Vec<Corner>,
-}
-
-/// What the corners of a cell say.
-#[derive(Debug, Default)]
-pub(crate) struct CellReach {
-    /// The distance of the farthest corner.
-    pub farthest: f64,
-    /// Corners farther than the limit.
-    pub gaps: Vec<Gap>,
 }
 
 impl CellCutter {
@@ -211,7 +204,7 @@ impl Circles<'_> {
             distance,
             kind: GapKind::VoronoiVertex,
         };
-        let exceeds = self.exceeds(distance, limit, flatness, || {
+        let exceeds = exceeds(distance, limit, flatness, || {
             circle_exceeds([first, second, third], self.extent(), limit)
         });
         Some((gap, exceeds))
@@ -243,7 +236,7 @@ impl Circles<'_> {
             kind: GapKind::Border,
         };
         let flatness = distance / along.abs();
-        let exceeds = self.exceeds(distance, limit, flatness, || {
+        let exceeds = exceeds(distance, limit, flatness, || {
             crossing_exceeds([first, second], axis, is_far, self.extent(), limit)
         });
         Some((gap, exceeds))
@@ -260,26 +253,10 @@ impl Circles<'_> {
             distance,
             kind: GapKind::Corner,
         };
-        let exceeds = self.exceeds(distance, limit, 1.0, || {
+        let exceeds = exceeds(distance, limit, 1.0, || {
             corner_exceeds(site, corner, extent, limit)
         });
         (gap, exceeds)
-    }
-
-    /// Compares a radius with the limit, exactly where its error leaves a doubt. Flatness is by how much the error grows.
-    fn exceeds(
-        &self,
-        distance: f64,
-        limit: f64,
-        flatness: f64,
-        exact: impl FnOnce() -> bool,
-    ) -> bool {
-        let doubt = DOUBT * (1.0 + 1e-6 * flatness);
-        if (distance / limit - 1.0).abs() < doubt {
-            exact()
-        } else {
-            distance > limit
-        }
     }
 
     /// Samples with the periods that their copies are away, in a sequence that does not depend on which cell is cut: by index,
@@ -318,5 +295,15 @@ impl Circles<'_> {
         }
         let wrapped = place - (place / extent).floor() * extent;
         DVec2::select(wrapped.cmplt(extent), wrapped, DVec2::ZERO)
+    }
+}
+
+/// Compares a radius with the limit, exactly where its error leaves a doubt. Flatness is by how much the error grows.
+fn exceeds(distance: f64, limit: f64, flatness: f64, exact: impl FnOnce() -> bool) -> bool {
+    let doubt = DOUBT * (1.0 + 1e-6 * flatness);
+    if (distance / limit - 1.0).abs() < doubt {
+        exact()
+    } else {
+        distance > limit
     }
 }

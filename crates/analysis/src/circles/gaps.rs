@@ -4,9 +4,17 @@
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
-use super::cell::CellReach;
 use crate::domain::Domain;
 use crate::witness::Gap;
+
+/// What the corners of a cell say.
+#[derive(Debug, Default)]
+pub(crate) struct CellReach {
+    /// The distance of the farthest corner.
+    pub farthest: f64,
+    /// Corners farther than the limit.
+    pub gaps: Vec<Gap>,
+}
 
 /// The gaps that some cells reach, and how far the farthest corner of any is.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]

@@ -3,9 +3,9 @@
 //! It decides nothing.
 
 use glam::DVec2;
-use serde::{Deserialize, Serialize};
 
-use super::Declined;
+use super::found::Declined;
+use super::sample::Sample;
 use crate::domain::Domain;
 
 /// Columns of a block.
@@ -13,6 +13,9 @@ const BLOCK: usize = 32;
 
 /// Sides of a cell in radii: fewer and longer runs of samples are scanned than in square cells.
 const SHAPE: DVec2 = DVec2::new(1.0, 2.0);
+
+/// Blocks of columns that even a set of few samples may have.
+const MIN_BUCKETS: usize = 1 << 16;
 
 /// Cells are larger than the radius by this factor, which pays for the rounding of their borders.
 const SLACK: f64 = 1.0 + 1.0 / 1_048_576.0;
@@ -22,13 +25,6 @@ const MAX_CELLS: f64 = 1_073_741_824.0;
 
 /// Most cells around a sample along an axis, to either side. More are needed only where the radius exceeds the period.
 const MAX_REACH: f64 = 16.0;
-
-/// A sample in the domain's unit.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Sample {
-    pub position: DVec2,
-    pub id: u32,
-}
 
 /// The cells of a region.
 #[derive(Clone, Copy, Debug)]
@@ -112,7 +108,7 @@ impl Samples {
         let blocks = cells.counts[0].div_ceil(BLOCK);
         let count = samples.len();
         let buckets = held.saturating_mul(blocks);
-        if buckets > 1024 + 4 * count {
+        if buckets > MIN_BUCKETS + 4 * count {
             return Err(Declined::Sparse);
         }
         let bucket = |sample: &Sample| {

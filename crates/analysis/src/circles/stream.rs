@@ -8,8 +8,10 @@ use std::ops::Range;
 
 use serde::{Deserialize, Serialize};
 
-use super::samples::{Cells, Sample, Samples};
-use super::{Declined, Found, Question, Search};
+use super::found::{Declined, Found, Question};
+use super::sample::Sample;
+use super::samples::{Cells, Samples};
+use super::search::Search;
 use crate::error::VerifyError;
 use crate::monitor::Monitor;
 
@@ -94,8 +96,7 @@ impl CircleBands {
         let samples = samples.map_err(|declined| refused(declined, question, self.len()))?;
         self.judge(question, &samples, rows.clone(), monitor)?;
         // Circles that reach into holes wait for the rows that their cells may need.
-        let ready =
-            |row: usize| row + KEPT < complete && (!cells.domain.periodic || row >= KEPT + 1);
+        let ready = |row: usize| row + KEPT < complete && (!cells.domain.periodic || row > KEPT);
         self.holes(question, &samples, ready, monitor)?;
         self.closed = rows.end;
         let pending = self
@@ -103,7 +104,7 @@ impl CircleBands {
             .exposed
             .iter()
             .map(|sample| cells.row(sample.position.y));
-        let pending = pending.filter(|&row| !cells.domain.periodic || row >= KEPT + 1);
+        let pending = pending.filter(|&row| !cells.domain.periodic || row > KEPT);
         let wanted = pending.fold(self.closed, usize::min).saturating_sub(KEPT);
         self.drop_below(&cells, wanted);
         Ok(())

@@ -126,7 +126,7 @@ impl Arc {
     fn at([x, y]: [usize; 2]) -> Option<Self> {
         let [x, y] = [x, y].map(|value| value as f64 / PER_RADIUS);
         let uncertain = 2.0 * UNCERTAIN / PER_RADIUS;
-        let half_distance = (x.hypot(y) + uncertain) / 2.0;
+        let half_distance = x.hypot(y).midpoint(uncertain);
         if half_distance <= 2.0 * uncertain || half_distance >= 1.0 {
             return None;
         }

@@ -7,10 +7,10 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Level, Simd, dispatch, f32x8, i32x8};
 use glam::DVec2;
 
-use super::samples::{Cells, Sample, Samples};
+use super::found::{Declined, Found};
+use super::sample::Sample;
+use super::samples::{Cells, Samples};
 use super::table::{HALF, Mask, PER_RADIUS, SQUARES, Table, opposite};
-use super::{Declined, Found};
-use crate::witness::Conflict;
 
 /// Samples whose offsets are computed at once.
 const LANES: usize = 8;
@@ -231,6 +231,10 @@ impl Tile {
         self.scan = scan;
     }
 
+    #[expect(
+        clippy::inline_always,
+        reason = "it must become a part of what dispatch! compiles for the processor"
+    )]
     #[inline(always)]
     fn scan_cells<S: Simd>(
         &self,
@@ -372,23 +376,4 @@ fn runs(cells: &Cells, columns: &Range<i64>) -> Vec<Run> {
         next = end;
     }
     runs
-}
-
-impl Found {
-    /// Counts a pair of samples.
-    fn add_pair(&mut self, one: Sample, other: Sample, distance: f64, radius: f64) {
-        if distance < radius {
-            self.conflicts += 1;
-            self.worst_conflicts.push(Conflict {
-                first: one.id.min(other.id) as usize,
-                second: one.id.max(other.id) as usize,
-                distance,
-            });
-        }
-        if distance < self.min_distance {
-            self.min_distance = distance;
-            let limit = distance.max(radius);
-            self.nearby = limit * limit * (1.0 + 1e-9);
-        }
-    }
 }

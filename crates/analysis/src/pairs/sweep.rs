@@ -12,8 +12,9 @@
 use std::collections::BTreeSet;
 use std::ops::RangeInclusive;
 
-use super::{MAX_CONFLICTS, Pairs, length, offset};
+use super::{Pairs, length, offset};
 use crate::error::VerifyError;
+use crate::findings::MAX_CONFLICTS;
 use crate::grid::{Entry, Grid};
 use crate::monitor::Monitor;
 

@@ -1,6 +1,7 @@
 //! The pair search in the domain's own unit, where distances can be chosen exactly.
 
 use super::*;
+use crate::findings::MAX_CONFLICTS;
 use crate::region::{Boundary, Region};
 use std::ops::ControlFlow;
 

@@ -12,12 +12,12 @@ use crate::circles::Question;
 use crate::cover::{self, CoverSearch, Places, Visit};
 use crate::domain::Domain;
 use crate::error::VerifyError;
+use crate::findings::Findings;
 use crate::grid::{Entry, Grid, Rows, cell_at};
 use crate::monitor::Monitor;
 use crate::pairs::{self, Pairs};
 use crate::region::Region;
-use crate::report::Findings;
-use crate::verify::VerifyOptions;
+use crate::verify::{VerifyOptions, of_delaunay};
 
 use super::{PIECE, STREAM_LAG, StreamBand};
 
@@ -334,7 +334,7 @@ impl Bands {
         let places = mem::replace(&mut self.places, Places::new(0));
         let pairs = mem::replace(&mut self.pairs, Pairs::new(0));
         let cover = places.finish(&search.domain, search.same);
-        Ok(Findings::of_delaunay(pairs, cover))
+        Ok(of_delaunay(pairs, cover))
     }
 }
 

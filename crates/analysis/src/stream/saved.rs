@@ -103,7 +103,7 @@ impl StreamVerifier {
         }
         let (search, bytes) = postcard::take_from_bytes(bytes).map_err(incomplete)?;
         if SavedSearch::of(&verifier) != search {
-            return Err(bad("it is of another region, radius or tolerance"));
+            return Err(bad("it is of another region, radius, tolerance or judge"));
         }
         let saved: RestoredState = postcard::from_bytes(bytes).map_err(incomplete)?;
         verifier.expected = saved.expected;

@@ -7,7 +7,8 @@ use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 
 use tilescope_analysis::{
-    Boundary, Gap, Judge, JudgeChoice, Progress, Region, Report, VerifyError, VerifyOptions, verify,
+    Boundary, ExposedArc, Gap, Judge, JudgeChoice, Progress, Region, Report, VerifyError,
+    VerifyOptions, exposed_arcs, verify,
 };
 
 use crate::support::{Random, check_reports_of, distance, maximal_set};
@@ -234,11 +235,7 @@ fn gaps_of_exactly_the_tolerance_are_allowed_and_none_larger() {
                 height: 8.0 * f64::from(rows) * unit,
                 boundary,
             };
-            let ends = if boundary == Boundary::Bounded && start == 0.0 {
-                1
-            } else {
-                0
-            };
+            let ends = i32::from(boundary == Boundary::Bounded && start == 0.0);
             let points: Vec<[f64; 2]> = (0..(columns + ends) * (rows + ends))
                 .map(|index| [index % (columns + ends), index / (columns + ends)])
                 .map(|[x, y]| {
@@ -330,4 +327,83 @@ fn the_second_judge_reports_its_progress_and_stops_when_asked() {
         verify(&points, region, 0.004, &options, control).err()
     };
     check_reports_of(measure, VerifyError::Cancelled);
+}
+
+/// Exposed arcs are where a fine mesh of each circle finds no other disk, and a maximal set has none.
+#[test]
+fn exposed_arcs_are_those_that_no_other_disk_covers() {
+    let go_on = |_| ControlFlow::Continue(());
+    for boundary in [Boundary::Periodic, Boundary::Bounded] {
+        let region = Region {
+            width: 1.0,
+            height: 0.6,
+            boundary,
+        };
+        let radius = 0.07;
+        let mut points = maximal_set(region, radius, 3);
+        let tolerant = radius * (1.0 + 1e-6);
+        assert_eq!(
+            exposed_arcs(&points, region, tolerant, &go_on),
+            Ok(Vec::new())
+        );
+        for _ in 0..4 {
+            points.swap_remove(points.len() / 3);
+        }
+        let arcs = exposed_arcs(&points, region, radius, &go_on).expect("arcs");
+        assert!(arcs.len() > 8);
+        let mut exposed = 0;
+        for (sample, point) in points.iter().enumerate() {
+            let own: Vec<_> = arcs.iter().filter(|arc| arc.sample == sample).collect();
+            for step in 0..720 {
+                let angle = (f64::from(step) + 0.5).to_radians() / 2.0;
+                let at = [
+                    point[0] + radius * angle.cos(),
+                    point[1] + radius * angle.sin(),
+                ];
+                let inside = |value: f64, extent: f64| (0.0..=extent).contains(&value);
+                if boundary == Boundary::Bounded
+                    && !(inside(at[0], region.width) && inside(at[1], region.height))
+                {
+                    continue;
+                }
+                let others = points
+                    .iter()
+                    .enumerate()
+                    .filter(|(other, _)| *other != sample);
+                let nearest = others
+                    .map(|(_, &other)| distance(at, other, region))
+                    .fold(f64::INFINITY, f64::min);
+                // Not at the very end of an arc.
+                if (nearest / radius - 1.0).abs() > 1e-6 {
+                    let turn = std::f64::consts::TAU;
+                    let is_in = |arc: &&ExposedArc| {
+                        (arc.from..arc.to).contains(&angle)
+                            || (arc.from..arc.to).contains(&(angle + turn))
+                    };
+                    assert_eq!(
+                        own.iter().any(|arc| is_in(arc)),
+                        nearest > radius,
+                        "{boundary:?} {sample} {angle}"
+                    );
+                    exposed += u32::from(nearest > radius);
+                }
+            }
+        }
+        assert!(exposed > 100);
+    }
+    // At the beginning of a run there are few samples, or none near each other.
+    let region = Region {
+        width: 1.0,
+        height: 1.0,
+        boundary: Boundary::Periodic,
+    };
+    let alone = exposed_arcs(&[[0.5, 0.5]], region, 0.001, &go_on).expect("one circle");
+    assert_eq!(
+        alone,
+        [ExposedArc {
+            sample: 0,
+            from: 0.0,
+            to: std::f64::consts::TAU
+        }]
+    );
 }

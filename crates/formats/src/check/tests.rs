@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::export::{ExportContext, ExportedBytes, export_bytes};
+use tilescope_analysis::Judge;
 
 const GO: fn(Progress) -> ControlFlow<()> = |_| ControlFlow::Continue(());
 
@@ -108,6 +109,23 @@ fn the_tolerance_is_not_the_certificates() {
     assert!(fields(&check).contains(&"covering_tolerance"));
 }
 
+/// Certificates of versions that had one judge do not name it.
+#[test]
+fn a_certificate_without_judges_is_read() {
+    let exported = exported("set.csv");
+    let mut stated = serde_json::to_value(&exported.certificate).expect("plain data");
+    let judges = stated.as_object_mut().expect("an object").remove("judges");
+    assert_eq!(judges, Some(serde_json::json!(["delaunay", "circles"])));
+    let check = check_of(
+        &exported.data,
+        "set.csv",
+        stated.to_string().as_bytes(),
+        &Overrides::default(),
+    );
+    assert!(check.passed());
+    assert_eq!(check.certificate.expect("given").judges, [Judge::Delaunay]);
+}
+
 #[test]
 fn what_no_file_can_bear_out_is_named() {
     let mut stated = exported("set.csv").certificate;
@@ -121,6 +139,7 @@ fn what_no_file_can_bear_out_is_named() {
             "program_version",
             "method",
             "file",
+            "judges",
             "shuffle_seed",
             "parameters.seed"
         ]

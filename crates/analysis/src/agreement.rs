@@ -1,0 +1,131 @@
+//! Whether both judges say the same of a set. It knows their reports, not their searches.
+
+use crate::error::VerifyError;
+use crate::judge::Judge;
+use crate::report::Report;
+
+/// Relative difference of two lengths within which judges agree.
+const SAME_LENGTH: f64 = 1e-9;
+
+/// The first report, naming both judges, where the second says the same; an error otherwise.
+///
+/// Covering radii may differ by rounding. Where one of them is within rounding of the limit, the judges may differ on
+/// maximality, and the second decides: it compares exactly.
+pub(crate) fn agreed(first: Report, second: Report) -> Result<Report, VerifyError> {
+    let limit = (1.0 + first.covering_tolerance) * first.radius;
+    let same_length = |a: f64, b: f64| (a - b).abs() <= SAME_LENGTH * a.max(b);
+    let difference = if first.conflicts != second.conflicts {
+        Some("conflicts")
+    } else if first.min_distance.to_bits() != second.min_distance.to_bits() {
+        Some("smallest distance")
+    } else if !same_length(first.covering_radius, second.covering_radius) {
+        Some("covering radius")
+    } else if first.maximal() != second.maximal() && !same_length(first.covering_radius, limit) {
+        Some("maximality")
+    } else {
+        None
+    };
+    if let Some(difference) = difference {
+        return Err(VerifyError::Disagreement {
+            difference,
+            reports: Box::new([first, second]),
+        });
+    }
+    let judges = vec![Judge::Delaunay, Judge::Circles];
+    Ok(if first.maximal() == second.maximal() {
+        Report { judges, ..first }
+    } else {
+        Report { judges, ..second }
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use std::ops::ControlFlow;
+
+    use super::*;
+    use crate::judge::JudgeChoice;
+    use crate::region::{Boundary, Region};
+    use crate::verify::{VerifyOptions, verify};
+
+    /// The reports of both judges on a square lattice whose gaps are as large as the radius.
+    fn reports() -> [Report; 2] {
+        let points: Vec<_> = (0..64)
+            .map(|i| [f64::from(i % 8), f64::from(i / 8)])
+            .collect();
+        let region = Region {
+            width: 8.0,
+            height: 8.0,
+            boundary: Boundary::Periodic,
+        };
+        [JudgeChoice::Delaunay, JudgeChoice::Circles].map(|judges| {
+            let options = VerifyOptions {
+                judges,
+                ..VerifyOptions::default()
+            };
+            let go_on = |_| ControlFlow::Continue(());
+            verify(&points, region, 0.5f64.sqrt(), &options, &go_on).expect("a report")
+        })
+    }
+
+    #[test]
+    fn equal_reports_become_one_that_names_both() {
+        let [first, second] = reports();
+        assert_eq!(
+            [&first.judges[..], &second.judges[..]],
+            [[Judge::Delaunay], [Judge::Circles]]
+        );
+        let report = agreed(first, second).expect("equal");
+        assert_eq!(report.judges, [Judge::Delaunay, Judge::Circles]);
+    }
+
+    #[test]
+    fn every_difference_is_a_fault() {
+        let changes: [(&str, fn(&mut Report)); 4] = [
+            ("conflicts", |report| report.conflicts += 1),
+            ("smallest distance", |report| {
+                report.min_distance = report.min_distance.next_up()
+            }),
+            ("covering radius", |report| {
+                report.covering_radius *= 1.0 + 1e-8
+            }),
+            ("maximality", |report| {
+                (report.gaps, report.covering_tolerance) = (1, 0.1)
+            }),
+        ];
+        for (name, change) in changes {
+            let [first, mut second] = reports();
+            let first = Report {
+                covering_tolerance: if name == "maximality" {
+                    0.1
+                } else {
+                    first.covering_tolerance
+                },
+                ..first
+            };
+            change(&mut second);
+            let fault = agreed(first, second).expect_err(name);
+            assert!(
+                fault
+                    .to_string()
+                    .starts_with(&format!("the two judges disagree on the {name}")),
+                "{fault}"
+            );
+        }
+    }
+
+    /// Within rounding of the limit the second judge, which compares exactly, decides.
+    #[test]
+    fn a_doubt_is_the_second_judges_to_settle() {
+        let [mut first, second] = reports();
+        (first.gaps, first.covering_tolerance) = (1, 0.0);
+        let second = Report {
+            covering_tolerance: 0.0,
+            covering_radius: second.radius,
+            ..second
+        };
+        assert!(!first.maximal() && second.maximal());
+        let report = agreed(first, second).expect("a doubt");
+        assert!(report.maximal());
+    }
+}

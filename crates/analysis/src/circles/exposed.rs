@@ -1,0 +1,159 @@
+//! The exposed arcs of all circles of one radius, to be looked at: a gap is seen as the ring of exposed arcs around it.
+//! Ends of arcs are rounded, so this decides no verdict.
+
+use std::f64::consts::TAU;
+use std::ops::ControlFlow;
+
+use glam::DVec2;
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use super::found::{Declined, Found, Question};
+use super::sample::Sample;
+use super::samples::{Cells, Samples};
+use super::search::{Scratch, Search};
+use crate::domain::Domain;
+use crate::error::VerifyError;
+use crate::input::check_points;
+use crate::monitor::{Monitor, Progress};
+use crate::region::Region;
+
+/// Arcs shorter than this are rounding: where two circles cross exactly on a third.
+const SHORTEST: f64 = 1e-9;
+
+/// A part of the circle around a sample that lies in the region and in no other sample's open disk.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ExposedArc {
+    /// Index of the sample.
+    pub sample: usize,
+    /// Where it begins, as an angle from the x axis, anticlockwise, in radians: from 0 to 2 pi.
+    pub from: f64,
+    /// Where it ends, going anticlockwise: more than `from`, by 2 pi at most.
+    pub to: f64,
+}
+
+/// Returns the exposed arcs of the circles of one radius around all samples, by sample and then by angle. There is none exactly
+/// when the disks cover the region, up to arcs below 10^-9 radians.
+///
+/// Unlike [`verify`](crate::verify) it takes a set of any stage of a run: few samples, or many conflicts. `control` is called
+/// now and then; `Break` cancels.
+///
+/// # Errors
+///
+/// As [`verify`](crate::verify); [`VerifyError::Crowded`] where many samples lie at one place, and
+/// [`VerifyError::BadRadius`] where the radius is many times a period or a tiny fraction of the extent.
+pub fn exposed_arcs(
+    points: &[[f64; 2]],
+    region: Region,
+    radius: f64,
+    control: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+) -> Result<Vec<ExposedArc>, VerifyError> {
+    let domain = Domain::new(region)?;
+    let scaled_radius = domain.scale_radius(radius)?;
+    check_points(points, region)?;
+    let monitor = Monitor::new(control, points.len() as u64);
+    monitor.advance(0)?;
+    let question = Question {
+        domain,
+        radius: scaled_radius,
+        limit: scaled_radius,
+        witnesses: 0,
+    };
+    let declined = |declined| match declined {
+        Declined::Crowded => VerifyError::Crowded {
+            samples: points.len(),
+        },
+        Declined::Radius | Declined::Sparse | Declined::Holes => VerifyError::BadRadius { radius },
+    };
+    let samples = points.iter().enumerate().map(|(index, &point)| Sample {
+        position: domain.scale_point(point),
+        id: index as u32,
+    });
+    let cells = Cells::new(domain, scaled_radius).map_err(declined)?;
+    let samples = Samples::new(cells, 0, cells.counts[1], samples).map_err(declined)?;
+    let search = Search::resumed(&question, &samples, scaled_radius, scaled_radius);
+    let tiles = search.rectangles(0..cells.counts[1] as i64);
+    let arcs = tiles
+        .par_iter()
+        .map_init(Scratch::default, |scratch, rectangle| {
+            let mut found = Found::new(0);
+            search
+                .scan(scratch, rectangle, &mut found)
+                .map_err(declined)?;
+            let mut arcs = Vec::new();
+            for index in search.unproven(scratch) {
+                let id = samples.all[scratch.tile.source[index] as usize].id as usize;
+                let covering = search.covering_arcs(scratch, index);
+                arcs.extend(open(&covering).into_iter().map(|[from, to]| ExposedArc {
+                    sample: id,
+                    from,
+                    to,
+                }));
+            }
+            monitor.advance(scratch.tile.own().map(|run| run.len() as u64).sum())?;
+            Ok(arcs)
+        })
+        .collect::<Result<Vec<_>, VerifyError>>()?;
+    let mut arcs = arcs.concat();
+    arcs.sort_unstable_by(|a, b| a.sample.cmp(&b.sample).then(a.from.total_cmp(&b.from)));
+    Ok(arcs)
+}
+
+/// What the covered arcs, each given as a direction and the cosine of its half, leave of the circle.
+fn open(covered: &[(DVec2, f64)]) -> Vec<[f64; 2]> {
+    let mut arcs: Vec<[f64; 2]> = covered
+        .iter()
+        .map(|&(toward, cos)| {
+            let half = cos.clamp(-1.0, 1.0).acos();
+            let start = (toward.to_angle() - half).rem_euclid(TAU);
+            [start, start + 2.0 * half]
+        })
+        .collect();
+    arcs.sort_unstable_by(|a, b| a[0].total_cmp(&b[0]));
+    let Some(first) = arcs.first() else {
+        return vec![[0.0, TAU]];
+    };
+    let begin = first[0];
+    // Arcs that begin late cover the beginning of the circle as well.
+    let around = arcs.iter().map(|arc| arc[1] - TAU).fold(begin, f64::max);
+    let mut covered_to = around.max(begin);
+    let mut open = Vec::new();
+    for &[start, end] in &arcs {
+        if start - covered_to > SHORTEST {
+            open.push([covered_to, start]);
+        }
+        covered_to = covered_to.max(end);
+    }
+    if begin + TAU - covered_to > SHORTEST {
+        let from = covered_to.rem_euclid(TAU);
+        open.push([from, from + begin + TAU - covered_to]);
+        open.sort_unstable_by(|a, b| a[0].total_cmp(&b[0]));
+    }
+    open
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn degrees(arcs: &[[f64; 2]]) -> Vec<[i32; 2]> {
+        let rounded = |arc: &[f64; 2]| arc.map(|end| end.to_degrees().round() as i32);
+        arcs.iter().map(rounded).collect()
+    }
+
+    fn arc(from: f64, to: f64) -> (DVec2, f64) {
+        let (middle, half) = (from.midpoint(to).to_radians(), (to - from) / 2.0);
+        (DVec2::from_angle(middle), half.to_radians().cos())
+    }
+
+    #[test]
+    fn what_arcs_leave_is_open() {
+        assert_eq!(degrees(&open(&[])), [[0, 360]]);
+        assert_eq!(degrees(&open(&[arc(10.0, 100.0)])), [[100, 370]]);
+        assert_eq!(degrees(&open(&[arc(-30.0, 100.0)])), [[100, 330]]);
+        let three = [arc(-30.0, 100.0), arc(90.0, 220.0), arc(230.0, 300.0)];
+        assert_eq!(degrees(&open(&three)), [[220, 230], [300, 330]]);
+        let all = [arc(-30.0, 100.0), arc(90.0, 220.0), arc(210.0, 340.0)];
+        assert!(open(&all).is_empty());
+    }
+}

@@ -1,0 +1,125 @@
+//! The question to the second judge, its answer, and the reasons for which it gives none. Plain data.
+
+use serde::{Deserialize, Serialize};
+
+use super::gaps::Gaps;
+use super::sample::Sample;
+use crate::domain::Domain;
+use crate::error::VerifyError;
+use crate::findings::Findings;
+use crate::judge::Judge;
+use crate::witness::Conflict;
+use crate::worst::Worst;
+
+/// Why the judge leaves a set to the first one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Declined {
+    /// The radius is many times the period or a tiny fraction of the extent.
+    Radius,
+    /// There are many more cells than samples, or no two samples are near each other.
+    Sparse,
+    /// Many samples lie in few cells.
+    Crowded,
+    /// There is a hole of many radii, or there are very many.
+    Holes,
+}
+
+/// Either a result, or why there is none.
+pub(crate) type Judged<T> = Result<Result<T, Declined>, VerifyError>;
+
+/// What the search found, in the domain's unit.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(crate) struct Found {
+    pub conflicts: u64,
+    pub worst_conflicts: Worst<Conflict>,
+    pub min_distance: f64,
+    pub gaps: Gaps,
+    /// Squared distances up to this are looked at closely.
+    pub nearby: f64,
+    /// Samples whose cell reaches farther than the cells around them show.
+    pub exposed: Vec<Sample>,
+}
+
+impl Found {
+    pub fn new(witnesses: usize) -> Self {
+        Self {
+            conflicts: 0,
+            worst_conflicts: Worst::new(witnesses),
+            min_distance: f64::INFINITY,
+            gaps: Gaps::default(),
+            nearby: f64::INFINITY,
+            exposed: Vec::new(),
+        }
+    }
+
+    /// The same for the report, with so many of the largest gaps.
+    pub fn findings(self, witnesses: usize) -> Findings {
+        let mut worst_gaps = Worst::new(witnesses);
+        let gaps = self.gaps.len() as u64;
+        self.gaps
+            .all
+            .into_iter()
+            .for_each(|gap| worst_gaps.push(gap));
+        Findings {
+            judge: Judge::Circles,
+            conflicts: self.conflicts,
+            worst_conflicts: self.worst_conflicts,
+            min_distance: self.min_distance,
+            gaps,
+            worst_gaps,
+            covering_radius: self.gaps.covering_radius,
+        }
+    }
+
+    pub fn merge(mut self, other: Self) -> Self {
+        self.conflicts += other.conflicts;
+        self.worst_conflicts.merge(other.worst_conflicts);
+        self.min_distance = self.min_distance.min(other.min_distance);
+        self.nearby = self.nearby.min(other.nearby);
+        self.gaps.merge(other.gaps);
+        self.exposed.extend(other.exposed);
+        self
+    }
+
+    /// Counts a pair of samples.
+    pub fn add_pair(&mut self, one: Sample, other: Sample, distance: f64, radius: f64) {
+        if distance < radius {
+            self.conflicts += 1;
+            self.worst_conflicts.push(Conflict {
+                first: one.id.min(other.id) as usize,
+                second: one.id.max(other.id) as usize,
+                distance,
+            });
+        }
+        if distance < self.min_distance {
+            self.min_distance = distance;
+            let limit = distance.max(radius);
+            self.nearby = limit * limit * (1.0 + 1e-9);
+        }
+    }
+
+    /// On a torus each sample also neighbours its own copies.
+    pub fn add_own_copies(&mut self, count: usize, period: f64, radius: f64) {
+        self.min_distance = self.min_distance.min(period);
+        if period < radius {
+            self.conflicts += count as u64;
+            for id in 0..count {
+                self.worst_conflicts.push(Conflict {
+                    first: id,
+                    second: id,
+                    distance: period,
+                });
+            }
+        }
+    }
+}
+
+/// The question.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Question {
+    pub domain: Domain,
+    pub radius: f64,
+    /// Circles larger than this are gaps.
+    pub limit: f64,
+    pub witnesses: usize,
+}

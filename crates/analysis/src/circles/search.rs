@@ -1,0 +1,390 @@
+//! The search for exposed circles: tiles of a set on all threads, and the cells that reach into holes.
+//! It decides the sequence of proofs; each proof has a module of its own.
+
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use glam::DVec2;
+use rayon::prelude::*;
+
+use super::arcs::{self, Arc};
+use super::cell::CellCutter;
+use super::found::{Declined, Found, Judged, Question};
+use super::gaps::Gaps;
+use super::sample::Sample;
+use super::samples::{Cells, Samples};
+use super::table;
+use super::tile::{self, Rectangle, Tile, Unfilled};
+use crate::monitor::Monitor;
+
+/// Columns and rows of a tile without its halo: its samples then fit the second-level cache.
+const TILE: [usize; 2] = [256, 32];
+
+/// Cells around a sample that are looked through for the rim of a hole, before the judge declines.
+const HALOS: [usize; 4] = [4, 12, 32, 64];
+
+/// Most exposed circles; a set with more is far from maximal.
+const MAX_EXPOSED: usize = 1 << 20;
+
+/// Sets of so few samples are searched pair by pair when no two samples are near.
+const FEW: usize = 4096;
+
+/// Judges a whole set.
+pub(crate) fn search(
+    points: &[[f64; 2]],
+    question: &Question,
+    monitor: &Monitor<'_>,
+) -> Judged<Found> {
+    let samples = points.iter().enumerate().map(|(index, &point)| Sample {
+        position: question.domain.scale_point(point),
+        id: index as u32,
+    });
+    let samples = Cells::new(question.domain, question.limit)
+        .and_then(|cells| Samples::new(cells, 0, cells.counts[1], samples));
+    let samples = match samples {
+        Ok(samples) => samples,
+        Err(declined) => return Ok(Err(declined)),
+    };
+    let mut search = Search::new(question, &samples);
+    let tiles = search.rectangles(0..samples.cells.counts[1] as i64);
+    if let Err(declined) = search.begin(&tiles) {
+        return Ok(Err(declined));
+    }
+    let found = match search.tiles(&tiles, monitor)? {
+        Ok(found) => found,
+        Err(declined) => return Ok(Err(declined)),
+    };
+    let found = search.holes(found, &HALOS, monitor)?;
+    Ok(found.and_then(|found| search.finish(found, points.len())))
+}
+
+pub(super) struct Search<'a> {
+    question: &'a Question,
+    samples: &'a Samples,
+    /// The bits of the largest distance so far of a corner of a cell from its sample.
+    farthest: AtomicU64,
+    /// The radius of the first circles.
+    pub least: f64,
+}
+
+/// What a thread needs to look at tiles.
+#[derive(Default)]
+pub(super) struct Scratch {
+    pub tile: Tile,
+    cutter: CellCutter,
+    arcs: Vec<Arc>,
+}
+
+impl<'a> Search<'a> {
+    fn new(question: &'a Question, samples: &'a Samples) -> Self {
+        Self::resumed(question, samples, 0.0, 0.0)
+    }
+
+    /// Goes on with what was known before.
+    pub fn resumed(
+        question: &'a Question,
+        samples: &'a Samples,
+        farthest: f64,
+        least: f64,
+    ) -> Self {
+        Self {
+            question,
+            samples,
+            farthest: AtomicU64::new(farthest.to_bits()),
+            least,
+        }
+    }
+
+    pub fn farthest(&self) -> f64 {
+        f64::from_bits(self.farthest.load(Ordering::Relaxed))
+    }
+
+    /// The radius of the circles: the largest that is known to be needed, up to the limit.
+    fn rho(&self) -> f64 {
+        self.farthest().min(self.question.limit)
+    }
+
+    fn reaches(&self, farthest: f64) {
+        // Bits of numbers that are not negative sort as they do.
+        self.farthest
+            .fetch_max(farthest.to_bits(), Ordering::Relaxed);
+    }
+
+    /// Cuts rows into tiles.
+    pub fn rectangles(&self, rows: std::ops::Range<i64>) -> Vec<Rectangle> {
+        let columns = self.samples.cells.counts[0] as i64;
+        let step = TILE.map(|side| side as i64);
+        let mut all = Vec::new();
+        for row in rows.clone().step_by(TILE[1]) {
+            for column in (0..columns).step_by(TILE[0]) {
+                all.push(Rectangle {
+                    columns: column..columns.min(column + step[0]),
+                    rows: row..rows.end.min(row + step[1]),
+                });
+            }
+        }
+        all
+    }
+
+    /// Looks at all samples of some tiles.
+    pub fn tiles(&self, tiles: &[Rectangle], monitor: &Monitor<'_>) -> Judged<Found> {
+        let none = || Ok(Found::new(self.question.witnesses));
+        tiles
+            .par_iter()
+            .map_init(Scratch::default, |scratch, rectangle| {
+                let found = self.tile(scratch, rectangle);
+                let count: usize = scratch.tile.own().map(|run| run.len()).sum();
+                monitor.advance(count as u64)?;
+                Ok(found)
+            })
+            .try_reduce(none, |left, right| {
+                Ok(left.and_then(|left| Ok(left.merge(right?))))
+            })
+    }
+
+    /// Cuts out cells until one gives the circles a radius to begin with: more than half that of a conflict, so that no
+    /// conflict is beyond their neighbours.
+    pub fn begin(&mut self, tiles: &[Rectangle]) -> Result<(), Declined> {
+        let mut scratch = Scratch::default();
+        let (reach, limit) = (self.samples.cells.reach, self.question.limit);
+        let mut seen = 0;
+        for rectangle in tiles {
+            self.fill(&mut scratch.tile, rectangle, reach)?;
+            for first in scratch.tile.own().flatten() {
+                let cell = scratch
+                    .cutter
+                    .cut(self.samples, &scratch.tile, first, reach, limit);
+                self.reaches(cell.map_or(limit, |cell| cell.farthest));
+                self.least = self.rho();
+                seen += 1;
+                if self.least > 0.51 * self.question.radius {
+                    return Ok(());
+                }
+                if seen > FEW {
+                    return Err(Declined::Crowded);
+                }
+            }
+        }
+        Err(Declined::Crowded)
+    }
+
+    fn fill(
+        &self,
+        tile: &mut Tile,
+        rectangle: &Rectangle,
+        halo: [usize; 2],
+    ) -> Result<(), Declined> {
+        tile.fill(self.samples, rectangle, halo)
+            .map_err(|unfilled| match unfilled {
+                Unfilled::Declined(declined) => declined,
+                Unfilled::Rows => Declined::Holes,
+            })
+    }
+
+    /// Fills a tile and scans its pairs.
+    pub fn scan(
+        &self,
+        scratch: &mut Scratch,
+        rectangle: &Rectangle,
+        found: &mut Found,
+    ) -> Result<(), Declined> {
+        let tile = &mut scratch.tile;
+        self.fill(tile, rectangle, self.samples.cells.reach)?;
+        tile.scan(self.samples, self.rho(), self.question.radius, found);
+        Ok(())
+    }
+
+    /// The tile's own samples whose circles the scan did not prove covered.
+    pub fn unproven(&self, scratch: &Scratch) -> Vec<usize> {
+        let own = scratch.tile.own().flatten();
+        own.filter(|&index| scratch.tile.mask(index) != table::FULL)
+            .collect()
+    }
+
+    /// The arcs of a circle that others and the outside of the region cover: the direction of the middle of each, and the cosine
+    /// of its half.
+    pub fn covering_arcs(&self, scratch: &mut Scratch, index: usize) -> Vec<(DVec2, f64)> {
+        self.arcs(&scratch.tile, index, &mut scratch.arcs);
+        let arcs = scratch
+            .arcs
+            .iter()
+            .map(|arc| (arc.toward, arc.least / arc.toward.length()));
+        arcs.filter(|(_, cos)| *cos < 1.0).collect()
+    }
+
+    fn tile(&self, scratch: &mut Scratch, rectangle: &Rectangle) -> Result<Found, Declined> {
+        let mut found = Found::new(self.question.witnesses);
+        self.scan(scratch, rectangle, &mut found)?;
+        let Scratch { tile, cutter, arcs } = scratch;
+        let (reach, limit) = (self.samples.cells.reach, self.question.limit);
+        for index in tile.own().flatten() {
+            if tile.mask(index) == table::FULL || self.arcs_prove(tile, index, arcs) {
+                continue;
+            }
+            match cutter.cut(self.samples, tile, index, reach, limit) {
+                Some(cell) => {
+                    self.reaches(cell.farthest);
+                    found.gaps.add(cell);
+                }
+                None => (found.exposed).push(self.samples.all[tile.source[index] as usize]),
+            }
+        }
+        Ok(found)
+    }
+
+    /// Whether the ends of arcs prove a sample's circle covered.
+    fn arcs_prove(&self, tile: &Tile, index: usize, arcs: &mut Vec<Arc>) -> bool {
+        let rho = self.arcs(tile, index, arcs);
+        let extent = self.question.domain.extent.max_element() / rho;
+        let margin = 2f64.powi(-40) + 2f64.powi(-49) * extent;
+        let two_cover = |stretch| arcs::two_cover(arcs, stretch, margin);
+        table::open_stretches(tile.mask(index)).all(two_cover)
+            || arcs::certainly_cover(arcs, margin)
+    }
+
+    /// Lists what may cover a sample's circle: the disks near it and the sides of the region. Returns the circle's radius.
+    fn arcs(&self, tile: &Tile, index: usize, arcs: &mut Vec<Arc>) -> f64 {
+        let domain = &self.question.domain;
+        let rho = self.rho();
+        arcs.clear();
+        tile.around(index, self.samples.cells.reach, |_, offset| {
+            let offset = offset / rho;
+            if offset.length_squared() < 4.0 {
+                arcs.push(Arc::of_disk(offset));
+            }
+        });
+        if !domain.periodic {
+            let position = tile.position(index);
+            let sides = [
+                (DVec2::NEG_X, position.x),
+                (DVec2::X, domain.extent.x - position.x),
+                (DVec2::NEG_Y, position.y),
+                (DVec2::Y, domain.extent.y - position.y),
+            ];
+            arcs.extend(sides.map(|(toward, distance)| Arc {
+                toward,
+                least: distance / rho,
+            }));
+        }
+        rho
+    }
+
+    /// Cuts out the cells that reach into holes, seen with more and more cells around them.
+    pub fn holes(&self, mut found: Found, halos: &[usize], monitor: &Monitor<'_>) -> Judged<Found> {
+        let mut exposed = std::mem::take(&mut found.exposed);
+        if exposed.len() > MAX_EXPOSED {
+            return Ok(Err(Declined::Holes));
+        }
+        for &around in halos {
+            if exposed.is_empty() {
+                break;
+            }
+            monitor.advance(0)?;
+            match self.holes_within(&mut found, exposed, around) {
+                Ok(rest) => exposed = rest,
+                Err(declined) => return Ok(Err(declined)),
+            }
+        }
+        Ok(if exposed.is_empty() && found.gaps.len() <= MAX_EXPOSED {
+            Ok(found)
+        } else {
+            Err(Declined::Holes)
+        })
+    }
+
+    fn holes_within(
+        &self,
+        found: &mut Found,
+        mut exposed: Vec<Sample>,
+        around: usize,
+    ) -> Result<Vec<Sample>, Declined> {
+        let cells = &self.samples.cells;
+        // Cells are twice as high as wide.
+        let halo = [cells.reach[0].max(2 * around), cells.reach[1].max(around)];
+        // Samples of some cells of a row are looked at together.
+        let group = |sample: &Sample| {
+            let (column, row) = (
+                cells.column(sample.position.x),
+                cells.row(sample.position.y),
+            );
+            [row, column / around]
+        };
+        exposed.sort_unstable_by_key(|sample| (group(sample), sample.id));
+        let groups: Vec<&[Sample]> = exposed.chunk_by(|a, b| group(a) == group(b)).collect();
+        let looked: Vec<_> = groups
+            .par_iter()
+            .map_init(Scratch::default, |scratch, samples| {
+                let [row, block] = group(&samples[0]);
+                let columns = block * around..cells.counts[0].min((block + 1) * around);
+                let rectangle = Rectangle {
+                    columns: columns.start as i64..columns.end as i64,
+                    rows: row as i64..row as i64 + 1,
+                };
+                self.fill(&mut scratch.tile, &rectangle, halo)?;
+                Ok(self.cut_exposed(scratch, samples, halo))
+            })
+            .collect::<Result<_, _>>()?;
+        let mut rest = Vec::new();
+        for (gaps, left) in looked {
+            found.gaps.merge(gaps);
+            rest.extend(left);
+        }
+        Ok(rest)
+    }
+
+    /// Cuts out the cells of some samples of a tile; returns those whose cell still reaches farther.
+    fn cut_exposed(
+        &self,
+        Scratch { tile, cutter, .. }: &mut Scratch,
+        exposed: &[Sample],
+        halo: [usize; 2],
+    ) -> (Gaps, Vec<Sample>) {
+        let (mut gaps, mut rest) = (Gaps::default(), Vec::new());
+        for index in tile.own().flatten() {
+            let sample = self.samples.all[tile.source[index] as usize];
+            if exposed
+                .binary_search_by_key(&sample.id, |sample| sample.id)
+                .is_err()
+            {
+                continue;
+            }
+            match cutter.cut(self.samples, tile, index, halo, self.question.limit) {
+                Some(cell) => {
+                    self.reaches(cell.farthest);
+                    gaps.add(cell);
+                }
+                None => rest.push(sample),
+            }
+        }
+        (gaps, rest)
+    }
+
+    /// Completes the smallest distance and settles the gaps.
+    pub fn finish(&self, mut found: Found, count: usize) -> Result<Found, Declined> {
+        let Question {
+            domain,
+            radius,
+            limit,
+            ..
+        } = *self.question;
+        let samples = &self.samples.all;
+        // Pairs are noted up to twice the radius of the first circles.
+        if found.min_distance > 2.0 * self.least {
+            if count > FEW || count > samples.len() {
+                return Err(Declined::Sparse);
+            }
+            for (index, &one) in samples.iter().enumerate() {
+                for &other in &samples[index + 1..] {
+                    let distance = tile::distance(one, other, domain.periods());
+                    found.min_distance = found.min_distance.min(distance);
+                }
+            }
+        }
+        if domain.periodic {
+            found.add_own_copies(count, domain.extent.min_element(), radius);
+        }
+        let longer = domain.extent.max_element();
+        let same = (limit * 2f64.powi(-30)).max(longer * 2f64.powi(-46));
+        found.gaps.settle(&domain, same, limit);
+        Ok(found)
+    }
+}

@@ -1,0 +1,79 @@
+//! Whether a set can be judged at all: its samples, their number and the tolerance. The first offence is named.
+
+use crate::error::VerifyError;
+use crate::grid::Grid;
+use crate::region::Region;
+
+pub(crate) fn check_tolerance(tolerance: f64) -> Result<(), VerifyError> {
+    if tolerance.is_finite() && tolerance >= 0.0 {
+        Ok(())
+    } else {
+        Err(VerifyError::BadTolerance { tolerance })
+    }
+}
+
+pub(crate) fn check_points(points: &[[f64; 2]], region: Region) -> Result<(), VerifyError> {
+    check_count(points.len())?;
+    let mut each = points.iter().enumerate();
+    each.try_for_each(|(index, &point)| check_point(index, point, region))
+}
+
+/// Refuses a sample that is no place of the region.
+pub(crate) fn check_point(
+    index: usize,
+    point: [f64; 2],
+    region: Region,
+) -> Result<(), VerifyError> {
+    if region.contains(point) {
+        return Ok(());
+    }
+    Err(if point.iter().all(|value| value.is_finite()) {
+        VerifyError::OutOfRegion {
+            index,
+            point,
+            region,
+        }
+    } else {
+        VerifyError::NotFinite { index, point }
+    })
+}
+
+fn check_count(count: usize) -> Result<(), VerifyError> {
+    let limit = Grid::MAX_SAMPLES;
+    match count {
+        0 => Err(VerifyError::Empty),
+        1.. if count <= limit => Ok(()),
+        _ => Err(VerifyError::TooMany { count, limit }),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sample_counts_are_limited_to_what_indices_can_name() {
+        assert_eq!(check_count(0), Err(VerifyError::Empty));
+        assert_eq!(check_count(1), Ok(()));
+        let limit = Grid::MAX_SAMPLES;
+        assert_eq!(check_count(limit), Ok(()));
+        // On a 32-bit target no slice can be longer than the limit.
+        if let Some(count) = limit.checked_add(1) {
+            assert_eq!(
+                check_count(count),
+                Err(VerifyError::TooMany { count, limit })
+            );
+        }
+    }
+
+    #[test]
+    fn tolerances_are_finite_and_not_negative() {
+        assert_eq!(check_tolerance(0.0), Ok(()));
+        for tolerance in [-1e-9, f64::NAN, f64::INFINITY] {
+            assert!(matches!(
+                check_tolerance(tolerance),
+                Err(VerifyError::BadTolerance { .. })
+            ));
+        }
+    }
+}
