@@ -81,37 +81,35 @@ mod tests {
 
     #[test]
     fn every_difference_is_a_fault() {
-        let changes: [(&str, fn(&mut Report)); 4] = [
-            ("conflicts", |report| report.conflicts += 1),
-            ("smallest distance", |report| {
-                report.min_distance = report.min_distance.next_up()
-            }),
-            ("covering radius", |report| {
-                report.covering_radius *= 1.0 + 1e-8
-            }),
-            ("maximality", |report| {
-                (report.gaps, report.covering_tolerance) = (1, 0.1)
-            }),
-        ];
-        for (name, change) in changes {
-            let [first, mut second] = reports();
-            let first = Report {
-                covering_tolerance: if name == "maximality" {
-                    0.1
-                } else {
-                    first.covering_tolerance
-                },
-                ..first
-            };
-            change(&mut second);
-            let fault = agreed(first, second).expect_err(name);
-            assert!(
-                fault
-                    .to_string()
-                    .starts_with(&format!("the two judges disagree on the {name}")),
-                "{fault}"
-            );
-        }
+        let tolerant = |report: Report| Report {
+            covering_tolerance: 0.1,
+            ..report
+        };
+        let fault = |change: fn(Report) -> Report| {
+            let [first, second] = reports().map(tolerant);
+            assert!(agreed(first.clone(), second.clone()).is_ok());
+            agreed(first, change(second))
+                .expect_err("a fault")
+                .to_string()
+        };
+        let on = |name: &str| format!("the two judges disagree on the {name}: ");
+        let conflicts = fault(|report| Report {
+            conflicts: 1,
+            ..report
+        });
+        assert!(conflicts.starts_with(&on("conflicts")), "{conflicts}");
+        let distance = fault(|report| Report {
+            min_distance: report.min_distance.next_up(),
+            ..report
+        });
+        assert!(distance.starts_with(&on("smallest distance")), "{distance}");
+        let covering = fault(|report| Report {
+            covering_radius: report.covering_radius * (1.0 + 1e-8),
+            ..report
+        });
+        assert!(covering.starts_with(&on("covering radius")), "{covering}");
+        let maximality = fault(|report| Report { gaps: 1, ..report });
+        assert!(maximality.starts_with(&on("maximality")), "{maximality}");
     }
 
     /// Within rounding of the limit the second judge, which compares exactly, decides.

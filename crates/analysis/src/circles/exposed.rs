@@ -81,7 +81,7 @@ pub fn exposed_arcs(
                 .scan(scratch, rectangle, &mut found)
                 .map_err(declined)?;
             let mut arcs = Vec::new();
-            for index in search.unproven(scratch) {
+            for index in scratch.unproven() {
                 let id = samples.all[scratch.tile.source[index] as usize].id as usize;
                 let covering = search.covering_arcs(scratch, index);
                 arcs.extend(open(&covering).into_iter().map(|[from, to]| ExposedArc {

@@ -74,6 +74,15 @@ pub(super) struct Scratch {
     arcs: Vec<Arc>,
 }
 
+impl Scratch {
+    /// The tile's own samples whose circles the scan did not prove covered.
+    pub fn unproven(&self) -> Vec<usize> {
+        let own = self.tile.own().flatten();
+        own.filter(|&index| self.tile.mask(index) != table::FULL)
+            .collect()
+    }
+}
+
 impl<'a> Search<'a> {
     fn new(question: &'a Question, samples: &'a Samples) -> Self {
         Self::resumed(question, samples, 0.0, 0.0)
@@ -191,13 +200,6 @@ impl<'a> Search<'a> {
         self.fill(tile, rectangle, self.samples.cells.reach)?;
         tile.scan(self.samples, self.rho(), self.question.radius, found);
         Ok(())
-    }
-
-    /// The tile's own samples whose circles the scan did not prove covered.
-    pub fn unproven(&self, scratch: &Scratch) -> Vec<usize> {
-        let own = scratch.tile.own().flatten();
-        own.filter(|&index| scratch.tile.mask(index) != table::FULL)
-            .collect()
     }
 
     /// The arcs of a circle that others and the outside of the region cover: the direction of the middle of each, and the cosine

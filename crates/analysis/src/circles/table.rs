@@ -188,7 +188,7 @@ mod tests {
                     ] {
                         let x = (corner[0] + at[0]) / PER_RADIUS;
                         let y = (corner[1] + at[1]) / PER_RADIUS;
-                        all &= x * cos + y * sin > (x * x + y * y) / 2.0;
+                        all &= x * cos + y * sin > 0.5 * (x * x + y * y);
                     }
                 }
                 let claims = mask >> bin & 1 == 1;

@@ -381,7 +381,7 @@ fn exposed_arcs_are_those_that_no_other_disk_covers() {
                             || (arc.from..arc.to).contains(&(angle + turn))
                     };
                     assert_eq!(
-                        own.iter().any(|arc| is_in(arc)),
+                        own.iter().any(is_in),
                         nearest > radius,
                         "{boundary:?} {sample} {angle}"
                     );
