@@ -101,7 +101,9 @@ fn core_and_analysis_use_little_else() {
         (
             "tilescope-analysis",
             &[
+                "fearless_simd",
                 "glam",
+                "num-bigint",
                 "postcard",
                 "rayon",
                 "rustfft",
