@@ -41,7 +41,11 @@ const fn is_kept(part: Part) -> bool {
 const fn is_net(part: Part) -> bool {
     matches!(
         part,
-        Part::Delaunay | Part::Voronoi | Part::Circumcircles | Part::GapBorders
+        Part::Delaunay
+            | Part::Voronoi
+            | Part::Circumcircles
+            | Part::CoveredCircles
+            | Part::GapBorders
     )
 }
 
@@ -171,6 +175,11 @@ fn leaves_out(scene: &Scene<'_>) -> bool {
         Stage::Iterate(_) => has(Layer::Detectors) || has(Layer::Candidates),
         _ => false,
     };
-    let net = [Layer::Delaunay, Layer::Voronoi, Layer::Circumcircles];
+    let net = [
+        Layer::Delaunay,
+        Layer::Voronoi,
+        Layer::Circumcircles,
+        Layer::CoveredCircles,
+    ];
     by_stage || scene.stage >= Stage::Tile && net.into_iter().any(has)
 }

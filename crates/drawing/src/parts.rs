@@ -31,6 +31,8 @@ pub enum Part {
     Voronoi,
     /// Circumcircles larger than r.
     Circumcircles,
+    /// The circles around samples, and their exposed arcs.
+    CoveredCircles,
     /// The borders of gaps.
     GapBorders,
     /// The samples' disks.
@@ -63,12 +65,13 @@ pub enum Part {
 
 impl Part {
     /// Every part, from bottom to top.
-    pub const ALL: [Self; 19] = [
+    pub const ALL: [Self; 20] = [
         Self::Tints,
         Self::Band,
         Self::Delaunay,
         Self::Voronoi,
         Self::Circumcircles,
+        Self::CoveredCircles,
         Self::GapBorders,
         Self::Disks,
         Self::Borders,
@@ -94,6 +97,7 @@ impl Part {
             Self::Delaunay => "Delaunay",
             Self::Voronoi => "Voronoi",
             Self::Circumcircles => "circumcircles",
+            Self::CoveredCircles => "covered circles",
             Self::GapBorders => "gap borders",
             Self::Disks => "disks",
             Self::Borders => "block borders",
@@ -122,6 +126,7 @@ impl Part {
             Self::Delaunay => is_tiled && has(Layer::Delaunay),
             Self::Voronoi => is_tiled && has(Layer::Voronoi),
             Self::Circumcircles => is_tiled && has(Layer::Circumcircles),
+            Self::CoveredCircles => is_tiled && has(Layer::CoveredCircles),
             Self::GapBorders => is_tiled && scene.is_fine() && has(Layer::Gaps),
             Self::Disks => is_tiled && scene.is_fine() && has(Layer::Disks),
             Self::Tree | Self::TreeNumbers => has(Layer::Tree),
@@ -141,6 +146,7 @@ impl Part {
             Self::Delaunay
             | Self::Voronoi
             | Self::Circumcircles
+            | Self::CoveredCircles
             | Self::GapBorders
             | Self::Disks => scene.inside(),
             _ => scene.rect,
@@ -155,6 +161,7 @@ impl Part {
             Self::Delaunay => geometry::delaunay(scene, surface),
             Self::Voronoi => geometry::voronoi(scene, surface),
             Self::Circumcircles => geometry::circumcircles(scene, surface),
+            Self::CoveredCircles => geometry::covered_circles(scene, surface),
             Self::GapBorders => geometry::gap_borders(scene, surface),
             Self::Disks => samples::disks(scene, looks, surface),
             Self::Borders => blocks::borders(scene, surface),

@@ -1,9 +1,12 @@
 //! The triangulation at the current moment: Delaunay triangles, Voronoi edges and exact gaps of the samples
-//! that cover their disks. `tilescope_analysis` computes it in the background, for display only.
+//! that cover their disks, and the exposed arcs of their circles. `tilescope_analysis` computes it in the background, for display only.
 
+use std::f64::consts::TAU;
+use std::ops::ControlFlow;
 use std::sync::Arc;
 
-use tilescope_analysis::{Boundary, Region, Tessellation};
+use glam::DVec2;
+use tilescope_analysis::{Boundary, COVERING_TOLERANCE, Region, Tessellation, exposed_arcs};
 
 use crate::jobs::{Job, Monitor, Wake};
 use crate::moment::ShownMoment;
@@ -17,11 +20,47 @@ pub const MAX_SAMPLES: usize = 200_000;
 /// A session's generation and a cursor.
 pub type Key = (u64, usize);
 
+/// A part of a sample's circle that no other disk covers. Lengths are in r.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct ExposedArc {
+    /// The sample.
+    pub id: u32,
+    /// Its position.
+    pub center: DVec2,
+    /// Where the arc begins and ends, as angles from the x axis, anticlockwise.
+    pub angles: [f64; 2],
+}
+
+/// What is known of a moment's samples.
+#[derive(serde::Serialize, serde::Deserialize)]
+pub struct Made {
+    tessellation: Tessellation,
+    exposed: Vec<ExposedArc>,
+}
+
+impl Made {
+    /// Returns none where samples cannot be triangulated.
+    fn of(ids: &[u32], points: &[[f64; 2]], region: Region) -> Option<Self> {
+        let go_on = |_| ControlFlow::Continue(());
+        let arcs = exposed_arcs(points, region, 1.0 + COVERING_TOLERANCE, &go_on);
+        let exposed = arcs.unwrap_or_default().into_iter();
+        let exposed = exposed.map(|arc| ExposedArc {
+            id: ids[arc.sample],
+            center: points[arc.sample].into(),
+            angles: [arc.from, arc.to],
+        });
+        Some(Self {
+            tessellation: Tessellation::of(points, region, 1.0).ok()?,
+            exposed: exposed.collect(),
+        })
+    }
+}
+
 /// The triangulation of the moment, as far as it is known.
 #[derive(Default)]
 pub struct Geometry {
-    work: Option<(Key, Job<Option<Tessellation>>)>,
-    ready: Option<(Key, Arc<Tessellation>)>,
+    work: Option<(Key, Job<Option<Made>>)>,
+    ready: Option<(Key, Arc<Made>)>,
     /// The last moment that could not be triangulated.
     failed: Option<Key>,
 }
@@ -29,16 +68,17 @@ pub struct Geometry {
 /// Triangulates samples, in r.
 #[derive(serde::Serialize, serde::Deserialize)]
 pub struct TriangulateTask {
+    ids: Vec<u32>,
     points: Vec<[f64; 2]>,
     region: Region,
 }
 
 impl Task for TriangulateTask {
-    type Outcome = Option<Tessellation>;
+    type Outcome = Option<Made>;
     const NAME: &'static str = "triangulate";
 
     fn run(self, _: &Monitor) -> Self::Outcome {
-        Tessellation::of(&self.points, self.region, 1.0).ok()
+        Made::of(&self.ids, &self.points, self.region)
     }
 }
 
@@ -55,17 +95,47 @@ impl Geometry {
     pub fn made(shown: &ShownMoment<'_>) -> Self {
         let mut geometry = Self::default();
         if shown.session.run().samples.len() <= MAX_SAMPLES {
-            let made = Tessellation::of(&covering(shown), region_of(shown.session), 1.0);
-            geometry.take(key_of(shown), Ok(made.ok()));
+            let (ids, points) = covering(shown);
+            let made = Made::of(&ids, &points, region_of(shown.session));
+            geometry.take(key_of(shown), Ok(made));
         }
         geometry
     }
 
     /// Returns the triangulation of a moment, in r, if that is the one computed last.
     #[must_use]
-    pub fn of(&self, shown: &ShownMoment<'_>) -> Option<&Arc<Tessellation>> {
+    pub fn of(&self, shown: &ShownMoment<'_>) -> Option<&Tessellation> {
+        Some(&self.known(shown)?.tessellation)
+    }
+
+    /// Returns the exposed arcs of a moment, if it is the one computed last, by sample.
+    #[must_use]
+    pub fn exposed(&self, shown: &ShownMoment<'_>) -> Option<&[ExposedArc]> {
+        Some(&self.known(shown)?.exposed)
+    }
+
+    /// Returns the sample whose exposed arc is nearest to a position, within `reach`.
+    #[must_use]
+    pub fn exposed_at(&self, shown: &ShownMoment<'_>, position: DVec2, reach: f64) -> Option<u32> {
+        let size = shown.session.size_radii();
+        let periodic = shown.session.run().domain.is_periodic();
+        let distances = self.exposed(shown)?.iter().filter_map(|arc| {
+            let mut offset = position - arc.center;
+            if periodic {
+                offset -= (offset / size).round() * size;
+            }
+            let [from, to] = arc.angles;
+            let turned = (offset.to_angle() - from).rem_euclid(TAU);
+            let distance = (offset.length() - 1.0).abs();
+            (turned <= to - from && distance <= reach).then_some((distance, arc.id))
+        });
+        let nearest = distances.min_by(|a, b| a.0.total_cmp(&b.0));
+        nearest.map(|(_, id)| id)
+    }
+
+    fn known(&self, shown: &ShownMoment<'_>) -> Option<&Made> {
         let (key, ready) = self.ready.as_ref()?;
-        (*key == key_of(shown)).then_some(ready)
+        (*key == key_of(shown)).then_some(&**ready)
     }
 
     /// Takes a finished triangulation and starts the one of the moment unless it is known or running. One runs
@@ -81,8 +151,13 @@ impl Geometry {
             self.failed = Some(key);
             return;
         }
-        let (points, region) = (covering(shown), region_of(shown.session));
-        let job = task::start(wake, TriangulateTask { points, region });
+        let ((ids, points), region) = (covering(shown), region_of(shown.session));
+        let task = TriangulateTask {
+            ids,
+            points,
+            region,
+        };
+        let job = task::start(wake, task);
         self.work = Some((key, job));
     }
 
@@ -97,9 +172,9 @@ impl Geometry {
         }
     }
 
-    fn take(&mut self, key: Key, outcome: Result<Option<Tessellation>, String>) {
+    fn take(&mut self, key: Key, outcome: Result<Option<Made>, String>) {
         match outcome {
-            Ok(Some(tessellation)) => self.ready = Some((key, Arc::new(tessellation))),
+            Ok(Some(made)) => self.ready = Some((key, Arc::new(made))),
             _ => self.failed = Some(key),
         }
     }
@@ -114,11 +189,10 @@ impl Geometry {
     }
 }
 
-/// Returns the positions of the samples that cover their disks, in r.
-fn covering(shown: &ShownMoment<'_>) -> Vec<[f64; 2]> {
-    let covering = shown.moment().covering(shown.session);
-    let positions = covering.into_iter();
-    (positions.map(|(_, id)| shown.session.position(id).to_array())).collect()
+/// Returns the samples that cover their disks, and their positions in r.
+fn covering(shown: &ShownMoment<'_>) -> (Vec<u32>, Vec<[f64; 2]>) {
+    let covering = shown.moment().covering(shown.session).into_iter();
+    (covering.map(|(_, id)| (id, shown.session.position(id).to_array()))).unzip()
 }
 
 /// Returns the region of a session, in r.

@@ -36,11 +36,13 @@ pub enum Layer {
     Tree,
     /// The seams of a combination, and the band that gluing can have changed.
     Seams,
+    /// The circles around samples, and the arcs of them that no other disk covers.
+    CoveredCircles,
 }
 
 impl Layer {
     /// Every layer, in the order of the chips.
-    pub const ALL: [Self; 15] = [
+    pub const ALL: [Self; 16] = [
         Self::Pattern,
         Self::Blocks,
         Self::Tree,
@@ -56,6 +58,7 @@ impl Layer {
         Self::Delaunay,
         Self::Voronoi,
         Self::Circumcircles,
+        Self::CoveredCircles,
     ];
 
     /// Returns the name on its chip.
@@ -77,6 +80,7 @@ impl Layer {
             Self::Delaunay => "Delaunay",
             Self::Voronoi => "Voronoi",
             Self::Circumcircles => "Circles > r",
+            Self::CoveredCircles => "Covered circles",
         }
     }
 
@@ -122,6 +126,7 @@ impl Layer {
             Self::Delaunay => glossary::DELAUNAY.meaning,
             Self::Voronoi => glossary::VORONOI.meaning,
             Self::Circumcircles => glossary::CIRCUMCIRCLE.meaning,
+            Self::CoveredCircles => glossary::COVERED_CIRCLE.meaning,
         }
     }
 }
@@ -139,6 +144,7 @@ impl Default for Layers {
             Layer::Delaunay,
             Layer::Voronoi,
             Layer::Circumcircles,
+            Layer::CoveredCircles,
         ];
         let shown = Layer::ALL.into_iter().filter(|l| !hidden.contains(l));
         Self(shown.fold(0, |bits, layer| bits | 1 << layer as u32))
@@ -159,6 +165,7 @@ impl Layers {
             || self.has(Layer::Delaunay)
             || self.has(Layer::Voronoi)
             || self.has(Layer::Circumcircles)
+            || self.has(Layer::CoveredCircles)
     }
 
     /// Returns no layers.

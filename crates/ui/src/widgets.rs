@@ -160,6 +160,12 @@ pub fn symbol(painter: &Painter, layer: Layer, at: Pos2, palette: &Palette) {
                 painter.circle_filled(at + 6.0 * Vec2::angled(angle), 1.8, palette.conflict);
             }
         }
+        Layer::CoveredCircles => {
+            painter.circle_stroke(at, 6.0, thin(palette.sample.gamma_multiply(0.5)));
+            let end = |step: u8| at + 6.0 * Vec2::angled(-0.3 - 0.25 * f32::from(step));
+            let arc = (0..=6).map(end).collect();
+            painter.add(Shape::line(arc, Stroke::new(2.8, palette.gap)));
+        }
         Layer::Inserted => {
             let corners = [
                 vec2(0.0, -5.5),

@@ -8,6 +8,7 @@ use egui::{
 };
 use glam::DVec2;
 use tilescope_core::Standing;
+use tilescope_session::layers::Layer;
 use tilescope_session::selection::Selection;
 
 use super::CanvasContext;
@@ -191,6 +192,9 @@ fn nearest(response: &Response, subject: &Subject<'_>, pos: Pos2, reach: f64) ->
                 best = Some((distance, seen.id));
             }
         });
+    if best.is_none() && subject.layers.has(Layer::CoveredCircles) {
+        return subject.geometry.exposed_at(&shown, position, reach);
+    }
     best.map(|(_, id)| id)
 }
 

@@ -7,6 +7,7 @@ use ecolor::Color32;
 use glam::{DVec2, IVec2};
 use tilescope_analysis::Tessellation;
 use tilescope_analysis::tessellation::Edge;
+use tilescope_core::Standing;
 
 use crate::scene::Scene;
 use crate::surface::{Arc, Stroke, Surface};
@@ -98,6 +99,45 @@ pub fn circumcircles(scene: &Scene<'_>, surface: &mut impl Surface) {
                 net.surface.arc(center, radius, Arc::WHOLE, stroke);
             }
         });
+    }
+}
+
+/// Draws the circles around samples: covered ones faint, and exposed arcs so that they glow. Without exposed arcs the set is
+/// maximal.
+pub fn covered_circles(scene: &Scene<'_>, surface: &mut impl Surface) {
+    let Some(exposed) = scene.subject.geometry.exposed(&scene.shown) else {
+        return;
+    };
+    let (palette, radius) = (scene.palette, scene.scale());
+    let index = &scene.session.index;
+    if scene.is_fine() && index.count_in(scene.low, scene.high) <= MAX_CIRCLES {
+        let stroke = Stroke::new(0.8, palette.sample.gamma_multiply(0.3));
+        index.visit(scene.low, scene.high, 1.0, |seen| {
+            if matches!(
+                scene.shown.standing(seen.id),
+                Standing::Tiled | Standing::Valid
+            ) {
+                surface.arc(scene.at(seen.position), radius, Arc::WHOLE, stroke);
+            }
+        });
+    }
+    let Some(mut net) = Net::of(scene, surface) else {
+        return;
+    };
+    let glow = [(7.0, 0.25), (2.8, 1.0)];
+    for (width, strength) in glow {
+        let stroke = Stroke::new(width, palette.gap.gamma_multiply(strength));
+        for arc in exposed {
+            let [from, to] = arc.angles;
+            let part = Arc {
+                from: from as f32,
+                sweep: (to - from) as f32,
+            };
+            net.shifts(arc.center - 1.0, arc.center + 1.0, |net, shift| {
+                let center = scene.at(arc.center + shift);
+                net.surface.arc(center, radius, part, stroke);
+            });
+        }
     }
 }
 
