@@ -20,6 +20,13 @@ impl Judge {
     pub fn first() -> Vec<Self> {
         vec![Self::Delaunay]
     }
+
+    /// Returns "Delaunay triangulation and covered circles".
+    #[must_use]
+    pub fn joined(judges: &[Self]) -> String {
+        let names: Vec<String> = judges.iter().map(Self::to_string).collect();
+        names.join(" and ")
+    }
 }
 
 impl fmt::Display for Judge {

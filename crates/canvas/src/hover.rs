@@ -6,6 +6,7 @@ use glam::DVec2;
 use tilescope_analysis::tessellation::Edge;
 use tilescope_core::{Origin, Stage, Standing};
 use tilescope_drawing::palette::Palette;
+use tilescope_session::layers::Layer;
 use tilescope_session::units::radii;
 use tilescope_session::words::grouped;
 
@@ -121,10 +122,26 @@ fn sample(subject: &Subject<'_>, id: u32) -> [String; 2] {
         }
         Origin::Inserted { iteration, .. } => format!("inserted in iteration {iteration}"),
     };
+    let exposed = (subject.layers.has(Layer::CoveredCircles)).then(|| exposed(subject, id));
+    let exposed = exposed.flatten().unwrap_or_default();
     [
-        format!("Sample {number}: {stands}"),
-        format!("Sample {number} {from}: {stands}"),
+        format!("Sample {number}: {stands}{exposed}"),
+        format!("Sample {number} {from}: {stands}{exposed}"),
     ]
+}
+
+/// Describes how much of a sample's circle other disks cover, if the sample has a disk.
+fn exposed(subject: &Subject<'_>, id: u32) -> Option<String> {
+    let shown = &subject.shown;
+    if shown.stage < Stage::Tile || !shown.covers(id) {
+        return None;
+    }
+    let degrees = subject.geometry.exposed_degrees(shown, id)?;
+    Some(if degrees > 0.0 {
+        format!(", {degrees:.1}\u{b0} of its circle exposed")
+    } else {
+        ", its circle covered".to_owned()
+    })
 }
 
 /// Describes the gap at a position, with its extent from there, in r.

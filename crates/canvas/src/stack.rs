@@ -175,11 +175,5 @@ fn leaves_out(scene: &Scene<'_>) -> bool {
         Stage::Iterate(_) => has(Layer::Detectors) || has(Layer::Candidates),
         _ => false,
     };
-    let net = [
-        Layer::Delaunay,
-        Layer::Voronoi,
-        Layer::Circumcircles,
-        Layer::CoveredCircles,
-    ];
-    by_stage || scene.stage >= Stage::Tile && net.into_iter().any(has)
+    by_stage || scene.stage >= Stage::Tile && Layer::NETS.into_iter().any(has)
 }

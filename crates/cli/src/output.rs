@@ -225,12 +225,6 @@ fn what_happened(stage: Stage, s: &Summary, at_once: bool) -> String {
     }
 }
 
-/// Returns "Delaunay triangulation and covered circles".
-fn judges_text(judges: &[Judge]) -> String {
-    let names: Vec<String> = judges.iter().map(Judge::to_string).collect();
-    names.join(" and ")
-}
-
 /// Returns the verdict in a few lines.
 pub fn verdict_text(report: &Report) -> String {
     let r = report.radius;
@@ -247,7 +241,7 @@ pub fn verdict_text(report: &Report) -> String {
         answer(report.maximal(), report.gaps),
         report.covering_radius / r,
         1.0 + report.covering_tolerance,
-        judges_text(&report.judges)
+        Judge::joined(&report.judges)
     );
     for conflict in report.worst_conflicts.iter().take(3) {
         let (first, second, apart) = (conflict.first, conflict.second, conflict.distance / r);

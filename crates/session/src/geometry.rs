@@ -114,6 +114,16 @@ impl Geometry {
         Some(&self.known(shown)?.exposed)
     }
 
+    /// Returns how much of a sample's circle is exposed at a moment, in degrees, if it is the moment computed last.
+    #[must_use]
+    pub fn exposed_degrees(&self, shown: &ShownMoment<'_>, id: u32) -> Option<f64> {
+        let arcs = self.exposed(shown)?.iter().filter(|arc| arc.id == id);
+        Some(
+            arcs.fold(0.0, |sum, arc| sum + arc.angles[1] - arc.angles[0])
+                .to_degrees(),
+        )
+    }
+
     /// Returns the sample whose exposed arc is nearest to a position, within `reach`.
     #[must_use]
     pub fn exposed_at(&self, shown: &ShownMoment<'_>, position: DVec2, reach: f64) -> Option<u32> {

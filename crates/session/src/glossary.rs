@@ -99,7 +99,7 @@ glossary! {
     OSCILLATION, "oscillation", "", "10 times the root mean square of P \u{2212} 1 beyond the first frequency where P is nearly 1, P being the spectrum that follows from g(r). The scatter of a set of a few hundred samples adds to it.";
     DELAUNAY, "Delaunay triangles", "3.2.1", "The triangles of three samples whose circumcircle holds no other sample.";
     VORONOI, "Voronoi cell", "", "The places that are nearer to one sample than to any other.";
-    COVERED_CIRCLE, "covered circle", "", "The circle of radius r around a sample, if other disks cover all of it. When they cover every circle, the disks cover the domain: the set is maximal. An exposed arc is the border of a gap.";
+    COVERED_CIRCLE, "covered circle", "", "The circle of radius r around a sample, if other disks cover all of it: the set is maximal when every circle is covered. An exposed arc is a part of a circle that no other disk covers, the border of a gap.";
     CIRCUMCIRCLE, "empty circle", "3.2.1", "A circle through three samples with no sample inside. One that is larger than r proves a gap.";
 }
 

@@ -61,6 +61,14 @@ impl Layer {
         Self::CoveredCircles,
     ];
 
+    /// The layers that are computed from a moment's triangulation and circles.
+    pub const NETS: [Self; 4] = [
+        Self::Delaunay,
+        Self::Voronoi,
+        Self::Circumcircles,
+        Self::CoveredCircles,
+    ];
+
     /// Returns the name on its chip.
     #[must_use]
     pub const fn name(self) -> &'static str {
@@ -160,12 +168,14 @@ impl Layers {
 
     /// Returns whether a layer is on that needs the triangulation of the moment.
     #[must_use]
-    pub const fn wants_geometry(self) -> bool {
-        self.has(Layer::Gaps)
-            || self.has(Layer::Delaunay)
-            || self.has(Layer::Voronoi)
-            || self.has(Layer::Circumcircles)
-            || self.has(Layer::CoveredCircles)
+    pub fn wants_geometry(self) -> bool {
+        self.has(Layer::Gaps) || self.has_net()
+    }
+
+    /// Returns whether one of [`Layer::NETS`] is on.
+    #[must_use]
+    pub fn has_net(self) -> bool {
+        Layer::NETS.into_iter().any(|layer| self.has(layer))
     }
 
     /// Returns no layers.

@@ -39,11 +39,16 @@ pub fn show(
         (Layer::Detectors, "gap detector"),
         (Layer::Candidates, "candidate place"),
         (Layer::Inserted, "inserted sample"),
+        (Layer::Delaunay, "Delaunay triangle"),
+        (Layer::Voronoi, "border of a Voronoi cell"),
+        (Layer::Circumcircles, "empty circle larger than r"),
+        (Layer::CoveredCircles, "exposed arc: covered by no disk"),
     ] {
         let meaning = match layer {
             Layer::Blocks if combination => "rectangle of a piece",
             Layer::Pattern if combination => "rectangle enlarged by r",
             layer if !layer.is_of(combination) => continue,
+            net if Layer::NETS.contains(&net) && !context.appearance.layers.has(net) => continue,
             _ => meaning,
         };
         ui.horizontal(|ui| {

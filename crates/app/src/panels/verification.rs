@@ -3,6 +3,7 @@
 use egui::{
     Color32, CursorIcon, FontId, RichText, Role, Sense, Stroke, StrokeKind, Ui, WidgetInfo, vec2,
 };
+use tilescope_analysis::Judge;
 use tilescope_drawing::palette::Palette;
 use tilescope_session::verification::{Verdict, Witness};
 use tilescope_session::words::{conflicts_in, counted, grouped};
@@ -80,10 +81,10 @@ fn explanation(context: &PanelContext<'_>) -> String {
             format!("The verifier is at work: {:.0}%.", job.fraction() * 100.0)
         }
         Verification::Failed(reason) => reason.clone(),
-        Verification::Done(verdict) if verdict.report.valid() => {
-            "Conflict-free and maximal, says the independent verifier. Click to see the closest pair."
-                .to_owned()
-        }
+        Verification::Done(verdict) if verdict.report.valid() => format!(
+            "Conflict-free and maximal, verified by {}, which share no code with the sampler. Click to see the closest pair.",
+            Judge::joined(&verdict.report.judges)
+        ),
         Verification::Done(_) => "Click to see the conflict or gap.".to_owned(),
     }
 }
@@ -131,6 +132,11 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
         &report.map_or_else(|| "\u{2013}".to_owned(), |r| grouped(r.count)),
         palette,
     );
+    let judges = report.map_or_else(|| "\u{2013}".to_owned(), |r| short(&r.judges));
+    let shown = ui.scope(|ui| row(ui, "Verified by", &judges, palette));
+    if let Some(report) = report {
+        shown.response.on_hover_text(Judge::joined(&report.judges));
+    }
     ui.add_space(4.0);
     ui.horizontal(|ui| {
         for (name, witness, known) in [
@@ -160,6 +166,15 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
         ui.label(RichText::new(reason).color(palette.conflict));
     }
     divide(ui, palette);
+}
+
+/// Returns "Delaunay, circles".
+fn short(judges: &[Judge]) -> String {
+    let name = |judge: &Judge| match judge {
+        Judge::Delaunay => "Delaunay",
+        Judge::Circles => "circles",
+    };
+    judges.iter().map(name).collect::<Vec<_>>().join(", ")
 }
 
 fn property(ui: &mut Ui, name: &str, judged: Option<&(bool, String)>, palette: &Palette) {

@@ -3,11 +3,14 @@
 
 use egui_kittest::Harness;
 use egui_kittest::kittest::NodeT;
+use glam::DVec2;
 use tilescope_app::App;
 use tilescope_core::stages::blocks::Axis;
 use tilescope_core::{Fate, R, RunEvent};
+use tilescope_session::geometry::ExposedArc;
 use tilescope_session::layers::{Colouring, Layer};
 use tilescope_session::look::Look;
+use tilescope_session::selection::Selection;
 use tilescope_session::words::grouped;
 use tilescope_workbench::Command;
 use tilescope_workbench::command::{
@@ -406,4 +409,62 @@ fn the_tag_names_the_thing_under_the_pointer() {
         Command::View(Which::First, ViewCommand::FlyTo([-90.0, -90.0].into(), 6.0)),
     );
     assert_eq!(tag_at(&mut harness, [-90.0, -90.0]), None);
+}
+
+#[test]
+fn exposed_arcs_are_there_while_gaps_are_and_a_click_selects_their_sample() {
+    let mut harness = opened();
+    for command in [
+        Command::Appearance(AppearanceCommand::ToggleReducedMotion),
+        Command::Appearance(AppearanceCommand::ToggleLayer(Layer::CoveredCircles)),
+        Command::Time(TimeCommand::LastStage),
+    ] {
+        apply(&mut harness, command);
+    }
+    let arcs = |harness: &Harness<'_, App>| {
+        let run = &harness.state().state.runs.first;
+        let exposed = run.geometry.exposed(&run.shown().expect("a moment"));
+        exposed.expect("the arcs of the moment").to_vec()
+    };
+    assert_eq!(arcs(&harness), []);
+    let maximal = shoot(&mut harness);
+    apply(&mut harness, Command::Time(TimeCommand::ShowStage(3)));
+    let found = arcs(&harness);
+    let session = session(&harness);
+    let inserted = session.run().iterations[0].inserted.start;
+    // The inserted sample lies in a gap, whose border is made of exposed arcs.
+    let at = session.position(inserted);
+    let apart = |arc: &&ExposedArc| arc.center.distance(at);
+    let nearest = found.iter().min_by(|a, b| apart(a).total_cmp(&apart(b)));
+    let arc = nearest.expect("an arc");
+    assert!((1.0..2.0).contains(&apart(&arc)));
+    assert!(difference(&maximal, &shoot(&mut harness)) > 1e-2);
+
+    let [from, to] = arc.angles;
+    let on_arc = |radius: f64| arc.center + radius * DVec2::from_angle(0.5 * (from + to));
+    apply(
+        &mut harness,
+        Command::View(Which::First, ViewCommand::FlyTo(on_arc(1.0), 6.0)),
+    );
+    let tag = tag_at(&mut harness, on_arc(0.97).into()).expect("a sample");
+    let number = format!("Sample {} ", grouped(arc.id as usize));
+    assert!(
+        tag.starts_with(&number) && tag.ends_with("\u{b0} of its circle exposed"),
+        "{tag}"
+    );
+    let run = &harness.state().state.runs.first;
+    let pos = run.camera.screen_from_domain(run.viewport, on_arc(1.01));
+    harness.event(egui::Event::PointerMoved(pos));
+    for pressed in [true, false] {
+        harness.event(egui::Event::PointerButton {
+            pos,
+            button: egui::PointerButton::Primary,
+            pressed,
+            modifiers: egui::Modifiers::NONE,
+        });
+        harness.step();
+    }
+    settle(&mut harness);
+    let selection = harness.state().state.runs.first.selection();
+    assert_eq!(selection, Selection::Sample(arc.id));
 }

@@ -5,6 +5,7 @@ use tilescope_app::{App, tiles};
 use tilescope_core::{Search, Stage};
 use tilescope_session::combination::CombineCommand;
 use tilescope_session::layers::Layer;
+use tilescope_ui::widgets::Kebab;
 use tilescope_workbench::Command;
 use tilescope_workbench::command::{FormCommand, GpuCommand, WindowCommand};
 use tilescope_workbench::device::Engine;
@@ -134,7 +135,7 @@ fn every_layer_of_a_run_or_a_combination_has_a_chip_that_toggles_it() {
             settle(&mut harness);
         }
         for layer in Layer::ALL {
-            let id = format!("layer.{}", format!("{layer:?}").to_lowercase());
+            let id = format!("layer.{}", Kebab(layer));
             let chip = find(&harness, &id);
             assert_eq!(chip.is_some(), layer.is_of(combination), "{layer:?}");
             let before = harness.state().state.appearance.layers.has(layer);

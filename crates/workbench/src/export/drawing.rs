@@ -26,15 +26,9 @@ pub(super) fn groups(
     causes: Option<&BrushedCause>,
     frame: Rect,
 ) -> Vec<Group> {
-    let nets = [
-        Layer::Delaunay,
-        Layer::Voronoi,
-        Layer::Circumcircles,
-        Layer::CoveredCircles,
-    ];
     let has = |layer| view.layers.has(layer);
     let shows_gaps = has(Layer::Gaps) && view.camera.scale >= MIN_DISK_SCALE;
-    let is_wanted = shows_gaps || nets.into_iter().any(has);
+    let is_wanted = shows_gaps || view.layers.has_net();
     let geometry = if is_wanted && shown.stage >= Stage::Tile {
         Geometry::made(&shown)
     } else {
