@@ -26,7 +26,7 @@
 //! # Errors
 //!
 //! Positions are binary fractions and most offsets are exact; copies across a seam are off by at most 2^-52 of the extent. The
-//! table's arcs are shortened by 2^-16 of a turn's radian at both ends, the margin of the arcs' ends is 2^-40 and 2^-49 of
+//! table's arcs are shortened by 2^-12 radians or more at both ends, the margin of the arcs' ends is 2^-40 and 2^-49 of
 //! the extent in radii: both are far above the errors, so what is proven is so. Distances of conflicts are those of the samples,
 //! rounded once; a distance that is equal to the radius is no conflict.
 
@@ -45,6 +45,5 @@ mod tile;
 
 pub use exposed::{ExposedArc, exposed_arcs};
 pub(crate) use found::Question;
-pub(crate) use sample::Sample;
 pub(crate) use search::search;
 pub(crate) use stream::CircleBands;

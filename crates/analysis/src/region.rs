@@ -52,8 +52,8 @@ impl Region {
     #[must_use]
     pub fn contains(&self, point: [f64; 2]) -> bool {
         let inside = |value: f64, extent: f64| match self.boundary {
-            Boundary::Periodic => (0.0..extent).contains(&value),
-            Boundary::Bounded => (0.0..=extent).contains(&value),
+            Boundary::Periodic => value >= 0.0 && value < extent,
+            Boundary::Bounded => value >= 0.0 && value <= extent,
         };
         inside(point[0], self.width) && inside(point[1], self.height)
     }

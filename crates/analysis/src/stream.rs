@@ -25,7 +25,7 @@ use std::ops::ControlFlow;
 use serde::{Deserialize, Serialize};
 
 use crate::agreement;
-use crate::circles::{CircleBands, Sample};
+use crate::circles::CircleBands;
 use crate::domain::Domain;
 use crate::error::VerifyError;
 use crate::grid::{Entry, Grid};
@@ -219,8 +219,7 @@ impl StreamVerifier {
                     bands.add(entry);
                 }
                 if let Some(circles) = &mut self.circles {
-                    let Entry { position, id } = entry;
-                    circles.add(Sample { position, id });
+                    circles.add(point, entry.id);
                 }
             }
             self.judge_complete(&monitor)?;
@@ -253,10 +252,7 @@ impl StreamVerifier {
         let (region, radius, options) = (search.region, search.radius, &search.options);
         let unjudged = match (&mut self.bands, &mut self.circles) {
             (Some(bands), _) => bands.take_unjudged(search),
-            (None, Some(circles)) => circles.take_unjudged().map(|samples| {
-                let unscaled = |sample: &Sample| (sample.position / search.domain.scale).to_array();
-                samples.iter().map(unscaled).collect()
-            }),
+            (None, Some(circles)) => circles.take_unjudged(),
             (None, None) => None,
         };
         if let Some(all) = unjudged {

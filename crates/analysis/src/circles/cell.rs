@@ -44,7 +44,7 @@ impl CellCutter {
     /// matter.
     pub fn cut(
         &mut self,
-        samples: &Samples,
+        samples: &Samples<'_>,
         tile: &Tile,
         index: usize,
         around: [usize; 2],
@@ -80,7 +80,7 @@ impl CellCutter {
     }
 
     /// Begins with the square that is known, within a bounded region.
-    fn begin(&mut self, samples: &Samples, position: DVec2, known: f64) {
+    fn begin(&mut self, samples: &Samples<'_>, position: DVec2, known: f64) {
         let domain = &samples.cells.domain;
         let (mut low, mut high) = (DVec2::splat(-known), DVec2::splat(known));
         let mut edges = [[Edge::Unknown; 2]; 2];
@@ -149,7 +149,7 @@ impl CellCutter {
 
 /// The empty circles about the corners of one sample's cell.
 struct Circles<'a> {
-    samples: &'a Samples,
+    samples: &'a Samples<'a>,
     tile: &'a Tile,
     index: usize,
 }
@@ -263,7 +263,7 @@ impl Circles<'_> {
     /// and the first of them at home.
     fn in_sequence<const N: usize>(&self, indices: [usize; N]) -> [(u32, Site); N] {
         let mut sites = indices.map(|index| {
-            let Sample { position, id } = self.samples.all[self.tile.source[index] as usize];
+            let Sample { position, id } = self.samples.at(self.tile.source[index] as usize);
             let moved =
                 (self.tile.position(index) - position) / self.samples.cells.domain.periods();
             let periods = moved.to_array().map(|value| value.round() as i64);

@@ -9,8 +9,8 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::found::{Declined, Found, Question};
-use super::sample::Sample;
-use super::samples::{Cells, Samples};
+
+use super::samples::{Cells, Given, Samples};
 use super::search::{Scratch, Search};
 use crate::domain::Domain;
 use crate::error::VerifyError;
@@ -65,12 +65,9 @@ pub fn exposed_arcs(
         },
         Declined::Radius | Declined::Sparse | Declined::Holes => VerifyError::BadRadius { radius },
     };
-    let samples = points.iter().enumerate().map(|(index, &point)| Sample {
-        position: domain.scale_point(point),
-        id: index as u32,
-    });
+    let given = Given { points, ids: None };
     let cells = Cells::new(domain, scaled_radius).map_err(declined)?;
-    let samples = Samples::new(cells, 0, cells.counts[1], samples).map_err(declined)?;
+    let samples = Samples::new(cells, 0, cells.counts[1], given).map_err(declined)?;
     let search = Search::resumed(&question, &samples, scaled_radius, scaled_radius);
     let tiles = search.rectangles(0..cells.counts[1] as i64);
     let arcs = tiles
@@ -81,8 +78,8 @@ pub fn exposed_arcs(
                 .scan(scratch, rectangle, &mut found)
                 .map_err(declined)?;
             let mut arcs = Vec::new();
-            for index in scratch.unproven() {
-                let id = samples.all[scratch.tile.source[index] as usize].id as usize;
+            for index in scratch.tile.open().collect::<Vec<_>>() {
+                let id = samples.at(scratch.tile.source[index] as usize).id as usize;
                 let covering = search.covering_arcs(scratch, index);
                 arcs.extend(open(&covering).into_iter().map(|[from, to]| ExposedArc {
                     sample: id,

@@ -1,6 +1,7 @@
-//! Samples in rows of cells, so that the neighbours of a sample are in the cells around its own.
-//! Some rows of the region or all of them; a row lies in blocks of columns, and a block holds its samples in any sequence.
-//! It decides nothing.
+//! Samples in the sequence of cells, row by row, so that the neighbours of a sample are in the cells around its own.
+//! Some rows of the region or all of them. It decides nothing.
+
+use std::ops::Range;
 
 use glam::DVec2;
 
@@ -8,14 +9,14 @@ use super::found::Declined;
 use super::sample::Sample;
 use crate::domain::Domain;
 
-/// Columns of a block.
-const BLOCK: usize = 32;
-
 /// Sides of a cell in radii: fewer and longer runs of samples are scanned than in square cells.
 const SHAPE: DVec2 = DVec2::new(1.0, 2.0);
 
-/// Blocks of columns that even a set of few samples may have.
-const MIN_BUCKETS: usize = 1 << 16;
+/// Cells that even a set of few samples may have.
+const FEW_CELLS: usize = 1 << 20;
+
+/// Most cells per sample; a maximal set has 0.7.
+const MAX_CELLS_PER_SAMPLE: usize = 16;
 
 /// Cells are larger than the radius by this factor, which pays for the rounding of their borders.
 const SLACK: f64 = 1.0 + 1.0 / 1_048_576.0;
@@ -32,7 +33,7 @@ pub(crate) struct Cells {
     pub domain: Domain,
     /// Columns and rows.
     pub counts: [usize; 2],
-    per_unit: DVec2,
+    pub per_unit: DVec2,
     pub sides: DVec2,
     /// Cells to either side, along each axis, that hold all samples within two radii.
     pub reach: [usize; 2],
@@ -83,78 +84,112 @@ impl Cells {
     }
 }
 
+/// Samples as they were given.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Given<'a> {
+    /// In the caller's unit.
+    pub points: &'a [[f64; 2]],
+    /// Their indices in the whole set, where these are not the indices here.
+    pub ids: Option<&'a [u32]>,
+}
+
 /// Samples of consecutive rows.
 #[derive(Debug)]
-pub(crate) struct Samples {
+pub(crate) struct Samples<'a> {
     pub cells: Cells,
+    given: Given<'a>,
     /// The first row held.
     first: usize,
     /// Rows held; those past the last row of the region are its first ones.
     held: usize,
-    blocks: usize,
-    /// The first sample of each block of each row, and the end.
+    /// The first sample of each cell of each row, and the end.
     starts: Vec<u32>,
-    pub all: Vec<Sample>,
+    /// The samples in the sequence of cells, as indices of those given.
+    order: Vec<u32>,
 }
 
-impl Samples {
-    /// Sorts samples into the rows from `first` on. All must lie in one of these `held` rows.
+/// The cell of a sample in no row that is held.
+const NOT_HELD: u32 = u32::MAX;
+
+impl<'a> Samples<'a> {
+    /// Sorts the samples of the `held` rows from `first` on. Others are passed over.
     pub fn new(
         cells: Cells,
         first: usize,
         held: usize,
-        samples: impl ExactSizeIterator<Item = Sample> + Clone,
+        given: Given<'a>,
     ) -> Result<Self, Declined> {
-        let blocks = cells.counts[0].div_ceil(BLOCK);
-        let count = samples.len();
-        let buckets = held.saturating_mul(blocks);
-        if buckets > MIN_BUCKETS + 4 * count {
+        let [columns, rows] = cells.counts;
+        let all_cells = held.saturating_mul(columns);
+        if all_cells > FEW_CELLS + MAX_CELLS_PER_SAMPLE * given.points.len() {
             return Err(Declined::Sparse);
         }
-        let bucket = |sample: &Sample| {
-            let (row, column) = (
-                cells.row(sample.position.y),
-                cells.column(sample.position.x),
-            );
+        let cell = |point: &[f64; 2]| {
+            let position = cells.domain.scale_point(*point);
+            let row = cells.row(position.y);
             // Rows before the first are those past the last row.
             let slot = if row >= first {
                 row - first
             } else {
-                row + cells.counts[1] - first
+                row + rows - first
             };
-            slot * blocks + column / BLOCK
+            if slot < held {
+                (slot * columns + cells.column(position.x)) as u32
+            } else {
+                NOT_HELD
+            }
         };
-        let mut starts = vec![0_u32; buckets + 2];
-        let buckets: Vec<u32> = samples
-            .clone()
-            .map(|sample| bucket(&sample) as u32)
-            .collect();
-        for &bucket in &buckets {
-            starts[bucket as usize + 2] += 1;
+        let mut starts = vec![0_u32; all_cells + 2];
+        let places: Vec<u32> = given.points.iter().map(cell).collect();
+        for &cell in &places {
+            if cell != NOT_HELD {
+                starts[cell as usize + 2] += 1;
+            }
         }
         for index in 2..starts.len() {
             starts[index] += starts[index - 1];
         }
-        let unset = Sample {
-            position: DVec2::ZERO,
-            id: 0,
-        };
-        let mut all = vec![unset; count];
-        for (sample, bucket) in samples.zip(buckets) {
-            // Each start moves on to that of the next bucket.
-            let next = &mut starts[bucket as usize + 1];
-            all[*next as usize] = sample;
-            *next += 1;
+        let mut order = vec![0; starts[all_cells + 1] as usize];
+        for (index, cell) in places.into_iter().enumerate() {
+            if cell != NOT_HELD {
+                // Each start moves on to that of the next cell.
+                let next = &mut starts[cell as usize + 1];
+                order[*next as usize] = index as u32;
+                *next += 1;
+            }
         }
         starts.pop();
         Ok(Self {
             cells,
+            given,
             first,
             held,
-            blocks,
             starts,
-            all,
+            order,
         })
+    }
+
+    pub fn len(&self) -> usize {
+        self.order.len()
+    }
+
+    /// A sample by its place in the sequence of cells.
+    pub fn at(&self, place: usize) -> Sample {
+        let index = self.order[place];
+        Sample {
+            position: self.position(index),
+            id: self.given.ids.map_or(index, |ids| ids[index as usize]),
+        }
+    }
+
+    /// The positions of samples side by side in the sequence of cells.
+    pub fn positions(&self, places: Range<usize>) -> impl ExactSizeIterator<Item = DVec2> {
+        self.order[places].iter().map(|&index| self.position(index))
+    }
+
+    fn position(&self, index: u32) -> DVec2 {
+        let point = self.given.points[index as usize];
+        self.cells.domain.scale_point(point)
     }
 
     /// The rows that are held, counted on across the seam.
@@ -162,22 +197,11 @@ impl Samples {
         slot(row, self.first, self.cells.counts[1]) < self.held
     }
 
-    /// Calls `each` with the index of every sample of some columns of a row, and with its column.
-    pub fn visit(
-        &self,
-        row: i64,
-        columns: std::ops::Range<usize>,
-        mut each: impl FnMut(u32, usize),
-    ) {
-        let first = slot(row, self.first, self.cells.counts[1]) * self.blocks;
-        let blocks = columns.start / BLOCK..columns.end.div_ceil(BLOCK);
-        let [start, end] = [blocks.start, blocks.end].map(|block| self.starts[first + block]);
-        for index in start..end {
-            let column = self.cells.column(self.all[index as usize].position.x);
-            if columns.contains(&column) {
-                each(index, column);
-            }
-        }
+    /// The first sample of each of some cells of a row, and the end of the last one.
+    pub fn starts(&self, row: i64, columns: Range<usize>) -> &[u32] {
+        let [width, rows] = self.cells.counts;
+        let line = slot(row, self.first, rows) * width;
+        &self.starts[line + columns.start..=line + columns.end]
     }
 }
 

@@ -11,7 +11,7 @@ use super::cell::CellCutter;
 use super::found::{Declined, Found, Judged, Question};
 use super::gaps::Gaps;
 use super::sample::Sample;
-use super::samples::{Cells, Samples};
+use super::samples::{Cells, Given, Samples};
 use super::table;
 use super::tile::{self, Rectangle, Tile, Unfilled};
 use crate::monitor::Monitor;
@@ -34,12 +34,9 @@ pub(crate) fn search(
     question: &Question,
     monitor: &Monitor<'_>,
 ) -> Judged<Found> {
-    let samples = points.iter().enumerate().map(|(index, &point)| Sample {
-        position: question.domain.scale_point(point),
-        id: index as u32,
-    });
+    let given = Given { points, ids: None };
     let samples = Cells::new(question.domain, question.limit)
-        .and_then(|cells| Samples::new(cells, 0, cells.counts[1], samples));
+        .and_then(|cells| Samples::new(cells, 0, cells.counts[1], given));
     let samples = match samples {
         Ok(samples) => samples,
         Err(declined) => return Ok(Err(declined)),
@@ -59,7 +56,7 @@ pub(crate) fn search(
 
 pub(super) struct Search<'a> {
     question: &'a Question,
-    samples: &'a Samples,
+    samples: &'a Samples<'a>,
     /// The bits of the largest distance so far of a corner of a cell from its sample.
     farthest: AtomicU64,
     /// The radius of the first circles.
@@ -74,24 +71,15 @@ pub(super) struct Scratch {
     arcs: Vec<Arc>,
 }
 
-impl Scratch {
-    /// The tile's own samples whose circles the scan did not prove covered.
-    pub fn unproven(&self) -> Vec<usize> {
-        let own = self.tile.own().flatten();
-        own.filter(|&index| self.tile.mask(index) != table::FULL)
-            .collect()
-    }
-}
-
 impl<'a> Search<'a> {
-    fn new(question: &'a Question, samples: &'a Samples) -> Self {
+    fn new(question: &'a Question, samples: &'a Samples<'a>) -> Self {
         Self::resumed(question, samples, 0.0, 0.0)
     }
 
     /// Goes on with what was known before.
     pub fn resumed(
         question: &'a Question,
-        samples: &'a Samples,
+        samples: &'a Samples<'a>,
         farthest: f64,
         least: f64,
     ) -> Self {
@@ -218,8 +206,8 @@ impl<'a> Search<'a> {
         self.scan(scratch, rectangle, &mut found)?;
         let Scratch { tile, cutter, arcs } = scratch;
         let (reach, limit) = (self.samples.cells.reach, self.question.limit);
-        for index in tile.own().flatten() {
-            if tile.mask(index) == table::FULL || self.arcs_prove(tile, index, arcs) {
+        for index in tile.open() {
+            if self.arcs_prove(tile, index, arcs) {
                 continue;
             }
             match cutter.cut(self.samples, tile, index, reach, limit) {
@@ -227,7 +215,7 @@ impl<'a> Search<'a> {
                     self.reaches(cell.farthest);
                     found.gaps.add(cell);
                 }
-                None => (found.exposed).push(self.samples.all[tile.source[index] as usize]),
+                None => (found.exposed).push(self.samples.at(tile.source[index] as usize)),
             }
         }
         Ok(found)
@@ -247,9 +235,10 @@ impl<'a> Search<'a> {
     fn arcs(&self, tile: &Tile, index: usize, arcs: &mut Vec<Arc>) -> f64 {
         let domain = &self.question.domain;
         let rho = self.rho();
+        let per_rho = 1.0 / rho;
         arcs.clear();
         tile.around(index, self.samples.cells.reach, |_, offset| {
-            let offset = offset / rho;
+            let offset = offset * per_rho;
             if offset.length_squared() < 4.0 {
                 arcs.push(Arc::of_disk(offset));
             }
@@ -342,7 +331,7 @@ impl<'a> Search<'a> {
     ) -> (Gaps, Vec<Sample>) {
         let (mut gaps, mut rest) = (Gaps::default(), Vec::new());
         for index in tile.own().flatten() {
-            let sample = self.samples.all[tile.source[index] as usize];
+            let sample = self.samples.at(tile.source[index] as usize);
             if exposed
                 .binary_search_by_key(&sample.id, |sample| sample.id)
                 .is_err()
@@ -368,14 +357,15 @@ impl<'a> Search<'a> {
             limit,
             ..
         } = *self.question;
-        let samples = &self.samples.all;
+        let samples = self.samples;
         // Pairs are noted up to twice the radius of the first circles.
         if found.min_distance > 2.0 * self.least {
             if count > FEW || count > samples.len() {
                 return Err(Declined::Sparse);
             }
-            for (index, &one) in samples.iter().enumerate() {
-                for &other in &samples[index + 1..] {
+            for index in 0..samples.len() {
+                for other in index + 1..samples.len() {
+                    let [one, other] = [index, other].map(|place| samples.at(place));
                     let distance = tile::distance(one, other, domain.periods());
                     found.min_distance = found.min_distance.min(distance);
                 }

@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 
 use super::found::{Declined, Found, Question};
 use super::sample::Sample;
-use super::samples::{Cells, Samples};
+use super::samples::{Cells, Given, Samples};
 use super::search::Search;
 use crate::error::VerifyError;
 use crate::monitor::Monitor;
@@ -24,13 +24,54 @@ const HALOS: [usize; 2] = [4, KEPT];
 /// Least rows of a band: with fewer, the overlaps are costly.
 const MIN_ROWS: usize = 16;
 
+/// Samples of a stream, as they came.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+struct Held {
+    /// In the caller's unit.
+    points: Vec<[f64; 2]>,
+    /// Indices in the stream.
+    ids: Vec<u32>,
+}
+
+impl Held {
+    fn push(&mut self, point: [f64; 2], id: u32) {
+        self.points.push(point);
+        self.ids.push(id);
+    }
+
+    fn append(&mut self, mut other: Self) {
+        self.points.append(&mut other.points);
+        self.ids.append(&mut other.ids);
+    }
+
+    fn given(&self) -> Given<'_> {
+        Given {
+            points: &self.points,
+            ids: Some(&self.ids),
+        }
+    }
+
+    fn retain(&mut self, mut is_wanted: impl FnMut([f64; 2], u32) -> bool) {
+        let mut kept = 0;
+        for index in 0..self.points.len() {
+            let (point, id) = (self.points[index], self.ids[index]);
+            if is_wanted(point, id) {
+                (self.points[kept], self.ids[kept]) = (point, id);
+                kept += 1;
+            }
+        }
+        self.points.truncate(kept);
+        self.ids.truncate(kept);
+    }
+}
+
 /// What is held of a stream, and what was found out.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct CircleBands {
     /// Samples of the rows from `keep` on, as they came, and latecomers of the first row.
-    held: Vec<Sample>,
+    held: Held,
     /// Samples of the first rows of a torus, once they are below `keep`.
-    seam: Vec<Sample>,
+    seam: Held,
     /// Rows below it are no longer in `held`.
     keep: usize,
     /// Rows below it are judged, but for the first ones of a torus.
@@ -44,8 +85,8 @@ pub(crate) struct CircleBands {
 impl CircleBands {
     pub fn new(witnesses: usize) -> Self {
         Self {
-            held: Vec::new(),
-            seam: Vec::new(),
+            held: Held::default(),
+            seam: Held::default(),
             keep: 0,
             closed: 0,
             found: Found::new(witnesses),
@@ -54,18 +95,18 @@ impl CircleBands {
         }
     }
 
-    pub fn add(&mut self, sample: Sample) {
-        self.held.push(sample);
+    pub fn add(&mut self, point: [f64; 2], id: u32) {
+        self.held.push(point, id);
     }
 
     /// Samples held.
     pub fn len(&self) -> usize {
-        self.held.len() + self.seam.len()
+        self.held.points.len() + self.seam.points.len()
     }
 
     /// All samples, if no row was judged.
-    pub fn take_unjudged(&mut self) -> Option<Vec<Sample>> {
-        (self.closed == 0).then(|| mem::take(&mut self.held))
+    pub fn take_unjudged(&mut self) -> Option<Vec<[f64; 2]>> {
+        (self.closed == 0).then(|| mem::take(&mut self.held).points)
     }
 
     /// Whether a region is so high that its rows are worth being judged in bands.
@@ -87,17 +128,15 @@ impl CircleBands {
         if rows.len() < MIN_ROWS {
             return Ok(());
         }
-        let samples = Samples::new(
-            cells,
-            self.keep,
-            complete - self.keep,
-            self.below(&cells, complete).iter().copied(),
-        );
-        let samples = samples.map_err(|declined| refused(declined, question, self.len()))?;
+        let held = mem::take(&mut self.held);
+        let samples = Samples::new(cells, self.keep, complete - self.keep, held.given());
+        let count = held.points.len();
+        let samples = samples.map_err(|declined| refused(declined, question, count))?;
         self.judge(question, &samples, rows.clone(), monitor)?;
         // Circles that reach into holes wait for the rows that their cells may need.
         let ready = |row: usize| row + KEPT < complete && (!cells.domain.periodic || row > KEPT);
         self.holes(question, &samples, ready, monitor)?;
+        self.held = held;
         self.closed = rows.end;
         let pending = self
             .found
@@ -110,17 +149,10 @@ impl CircleBands {
         Ok(())
     }
 
-    /// The held samples of complete rows. Those of the first row are wanted only while it is held.
-    fn below(&self, cells: &Cells, complete: usize) -> Vec<Sample> {
-        let is_held =
-            |sample: &&Sample| (self.keep..complete).contains(&cells.row(sample.position.y));
-        self.held.iter().filter(is_held).copied().collect()
-    }
-
     fn judge(
         &mut self,
         question: &Question,
-        samples: &Samples,
+        samples: &Samples<'_>,
         rows: Range<usize>,
         monitor: &Monitor<'_>,
     ) -> Result<(), VerifyError> {
@@ -129,7 +161,7 @@ impl CircleBands {
         }
         let mut search = Search::resumed(question, samples, self.farthest, self.least);
         let tiles = search.rectangles(rows.start as i64..rows.end as i64);
-        let refuse = |declined| refused(declined, question, samples.all.len());
+        let refuse = |declined| refused(declined, question, samples.len());
         if self.least == 0.0 {
             search.begin(&tiles).map_err(refuse)?;
         }
@@ -144,7 +176,7 @@ impl CircleBands {
     fn holes(
         &mut self,
         question: &Question,
-        samples: &Samples,
+        samples: &Samples<'_>,
         ready: impl Fn(usize) -> bool,
         monitor: &Monitor<'_>,
     ) -> Result<(), VerifyError> {
@@ -156,7 +188,7 @@ impl CircleBands {
         let search = Search::resumed(question, samples, self.farthest, self.least);
         let before = mem::replace(&mut self.found, Found::new(question.witnesses));
         let found = search.holes(before, &HALOS, monitor)?;
-        self.found = found.map_err(|declined| refused(declined, question, samples.all.len()))?;
+        self.found = found.map_err(|declined| refused(declined, question, samples.len()))?;
         self.farthest = search.farthest();
         self.found.exposed = later;
         Ok(())
@@ -167,10 +199,10 @@ impl CircleBands {
         let keep = keep.max(self.keep);
         let (seam, periodic) = (&mut self.seam, cells.domain.periodic);
         let seam_rows = seam_rows(cells);
-        self.held.retain(|sample| {
-            let row = cells.row(sample.position.y);
+        self.held.retain(|point, id| {
+            let row = cells.row(cells.domain.scale_point(point).y);
             if row < keep && row < seam_rows && periodic {
-                seam.push(*sample);
+                seam.push(point, id);
             }
             row >= keep
         });
@@ -196,9 +228,9 @@ impl CircleBands {
         } else {
             (0, all)
         };
-        let mut samples = mem::take(&mut self.held);
-        samples.append(&mut self.seam);
-        let samples = Samples::new(cells, keep, held, samples.iter().copied());
+        let mut left = mem::take(&mut self.held);
+        left.append(mem::take(&mut self.seam));
+        let samples = Samples::new(cells, keep, held, left.given());
         let samples = samples.map_err(|declined| refused(declined, question, count))?;
         self.judge(
             question,

@@ -1,5 +1,5 @@
 //! Which directions around a sample the disk of another one covers, looked up by their offset.
-//! The circle is cut into 128 bins, offsets into squares of a 64th of the radius; a mask has the bins that the disk covers
+//! The circle is cut into 128 bins, offsets into squares of a 128th of the radius; a mask has the bins that the disk covers
 //! wholly *for every offset of its square*, so a union of masks that is full proves the circle covered.
 //! It never proves a circle uncovered.
 
@@ -11,7 +11,7 @@ use glam::DVec2;
 /// Bins of the circle, one a bit.
 const BINS: usize = 128;
 /// Squares along the two radii to either side of a sample.
-pub(super) const HALF: usize = 128;
+pub(super) const HALF: usize = 256;
 pub(super) const SQUARES: usize = 2 * HALF;
 /// Squares in a radius.
 pub(super) const PER_RADIUS: f64 = HALF as f64 / 2.0;
@@ -71,7 +71,23 @@ fn directions() -> &'static [DVec2; BINS] {
     })
 }
 
-pub(super) struct Table(Box<[Mask]>);
+/// Bins side by side: the first one in the lower byte, their number in the higher one. A table of masks would be eight times as
+/// large, and most lookups would miss the caches near the processor.
+type Stretch = u16;
+
+/// Most bins of a stretch; only the disk of a sample at the same place covers one more.
+const MAX_STRETCH: i32 = 63;
+
+const fn mask_of(stretch: Stretch) -> Mask {
+    let (first, count) = (stretch & 0x7f, stretch >> 8);
+    let bins = !(u64::MAX << count);
+    let shift = first % 64;
+    let (low, high) = (bins << shift, (bins >> 1) >> (63 - shift));
+    let (low, high) = if first < 64 { (low, high) } else { (high, low) };
+    (high as Mask) << 64 | low as Mask
+}
+
+pub(super) struct Table(Box<[Stretch; SQUARES * SQUARES]>);
 
 impl Table {
     pub fn get() -> &'static Self {
@@ -85,12 +101,12 @@ impl Table {
         let arcs: Vec<Option<Arc>> = (0..side * side)
             .map(|index| Arc::at([index % side, index / side]))
             .collect();
-        let mut masks = vec![0; SQUARES * SQUARES];
+        let mut stretches = vec![0; SQUARES * SQUARES];
         for y in 0..HALF {
             for x in 0..HALF {
                 let corners = [(x, y), (x + 1, y), (x, y + 1), (x + 1, y + 1)];
                 let arcs = corners.map(|(x, y)| arcs[y * side + x]);
-                let mask = common(arcs);
+                let (first, count) = common(arcs);
                 let (x, y) = (x as i64, y as i64);
                 // A quarter turn takes the square at (x, y) to the one at (-y - 1, x).
                 for (turn, [x, y]) in [[x, y], [-y - 1, x], [-x - 1, -y - 1], [y, -x - 1]]
@@ -98,18 +114,20 @@ impl Table {
                     .enumerate()
                 {
                     let [x, y] = [x, y].map(|value| (value + HALF as i64) as usize);
-                    masks[y * SQUARES + x] = mask.rotate_left((turn * BINS / 4) as u32);
+                    let turned = (first + (turn * BINS / 4) as i32).rem_euclid(BINS as i32);
+                    stretches[y * SQUARES + x] = (turned | count << 8) as Stretch;
                 }
             }
         }
-        Self(masks.into_boxed_slice())
+        let stretches = stretches.into_boxed_slice();
+        Self(stretches.try_into().expect("a stretch for each square"))
     }
 
     /// The mask of a square, counted line by line from the one at two radii below and to the left.
     #[inline]
     pub fn mask(&self, square: i32) -> Mask {
         // The remainder spares a check of the index.
-        self.0[square as usize % (SQUARES * SQUARES)]
+        mask_of(self.0[square as usize % (SQUARES * SQUARES)])
     }
 }
 
@@ -139,14 +157,14 @@ impl Arc {
     }
 }
 
-/// The bins within all four arcs.
+/// The first one and the number of the bins within all four arcs.
 ///
 /// A disk at the offset `d` covers the direction `u` when `d` is in the open unit disk about `u`. That disk is convex: it holds
 /// a square when it holds its corners.
-fn common(arcs: [Option<Arc>; 4]) -> Mask {
+fn common(arcs: [Option<Arc>; 4]) -> (i32, i32) {
     let (mut start, mut end) = (f64::NEG_INFINITY, f64::INFINITY);
     for arc in arcs {
-        let Some(arc) = arc else { return 0 };
+        let Some(arc) = arc else { return (0, 0) };
         start = start.max(arc.start);
         end = end.min(arc.end);
     }
@@ -155,10 +173,7 @@ fn common(arcs: [Option<Arc>; 4]) -> Mask {
         (start * BINS as f64).ceil() as i32,
         (end * BINS as f64).floor() as i32,
     );
-    if end <= first {
-        return 0;
-    }
-    (FULL >> (BINS as i32 - (end - first))).rotate_left(first.rem_euclid(BINS as i32) as u32)
+    (first, (end - first).clamp(0, MAX_STRETCH))
 }
 
 #[cfg(test)]

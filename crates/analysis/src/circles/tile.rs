@@ -10,7 +10,7 @@ use glam::DVec2;
 use super::found::{Declined, Found};
 use super::sample::Sample;
 use super::samples::{Cells, Samples};
-use super::table::{HALF, Mask, PER_RADIUS, SQUARES, Table, opposite};
+use super::table::{FULL, HALF, Mask, PER_RADIUS, SQUARES, Table, opposite};
 
 /// Samples whose offsets are computed at once.
 const LANES: usize = 8;
@@ -35,33 +35,70 @@ pub(super) struct Tile {
     size: [usize; 2],
     /// The cells without it, counted from the lowest of the halo.
     own: [Range<usize>; 2],
-    listed: Vec<Listed>,
+    /// The lowest corner of the halo.
+    low: DVec2,
+    /// Cells in a unit of length.
+    per_unit: DVec2,
     /// The first sample of each cell, row by row, and the end.
     starts: Vec<u32>,
     pub x: Vec<f64>,
     pub y: Vec<f64>,
-    /// Which of [`Samples::all`] it is, maybe as a copy.
+    /// Its place in the sequence of all cells, where it may be as a copy.
     pub source: Vec<u32>,
     scan: Scan,
-}
-
-/// A sample of the tile before all are sorted.
-#[derive(Clone, Copy, Debug)]
-struct Listed {
-    source: u32,
-    cell: u32,
-    /// How far it is moved along x.
-    shift: f64,
 }
 
 /// What the scan of pairs reads and writes.
 #[derive(Debug, Default)]
 struct Scan {
-    /// Positions from the lowest ones of the tile, in squares of the table.
+    /// Positions from the corner of the tile, in squares of the table.
     x: Vec<f32>,
     y: Vec<f32>,
     /// What the samples around it cover of each circle.
     masks: Vec<Mask>,
+    /// The tile's own samples whose circles were not proven covered.
+    open: Vec<u32>,
+}
+
+/// Neighbours of a sample that were looked at. All of a sample's are marked in one loop: a loop for each group would end
+/// unforeseeably as often as there are groups.
+#[derive(Default)]
+struct Looked {
+    /// The first sample of each group, and the squares of the table that the offsets of its samples are in.
+    groups: [(usize, [i32; LANES]); GROUPS],
+    count: usize,
+    /// The lanes of all groups that hold a neighbour.
+    hits: u64,
+}
+
+/// Most groups held.
+const GROUPS: usize = 64 / LANES;
+
+impl Looked {
+    #[inline]
+    fn add(&mut self, start: usize, squares: [i32; LANES], hits: u64) {
+        let group = self.count % GROUPS;
+        self.groups[group] = (start, squares);
+        self.hits |= hits << (group * LANES);
+        self.count += 1;
+    }
+
+    const fn is_full(&self) -> bool {
+        self.count == GROUPS
+    }
+
+    /// Takes out a neighbour and its square.
+    #[inline]
+    fn next(&mut self) -> Option<(usize, i32)> {
+        if self.hits == 0 {
+            self.count = 0;
+            return None;
+        }
+        let lane = self.hits.trailing_zeros() as usize;
+        self.hits &= self.hits - 1;
+        let (start, squares) = &self.groups[lane / LANES];
+        Some((start + lane % LANES, squares[lane % LANES]))
+    }
 }
 
 /// Why a tile could not be filled.
@@ -75,7 +112,7 @@ impl Tile {
     /// Fills the tile with the samples of a rectangle and of `halo` cells around it.
     pub fn fill(
         &mut self,
-        samples: &Samples,
+        samples: &Samples<'_>,
         rectangle: &Rectangle,
         halo: [usize; 2],
     ) -> Result<(), Unfilled> {
@@ -99,65 +136,42 @@ impl Tile {
         if !rows.clone().all(|row| samples.holds(row)) {
             return Err(Unfilled::Rows);
         }
+        self.per_unit = cells.per_unit;
+        self.low = DVec2::new(columns.start as f64, rows.start as f64) * cells.sides;
         let runs = runs(cells, &columns);
-        self.list(samples, &rows, &runs);
-        self.sort(samples, &rows)
-    }
-
-    /// Lists the samples row by row, and counts those of each cell.
-    fn list(&mut self, samples: &Samples, rows: &Range<i64>, runs: &[Run]) {
-        let width = self.size[0];
-        self.listed.clear();
-        self.starts.clear();
-        self.starts.resize(width * self.size[1] + 2, 0);
-        for (line, row) in rows.clone().enumerate() {
-            for run in runs {
-                let first = line * width + run.at;
-                samples.visit(row, run.columns.clone(), |source, column| {
-                    let cell = first + column - run.columns.start;
-                    self.starts[cell + 2] += 1;
-                    self.listed.push(Listed {
-                        source,
-                        cell: cell as u32,
-                        shift: run.shift,
-                    });
-                });
+        self.clear();
+        let mut crowd = 0;
+        for row in rows {
+            let period = row.div_euclid(cells.counts[1] as i64);
+            let up = period as f64 * cells.domain.extent.y;
+            for run in &runs {
+                let starts = samples.starts(row, run.columns.clone());
+                let (first, end) = (starts[0], starts[starts.len() - 1]);
+                let before = self.x.len() as u32;
+                for cell in starts.windows(2) {
+                    self.starts.push(before + cell[0] - first);
+                    let count = (cell[1] - cell[0]) as usize;
+                    crowd += count * count;
+                }
+                for position in samples.positions(first as usize..end as usize) {
+                    self.x.push(position.x + run.shift);
+                    self.y.push(position.y + up);
+                }
+                self.source.extend(first..end);
             }
         }
-    }
-
-    /// Puts the samples listed in the sequence of cells.
-    fn sort(&mut self, samples: &Samples, rows: &Range<i64>) -> Result<(), Unfilled> {
-        let (mut total, mut crowd) = (0, 0);
-        for start in &mut self.starts[2..] {
-            crowd += *start as usize * *start as usize;
-            total += *start;
-            *start = total;
-        }
-        let total = total as usize;
-        if crowd > MAX_CROWD * (256 + total) {
+        self.starts.push(self.x.len() as u32);
+        if crowd > MAX_CROWD * (256 + self.x.len()) {
             return Err(Unfilled::Declined(Declined::Crowded));
         }
-        self.x.resize(total, 0.0);
-        self.y.resize(total, 0.0);
-        self.source.resize(total, 0);
-        let cells = &samples.cells;
-        let row_of = |cell: u32| rows.start + i64::from(cell) / self.size[0] as i64;
-        let up = |cell: u32| {
-            row_of(cell).div_euclid(cells.counts[1] as i64) as f64 * cells.domain.extent.y
-        };
-        let crosses = rows.start < 0 || rows.end > cells.counts[1] as i64;
-        for listed in &self.listed {
-            let position = samples.all[listed.source as usize].position;
-            // Each start moves on to that of the next cell.
-            let at = &mut self.starts[listed.cell as usize + 1];
-            self.x[*at as usize] = position.x + listed.shift;
-            self.y[*at as usize] = position.y + if crosses { up(listed.cell) } else { 0.0 };
-            self.source[*at as usize] = listed.source;
-            *at += 1;
-        }
-        self.starts.pop();
         Ok(())
+    }
+
+    fn clear(&mut self) {
+        self.starts.clear();
+        self.x.clear();
+        self.y.clear();
+        self.source.clear();
     }
 
     /// The samples of the tile's own cells, in runs of a row each.
@@ -166,13 +180,18 @@ impl Tile {
         rows.map(move |row| self.cell(columns.clone(), row))
     }
 
-    /// The column and the row of a sample.
+    /// The column and the row of a sample, but for rounding at borders, which the slack of cells pays for.
     fn cell_of(&self, index: usize) -> [usize; 2] {
-        let cell = self
-            .starts
-            .partition_point(|&start| start as usize <= index)
-            - 1;
-        [cell % self.size[0], cell / self.size[0]]
+        let at = ((self.position(index) - self.low) * self.per_unit).max(DVec2::ZERO);
+        [
+            (at.x as usize).min(self.size[0] - 1),
+            (at.y as usize).min(self.size[1] - 1),
+        ]
+    }
+
+    /// The tile's own samples whose circles the scan did not prove covered.
+    pub fn open(&self) -> impl ExactSizeIterator<Item = usize> + use<'_> {
+        self.scan.open.iter().map(|&index| index as usize)
     }
 
     /// What the scan proved covered of a sample's circle.
@@ -210,10 +229,8 @@ impl Tile {
     ///
     /// A pair belongs to the tile of whichever sample comes first in the sequence of rows and columns, counted on across the
     /// seams, so it is counted in one tile.
-    pub fn scan(&mut self, samples: &Samples, rho: f64, radius: f64, found: &mut Found) {
+    pub fn scan(&mut self, samples: &Samples<'_>, rho: f64, radius: f64, found: &mut Found) {
         let per_unit = PER_RADIUS / rho;
-        let low =
-            [&self.x, &self.y].map(|values| values.iter().copied().fold(f64::INFINITY, f64::min));
         let in_squares = |values: &[f64], low: f64, out: &mut Vec<f32>| {
             out.clear();
             out.extend(values.iter().map(|value| ((value - low) * per_unit) as f32));
@@ -221,10 +238,11 @@ impl Tile {
             out.resize(values.len() + LANES, 0.0);
         };
         let mut scan = std::mem::take(&mut self.scan);
-        in_squares(&self.x, low[0], &mut scan.x);
-        in_squares(&self.y, low[1], &mut scan.y);
+        in_squares(&self.x, self.low.x, &mut scan.x);
+        in_squares(&self.y, self.low.y, &mut scan.y);
         scan.masks.clear();
         scan.masks.resize(self.x.len(), 0);
+        scan.open.clear();
         dispatch!(Level::new(), simd => self.scan_cells(simd, &mut scan, |pair, scan_found: &mut Found| {
             self.pair(samples, pair, radius, scan_found);
         }, samples.cells.reach, per_unit * per_unit, found));
@@ -246,12 +264,20 @@ impl Tile {
         found: &mut Found,
     ) {
         let table = Table::get();
+        let Scan {
+            x: xs,
+            y: ys,
+            masks,
+            open,
+        } = scan;
+        let (xs, ys, masks) = (&xs[..], &ys[..], &mut masks[..]);
         let [width, height] = self.size;
         // Rounding may make a distance shorter or longer by a few parts in 2^14.
         let limit = |square: f64| {
             ((square * squares) * (1.0 + 1.0 / 1024.0)).min(f64::from(f32::MAX)) as f32
         };
         let mut nearby = limit(found.nearby);
+        let (mut runs, mut looked) = (Vec::new(), Looked::default());
         for row in 0..self.own[1].end {
             for column in 0..width {
                 let cell = self.cell(column..column + 1, row);
@@ -263,32 +289,36 @@ impl Tile {
                 let columns = column.saturating_sub(reach[0])..ahead;
                 let same_row = self.cell(column..ahead, row).end;
                 let above = row + 1..(row + reach[1] + 1).min(height);
+                runs.clear();
+                runs.extend(above.map(|row| self.cell(columns.clone(), row)));
                 for index in cell {
                     let lanes = |value: f32| f32x8::splat(simd, value);
-                    let (x, y) = (lanes(scan.x[index]), lanes(scan.y[index]));
+                    let (x, y) = (lanes(xs[index]), lanes(ys[index]));
                     let near = if is_own { lanes(nearby) } else { lanes(-1.0) };
-                    let mut mask = scan.masks[index];
-                    let lines = above.clone().map(|row| self.cell(columns.clone(), row));
-                    for run in std::iter::once(index + 1..same_row).chain(lines) {
+                    let mut mask = masks[index];
+                    let mut mark = |looked: &mut Looked| {
+                        while let Some((other, square)) = looked.next() {
+                            let covered = table.mask(square);
+                            mask |= covered;
+                            masks[other] |= opposite(covered);
+                        }
+                    };
+                    for run in std::iter::once(&(index + 1..same_row)).chain(&runs) {
                         for start in run.clone().step_by(LANES) {
-                            let dx = f32x8::from_slice(simd, &scan.x[start..start + LANES]) - x;
-                            let dy = f32x8::from_slice(simd, &scan.y[start..start + LANES]) - y;
+                            let dx = f32x8::from_slice(simd, &xs[start..start + LANES]) - x;
+                            let dy = f32x8::from_slice(simd, &ys[start..start + LANES]) - y;
                             let square = dx * dx + dy * dy;
                             let count = (run.end - start).min(LANES);
                             let within = (1_u64 << count) - 1;
-                            let mut hits = square.simd_lt(lanes(WIDEST)).to_bitmask() & within;
+                            let hits = square.simd_lt(lanes(WIDEST)).to_bitmask() & within;
                             let close = square.simd_le(near).to_bitmask() & within;
                             let half = lanes(HALF as f32);
                             let columns = i32x8::truncate_from(dx + half);
                             let lines = i32x8::truncate_from(dy + half);
-                            let at: [i32; LANES] =
-                                (lines * i32x8::splat(simd, SQUARES as i32) + columns).into();
-                            while hits != 0 {
-                                let lane = hits.trailing_zeros() as usize;
-                                hits &= hits - 1;
-                                let covered = table.mask(at[lane]);
-                                mask |= covered;
-                                scan.masks[start + lane] |= opposite(covered);
+                            let at = lines * i32x8::splat(simd, SQUARES as i32) + columns;
+                            looked.add(start, at.into(), hits);
+                            if looked.is_full() {
+                                mark(&mut looked);
                             }
                             if close != 0 {
                                 for lane in (0..count).filter(|lane| close >> lane & 1 == 1) {
@@ -298,7 +328,12 @@ impl Tile {
                             }
                         }
                     }
-                    scan.masks[index] = mask;
+                    mark(&mut looked);
+                    // Samples before it have marked it already, so this is all.
+                    masks[index] = mask;
+                    if is_own && mask != FULL {
+                        open.push(index as u32);
+                    }
                 }
             }
         }
@@ -306,8 +341,8 @@ impl Tile {
 
     /// Looks closely at a pair: its distance is that of the samples, the shorter way around a torus, whatever copies are near.
     #[cold]
-    fn pair(&self, samples: &Samples, pair: [usize; 2], radius: f64, found: &mut Found) {
-        let [one, other] = pair.map(|index| samples.all[self.source[index] as usize]);
+    fn pair(&self, samples: &Samples<'_>, pair: [usize; 2], radius: f64, found: &mut Found) {
+        let [one, other] = pair.map(|index| samples.at(self.source[index] as usize));
         if one.id == other.id {
             return;
         }
@@ -355,8 +390,6 @@ pub(super) fn distance(one: Sample, other: Sample, periods: DVec2) -> f64 {
 struct Run {
     /// The columns in the region.
     columns: Range<usize>,
-    /// The first of them in the tile.
-    at: usize,
     /// How far the samples are moved.
     shift: f64,
 }
@@ -370,7 +403,6 @@ fn runs(cells: &Cells, columns: &Range<i64>) -> Vec<Run> {
         let end = columns.end.min(next - first + count);
         runs.push(Run {
             columns: first as usize..(first + end - next) as usize,
-            at: (next - columns.start) as usize,
             shift: period as f64 * cells.domain.extent.x,
         });
         next = end;
