@@ -17,18 +17,20 @@ pub(crate) fn check_tolerance(tolerance: f64) -> Result<(), VerifyError> {
 
 pub(crate) fn check_points(points: &[[f64; 2]], region: Region) -> Result<(), VerifyError> {
     check_count(points.len())?;
-    // Chunks without an offence are passed over without a branch per sample.
     for (chunk, points) in points.chunks(CHUNK).enumerate() {
-        if points
-            .iter()
-            .fold(true, |all, &point| all & region.contains(point))
-        {
+        if all_are_in(points, region) {
             continue;
         }
         let mut each = points.iter().enumerate();
         each.try_for_each(|(index, &point)| check_point(chunk * CHUNK + index, point, region))?;
     }
     Ok(())
+}
+
+/// Whether all samples are places of the region, found without a branch for each.
+pub(crate) fn all_are_in(points: &[[f64; 2]], region: Region) -> bool {
+    let both = |all, &point| all & region.contains(point);
+    points.iter().fold(true, both)
 }
 
 /// Refuses a sample that is no place of the region.

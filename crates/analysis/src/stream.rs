@@ -29,7 +29,7 @@ use crate::circles::CircleBands;
 use crate::domain::Domain;
 use crate::error::VerifyError;
 use crate::grid::{Entry, Grid};
-use crate::input::{check_point, check_tolerance};
+use crate::input::{all_are_in, check_point, check_tolerance};
 use crate::judge::JudgeChoice;
 use crate::monitor::{Monitor, Progress};
 use crate::region::Region;
@@ -213,14 +213,15 @@ impl StreamVerifier {
         let monitor = self.monitor(control);
         monitor.advance(0)?;
         for piece in points.chunks(PIECE) {
-            for &point in piece {
-                let entry = self.intake.entry(point, &self.search)?;
-                if let Some(bands) = &mut self.bands {
+            let first = self.intake.count;
+            let bands = &mut self.bands;
+            self.intake.take(piece, &self.search, |entry| {
+                if let Some(bands) = bands {
                     bands.add(entry);
                 }
-                if let Some(circles) = &mut self.circles {
-                    circles.add(point, entry.id);
-                }
+            })?;
+            if let Some(circles) = &mut self.circles {
+                circles.add(piece, first as u32);
             }
             self.judge_complete(&monitor)?;
         }
@@ -306,26 +307,37 @@ struct Intake {
 }
 
 impl Intake {
-    /// Checks a sample and gives it its index.
-    fn entry(&mut self, point: [f64; 2], search: &StreamSearch) -> Result<Entry, VerifyError> {
-        let index = self.count;
-        check_point(index, point, search.region)?;
-        if index >= Grid::MAX_SAMPLES {
-            let (count, limit) = (index.saturating_add(1), Grid::MAX_SAMPLES);
-            return Err(VerifyError::TooMany { count, limit });
+    /// Checks samples and gives them their indices.
+    fn take(
+        &mut self,
+        points: &[[f64; 2]],
+        search: &StreamSearch,
+        mut each: impl FnMut(Entry),
+    ) -> Result<(), VerifyError> {
+        let are_inside = all_are_in(points, search.region);
+        for &point in points {
+            let index = self.count;
+            if !are_inside {
+                check_point(index, point, search.region)?;
+            }
+            if index >= Grid::MAX_SAMPLES {
+                let (count, limit) = (index.saturating_add(1), Grid::MAX_SAMPLES);
+                return Err(VerifyError::TooMany { count, limit });
+            }
+            let position = search.domain.scale_point(point);
+            let limit = self.highest - STREAM_LAG * search.scaled_radius;
+            if position.y < limit && !(search.domain.periodic && search.row(position.y) == 0) {
+                return Err(VerifyError::OutOfOrder {
+                    index,
+                    value: point[1],
+                    limit: limit / search.domain.scale,
+                });
+            }
+            self.highest = self.highest.max(position.y);
+            self.count += 1;
+            let id = index as u32;
+            each(Entry { position, id });
         }
-        let position = search.domain.scale_point(point);
-        let limit = self.highest - STREAM_LAG * search.scaled_radius;
-        if position.y < limit && !(search.domain.periodic && search.row(position.y) == 0) {
-            return Err(VerifyError::OutOfOrder {
-                index,
-                value: point[1],
-                limit: limit / search.domain.scale,
-            });
-        }
-        self.highest = self.highest.max(position.y);
-        self.count += 1;
-        let id = index as u32;
-        Ok(Entry { position, id })
+        Ok(())
     }
 }

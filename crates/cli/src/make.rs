@@ -154,10 +154,7 @@ pub fn reference(parameters: &Parameters, count: Option<u64>) -> Result<Made> {
 
 /// Returns samples in user units.
 pub fn positions(domain: &Domain, points: &[Point]) -> Vec<[f64; 2]> {
-    points
-        .iter()
-        .map(|&p| domain.user_from_lattice(p))
-        .collect()
+    domain.users_from_lattice(points)
 }
 
 /// Returns the verifier's report on positions.

@@ -305,12 +305,29 @@ impl Domain {
     /// Returns the position in user units, inside the closed domain.
     #[must_use]
     pub fn user_from_lattice(&self, p: Point) -> [f64; 2] {
-        let axis = |units: i32, side: f64, total: i32| {
-            (f64::from(units) * (side / f64::from(total))).min(side)
-        };
+        self.user_of(p, self.steps())
+    }
+
+    /// Returns the positions in user units, inside the closed domain.
+    #[must_use]
+    pub fn users_from_lattice(&self, points: &[Point]) -> Vec<[f64; 2]> {
+        let steps = self.steps();
+        points.iter().map(|&p| self.user_of(p, steps)).collect()
+    }
+
+    /// The lengths of lattice units.
+    fn steps(&self) -> [f64; 2] {
+        let [width, height] = self.size;
         [
-            axis(p.x, self.size[0], self.width),
-            axis(p.y, self.size[1], self.height),
+            width / f64::from(self.width),
+            height / f64::from(self.height),
+        ]
+    }
+
+    fn user_of(&self, p: Point, steps: [f64; 2]) -> [f64; 2] {
+        [
+            (f64::from(p.x) * steps[0]).min(self.size[0]),
+            (f64::from(p.y) * steps[1]).min(self.size[1]),
         ]
     }
 

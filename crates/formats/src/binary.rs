@@ -120,12 +120,18 @@ pub(crate) fn pairs(
     endian: Endian,
     format: Format,
 ) -> Result<Vec<[f64; 2]>, FormatError> {
-    let size = precision.bytes();
-    let read = |at: &[u8], index| finite(coordinate(at, precision, endian), format, index);
-    data.chunks_exact(2 * size)
-        .zip(first..)
-        .map(|(row, index)| Ok([read(&row[..size], index)?, read(&row[size..], index)?]))
-        .collect()
+    let rows = data.chunks_exact(2 * precision.bytes());
+    let mut points = Vec::with_capacity(rows.len());
+    for row in rows {
+        let (x, y) = row.split_at(precision.bytes());
+        points.push([x, y].map(|bytes| coordinate(bytes, precision, endian)));
+    }
+    for (point, index) in points.iter().zip(first..) {
+        for &value in point {
+            finite(value, format, index)?;
+        }
+    }
+    Ok(points)
 }
 
 /// Appends coordinates, little-endian.

@@ -13,6 +13,7 @@ mod read;
 mod resume;
 #[cfg(test)]
 mod tests;
+mod writer;
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};

@@ -95,8 +95,10 @@ impl CircleBands {
         }
     }
 
-    pub fn add(&mut self, point: [f64; 2], id: u32) {
-        self.held.push(point, id);
+    /// Adds samples, the first of which has the index `first`.
+    pub fn add(&mut self, points: &[[f64; 2]], first: u32) {
+        self.held.points.extend_from_slice(points);
+        self.held.ids.extend(first..first + points.len() as u32);
     }
 
     /// Samples held.

@@ -235,7 +235,7 @@ impl StreamExport {
             Ok(used)
         });
         let left = taken?;
-        checkpoint.matches(file, &self.partial.rows_digest(), count, left)?;
+        checkpoint.matches(file, &self.partial.rows_digest()?, count, left)?;
         Ok(self.partial.truncate(checkpoint.bytes)?)
     }
 
@@ -338,7 +338,7 @@ impl StreamExport {
             token: token.clone(),
             count: self.count,
             bytes: self.partial.bytes(),
-            rows_digest: self.partial.rows_digest(),
+            rows_digest: self.partial.rows_digest()?,
             provenance: self.rows.is_some().then_some(self.provenance),
             format: self.target.format,
             precision: self.target.precision,

@@ -94,14 +94,18 @@ impl StreamExport {
         let Some(judges) = self.judges.take() else {
             return Ok(None);
         };
-        let rows = self.partial.rows_digest();
+        let rows = self.partial.rows_digest()?;
         let (report, rounding, digest) = judges.finish(rows, control)?;
         let (name, context) = (&self.name, &self.context);
         let certificate = certificate(name, &self.target, context, &report, rounding, digest);
         Ok(Some((certificate, report)))
     }
 
-    fn read_back(&self, whole: bool, control: Control<'_>) -> Result<Option<String>, ExportError> {
+    fn read_back(
+        &mut self,
+        whole: bool,
+        control: Control<'_>,
+    ) -> Result<Option<String>, ExportError> {
         let total = 2 * self.count;
         let at_the_end = Progress { done: total, total };
         self.partial

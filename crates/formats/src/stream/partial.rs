@@ -7,6 +7,7 @@ use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
 use super::partial_path;
+use super::writer::Writer;
 use crate::destination::check_own;
 use crate::digest::digest_text;
 use crate::error::{FormatError, io_error};
@@ -19,15 +20,13 @@ pub(super) const BLOCK: usize = 4 << 20;
 #[derive(Debug)]
 pub(super) struct Partial {
     pub path: PathBuf,
-    file: File,
+    writer: Writer,
     /// The head as it is in the file, if it was written.
     head: Vec<u8>,
     /// Rows not yet written.
     pub rows: Vec<u8>,
     /// Bytes of rows in the file.
     written: u64,
-    /// The digest of the rows in the file.
-    digest: blake3::Hasher,
 }
 
 impl Partial {
@@ -53,17 +52,16 @@ impl Partial {
     fn new(path: PathBuf, file: File) -> Self {
         Self {
             path,
-            file,
+            writer: Writer::new(file),
             head: Vec::new(),
             rows: Vec::new(),
             written: 0,
-            digest: blake3::Hasher::new(),
         }
     }
 
     /// Writes the head. A later one of the same length replaces it at the end.
     pub fn begin(&mut self, head: Vec<u8>) -> Result<(), FormatError> {
-        self.checked(|this| this.file.write_all(&head))?;
+        self.checked(|this| this.writer.file()?.write_all(&head))?;
         self.head = head;
         Ok(())
     }
@@ -77,14 +75,15 @@ impl Partial {
         mut each: impl FnMut(&[u8]) -> Result<usize, ExportError>,
     ) -> Result<usize, ExportError> {
         let rows = length.saturating_sub(head.len() as u64);
-        let start = self.checked(|this| this.file.seek(SeekFrom::Start(head.len() as u64)))?;
+        let start =
+            self.checked(|this| this.writer.file()?.seek(SeekFrom::Start(head.len() as u64)))?;
         let (mut left, mut pending) = (length.saturating_sub(start), Vec::new());
         while left > 0 {
             let before = pending.len();
             pending.resize(before + left.min(BLOCK as u64) as usize, 0);
-            self.checked(|this| this.file.read_exact(&mut pending[before..]))?;
+            self.checked(|this| this.writer.file()?.read_exact(&mut pending[before..]))?;
             left -= (pending.len() - before) as u64;
-            self.digest.update(&pending[before..]);
+            self.checked(|this| Ok(this.writer.digest()?.update(&pending[before..]).count()))?;
             let used = each(&pending)?;
             pending.drain(..used);
         }
@@ -95,14 +94,15 @@ impl Partial {
     /// Truncates the file to `length` bytes; writing continues there.
     pub fn truncate(&mut self, length: u64) -> Result<(), FormatError> {
         self.checked(|this| {
-            this.file.set_len(length)?;
-            this.file.seek(SeekFrom::Start(length)).map(drop)
+            let mut file = this.writer.file()?;
+            file.set_len(length)?;
+            file.seek(SeekFrom::Start(length)).map(drop)
         })
     }
 
     /// Bytes that the system says are in the file.
     pub fn length(&mut self) -> Result<u64, FormatError> {
-        self.checked(|this| this.file.metadata().map(|data| data.len()))
+        self.checked(|this| this.writer.file()?.metadata().map(|data| data.len()))
     }
 
     /// Bytes of the file, counting those not yet written.
@@ -115,22 +115,19 @@ impl Partial {
         if self.rows.len() < BLOCK && !all {
             return Ok(());
         }
-        self.checked(|this| this.file.write_all(&this.rows))?;
-        self.digest.update(&self.rows);
         self.written += self.rows.len() as u64;
-        self.rows.clear();
-        Ok(())
+        self.checked(|this| this.writer.append(&mut this.rows))
     }
 
     /// Writes all through to the device.
     pub fn sync(&mut self) -> Result<(), FormatError> {
         self.flush(true)?;
-        self.checked(|this| this.file.sync_data())
+        self.checked(|this| this.writer.file()?.sync_data())
     }
 
     /// The digest of the rows written.
-    pub fn rows_digest(&self) -> String {
-        digest_text(&self.digest)
+    pub fn rows_digest(&mut self) -> Result<String, FormatError> {
+        self.checked(|this| Ok(digest_text(this.writer.digest()?)))
     }
 
     /// Puts the final head in place of the first.
@@ -138,9 +135,10 @@ impl Partial {
         debug_assert_eq!(head.len(), self.head.len(), "heads are of fixed length");
         self.flush(true)?;
         self.checked(|this| {
-            this.file.seek(SeekFrom::Start(0))?;
-            this.file.write_all(&head)?;
-            this.file.sync_all()
+            let mut file = this.writer.file()?;
+            file.seek(SeekFrom::Start(0))?;
+            file.write_all(&head)?;
+            file.sync_all()
         })?;
         self.head = head;
         Ok(())
@@ -149,7 +147,7 @@ impl Partial {
     /// Reads the whole file back and compares it with what was written. Returns the digest of the file, if wanted.
     /// Calls `go_on` for each block.
     pub fn read_back(
-        &self,
+        &mut self,
         whole: bool,
         go_on: &dyn Fn() -> Result<(), ExportError>,
     ) -> Result<Option<String>, ExportError> {
@@ -174,13 +172,12 @@ impl Partial {
             if count == 0 {
                 break;
             }
-            rows.update(&block[..count]);
-            if whole {
-                all.update(&block[..count]);
-            }
+            let block = &block[..count];
+            let hash_all = || whole.then(|| all.update(block).count());
+            rayon::join(|| rows.update(block).count(), hash_all);
             go_on()?;
         }
-        let (written, found) = (self.rows_digest(), digest_text(&rows));
+        let (written, found) = (self.rows_digest()?, digest_text(&rows));
         if written != found {
             return Err(differs("rows of", written, found));
         }
