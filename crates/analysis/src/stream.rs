@@ -214,12 +214,13 @@ impl StreamVerifier {
         monitor.advance(0)?;
         for piece in points.chunks(PIECE) {
             let first = self.intake.count;
-            let bands = &mut self.bands;
-            self.intake.take(piece, &self.search, |entry| {
-                if let Some(bands) = bands {
-                    bands.add(entry);
+            self.intake.take(piece, &self.search)?;
+            if let Some(bands) = &mut self.bands {
+                for (&point, id) in piece.iter().zip(first as u32..) {
+                    let position = self.search.domain.scale_point(point);
+                    bands.add(Entry { position, id });
                 }
-            })?;
+            }
             if let Some(circles) = &mut self.circles {
                 circles.add(piece, first as u32);
             }
@@ -307,37 +308,50 @@ struct Intake {
 }
 
 impl Intake {
-    /// Checks samples and gives them their indices.
-    fn take(
-        &mut self,
-        points: &[[f64; 2]],
-        search: &StreamSearch,
-        mut each: impl FnMut(Entry),
-    ) -> Result<(), VerifyError> {
-        let are_inside = all_are_in(points, search.region);
-        for &point in points {
-            let index = self.count;
-            if !are_inside {
-                check_point(index, point, search.region)?;
-            }
-            if index >= Grid::MAX_SAMPLES {
-                let (count, limit) = (index.saturating_add(1), Grid::MAX_SAMPLES);
-                return Err(VerifyError::TooMany { count, limit });
-            }
-            let position = search.domain.scale_point(point);
-            let limit = self.highest - STREAM_LAG * search.scaled_radius;
-            if position.y < limit && !(search.domain.periodic && search.row(position.y) == 0) {
-                return Err(VerifyError::OutOfOrder {
-                    index,
-                    value: point[1],
-                    limit: limit / search.domain.scale,
-                });
-            }
-            self.highest = self.highest.max(position.y);
-            self.count += 1;
-            let id = index as u32;
-            each(Entry { position, id });
+    /// Checks samples and counts them.
+    fn take(&mut self, points: &[[f64; 2]], search: &StreamSearch) -> Result<(), VerifyError> {
+        if !all_are_in(points, search.region) || self.count + points.len() > Grid::MAX_SAMPLES {
+            return points
+                .iter()
+                .try_for_each(|&point| self.take_one(point, search));
         }
+        // Most pieces lie within a row: then their order need not be looked at.
+        let ordinates = points
+            .iter()
+            .map(|point| search.domain.scale_point(*point).y);
+        let (mut low, mut high) = (f64::INFINITY, self.highest);
+        for y in ordinates {
+            low = if y < low { y } else { low };
+            high = if y > high { y } else { high };
+        }
+        if low < high - STREAM_LAG * search.scaled_radius {
+            return points
+                .iter()
+                .try_for_each(|&point| self.take_one(point, search));
+        }
+        self.highest = high;
+        self.count += points.len();
+        Ok(())
+    }
+
+    fn take_one(&mut self, point: [f64; 2], search: &StreamSearch) -> Result<(), VerifyError> {
+        let index = self.count;
+        check_point(index, point, search.region)?;
+        if index >= Grid::MAX_SAMPLES {
+            let (count, limit) = (index.saturating_add(1), Grid::MAX_SAMPLES);
+            return Err(VerifyError::TooMany { count, limit });
+        }
+        let position = search.domain.scale_point(point);
+        let limit = self.highest - STREAM_LAG * search.scaled_radius;
+        if position.y < limit && !(search.domain.periodic && search.row(position.y) == 0) {
+            return Err(VerifyError::OutOfOrder {
+                index,
+                value: point[1],
+                limit: limit / search.domain.scale,
+            });
+        }
+        self.highest = self.highest.max(position.y);
+        self.count += 1;
         Ok(())
     }
 }
