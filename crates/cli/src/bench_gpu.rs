@@ -57,6 +57,7 @@ struct Timed {
 /// All that was measured.
 struct Found<'a> {
     gpu: &'a Gpu,
+    checked_shaders: bool,
     rows: Vec<Row>,
     /// Seconds of the run before all others, which compiles the passes.
     first_seconds: f64,
@@ -87,6 +88,7 @@ pub fn run(arguments: &BenchArguments) -> Result<u8> {
         first_seconds,
         timed: block_on(timed(&gpu, &first, &pattern))?,
         gpu: &gpu,
+        checked_shaders: arguments.adapter.checked_shaders,
     };
     output::emit(&if arguments.json {
         format!("{}\n", to_json(&found))
@@ -346,6 +348,7 @@ fn to_json(found: &Found<'_>) -> Value {
     json!({
         "engine": "gpu",
         "adapter": found.gpu.report().name,
+        "checked_shaders": found.checked_shaders,
         "threads": rayon::current_num_threads(),
         "first_seconds": found.first_seconds,
         "rows": found.rows.iter().map(row).collect::<Vec<_>>(),

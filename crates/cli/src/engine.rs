@@ -28,6 +28,10 @@ pub struct AdapterArguments {
     /// GPU, if not given. It asks for a GPU as --engine gpu does. `tilescope gpu` lists them
     #[arg(long, value_name = "NAME")]
     pub gpu_adapter: Option<String>,
+    /// Compile the GPU's shaders with the checks of indices and loops that they were shown not to need: slower,
+    /// with the same points
+    #[arg(long)]
+    pub checked_shaders: bool,
 }
 
 /// How many threads compute.
@@ -110,6 +114,7 @@ impl AdapterArguments {
     fn choice(&self) -> Choice {
         Choice {
             name: self.gpu_adapter.clone(),
+            checked_shaders: self.checked_shaders,
             ..Choice::default()
         }
     }
@@ -149,6 +154,7 @@ mod tests {
             engine,
             adapter: AdapterArguments {
                 gpu_adapter: Some("no such adapter".to_owned()),
+                checked_shaders: false,
             },
             threads: ThreadArguments { threads: None },
         }

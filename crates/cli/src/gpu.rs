@@ -1,8 +1,10 @@
 //! `tilescope gpu`: which GPU adapters there are, what they allow, and whether they compute the same as the CPU.
 
+mod drivers;
+
 use std::sync::Arc;
 
-use anyhow::Result;
+use anyhow::{Result, anyhow};
 use clap::Args;
 use pollster::block_on;
 use serde::Serialize;
@@ -11,6 +13,7 @@ use tilescope_gpu::{AdapterReport, Choice, Gpu, Limits, adapters, self_test};
 
 use crate::engine::AdapterArguments;
 use crate::{interrupt, output, verdict_code};
+use drivers::Drivers;
 
 /// Arguments of `tilescope gpu`.
 #[derive(Debug, Args)]
@@ -19,6 +22,9 @@ pub struct GpuArguments {
     /// Only the adapters whose name has this part
     #[arg(long, value_name = "NAME")]
     gpu_adapter: Option<String>,
+    /// Test the shaders with their checks of indices and loops
+    #[arg(long)]
+    checked_shaders: bool,
     /// Print one JSON object
     #[arg(long)]
     json: bool,
@@ -57,22 +63,35 @@ pub fn run(arguments: &GpuArguments) -> Result<u8> {
     let part = part.to_lowercase();
     let mut reports = block_on(adapters());
     reports.retain(|report| report.name.to_lowercase().contains(&part));
+    // Where no GPU computes, what of its driver is installed says why.
+    let is_lacking = reports.iter().all(|report| report.is_software);
+    let drivers = is_lacking.then(Drivers::find).flatten();
     if reports.is_empty() {
-        // The error says why there is no such adapter.
-        let gpu_adapter = arguments.gpu_adapter.clone();
-        AdapterArguments { gpu_adapter }.open()?;
+        let asked = AdapterArguments {
+            gpu_adapter: arguments.gpu_adapter.clone(),
+            checked_shaders: arguments.checked_shaders,
+        };
+        // The error says that there is no such adapter.
+        asked.open().map(drop).map_err(|error| match &drivers {
+            Some(drivers) => anyhow!("{error}\n{}", drivers.text()),
+            None => error.into(),
+        })?;
     }
     let reports = reports.into_iter().take_while(|_| !interrupt::requested());
-    let tested: Vec<Tested> = reports.map(Tested::of).collect();
+    let test = |report| Tested::of(report, arguments.checked_shaders);
+    let tested: Vec<Tested> = reports.map(test).collect();
     interrupt::check("the last test")?;
-    let json = || json!({ "adapters": tested.iter().map(Tested::json).collect::<Vec<_>>() });
-    let texts: Vec<String> = tested.iter().map(Tested::text).collect();
-    output::report(arguments.json, json, || {
-        texts.join(
-            "
-",
-        )
-    })?;
+    let json = || {
+        json!({
+            "adapters": tested.iter().map(Tested::json).collect::<Vec<_>>(),
+            "drivers": drivers.as_ref().map(Drivers::json),
+        })
+    };
+    let mut texts: Vec<String> = tested.iter().map(Tested::text).collect();
+    if let Some(drivers) = &drivers {
+        texts.push(format!("No GPU was found.\n{}\n", drivers.text()));
+    }
+    output::report(arguments.json, json, || texts.join("\n"))?;
     let has = |verdict: &str| tested.iter().any(|one| one.test.verdict == verdict);
     Ok(verdict_code(has(PASSED) && !has(FAILED)))
 }
@@ -83,9 +102,10 @@ const NOT_RUN: &str = "not run";
 
 impl Tested {
     /// Tests an adapter.
-    fn of(report: AdapterReport) -> Self {
+    fn of(report: AdapterReport, checked_shaders: bool) -> Self {
         let choice = Choice {
             name: Some(report.name.clone()),
+            checked_shaders,
             ..Choice::default()
         };
         let (verdict, samples, detail) = match block_on(Gpu::open(&choice)) {

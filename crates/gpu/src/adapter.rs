@@ -3,6 +3,8 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
+use tilescope_trusted::Checks;
+
 use crate::error::GpuError;
 use crate::kernels::Kernels;
 
@@ -57,6 +59,8 @@ pub struct Choice {
     pub software: bool,
     /// Further limits, besides the adapter's own.
     pub limits: Option<Limits>,
+    /// Whether shaders check their indices and loops as they run. They compute the same, and slower; browsers always check.
+    pub checked_shaders: bool,
 }
 
 /// An open device.
@@ -197,12 +201,17 @@ impl Gpu {
             })?;
         let trouble = Arc::new(Mutex::new(None));
         watch(&device, &trouble);
+        let checks = if choice.checked_shaders {
+            Checks::Checked
+        } else {
+            Checks::Trusted
+        };
         Ok(Self {
             device,
             queue,
             report,
             trouble,
-            kernels: Kernels::default(),
+            kernels: Kernels::new(checks),
         })
     }
 

@@ -91,9 +91,10 @@ pub(crate) fn plan(
 pub(crate) fn longest_side(setup: &Setup, limits: &Limits, memory: u64) -> Result<u32, GpuError> {
     let max = setup.domain.rect().max;
     let whole = (max.x.max(max.y) - 1) as u32 / R as u32 + 1;
-    let mut side = whole;
-    // Start with the whole domain and shrink by a quarter at a time, since each plan visits the whole tree.
+    // Parts of the whole domain, all alike; few of them are tried, since each plan visits the whole tree.
+    let mut parts = 1;
     loop {
+        let side = whole.div_ceil(parts).max(MIN_SIDE);
         let end = |max: i32| (i64::from(side) * i64::from(R)).min(max.into()) as i32;
         // In the middle, where a bounded domain has room for a halo on all sides.
         let low = |max: i32| (max - end(max)) / 2 / R * R;
@@ -105,7 +106,7 @@ pub(crate) fn longest_side(setup: &Setup, limits: &Limits, memory: u64) -> Resul
         match plan(setup, &window, 2 * HALO, None, limits, memory) {
             Ok(_) => return Ok(side),
             Err(GpuError::TooLittleMemory { .. }) if side > MIN_SIDE => {
-                side = (side * 3 / 4).max(MIN_SIDE);
+                parts = (parts + 1).max(parts * 4 / 3);
             }
             Err(error) => return Err(error),
         }
@@ -146,6 +147,22 @@ mod tests {
             refused,
             Err(GpuError::TooLittleMemory { cells: 65_532, .. })
         ));
+    }
+
+    /// A binding is at most 2^31 - 1 bytes long, and the grid takes 16 bytes a cell.
+    #[test]
+    fn up_to_92_million_samples_go_in_one_window_and_more_in_four() {
+        let limits = Limits {
+            max_storage_buffer_binding_size: (1 << 31) - 1,
+            ..ROOMY
+        };
+        for (samples, windows) in [(92e6, 1), (94e6, 4), (3e8, 4)] {
+            let side = f64::floor((samples / 0.7_f64).sqrt());
+            let setup = setup(side, side);
+            let most = longest_side(&setup, &limits, u64::MAX).unwrap();
+            let along = (side / f64::from(most)).ceil() as u32;
+            assert_eq!(along * along, windows, "{samples} samples");
+        }
     }
 
     #[test]

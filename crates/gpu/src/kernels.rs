@@ -3,13 +3,17 @@
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
+use tilescope_trusted::{Checks, shader_module};
+
 use crate::layout::{Access, Binding};
 use crate::passes::Pass;
 use crate::shader::compose;
 
 /// The pipelines of a device.
-#[derive(Default)]
-pub(crate) struct Kernels(Mutex<HashMap<&'static str, Arc<Kernel>>>);
+pub(crate) struct Kernels {
+    known: Mutex<HashMap<&'static str, Arc<Kernel>>>,
+    checks: Checks,
+}
 
 /// A pass compiled for a device.
 pub(crate) struct Kernel {
@@ -18,27 +22,33 @@ pub(crate) struct Kernel {
 }
 
 impl Kernels {
+    /// Returns no pipelines yet. Shaders will be compiled with these checks.
+    pub(crate) fn new(checks: Checks) -> Self {
+        Self {
+            known: Mutex::default(),
+            checks,
+        }
+    }
+
     /// Returns the pipeline of a pass, compiling it on first use.
     pub(crate) fn get(&self, device: &wgpu::Device, pass: &'static Pass) -> Arc<Kernel> {
-        let mut known = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
         let kernel = known
             .entry(pass.name)
-            .or_insert_with(|| Arc::new(Kernel::new(device, pass)));
+            .or_insert_with(|| Arc::new(Kernel::new(device, pass, self.checks)));
         Arc::clone(kernel)
     }
 }
 
 impl Kernel {
-    fn new(device: &wgpu::Device, pass: &Pass) -> Self {
+    fn new(device: &wgpu::Device, pass: &Pass, checks: Checks) -> Self {
         let entries: Vec<_> = pass.bindings.iter().zip(0..).map(entry).collect();
         let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
             label: Some(pass.name),
             entries: &entries,
         });
-        let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
-            label: Some(pass.name),
-            source: wgpu::ShaderSource::Wgsl(compose(pass.shader, pass.bindings).into()),
-        });
+        let source = compose(pass.shader, pass.bindings);
+        let module = shader_module(device, pass.name, source, checks);
         let all = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label: Some(pass.name),
             bind_group_layouts: &[Some(&layout)],

@@ -74,7 +74,7 @@ impl GpuState {
         let choice = Choice {
             name: self.adapter.clone(),
             software,
-            limits: None,
+            ..Choice::default()
         };
         let job = Job::start_future(&context.wake, |_| open_and_test(choice));
         self.device = Device::Testing(job);

@@ -9,37 +9,51 @@ use tilescope_core::{
     Boundary, Insertion, Order, Parameters, Pattern, PatternSpec, Progress, SampleError, Stage,
     Sweep, Unobserved,
 };
-use tilescope_gpu::{GpuError, GpuSweep, Options};
+use tilescope_gpu::{Gpu, GpuError, GpuSweep, Options};
 
-use crate::support::device::gpu;
+use crate::support::device::{checked_gpu, gpu};
 use tilescope_tests::some;
 
 fn sweep(parameters: &Parameters, options: Options) -> Result<GpuSweep, GpuError> {
+    sweep_on(gpu(), parameters, options)
+}
+
+fn sweep_on(
+    gpu: &Arc<Gpu>,
+    parameters: &Parameters,
+    options: Options,
+) -> Result<GpuSweep, GpuError> {
     let pattern = Pattern::of_spec(&parameters.pattern, &mut Unobserved).unwrap();
-    let gpu = Arc::clone(gpu());
+    let gpu = Arc::clone(gpu);
     pollster::block_on(GpuSweep::new(gpu, parameters, &pattern, options))
 }
 
-/// Fails unless the device gives the parallel engine's samples, sources and counts. Returns the side of a window.
+/// Fails unless the device gives the parallel engine's samples, sources and counts, with trusted shaders and with checked ones.
+/// Returns the side of a window.
 fn compare(parameters: &Parameters, options: Options) -> Result<u32, String> {
     let pattern = Pattern::of_spec(&parameters.pattern, &mut Unobserved).unwrap();
     let cpu = Sweep::new(parameters, &pattern, options.sources).unwrap();
     let (cpu, cpu_summary) = cpu.finish(&mut Unobserved).unwrap();
-    let sweep = sweep(parameters, options).map_err(|error| error.to_string())?;
-    let side = sweep.window_side();
-    let (gpu, gpu_summary) =
-        pollster::block_on(sweep.finish(&mut Unobserved)).map_err(|error| error.to_string())?;
-    let differs = |what: &str| Err(format!("{what} differ: {parameters:?}, {options:?}"));
-    if gpu.points != cpu.points {
-        return differs("points");
-    }
-    if gpu.sources != cpu.sources {
-        return differs("sources");
-    }
-    if gpu_summary != cpu_summary {
-        return Err(format!(
-            "{gpu_summary:?} is not {cpu_summary:?}: {parameters:?}"
-        ));
+    let mut side = 0;
+    for (shaders, gpu) in [("trusted", gpu()), ("checked", checked_gpu())] {
+        let sweep = sweep_on(gpu, parameters, options).map_err(|error| error.to_string())?;
+        side = sweep.window_side();
+        let (gpu, gpu_summary) =
+            pollster::block_on(sweep.finish(&mut Unobserved)).map_err(|error| error.to_string())?;
+        let differs = |what: &str| {
+            Err(format!(
+                "{what} differ: {shaders}, {parameters:?}, {options:?}"
+            ))
+        };
+        if gpu.points != cpu.points {
+            return differs("points");
+        }
+        if gpu.sources != cpu.sources {
+            return differs("sources");
+        }
+        if gpu_summary != cpu_summary {
+            return differs(&format!("{gpu_summary:?} and {cpu_summary:?}"));
+        }
     }
     Ok(side)
 }

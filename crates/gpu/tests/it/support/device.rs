@@ -21,9 +21,23 @@ pub fn demand<T>(found: Result<T, GpuError>) -> T {
 /// Returns the device that all tests share: the fastest adapter, or a software one if there is no other.
 pub fn gpu() -> &'static Arc<Gpu> {
     static GPU: OnceLock<Result<Arc<Gpu>, GpuError>> = OnceLock::new();
-    let opened = GPU.get_or_init(|| {
+    opened(&GPU, false)
+}
+
+/// Returns the same adapter as another device, whose shaders check their indices and loops.
+pub fn checked_gpu() -> &'static Arc<Gpu> {
+    static GPU: OnceLock<Result<Arc<Gpu>, GpuError>> = OnceLock::new();
+    opened(&GPU, true)
+}
+
+fn opened(
+    gpu: &'static OnceLock<Result<Arc<Gpu>, GpuError>>,
+    checked_shaders: bool,
+) -> &'static Arc<Gpu> {
+    let opened = gpu.get_or_init(|| {
         pollster::block_on(Gpu::open(&Choice {
             software: true,
+            checked_shaders,
             ..Choice::default()
         }))
         .map(Arc::new)

@@ -1,0 +1,305 @@
+//! Why there is no GPU adapter: whether the Vulkan loader is installed, which drivers announce themselves to it, and which
+//! variable names another one. It looks at files only; nothing is loaded.
+
+use std::collections::BTreeSet;
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+
+use serde_json::{Value, json};
+
+/// The library through which programs find Vulkan drivers.
+const LOADER: &str = "libvulkan.so.1";
+
+/// Each lists driver files in place of all directories; the second is the older name.
+const VARIABLES: [&str; 2] = ["VK_DRIVER_FILES", "VK_ICD_FILENAMES"];
+
+/// Directories of libraries, besides those of `LD_LIBRARY_PATH` and of the system's cache.
+const LIBRARIES: [&str; 6] = [
+    "/lib/x86_64-linux-gnu",
+    "/usr/lib/x86_64-linux-gnu",
+    "/usr/lib/aarch64-linux-gnu",
+    "/usr/lib64",
+    "/usr/lib",
+    "/usr/local/lib",
+];
+
+/// The part of a system that makes GPUs available to programs.
+#[derive(Debug)]
+pub struct Drivers {
+    loader: Option<PathBuf>,
+    /// The variable that lists driver files, if one is set.
+    variable: Option<(&'static str, String)>,
+    /// The directories that are looked in where no variable is set.
+    looked_in: Vec<PathBuf>,
+    files: Vec<DriverFile>,
+}
+
+/// A file that announces a driver.
+#[derive(Debug)]
+struct DriverFile {
+    path: PathBuf,
+    /// Its library as the file names it, or why the file is unusable.
+    library: Result<String, String>,
+    is_found: bool,
+}
+
+/// The files of a system and its environment.
+struct System<'a> {
+    root: &'a Path,
+    variable: &'a dyn Fn(&str) -> Option<OsString>,
+}
+
+impl Drivers {
+    /// Looks for them; none where drivers are not found by files, as on Windows and macOS.
+    pub fn find() -> Option<Self> {
+        let system = System {
+            root: Path::new("/"),
+            variable: &|name| std::env::var_os(name).filter(|value| !value.is_empty()),
+        };
+        cfg!(target_os = "linux").then(|| system.drivers())
+    }
+
+    /// Returns what was found, a sentence a line.
+    pub fn text(&self) -> String {
+        let mut lines = vec![match &self.loader {
+            Some(path) => format!("The Vulkan loader is {}.", path.display()),
+            None => format!(
+                "The Vulkan loader {LOADER} is not installed (Debian, Ubuntu: libvulkan1; Fedora: vulkan-loader)."
+            ),
+        }];
+        if let Some((name, value)) = &self.variable {
+            lines.push(format!(
+                "{name} is {value}: other drivers are not looked for."
+            ));
+        }
+        lines.extend(self.files.iter().map(DriverFile::text));
+        if self.files.is_empty() && self.variable.is_none() {
+            let directories = self.looked_in.iter().map(|path| path.display().to_string());
+            let directories: Vec<String> = directories.collect();
+            lines.push(format!(
+                "No driver announces itself in {}.",
+                directories.join(", ")
+            ));
+        }
+        if !self.files.iter().any(|file| file.is_found) {
+            lines.push(format!(
+                "Install the GPU's driver with Vulkan (Mesa's, software included: mesa-vulkan-drivers), \
+                 or set {} to the .json file of one that is elsewhere.",
+                VARIABLES[0]
+            ));
+        }
+        lines.join("\n")
+    }
+
+    pub fn json(&self) -> Value {
+        let file = |file: &DriverFile| {
+            json!({
+                "path": file.path,
+                "library": file.library.as_ref().ok(),
+                "fault": file.library.as_ref().err(),
+                "found": file.is_found,
+            })
+        };
+        let variable = self.variable.as_ref();
+        json!({
+            "loader": self.loader,
+            "variable": variable.map(|(name, value)| json!({ "name": name, "value": value })),
+            "looked_in": self.looked_in,
+            "drivers": self.files.iter().map(file).collect::<Vec<_>>(),
+        })
+    }
+}
+
+impl DriverFile {
+    fn text(&self) -> String {
+        let path = self.path.display();
+        match &self.library {
+            Ok(library) if self.is_found => format!("{path} announces the driver {library}."),
+            Ok(library) => format!("{path} announces the driver {library}, which is not there."),
+            Err(reason) => format!("{path} announces no driver: {reason}."),
+        }
+    }
+}
+
+impl System<'_> {
+    fn drivers(&self) -> Drivers {
+        let set = |name: &'static str| Some((name, (self.variable)(name)?));
+        let variable = VARIABLES.into_iter().find_map(set);
+        let looked_in = variable
+            .as_ref()
+            .map_or_else(|| self.directories(), |_| Vec::new());
+        let found = looked_in.iter().flat_map(|path| self.json_files(path));
+        let given = variable
+            .iter()
+            .flat_map(|(_, value)| std::env::split_paths(value));
+        let paths: BTreeSet<PathBuf> = found.chain(given).collect();
+        Drivers {
+            loader: self.library(LOADER),
+            variable: variable.map(|(name, value)| (name, value.to_string_lossy().into_owned())),
+            looked_in,
+            files: paths.into_iter().map(|path| self.driver(path)).collect(),
+        }
+    }
+
+    /// The directories in which the loader looks for drivers, in its sequence.
+    fn directories(&self) -> Vec<PathBuf> {
+        let home = (self.variable)("HOME").map(PathBuf::from);
+        let under_home = |name: &str, default: &str| {
+            let given = (self.variable)(name).map(PathBuf::from);
+            given.or_else(|| Some(home.as_ref()?.join(default)))
+        };
+        let listed = |name: &str, default: &str| {
+            let value = (self.variable)(name).unwrap_or_else(|| default.into());
+            std::env::split_paths(&value).collect::<Vec<_>>()
+        };
+        let mut bases = Vec::from_iter(under_home("XDG_CONFIG_HOME", ".config"));
+        bases.extend(listed("XDG_CONFIG_DIRS", "/etc/xdg"));
+        bases.extend(["/usr/local/etc", "/etc"].map(PathBuf::from));
+        bases.extend(under_home("XDG_DATA_HOME", ".local/share"));
+        bases.extend(listed("XDG_DATA_DIRS", "/usr/local/share:/usr/share"));
+        bases.iter().map(|base| base.join("vulkan/icd.d")).collect()
+    }
+
+    fn json_files(&self, directory: &Path) -> Vec<PathBuf> {
+        let Ok(entries) = std::fs::read_dir(self.real(directory)) else {
+            return Vec::new();
+        };
+        let paths = entries
+            .flatten()
+            .map(|entry| directory.join(entry.file_name()));
+        let is_json = |path: &PathBuf| path.extension().is_some_and(|ext| ext == "json");
+        paths.filter(is_json).collect()
+    }
+
+    fn driver(&self, path: PathBuf) -> DriverFile {
+        let library = self.library_of(&path);
+        let is_found = library.as_ref().is_ok_and(|name| {
+            if name.contains('/') {
+                let beside = path.parent().unwrap_or(Path::new("/")).join(name);
+                self.real(&beside).exists()
+            } else {
+                self.library(name).is_some()
+            }
+        });
+        DriverFile {
+            path,
+            library,
+            is_found,
+        }
+    }
+
+    fn library_of(&self, path: &Path) -> Result<String, String> {
+        let text = std::fs::read_to_string(self.real(path)).map_err(|error| error.to_string())?;
+        let value: Value = serde_json::from_str(&text).map_err(|error| error.to_string())?;
+        let library = value["ICD"]["library_path"].as_str().map(str::to_owned);
+        library.ok_or_else(|| "it has no ICD.library_path".to_owned())
+    }
+
+    /// The path of a library, where a program would find it.
+    fn library(&self, name: &str) -> Option<PathBuf> {
+        let given = (self.variable)("LD_LIBRARY_PATH").unwrap_or_default();
+        let directories = std::env::split_paths(&given).chain(LIBRARIES.map(PathBuf::from));
+        let paths = directories.map(|directory| directory.join(name));
+        let mut paths = paths.chain(self.cached(name));
+        paths.find(|path| self.real(path).exists())
+    }
+
+    /// The paths of a library in the system's cache of libraries, which has them as strings that end in a zero.
+    fn cached(&self, name: &str) -> Vec<PathBuf> {
+        let cache = std::fs::read(self.real(Path::new("/etc/ld.so.cache"))).unwrap_or_default();
+        let strings = cache.split(|&byte| byte == 0);
+        let texts = strings.filter_map(|bytes| str::from_utf8(bytes).ok());
+        let paths = texts
+            .filter(|text| text.starts_with('/'))
+            .map(PathBuf::from);
+        paths
+            .filter(|path| path.file_name().is_some_and(|file| file == name))
+            .collect()
+    }
+
+    fn real(&self, path: &Path) -> PathBuf {
+        self.root.join(path.strip_prefix("/").unwrap_or(path))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::fs;
+
+    use super::*;
+
+    fn found(files: &[(&str, &str)], variables: &[(&str, &str)]) -> String {
+        let root = tempfile::tempdir().expect("a directory");
+        for (path, text) in files {
+            let path = root.path().join(path);
+            fs::create_dir_all(path.parent().expect("a parent")).expect("directories");
+            fs::write(path, text).expect("a file");
+        }
+        let variable = |name: &str| {
+            let mut found = variables.iter().filter(|(known, _)| *known == name);
+            found.next().map(|(_, value)| value.into())
+        };
+        let system = System {
+            root: root.path(),
+            variable: &variable,
+        };
+        system.drivers().text()
+    }
+
+    const LOADER_FILE: (&str, &str) = ("usr/lib/x86_64-linux-gnu/libvulkan.so.1", "");
+    const ANNOUNCED: (&str, &str) = (
+        "etc/vulkan/icd.d/nvidia_icd.json",
+        r#"{ "ICD": { "library_path": "libGLX_nvidia.so.0" } }"#,
+    );
+
+    #[test]
+    fn a_missing_loader_is_named_with_its_package() {
+        let text = found(&[], &[]);
+        for part in [
+            "libvulkan.so.1 is not installed",
+            "libvulkan1",
+            "/etc/vulkan/icd.d",
+            "set VK_DRIVER_FILES",
+        ] {
+            assert!(text.contains(part), "{text}");
+        }
+    }
+
+    #[test]
+    fn a_driver_whose_library_is_missing_is_named() {
+        let text = found(&[LOADER_FILE, ANNOUNCED], &[]);
+        for part in [
+            "loader is /usr/lib/x86_64-linux-gnu/libvulkan.so.1",
+            "nvidia_icd.json announces the driver libGLX_nvidia.so.0, which is not there",
+            "Install",
+        ] {
+            assert!(text.contains(part), "{text}");
+        }
+        let library = ("opt/nvidia/libGLX_nvidia.so.0", "");
+        let cache = (
+            "etc/ld.so.cache",
+            "header\0/opt/nvidia/libGLX_nvidia.so.0\0",
+        );
+        let text = found(&[LOADER_FILE, ANNOUNCED, library, cache], &[]);
+        assert!(text.contains("libGLX_nvidia.so.0."), "{text}");
+        assert!(
+            !text.contains("not there") && !text.contains("Install"),
+            "{text}"
+        );
+    }
+
+    #[test]
+    fn a_variable_replaces_the_directories() {
+        let files = [LOADER_FILE, ANNOUNCED, ("opt/other.json", "{")];
+        let text = found(&files, &[("VK_ICD_FILENAMES", "/opt/other.json")]);
+        assert!(
+            text.contains("VK_ICD_FILENAMES is /opt/other.json"),
+            "{text}"
+        );
+        assert!(
+            text.contains("/opt/other.json announces no driver: EOF"),
+            "{text}"
+        );
+        assert!(!text.contains("nvidia"), "{text}");
+    }
+}

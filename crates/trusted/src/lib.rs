@@ -1,0 +1,53 @@
+//! Compiles the GPU engine's own shaders without the checks that wgpu adds to the shaders of strangers. This crate holds the one
+//! `unsafe` of the programs and nothing else.
+//!
+//! # The argument
+//!
+//! wgpu adds to a shader a counter to each loop, so that none runs for ever, and a check of each index, so that none reads or
+//! writes beyond its buffer or array. A shader may go without them if all its loops end and all its indices are in range *for
+//! every input that it can be given*. The engine's shaders are part of the program, and so are the plans that size their buffers:
+//!
+//! - **Elements.** A pass has one invocation for each element and those of the last workgroup beyond them, which return first.
+//! - **Cells.** A frame has cells of padding around those that are computed, more than any neighbour that a pass looks at.
+//! - **Lists.** A list whose length is found as it is made counts on beyond its capacity but writes below it, and whoever reads it reads
+//!   the smaller of both. The host then makes it longer and repeats the window.
+//! - **Loops** run over a range known before them, or over the bits of a word that lose one each time.
+//!
+//! `tests/it/device/checked.rs` of the engine compares the results with those of checked shaders, bit for bit. In a browser
+//! shaders are always checked, by the browser.
+
+/// How a shader is compiled.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Checks {
+    /// With checks of indices and loops.
+    Checked,
+    /// Without them.
+    Trusted,
+}
+
+/// Returns a shader of the engine as a module of `device`.
+///
+/// Only for the shaders that the argument above is about: never for a text from outside the program.
+#[must_use]
+pub fn shader_module(
+    device: &wgpu::Device,
+    label: &str,
+    source: String,
+    checks: Checks,
+) -> wgpu::ShaderModule {
+    let descriptor = wgpu::ShaderModuleDescriptor {
+        label: Some(label),
+        source: wgpu::ShaderSource::Wgsl(source.into()),
+    };
+    match checks {
+        Checks::Checked => device.create_shader_module(descriptor),
+        #[expect(unsafe_code, reason = "the argument is at the head of this crate")]
+        Checks::Trusted => {
+            // SAFETY: all loops end and all indices are in range, as argued at the head of this crate.
+            unsafe {
+                let unchecked = wgpu::ShaderRuntimeChecks::unchecked();
+                device.create_shader_module_trusted(descriptor, unchecked)
+            }
+        }
+    }
+}
