@@ -1,14 +1,15 @@
-//! The common part of both benches of `tilescope bench`: the arguments, the parallel engine that each of them times,
-//! and how rounds are summed up.
+//! The common part of both benches of `tilescope bench`: the arguments, the progress bar, and words of both tables.
 
 use std::ops::ControlFlow;
 
-use anyhow::Result;
+use anyhow::{Result, anyhow};
 use clap::{Args, ValueEnum};
-use tilescope_core::{Parameters, Pattern, Point, Progress, SampleError, Sweep, radius_estimate};
+use tilescope_reproduce::rates::Bench;
+use tilescope_reproduce::{ReproduceError, Watch};
 
 use crate::engine::AdapterArguments;
 use crate::interrupt;
+use crate::progress::Bar;
 
 /// Arguments of `tilescope bench`.
 #[derive(Debug, Args)]
@@ -33,7 +34,7 @@ pub struct BenchArguments {
     pub sequential: bool,
     /// Rounds; in each, every method runs once, and the median round is shown
     #[arg(long, value_name = "K", default_value_t = 5)]
-    pub rounds: usize,
+    pub rounds: u64,
     /// Seed of the first round; each round has its own
     #[arg(long, value_name = "S", default_value_t = 1)]
     pub seed: u64,
@@ -64,29 +65,55 @@ Examples:
   tilescope bench --samples 10000000 --leaf 40 --threads 1 2 4 --sequential
   tilescope bench --engine gpu --samples 100000000 --leaf 40";
 
-pub fn parameters(arguments: &BenchArguments, samples: u64) -> Result<Parameters> {
-    let base = Parameters {
-        leaf: 40.0,
-        seed: arguments.seed,
-        ..Parameters::default()
+impl BenchArguments {
+    /// Returns what is timed with so many threads.
+    pub fn bench(&self, threads: Vec<usize>) -> Bench {
+        Bench {
+            samples: self.samples,
+            leaves: self.leaf.clone(),
+            threads,
+            sequential: self.sequential,
+            rounds: self.rounds,
+            seed: self.seed,
+            plane: self.plane,
+        }
+    }
+}
+
+/// Shows the rounds of a bench as a bar, and stops them on Ctrl-C.
+pub struct RoundsBar {
+    pub bar: Bar,
+    pub rounds: u64,
+}
+
+impl Watch for RoundsBar {
+    fn progress(&self, done: usize, _: &str) -> ControlFlow<()> {
+        self.bar.set(done as u64, self.rounds);
+        interrupt::flow()
+    }
+}
+
+/// Runs a bench with a bar. An interrupted bench keeps no rounds, so its error does not say that it would go on.
+pub fn with_bar<T>(
+    arguments: &BenchArguments,
+    bench: impl FnOnce(&RoundsBar) -> Result<T, ReproduceError>,
+) -> Result<T> {
+    let watch = RoundsBar {
+        bar: Bar::new("bench"),
+        rounds: arguments.rounds,
     };
-    let radius = radius_estimate(&base, samples)?;
-    Ok(Parameters { radius, ..base })
+    let outcome = bench(&watch);
+    watch.bar.clear();
+    outcome.map_err(|error| match error {
+        ReproduceError::Cancelled => anyhow!("interrupted"),
+        error => error.into(),
+    })
 }
 
-pub fn stop_on_interrupt(_: Progress) -> ControlFlow<()> {
-    interrupt::flow()
-}
-
-pub fn parallel(parameters: &Parameters, pattern: &Pattern) -> Result<Vec<Point>, SampleError> {
-    let sweep = Sweep::new(parameters, pattern, false)?;
-    Ok(sweep.finish(&mut stop_on_interrupt)?.0.points)
-}
-
-pub fn median(values: impl IntoIterator<Item = f64>) -> f64 {
-    let mut values: Vec<f64> = values.into_iter().collect();
-    values.sort_unstable_by(f64::total_cmp);
-    values[values.len() / 2]
+/// Returns the name of the parallel engine's rows.
+pub fn parallel_name(leaf: f64, threads: usize) -> String {
+    let plural = if threads == 1 { "" } else { "s" };
+    format!("parallel, leaf {leaf} r, {threads} thread{plural}")
 }
 
 pub const fn yes(is: bool) -> &'static str {

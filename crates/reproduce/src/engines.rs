@@ -1,11 +1,11 @@
-//! Every engine there is, as something that makes a set: for experiments that take their time.
-//! It takes no time itself and verifies nothing.
+//! Makes sets with any engine. Does not time or verify them.
 
 use std::sync::Arc;
 
 use pollster::block_on;
 use rayon::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
+use serde::{Deserialize, Serialize};
 use tilescope_core::combine::{CombineOptions, Piece, combine, grid};
 use tilescope_core::{
     Boundary, Domain, Parameters, Pattern, Point, Rect, Sequential, reference_sample,
@@ -19,64 +19,94 @@ use crate::machine::gpus;
 /// Sets along each side of what is made of nine.
 const ALONG: u32 = 3;
 
-/// Who makes a set.
-#[derive(Clone, Debug, PartialEq)]
+/// A sampler, or an engine of randomized tiling.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Engine {
     /// The reference sampler, on one thread.
     Reference,
     /// Nine sets of the reference sampler, on all threads, combined.
-    Combined,
+    Combined {
+        /// Threads that they are made on.
+        threads: usize,
+    },
     /// The sequential engine, on one thread.
     Sequential,
-    /// The parallel engine, on one thread or on all.
-    Parallel { all: bool },
-    /// The engine on a GPU, by its name.
-    Gpu { adapter: String },
+    /// The parallel engine.
+    Parallel {
+        /// Threads that it runs on.
+        threads: usize,
+    },
+    /// The engine on a GPU.
+    Gpu {
+        /// The GPU's name.
+        adapter: String,
+    },
 }
 
 impl Engine {
+    /// Returns the parallel engine on all threads.
+    pub(crate) fn parallel() -> Self {
+        let threads = rayon::current_num_threads();
+        Self::Parallel { threads }
+    }
+
+    /// Returns whether it makes sets by randomized tiling, and not from scratch.
+    pub(crate) const fn tiles(&self) -> bool {
+        !matches!(self, Self::Reference | Self::Combined { .. })
+    }
+
     /// Returns its name, without the leaf.
+    #[must_use]
     pub fn name(&self) -> String {
         match self {
             Self::Reference => "reference".to_owned(),
-            Self::Combined => format!("reference, {ALONG} x {ALONG} combined"),
+            Self::Combined { .. } => format!("reference, {ALONG} x {ALONG} combined"),
             Self::Sequential => "KDRT, sequential".to_owned(),
             Self::Parallel { .. } => "KDRT, parallel".to_owned(),
             Self::Gpu { adapter } => format!("KDRT, {adapter}"),
         }
     }
 
-    /// Returns how many threads of the processor it uses; none for a GPU.
-    pub fn threads(&self) -> Option<usize> {
+    /// Returns how many threads of the processor it uses, or `None` for a GPU.
+    #[must_use]
+    pub const fn threads(&self) -> Option<usize> {
         match self {
-            Self::Combined | Self::Parallel { all: true } => Some(rayon::current_num_threads()),
+            Self::Combined { threads } | Self::Parallel { threads } => Some(*threads),
             Self::Gpu { .. } => None,
             _ => Some(1),
         }
     }
 }
 
-/// Engines at hand: one thread, and open GPUs.
+/// Pools of threads and open GPUs, with which engines run.
 pub struct Engines {
-    one: ThreadPool,
+    pools: Vec<ThreadPool>,
     gpus: Vec<Arc<Gpu>>,
 }
 
 impl Engines {
-    /// Returns them; opens every GPU.
-    pub fn open() -> Result<Self, ReproduceError> {
-        let one = ThreadPoolBuilder::new().num_threads(1).build();
+    /// Starts a pool for each number of threads other than all.
+    pub fn open(threads: &[usize], gpus: Vec<Arc<Gpu>>) -> Result<Self, ReproduceError> {
+        let all = rayon::current_num_threads();
+        let pools = threads.iter().filter(|&&threads| threads != all);
+        let pool = |&threads: &usize| {
+            let builder = ThreadPoolBuilder::new().num_threads(threads);
+            builder.build().map_err(failed)
+        };
+        let pools = pools.map(pool).collect::<Result<_, _>>()?;
+        Ok(Self { pools, gpus })
+    }
+
+    /// Starts a pool of one thread and opens every GPU.
+    pub fn open_all() -> Result<Self, ReproduceError> {
         let gpus = gpus().iter().map(|gpu| {
             let choice = Choice {
                 name: Some(gpu.name.clone()),
                 ..Choice::default()
             };
-            block_on(Gpu::open(&choice)).map(Arc::new).map_err(failed)
+            block_on(Gpu::open(&choice)).map(Arc::new)
         });
-        Ok(Self {
-            one: one.map_err(failed)?,
-            gpus: gpus.collect::<Result<_, _>>()?,
-        })
+        Self::open(&[1], gpus.collect::<Result<_, _>>()?)
     }
 
     /// Makes a set.
@@ -92,14 +122,16 @@ impl Engines {
         let by_bands = |engine| by_bands(engine, parameters, pattern, control);
         let points = match engine {
             Engine::Reference => reference_sample(domain, parameters.seed, observer)?,
-            Engine::Combined => combined(domain, parameters.seed, control)?,
+            Engine::Combined { .. } => combined(domain, parameters.seed, control)?,
             Engine::Sequential => {
                 let engine = Sequential::new(parameters, Arc::clone(pattern))?;
                 engine.finish(observer)?.points()
             }
-            Engine::Parallel { all: true } => by_bands(gpu::Engine::Parallel)?,
-            Engine::Parallel { all: false } => {
-                self.one.install(|| by_bands(gpu::Engine::Parallel))?
+            Engine::Parallel { threads } => {
+                let mut pools = self.pools.iter();
+                let pool = pools.find(|pool| pool.current_num_threads() == *threads);
+                let make = || by_bands(gpu::Engine::Parallel);
+                pool.map_or_else(make, |pool| pool.install(make))?
             }
             Engine::Gpu { adapter } => by_bands(gpu::Engine::Gpu(self.gpu(adapter)?))?,
         };
@@ -127,14 +159,11 @@ fn by_bands(
     control: &Control<'_>,
 ) -> Result<Vec<Point>, ReproduceError> {
     let backend = Backend::new(engine, ASKED_FOR);
-    let made = block_on(async {
+    let (sampled, ..) = block_on(async {
         let bands = Bands::new(parameters, pattern, false, &backend, |_| {}).await?;
         bands.finish(&mut control.observer()).await
-    });
-    match made {
-        Ok((sampled, ..)) => Ok(sampled.points),
-        Err(error) => Err(failed(error.of_device()?)),
-    }
+    })?;
+    Ok(sampled.points)
 }
 
 fn combined(
@@ -189,13 +218,13 @@ mod tests {
                 ..Parameters::default()
             };
             let pattern = Pattern::of_spec(&parameters.pattern, &mut Unobserved)?;
-            let engines = Engines::open()?;
+            let engines = Engines::open(&[1], Vec::new())?;
             let make = |engine| engines.make(&engine, &parameters, &pattern, control);
-            let all = make(Engine::Parallel { all: true })?;
-            assert_eq!(all, make(Engine::Parallel { all: false })?);
+            let all = make(Engine::parallel())?;
+            assert_eq!(all, make(Engine::Parallel { threads: 1 })?);
             assert_eq!(all, make(Engine::Sequential)?);
             assert_ne!(all, make(Engine::Reference)?);
-            assert_ne!(all, make(Engine::Combined)?);
+            assert_ne!(all, make(Engine::Combined { threads: 2 })?);
             let nowhere = Engine::Gpu {
                 adapter: "none of that name".to_owned(),
             };

@@ -10,6 +10,7 @@ use tilescope_core::{ParameterError, SampleError};
 use tilescope_figures::FigureError;
 use tilescope_figures::chart::ChartError;
 use tilescope_formats::FormatError;
+use tilescope_gpu::GpuError;
 
 /// Why a reproduction ended early.
 #[derive(Debug, Error)]
@@ -72,6 +73,7 @@ macro_rules! failures {
 failures! {
     ParameterError,
     SampleError => SampleError::Cancelled { .. },
+    GpuError => GpuError::Sample(SampleError::Cancelled { .. }),
     CombineError => CombineError::Sample(SampleError::Cancelled { .. }),
     VerifyError => VerifyError::Cancelled,
     MeasureError => MeasureError::Cancelled | MeasureError::Set(VerifyError::Cancelled),

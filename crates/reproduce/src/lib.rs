@@ -31,6 +31,7 @@ mod machine;
 mod numbers;
 mod outcome;
 mod parts;
+pub mod rates;
 mod report;
 mod rule;
 mod run;

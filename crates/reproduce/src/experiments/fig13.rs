@@ -17,7 +17,8 @@ use crate::numbers::number;
 use crate::outcome::{Outcome, Picture};
 use crate::study::{Settings, Study};
 
-use super::timing::{LEAVES, ONE_LEAF, TimingPlan, median};
+use super::timing::{LEAVES, TimingPlan};
+use crate::rates::{self as engine_rates, ONE_LEAF, median};
 use method::{Method, PATTERN, SetGroup};
 use rates::RateRound;
 use spectra::MethodSpectra;
@@ -77,7 +78,8 @@ pub fn run(study: &Study<'_>) -> Result<Outcome, ReproduceError> {
     let found = found?;
     let plan = plan(study.settings);
     let rounds = rates::run(plan, study)?;
-    let rows = rates::rows(&rounds);
+    let timed: Vec<_> = rounds.iter().map(|round| round.timed.as_slice()).collect();
+    let rows = engine_rates::rows(&timed, None);
     let against = against::against(&found);
     let mut pictures = spectra_pictures(study, &found)?;
     pictures.push(picture::rates(&rows, plan.samples, plan.rounds)?);

@@ -1,22 +1,19 @@
 //! Timing in rounds: every engine or leaf size has its turn in each round, so that what disturbs a round disturbs all of it.
 
-use std::time::Instant;
-
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use tilescope_analysis::measures::Summary;
-use tilescope_core::{Parameters, Point, radius_estimate};
+use tilescope_core::{Parameters, Point};
 
 use super::common::seed;
 use crate::control::Control;
 use crate::engines::Engines;
 use crate::error::ReproduceError;
+use crate::rates::{other_set, sized};
 use crate::study::Study;
 
 /// Leaf sizes that are timed, in radii.
 pub const LEAVES: [f64; 3] = [20.0, 40.0, 80.0];
-/// The leaf size where one is enough.
-pub const ONE_LEAF: f64 = 40.0;
 
 /// How much is timed.
 #[derive(Clone, Copy, Debug)]
@@ -39,12 +36,7 @@ impl TimingPlan {
         let rounds = self.rounds;
         let mut opened = None;
         let one = |number: u64| {
-            let base = Parameters {
-                leaf: ONE_LEAF,
-                seed: seed(study.settings, number as usize),
-                ..Parameters::default()
-            };
-            let radius = radius_estimate(&base, self.samples)?;
+            let base = sized(self.samples, seed(study.settings, number as usize))?;
             let key = format!("{what}-{number}");
             let what = format!("{what}, round {} of {rounds}", number + 1);
             study.unit(&key, &what, |control| {
@@ -52,23 +44,11 @@ impl TimingPlan {
                     Some(opened) => opened,
                     none => none.insert(open(control)?),
                 };
-                round(&Parameters { radius, ..base }, engines, control)
+                round(&base, engines, control)
             })
         };
         (0..rounds).map(one).collect()
     }
-}
-
-/// Returns a result and the seconds that it took.
-pub fn timed<T>(make: impl FnOnce() -> T) -> (T, f64) {
-    let began = Instant::now();
-    let made = make();
-    (made, began.elapsed().as_secs_f64())
-}
-
-/// Returns the median of values; none where there is no value.
-pub fn median(values: impl IntoIterator<Item = f64>) -> Option<f64> {
-    Summary::of(values).map(|summary| summary.quartiles[1])
 }
 
 /// Fails where an engine's set is not the one that was verified.
@@ -76,9 +56,7 @@ pub fn same(name: &str, points: &[Point], verified: &[Point]) -> Result<(), Repr
     if points == verified {
         return Ok(());
     }
-    Err(ReproduceError::Engine(format!(
-        "{name} made another set than the engine before it"
-    )))
+    Err(other_set(name))
 }
 
 /// Quartiles of fewer values would be interpolations.

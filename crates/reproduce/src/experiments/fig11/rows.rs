@@ -2,7 +2,8 @@
 
 use tilescope_analysis::measures::Summary;
 
-use super::stages::{Procedure, StagePasses, StageRound, StageTimes};
+use super::stages::{Procedure, StageRound, StageTimes};
+use crate::rates::{PassTimes, median};
 
 /// A leaf size over all rounds.
 #[derive(Clone, Debug)]
@@ -82,20 +83,19 @@ pub fn rows(rounds: &[StageRound]) -> Vec<LeafTimes> {
     (0..first.timed.len()).filter_map(row).collect()
 }
 
-/// Returns the medians of what GPUs took for each stage.
-pub fn passes(rounds: &[StageRound]) -> Vec<StagePasses> {
-    let Some(first) = rounds.last() else {
+/// Returns the passes of each stage of GPUs, by their names, with the medians of their seconds.
+pub fn passes(rounds: &[StageRound]) -> Vec<(String, PassTimes)> {
+    let Some(last) = rounds.last() else {
         return Vec::new();
     };
-    let median = |one: &StagePasses| {
-        let same = |other: &&StagePasses| other.adapter == one.adapter && other.stage == one.stage;
+    let with_median = |(adapter, one): &(String, PassTimes)| {
+        let same = |other: &&(String, PassTimes)| other.0 == *adapter && other.1.stage == one.stage;
         let each = rounds.iter().flat_map(|round| &round.passes).filter(same);
-        StagePasses {
-            seconds: Summary::of(each.filter_map(|one| one.seconds)).map(|s| s.quartiles[1]),
-            ..one.clone()
-        }
+        let seconds = median(each.filter_map(|(_, one)| one.seconds));
+        let one = one.clone();
+        (adapter.clone(), PassTimes { seconds, ..one })
     };
-    first.passes.iter().map(median).collect()
+    last.passes.iter().map(with_median).collect()
 }
 
 #[cfg(test)]

@@ -4,19 +4,19 @@ use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::time::Instant;
 
-use pollster::block_on;
 use serde::{Deserialize, Serialize};
 use tilescope_core::{
     Parameters, Pattern, PatternSpec, Point, Progress, Run, Sequential, Stage, Variant,
     radius_estimate,
 };
-use tilescope_gpu::{GpuSweep, Options};
+use tilescope_gpu::PassReport;
 
 use crate::control::Control;
 use crate::engines::{Engine, Engines};
 use crate::error::ReproduceError;
-use crate::experiments::timing::{LEAVES, ONE_LEAF, TimingPlan, same, timed};
+use crate::experiments::timing::{LEAVES, TimingPlan, same};
 use crate::machine::gpus;
+use crate::rates::{ONE_LEAF, PassTimes, run_timed, timed};
 use crate::sets::{Set, pattern, pattern_side};
 use crate::study::Study;
 
@@ -82,21 +82,12 @@ pub struct StageCounts {
     pub count: usize,
 }
 
-/// Time of the passes of one stage of a GPU.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct StagePasses {
-    pub adapter: String,
-    pub stage: String,
-    pub times: usize,
-    /// None where the device does not time them.
-    pub seconds: Option<f64>,
-}
-
 /// A round.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct StageRound {
     pub timed: Vec<StageTimes>,
-    pub passes: Vec<StagePasses>,
+    /// Passes of each stage of a GPU, by its name.
+    pub passes: Vec<(String, PassTimes)>,
 }
 
 /// Carries out all rounds.
@@ -105,7 +96,7 @@ pub fn run(plan: TimingPlan, study: &Study<'_>) -> Result<Vec<StageRound>, Repro
     plan.run(
         study,
         "stages",
-        |_| Engines::open(),
+        |_| Engines::open_all(),
         |base, engines, control| {
             let mut timed = Vec::new();
             for leaf in LEAVES {
@@ -120,8 +111,10 @@ pub fn run(plan: TimingPlan, study: &Study<'_>) -> Result<Vec<StageRound>, Repro
             timed.push(verified(&printed, &pattern, control)?.0);
             let mut passes = Vec::new();
             for gpu in gpus() {
-                let gpu = engines.gpu(&gpu.name)?;
-                passes.extend(on_gpu(&gpu, base, &pattern, control)?);
+                let open = engines.gpu(&gpu.name)?;
+                let by_stage = |report: &PassReport| [report.stage.to_string(), String::new()];
+                let run = run_timed(&open, base, &pattern, control, by_stage)?;
+                passes.extend(run.passes.into_iter().map(|one| (gpu.name.clone(), one)));
             }
             Ok(StageRound { timed, passes })
         },
@@ -145,7 +138,7 @@ fn staged(
 ) -> Result<StageTimes, ReproduceError> {
     let pattern = pattern_of(parameters.leaf, control)?;
     let (times, points) = verified(parameters, &pattern, control)?;
-    let all = Engine::Parallel { all: true };
+    let all = Engine::parallel();
     let (made, seconds) = timed(|| engines.make(&all, parameters, &pattern, control));
     same(&all.name(), &made?, &points)?;
     Ok(StageTimes {
@@ -225,43 +218,6 @@ fn counts(run: &Run) -> StageCounts {
         inserted: summary.inserted,
         count: summary.count,
     }
-}
-
-/// Adds up the passes of each stage, in the sequence of their first.
-fn on_gpu(
-    gpu: &Arc<tilescope_gpu::Gpu>,
-    parameters: &Parameters,
-    pattern: &Arc<Pattern>,
-    control: &Control<'_>,
-) -> Result<Vec<StagePasses>, ReproduceError> {
-    let options = Options {
-        timed: true,
-        ..Options::default()
-    };
-    let failed = |error: tilescope_gpu::GpuError| ReproduceError::Engine(error.to_string());
-    let adapter = gpu.report().name.clone();
-    let mut sweep =
-        block_on(GpuSweep::new(Arc::clone(gpu), parameters, pattern, options)).map_err(failed)?;
-    while block_on(sweep.step(&mut |_| control.flow()))
-        .map_err(failed)?
-        .is_some()
-    {}
-    let mut passes: Vec<StagePasses> = Vec::new();
-    for report in sweep.reports() {
-        let stage = report.stage.to_string();
-        if let Some(known) = passes.iter_mut().find(|one| one.stage == stage) {
-            known.times += 1;
-            known.seconds = known.seconds.zip(report.seconds).map(|(a, b)| a + b);
-        } else {
-            passes.push(StagePasses {
-                adapter: adapter.clone(),
-                stage,
-                times: 1,
-                seconds: report.seconds,
-            });
-        }
-    }
-    Ok(passes)
 }
 
 #[cfg(test)]

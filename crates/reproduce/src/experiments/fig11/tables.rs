@@ -1,9 +1,10 @@
 //! The numbers of figure 11.
 
 use super::rows::LeafTimes;
-use super::stages::{StagePasses, StageRound};
+use super::stages::StageRound;
 use crate::experiments::timing::{whisker, whisker_columns};
 use crate::outcome::Table;
+use crate::rates::PassTimes;
 use crate::table::table;
 
 /// Returns times and shares of procedures.
@@ -74,15 +75,17 @@ pub fn counts(rounds: &[StageRound]) -> Table {
 }
 
 /// Returns times of a GPU's passes, by stage.
-pub fn passes(passes: &[StagePasses]) -> Table {
+pub fn passes(passes: &[(String, PassTimes)]) -> Table {
     table(
         "passes",
         "Passes of a GPU, by stage, medians of rounds",
         passes,
     )
-    .column("adapter", "GPU", 1, |one| one.adapter.clone())
-    .column("stage", "stage", 1, |one| one.stage.clone())
-    .column("passes", "passes", 4, |one| one.times)
-    .column("milliseconds", "ms", 3, |one| one.seconds.map(|s| 1e3 * s))
+    .column("adapter", "GPU", 1, |(adapter, _)| adapter.clone())
+    .column("stage", "stage", 1, |(_, one)| one.stage.clone())
+    .column("passes", "passes", 4, |(_, one)| one.times)
+    .column("milliseconds", "ms", 3, |(_, one)| {
+        one.seconds.map(|s| 1e3 * s)
+    })
     .shown()
 }

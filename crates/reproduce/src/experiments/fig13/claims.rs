@@ -4,10 +4,10 @@
 
 use super::against::Against;
 use super::method::Method;
-use super::rates::EngineRate;
 use super::speed;
 use crate::numbers::number;
 use crate::outcome::{Claim, Verdict};
+use crate::rates::EngineRate;
 
 /// Radial mean powers that differ by this share of the power, chance apart, count as very similar.
 const SIMILAR: f64 = 0.05;

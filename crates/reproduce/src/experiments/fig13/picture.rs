@@ -6,13 +6,13 @@ use tilescope_figures::chart::{
 };
 
 use super::method::{Method, PATTERN};
-use super::rates::EngineRate;
 use super::spectra::MethodSpectra;
 use crate::error::ReproduceError;
 use crate::experiments::common::{bar_picture, picture, power_scale};
-use crate::experiments::timing::{ONE_LEAF, whisker, whisker_words};
+use crate::experiments::timing::{whisker, whisker_words};
 use crate::numbers::drawn_number as number;
 use crate::outcome::Picture;
+use crate::rates::{EngineRate, ONE_LEAF};
 use crate::sets::Set;
 
 /// Side in radii of the part of a set that is shown.
@@ -291,7 +291,7 @@ fn bar(row: &EngineRate, color: usize) -> Bar {
     let median = row.rate.quartiles[1] / 1e6;
     let ratio = number(row.ratio.quartiles[1], 3);
     Bar {
-        name: format!("{}{}", row.name, threads(row.threads)),
+        name: format!("{}{}", row.engine.name(), threads(row.engine.threads())),
         value: median,
         whisker: Some(whisker(&row.rate).map(|rate| rate / 1e6)),
         text: format!("{} ({ratio} x)", number(median, 3)),

@@ -1,9 +1,9 @@
 //! Verdicts on figure 13's rates: whether tiling is several times as fast as sampling from scratch, and why the
 //! paper's own ratio cannot be compared.
 
-use super::rates::EngineRate;
 use crate::numbers::number;
 use crate::outcome::{Claim, Verdict};
+use crate::rates::EngineRate;
 
 /// The paper's lower rate over that of sampling from scratch.
 const FASTER: f64 = 2.5;
@@ -14,7 +14,7 @@ const PLACE: &str = "section 4.1.3, figure 13";
 pub fn claims(rows: &[EngineRate]) -> [Claim; 2] {
     let alone: Vec<&EngineRate> = rows
         .iter()
-        .filter(|row| row.leaf.is_some() && row.threads == Some(1))
+        .filter(|row| row.leaf.is_some() && row.engine.threads() == Some(1))
         .collect();
     [direction(rows, &alone), ratio(rows, &alone)]
 }
@@ -74,14 +74,14 @@ fn ends(values: impl Iterator<Item = f64>) -> [f64; 2] {
 
 /// Returns each engine's ratios by leaf.
 fn by_name(rows: &[&EngineRate]) -> String {
-    let mut names: Vec<&str> = Vec::new();
-    for row in rows {
-        if !names.contains(&row.name.as_str()) {
-            names.push(&row.name);
+    let mut names: Vec<String> = Vec::new();
+    for name in rows.iter().map(|row| row.engine.name()) {
+        if !names.contains(&name) {
+            names.push(name);
         }
     }
-    let of = |name: &&str| {
-        let rows = rows.iter().filter(|row| row.name == **name);
+    let of = |name: &String| {
+        let rows = rows.iter().filter(|row| row.engine.name() == *name);
         let ratios = rows.map(|row| {
             let leaf = row.leaf.unwrap_or_default();
             format!("{} at leaf {leaf} r", number(row.ratio.quartiles[1], 3))

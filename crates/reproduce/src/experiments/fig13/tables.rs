@@ -1,10 +1,10 @@
 //! The numbers of figure 13.
 
 use super::against::Against;
-use super::rates::EngineRate;
 use super::spectra::MethodSpectra;
 use crate::experiments::timing::{whisker, whisker_columns};
 use crate::outcome::Table;
+use crate::rates::EngineRate;
 use crate::table::table;
 
 /// Returns the numbers of each method and radius.
@@ -70,9 +70,9 @@ pub fn quality(found: &[MethodSpectra], against: &[Against]) -> Table {
 pub fn rates(rows: &[EngineRate], rounds: usize) -> Table {
     let [low, high] = whisker_columns(rounds);
     table("rates", "Rates, the pattern ready-made", rows)
-        .column("method", "method", 1, |row| row.name.clone())
+        .column("method", "method", 1, |row| row.engine.name())
         .column("leaf_r", "leaf, r", 3, |row| row.leaf)
-        .column("threads", "threads", 3, |row| row.threads)
+        .column("threads", "threads", 3, |row| row.engine.threads())
         .column("samples", "samples", 7, |row| row.count.round() as u64)
         .column("rounds", "rounds", 3, |row| row.rate.count)
         .column(

@@ -1,15 +1,18 @@
 use super::*;
+use crate::rates::Engine;
 use tilescope_analysis::measures::Summary;
 
-fn row(name: &str, leaf: Option<f64>, threads: usize, ratio: f64) -> EngineRate {
+fn row(engine: Engine, leaf: Option<f64>, ratio: f64) -> EngineRate {
     let of = |value| Summary::of([value]).unwrap();
     EngineRate {
-        name: name.to_owned(),
+        engine,
         leaf,
-        threads: Some(threads),
+        times: Vec::new(),
         count: 2e6,
         rate: of(5e5 * ratio),
+        verify_rate: 1e6,
         ratio: of(ratio),
+        thread_ratio: None,
         density: 0.698,
         min_distance: 1.0,
         covering_radius: 1.0,
@@ -18,11 +21,11 @@ fn row(name: &str, leaf: Option<f64>, threads: usize, ratio: f64) -> EngineRate 
 
 pub fn rows(parallel: f64, sequential: f64) -> Vec<EngineRate> {
     vec![
-        row("reference", None, 1, 1.0),
-        row("KDRT, parallel", Some(20.0), 1, parallel),
+        row(Engine::Reference, None, 1.0),
+        row(Engine::Parallel { threads: 1 }, Some(20.0), parallel),
         // More threads may not save it.
-        row("KDRT, parallel", Some(20.0), 2, 9.0),
-        row("KDRT, sequential", Some(20.0), 1, sequential),
+        row(Engine::Parallel { threads: 2 }, Some(20.0), 9.0),
+        row(Engine::Sequential, Some(20.0), sequential),
     ]
 }
 

@@ -1,0 +1,227 @@
+//! Rates of engines, for experiments and for `tilescope bench`. In each round every engine makes one set, and ratios are
+//! taken within a round, so that a disturbance affects both sides. Every set is verified, or equal to one that is.
+
+mod bench;
+mod gpu;
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use serde::{Deserialize, Serialize};
+use tilescope_analysis::Report;
+use tilescope_analysis::measures::Summary;
+use tilescope_core::{Parameters, Pattern, Point, radius_estimate};
+
+use crate::control::Control;
+use crate::engines::Engines;
+use crate::error::ReproduceError;
+use crate::sets::Set;
+
+pub use crate::engines::Engine;
+pub use bench::{Bench, CpuRates, JudgeWindow, WindowTimes};
+pub(crate) use gpu::run_timed;
+pub use gpu::{GpuRates, GpuRun, PassTimes};
+
+/// The leaf size in radii where one is enough.
+pub(crate) const ONE_LEAF: f64 = 40.0;
+
+/// A set whose making was timed.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct EngineTime {
+    /// The engine that made it.
+    pub engine: Engine,
+    /// Leaf size in radii; `None` for sets made from scratch.
+    pub leaf: Option<f64>,
+    /// Seconds of making it.
+    pub seconds: f64,
+    /// Seconds of verifying it, or the set that it equals.
+    pub verify_seconds: f64,
+    /// Whether it equals the first engine's set with these parameters.
+    pub equal: bool,
+    /// The verifier's report.
+    pub report: Report,
+}
+
+/// Tells a method from others in all rounds: the engine, and the bits of the leaf size.
+type Key<'a> = (&'a Engine, Option<u64>);
+
+impl EngineTime {
+    fn key(&self) -> Key<'_> {
+        (&self.engine, self.leaf.map(f64::to_bits))
+    }
+
+    fn rate(&self) -> f64 {
+        self.report.count as f64 / self.seconds
+    }
+
+    /// Fails unless the set is valid and equal to the first engine's.
+    pub(crate) fn check(&self) -> Result<(), ReproduceError> {
+        let what = self.engine.name();
+        if !self.equal {
+            return Err(other_set(&what));
+        }
+        if self.report.valid() {
+            return Ok(());
+        }
+        Err(ReproduceError::Invalid {
+            what,
+            conflicts: self.report.conflicts,
+            gaps: self.report.gaps,
+        })
+    }
+}
+
+/// The error of an engine whose set is not the one that was verified.
+pub(crate) fn other_set(name: &str) -> ReproduceError {
+    ReproduceError::Engine(format!("{name} made another set than the engine before it"))
+}
+
+/// Returns the parameters of a timed set of about so many samples.
+pub(crate) fn sized(samples: u64, seed: u64) -> Result<Parameters, ReproduceError> {
+    let base = Parameters {
+        leaf: ONE_LEAF,
+        seed,
+        ..Parameters::default()
+    };
+    let radius = radius_estimate(&base, samples)?;
+    Ok(Parameters { radius, ..base })
+}
+
+/// Returns a result and the seconds that it took.
+pub(crate) fn timed<T>(make: impl FnOnce() -> T) -> (T, f64) {
+    let began = Instant::now();
+    let made = make();
+    (made, began.elapsed().as_secs_f64())
+}
+
+/// Returns the median of values, or `None` if there are none.
+pub(crate) fn median(values: impl IntoIterator<Item = f64>) -> Option<f64> {
+    Summary::of(values).map(|summary| summary.quartiles[1])
+}
+
+/// Makes the same set with each engine. Verifies the first one's set, and every other that differs from it.
+pub(crate) fn times(
+    open: &Engines,
+    engines: &[Engine],
+    parameters: &Parameters,
+    pattern: &Arc<Pattern>,
+    control: &Control<'_>,
+) -> Result<Vec<EngineTime>, ReproduceError> {
+    let domain = parameters.validate()?;
+    let mut first: Option<(Vec<Point>, Report, f64)> = None;
+    let mut all = Vec::new();
+    for engine in engines {
+        let (points, seconds) = timed(|| open.make(engine, parameters, pattern, control));
+        let points = points?;
+        let known = first.as_ref().filter(|(verified, ..)| *verified == points);
+        let equal = first.is_none() || known.is_some();
+        let (report, verify_seconds) = if let Some((_, report, seconds)) = known {
+            (report.clone(), *seconds)
+        } else {
+            let set = Set::of(&domain, &points);
+            let (report, seconds) = timed(|| set.judge(control));
+            (report?, seconds)
+        };
+        first.get_or_insert_with(|| (points, report.clone(), verify_seconds));
+        all.push(EngineTime {
+            engine: engine.clone(),
+            leaf: engine.tiles().then_some(parameters.leaf),
+            seconds,
+            verify_seconds,
+            equal,
+            report,
+        });
+    }
+    Ok(all)
+}
+
+/// A method over all rounds.
+#[derive(Clone, Debug)]
+pub struct EngineRate {
+    /// The engine.
+    pub engine: Engine,
+    /// Leaf size in radii; `None` for sets made from scratch.
+    pub leaf: Option<f64>,
+    /// Its sets, one a round.
+    pub times: Vec<EngineTime>,
+    /// Median number of samples.
+    pub count: f64,
+    /// Samples made a second.
+    pub rate: Summary,
+    /// Median of the samples verified a second.
+    pub verify_rate: f64,
+    /// Rate over that of the baseline in the same round.
+    pub ratio: Summary,
+    /// Median rate over that of one thread in the same round, for the parallel engine on several threads.
+    pub thread_ratio: Option<f64>,
+    /// Median of `N r^2 / area`.
+    pub density: f64,
+    /// The smallest distance of any set, in radii.
+    pub min_distance: f64,
+    /// The largest covering radius of any set, in radii.
+    pub covering_radius: f64,
+}
+
+impl EngineRate {
+    /// Returns whether all its sets equal the first engine's with the same parameters.
+    #[must_use]
+    pub fn equal(&self) -> bool {
+        self.times.iter().all(|one| one.equal)
+    }
+
+    /// Returns whether all its sets are valid.
+    #[must_use]
+    pub fn valid(&self) -> bool {
+        self.times.iter().all(|one| one.report.valid())
+    }
+}
+
+/// Returns the methods' rows in the sequence in which the rounds have them. The baseline is `baseline` with the same leaf size, or the
+/// first method of all. A row is of the rounds that have it.
+pub(crate) fn rows(rounds: &[&[EngineTime]], baseline: Option<&Engine>) -> Vec<EngineRate> {
+    let mut keys: Vec<Key<'_>> = Vec::new();
+    for key in rounds.iter().copied().flatten().map(EngineTime::key) {
+        if !keys.contains(&key) {
+            keys.push(key);
+        }
+    }
+    let row = |key: &Key<'_>| row(rounds, key, baseline.map_or(keys[0], |one| (one, key.1)));
+    keys.iter().filter_map(row).collect()
+}
+
+fn row(rounds: &[&[EngineTime]], key: &Key<'_>, baseline: Key<'_>) -> Option<EngineRate> {
+    let find = |round: &&[EngineTime], key: Key<'_>| {
+        let one = round.iter().find(|one| one.key() == key);
+        one.cloned()
+    };
+    let times: Vec<EngineTime> = rounds
+        .iter()
+        .filter_map(|round| find(round, *key))
+        .collect();
+    let ratio = |baseline: Key<'_>| {
+        let ratio = |round| Some(find(round, *key)?.rate() / find(round, baseline)?.rate());
+        Summary::of(rounds.iter().filter_map(ratio))
+    };
+    let all = |value: fn(&EngineTime) -> f64| Summary::of(times.iter().map(value));
+    let median = |value| all(value).map(|summary| summary.quartiles[1]);
+    let several = matches!(key.0, Engine::Parallel { threads } if *threads > 1);
+    let one_thread = (&Engine::Parallel { threads: 1 }, key.1);
+    Some(EngineRate {
+        engine: key.0.clone(),
+        leaf: times.first()?.leaf,
+        count: median(|one| one.report.count as f64)?,
+        rate: all(EngineTime::rate)?,
+        verify_rate: median(|one| one.report.count as f64 / one.verify_seconds)?,
+        ratio: ratio(baseline)?,
+        thread_ratio: ratio(one_thread)
+            .filter(|_| several)
+            .map(|ratio| ratio.quartiles[1]),
+        density: median(|one| one.report.density)?,
+        min_distance: all(|one| one.report.min_distance / one.report.radius)?.least,
+        covering_radius: all(|one| one.report.covering_radius / one.report.radius)?.most,
+        times,
+    })
+}
+
+#[cfg(test)]
+pub(crate) mod tests;

@@ -1,0 +1,173 @@
+//! The rounds of `tilescope bench`: the CPU's engines against the reference sampler, and windows of a large plane.
+
+use std::error::Error;
+use std::sync::Arc;
+
+use tilescope_core::{Key, Parameters, Pattern, Plane, Stream, Window};
+
+use super::{EngineRate, EngineTime, median, rows, sized, timed, times};
+use crate::control::{Control, Watch};
+use crate::engines::{Engine, Engines};
+use crate::error::ReproduceError;
+
+/// What is timed, and how often.
+#[derive(Clone, Debug)]
+pub struct Bench {
+    /// Samples of a set, about.
+    pub samples: u64,
+    /// Leaf sizes in radii.
+    pub leaves: Vec<f64>,
+    /// Numbers of threads of the parallel engine.
+    pub threads: Vec<usize>,
+    /// Whether the sequential engine is timed, too.
+    pub sequential: bool,
+    /// Number of rounds.
+    pub rounds: u64,
+    /// Seed of the first round; each round has its own.
+    pub seed: u64,
+    /// Samples of the plane from which windows are taken.
+    pub plane: u64,
+}
+
+/// Rates of the CPU's engines.
+#[derive(Clone, Debug)]
+pub struct CpuRates {
+    /// Seconds of generating the pattern.
+    pub pattern_seconds: f64,
+    /// The engines at each leaf size, after the reference sampler, which is the baseline.
+    pub rows: Vec<EngineRate>,
+    /// Windows of a large plane, one a round.
+    pub windows: WindowTimes,
+}
+
+/// Times of windows at random positions of a large plane.
+#[derive(Clone, Debug)]
+pub struct WindowTimes {
+    /// Seconds of setting up the plane.
+    pub plane_seconds: f64,
+    /// Seconds of each window.
+    pub seconds: Vec<f64>,
+    /// Samples of each window.
+    pub counts: Vec<usize>,
+    /// Whether all windows are valid.
+    pub valid: bool,
+}
+
+impl WindowTimes {
+    /// Returns the median number of samples of a window.
+    #[must_use]
+    pub fn median_count(&self) -> f64 {
+        median(self.counts.iter().map(|&count| count as f64)).unwrap_or(f64::NAN)
+    }
+
+    /// Returns the median of the seconds.
+    #[must_use]
+    pub fn median_seconds(&self) -> f64 {
+        median(self.seconds.iter().copied()).unwrap_or(f64::NAN)
+    }
+}
+
+/// Returns whether a window of a plane is valid.
+pub type JudgeWindow<'a> =
+    &'a dyn Fn(&Plane, &Window) -> Result<bool, Box<dyn Error + Send + Sync>>;
+
+impl Bench {
+    /// Samples of a window, about.
+    pub const WINDOW_SAMPLES: f64 = 10_000.0;
+
+    /// Times the CPU's engines and windows.
+    pub fn cpu(
+        &self,
+        watch: &dyn Watch,
+        is_valid: JudgeWindow<'_>,
+    ) -> Result<CpuRates, ReproduceError> {
+        let base = self.base()?;
+        let of_plane = sized(self.plane, self.seed)?;
+        let open = Engines::open(&self.threads, Vec::new())?;
+        let control = Control::new(watch, 0, "the pattern".to_owned());
+        // The time to make a pattern is reported, so it is generated here and not taken from the kept ones.
+        let generate = || Pattern::generate(&base.pattern, &mut control.observer());
+        let (pattern, pattern_seconds) = timed(generate);
+        let pattern = Arc::new(pattern?);
+        let threads = self.threads.iter();
+        let mut engines: Vec<Engine> = threads
+            .map(|&threads| Engine::Parallel { threads })
+            .collect();
+        if self.sequential {
+            engines.insert(0, Engine::Sequential);
+        }
+        let rounds = self.rounds(&base, watch, |parameters, control| {
+            let from_scratch = [Engine::Reference];
+            let mut all = times(&open, &from_scratch, parameters, &pattern, control)?;
+            for &leaf in &self.leaves {
+                let parameters = Parameters {
+                    leaf,
+                    ..*parameters
+                };
+                all.extend(times(&open, &engines, &parameters, &pattern, control)?);
+            }
+            Ok(all)
+        })?;
+        let rounds: Vec<&[EngineTime]> = rounds.iter().map(Vec::as_slice).collect();
+        Ok(CpuRates {
+            pattern_seconds,
+            rows: rows(&rounds, None),
+            windows: self.windows(&of_plane, &pattern, is_valid)?,
+        })
+    }
+
+    /// Returns the parameters of the first round's sets. Fails if a leaf size is not possible with them.
+    pub(super) fn base(&self) -> Result<Parameters, ReproduceError> {
+        let base = sized(self.samples, self.seed)?;
+        base.validate_sequential()?;
+        for &leaf in &self.leaves {
+            Parameters { leaf, ..base }.validate()?;
+        }
+        Ok(base)
+    }
+
+    /// Carries out all rounds, each with a seed of its own.
+    pub(super) fn rounds(
+        &self,
+        base: &Parameters,
+        watch: &dyn Watch,
+        round: impl Fn(&Parameters, &Control<'_>) -> Result<Vec<EngineTime>, ReproduceError>,
+    ) -> Result<Vec<Vec<EngineTime>>, ReproduceError> {
+        let one = |number: u64| {
+            let seed = self.seed.wrapping_add(number);
+            let what = format!("round {} of {}", number + 1, self.rounds);
+            let control = Control::new(watch, number as usize, what);
+            control.go_on()?;
+            round(&Parameters { seed, ..*base }, &control)
+        };
+        (0..self.rounds).map(one).collect()
+    }
+
+    fn windows(
+        &self,
+        parameters: &Parameters,
+        pattern: &Pattern,
+        is_valid: JudgeWindow<'_>,
+    ) -> Result<WindowTimes, ReproduceError> {
+        let (plane, plane_seconds) = timed(|| Plane::new(parameters, pattern));
+        let plane = plane?;
+        let side = (Self::WINDOW_SAMPLES / 0.7).sqrt() * parameters.radius;
+        let key = Key::from_seed(self.seed);
+        let mut windows = WindowTimes {
+            plane_seconds,
+            seconds: Vec::new(),
+            counts: Vec::new(),
+            valid: true,
+        };
+        for round in 0..self.rounds as u32 {
+            let [x, y] = key.draw(Stream::Dart, round).map(f64::from);
+            let low = [x, y].map(|v| v / f64::from(u32::MAX));
+            let window = plane.domain().window(low, low.map(|v| v + side))?;
+            let (points, seconds) = timed(|| plane.window(&window));
+            windows.seconds.push(seconds);
+            windows.counts.push(points?.len());
+            windows.valid &= is_valid(&plane, &window).map_err(ReproduceError::Failed)?;
+        }
+        Ok(windows)
+    }
+}

@@ -1,0 +1,181 @@
+//! A GPU against all threads, and the time of each of its passes.
+
+use std::sync::Arc;
+
+use pollster::block_on;
+use serde::{Deserialize, Serialize};
+use tilescope_core::{Parameters, Pattern, Stage};
+use tilescope_gpu::{Gpu, GpuSweep, Options, PassReport};
+
+use super::{Bench, EngineRate, EngineTime, rows, timed, times};
+use crate::control::{Control, Watch};
+use crate::engines::{Engine, Engines};
+use crate::error::ReproduceError;
+
+/// Bytes copied at a time to measure the speed of the device's memory, and how often: long enough that the start does
+/// not matter.
+const COPIED: u64 = 64 << 20;
+const COPIES: u32 = 32;
+
+/// The time of the passes of one name in one stage.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PassTimes {
+    /// The stage's name.
+    pub stage: String,
+    /// The passes' name.
+    pub name: String,
+    /// Number of passes.
+    pub times: usize,
+    /// The least bytes that they move, where all of them visit all elements.
+    pub bytes: Option<u64>,
+    /// Seconds on the device, where it measures them.
+    pub seconds: Option<f64>,
+}
+
+/// A run on a GPU, pass by pass.
+#[derive(Clone, Debug)]
+pub struct GpuRun {
+    /// Times of its passes, in the sequence of the first of each name.
+    pub passes: Vec<PassTimes>,
+    /// Samples of the set.
+    pub samples: usize,
+    /// Peak size of its buffers, in bytes.
+    pub held_bytes: u64,
+}
+
+/// Rates of a GPU.
+#[derive(Clone, Debug)]
+pub struct GpuRates {
+    /// The parallel engine on all threads and the GPU, by turns, for each leaf size; the former is the baseline.
+    pub rows: Vec<EngineRate>,
+    /// Seconds of the first run, which compiles the passes.
+    pub first_seconds: f64,
+    /// A run with timed passes.
+    pub run: GpuRun,
+    /// Bytes a second that the device copies, read and written.
+    pub copy_rate: f64,
+}
+
+impl Bench {
+    /// Times a GPU against the parallel engine on all threads.
+    pub fn gpu(&self, gpu: &Arc<Gpu>, watch: &dyn Watch) -> Result<GpuRates, ReproduceError> {
+        let base = self.base()?;
+        let control = Control::new(watch, 0, "the first run".to_owned());
+        let pattern = Pattern::of_spec(&base.pattern, &mut control.observer())?;
+        let open = Engines::open(&[], vec![Arc::clone(gpu)])?;
+        let adapter = gpu.report().name.clone();
+        let engines = [Engine::parallel(), Engine::Gpu { adapter }];
+        let first = Parameters {
+            leaf: *self.leaves.first().unwrap_or(&base.leaf),
+            ..base
+        };
+        let (made, first_seconds) = timed(|| open.make(&engines[1], &first, &pattern, &control));
+        drop(made?);
+        let rounds = self.rounds(&base, watch, |parameters, control| {
+            let mut all = Vec::new();
+            for &leaf in &self.leaves {
+                let parameters = Parameters {
+                    leaf,
+                    ..*parameters
+                };
+                all.extend(times(&open, &engines, &parameters, &pattern, control)?);
+            }
+            Ok(all)
+        })?;
+        let rounds: Vec<&[EngineTime]> = rounds.iter().map(Vec::as_slice).collect();
+        let run = run_timed(gpu, &first, &pattern, &control, |report| {
+            let stage = match report.stage {
+                Stage::Iterate(_) => "iterate".to_owned(),
+                stage => stage.to_string(),
+            };
+            [stage, report.name.to_owned()]
+        })?;
+        block_on(gpu.copy(COPIED, 1))?;
+        let (copied, seconds) = timed(|| block_on(gpu.copy(COPIED, COPIES)));
+        copied?;
+        Ok(GpuRates {
+            rows: rows(&rounds, Some(&engines[0])),
+            first_seconds,
+            run,
+            copy_rate: 2.0 * COPIED as f64 * f64::from(COPIES) / seconds,
+        })
+    }
+}
+
+/// Runs once with every pass timed, and adds up the passes to which `names` gives the same stage and name.
+pub(crate) fn run_timed(
+    gpu: &Arc<Gpu>,
+    parameters: &Parameters,
+    pattern: &Arc<Pattern>,
+    control: &Control<'_>,
+    names: impl Fn(&PassReport) -> [String; 2],
+) -> Result<GpuRun, ReproduceError> {
+    let options = Options {
+        timed: true,
+        ..Options::default()
+    };
+    let sweep = GpuSweep::new(Arc::clone(gpu), parameters, pattern, options);
+    let mut sweep = block_on(sweep)?;
+    let mut samples = 0;
+    while let Some(band) = block_on(sweep.step(&mut control.observer()))? {
+        samples += band.points.len();
+    }
+    let mut passes = Vec::new();
+    for report in sweep.reports() {
+        add(&mut passes, names(report), report);
+    }
+    Ok(GpuRun {
+        passes,
+        samples,
+        held_bytes: sweep.highest_bytes(),
+    })
+}
+
+fn add(passes: &mut Vec<PassTimes>, [stage, name]: [String; 2], report: &PassReport) {
+    let known = passes
+        .iter_mut()
+        .find(|pass| pass.name == name && pass.stage == stage);
+    if let Some(pass) = known {
+        pass.times += 1;
+        pass.bytes = pass.bytes.zip(report.bytes()).map(|(a, b)| a + b);
+        pass.seconds = pass.seconds.zip(report.seconds).map(|(a, b)| a + b);
+    } else {
+        passes.push(PassTimes {
+            stage,
+            name,
+            times: 1,
+            bytes: report.bytes(),
+            seconds: report.seconds,
+        });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn passes_of_a_name_are_added_up_and_one_that_was_not_measured_leaves_no_sum() {
+        let report = |seconds| PassReport {
+            stage: Stage::Tile,
+            name: "scan",
+            indirect: false,
+            workgroups: None,
+            invocations: None,
+            bindings: Vec::new(),
+            seconds,
+        };
+        let mut passes = Vec::new();
+        for (name, seconds) in [
+            ("scan", Some(0.25)),
+            ("detect", Some(0.25)),
+            ("detect", Some(0.5)),
+            ("scan", None),
+        ] {
+            let names = ["tile", name].map(str::to_owned);
+            add(&mut passes, names, &report(seconds));
+        }
+        let found: Vec<_> = passes.iter().map(|one| (one.times, one.seconds)).collect();
+        assert_eq!(found, [(2, None), (2, Some(0.75))]);
+    }
+}
