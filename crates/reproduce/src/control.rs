@@ -1,4 +1,5 @@
-//! How far a reproduction is, and how it is stopped: the trait of whoever watches it, and the control that a unit of work gets.
+//! How far a reproduction is, and how it is stopped: the trait of whoever watches it, and the control that a unit of
+//! work gets.
 
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -29,7 +30,8 @@ pub trait Watch: Sync {
     /// Called when an experiment begins.
     fn begins(&self, _experiment: Experiment) {}
 
-    /// Called often, from any thread, with the number of units done, of all experiments, and what is going on. `Break` ends it.
+    /// Called often, from any thread, with the number of units done, of all experiments, and what is going on.
+    /// `Break` ends it.
     fn progress(&self, done: usize, what: &str) -> ControlFlow<()>;
 
     /// Called when an experiment has ended.

@@ -1,8 +1,8 @@
-//! The experiments of the paper. Each makes, verifies and measures sets, and compares the results with what the paper says, in
-//! figures, tables and claims with verdicts.
+//! The experiments of the paper. Each makes, verifies and measures sets, and compares the results with what the paper
+//! says, in figures, tables and claims with verdicts.
 //!
-//! Every set that a verdict depends on is verified first. No number is written down by hand: a claim's verdict follows from what
-//! was measured in this run. Commands, progress bars and exit codes are in `tilescope-cli`.
+//! Every set that a verdict depends on is verified first. No number is written down by hand: a claim's verdict
+//! follows from what was measured in this run. Commands, progress bars and exit codes are in `tilescope-cli`.
 //!
 //! ```no_run
 //! use std::ops::ControlFlow;

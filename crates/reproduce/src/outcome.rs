@@ -8,11 +8,11 @@ use tilescope_figures::Scene;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Verdict {
-    /// What was measured agrees with the claim.
+    /// The measurement agrees with the claim.
     Reproduced,
-    /// What was measured contradicts it.
+    /// The measurement contradicts it.
     NotReproduced,
-    /// What was measured says nothing about it; the claim's reason tells why.
+    /// The measurement does not decide it; the claim's reason says why.
     NotComparable,
 }
 
@@ -73,13 +73,13 @@ pub const BEYOND: &str = "beyond the paper";
 /// A claim, of the paper or beyond it, and the measurement that decides it.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Claim {
-    /// What is claimed, in words of this project.
+    /// The claim in words of this project.
     pub claim: String,
-    /// Where: section, figure, equation.
+    /// Its section, figure or equation of the paper.
     pub place: String,
     /// The paper's number or observation.
     pub paper: String,
-    /// What was measured here, with units.
+    /// The measurement here, with units.
     pub ours: String,
     /// The verdict.
     pub verdict: Verdict,
@@ -88,7 +88,7 @@ pub struct Claim {
 }
 
 impl Claim {
-    /// Returns a claim with its place and what the paper has there, what was measured, and the verdict with its reason.
+    /// Returns a claim with its section and the paper's observation, the measurement, and the verdict with its reason.
     pub(crate) fn new(
         [claim, place, paper]: [&str; 3],
         ours: String,
@@ -128,7 +128,7 @@ impl Claim {
 pub struct Picture {
     /// The name, in lower case with hyphens.
     pub name: String,
-    /// What it shows.
+    /// A description of the picture.
     pub caption: String,
     /// The picture.
     pub scene: Scene,
@@ -210,7 +210,7 @@ impl<T: Into<Self>> From<Option<T>> for Cell {
 pub struct Table {
     /// The name of its file, in lower case with hyphens.
     pub name: String,
-    /// What it holds.
+    /// A description of the numbers.
     pub title: String,
     /// The columns.
     pub columns: Vec<Column>,
@@ -223,12 +223,12 @@ pub struct Table {
 /// Everything that an experiment found.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Outcome {
-    /// What the paper says, and what was measured.
+    /// Claims with the measurements that decide them.
     pub claims: Vec<Claim>,
     /// Pictures.
     pub pictures: Vec<Picture>,
     /// Numbers.
     pub tables: Vec<Table>,
-    /// How it was done, and what should be known about it: a paragraph each.
+    /// Paragraphs on the method and its limits.
     pub notes: Vec<String>,
 }

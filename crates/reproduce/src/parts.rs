@@ -1,5 +1,5 @@
-//! Finished units of work, kept so that an interrupted reproduction goes on: one file per unit, stamped with everything that
-//! its numbers depend on. A file with another stamp is ignored. Point sets are never kept.
+//! Finished units of work, kept so that an interrupted reproduction goes on: one file per unit, stamped with
+//! everything that its numbers depend on. A file with another stamp is ignored. Point sets are never kept.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -20,7 +20,7 @@ pub struct Parts {
 #[derive(Serialize, Deserialize)]
 struct Part<S, T> {
     stamp: S,
-    /// How long the unit took.
+    /// Seconds that the unit took.
     seconds: f64,
     value: T,
 }

@@ -1,5 +1,6 @@
-//! Rates of engines, for experiments and for `tilescope bench`. In each round every engine makes one set, and ratios are
-//! taken within a round, so that a disturbance affects both sides. Every set is verified, or equal to one that is.
+//! Rates of engines, for experiments and for `tilescope bench`. In each round every engine makes one set, and ratios
+//! are taken within a round, so that a disturbance affects both sides. Every set is verified, or equal to one that
+//! is.
 
 mod bench;
 mod gpu;
@@ -176,15 +177,21 @@ impl EngineRate {
     }
 }
 
-/// Returns the methods' rows in the sequence in which the rounds have them. The baseline is `baseline` with the same leaf size, or the
-/// first method of all. A row is of the rounds that have it.
-pub(crate) fn rows(rounds: &[&[EngineTime]], baseline: Option<&Engine>) -> Vec<EngineRate> {
-    let mut keys: Vec<Key<'_>> = Vec::new();
-    for key in rounds.iter().copied().flatten().map(EngineTime::key) {
-        if !keys.contains(&key) {
-            keys.push(key);
+/// Returns values in the sequence of their first, each once.
+pub(crate) fn distinct<T: PartialEq>(values: impl Iterator<Item = T>) -> Vec<T> {
+    let mut distinct = Vec::new();
+    for value in values {
+        if !distinct.contains(&value) {
+            distinct.push(value);
         }
     }
+    distinct
+}
+
+/// Returns the methods' rows in the sequence in which the rounds have them. The baseline is `baseline` with the same
+/// leaf size, or the first method of all. A row is of the rounds that have it.
+pub(crate) fn rows(rounds: &[&[EngineTime]], baseline: Option<&Engine>) -> Vec<EngineRate> {
+    let keys = distinct(rounds.iter().copied().flatten().map(EngineTime::key));
     let row = |key: &Key<'_>| row(rounds, key, baseline.map_or(keys[0], |one| (one, key.1)));
     keys.iter().filter_map(row).collect()
 }

@@ -1,5 +1,5 @@
-//! The report of a folder: every experiment that was finished there, whenever that was. It is composed once, as blocks, and written
-//! as HTML and as Markdown.
+//! The report of a folder: every experiment that was finished there, whenever that was. It is composed once, as
+//! blocks, and written as HTML and as Markdown.
 
 mod html;
 mod markdown;

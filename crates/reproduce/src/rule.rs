@@ -2,7 +2,7 @@
 
 use crate::outcome::Verdict;
 
-/// Where an interval must lie. One that holds a limit decides nothing.
+/// A rule on the position of an interval. An interval that holds a limit decides nothing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Rule {
     /// Between two limits; contradicted where it lies wholly outside.

@@ -1,5 +1,5 @@
-//! Carries out experiments one after another and writes what they found into a folder. After every experiment the folder is
-//! complete; an interrupted reproduction goes on where it stopped.
+//! Carries out experiments one after another and writes what they found into a folder. After every experiment the
+//! folder is complete; an interrupted reproduction goes on where it stopped.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -21,7 +21,7 @@ use crate::study::{Settings, Study};
 /// Options of a reproduction.
 #[derive(Clone, Debug)]
 pub struct Options {
-    /// What the numbers depend on.
+    /// The settings that the numbers depend on.
     pub settings: Settings,
     /// The folder of the result; made if it is not there. Nothing else in it is touched.
     pub out: PathBuf,
@@ -29,7 +29,7 @@ pub struct Options {
     pub fresh: bool,
 }
 
-/// What a reproduction came to.
+/// The results of a reproduction.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Summary {
     /// The experiments, in the sequence asked for.
@@ -74,11 +74,13 @@ fn folder(out: &Path, experiment: Experiment) -> PathBuf {
     out.join("parts").join(experiment.name())
 }
 
-/// Carries out the experiments and writes `report.html`, `REPORT.md`, `figures/` (PNG and SVG) and `data/` (CSV of all
-/// numbers, JSON of each experiment) into the folder. What earlier runs left there of other experiments stays in the report.
+/// Carries out the experiments and writes `report.html`, `REPORT.md`, `figures/` (PNG and SVG) and `data/` (CSV of
+/// all numbers, JSON of each experiment) into the folder. What earlier runs left there of other experiments stays in
+/// the report.
 ///
-/// The same settings give the same numbers, except times; what was kept in `parts/` is not computed again, if settings, program, machine and
-/// threads are the same. An experiment that fails does not keep the others from being carried out; cancelling does.
+/// The same settings give the same numbers, except times; what was kept in `parts/` is not computed again, if
+/// settings, program, machine and threads are the same. An experiment that fails does not keep the others from being
+/// carried out; cancelling does.
 pub fn reproduce(
     experiments: &[Experiment],
     options: &Options,

@@ -79,8 +79,9 @@ impl Set {
     }
 }
 
-/// Returns the side in radii of patterns for a leaf size: 100, and more where blocks, which may be twice as long as the leaf, with
-/// their margins would not fit. The paper's patterns are larger than the largest block; a periodic one would repeat itself within a block.
+/// Returns the side in radii of patterns for a leaf size: 100, and more where blocks, which may be twice as long as
+/// the leaf, with their margins would not fit. The paper's patterns are larger than the largest block; a periodic one
+/// would repeat itself within a block.
 pub fn pattern_side(leaf: f64) -> f64 {
     let fits = |side: f64| 2.0 * leaf + 2.0 <= side;
     let mut side = 100.0;

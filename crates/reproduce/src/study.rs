@@ -1,4 +1,4 @@
-//! What an experiment works with: its settings and its units of work.
+//! The settings of an experiment, and its units of work.
 
 use std::cell::Cell;
 
@@ -10,7 +10,7 @@ use crate::error::ReproduceError;
 use crate::experiment::Experiment;
 use crate::parts::Parts;
 
-/// What the numbers of an experiment depend on, besides the machine.
+/// The settings that the numbers of an experiment depend on, besides the machine.
 #[derive(Clone, Debug)]
 pub struct Settings {
     /// Small sets and few of them: shows that everything works, in two minutes.
@@ -62,8 +62,8 @@ impl<'a> Study<'a> {
         }
     }
 
-    /// Returns the result of a unit of work: the one that was kept, or what `make` returns, which is kept. `key` names the unit
-    /// in files, `what` to the reader.
+    /// Returns the result of a unit of work: the one that was kept, or what `make` returns, which is kept. `key`
+    /// names the unit in files, `what` to the reader.
     pub fn unit<T: Serialize + DeserializeOwned>(
         &self,
         key: &str,

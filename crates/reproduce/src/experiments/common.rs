@@ -1,11 +1,11 @@
-//! What several experiments share: parameters of sets with seeds of their own, intervals of counts, charts and pictures.
+//! Common parts of experiments: parameters of sets with seeds of their own, intervals of counts, charts and pictures.
 
 use tilescope_analysis::measures::chi_square_quantile;
 use tilescope_core::{Parameters, PatternSpec};
-use tilescope_figures::Palette;
 use tilescope_figures::chart::{
     Axis, BarChart, BarGroup, ColorScale, Figure, LineChart, Look, Panel, Series, figure_scene,
 };
+use tilescope_figures::{Group, Palette, Scene, Shape};
 
 use crate::error::ReproduceError;
 use crate::numbers::number;
@@ -14,7 +14,7 @@ use crate::study::Settings;
 
 /// About the samples of a KDRT set to a squared radius.
 const DENSITY: f64 = 0.698;
-/// What an interval of a count misses.
+/// Probability that an interval of a count misses the mean.
 const MISSED: f64 = 0.01;
 
 /// Returns the parameters of a periodic square with about `samples`, in units of the radius.
@@ -106,6 +106,19 @@ pub fn bar_picture(
     picture(name, title, caption, vec![vec![bars]])
 }
 
+/// Adds a group of shapes in the units and the view of the samples, above them.
+pub fn above_samples(scene: &mut Scene, name: &str, shapes: Vec<Shape>) {
+    if let Some(samples) = scene.groups.iter().find(|group| group.name == "samples") {
+        let name = name.to_owned();
+        let group = Group {
+            name,
+            shapes,
+            ..samples.clone()
+        };
+        scene.groups.push(group);
+    }
+}
+
 /// Returns the scale of shades of power, from white at 0 to black.
 pub fn power_scale(black: f64) -> Panel {
     let shades = (0..32_u16).map(|step| [255 - (255 * step / 31) as u8; 3]);
@@ -132,10 +145,17 @@ pub fn poisson_interval(count: usize) -> [f64; 2] {
     [low, bound(0.5 * MISSED, count + 1)]
 }
 
-/// Returns the slope of the straight line that fits places best, by least squares, or NaN.
-pub fn slope(places: impl Iterator<Item = [f64; 2]> + Clone) -> f64 {
-    let count = places.clone().count() as f64;
-    let [x, y] = [0, 1].map(|axis| places.clone().map(|at| at[axis]).sum::<f64>() / count);
-    let both: f64 = places.clone().map(|at| (at[0] - x) * (at[1] - y)).sum();
-    both / places.map(|at| (at[0] - x).powi(2)).sum::<f64>()
+/// Returns the smallest and the largest of values, or infinities if there are none.
+pub fn ends(values: impl Iterator<Item = f64>) -> [f64; 2] {
+    values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| {
+        [low.min(value), high.max(value)]
+    })
+}
+
+/// Returns the slope of the straight line that fits points best, by least squares, or NaN.
+pub fn slope(points: impl Iterator<Item = [f64; 2]> + Clone) -> f64 {
+    let count = points.clone().count() as f64;
+    let [x, y] = [0, 1].map(|axis| points.clone().map(|at| at[axis]).sum::<f64>() / count);
+    let both: f64 = points.clone().map(|at| (at[0] - x) * (at[1] - y)).sum();
+    both / points.map(|at| (at[0] - x).powi(2)).sum::<f64>()
 }

@@ -8,7 +8,7 @@ use tilescope_core::{Domain, Fate, Origin, R, Run, SampleGrid, Sequential, cover
 
 use crate::control::Control;
 use crate::error::ReproduceError;
-use crate::experiments::common::{seed, seeded, slope, square};
+use crate::experiments::common::{ends, seed, seeded, slope, square};
 use crate::numbers::number;
 use crate::outcome::{Claim, Outcome, Verdict};
 use crate::sets::{Set, pattern};
@@ -19,10 +19,10 @@ use shares::LeafShares;
 const LEAVES: [f64; 9] = [6.0, 8.0, 10.0, 15.0, 20.0, 30.0, 40.0, 60.0, 80.0];
 /// Measured and predicted may differ by this share of what is predicted.
 const CLOSE: f64 = 0.2;
-/// What the paper says of leaves from `FROM` on.
+/// The paper's bound for leaves from `FROM` on.
 const PAPER: f64 = 0.1;
 const FROM: f64 = 20.0;
-/// How far an exponent may be from that of an inverse.
+/// The largest distance of an exponent from that of an inverse.
 const EXPONENT: f64 = 0.15;
 
 /// Sets of each leaf, and the samples of each.
@@ -156,11 +156,8 @@ fn claims(found: &[LeafShares]) -> Vec<Claim> {
 
 /// The equation itself.
 fn area(found: &[LeafShares], first: &LeafShares) -> Claim {
-    let ratios = |share: fn(&LeafShares) -> f64| {
-        let ratios = found.iter().map(move |one| share(one) / one.predicted());
-        let most = ratios.clone().fold(0.0, f64::max);
-        [ratios.fold(f64::INFINITY, f64::min), most]
-    };
+    let ratios =
+        |share: fn(&LeafShares) -> f64| ends(found.iter().map(|one| share(one) / one.predicted()));
     let [least, most] = ratios(LeafShares::margin_share);
     let plane = ratios(LeafShares::overlap);
     let mended = (found.iter())

@@ -1,5 +1,5 @@
-//! Figure 11: the time of each procedure for a million samples. The sequential engine is timed by stage; the other engines
-//! where they have stages. Patterns are ready-made.
+//! Figure 11: the time of each procedure for a million samples. The sequential engine is timed by stage; the other
+//! engines where they have stages. Patterns are ready-made.
 
 mod claims;
 mod picture;

@@ -4,9 +4,8 @@
 
 mod picture;
 
-use std::time::Instant;
-
 use serde::{Deserialize, Serialize};
+use tilescope_analysis::Report;
 use tilescope_core::combine::{CombineOptions, Combined, combine};
 use tilescope_core::{Boundary, Domain, R, reference_sample};
 
@@ -15,6 +14,7 @@ use crate::engines::{nine, nine_rects};
 use crate::error::ReproduceError;
 use crate::numbers::{count, number, percent};
 use crate::outcome::{Claim, Outcome, Table, Verdict};
+use crate::rates::timed;
 use crate::sets::Set;
 use crate::study::{Settings, Study};
 use crate::table::table;
@@ -33,7 +33,7 @@ fn sides(settings: &Settings) -> Vec<f64> {
     settings.pick(vec![DRAWN, 600.0, 1800.0], vec![DRAWN])
 }
 
-/// What is found of one layout.
+/// The results of one layout.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct LayoutResult {
     side: f64,
@@ -51,10 +51,7 @@ struct LayoutResult {
     gluing: f64,
     /// Threads that made and glued the nine.
     threads: usize,
-    conflicts: u64,
-    gaps: u64,
-    min_distance: f64,
-    covering_radius: f64,
+    report: Report,
 }
 
 impl LayoutResult {
@@ -112,18 +109,11 @@ fn glue(
     seed: u64,
     control: &Control<'_>,
 ) -> Result<(Glued, [f64; 2]), ReproduceError> {
-    let began = Instant::now();
-    let pieces = nine(domain, seed, control)?;
-    let making = began.elapsed().as_secs_f64();
-    let began = Instant::now();
-    let combined = combine(
-        domain,
-        &pieces,
-        &CombineOptions::default(),
-        &mut control.observer(),
-    )?;
-    let gluing = began.elapsed().as_secs_f64();
+    let (pieces, making) = timed(|| nine(domain, seed, control));
+    let (pieces, options) = (pieces?, CombineOptions::default());
+    let (combined, gluing) = timed(|| combine(domain, &pieces, &options, &mut control.observer()));
     let before = pieces.iter().map(|piece| piece.set.samples().len()).sum();
+    let combined = combined?;
     Ok((Glued { combined, before }, [making, gluing]))
 }
 
@@ -139,10 +129,9 @@ fn measure(side: f64, seed: u64, control: &Control<'_>) -> Result<LayoutResult, 
     control.go_on()?;
     let one = rayon::ThreadPoolBuilder::new().num_threads(1).build();
     let one = one.map_err(|error| ReproduceError::Engine(error.to_string()))?;
-    let began = Instant::now();
-    let whole = one.install(|| reference_sample(domain, seed, &mut control.observer()))?;
-    let alone = began.elapsed().as_secs_f64();
-    drop(whole);
+    let (whole, alone) =
+        timed(|| one.install(|| reference_sample(domain, seed, &mut control.observer())));
+    drop(whole?);
     let (Glued { combined, before }, [making, gluing]) = glue(domain, seed, control)?;
     let set = Set::of(&domain, &combined.points);
     let report = set.judge(control)?;
@@ -164,10 +153,7 @@ fn measure(side: f64, seed: u64, control: &Control<'_>) -> Result<LayoutResult, 
         making,
         gluing,
         threads: rayon::current_num_threads(),
-        conflicts: report.conflicts,
-        gaps: report.gaps,
-        min_distance: report.min_distance,
-        covering_radius: report.covering_radius,
+        report,
     })
 }
 
@@ -183,7 +169,10 @@ fn claims(found: &[LayoutResult]) -> Vec<Claim> {
 }
 
 fn maximal(found: &[LayoutResult], largest: &LayoutResult) -> Claim {
-    let faults = found.iter().map(|one| one.conflicts + one.gaps).sum();
+    let faults = found
+        .iter()
+        .map(|one| one.report.conflicts + one.report.gaps)
+        .sum();
     Claim::new(
         [
             "Independent maximal sets combine into one maximal set",
@@ -283,13 +272,13 @@ fn layouts(found: &[LayoutResult]) -> Table {
         .column("seconds_gluing", "gluing, s", 3, |one| one.gluing)
         .column("threads", "threads", 3, |one| one.threads)
         .column("speedup", "speed-up", 3, |one| one.speedup())
-        .column("conflicts", "conflicts", 3, |one| one.conflicts)
-        .column("gaps", "gaps", 3, |one| one.gaps)
+        .column("conflicts", "conflicts", 3, |one| one.report.conflicts)
+        .column("gaps", "gaps", 3, |one| one.report.gaps)
         .column("min_distance_r", "min. distance, r", 6, |one| {
-            one.min_distance
+            one.report.min_distance
         })
         .column("covering_radius_r", "covering radius, r", 6, |one| {
-            one.covering_radius
+            one.report.covering_radius
         })
         .shown()
 }
@@ -313,10 +302,7 @@ mod tests {
             making: 2.0,
             gluing: 0.1,
             threads: 2,
-            conflicts: 0,
-            gaps: 0,
-            min_distance: 1.0,
-            covering_radius: 1.0,
+            report: crate::rates::tests::report(),
         }
     }
 
@@ -325,7 +311,8 @@ mod tests {
         let holds = claims(&[found()]);
         assert_eq!(holds[1].verdict, Verdict::Reproduced);
         assert!(holds[0].ours.ends_with("neither conflict nor gap in it"));
-        let open = LayoutResult { gaps: 1, ..found() };
+        let mut open = found();
+        open.report.gaps = 1;
         let refuted = &claims(&[open, found()])[0];
         assert_eq!(refuted.verdict, Verdict::NotReproduced);
         assert!(refuted.ours.ends_with("1 conflict or gap in 2 layouts"));

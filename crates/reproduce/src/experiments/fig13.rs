@@ -1,5 +1,5 @@
-//! Figure 13 and sections 4.1.1 to 4.1.3: radii and leaf sizes against the reference sampler, by their samples, periodograms,
-//! radial means and anisotropies; and the rates of every engine. Only sets of one radius are compared.
+//! Figure 13 and sections 4.1.1 to 4.1.3: radii and leaf sizes against the reference sampler, by their samples,
+//! periodograms, radial means and anisotropies; and the rates of every engine. Only sets of one radius are compared.
 
 mod against;
 mod claims;

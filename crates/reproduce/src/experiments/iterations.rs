@@ -1,5 +1,5 @@
-//! Section 3.2.3: how many iterations of insertion a run takes until no gap is left. The parallel engine makes the sets,
-//! each with seeds of its own; every one is verified.
+//! Section 3.2.3: how many iterations of insertion a run takes until no gap is left. The parallel engine makes the
+//! sets, each with seeds of its own; every one is verified.
 
 mod counts;
 mod variants;
@@ -14,7 +14,7 @@ use crate::outcome::{Claim, Outcome, Verdict};
 use crate::sets::Set;
 use crate::study::{Settings, Study};
 use counts::{InsertionCase, IterationCounts};
-use variants::Printed;
+use variants::SetCounts;
 
 /// Sets of each case, as in the paper.
 const SETS: usize = 10;
@@ -58,7 +58,7 @@ pub fn run(study: &Study<'_>) -> Result<Outcome, ReproduceError> {
         }
     }
     let compared = variants::compare(study)?;
-    let mut printed: Vec<Printed> = compared.iter().map(Printed::from).collect();
+    let mut printed: Vec<SetCounts> = compared.iter().map(SetCounts::from).collect();
     printed.extend(variants::printed(study)?);
     Ok(Outcome {
         claims: claims(&found, &printed),
@@ -97,44 +97,34 @@ fn measure(
     Ok(IterationCounts {
         case,
         seed,
-        count: summary.count,
-        tiled: summary.tiled,
-        eliminated: summary.eliminated,
-        inserted: summary.inserted,
+        summary,
         min_distance: report.min_distance,
         covering_radius: report.covering_radius,
     })
 }
 
-/// A way to make sets, with what was found of it.
+/// A way to make sets, and the counts of its sets.
 struct Arrangement {
     name: &'static str,
-    place: &'static str,
-    /// What it counts as an iteration.
+    section: &'static str,
+    /// A sentence that says what counts as an iteration.
     counts: &'static str,
-    /// Samples of each set, and those inserted by iteration.
-    sets: Vec<(usize, Vec<usize>)>,
+    sets: Vec<SetCounts>,
 }
 
-fn claims(found: &[IterationCounts], printed: &[Printed]) -> Vec<Claim> {
+fn claims(found: &[IterationCounts], printed: &[SetCounts]) -> Vec<Claim> {
     let printed = Arrangement {
         name: "Algorithm 4 as printed",
-        place: "section 3.2.3",
+        section: "section 3.2.3",
         counts: "The first loop of Algorithm 4 inserts while it eliminates and counts as one iteration, as does each round of its \
                  second loop that inserts anything.",
-        sets: printed
-            .iter()
-            .map(|one| (one.count, one.inserted.clone()))
-            .collect(),
+        sets: printed.to_vec(),
     };
     let staged = Arrangement {
         name: "in this program's arrangement in stages",
-        place: crate::outcome::BEYOND,
+        section: crate::outcome::BEYOND,
         counts: "Here all conflicts are resolved before the first insertion, which the paper does not do.",
-        sets: found
-            .iter()
-            .map(|one| (one.count, one.inserted.clone()))
-            .collect(),
+        sets: found.iter().map(SetCounts::from).collect(),
     };
     vec![
         suffices(&printed),
@@ -145,7 +135,7 @@ fn claims(found: &[IterationCounts], printed: &[Printed]) -> Vec<Claim> {
 }
 
 fn suffices(way: &Arrangement) -> Claim {
-    let counts = || way.sets.iter().map(|set| set.1.len());
+    let counts = || way.sets.iter().map(|set| set.inserted.len());
     let (least, most) = (counts().min().unwrap_or(0), counts().max().unwrap_or(0));
     let within = counts().filter(|count| *count <= PAPER).count();
     let range = if least == most {
@@ -153,14 +143,14 @@ fn suffices(way: &Arrangement) -> Claim {
     } else {
         format!("{least} to {most}")
     };
-    let large = |set: &&(usize, Vec<usize>)| set.0 as f64 >= 0.9 * PAPER_SAMPLES;
+    let large = |set: &&SetCounts| set.count as f64 >= 0.9 * PAPER_SAMPLES;
     let large = way.sets.iter().filter(large).count();
     let (sets, are) = (way.sets.len(), if large == 1 { "is" } else { "are" });
-    let smallest = way.sets.iter().map(|set| set.0).min().unwrap_or(0);
+    let smallest = way.sets.iter().map(|set| set.count).min().unwrap_or(0);
     let claim = format!("Two iterations of insertion suffice ({})", way.name);
     let paper = "2 iterations for each of 10 sets of 10 million samples";
     Claim::new(
-        [&claim, way.place, paper],
+        [&claim, way.section, paper],
         format!(
             "{range} iterations; {within} of {sets} sets need no more than {PAPER}; {large} of {sets} sets {are} of the paper's size \
              (the smallest has {} samples)",
@@ -177,7 +167,7 @@ fn suffices(way: &Arrangement) -> Claim {
 
 fn rare(way: &Arrangement) -> Claim {
     let after = |from: usize| -> usize {
-        let late = |set: &(usize, Vec<usize>)| set.1.iter().skip(from).sum::<usize>();
+        let late = |set: &SetCounts| set.inserted.iter().skip(from).sum::<usize>();
         way.sets.iter().map(late).sum()
     };
     let (late, inserted) = (after(PAPER), after(0));
@@ -186,7 +176,7 @@ fn rare(way: &Arrangement) -> Claim {
     let [low, high] = poisson_interval(late).map(of_all);
     let claim = format!("Gaps that need more iterations are rare ({})", way.name);
     Claim::new(
-        [&claim, way.place, "special cases rarely showed"],
+        [&claim, way.section, "special cases rarely showed"],
         format!(
             "{} of {} inserted samples came after iteration {PAPER}: {}",
             counted(late),
@@ -209,15 +199,20 @@ mod tests {
     use super::*;
     use crate::experiment::Experiment;
     use crate::study::tests::quick_run;
+    use tilescope_core::Summary;
 
     fn found(count: usize, inserted: &[usize]) -> IterationCounts {
         IterationCounts {
             case: cases()[0],
             seed: 1,
-            count,
-            tiled: 2 * count,
-            eliminated: count,
-            inserted: inserted.to_vec(),
+            summary: Summary {
+                blocks: 1,
+                tiled: 2 * count,
+                dropped: 0,
+                eliminated: count,
+                inserted: inserted.to_vec(),
+                count,
+            },
             min_distance: 1.0,
             covering_radius: 1.0,
         }
@@ -225,9 +220,9 @@ mod tests {
 
     /// Of sets made in stages, and of the same made as printed with one iteration less.
     fn both(found: &[IterationCounts]) -> Vec<Claim> {
-        let printed = |one: &IterationCounts| Printed {
-            count: one.count,
-            inserted: one.inserted[..1].to_vec(),
+        let printed = |one: &IterationCounts| SetCounts {
+            count: one.summary.count,
+            inserted: one.summary.inserted[..1].to_vec(),
         };
         claims(found, &found.iter().map(printed).collect::<Vec<_>>())
     }
@@ -237,11 +232,7 @@ mod tests {
         assert_eq!(of[1].verdict, Verdict::Reproduced);
         let staged: Vec<Verdict> = of[2..].iter().map(|claim| claim.verdict).collect();
         // The same numbers as printed have the same verdicts.
-        let printed = |one: &IterationCounts| Printed {
-            count: one.count,
-            inserted: one.inserted.clone(),
-        };
-        let same = claims(&[], &found.iter().map(printed).collect::<Vec<_>>());
+        let same = claims(&[], &found.iter().map(SetCounts::from).collect::<Vec<_>>());
         assert_eq!([same[0].verdict, same[1].verdict], staged[..]);
         staged
     }
@@ -272,7 +263,7 @@ mod tests {
         let small = found(10_000, &[1000, 5, 1]);
         assert_eq!(verdicts(&[small]), [NotReproduced, Reproduced]);
         // None late of a hundred does not say that one in a hundred is too many.
-        let few = Printed {
+        let few = SetCounts {
             count: 10_000,
             inserted: vec![95, 5],
         };

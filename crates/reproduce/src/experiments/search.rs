@@ -167,7 +167,7 @@ fn claims(found: &[GapStatistics]) -> Vec<Claim> {
     ]
 }
 
-/// How sets are made, and where the claim belongs.
+/// Ways to make sets, and the sections of their claims.
 const AS_PRINTED: [&str; 2] = ["Algorithm 4 as printed", "section 3.2.2"];
 const IN_STAGES: [&str; 2] = [
     "in this program's arrangement in stages",
@@ -176,7 +176,7 @@ const IN_STAGES: [&str; 2] = [
 
 fn claim(
     (claim, sets): (&str, Vec<&GapCounts>),
-    [way, place]: [&str; 2],
+    [way, section]: [&str; 2],
     paper: &str,
     more: &str,
 ) -> Claim {
@@ -186,10 +186,10 @@ fn claim(
         .iter()
         .map(|one| one.covering_radius)
         .fold(0.0, f64::max);
-    let holds = holes == 0 && sets.iter().all(|one| one.places == 0);
+    let holds = holes == 0 && sets.iter().all(|one| one.centers == 0);
     let rule = "Holds if the verifier finds no gap in any set; less than a million samples can refute it but not confirm it.";
     Claim::new(
-        [&format!("{claim} ({way})"), place, paper],
+        [&format!("{claim} ({way})"), section, paper],
         format!(
             "{} in {} sets of {} samples in all ({}); covering radius up to {} r",
             match holes {

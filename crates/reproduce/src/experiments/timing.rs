@@ -1,4 +1,5 @@
-//! Timing in rounds: every engine or leaf size has its turn in each round, so that what disturbs a round disturbs all of it.
+//! Timing in rounds: every engine or leaf size has its turn in each round, so that what disturbs a round disturbs all
+//! of it.
 
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -15,7 +16,7 @@ use crate::study::Study;
 /// Leaf sizes that are timed, in radii.
 pub const LEAVES: [f64; 3] = [20.0, 40.0, 80.0];
 
-/// How much is timed.
+/// The size of timed sets, and the number of rounds.
 #[derive(Clone, Copy, Debug)]
 pub struct TimingPlan {
     /// Samples of a set, about.
@@ -24,8 +25,8 @@ pub struct TimingPlan {
 }
 
 impl TimingPlan {
-    /// Carries out all rounds, a unit each. `open` prepares the engines before the first round that was not kept; `round` is given
-    /// the parameters of its sets.
+    /// Carries out all rounds, a unit each. `open` prepares the engines before the first round that was not kept;
+    /// `round` is given the parameters of its sets.
     pub fn run<T: Serialize + DeserializeOwned>(
         self,
         study: &Study<'_>,

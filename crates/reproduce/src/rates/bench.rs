@@ -10,7 +10,7 @@ use crate::control::{Control, Watch};
 use crate::engines::{Engine, Engines};
 use crate::error::ReproduceError;
 
-/// What is timed, and how often.
+/// The settings of a bench.
 #[derive(Clone, Debug)]
 pub struct Bench {
     /// Samples of a set, about.

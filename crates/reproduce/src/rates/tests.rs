@@ -5,7 +5,7 @@ use tilescope_core::Unobserved;
 
 const ONE: Engine = Engine::Parallel { threads: 1 };
 
-fn report() -> Report {
+pub fn report() -> Report {
     let region = tilescope_analysis::Region {
         width: 1.0,
         height: 1.0,

@@ -97,7 +97,8 @@ fn span(span: &Span) -> String {
     }
 }
 
-/// Puts a picture into the page itself, as an image of its own, so that ids within it do not clash with those of others.
+/// Puts a picture into the page itself, as an image of its own, so that ids within it do not clash with those of
+/// others.
 fn picture(out: &mut String, path: &Path, caption: &str) {
     let caption = escape(caption);
     let Ok(svg) = fs::read_to_string(path) else {

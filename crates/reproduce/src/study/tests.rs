@@ -33,8 +33,8 @@ pub fn studied<T>(
     work(&Study::new(experiment, settings, 0, parts, &Idle))
 }
 
-/// Carries out an experiment in its quick form. It must have as many units as it said, its tables have rows of as many cells as
-/// columns, and its pictures can be drawn.
+/// Carries out an experiment in its quick form. It must have as many units as it said, its tables have rows of as
+/// many cells as columns, and its pictures can be drawn.
 pub fn quick_run(experiment: Experiment, settings: &Settings) -> Outcome {
     let outcome = studied(experiment, settings, |study| {
         let outcome = experiment.carry_out(study)?;

@@ -24,7 +24,8 @@ impl LeafTimes {
         format!("leaf {} r{printed}", self.leaf)
     }
 
-    /// Returns the median share of elimination and first insertion together, and the largest one of any other procedure.
+    /// Returns the median share of elimination and first insertion together, and the largest one of any other
+    /// procedure.
     pub fn shares(&self) -> [f64; 2] {
         let others = self.medians(false).into_iter();
         [self.first_shares().iter().sum(), others.fold(0.0, f64::max)]
@@ -42,7 +43,8 @@ impl LeafTimes {
     }
 }
 
-/// Returns a row for each leaf size in the sequence of the rounds. Iterations that not every round has count as no time there.
+/// Returns a row for each leaf size in the sequence of the rounds. Iterations that not every round has count as no
+/// time there.
 pub fn rows(rounds: &[StageRound]) -> Vec<LeafTimes> {
     let Some(first) = rounds.first() else {
         return Vec::new();
@@ -77,7 +79,7 @@ pub fn rows(rounds: &[StageRound]) -> Vec<LeafTimes> {
             procedures: each.collect(),
             whole: Summary::of(of.iter().map(|one| whole(one)))?,
             parallel: Summary::of(of.iter().filter_map(|one| one.parallel)),
-            count: first.timed[index].counts.count,
+            count: first.timed[index].summary.count,
         })
     };
     (0..first.timed.len()).filter_map(row).collect()
@@ -100,16 +102,16 @@ pub fn passes(rounds: &[StageRound]) -> Vec<(String, PassTimes)> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::stages::StageCounts;
     use super::*;
+    use tilescope_core::Summary as RunSummary;
 
     #[test]
     fn shares_are_medians_of_shares_and_rounds_without_an_iteration_count_as_none() {
-        let counts = StageCounts {
+        let summary = RunSummary {
             blocks: 1,
             tiled: 1,
+            dropped: 0,
             eliminated: 0,
-            detectors: Vec::new(),
             inserted: Vec::new(),
             count: 1,
         };
@@ -127,7 +129,8 @@ mod tests {
                     leaf: 20.0,
                     printed: false,
                     seconds,
-                    counts: counts.clone(),
+                    summary: summary.clone(),
+                    detectors: Vec::new(),
                     parallel: None,
                 }],
                 passes: Vec::new(),

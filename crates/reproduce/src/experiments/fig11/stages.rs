@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use serde::{Deserialize, Serialize};
 use tilescope_core::{
-    Parameters, Pattern, PatternSpec, Point, Progress, Run, Sequential, Stage, Variant,
+    Parameters, Pattern, PatternSpec, Point, Progress, Sequential, Stage, Summary, Variant,
     radius_estimate,
 };
 use tilescope_gpu::PassReport;
@@ -65,21 +65,12 @@ pub struct StageTimes {
     /// Whether it was Algorithm 4 as printed.
     pub printed: bool,
     pub seconds: Vec<(Procedure, f64)>,
-    pub counts: StageCounts,
-    /// Seconds of the parallel engine on all threads for the same set, which has one stage; none for the algorithm as printed.
-    pub parallel: Option<f64>,
-}
-
-/// What a run's stages worked on.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct StageCounts {
-    pub blocks: usize,
-    pub tiled: usize,
-    pub eliminated: usize,
-    /// Gap detectors and inserted samples of each iteration.
+    pub summary: Summary,
+    /// Gap detectors of each iteration.
     pub detectors: Vec<usize>,
-    pub inserted: Vec<usize>,
-    pub count: usize,
+    /// Seconds of the parallel engine on all threads for the same set, which has one stage; none for the algorithm as
+    /// printed.
+    pub parallel: Option<f64>,
 }
 
 /// A round.
@@ -183,11 +174,13 @@ fn verified(
     let points = run.points();
     let name = format!("leaf {} r", parameters.leaf);
     Set::of(&run.domain, &points).verified(&name, control)?;
+    let detectors = run.iterations.iter().map(|one| one.detectors.len());
     let timed = StageTimes {
         leaf: parameters.leaf,
         printed,
         seconds,
-        counts: counts(run),
+        summary: run.summary(),
+        detectors: detectors.collect(),
         parallel: None,
     };
     Ok((timed, points))
@@ -201,22 +194,6 @@ const fn procedure(stage: Stage, printed: bool) -> Procedure {
         Stage::Eliminate => Procedure::Eliminate,
         Stage::Iterate(k) => Procedure::Iterate(k),
         Stage::Regions | Stage::Finish => Procedure::Finish,
-    }
-}
-
-fn counts(run: &Run) -> StageCounts {
-    let summary = run.summary();
-    StageCounts {
-        blocks: summary.blocks,
-        tiled: summary.tiled,
-        eliminated: summary.eliminated,
-        detectors: run
-            .iterations
-            .iter()
-            .map(|one| one.detectors.len())
-            .collect(),
-        inserted: summary.inserted,
-        count: summary.count,
     }
 }
 
@@ -239,7 +216,7 @@ mod tests {
             let of =
                 |timed: &StageTimes| timed.seconds.iter().map(|(of, _)| *of).collect::<Vec<_>>();
             let mut expected = vec![Procedure::Blocks, Procedure::Tile, Procedure::Eliminate];
-            let iterations = staged.counts.inserted.len() as u32;
+            let iterations = staged.summary.inserted.len() as u32;
             expected.extend((1..=iterations).map(Procedure::Iterate));
             expected.extend([Procedure::Check, Procedure::Finish]);
             assert_eq!(of(&staged), expected);

@@ -52,25 +52,25 @@ pub fn counts(rounds: &[StageRound]) -> Table {
     )
     .column("leaf_r", "leaf, r", 3, |one| one.leaf)
     .column("variant", "Algorithm 4", 1, |one| variant(one.printed))
-    .column("blocks", "blocks", 5, |one| one.counts.blocks)
-    .column("tiled", "tiled", 7, |one| one.counts.tiled)
-    .column("eliminated", "eliminated", 7, |one| one.counts.eliminated)
+    .column("blocks", "blocks", 5, |one| one.summary.blocks)
+    .column("tiled", "tiled", 7, |one| one.summary.tiled)
+    .column("eliminated", "eliminated", 7, |one| one.summary.eliminated)
     .column("detectors_1", "detectors, iteration 1", 7, |one| {
-        at(&one.counts.detectors, 0)
+        at(&one.detectors, 0)
     })
     .column("inserted_1", "inserted", 7, |one| {
-        at(&one.counts.inserted, 0)
+        at(&one.summary.inserted, 0)
     })
     .column("detectors_2", "detectors, iteration 2", 7, |one| {
-        at(&one.counts.detectors, 1)
+        at(&one.detectors, 1)
     })
     .column("inserted_2", "inserted", 7, |one| {
-        at(&one.counts.inserted, 1)
+        at(&one.summary.inserted, 1)
     })
     .column("inserted_later", "inserted later", 7, |one| {
-        one.counts.inserted.iter().skip(2).sum::<usize>()
+        one.summary.inserted.iter().skip(2).sum::<usize>()
     })
-    .column("samples", "samples", 7, |one| one.counts.count)
+    .column("samples", "samples", 7, |one| one.summary.count)
     .shown()
 }
 

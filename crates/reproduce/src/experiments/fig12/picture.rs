@@ -9,6 +9,7 @@ use tilescope_figures::{
 };
 
 use super::Glued;
+use crate::experiments::common::above_samples;
 use crate::numbers::count;
 use crate::outcome::Picture;
 
@@ -83,8 +84,9 @@ fn scene(glued: &Glued, rects: &[Cells], window: Option<Rect>) -> Scene {
     if let Some(part) = window {
         // Positions of a picture point down, within the part that is shown.
         let flip = |[x, y]: [f64; 2]| [x, part.min[1] + part.max[1] - y];
-        let places: Vec<[f64; 2]> = points_of(glued).into_iter().map(flip).collect();
-        crosses(&mut scene, &places, style);
+        let positions = points_of(glued).into_iter().map(flip);
+        let cross = |at| Shape::marker(Marker::Cross, at, 13.0, style);
+        above_samples(&mut scene, "eliminated", positions.map(cross).collect());
     }
     legend(&mut scene, &options.palette, window.is_some());
     scene
@@ -126,27 +128,12 @@ fn legend(scene: &mut Scene, palette: &Palette, close: bool) {
     scene.height += LINE;
 }
 
-/// Places of eliminated samples that lay in their own set's rectangle, each once.
+/// Returns the positions of eliminated samples that lay in their own set's rectangle, each once.
 fn points_of(glued: &Glued) -> Vec<[f64; 2]> {
     let lost = glued.combined.eliminated.iter().filter(|lost| lost.own);
-    let places: HashSet<Point> = lost.map(|lost| lost.point).collect();
+    let positions: HashSet<Point> = lost.map(|lost| lost.point).collect();
     let user = |p| glued.combined.domain.user_from_lattice(p);
-    let mut places: Vec<[f64; 2]> = places.into_iter().map(user).collect();
-    places.sort_by(|a, b| a[1].total_cmp(&b[1]).then(a[0].total_cmp(&b[0])));
-    places
-}
-
-/// Adds crosses in the view of the samples.
-fn crosses(scene: &mut Scene, places: &[[f64; 2]], style: Style) {
-    let Some(samples) = scene.groups.iter().find(|group| group.name == "samples") else {
-        return;
-    };
-    let mut group = Group {
-        name: "eliminated".to_owned(),
-        shapes: Vec::new(),
-        ..samples.clone()
-    };
-    let mark = |at: &[f64; 2]| Shape::marker(Marker::Cross, *at, 13.0, style);
-    group.shapes = places.iter().map(mark).collect();
-    scene.groups.push(group);
+    let mut positions: Vec<[f64; 2]> = positions.into_iter().map(user).collect();
+    positions.sort_by(|a, b| a[1].total_cmp(&b[1]).then(a[0].total_cmp(&b[0])));
+    positions
 }

@@ -13,8 +13,8 @@ pub struct Against {
     pub difference: f64,
     pub chance: f64,
     pub left: f64,
-    /// Anisotropy above that of reference sets, in decibels; how far two groups of them lie apart; and how far it is from zero by chance
-    /// with probability 99 %.
+    /// Anisotropy above that of reference sets, in decibels; how far two groups of them lie apart; and how far it is
+    /// from zero by chance with probability 99 %.
     pub excess: f64,
     pub apart: f64,
     pub reach: f64,

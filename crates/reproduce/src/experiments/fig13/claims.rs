@@ -5,9 +5,10 @@
 use super::against::Against;
 use super::method::Method;
 use super::speed;
+use crate::experiments::common::ends;
 use crate::numbers::number;
 use crate::outcome::{Claim, Verdict};
-use crate::rates::EngineRate;
+use crate::rates::{EngineRate, distinct};
 
 /// Radial mean powers that differ by this share of the power, chance apart, count as very similar.
 const SIMILAR: f64 = 0.05;
@@ -242,12 +243,7 @@ fn largest(each: &[Against], of: fn(&Against) -> f64) -> Option<(f64, Against)> 
 }
 
 fn percent(each: &[Against], of: fn(&Against) -> f64) -> String {
-    let values = || each.iter().map(|one| 100.0 * of(one));
-    let ends = [
-        values().fold(f64::INFINITY, f64::min),
-        values().fold(0.0, f64::max),
-    ];
-    let [low, high] = ends.map(|value| number(value, 2));
+    let [low, high] = ends(each.iter().map(|one| 100.0 * of(one))).map(|value| number(value, 2));
     if low == high {
         return format!("{low} %");
     }
@@ -281,12 +277,7 @@ fn by_leaf(each: &[Against], measure: &Measure) -> String {
         format!("leaf {leaf} r {}", values.join(" / "))
     });
     let texts: Vec<String> = texts.collect();
-    let mut radii: Vec<String> = Vec::new();
-    for radius in each.iter().map(|one| one.radius.to_string()) {
-        if !radii.contains(&radius) {
-            radii.push(radius);
-        }
-    }
+    let radii = distinct(each.iter().map(|one| one.radius.to_string()));
     format!("{} (radii {})", texts.join(", "), radii.join(" / "))
 }
 

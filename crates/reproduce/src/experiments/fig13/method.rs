@@ -1,4 +1,4 @@
-//! How the sets of figure 13 are made: the methods, and the radius and seeds of a group of sets.
+//! Makes the sets of figure 13: the methods, and the radius and seeds of a group of sets.
 
 use serde::{Deserialize, Serialize};
 use tilescope_core::{Domain, Parameters, PatternSpec, Point, Rect};
@@ -15,7 +15,7 @@ const COPIES: i32 = 4;
 /// Added to the seeds of the first group of reference sets, gives those of the second.
 const APART: u64 = 10_000;
 
-/// How sets are made.
+/// A method of making sets.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Method {
     /// From scratch.
@@ -70,8 +70,8 @@ impl Method {
         }
     }
 
-    /// Whether sets of this radius on the unit square have more than one block: one is split only where both halves can be as long as
-    /// the leaf.
+    /// Whether sets of this radius on the unit square have more than one block: one is split only where both halves
+    /// can be as long as the leaf.
     pub fn tiles(self, radius: f64) -> bool {
         match self {
             Self::Kdrt { leaf, .. } | Self::OnePattern { leaf } => 2.0 * leaf * radius <= 1.0,
@@ -80,8 +80,8 @@ impl Method {
         }
     }
 
-    /// Whether sets of this radius on the unit square have at least nine blocks: a side of four leaves is cut into parts shorter than
-    /// two leaves, so into at least three.
+    /// Whether sets of this radius on the unit square have at least nine blocks: a side of four leaves is cut into
+    /// parts shorter than two leaves, so into at least three.
     pub fn tiles_often(self, radius: f64) -> bool {
         self.leaf().is_some_and(|leaf| 4.0 * leaf * radius <= 1.0)
     }

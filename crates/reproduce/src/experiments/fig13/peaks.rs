@@ -6,7 +6,7 @@ use tilescope_analysis::measures::{Periodogram, chi_square_quantile};
 
 /// Frequencies, of each opposite pair one, that a ring must have.
 const MIN_FREQUENCIES: usize = 100;
-/// How often chance alone may pass the limit.
+/// Probability with which chance alone may pass the limit.
 const CHANCE: f64 = 0.01;
 
 /// The frequency that stands out most.

@@ -8,7 +8,7 @@ use tilescope_figures::chart::{
 use super::method::{Method, PATTERN};
 use super::spectra::MethodSpectra;
 use crate::error::ReproduceError;
-use crate::experiments::common::{bar_picture, picture, power_scale};
+use crate::experiments::common::{bar_picture, ends, picture, power_scale};
 use crate::experiments::timing::{whisker, whisker_words};
 use crate::numbers::drawn_number as number;
 use crate::outcome::Picture;
@@ -126,7 +126,8 @@ fn samples_tile(method: Method, set: &Set) -> Panel {
     })
 }
 
-/// Returns how many of so many cells, an odd number, fill a quarter of the width with cells of half pixels: what they leave out is the rim.
+/// Returns how many of so many cells, an odd number, fill a quarter of the width with cells of half pixels: what they
+/// leave out is the rim.
 fn cells(columns: usize) -> usize {
     let width = 0.25 * (WIDTH - 2.0 * MARGIN) - LEFT - RIGHT;
     let cell = 0.5 * (2.0 * width / columns as f64).ceil();
@@ -190,7 +191,7 @@ fn power(one: &MethodSpectra, below: &MethodSpectra) -> Panel {
     let series = |of: &MethodSpectra, band: bool| Series {
         name: of.method.name(),
         look: look(of.method),
-        points: places(of, |index| Some(of.curves.power[index])),
+        points: points(of, |index| Some(of.curves.power[index])),
         band: (band && of.curves.band.len() == of.curves.nu.len()).then(|| of.curves.band.clone()),
     };
     Panel::Lines(LineChart {
@@ -214,9 +215,7 @@ fn decibels(columns: &[Column<'_>]) -> [f64; 2] {
             .copied()
             .chain([noise])
     });
-    let [low, high] = all.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], db| {
-        [low.min(db), high.max(db)]
-    });
+    let [low, high] = ends(all);
     let room = (0.08 * (high - low)).max(0.1);
     [low - room, high + room]
 }
@@ -225,7 +224,7 @@ fn anisotropy(one: &MethodSpectra, below: &MethodSpectra, [low, high]: [f64; 2])
     let series = |of: &MethodSpectra| Series {
         name: of.method.name(),
         look: look(of.method),
-        points: places(of, |index| of.curves.anisotropy[index]),
+        points: points(of, |index| of.curves.anisotropy[index]),
         band: None,
     };
     Panel::Lines(LineChart {
@@ -252,7 +251,7 @@ fn noise(one: &MethodSpectra) -> Series {
     }
 }
 
-fn places(of: &MethodSpectra, value: impl Fn(usize) -> Option<f64>) -> Vec<[f64; 2]> {
+fn points(of: &MethodSpectra, value: impl Fn(usize) -> Option<f64>) -> Vec<[f64; 2]> {
     let each = of.curves.nu.iter().enumerate();
     each.filter_map(|(index, nu)| Some([*nu, value(index)?]))
         .collect()

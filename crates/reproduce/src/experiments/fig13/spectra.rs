@@ -1,4 +1,4 @@
-//! What is measured of the sets of one method and radius: their mean periodogram and a few numbers. The sets
+//! Measurements of the sets of one method and radius: their mean periodogram and a few numbers. The sets
 //! themselves are not kept.
 
 use serde::{Deserialize, Serialize};
@@ -14,10 +14,11 @@ use crate::control::Control;
 use crate::error::ReproduceError;
 use crate::sets::Set;
 
-/// Frequencies, of each opposite pair one, that an annulus must have for its anisotropy to count: a variance of few is biased.
+/// Frequencies, of each opposite pair one, that an annulus must have for its anisotropy to count: a variance of few
+/// is biased.
 const MIN_PAIRS: u64 = 100;
 
-/// What is kept of the sets of one method and radius.
+/// The measurements of the sets of one method and radius.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct MethodSpectra {
     pub radius: f64,
@@ -28,12 +29,13 @@ pub struct MethodSpectra {
     /// The smallest distance and the largest covering radius of any set, in radii.
     pub min_distance: f64,
     pub covering_radius: f64,
-    /// Effective Nyquist frequency by psa's variant, which noise near zero does not end, and oscillation, of the mean of the
-    /// smooth spectra.
+    /// Effective Nyquist frequency by psa's variant, which noise near zero does not end, and oscillation, of the mean
+    /// of the smooth spectra.
     pub nyquist: Option<f64>,
     pub oscillation: Option<f64>,
     pub curves: Curves,
-    /// How far the anisotropy lies above that of noise, in decibels: of the mean periodogram, and of single ones in the mean.
+    /// How far the anisotropy lies above that of noise, in decibels: of the mean periodogram, and of single ones in
+    /// the mean.
     pub excess: f64,
     pub excess_alone: f64,
     /// How far the first of sets without preferred directions may be from zero, with probability 99 %.
@@ -175,8 +177,8 @@ fn many(annulus: &Annulus) -> bool {
     annulus.count >= 2 * MIN_PAIRS && annulus.anisotropy_db.is_finite()
 }
 
-/// Standard deviation of variance over squared mean, in parts of it, among so many independent means of `sets` exponential values: by
-/// the moments of the gamma distribution, to first order.
+/// Standard deviation of variance over squared mean, in parts of it, among so many independent means of `sets`
+/// exponential values: by the moments of the gamma distribution, to first order.
 fn noise_deviation(pairs: f64, sets: u64) -> f64 {
     ((2.0 + 2.0 / sets as f64) / pairs).sqrt()
 }
@@ -184,7 +186,8 @@ fn noise_deviation(pairs: f64, sets: u64) -> f64 {
 /// How many standard deviations hold a normal variable with probability 95 %, and 99 %.
 const NORMAL: [f64; 2] = [1.959_964, 2.575_829];
 
-/// Returns where the anisotropy of an annulus of sets without preferred directions lies with probability 95 %, in decibels.
+/// Returns where the anisotropy of an annulus of sets without preferred directions lies with probability 95 %, in
+/// decibels.
 fn noise(annulus: &Annulus, sets: u64) -> [f64; 2] {
     let reach = NORMAL[0] * noise_deviation(0.5 * annulus.count as f64, sets);
     [-reach, reach].map(|off| 10.0 * (1.0 + off).log10() + anisotropy_reference_db(sets))
@@ -231,15 +234,15 @@ fn grid(spectrum: &Spectrum) -> MeanPicture {
     }
 }
 
-/// Returns the root of the mean square of relative differences between two radial means, over frequencies from 0.1 to 2 `nu`; none
-/// where their annuli are not the same.
+/// Returns the root of the mean square of relative differences between two radial means, over frequencies from 0.1 to
+/// 2 `nu`; none where their annuli are not the same.
 pub fn difference(one: &Curves, other: &Curves) -> Option<f64> {
     if one.power.len() != other.power.len() {
         return None;
     }
-    let places = one.nu.iter().zip(one.power.iter().zip(&other.power));
-    let places = places.filter(|(nu, _)| (0.1..=2.0).contains(*nu));
-    let squares = places.map(|(_, (a, b))| ((a - b) / (0.5 * (a + b))).powi(2));
+    let pairs = one.nu.iter().zip(one.power.iter().zip(&other.power));
+    let pairs = pairs.filter(|(nu, _)| (0.1..=2.0).contains(*nu));
+    let squares = pairs.map(|(_, (a, b))| ((a - b) / (0.5 * (a + b))).powi(2));
     Summary::of(squares).map(|summary| summary.mean.sqrt())
 }
 

@@ -1,9 +1,10 @@
 //! Verdicts on figure 13's rates: whether tiling is several times as fast as sampling from scratch, and why the
 //! paper's own ratio cannot be compared.
 
+use crate::experiments::common::ends;
 use crate::numbers::number;
 use crate::outcome::{Claim, Verdict};
-use crate::rates::EngineRate;
+use crate::rates::{EngineRate, distinct};
 
 /// The paper's lower rate over that of sampling from scratch.
 const FASTER: f64 = 2.5;
@@ -66,20 +67,9 @@ fn ratio(rows: &[EngineRate], alone: &[&EngineRate]) -> Claim {
     )
 }
 
-fn ends(values: impl Iterator<Item = f64>) -> [f64; 2] {
-    values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| {
-        [low.min(value), high.max(value)]
-    })
-}
-
 /// Returns each engine's ratios by leaf.
 fn by_name(rows: &[&EngineRate]) -> String {
-    let mut names: Vec<String> = Vec::new();
-    for name in rows.iter().map(|row| row.engine.name()) {
-        if !names.contains(&name) {
-            names.push(name);
-        }
-    }
+    let names = distinct(rows.iter().map(|row| row.engine.name()));
     let of = |name: &String| {
         let rows = rows.iter().filter(|row| row.engine.name() == *name);
         let ratios = rows.map(|row| {

@@ -1,7 +1,7 @@
 //! The iterations and inserted samples of each set, their tables and their charts.
 
 use serde::{Deserialize, Serialize};
-use tilescope_core::Order;
+use tilescope_core::{Order, Summary};
 use tilescope_figures::chart::{Bar, BarGroup};
 
 use crate::error::ReproduceError;
@@ -13,7 +13,7 @@ use crate::table::table;
 /// Columns of iterations in the table of all sets.
 const COLUMNS: usize = 8;
 
-/// What the sets of a case have in common.
+/// The order and leaf size of the sets of a case.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct InsertionCase {
     pub order: Order,
@@ -39,33 +39,29 @@ impl InsertionCase {
     }
 }
 
-/// What is found of one set.
+/// The counts of one set.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct IterationCounts {
     pub case: InsertionCase,
     pub seed: u64,
-    pub count: usize,
-    pub tiled: usize,
-    pub eliminated: usize,
-    /// Samples inserted by iteration.
-    pub inserted: Vec<usize>,
+    pub summary: Summary,
     pub min_distance: f64,
     pub covering_radius: f64,
 }
 
 impl IterationCounts {
     pub fn iterations(&self) -> usize {
-        self.inserted.len()
+        self.summary.inserted.len()
     }
 
     /// Returns the samples inserted in an iteration, counted from 0.
     fn in_iteration(&self, k: usize) -> usize {
-        self.inserted.get(k).copied().unwrap_or(0)
+        self.summary.inserted.get(k).copied().unwrap_or(0)
     }
 
     /// Returns the samples inserted after so many iterations.
     pub fn after(&self, iterations: usize) -> usize {
-        self.inserted.iter().skip(iterations).sum()
+        self.summary.inserted.iter().skip(iterations).sum()
     }
 }
 
@@ -102,10 +98,10 @@ pub fn by_case(found: &[IterationCounts], cases: &[InsertionCase]) -> Table {
         .column("leaf_r", "leaf, r", 3, |sets| sets.0.leaf)
         .column("sets", "sets", 3, |sets| sets.1.len())
         .column("samples", "samples of a set, mean", 4, |sets| {
-            total(sets, |one| one.count) / sets.1.len() as f64
+            total(sets, |one| one.summary.count) / sets.1.len() as f64
         })
         .column("inserted_percent", "inserted, % of samples", 3, |sets| {
-            100.0 * total(sets, |one| one.after(0)) / total(sets, |one| one.count)
+            100.0 * total(sets, |one| one.after(0)) / total(sets, |one| one.summary.count)
         })
         .column("least", "fewest iterations", 2, |sets| {
             iterations(sets).into_iter().min()
@@ -128,9 +124,9 @@ pub fn by_set(found: &[IterationCounts]) -> Table {
         .column("order", "order", 3, |one| one.case.order())
         .column("leaf_r", "leaf, r", 3, |one| one.case.leaf)
         .column("seed", "seed", 6, |one| one.seed)
-        .column("samples", "samples", 9, |one| one.count)
-        .column("tiled", "tiled", 9, |one| one.tiled)
-        .column("eliminated", "eliminated", 9, |one| one.eliminated)
+        .column("samples", "samples", 9, |one| one.summary.count)
+        .column("tiled", "tiled", 9, |one| one.summary.tiled)
+        .column("eliminated", "eliminated", 9, |one| one.summary.eliminated)
         .column("iterations", "iterations", 2, |one| one.iterations())
         .column("min_distance_r", "min. distance, r", 7, |one| {
             one.min_distance
@@ -177,7 +173,7 @@ pub fn inserted(
         }
     };
     let groups = groups(cases, |case| (0..most).map(|k| bar(case, k)).collect());
-    let largest = found.iter().map(|one| one.count).max().unwrap_or(0);
+    let largest = found.iter().map(|one| one.summary.count).max().unwrap_or(0);
     let title = "Samples inserted by iteration (in stages), mean of the sets";
     let caption = format!(
         "Samples inserted by iteration, in stages, {} sets of up to {} samples. Whiskers, and the numbers in brackets: fewest and \

@@ -1,10 +1,11 @@
-//! Insertion in stages against Algorithm 4 as printed, whose first loop inserts while it eliminates. Only the sequential engine
-//! carries out the latter, so these sets are smaller.
+//! Insertion in stages against Algorithm 4 as printed, whose first loop inserts while it eliminates. Only the
+//! sequential engine carries out the latter, so these sets are smaller.
 
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use tilescope_core::{Order, Parameters, Sequential, Variant};
 
+use super::counts::IterationCounts;
 use crate::control::Control;
 use crate::error::ReproduceError;
 use crate::experiments::common::{seed, seeded, square};
@@ -33,14 +34,14 @@ fn large(settings: &Settings) -> (usize, f64) {
     settings.pick((2, super::PAPER_SAMPLES), (0, 0.0))
 }
 
-/// Samples inserted in the first loop and in each round of the second, in a set made as printed.
+/// Samples of a set, and those inserted by iteration: as printed, in the first loop and in each round of the second.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Printed {
+pub struct SetCounts {
     pub count: usize,
     pub inserted: Vec<usize>,
 }
 
-impl From<&Compared> for Printed {
+impl From<&Compared> for SetCounts {
     fn from(compared: &Compared) -> Self {
         Self {
             count: compared.count,
@@ -49,8 +50,17 @@ impl From<&Compared> for Printed {
     }
 }
 
+impl From<&IterationCounts> for SetCounts {
+    fn from(one: &IterationCounts) -> Self {
+        Self {
+            count: one.summary.count,
+            inserted: one.summary.inserted.clone(),
+        }
+    }
+}
+
 /// Returns the sets made as printed that are as large as the paper's.
-pub fn printed(study: &Study<'_>) -> Result<Vec<Printed>, ReproduceError> {
+pub fn printed(study: &Study<'_>) -> Result<Vec<SetCounts>, ReproduceError> {
     let settings = study.settings;
     let (sets, samples) = large(settings);
     if sets == 0 {
@@ -60,7 +70,7 @@ pub fn printed(study: &Study<'_>) -> Result<Vec<Printed>, ReproduceError> {
         let make = |index| {
             let seed = seed(settings, index);
             let (inserted, count) = inserted(&base(samples, seed), Variant::AsPrinted, control)?;
-            Ok(Printed { count, inserted })
+            Ok(SetCounts { count, inserted })
         };
         // In turn: each takes gigabytes of memory.
         (0..sets).map(make).collect()
@@ -143,9 +153,9 @@ pub fn compared_table(compared: &[Compared]) -> Table {
         .shown()
 }
 
-pub fn printed_table(printed: &[Printed]) -> Table {
+pub fn printed_table(printed: &[SetCounts]) -> Table {
     let most = printed.iter().map(|one| one.inserted.len()).max();
-    let at = |one: &Printed, k: usize| one.inserted.get(k).copied().unwrap_or(0);
+    let at = |one: &SetCounts, k: usize| one.inserted.get(k).copied().unwrap_or(0);
     let title = "Algorithm 4 as printed, leaf 20 r, order by index";
     let mut rounds = table("printed", title, printed)
         .column("samples", "samples", 9, |one| one.count)

@@ -1,4 +1,5 @@
-//! The gaps of each set as the verifier lists them, the holes that they belong to, and which detectors could have seen them.
+//! The gaps of each set as the verifier lists them, the holes that they belong to, and which detectors could have
+//! seen them.
 
 use serde::{Deserialize, Serialize};
 use tilescope_analysis::{Report, Tessellation, VerifyOptions};
@@ -14,24 +15,24 @@ use crate::sets::Set;
 use crate::table::{TypedTable, table};
 
 /// Centres of gaps that are examined in each set, at most.
-const PLACES: usize = 100_000;
+const MAX_CENTERS: usize = 100_000;
 /// Witnesses that are kept of each set.
 const KEPT: usize = 4;
-/// Whether to go on is asked after so many places.
+/// Centres between two looks at whether the caller stopped the work.
 const ASK: usize = 1024;
 
-/// What the verifier says of one set, and more about its gaps.
+/// The gaps of one set: the verifier's counts, and which detectors could see them.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct GapCounts {
     pub count: usize,
     pub inserted: usize,
     /// Centres of empty circles that are too large.
-    pub places: u64,
+    pub centers: u64,
     /// Connected gaps.
     pub holes: usize,
     /// Area of the gaps, in squared radii.
     pub area: f64,
-    /// Places that no detector could find.
+    /// Centres that no detector could find.
     pub out_of_sight: usize,
     pub covering_radius: f64,
     /// The largest empty circles of different holes.
@@ -41,7 +42,7 @@ pub struct GapCounts {
 impl GapCounts {
     pub fn of(set: &Set, inserted: usize, control: &Control<'_>) -> Result<Self, ReproduceError> {
         let options = VerifyOptions {
-            witnesses: PLACES,
+            witnesses: MAX_CENTERS,
             ..VerifyOptions::default()
         };
         let (points, region, radius) = (&set.points, set.region, set.radius);
@@ -57,7 +58,7 @@ impl GapCounts {
         let base = Self {
             count: report.count,
             inserted,
-            places: report.gaps,
+            centers: report.gaps,
             covering_radius: report.covering_radius / radius,
             ..Self::default()
         };
@@ -103,7 +104,7 @@ impl GapCounts {
     }
 }
 
-/// What is found of one seed.
+/// The gaps of the sets of one seed.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct GapStatistics {
     pub leaf: f64,
@@ -125,10 +126,10 @@ pub fn worst(found: &[GapStatistics]) -> Option<&GapStatistics> {
 /// Returns how many gaps no detector could have seen.
 pub fn sight(found: &[GapStatistics]) -> String {
     let staged = || found.iter().filter(|one| !one.printed);
-    let places: u64 = staged().map(|one| one.two.places).sum();
+    let centers: u64 = staged().map(|one| one.two.centers).sum();
     let out: usize = staged().map(|one| one.two.out_of_sight).sum();
     format!(
-        "Of {places} centres of empty circles {out} were out of every sample's sight: none of their three sites has both others \
+        "Of {centers} centres of empty circles {out} were out of every sample's sight: none of their three sites has both others \
          within 2 r. The rest had such a site, but it was no detector."
     )
 }
@@ -231,7 +232,7 @@ fn sums<'a>(
             )
         })
         .column("places_2r", "centres, 2 r", 6, |sets| {
-            sets.iter().map(|one| one.two.places).sum::<u64>()
+            sets.iter().map(|one| one.two.centers).sum::<u64>()
         })
         .column("out_of_sight", "out of sight", 6, |sets| {
             total(sets, |two| two.out_of_sight)

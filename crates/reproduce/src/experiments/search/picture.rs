@@ -3,12 +3,13 @@
 use tilescope_analysis::{Boundary, Region, Tessellation};
 use tilescope_core::Boundary as Ends;
 use tilescope_figures::{
-    Anchor, Baseline, Color, Fill, Font, Group, Hatch, Marker, Palette, PictureOptions, Rect,
-    Scene, SetPicture, Shape, Stroke, Style, Text, set_scene, with_alpha,
+    Anchor, Baseline, Color, Fill, Font, Hatch, Marker, Palette, PictureOptions, Rect, Scene,
+    SetPicture, Shape, Stroke, Style, Text, set_scene, with_alpha,
 };
 
 use super::witness::{Witness, told};
 use crate::error::ReproduceError;
+use crate::experiments::common::above_samples;
 use crate::numbers::number;
 use crate::outcome::Picture;
 use crate::sets::Set;
@@ -80,23 +81,11 @@ fn scene(set: &Set, witness: &Witness) -> Result<Scene, ReproduceError> {
         middle,
         (set.radius, &options.palette),
     ));
-    above_samples(&mut scene, shapes);
+    above_samples(&mut scene, "gap", shapes);
     Ok(scene)
 }
 
-/// Adds shapes in the units of the samples.
-fn above_samples(scene: &mut Scene, shapes: Vec<Shape>) {
-    if let Some(samples) = scene.groups.iter().find(|group| group.name == "samples") {
-        let group = Group {
-            name: "gap".to_owned(),
-            shapes,
-            ..samples.clone()
-        };
-        scene.groups.push(group);
-    }
-}
-
-/// Returns the samples around a place, moved so that it lies at `middle`.
+/// Returns the samples around a position, moved so that it lies at `middle`.
 fn around(set: &Set, center: [f64; 2], middle: [f64; 2]) -> Vec<[f64; 2]> {
     let period = [set.region.width, set.region.height];
     (set.points.iter())
@@ -107,7 +96,7 @@ fn around(set: &Set, center: [f64; 2], middle: [f64; 2]) -> Vec<[f64; 2]> {
         .collect()
 }
 
-/// Returns the uncovered place, solid below a hatch.
+/// Returns the uncovered area, solid below a hatch.
 fn hole(triangles: &[[[f64; 2]; 3]], palette: &Palette) -> Vec<Shape> {
     let solid = Fill::Solid(with_alpha(palette.gap, 170));
     let hatch = Fill::Hatch(Hatch {
@@ -181,13 +170,13 @@ fn side_of(
     let half = [0, 1].map(|k| 0.5 * (from[k] + to[k]));
     let away = [0, 1].map(|axis| half[axis] - third[axis]);
     let length = away[0].hypot(away[1]).max(1e-9);
-    let place = [0, 1].map(|axis| half[axis] + 0.4 * radius * away[axis] / length);
+    let position = [0, 1].map(|axis| half[axis] + 0.4 * radius * away[axis] / length);
     let mut shapes = vec![Shape::line(from, to, Stroke::new(palette.text, 1.2))];
-    shapes.extend(label(place, what, radius, palette));
+    shapes.extend(label(position, what, radius, palette));
     shapes
 }
 
-/// Returns a text in the middle of its place, on a ground of its own.
+/// Returns a text in the middle of its position, on a ground of its own.
 fn label(at: [f64; 2], what: &str, radius: f64, palette: &Palette) -> [Shape; 2] {
     let [x, y] = [0.33, 0.11].map(|half| half * radius);
     let corner = |[right, up]: [f64; 2]| [at[0] + right * x, at[1] + up * y];

@@ -7,7 +7,7 @@ fn judged(holes: usize) -> GapCounts {
         count: ENOUGH,
         inserted: 30,
         holes,
-        places: holes as u64,
+        centers: holes as u64,
         covering_radius: if holes > 0 { 1.05 } else { 1.0 },
         ..GapCounts::default()
     }
@@ -80,7 +80,7 @@ fn a_hole_that_was_made_is_found_with_its_sites() {
         assert_eq!(GapCounts::of(&set, inserted, control)?.holes, 0);
         let lost = set.points.remove(700);
         let judged = GapCounts::of(&set, inserted, control)?;
-        assert!(judged.holes >= 1 && judged.places >= judged.holes as u64);
+        assert!(judged.holes >= 1 && judged.centers >= judged.holes as u64);
         let near = |at: [f64; 2]| (at[0] - lost[0]).hypot(at[1] - lost[1]) < 1.0;
         assert!(judged.worst.iter().all(|witness| near(witness.center)));
         for witness in &judged.worst {

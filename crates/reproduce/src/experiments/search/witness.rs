@@ -5,10 +5,10 @@ use serde::{Deserialize, Serialize};
 use crate::numbers::number;
 use crate::sets::Set;
 
-/// How far the sites of a place may be from its circle, in radii.
+/// The largest distance of sites from the circle that they define, in radii.
 pub const HAIR: f64 = 1e-6;
 
-/// A place without a sample within r, and the three samples nearest to it.
+/// A position without a sample within r, and the three samples nearest to it.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Witness {
     pub center: [f64; 2],
@@ -64,7 +64,7 @@ impl<'a> CellIndex<'a> {
         })
     }
 
-    /// Returns the samples of the cell of a place and of those around it, each once.
+    /// Returns the samples of the cell of a position and of those around it, each once.
     fn around(&self, at: [f64; 2]) -> impl Iterator<Item = &[f64; 2]> {
         let cell = self.cell(at);
         let [columns, rows] = [0, 1].map(|k| {
@@ -83,7 +83,7 @@ impl<'a> CellIndex<'a> {
         cells.flat_map(|cell| &self.cells[cell])
     }
 
-    /// Returns the place with its three nearest samples, `distance` away.
+    /// Returns the position with its three nearest samples, `distance` away.
     pub fn witness(&self, center: [f64; 2], distance: f64) -> Witness {
         let reach = distance + HAIR * self.set.radius;
         let period = self.period;
