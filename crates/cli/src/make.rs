@@ -41,7 +41,7 @@ impl Made {
             let certificate = Some(exported.certificate_path);
             (exported.report, certificate, exported.warnings)
         } else {
-            let report = judge_as(&set.points, facts.region, facts.radius, &context.verify);
+            let report = judge(&set.points, facts.region, facts.radius, &context.verify);
             let report = report.map_err(|error| with_set(error, disagreement, &set, context))?;
             (report, None, Vec::new())
         };
@@ -158,11 +158,7 @@ pub fn positions(domain: &Domain, points: &[Point]) -> Vec<[f64; 2]> {
 }
 
 /// Returns the verifier's report on positions.
-pub fn judge(points: &[[f64; 2]], region: Region, radius: f64) -> Result<Report> {
-    judge_as(points, region, radius, &VerifyOptions::default())
-}
-
-fn judge_as(
+pub fn judge(
     points: &[[f64; 2]],
     region: Region,
     radius: f64,
@@ -222,7 +218,7 @@ mod tests {
         let region = crate::options::UNIT_SQUARE;
         let set = PointSet::from_points(vec![[0.25, 0.25], [0.75, 0.75]]);
         let context = ExportContext::new(region, 0.5);
-        let report = judge(&set.points, region, 0.5).unwrap();
+        let report = judge(&set.points, region, 0.5, &VerifyOptions::default()).unwrap();
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("disagreement.csv");
         let other = with_set(VerifyError::Empty.into(), &path, &set, &context);

@@ -35,7 +35,13 @@ pub fn written(folder: &TempDir, layout: &Value) -> PathBuf {
 pub fn judged(path: &Path) -> Glued {
     let glued = glue(path).unwrap();
     let facts = &glued.made.facts;
-    let report = make::judge(&glued.made.set.points, facts.region, facts.radius).unwrap();
+    let report = make::judge(
+        &glued.made.set.points,
+        facts.region,
+        facts.radius,
+        &tilescope_analysis::VerifyOptions::default(),
+    )
+    .unwrap();
     assert!(report.valid(), "{report:?}");
     glued
 }
