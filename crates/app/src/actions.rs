@@ -25,6 +25,7 @@ use tilescope_workbench::command::{
     AppearanceCommand, Command, DebugCommand, FormCommand, ViewCommand, Which, WindowCommand,
 };
 use tilescope_workbench::finder::Finder;
+use tilescope_workbench::help::HelpPage;
 use tilescope_workbench::layout::Panel;
 use tilescope_workbench::state::{RunView, State, Time};
 
@@ -45,11 +46,13 @@ pub enum Menu {
     Analyze,
     /// The second run.
     Compare,
+    /// Keys, terms, the program.
+    Help,
 }
 
 impl Menu {
     /// Every menu.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 8] = [
         Self::File,
         Self::Edit,
         Self::View,
@@ -57,6 +60,7 @@ impl Menu {
         Self::Debug,
         Self::Analyze,
         Self::Compare,
+        Self::Help,
     ];
 
     /// Returns its name.
@@ -70,6 +74,7 @@ impl Menu {
             Self::Debug => "Debug",
             Self::Analyze => "Analyze",
             Self::Compare => "Compare",
+            Self::Help => "Help",
         }
     }
 }
@@ -136,6 +141,7 @@ pub fn actions(state: &State) -> Vec<Action> {
     debug(&mut list, state);
     analyze::add(&mut list, state);
     compare::compare(&mut list, state);
+    help(&mut list);
     list.escape(state);
     list.actions
 }
@@ -236,6 +242,17 @@ fn edit(list: &mut List, state: &State) {
     );
 }
 
+fn help(list: &mut List) {
+    for page in HelpPage::ALL {
+        let keys = (page == HelpPage::Keys).then_some((NONE, Key::Questionmark));
+        let command = Command::Window(WindowCommand::Help(page));
+        list.add(Menu::Help, page.name(), keys, command, None);
+        if let (HelpPage::Keys, Some(action)) = (page, list.actions.last_mut()) {
+            action.also = Some(KeyboardShortcut::new(NONE, Key::F1));
+        }
+    }
+}
+
 fn full_screen(list: &mut List, state: &State) {
     list.add(
         Menu::View,
@@ -273,7 +290,7 @@ fn view(list: &mut List, state: &State) {
         Command::View(Which::First, ViewCommand::Fit),
     );
     add(
-        "Go to where the last event happened".to_owned(),
+        "Show the current event".to_owned(),
         Some((NONE, Key::Period)),
         Command::View(Which::First, ViewCommand::GoToCurrent),
     );
@@ -319,7 +336,7 @@ fn view(list: &mut List, state: &State) {
         Command::Appearance(AppearanceCommand::Colour(Colouring::Block)),
     );
     add(
-        "Colour by provenance".to_owned(),
+        "Colour by origin".to_owned(),
         None,
         Command::Appearance(AppearanceCommand::Colour(Colouring::Provenance)),
     );

@@ -105,7 +105,9 @@ impl App {
         if self.state.window.embedding.is_none() {
             self.take_dropped(ui);
         }
-        let is_covered = self.state.window.finder.is_some() || self.state.files.has_sheet();
+        let window = &self.state.window;
+        let is_covered =
+            window.finder.is_some() || window.help.is_some() || self.state.files.has_sheet();
         focus::keep_arrows(ui.ctx(), is_covered);
         if actions::press_keys(ui.ctx(), &mut self.state) {
             self.follow_commands(ui.ctx());

@@ -3,6 +3,7 @@
 
 mod analysis;
 mod bookmarks;
+mod choices;
 mod common;
 pub mod compact;
 mod compare;
@@ -13,6 +14,7 @@ mod events;
 mod export;
 mod files;
 mod finder;
+mod help;
 mod inspector;
 mod layers;
 mod legend;
@@ -121,5 +123,6 @@ pub fn show_floating(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     export::show(ui, state, commands);
     files::show(ui, state, commands);
     notice::show(ui, state, commands);
+    help::show(ui, state, commands);
     finder::show(ui, state, commands);
 }

@@ -163,7 +163,7 @@ pub fn note(scene: &Scene<'_>, crowded: bool, as_points: bool) -> Option<String>
     }
     let coarse = scene.subject.camera.scale < MIN_DISK_SCALE;
     (coarse && (has(Layer::Disks) || has(Layer::Gaps)))
-        .then(|| format!("Disks and gaps appear from {MIN_DISK_SCALE} points per r: zoom in."))
+        .then(|| "Zoom in to see disks and gaps.".to_owned())
 }
 
 /// Returns whether a layer is on that is hidden in a crowd and would show something at this stage.

@@ -31,14 +31,14 @@ pub struct ExposedArc {
     pub angles: [f64; 2],
 }
 
-/// What is known of a moment's samples.
+/// The triangulation and the exposed arcs of a moment.
 #[derive(serde::Serialize, serde::Deserialize)]
-pub struct Made {
+pub struct Nets {
     tessellation: Tessellation,
     exposed: Vec<ExposedArc>,
 }
 
-impl Made {
+impl Nets {
     /// Returns none where samples cannot be triangulated.
     fn of(ids: &[u32], points: &[[f64; 2]], region: Region) -> Option<Self> {
         let go_on = |_| ControlFlow::Continue(());
@@ -59,8 +59,8 @@ impl Made {
 /// The triangulation of the moment, as far as it is known.
 #[derive(Default)]
 pub struct Geometry {
-    work: Option<(Key, Job<Option<Made>>)>,
-    ready: Option<(Key, Arc<Made>)>,
+    work: Option<(Key, Job<Option<Nets>>)>,
+    ready: Option<(Key, Arc<Nets>)>,
     /// The last moment that could not be triangulated.
     failed: Option<Key>,
 }
@@ -74,11 +74,11 @@ pub struct TriangulateTask {
 }
 
 impl Task for TriangulateTask {
-    type Outcome = Option<Made>;
+    type Outcome = Option<Nets>;
     const NAME: &'static str = "triangulate";
 
     fn run(self, _: &Monitor) -> Self::Outcome {
-        Made::of(&self.ids, &self.points, self.region)
+        Nets::of(&self.ids, &self.points, self.region)
     }
 }
 
@@ -92,12 +92,12 @@ impl Geometry {
     /// Returns the triangulation of a moment, computed at once; empty where there is none or there are too many
     /// samples.
     #[must_use]
-    pub fn made(shown: &ShownMoment<'_>) -> Self {
+    pub fn computed(shown: &ShownMoment<'_>) -> Self {
         let mut geometry = Self::default();
         if shown.session.run().samples.len() <= MAX_SAMPLES {
             let (ids, points) = covering(shown);
-            let made = Made::of(&ids, &points, region_of(shown.session));
-            geometry.take(key_of(shown), Ok(made));
+            let nets = Nets::of(&ids, &points, region_of(shown.session));
+            geometry.take(key_of(shown), Ok(nets));
         }
         geometry
     }
@@ -143,7 +143,7 @@ impl Geometry {
         nearest.map(|(_, id)| id)
     }
 
-    fn known(&self, shown: &ShownMoment<'_>) -> Option<&Made> {
+    fn known(&self, shown: &ShownMoment<'_>) -> Option<&Nets> {
         let (key, ready) = self.ready.as_ref()?;
         (*key == key_of(shown)).then_some(&**ready)
     }
@@ -182,9 +182,9 @@ impl Geometry {
         }
     }
 
-    fn take(&mut self, key: Key, outcome: Result<Option<Made>, String>) {
+    fn take(&mut self, key: Key, outcome: Result<Option<Nets>, String>) {
         match outcome {
-            Ok(Some(made)) => self.ready = Some((key, Arc::new(made))),
+            Ok(Some(nets)) => self.ready = Some((key, Arc::new(nets))),
             _ => self.failed = Some(key),
         }
     }

@@ -36,7 +36,7 @@ glossary! {
     MAXIMAL, "maximal", "3.1.1", "Without gaps: no sample can be added without a conflict.";
     VALID, "valid", "", "Conflict-free and maximal, as the verifier decides it.";
     COVERING_RADIUS, "covering radius", "", "The largest distance from any place of the domain to its nearest sample. It is at most r for a maximal set.";
-    MIN_DISTANCE, "least distance", "", "The smallest distance between two samples.";
+    MIN_DISTANCE, "smallest distance", "", "The smallest distance between two samples.";
     DENSITY, "density", "", "Samples times r\u{b2}, divided by the area: 0.6966 for maximal sets by dart throwing.";
     LATTICE, "lattice", "", "The integer positions on which all samples lie: r is 2^15 units.";
 

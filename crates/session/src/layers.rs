@@ -87,7 +87,7 @@ impl Layer {
             Self::Inserted => "Inserted",
             Self::Delaunay => "Delaunay",
             Self::Voronoi => "Voronoi",
-            Self::Circumcircles => "Circles > r",
+            Self::Circumcircles => "Empty circles",
             Self::CoveredCircles => "Covered circles",
         }
     }

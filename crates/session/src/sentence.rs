@@ -82,7 +82,7 @@ pub fn stage_sentence(session: &Session, stage: Stage) -> String {
                 ),
             };
             format!(
-                "Eliminate: {} yield to one that claimed the place first, {} stay.{at_once}{looking}",
+                "Eliminate: {} eliminated, because another sample claimed their disk first; {} stay.{at_once}{looking}",
                 samples(summary.eliminated),
                 grouped(summary.tiled - summary.eliminated),
             )

@@ -19,6 +19,7 @@ use crate::device::Engine;
 use crate::draft::{Choice, Field};
 use crate::export::ExportCommand;
 use crate::files::FileCommand;
+use crate::help::HelpPage;
 use crate::layout::Panel;
 use crate::passes::PassCommand;
 
@@ -155,6 +156,10 @@ pub enum WindowCommand {
     FinderText(String),
     /// Selects an action of the list.
     FinderChoice(usize),
+    /// Opens a page of the help sheet.
+    Help(HelpPage),
+    /// Closes the help sheet.
+    CloseHelp,
 }
 
 /// A change of the view of a run, or of what is selected or pointed at.
@@ -283,7 +288,7 @@ impl Command {
             Self::File(_)
                 | Self::Export(_)
                 | Self::Combine(_)
-                | Self::Window(W::ToggleFinder | W::OpenPanel(_) | W::ResetLayout)
+                | Self::Window(W::ToggleFinder | W::Help(_) | W::OpenPanel(_) | W::ResetLayout)
                 | Self::OpenPasses
                 | Self::Run
                 | Self::Undo

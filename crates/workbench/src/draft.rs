@@ -185,8 +185,8 @@ impl Draft {
             "height",
             "radius",
             "seed",
-            "leaf",
-            "pattern side",
+            "smallest block",
+            "pattern size",
             "pattern seed",
         ];
         let differs =
@@ -199,11 +199,11 @@ impl Draft {
                 "pattern border",
                 p.pattern.boundary != made.pattern.boundary,
             ),
-            ("pattern use", p.dihedral != made.dihedral),
-            ("order", p.order != made.order),
+            ("orientation", p.dihedral != made.dihedral),
+            ("who wins", p.order != made.order),
             ("insertion", p.insertion != made.insertion),
-            ("search", p.search != made.search),
-            ("variant", p.variant != made.variant),
+            ("gap search", p.search != made.search),
+            ("Algorithm 4", p.variant != made.variant),
         ];
         let chosen = chosen
             .into_iter()
@@ -216,6 +216,16 @@ impl Draft {
     pub fn expected_samples(&self) -> Option<f64> {
         let domain = self.read()?.validate_sequential().ok()?;
         Some(domain.area_radii() * MAXIMAL_DENSITY)
+    }
+
+    /// Returns whether so large a run keeps its result without its steps.
+    #[must_use]
+    pub fn keeps_result_only(&self) -> bool {
+        let is_staged = self.parameters.variant == Variant::Staged;
+        is_staged
+            && self
+                .expected_samples()
+                .is_some_and(|samples| samples > MAX_STAGED)
     }
 
     /// Returns the smallest side of a pattern that does not repeat within a block, if the present one does.
@@ -231,7 +241,7 @@ impl Draft {
                 .parse::<u64>()
                 .err()
                 .map(|_| format!("\"{text}\" is not a whole number from 0 to {}.", u64::MAX)),
-            _ => text
+            _ => decimal(text)
                 .parse::<f64>()
                 .err()
                 .map(|_| format!("\"{text}\" is not a number.")),
@@ -239,8 +249,18 @@ impl Draft {
     }
 }
 
+/// Returns a number with a point where it was typed with a decimal comma.
+fn decimal(text: &str) -> String {
+    let is_decimal = text.matches(',').count() == 1 && !text.contains('.');
+    if is_decimal {
+        text.replace(',', ".")
+    } else {
+        text.to_owned()
+    }
+}
+
 fn assign<T: std::str::FromStr>(value: &mut T, text: &str) {
-    if let Ok(read) = text.parse() {
+    if let Ok(read) = decimal(text).parse() {
         *value = read;
     }
 }
@@ -292,6 +312,17 @@ mod tests {
         let refusal = too_many(Some(1e9), 2e6).unwrap();
         assert_eq!(refusal.field, Some(Field::Radius));
         assert!(refusal.reason.contains("1,000,000,000") && refusal.reason.contains("2,000,000"));
+    }
+
+    #[test]
+    fn a_decimal_comma_is_read_as_a_point() {
+        let mut draft = Draft::default();
+        draft.set_text(Field::Radius, "0,01".to_owned());
+        assert_eq!((draft.refusals(), draft.parameters.radius), (vec![], 0.01));
+        for text in ["0,0,1", "1,000.5", ","] {
+            draft.set_text(Field::Radius, text.to_owned());
+            assert_eq!(draft.refusals()[0].field, Some(Field::Radius), "{text}");
+        }
     }
 
     #[test]

@@ -27,6 +27,7 @@ pub mod embedding;
 pub mod export;
 pub mod files;
 pub mod finder;
+pub mod help;
 pub mod layout;
 pub mod link;
 pub mod passes;

@@ -54,7 +54,7 @@ pub(super) fn add(list: &mut List, state: &State) {
         let refusal = state.runs.first.clock_refusal(clock);
         list.add(
             Menu::Go,
-            format!("Clock: {}", clock.name()),
+            format!("Step by: {}", clock.name()),
             None,
             command,
             refusal,

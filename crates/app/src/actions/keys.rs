@@ -11,15 +11,22 @@ use tilescope_workbench::state::State;
 /// Normalises a press: plus is on the key of the equals sign on many keyboards, with or without Shift.
 fn meant(key: Key, modifiers: Modifiers) -> (Key, Modifiers) {
     match key {
+        // Shift is needed for it on most keyboards.
+        Key::Questionmark if modifiers == SHIFT => (key, NONE),
         Key::Plus | Key::Equals if modifiers == SHIFT || modifiers.is_none() => (Key::Plus, NONE),
         _ => (key, modifiers),
     }
 }
 
+/// Returns whether a sheet covers the window.
+const fn has_sheet(state: &State) -> bool {
+    state.files.has_sheet() || state.window.help.is_some()
+}
+
 const fn is_function(key: Key) -> bool {
     matches!(
         key,
-        Key::F2 | Key::F5 | Key::F8 | Key::F9 | Key::F10 | Key::F11
+        Key::F1 | Key::F2 | Key::F5 | Key::F8 | Key::F9 | Key::F10 | Key::F11
     )
 }
 
@@ -76,7 +83,7 @@ pub fn press_keys(ctx: &egui::Context, state: &mut State) -> bool {
             continue;
         }
         // The topmost surface comes first: Escape closes it, and letters go to it.
-        if state.files.has_sheet() && !pressed.command {
+        if has_sheet(state) && !pressed.command {
             continue;
         }
         let Some((action, modifiers)) = meant_by(key, pressed, state) else {
@@ -130,7 +137,7 @@ struct Ahead {
 }
 
 fn ahead(ctx: &egui::Context, state: &State) -> Option<Ahead> {
-    if state.files.has_sheet() || state.window.embedding.is_some() {
+    if has_sheet(state) || state.window.embedding.is_some() {
         return None;
     }
     let typing = ctx.text_edit_focused();

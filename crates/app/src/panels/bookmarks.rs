@@ -24,7 +24,7 @@ pub fn show(
     };
     heading(ui, "Bookmarks");
     if debugger.bookmarks.is_empty() {
-        ui.label(RichText::new("B remembers the moment.").color(palette.muted))
+        ui.label(RichText::new("Press B to bookmark this moment.").color(palette.muted))
             .known_as("no-bookmarks");
     }
     for (index, mark) in debugger.bookmarks.iter().enumerate() {

@@ -114,7 +114,7 @@ fn presets(ui: &mut Ui, context: &CompareContext<'_>, own: &mut Vec<CompareComma
     }
     let kept = ui.add_enabled(
         context.first.session.is_some(),
-        Button::new("the run after this one"),
+        Button::new("my next run (keeps this one as B)"),
     );
     kept.known_as("compare.keep");
     let kept = kept

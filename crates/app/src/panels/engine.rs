@@ -8,12 +8,12 @@ use tilescope_workbench::command::{Command, GpuCommand};
 use tilescope_workbench::device::Engine;
 
 const EXPLANATION: &str =
-    "The engine that samples. All engines give the same points; choosing the GPU tests it first.";
+    "What computes the run. All engines give the same points; choosing the GPU tests it first.";
 
 /// Shows the chooser and, where there is more to say of the engine than its name, a line.
 pub fn show(ui: &mut Ui, context: &FormContext<'_>, commands: &mut Vec<Command>) {
     let palette = context.palette;
-    labelled(ui, "Engine", palette, |ui, label| {
+    labelled(ui, ("Engine", EXPLANATION), palette, |ui, label| {
         let combo = ComboBox::from_id_salt("Engine")
             .selected_text(text(context, context.gpu.engine))
             .width(field_width(ui))

@@ -2,7 +2,6 @@
 //! stays in view.
 
 use egui::{ComboBox, ProgressBar, RichText, TextEdit, Ui, UiBuilder, vec2};
-use tilescope_core::{Boundary, Insertion, Order, Search, Variant};
 use tilescope_drawing::palette::Palette;
 use tilescope_session::jobs::Job;
 use tilescope_session::session::{MakeError, Session};
@@ -10,6 +9,10 @@ use tilescope_session::words::{grouped, sentence};
 use tilescope_ui::theme::row_height;
 use tilescope_ui::widgets::{Known, heading, primary_button};
 
+use super::choices::{
+    BOUNDARIES, INSERTIONS, Listed, ORDERS, ORIENTATIONS, PATTERN_BOUNDARIES, SEARCHES, VARIANTS,
+    meaning,
+};
 use super::engine;
 use tilescope_workbench::command::{Command, FormCommand, Which};
 use tilescope_workbench::draft::{Choice, DraftRefusal, Field};
@@ -98,27 +101,16 @@ fn form(ui: &mut Ui, context: &FormContext<'_>, commands: &mut Vec<Command>) {
         &refusals,
         commands,
     );
-    number(
-        ui,
-        context,
-        Field::Radius,
-        "Radius",
-        "",
-        &refusals,
-        commands,
-    );
+    let radius = (Field::Radius, "Radius", "");
+    number(ui, context, radius, &refusals, commands);
     let p = &context.form.draft.parameters;
-    let boundaries = [
-        (Boundary::Periodic, "periodic"),
-        (Boundary::Bounded, "bounded"),
-    ];
-    let why = "Whether opposite sides are joined.";
+    let why = "Periodic: opposite sides are joined, and the set tiles the plane. Bounded: the domain ends at its border.";
     if let Some(chosen) = choice(
         ui,
         ("boundary", "Boundary"),
         why,
         p.boundary,
-        &boundaries,
+        &BOUNDARIES,
         palette,
     ) {
         commands.push(Command::Form(FormCommand::Choose(Choice::Boundary(chosen))));
@@ -126,20 +118,21 @@ fn form(ui: &mut Ui, context: &FormContext<'_>, commands: &mut Vec<Command>) {
     expected(ui, context, palette);
 
     heading(ui, "Tiling");
-    number(ui, context, Field::Seed, "Seed", "", &refusals, commands);
-    number(ui, context, Field::Leaf, "Leaf", "r", &refusals, commands);
-    let fields = [
-        (Field::PatternSide, "Pattern side"),
-        (Field::PatternSeed, "Pattern seed"),
-    ];
-    pair(ui, context, "Pattern, seed", fields, &refusals, commands);
-    let why = "A periodic pattern can be clipped at any offset; the paper uses a bounded one.";
+    for field in [
+        (Field::Seed, "Seed", ""),
+        (Field::Leaf, "Smallest block", "r"),
+        (Field::PatternSide, "Pattern size", "r"),
+        (Field::PatternSeed, "Pattern seed", ""),
+    ] {
+        number(ui, context, field, &refusals, commands);
+    }
+    let why = "Whether the pattern repeats. A periodic one can be clipped anywhere; the paper uses a bounded one.";
     let chosen = choice(
         ui,
-        ("pattern-boundary", "Pattern ends"),
+        ("pattern-boundary", "Pattern border"),
         why,
         p.pattern.boundary,
-        &boundaries,
+        &PATTERN_BOUNDARIES,
         palette,
     );
     if let Some(chosen) = chosen {
@@ -148,14 +141,13 @@ fn form(ui: &mut Ui, context: &FormContext<'_>, commands: &mut Vec<Command>) {
         ))));
     }
     own_pattern(ui, context, commands);
-    let turns = [(false, "as it is"), (true, "turned, mirrored")];
-    let why = "Whether each block clips from one of the pattern's 8 rotations and mirror images.";
+    let why = "How the pattern lies where a block clips from it. Random rotations and mirrors repeat less.";
     if let Some(chosen) = choice(
         ui,
-        ("dihedral", "Pattern use"),
+        ("dihedral", "Orientation"),
         why,
         p.dihedral,
-        &turns,
+        &ORIENTATIONS,
         palette,
     ) {
         commands.push(Command::Form(FormCommand::Choose(Choice::Dihedral(chosen))));
@@ -202,52 +194,42 @@ fn algorithm(ui: &mut Ui, context: &FormContext<'_>, commands: &mut Vec<Command>
     let palette = context.palette;
     let p = &context.form.draft.parameters;
     heading(ui, "Elimination and insertion");
-    let orders = [
-        (Order::OwnBlockFirst, "own block first"),
-        (Order::Index, "index"),
-        (Order::Random, "random"),
-        (Order::PhaseGroup, "phase groups"),
-    ];
-    let why = "The order in which tiled samples claim their disks.";
-    if let Some(chosen) = choice(ui, ("order", "Order"), why, p.order, &orders, palette) {
+    let why = "Who wins a conflict: the sample that comes first in this order claims its disk, and the other one is eliminated.";
+    if let Some(chosen) = choice(ui, ("order", "Who wins"), why, p.order, &ORDERS, palette) {
         commands.push(Command::Form(FormCommand::Choose(Choice::Order(chosen))));
     }
-    let insertions = [
-        (Insertion::Circumcentre, "circumcentres"),
-        (Insertion::Uniform, "uniform darts"),
-    ];
-    let why = "How gaps are filled: at circumcentres (the paper), or without bias.";
+    let why =
+        "Where a gap is filled: at circumcentres (the paper, slightly biased) or by uniform darts.";
     if let Some(chosen) = choice(
         ui,
         ("insertion", "Insertion"),
         why,
         p.insertion,
-        &insertions,
+        &INSERTIONS,
         palette,
     ) {
         commands.push(Command::Form(FormCommand::Choose(Choice::Insertion(
             chosen,
         ))));
     }
-    let searches = [
-        (Search::Complete, "complete"),
-        (Search::TwoRadii, "2 r (experiment)"),
-    ];
-    let why = "How far detectors look. 2 r, which the paper believes to suffice, leaves gaps.";
-    if let Some(chosen) = choice(ui, ("search", "Search"), why, p.search, &searches, palette) {
-        commands.push(Command::Form(FormCommand::Choose(Choice::Search(chosen))));
-    }
-    let variants = [
-        (Variant::Staged, "staged"),
-        (Variant::AsPrinted, "as printed"),
-    ];
-    let why = "Elimination first, or Algorithm 4 as printed.";
+    let why = "How far around itself a detector looks for gaps. 2 r is the paper's choice and misses a few.";
     if let Some(chosen) = choice(
         ui,
-        ("variant", "Variant"),
+        ("search", "Gap search"),
+        why,
+        p.search,
+        &SEARCHES,
+        palette,
+    ) {
+        commands.push(Command::Form(FormCommand::Choose(Choice::Search(chosen))));
+    }
+    let why = "Algorithm 4 in stages, elimination first, or as the paper prints it.";
+    if let Some(chosen) = choice(
+        ui,
+        ("variant", "Algorithm 4"),
         why,
         p.variant,
-        &variants,
+        &VARIANTS,
         palette,
     ) {
         commands.push(Command::Form(FormCommand::Choose(Choice::Variant(chosen))));
@@ -269,18 +251,24 @@ fn expected(ui: &mut Ui, context: &FormContext<'_>, palette: &Palette) {
         ui.label(RichText::new(text).small().color(palette.muted))
             .known_as("expected");
     });
+    if context.form.draft.keeps_result_only() {
+        let text = "So large a run keeps its result only: there will be no steps to go through.";
+        ui.label(RichText::new(text).small().color(palette.accent))
+            .known_as("result-only");
+    }
 }
 
 /// Shows a labelled line; `add` shows the field and receives the label's id.
 pub(super) fn labelled(
     ui: &mut Ui,
-    name: &str,
+    (name, meaning): (&str, &str),
     palette: &Palette,
     add: impl FnOnce(&mut Ui, egui::Id),
 ) {
     ui.horizontal(|ui| {
         let start = ui.cursor().left();
         let label = ui.label(RichText::new(name).color(palette.muted));
+        let label = label.on_hover_text(meaning);
         let gap = start + FIELD_START - ui.cursor().left();
         ui.add_space(gap.max(0.0));
         add(ui, label.id);
@@ -290,15 +278,13 @@ pub(super) fn labelled(
 fn number(
     ui: &mut Ui,
     context: &FormContext<'_>,
-    field: Field,
-    name: &str,
-    unit: &str,
+    (field, name, unit): (Field, &str, &str),
     refusals: &[DraftRefusal],
     commands: &mut Vec<Command>,
 ) {
     let palette = context.palette;
     let refusal = refusals.iter().find(|r| r.field == Some(field));
-    labelled(ui, name, palette, |ui, _| {
+    labelled(ui, (name, meaning(field)), palette, |ui, _| {
         let width = field_width(ui);
         edit(ui, context, field, name, width, refusal.is_some(), commands);
         if !unit.is_empty() {
@@ -321,7 +307,7 @@ fn pair(
 ) {
     let palette = context.palette;
     let refusal = |field| refusals.iter().find(|r| r.field == Some(field));
-    labelled(ui, name, palette, |ui, _| {
+    labelled(ui, (name, meaning(fields[0].0)), palette, |ui, _| {
         ui.spacing_mut().item_spacing.x = 6.0;
         let width = (field_width(ui) - 6.0) / 2.0;
         for (field, name) in fields {
@@ -361,7 +347,10 @@ fn edit(
         .text_color_opt(is_wrong.then_some(palette.conflict))
         .margin(egui::Margin::symmetric(8, 4))
         .desired_width(width);
-    let response = ui.add(edit).accessible_name(name).on_hover_text(name);
+    let response = ui
+        .add(edit)
+        .accessible_name(name)
+        .on_hover_text(meaning(field));
     response.known_as(key(field));
     if response.changed() {
         commands.push(Command::Form(FormCommand::Type(field, text)));
@@ -399,19 +388,20 @@ fn choice<T: Copy + PartialEq>(
     (key, name): (&str, &str),
     explanation: &str,
     current: T,
-    options: &[(T, &str)],
+    options: &[Listed<T>],
     palette: &Palette,
 ) -> Option<T> {
     let mut chosen = current;
-    let text = options.iter().find(|(value, _)| *value == current);
-    labelled(ui, name, palette, |ui, label| {
+    let text = options.iter().find(|(value, ..)| *value == current);
+    labelled(ui, (name, explanation), palette, |ui, label| {
         let combo = ComboBox::from_id_salt(name)
-            .selected_text(text.map_or("", |(_, text)| text))
+            .selected_text(text.map_or("", |(_, text, _)| text))
             .width(field_width(ui))
             .truncate()
             .show_ui(ui, |ui| {
-                for (value, text) in options {
-                    ui.selectable_value(&mut chosen, *value, *text);
+                for (value, text, meaning) in options {
+                    let option = ui.selectable_value(&mut chosen, *value, *text);
+                    option.on_hover_text(*meaning);
                 }
             });
         let response = combo.response.labelled_by(label);

@@ -58,7 +58,7 @@ fn summary(context: &PanelContext<'_>, palette: &Palette) -> (String, Option<boo
             let text = match (report.conflict_free(), report.maximal()) {
                 (true, true) if context.run.is_at_end() => "verified".to_owned(),
                 // The canvas does not show the final result yet.
-                (true, true) => "result verified".to_owned(),
+                (true, true) => "final result verified".to_owned(),
                 (true, false) => "not maximal".to_owned(),
                 (false, true) => "not conflict-free".to_owned(),
                 (false, false) => "conflicts and gaps".to_owned(),

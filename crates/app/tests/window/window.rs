@@ -287,3 +287,32 @@ fn the_tab_of_an_opened_panel_comes_into_view() {
         }
     }
 }
+
+#[test]
+fn help_lists_keys_and_terms_and_says_how_to_cite() {
+    let mut harness = opened();
+    harness.key_press(egui::Key::Questionmark);
+    harness.run();
+    assert!(find(&harness, "help.keys").is_some());
+    // Keys go to the sheet: the run stays where it is.
+    let before = harness.state().state.cursor();
+    harness.key_press(egui::Key::Home);
+    harness.run();
+    assert_eq!(harness.state().state.cursor(), before);
+    node(&harness, "help.terms").click();
+    harness.run();
+    node(&harness, "help.about").click();
+    harness.run();
+    assert!(text(&harness, "help.version").contains(env!("CARGO_PKG_VERSION")));
+    node(&harness, "help.copy").click();
+    harness.step();
+    let copied = harness.output().platform_output.commands.iter();
+    let has_citation = |command: &egui::OutputCommand| matches!(command, egui::OutputCommand::CopyText(text) if text.contains("Suda, Reiji"));
+    assert!(copied.into_iter().any(has_citation));
+    harness.key_press(egui::Key::Escape);
+    harness.run();
+    assert!(find(&harness, "help.keys").is_none());
+    harness.key_press(egui::Key::Home);
+    settle(&mut harness);
+    assert_ne!(harness.state().state.cursor(), before);
+}

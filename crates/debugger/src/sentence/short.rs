@@ -80,8 +80,8 @@ impl Words<'_> {
                 )
             }
             RunEvent::Take { sample, valid } => {
-                let lost = if valid { "" } else { ": eliminated before" };
-                format!("take {}{lost}", number(sample))
+                let lost = if valid { "" } else { ": already eliminated" };
+                format!("visit sample {}{lost}", number(sample))
             }
             RunEvent::Keep { sample, .. } => format!("keep {}", number(sample)),
             RunEvent::Test {

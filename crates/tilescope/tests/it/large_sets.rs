@@ -3,7 +3,8 @@
 
 use crate::support::runs;
 use std::fs;
-use std::process::{Child, Command as Process};
+use std::process::{Child, Command as Process, ExitStatus};
+use std::time::Duration;
 
 use crate::support::runs::{json, partial, read};
 use crate::support::{names, tilescope};
@@ -126,22 +127,43 @@ fn without_verification_there_is_no_certificate_and_the_file_is_the_same() {
     );
 }
 
-/// Starts a large run and waits for its first checkpoint.
-fn started(folder: &TempDir, name: &str) -> Child {
-    let mut child = runs::started(folder, &LARGE, name);
-    assert!(
-        child.try_wait().unwrap().is_none(),
-        "it ended before a checkpoint"
-    );
-    child
-}
-
 fn signal(child: &Child, name: &str) {
     let mut kill = Process::new("kill");
     let status = kill
         .args([format!("-{name}"), child.id().to_string()])
         .status();
     assert!(status.unwrap().success());
+}
+
+/// How often a run is started that a busy machine lets end before a signal is sent.
+const STARTS: usize = 20;
+
+/// Starts a large run and stops it after its first checkpoint until it gets the signal `CONT`.
+fn paused(folder: &TempDir, name: &str) -> Child {
+    for _ in 0..STARTS {
+        let mut child = runs::started(folder, &LARGE, name);
+        signal(&child, "STOP");
+        std::thread::sleep(Duration::from_millis(50));
+        if child.try_wait().unwrap().is_none() {
+            return child;
+        }
+        fs::remove_file(folder.path().join(name)).unwrap();
+    }
+    panic!("{STARTS} runs ended before a signal could be sent");
+}
+
+/// Starts a large run and sends it a signal after its first checkpoint. Returns how it ended.
+fn interrupted(folder: &TempDir, name: &str, kill: &str) -> ExitStatus {
+    for _ in 0..STARTS {
+        let mut child = runs::started(folder, &LARGE, name);
+        signal(&child, kill);
+        let status = child.wait().unwrap();
+        if !status.success() {
+            return status;
+        }
+        fs::remove_file(folder.path().join(name)).unwrap();
+    }
+    panic!("{STARTS} runs ended before a signal could be sent");
 }
 
 #[test]
@@ -157,14 +179,11 @@ fn what_was_killed_goes_on_to_the_same_file() {
         ("TERM", "ended.npy"),
         ("HUP", "left.npy"),
     ] {
-        let mut child = started(&folder, name);
-        signal(&child, kill);
-        let status = child.wait().unwrap();
+        let status = interrupted(&folder, name, kill);
         if kill != "KILL" {
             assert_eq!(status.code(), Some(130), "{kill}");
             assert!(!folder.path().join(format!("{name}.lock")).exists());
         }
-        assert!(!status.success());
         assert!(
             !folder.path().join(name).exists(),
             "{kill}: an unfinished file has the name"
@@ -194,7 +213,7 @@ fn what_was_killed_goes_on_to_the_same_file() {
 #[test]
 fn a_second_run_of_a_name_is_refused() {
     let folder = tempdir().unwrap();
-    let mut first = started(&folder, "set.npy");
+    let mut first = paused(&folder, "set.npy");
     for more in [[].as_slice(), &["--resume"]] {
         let mut second = tilescope(&folder);
         second.args(LARGE).args(["--out", "set.npy"]).args(more);
@@ -202,6 +221,7 @@ fn a_second_run_of_a_name_is_refused() {
         second.assert().code(2).stderr(said);
     }
     signal(&first, "TERM");
+    signal(&first, "CONT");
     assert_eq!(first.wait().unwrap().code(), Some(130));
     assert!(partial(&folder, "set.npy").exists());
 }
@@ -212,9 +232,7 @@ fn a_resume_that_cannot_be_is_refused_and_nothing_is_lost() {
     let mut nothing = tilescope(&folder);
     nothing.args(LARGE).args(["--out", "set.npy", "--resume"]);
     nothing.assert().code(2).stderr(contains("set.npy"));
-    let mut child = started(&folder, "set.npy");
-    signal(&child, "KILL");
-    child.wait().unwrap();
+    interrupted(&folder, "set.npy", "KILL");
     let mut other = tilescope(&folder);
     other
         .args(LARGE)

@@ -284,7 +284,7 @@ fn describe(cause: &Cause) -> String {
             strongest,
             ..
         } => format!(
-            "{}, mean power {mean_power:.3}. Large red samples add more than the mean sample, small blue ones less; strongest at {strongest:.1} of noise's share in the same place from the mean.",
+            "{}, mean power {mean_power:.3}. Large red samples add more than the mean sample, small blue ones less; the strongest differs by {strongest:.1} of white noise's share.",
             counted(*frequencies as usize, "frequency", "frequencies"),
         ),
     }

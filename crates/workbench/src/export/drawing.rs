@@ -30,7 +30,7 @@ pub(super) fn groups(
     let shows_gaps = has(Layer::Gaps) && view.camera.scale >= MIN_DISK_SCALE;
     let is_wanted = shows_gaps || view.layers.has_net();
     let geometry = if is_wanted && shown.stage >= Stage::Tile {
-        Geometry::made(&shown)
+        Geometry::computed(&shown)
     } else {
         Geometry::default()
     };

@@ -5,6 +5,7 @@ use crate::arrangement::{Arrangement, Drawer, DrawerCommand};
 use crate::command::WindowCommand;
 use crate::embedding::Embedding;
 use crate::finder::Finder;
+use crate::help::HelpPage;
 use crate::layout::{Layout, Panel};
 
 /// The state of the window.
@@ -16,6 +17,8 @@ pub struct WindowState {
     pub drawer: Drawer,
     /// The list of all actions, if open.
     pub finder: Option<Finder>,
+    /// The page of the help sheet, if open.
+    pub help: Option<HelpPage>,
     /// The parts shown if the window is embedded in another page.
     pub embedding: Option<Embedding>,
     /// Whether the bar at the top is left out.
@@ -41,6 +44,8 @@ impl WindowState {
                     Some(_) => None,
                 }
             }
+            WindowCommand::Help(page) => self.help = Some(page),
+            WindowCommand::CloseHelp => self.help = None,
             WindowCommand::CloseFinder => self.finder = None,
             WindowCommand::FinderText(text) => self.finder = Some(Finder { text, choice: 0 }),
             WindowCommand::FinderChoice(choice) => {

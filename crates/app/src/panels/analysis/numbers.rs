@@ -46,7 +46,7 @@ const NUMBERS: [NumberRow; 8] = [
         value: |set, unit| Some(grouped(judged(set, unit)?.gaps as usize)),
     },
     NumberRow {
-        name: "Least distance, r",
+        name: "Smallest distance, r",
         explanation: glossary::MIN_DISTANCE.meaning,
         value: |set, unit| Some(finite(set.verdict()?.min_distance / unit)),
     },

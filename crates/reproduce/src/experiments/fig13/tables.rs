@@ -29,7 +29,7 @@ pub fn quality(found: &[MethodSpectra], against: &[Against]) -> Table {
         })
         .column("samples_sd", "deviation", 2, |(one, _)| one.count[1])
         .column("density", "N r^2 / area", 4, |(one, _)| one.density())
-        .column("min_distance_r", "least distance", 8, |(one, _)| {
+        .column("min_distance_r", "smallest distance", 8, |(one, _)| {
             one.min_distance
         })
         .column("covering_radius_r", "covering radius", 7, |(one, _)| {
@@ -87,7 +87,7 @@ pub fn rates(rows: &[EngineRate], rounds: usize) -> Table {
             row.ratio.quartiles[1]
         })
         .column("density", "N r^2 / area", 4, |row| row.density)
-        .column("min_distance_r", "least distance, r", 8, |row| {
+        .column("min_distance_r", "smallest distance, r", 8, |row| {
             row.min_distance
         })
         .column("covering_radius_r", "covering radius, r", 7, |row| {

@@ -125,7 +125,7 @@ impl State {
     fn take_done(&mut self, done: Done) {
         match done {
             Done::Saved(path) => {
-                self.saved_as(format!("The session is in {path}."), path);
+                self.saved_as(format!("Session saved to {path}."), path);
             }
             Done::Download(file) => {
                 let text = format!("The session is downloaded as {}.", file.name);
