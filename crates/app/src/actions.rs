@@ -247,9 +247,6 @@ fn help(list: &mut List) {
         let keys = (page == HelpPage::Keys).then_some((NONE, Key::Questionmark));
         let command = Command::Window(WindowCommand::Help(page));
         list.add(Menu::Help, page.name(), keys, command, None);
-        if let (HelpPage::Keys, Some(action)) = (page, list.actions.last_mut()) {
-            action.also = Some(KeyboardShortcut::new(NONE, Key::F1));
-        }
     }
 }
 

@@ -20,7 +20,7 @@ use tilescope_workbench::layout::Panel;
 use tilescope_workbench::state::{Form, GpuState};
 
 /// Left edge of the fields, from the panel's left edge.
-const FIELD_START: f32 = 94.0;
+const FIELD_START: f32 = 102.0;
 /// Minimum and maximum width of a field with its frame; the longest choice fits in the minimum.
 const FIELD_WIDTHS: [f32; 2] = [140.0, 160.0];
 /// Room for a unit beside a field.

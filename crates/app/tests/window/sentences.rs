@@ -146,7 +146,7 @@ fn the_window_and_its_export_sheet() {
     window.after([Command::Time(TimeCommand::ShowStage(index))]);
     window.shows(&[
         ("status", "Iteration 1: *"),
-        ("verdict", "Verdict: result verified"),
+        ("verdict", "Verdict: final result verified"),
     ]);
     let event = Command::Time(TimeCommand::Clock(Clock::Event));
     window.after([event]);
@@ -306,7 +306,7 @@ fn two_runs_and_the_debugger() {
         ("compare.next-seed", "the next seed"),
         ("compare.engine", "the other engine"),
         ("compare.go", "Go there in both"),
-        ("compare.keep", "the run after this one"),
+        ("compare.keep", "my next run (keeps this one as B)"),
     ]);
     let refusal = window
         .harness
@@ -357,7 +357,7 @@ fn two_runs_and_the_debugger() {
     window.after([Command::View(Which::First, pick)]);
     window.shows(&[("history", "History: * events")]);
     window.after([Command::Window(WindowCommand::OpenPanel(Panel::Bookmarks))]);
-    window.shows(&[("no-bookmarks", "B remembers the moment.")]);
+    window.shows(&[("no-bookmarks", "Press B to bookmark this moment.")]);
     window.after([Command::Debug(DebugCommand::Bookmark)]);
     let listings = Command::Window(WindowCommand::OpenPanel(Panel::Pseudocode));
     let jump = |at| Command::Time(TimeCommand::Jump(at));
@@ -388,7 +388,7 @@ fn sessions_and_patterns() {
     window.after([Command::File(FileCommand::Sheet(Purpose::Save))]);
     window.shows(&[("file.go", "Save"), ("file.browse", "Browse\u{2026}")]);
     go(&mut window.harness, Purpose::Save, &path);
-    let saved = format!("The session is in {}.", path_text(&path));
+    let saved = format!("Session saved to {}.", path_text(&path));
     window.shows(&[("notice", &saved)]);
     window.typed(&[(Field::Seed, "2")]);
     window.after([Command::Run]);

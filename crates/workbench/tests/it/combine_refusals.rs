@@ -23,7 +23,7 @@ fn a_combination_is_saved_as_its_layout_and_made_again() {
     state.apply(Command::Time(TimeCommand::ShowStage(1)));
     open(&mut state, Purpose::Save, &path);
     assert!(
-        notice_text(&state).starts_with("The session is in"),
+        notice_text(&state).starts_with("Session saved to"),
         "{}",
         notice_text(&state)
     );

@@ -59,7 +59,7 @@ fn pattern_session() -> (tempfile::TempDir, State) {
         notice_text(&state)
     );
     open_path(&mut state, Purpose::Save, &folder.path().join("one.json"));
-    assert!(notice_text(&state).starts_with("The session is in"));
+    assert!(notice_text(&state).starts_with("Session saved to"));
     (folder, state)
 }
 

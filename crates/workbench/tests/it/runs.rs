@@ -229,7 +229,7 @@ fn undoing_a_run_restores_parameters_and_run_together() {
         Command::Form(FormCommand::Choose(Choice::Order(Order::Index))),
     );
     let remark = state.run_remark().unwrap();
-    assert!(remark.contains("radius") && remark.contains("order") && !remark.contains("seed"));
+    assert!(remark.contains("radius") && remark.contains("who wins") && !remark.contains("seed"));
     apply(&mut state, Command::Run);
     assert_eq!(radii(&state), agreed("0.04"));
     let second = state
