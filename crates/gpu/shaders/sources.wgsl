@@ -12,7 +12,8 @@ fn source_of(place: u32, index: u32, at: vec2<i32>) -> vec2<u32> {
     for (var k = starts[index]; k < starts[index + 1u]; k++) {
         if places[k] == (place | FATE_KEPT) {
             let origin = k * frame.origin_words;
-            return vec2<u32>(images[origins[origin]].block, origins[origin + 1u]);
+            let image = min(origins[origin], arrayLength(&images) - 1u);
+            return vec2<u32>(images[image].block, origins[origin + 1u]);
         }
     }
     return vec2<u32>(0xffffffffu, 0u);

@@ -11,7 +11,8 @@ struct Turn {
 }
 
 fn turn_of(p: vec2<i32>, image_index: u32) -> Turn {
-    let image = images[image_index];
+    // Where tiled samples did not fit their list, some have the images of an earlier window.
+    let image = images[min(image_index, arrayLength(&images) - 1u)];
     var rank = 0u;
     if frame.order == ORDER_RANDOM {
         rank = threefry(vec2<u32>(frame.order_key_x, frame.order_key_y), domain_place(p)).x;

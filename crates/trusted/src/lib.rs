@@ -10,7 +10,8 @@
 //! - **Elements.** A pass has one invocation for each element and those of the last workgroup beyond them, which return first.
 //! - **Cells.** A frame has cells of padding around those that are computed, more than any neighbour that a pass looks at.
 //! - **Lists.** A list whose length is found as it is made counts on beyond its capacity but writes below it, and whoever reads it reads
-//!   the smaller of both. The host then makes it longer and repeats the window.
+//!   the smaller of both. The host then makes it longer and repeats the window. The starts of cells in the list of tiled samples end with that
+//!   list, and indices that it holds are compared with the length of what they are indices of.
 //! - **Loops** run over a range known before them, or over the bits of a word that lose one each time.
 //!
 //! `tests/it/device/checked.rs` of the engine compares the results with those of checked shaders, bit for bit. In a browser

@@ -70,7 +70,7 @@ pub(crate) fn finish(plan: &WindowPlan, sources: bool) -> Vec<Command> {
         &SCAN_HEADS,
         &ADD_HEADS,
         plan.cells() + 1,
-        counter::KEPT,
+        (counter::KEPT, u32::MAX),
     ));
     commands.push(run(&GATHER, cells));
     if sources {

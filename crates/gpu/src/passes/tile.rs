@@ -75,7 +75,7 @@ pub(crate) fn tile(plan: &WindowPlan) -> Vec<Command> {
         &SCAN_STARTS,
         &ADD_STARTS,
         plan.cells() + 1,
-        counter::TILED,
+        (counter::TILED, plan.room().tiled),
     ));
     commands.push(run(&TILE, Size::Invocations(plan.cells())));
     commands
@@ -86,11 +86,12 @@ pub(super) fn sum(
     scan: &'static Pass,
     add: &'static Pass,
     length: u64,
-    counter: u32,
+    (counter, limit): (u32, u32),
 ) -> [Command; 3] {
     let job = Job {
         a: length as u32,
         b: counter,
+        c: limit,
         ..Job::default()
     };
     let parts = length.div_ceil(SCAN_PART.into());
