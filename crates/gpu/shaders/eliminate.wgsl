@@ -37,7 +37,7 @@ fn look_before(me: u32, p: vec2<i32>, turn: Turn, at: vec2<i32>) -> Before {
 
 fn run(index: u32) {
     // If the previous round left nothing undecided, there is nothing to do.
-    if index >= atomicLoad(&counters[COUNTER_CONTESTED]) || is_over() {
+    if index >= min(atomicLoad(&counters[COUNTER_CONTESTED]), frame.cells) || is_over() {
         return;
     }
     let cell = list[index];

@@ -47,6 +47,9 @@ fn run(index: u32) {
         }
     }
     if contested {
-        list[atomicAdd(&counters[COUNTER_CONTESTED], 1u)] = index;
+        let place = atomicAdd(&counters[COUNTER_CONTESTED], 1u);
+        if place < frame.cells {
+            list[place] = index;
+        }
     }
 }

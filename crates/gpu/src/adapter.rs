@@ -69,6 +69,8 @@ pub struct Gpu {
     pub(crate) queue: wgpu::Queue,
     report: AdapterReport,
     trouble: Arc<Mutex<Option<Trouble>>>,
+    /// How shaders are compiled that no one interferes with.
+    pub(crate) checks: Checks,
     pub(crate) kernels: Kernels,
 }
 
@@ -211,7 +213,8 @@ impl Gpu {
             queue,
             report,
             trouble,
-            kernels: Kernels::new(checks),
+            checks,
+            kernels: Kernels::default(),
         })
     }
 

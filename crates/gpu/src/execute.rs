@@ -5,6 +5,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use tilescope_core::Stage;
+use tilescope_trusted::Checks;
 
 use crate::adapter::Gpu;
 use crate::constants::{GROUP_COLUMNS, WORKGROUP};
@@ -216,6 +217,8 @@ impl Device {
         self.gpu.check()?;
         for part in commands.chunks(MAX_TIMED as usize / 2) {
             self.write_jobs(part);
+            // Without its job a pass would compute with that of another one.
+            self.gpu.check()?;
             let mut encoder = self
                 .gpu
                 .device
@@ -277,7 +280,12 @@ impl Device {
         place: u64,
         stage: Stage,
     ) {
-        let kernel = self.gpu.kernels.get(&self.gpu.device, pass);
+        // Whoever looks at the stages may also change the buffers between them.
+        let checks = match self.recording {
+            Recording::Stages => Checks::Checked,
+            Recording::Nothing | Recording::Passes => self.gpu.checks,
+        };
+        let kernel = self.gpu.kernels.get(&self.gpu.device, pass, checks);
         let group = self.bind(&kernel.layout, pass, place);
         let times = self.times.as_mut().and_then(Times::next);
         self.report(pass, size, stage);

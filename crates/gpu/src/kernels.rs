@@ -9,11 +9,9 @@ use crate::layout::{Access, Binding};
 use crate::passes::Pass;
 use crate::shader::compose;
 
-/// The pipelines of a device.
-pub(crate) struct Kernels {
-    known: Mutex<HashMap<&'static str, Arc<Kernel>>>,
-    checks: Checks,
-}
+/// The pipelines of a device, by pass and checks.
+#[derive(Default)]
+pub(crate) struct Kernels(Mutex<HashMap<(&'static str, Checks), Arc<Kernel>>>);
 
 /// A pass compiled for a device.
 pub(crate) struct Kernel {
@@ -22,20 +20,17 @@ pub(crate) struct Kernel {
 }
 
 impl Kernels {
-    /// Returns no pipelines yet. Shaders will be compiled with these checks.
-    pub(crate) fn new(checks: Checks) -> Self {
-        Self {
-            known: Mutex::default(),
-            checks,
-        }
-    }
-
     /// Returns the pipeline of a pass, compiling it on first use.
-    pub(crate) fn get(&self, device: &wgpu::Device, pass: &'static Pass) -> Arc<Kernel> {
-        let mut known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
+    pub(crate) fn get(
+        &self,
+        device: &wgpu::Device,
+        pass: &'static Pass,
+        checks: Checks,
+    ) -> Arc<Kernel> {
+        let mut known = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let kernel = known
-            .entry(pass.name)
-            .or_insert_with(|| Arc::new(Kernel::new(device, pass, self.checks)));
+            .entry((pass.name, checks))
+            .or_insert_with(|| Arc::new(Kernel::new(device, pass, checks)));
         Arc::clone(kernel)
     }
 }

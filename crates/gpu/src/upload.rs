@@ -31,6 +31,9 @@ pub(crate) fn upload(
                 return Err(GpuError::FirstStage { stage: first });
             }
             write_tiled(work, engine.run(), &mut counters)?;
+            // The list of contested cells was there, which elimination clears.
+            let heads = vec![0_u32; work.plan.cells() as usize + 1];
+            work.device.write(Name::Heads, bytes(&heads))?;
             write_grid(work, engine.run(), first, &mut counters)?;
         }
         _ => return Err(GpuError::FirstStage { stage: first }),
