@@ -189,7 +189,7 @@ fn main() {
     measure(&mut bench, "end, fitted, with the analysis");
     bench.apply(Command::Window(WindowCommand::OpenPanel(Panel::Parameters)));
     for layer in Layer::ALL {
-        if !bench.app.state.appearance.layers.has(layer) {
+        if !bench.app.state.appearance.layers(None).has(layer) {
             bench.apply(Command::Appearance(AppearanceCommand::ToggleLayer(layer)));
         }
     }

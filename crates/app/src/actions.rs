@@ -320,6 +320,11 @@ fn view(list: &mut List, state: &State) {
         None,
         Command::Window(WindowCommand::ResetLayout),
     );
+    add(
+        "Layers: automatic".to_owned(),
+        Some((NONE, Key::A)),
+        Command::Appearance(AppearanceCommand::AutomaticLayers),
+    );
     for layer in Layer::ALL {
         add(
             format!("Layer: {}", layer.name()),

@@ -16,7 +16,7 @@ use crate::sprites::Sprites;
 use crate::strokes::KeptShapes;
 
 /// Parts drawn when there are too many samples for symbols. Samples, perhaps as points, lie below lines.
-const OF_CROWD: [Part; 10] = [
+const OF_CROWD: [Part; 11] = [
     Part::Tints,
     Part::Band,
     Part::Disks,
@@ -27,13 +27,14 @@ const OF_CROWD: [Part; 10] = [
     Part::Tree,
     Part::TreeNumbers,
     Part::Selection,
+    Part::Inset,
 ];
 
 /// Returns whether a part's shapes can be cached. Text cannot: its glyphs may move in the font texture.
 const fn is_kept(part: Part) -> bool {
     !matches!(
         part,
-        Part::Numbers | Part::TreeNumbers | Part::Step | Part::Selection
+        Part::Numbers | Part::TreeNumbers | Part::Step | Part::Selection | Part::Inset
     )
 }
 

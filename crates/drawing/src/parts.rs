@@ -3,6 +3,7 @@
 
 mod blocks;
 mod geometry;
+mod inset;
 mod pairs;
 mod samples;
 mod seams;
@@ -61,11 +62,13 @@ pub enum Part {
     Step,
     /// The selected sample or place, and the one under the pointer.
     Selection,
+    /// The pattern in a corner, with the window of the current block's clip.
+    Inset,
 }
 
 impl Part {
     /// Every part, from bottom to top.
-    pub const ALL: [Self; 20] = [
+    pub const ALL: [Self; 21] = [
         Self::Tints,
         Self::Band,
         Self::Delaunay,
@@ -75,7 +78,6 @@ impl Part {
         Self::GapBorders,
         Self::Disks,
         Self::Borders,
-        Self::Numbers,
         Self::Seams,
         Self::Tree,
         Self::Clips,
@@ -83,9 +85,11 @@ impl Part {
         Self::Pairs,
         Self::Samples,
         Self::Search,
+        Self::Numbers,
         Self::TreeNumbers,
         Self::Step,
         Self::Selection,
+        Self::Inset,
     ];
 
     /// Returns its name in exported pictures.
@@ -112,6 +116,7 @@ impl Part {
             Self::TreeNumbers => "split numbers",
             Self::Step => "step",
             Self::Selection => "selection",
+            Self::Inset => "inset",
         }
     }
 
@@ -135,6 +140,9 @@ impl Part {
             Self::Pairs => is_tiled && scene.subject.causes.is_some(),
             // At the end of a stage the whole stage is shown, not its last event.
             Self::Step => !scene.shown.ends_stage(),
+            Self::Inset => {
+                scene.stage == Stage::Tile && has(Layer::Pattern) && !scene.shown.ends_stage()
+            }
             Self::Samples | Self::Search | Self::Selection => true,
         }
     }
@@ -176,6 +184,7 @@ impl Part {
             Self::TreeNumbers => tree::numbers(scene, surface),
             Self::Step => step::draw(scene, surface),
             Self::Selection => selection::draw(scene, surface),
+            Self::Inset => inset::draw(scene, surface),
         }
     }
 }

@@ -1,5 +1,7 @@
 //! The layers of the canvas, sets of them, and the meaning of samples' colours.
 
+use tilescope_core::Stage;
+
 use crate::glossary;
 
 /// A layer of the canvas.
@@ -160,6 +162,19 @@ impl Default for Layers {
 }
 
 impl Layers {
+    /// Returns the layers that explain a stage: the default ones, with the tree while blocks are cut and the clips while
+    /// they are placed.
+    #[must_use]
+    pub fn of_stage(stage: Stage) -> Self {
+        let mut layers = Self::default();
+        match stage {
+            Stage::Blocks => layers.toggle(Layer::Tree),
+            Stage::Tile => layers.toggle(Layer::Pattern),
+            _ => {}
+        }
+        layers
+    }
+
     /// Returns whether `layer` is on.
     #[must_use]
     pub const fn has(self, layer: Layer) -> bool {

@@ -218,12 +218,25 @@ fn gap_symbol(painter: &Painter, at: Pos2, palette: &Palette) {
     }
 }
 
-/// Shows a pill with a symbol and a name that is on or off.
-pub fn chip(ui: &mut Ui, (layer, name): (Layer, &str), on: bool, palette: &Palette) -> Response {
+/// The explanation of the chip without a layer.
+const AUTOMATIC: &str = "The layers follow the stage: the KD-tree while blocks are cut, the clips while they are placed. A layer that is \
+     switched by hand ends this; A returns to it.";
+
+/// Shows a pill that is on or off, with a layer's symbol and name; without a layer, the one for layers that follow the
+/// stage.
+pub fn chip(
+    ui: &mut Ui,
+    (layer, name): (Option<Layer>, &str),
+    on: bool,
+    palette: &Palette,
+) -> Response {
     let font = FontId::proportional(12.2);
     let color = if on { palette.text } else { palette.muted };
     let galley = ui.painter().layout_no_wrap(name.to_owned(), font, color);
-    let size = vec2(galley.size().x + 32.0, row_height(ui.ctx(), 26.0));
+    let size = vec2(
+        galley.size().x + if layer.is_some() { 32.0 } else { 20.0 },
+        row_height(ui.ctx(), 26.0),
+    );
     let (rect, response) = ui.allocate_exact_size(size, Sense::click());
     response.widget_info(|| WidgetInfo::selected(Role::CheckBox, true, on, name));
     let (fill, line) = if on {
@@ -248,21 +261,20 @@ pub fn chip(ui: &mut Ui, (layer, name): (Layer, &str), on: bool, palette: &Palet
         Stroke::new(1.0, line),
         StrokeKind::Inside,
     );
-    let mut shaded = painter.clone();
-    if !on {
-        shaded.set_opacity(0.45);
+    let mut text = rect.left_center() + vec2(10.0, -galley.size().y / 2.0);
+    if let Some(layer) = layer {
+        let mut shaded = painter.clone();
+        if !on {
+            shaded.set_opacity(0.45);
+        }
+        let at = rect.left_center() + vec2(14.0, 0.0);
+        symbol(&shaded, layer, at, palette);
+        text.x += 14.0;
     }
-    symbol(
-        &shaded,
-        layer,
-        rect.left_center() + vec2(14.0, 0.0),
-        palette,
-    );
-    let text = rect.left_center() + vec2(24.0, -galley.size().y / 2.0);
     painter.galley(text, galley, color);
     response
         .on_hover_cursor(CursorIcon::PointingHand)
-        .on_hover_text(layer.explanation())
+        .on_hover_text(layer.map_or(AUTOMATIC, Layer::explanation))
 }
 
 /// What an icon button shows.

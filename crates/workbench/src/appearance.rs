@@ -1,5 +1,6 @@
 //! The appearance of moments: layers, colouring, look, and whether the camera may fly.
 
+use tilescope_core::Stage;
 use tilescope_session::layers::{Colouring, Layers};
 use tilescope_session::look::Look;
 
@@ -8,8 +9,8 @@ use crate::command::AppearanceCommand;
 /// The appearance of moments.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Appearance {
-    /// The layers shown.
-    pub layers: Layers,
+    /// The layers that the user chose; `None` for those of the stage.
+    pub chosen_layers: Option<Layers>,
     /// The property of samples that their colour shows.
     pub colouring: Colouring,
     /// Light, dark or for a projector; [`Self::choose_look`] changes it.
@@ -25,7 +26,7 @@ pub struct Appearance {
 impl Default for Appearance {
     fn default() -> Self {
         Self {
-            layers: Layers::default(),
+            chosen_layers: None,
             colouring: Colouring::default(),
             look: Look::Dark,
             look_before: Look::Dark,
@@ -36,9 +37,22 @@ impl Default for Appearance {
 }
 
 impl Appearance {
-    pub(crate) fn apply(&mut self, command: AppearanceCommand) {
+    /// Returns the layers that are shown at a stage.
+    #[must_use]
+    pub fn layers(&self, stage: Option<Stage>) -> Layers {
+        let of_stage = || Layers::of_stage(stage.unwrap_or(Stage::Finish));
+        self.chosen_layers.unwrap_or_else(of_stage)
+    }
+
+    /// Applies a command while `stage` is shown.
+    pub(crate) fn apply(&mut self, command: AppearanceCommand, stage: Option<Stage>) {
         match command {
-            AppearanceCommand::ToggleLayer(layer) => self.layers.toggle(layer),
+            AppearanceCommand::ToggleLayer(layer) => {
+                let mut layers = self.layers(stage);
+                layers.toggle(layer);
+                self.chosen_layers = Some(layers);
+            }
+            AppearanceCommand::AutomaticLayers => self.chosen_layers = None,
             AppearanceCommand::Colour(colouring) => self.colouring = colouring,
             AppearanceCommand::ToggleTheme => self.choose_look(self.look.other()),
             AppearanceCommand::Look(look) => self.choose_look(look),
@@ -55,7 +69,7 @@ impl Appearance {
 
     /// Copies layers, colouring and look from another appearance.
     pub(crate) fn take(&mut self, other: &Self) {
-        (self.layers, self.colouring) = (other.layers, other.colouring);
+        (self.chosen_layers, self.colouring) = (other.chosen_layers, other.colouring);
         self.choose_look(other.look);
     }
 
@@ -96,11 +110,11 @@ mod tests {
             AppearanceCommand::Look(Look::Light),
             AppearanceCommand::ToggleProjector,
         ] {
-            appearance.apply(command);
+            appearance.apply(command, None);
         }
         assert_eq!(appearance.look, Look::Projector);
-        appearance.apply(AppearanceCommand::Look(Look::Projector));
-        appearance.apply(AppearanceCommand::ToggleProjector);
+        appearance.apply(AppearanceCommand::Look(Look::Projector), None);
+        appearance.apply(AppearanceCommand::ToggleProjector, None);
         assert_eq!(appearance.look, Look::Light);
     }
 
@@ -109,7 +123,7 @@ mod tests {
         let mut appearance = Appearance::default();
         appearance.prefer_reduced_motion(true);
         assert!(appearance.reduced_motion && appearance.motion_chosen().is_none());
-        appearance.apply(AppearanceCommand::ToggleReducedMotion);
+        appearance.apply(AppearanceCommand::ToggleReducedMotion, None);
         appearance.prefer_reduced_motion(true);
         assert!(!appearance.reduced_motion);
         assert_eq!(appearance.motion_chosen(), Some(false));

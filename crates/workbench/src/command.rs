@@ -122,8 +122,10 @@ pub enum GpuCommand {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum AppearanceCommand {
-    /// Shows or hides a layer.
+    /// Shows or hides a layer. From then on, layers do not follow the stage.
     ToggleLayer(Layer),
+    /// Shows the layers that explain the stage, at every stage.
+    AutomaticLayers,
     /// Chooses what the colour of samples stands for.
     Colour(Colouring),
     /// Changes between the light and the dark theme.

@@ -51,7 +51,8 @@ pub struct Wanted {
     /// Whether the whole domain is shown instead.
     pub whole: bool,
     /// The visible layers.
-    pub layers: Option<Layers>,
+    /// `None` within for those of the stage.
+    pub layers: Option<Option<Layers>>,
     /// The property of samples that their colour shows.
     pub colouring: Option<Colouring>,
     /// The look.
@@ -335,12 +336,22 @@ fn camera(value: &Value) -> Result<Option<Camera>, RequestError> {
 /// The camera that shows the whole domain, however large the frame is.
 pub const WHOLE: &str = "whole";
 
-fn layers(value: &Value) -> Result<Layers, RequestError> {
+/// The layers that follow the stage.
+pub const AUTOMATIC: &str = "automatic";
+
+fn layers(value: &Value) -> Result<Option<Layers>, RequestError> {
+    if value.as_str() == Some(AUTOMATIC) {
+        return Ok(None);
+    }
     let mut layers = Layers::none();
     let refuse = |value: &Value| {
         let names = Layer::ALL.map(layer_name);
         let names = choices(names.iter().map(String::as_str));
-        wrong("layers", value, format!("a list of some of {names}"))
+        wrong(
+            "layers",
+            value,
+            format!("\"{AUTOMATIC}\", or a list of some of {names}"),
+        )
     };
     for name in value.as_array().ok_or_else(|| refuse(value))? {
         let is_meant = |layer: &Layer| name.as_str() == Some(&*layer_name(*layer));
@@ -350,7 +361,7 @@ fn layers(value: &Value) -> Result<Layers, RequestError> {
             layers.toggle(layer);
         }
     }
-    Ok(layers)
+    Ok(Some(layers))
 }
 
 /// Returns the default session's parameters changed by those given. Unlike a link's, invalid ones are refused, not

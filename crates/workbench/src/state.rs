@@ -195,7 +195,8 @@ impl State {
             }
             Command::DismissNotice => self.messages.notice = None,
             Command::Appearance(command) => {
-                self.appearance.apply(command);
+                let stage = self.current_stage();
+                self.appearance.apply(command, stage);
                 self.end_flights();
             }
             Command::Window(command) => self.window.apply(command),

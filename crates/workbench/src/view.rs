@@ -70,12 +70,11 @@ impl SavedView {
     #[must_use]
     pub fn to_json(&self) -> Value {
         let Appearance {
-            layers,
+            chosen_layers,
             colouring,
             look,
             ..
         } = &self.appearance;
-        let names = Layer::ALL.into_iter().filter(|layer| layers.has(*layer));
         let mut map = Map::new();
         let mut put = |name: &str, value: Value| {
             map.insert(name.to_owned(), value);
@@ -84,7 +83,10 @@ impl SavedView {
             put("camera", json!(SavedCamera { center, scale }));
         }
         put("fitted", json!(self.camera.is_none()));
-        put("layers", json!(names.map(Layer::name).collect::<Vec<_>>()));
+        if let Some(layers) = chosen_layers {
+            let names = Layer::ALL.into_iter().filter(|layer| layers.has(*layer));
+            put("layers", json!(names.map(Layer::name).collect::<Vec<_>>()));
+        }
         put("colouring", json!(colouring));
         put("look", json!(look));
         put("layout", json!(self.layout));
@@ -119,7 +121,7 @@ impl SavedView {
             Some(true) => view.camera = None,
             _ => view.camera = camera.or(view.camera),
         }
-        parts.set(&mut view.appearance.layers, "layers", layers);
+        view.appearance.chosen_layers = parts.take("layers", layers);
         parts.set(&mut view.appearance.colouring, "colouring", Some);
         parts.set(&mut view.appearance.look, "look", Some);
         parts.set(&mut view.layout, "layout", layout);
@@ -250,7 +252,7 @@ mod tests {
             links: [true, false, true],
             ..SavedView::default()
         };
-        view.appearance.layers.toggle(Layer::Disks);
+        view.appearance.chosen_layers = Some(Layers::none());
         view.appearance.colouring = Colouring::Provenance;
         view.appearance.look = Look::Light;
         view.playback.choose(Clock::Line);
@@ -309,7 +311,7 @@ mod tests {
         let (view_of_large, dropped) =
             SavedView::from_json(&json!({ "second": large }), &SavedView::default());
         assert_eq!((view_of_large.second, dropped), (None, vec!["second"]));
-        let layers = view.appearance.layers;
+        let layers = view.appearance.layers(None);
         assert!(layers.has(Layer::Samples) && !layers.has(Layer::Blocks));
     }
 }

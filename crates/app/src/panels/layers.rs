@@ -11,16 +11,23 @@ use tilescope_workbench::command::{AppearanceCommand, Command};
 pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>) {
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing = vec2(5.0, 6.0);
+        let layers = context.appearance;
+        let shown = layers.layers(context.run.current_stage());
+        let automatic = chip(
+            ui,
+            (None, "Automatic"),
+            layers.chosen_layers.is_none(),
+            context.palette,
+        );
+        automatic.known_as("layer.automatic");
+        if automatic.clicked() {
+            commands.push(Command::Appearance(AppearanceCommand::AutomaticLayers));
+        }
         let combination = context.run.shows_combination();
         let offered = |layer: &Layer| layer.is_of(combination);
         for layer in Layer::ALL.into_iter().filter(offered) {
-            let named = (layer, layer.name_in(combination));
-            let chip = chip(
-                ui,
-                named,
-                context.appearance.layers.has(layer),
-                context.palette,
-            );
+            let named = (Some(layer), layer.name_in(combination));
+            let chip = chip(ui, named, shown.has(layer), context.palette);
             chip.known_as(format_args!("layer.{}", Kebab(layer)));
             if chip.clicked() {
                 commands.push(Command::Appearance(AppearanceCommand::ToggleLayer(layer)));

@@ -26,6 +26,7 @@ pub fn show(
     ui.add_space(2.0);
     ui.spacing_mut().item_spacing.y = 1.0;
     let combination = context.run.shows_combination();
+    let shown = context.appearance.layers(context.run.current_stage());
     for (layer, meaning) in [
         (Layer::Samples, "sample"),
         (Layer::Disks, "disk of radius r"),
@@ -48,7 +49,7 @@ pub fn show(
             Layer::Blocks if combination => "rectangle of a piece",
             Layer::Pattern if combination => "rectangle enlarged by r",
             layer if !layer.is_of(combination) => continue,
-            net if Layer::NETS.contains(&net) && !context.appearance.layers.has(net) => continue,
+            net if Layer::NETS.contains(&net) && !shown.has(net) => continue,
             _ => meaning,
         };
         ui.horizontal(|ui| {

@@ -315,14 +315,16 @@ fn tabs_and_layers_fill_no_undo_and_moved_panels_do() {
         &mut harness,
         Command::Appearance(AppearanceCommand::ToggleLayer(Layer::Disks)),
     );
-    let layers = harness.state().state.appearance.layers;
+    let layers = harness.state().state.appearance.chosen_layers;
     node(&harness, "tab.bookmarks").click();
     harness.run();
     assert!(harness.state().state.window.layout.shows(Panel::Bookmarks));
     press(&mut harness, Modifiers::COMMAND, Key::Z);
     assert_eq!(harness.state().state.form.draft.text(Field::Seed), seed);
     let state = &harness.state().state;
-    assert!(state.window.layout.shows(Panel::Bookmarks) && state.appearance.layers == layers);
+    assert!(
+        state.window.layout.shows(Panel::Bookmarks) && state.appearance.chosen_layers == layers
+    );
     press(&mut harness, Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
     assert_eq!(harness.state().state.form.draft.text(Field::Seed), "7");
     apply(&mut harness, Command::Window(WindowCommand::ResetLayout));

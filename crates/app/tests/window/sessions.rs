@@ -51,7 +51,7 @@ fn a_session_is_opened_where_it_was_left() {
     assert!(state.verdict().expect("verified").report.valid());
     assert_eq!(state.runs.first.selected, Some(40));
     assert_eq!(state.appearance.look, Look::Light);
-    assert!(state.appearance.layers.has(Layer::Disks));
+    assert!(state.appearance.layers(None).has(Layer::Disks));
     assert!(state.window.layout.shows(Panel::Events));
     assert_eq!(state.form.draft.parameters, before.parameters);
     assert_eq!(

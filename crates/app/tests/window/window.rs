@@ -138,13 +138,13 @@ fn every_layer_of_a_run_or_a_combination_has_a_chip_that_toggles_it() {
             let id = format!("layer.{}", Kebab(layer));
             let chip = find(&harness, &id);
             assert_eq!(chip.is_some(), layer.is_of(combination), "{layer:?}");
-            let before = harness.state().state.appearance.layers.has(layer);
+            let before = harness.state().state.appearance.layers(None).has(layer);
             if let Some(chip) = chip {
                 assert_eq!(text(&harness, &id), layer.name_in(combination));
                 chip.click();
                 harness.run();
                 assert_ne!(
-                    harness.state().state.appearance.layers.has(layer),
+                    harness.state().state.appearance.layers(None).has(layer),
                     before,
                     "{layer:?}"
                 );

@@ -54,9 +54,12 @@ pub fn numbers(scene: &Scene<'_>, surface: &mut impl Surface) {
     }
 }
 
-/// Draws each block enlarged by r, dashed.
+/// Draws each block enlarged by r, dashed; while blocks are tiled, only the current one.
 pub fn clips(scene: &Scene<'_>, surface: &mut impl Surface) {
-    for (index, rect) in visible(scene) {
+    let is_tiling = scene.stage == Stage::Tile && !scene.shown.ends_stage();
+    let context = scene.shown.context().filter(|_| is_tiling);
+    let is_drawn = |index: u32| context.is_none_or(|context| context.block == Some(index));
+    for (index, rect) in visible(scene).filter(|(index, _)| is_drawn(*index)) {
         // Outside the view there could be millions of dashes.
         let clip = rect
             .expand(scene.scale())

@@ -26,9 +26,9 @@ pub(super) fn groups(
     causes: Option<&BrushedCause>,
     frame: Rect,
 ) -> Vec<Group> {
-    let has = |layer| view.layers.has(layer);
-    let shows_gaps = has(Layer::Gaps) && view.camera.scale >= MIN_DISK_SCALE;
-    let is_wanted = shows_gaps || view.layers.has_net();
+    let layers = view.layers(shown.stage);
+    let shows_gaps = layers.has(Layer::Gaps) && view.camera.scale >= MIN_DISK_SCALE;
+    let is_wanted = shows_gaps || layers.has_net();
     let geometry = if is_wanted && shown.stage >= Stage::Tile {
         Geometry::computed(&shown)
     } else {
@@ -78,7 +78,7 @@ fn subject<'a>(
     Subject {
         shown,
         camera: view.camera,
-        layers: view.layers,
+        layers: view.layers(shown.stage),
         colouring: view.colouring,
         hovered: None,
         selected: match view.selection {

@@ -36,8 +36,8 @@ pub struct PictureView {
     pub camera: Camera,
     /// Width and height of the canvas, in points of the window.
     pub size: [f64; 2],
-    /// The layers shown.
-    pub layers: Layers,
+    /// The layers that the user chose; `None` for those of the stage.
+    pub chosen_layers: Option<Layers>,
     /// The property of samples that their colour shows.
     pub colouring: Colouring,
     /// The selection.
@@ -49,6 +49,13 @@ pub struct PictureView {
 }
 
 impl PictureView {
+    /// Returns the layers that are shown at a stage.
+    #[must_use]
+    pub fn layers(&self, stage: Stage) -> Layers {
+        self.chosen_layers
+            .unwrap_or_else(|| Layers::of_stage(stage))
+    }
+
     /// Returns the size in pixels of a picture with `scale` pixels for a point, including margins and caption.
     #[must_use]
     pub fn pixels(&self, scale: f64) -> [usize; 2] {
@@ -135,14 +142,15 @@ pub fn scene(
 /// Returns the description of a view for files.
 #[must_use]
 pub fn described(view: &PictureView) -> String {
-    let on = Layer::ALL
-        .into_iter()
-        .filter(|&layer| view.layers.has(layer));
+    let layers = view.chosen_layers.map(|layers| {
+        let on = Layer::ALL.into_iter().filter(|&layer| layers.has(layer));
+        json!(on.map(Layer::name).collect::<Vec<_>>())
+    });
     json!({
         "center_radii": view.camera.center,
         "points_per_radius": view.camera.scale,
         "size_points": view.size,
-        "layers": on.map(Layer::name).collect::<Vec<_>>(),
+        "layers": layers.unwrap_or_else(|| json!("those of the stage")),
         "colouring": view.colouring,
         "selection": view.selection,
         "palette": if view.is_dark() { "dark" } else { "light" },

@@ -185,7 +185,7 @@ impl LinkReader {
             sound_camera(DVec2::new(x, y), scale)
         });
         if let Some(layers) = self.take("layers", |text| Some(text.to_owned())) {
-            content.view.appearance.layers = self.layers(&layers);
+            content.view.appearance.chosen_layers = self.layers(&layers);
         }
         if let Some(colouring) = self.take("colouring", |text| named(&COLOURINGS, text)) {
             content.view.appearance.colouring = colouring;
@@ -209,9 +209,9 @@ impl LinkReader {
         }
     }
 
-    /// Returns the layers of a list. If none of those named exists, the default layers: closer to the intention than an
-    /// empty canvas.
-    fn layers(&mut self, names: &str) -> Layers {
+    /// Returns the layers of a list. If none of those named exists, `None` for the layers of the stage: closer to the
+    /// intention than an empty canvas.
+    fn layers(&mut self, names: &str) -> Option<Layers> {
         let (mut layers, mut are_unknown) = (Layers::none(), false);
         for name in names.split(',').filter(|name| !name.is_empty()) {
             let layer = Layer::ALL.into_iter().find(|&l| layer_name(l) == name);
@@ -227,9 +227,9 @@ impl LinkReader {
             }
         }
         if are_unknown && layers == Layers::none() {
-            return Layers::default();
+            return None;
         }
-        layers
+        Some(layers)
     }
 
     fn selection(&mut self, content: &mut LinkContent) {

@@ -113,8 +113,8 @@ impl Writer {
             let numbers = [center[0], center[1], scale].map(rounded);
             self.put("camera", numbers.join(","));
         }
-        if content.view.appearance.layers != first.view.appearance.layers {
-            self.put("layers", names(content.view.appearance.layers));
+        if let Some(layers) = content.view.appearance.chosen_layers {
+            self.put("layers", names(layers));
         }
         if content.view.appearance.colouring != first.view.appearance.colouring {
             self.put("colouring", name(&content.view.appearance.colouring));

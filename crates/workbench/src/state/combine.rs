@@ -44,8 +44,10 @@ impl State {
     /// Shows a new combination, with the layer of seams on.
     pub(super) fn show_combination(&mut self, which: Which, session: Session) {
         self.show_in(which, session);
-        if !self.appearance.layers.has(Layer::Seams) {
-            self.appearance.layers.toggle(Layer::Seams);
+        if let Some(layers) = &mut self.appearance.chosen_layers
+            && !layers.has(Layer::Seams)
+        {
+            layers.toggle(Layer::Seams);
         }
     }
 

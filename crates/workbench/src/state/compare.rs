@@ -236,7 +236,7 @@ impl State {
     /// Advances the second run by `dt_secs`; returns whether something moves.
     pub(super) fn advance_second(&mut self, dt_secs: f32) -> bool {
         self.poll_run(Which::Second);
-        let with_geometry = self.appearance.layers.wants_geometry();
+        let with_geometry = self.wants_geometry();
         let flies = self.on(Which::Second, |run, context| {
             run.fly_on(dt_secs);
             if with_geometry {

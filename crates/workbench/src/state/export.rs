@@ -300,7 +300,7 @@ impl ExportSource<'_> {
         Ok(PictureView {
             camera,
             size: [size.x, size.y].map(f64::from),
-            layers: self.appearance.layers,
+            chosen_layers: self.appearance.chosen_layers,
             colouring: self.appearance.colouring,
             selection: match kind {
                 ExportKind::Animation => Selection::Nothing,

@@ -151,7 +151,7 @@ impl State {
             let camera = self.runs.first.camera;
             self.runs.first.take_camera(wanted.camera, camera);
         }
-        self.appearance.layers = wanted.layers.unwrap_or(self.appearance.layers);
+        self.appearance.chosen_layers = wanted.layers.unwrap_or(self.appearance.chosen_layers);
         self.appearance.colouring = wanted.colouring.unwrap_or(self.appearance.colouring);
         self.appearance
             .choose_look(wanted.look.unwrap_or(self.appearance.look));
@@ -163,12 +163,13 @@ impl State {
     fn view_json(&self) -> Value {
         let camera = self.view().camera;
         let numbers = |camera: Camera| json!([camera.center[0], camera.center[1], camera.scale]);
-        let on = Layer::ALL
-            .into_iter()
-            .filter(|&l| self.appearance.layers.has(l));
+        let layers = self.appearance.chosen_layers.map(|layers| {
+            let on = Layer::ALL.into_iter().filter(|&layer| layers.has(layer));
+            json!(on.map(layer_name).collect::<Vec<_>>())
+        });
         json!({
             "camera": camera.map_or_else(|| json!(remote::WHOLE), numbers),
-            "layers": on.map(layer_name).collect::<Vec<_>>(),
+            "layers": layers.unwrap_or_else(|| json!(remote::AUTOMATIC)),
             "colouring": choice_name(&self.appearance.colouring),
             "look": choice_name(&self.appearance.look),
         })

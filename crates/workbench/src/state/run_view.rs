@@ -177,7 +177,7 @@ impl RunView {
         Some(Subject {
             shown: self.shown()?,
             camera: self.camera,
-            layers: appearance.layers,
+            layers: appearance.layers(self.current_stage()),
             colouring: appearance.colouring,
             hovered: self.hovered,
             selected: self.selected,

@@ -203,14 +203,14 @@ fn samples_that_are_not_there_yet_are_not_pointed_at() {
 fn layers_and_theme_toggle() {
     let mut state = settled();
     let before = (
-        state.appearance.layers.has(Layer::Gaps),
+        state.appearance.layers(None).has(Layer::Gaps),
         state.appearance.look,
     );
     state.apply(Command::Appearance(AppearanceCommand::ToggleLayer(
         Layer::Gaps,
     )));
     state.apply(Command::Appearance(AppearanceCommand::ToggleTheme));
-    assert_ne!(state.appearance.layers.has(Layer::Gaps), before.0);
+    assert_ne!(state.appearance.layers(None).has(Layer::Gaps), before.0);
     assert_ne!(state.appearance.look, before.1);
 }
 

@@ -202,9 +202,11 @@ impl State {
         }
         if part == UndoPart::Everything {
             let Appearance {
-                layers, colouring, ..
+                chosen_layers,
+                colouring,
+                ..
             } = memento.appearance;
-            (self.appearance.layers, self.appearance.colouring) = (layers, colouring);
+            (self.appearance.chosen_layers, self.appearance.colouring) = (chosen_layers, colouring);
         }
         if matches!(part, UndoPart::Run | UndoPart::Everything) {
             self.make_again(memento.made);

@@ -46,7 +46,7 @@ impl State {
         self.on(Which::First, |run, _| run.fly_on(dt_secs));
         let runs = self.in_time(|time, run, context| time.advance(dt_secs, run, context));
         let shows_events = self.window.shows(Panel::Events);
-        let with_geometry = self.appearance.layers.wants_geometry();
+        let with_geometry = self.wants_geometry();
         self.on(Which::First, |run, context| {
             if shows_events {
                 run.reveal();
@@ -153,6 +153,12 @@ impl State {
         self.in_exports(|exports, _, _, context| exports.settle(context));
     }
 
+    /// Returns whether a layer is on that needs the triangulation of the moment.
+    pub(super) fn wants_geometry(&self) -> bool {
+        let stage = self.current_stage();
+        self.appearance.layers(stage).wants_geometry()
+    }
+
     /// Waits for the work on a run.
     #[cfg(not(target_arch = "wasm32"))]
     pub(super) fn settle_run(&mut self, which: Which) {
@@ -160,7 +166,7 @@ impl State {
             let outcome = job.wait();
             self.finish_sampling(which, outcome);
         }
-        let with_geometry = self.appearance.layers.wants_geometry();
+        let with_geometry = self.wants_geometry();
         self.on(which, |run, context| run.settle(with_geometry, context));
     }
 }

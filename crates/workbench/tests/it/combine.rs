@@ -146,7 +146,7 @@ fn pictures_show_the_seams_while_their_layer_is_on() {
     // Making a combination shows the seams.
     state.apply(Command::Combine(CombineCommand::Nine));
     state.settle();
-    assert!(state.appearance.layers.has(Layer::Seams));
+    assert!(state.appearance.layers(None).has(Layer::Seams));
 }
 
 #[test]

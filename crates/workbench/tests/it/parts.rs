@@ -315,7 +315,7 @@ fn hidden_layers_are_not_drawn() {
         (Layer::Detectors, Part::Search),
     ] {
         let [off, on] = [false, true].map(|on| {
-            if state.appearance.layers.has(layer) != on {
+            if state.appearance.layers(None).has(layer) != on {
                 let toggle = AppearanceCommand::ToggleLayer(layer);
                 state.apply(Command::Appearance(toggle));
             }

@@ -248,7 +248,7 @@ fn undoing_a_run_restores_parameters_and_run_together() {
     ] {
         apply(&mut state, command);
     }
-    let looked_at = (state.window.layout.clone(), state.appearance.layers);
+    let looked_at = (state.window.layout.clone(), state.appearance.chosen_layers);
     apply(&mut state, Command::Undo);
     assert_eq!(radii(&state), agreed("0.02"));
     assert_eq!(state.runs.first.session.as_ref().unwrap().digest(), first);
@@ -257,7 +257,7 @@ fn undoing_a_run_restores_parameters_and_run_together() {
     assert_eq!(radii(&state), agreed("0.04"));
     assert_eq!(state.runs.first.session.as_ref().unwrap().digest(), second);
     assert_eq!(
-        (state.window.layout.clone(), state.appearance.layers),
+        (state.window.layout.clone(), state.appearance.chosen_layers),
         looked_at
     );
 }

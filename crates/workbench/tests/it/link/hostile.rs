@@ -291,10 +291,10 @@ const VALUES: [&str; 40] = [
 
 #[test]
 fn a_link_with_only_unknown_layers_shows_the_default_ones() {
-    let layers = |text: &str| read(text).0.view.appearance.layers;
+    let layers = |text: &str| read(text).0.view.appearance.layers(None);
     assert_eq!(
         layers("v=1&layers=fireworks,tinsel"),
-        LinkContent::default().view.appearance.layers
+        LinkContent::default().view.appearance.layers(None)
     );
     assert!(!layers("v=1&layers=").has(Layer::Samples));
     let known = layers("v=1&layers=fireworks,disks");

@@ -1,0 +1,184 @@
+//! The inset of the tiling stage: the pattern in a corner of the picture, with the window from which the current
+//! block's samples come.
+
+use emath::{Align2, Pos2, Rect, pos2, vec2};
+use tilescope_core::stages::tile::Tile;
+use tilescope_core::{Origin, R, Rect as LatticeRect, Standing};
+use tilescope_session::units::size;
+
+use crate::scene::Scene;
+use crate::surface::{Mark, Stroke, Surface};
+
+/// The side of the inset as a share of the picture's shorter side, and its limits in screen points.
+const SHARE: f32 = 0.3;
+const SIDES: [f32; 2] = [110.0, 300.0];
+/// The distance to the picture's corner, in screen points.
+const MARGIN: f32 = 14.0;
+/// In a lower or narrower picture the inset would cover too much.
+const MIN_PICTURE: f32 = 260.0;
+/// Of a pattern with more samples only those of the window are drawn.
+const MAX_DRAWN: usize = 30_000;
+
+/// Draws the inset while a block is being tiled.
+pub fn draw(scene: &Scene<'_>, surface: &mut impl Surface) {
+    let run = scene.session.run();
+    let block = scene.shown.context().and_then(|context| context.block);
+    let tile = block.and_then(|block| run.tiles.get(block as usize));
+    let (Some(block), Some(tile)) = (block, tile) else {
+        return;
+    };
+    let room = scene.rect.size().min_elem();
+    if room < MIN_PICTURE {
+        return;
+    }
+    let radii = size(run.pattern.domain()).as_vec2();
+    let side = (SHARE * room).clamp(SIDES[0], SIDES[1]);
+    let scale = side / radii.max_element();
+    let extent = vec2(radii.x, radii.y) * scale;
+    let rect = scene.lattice_rect(&run.blocks.leaves[block as usize].rect);
+    // In the corner away from the block.
+    let is_left = rect.center().x > scene.rect.center().x;
+    let left = if is_left {
+        scene.rect.left() + MARGIN
+    } else {
+        scene.rect.right() - MARGIN - extent.x
+    };
+    let inset = Rect::from_min_size(pos2(left, scene.rect.top() + MARGIN), extent);
+    let palette = scene.palette;
+    surface.rect(
+        inset.expand(6.0),
+        Some(palette.panel),
+        Some(Stroke::new(1.0, palette.line)),
+    );
+    surface.rect(
+        inset,
+        Some(palette.domain),
+        Some(Stroke::new(1.0, palette.border)),
+    );
+
+    let at = |x: i32, y: i32| {
+        let units = vec2(x as f32, -y as f32) / R as f32;
+        inset.left_bottom() + units * scale
+    };
+    let positions = run.pattern.samples();
+    let dot = (0.2 * scale).clamp(0.7, 3.0);
+    if positions.len() <= MAX_DRAWN {
+        let color = palette.sample.gamma_multiply(0.4);
+        for point in positions {
+            surface.mark(Mark::Dot, at(point.x, point.y), [dot, 0.0], color);
+        }
+    }
+    let color = palette.block(block);
+    let mut last: Option<(u32, Pos2)> = None;
+    for id in tile.samples.clone() {
+        let Origin::Tiled { pattern, .. } = run.samples.origins[id as usize] else {
+            continue;
+        };
+        let there = scene.shown.standing(id) != Standing::Absent;
+        let Some(point) = positions.get(pattern as usize).filter(|_| there) else {
+            continue;
+        };
+        let from = at(point.x, point.y);
+        surface.mark(Mark::Dot, from, [dot + 0.7, 0.0], color);
+        last = Some((id, from));
+    }
+    let extent = run.pattern.domain().rect().max;
+    for piece in window(
+        tile,
+        &run.blocks.leaves[block as usize].rect,
+        [extent.x, extent.y],
+    ) {
+        let [low, high] = piece.map(|[x, y]| at(x, y));
+        surface.rect(
+            Rect::from_two_pos(low, high),
+            None,
+            Some(Stroke::new(1.8, color)),
+        );
+    }
+    if let Some((id, from)) = last {
+        let to = scene.at(scene.session.position(id));
+        let stroke = Stroke::new(1.2, color.gamma_multiply(0.8));
+        surface.dashes([from, to], stroke);
+    }
+    let (below, anchor) = if is_left {
+        (inset.left_bottom() + vec2(-6.0, 10.0), Align2::LEFT_TOP)
+    } else {
+        (inset.right_bottom() + vec2(6.0, 10.0), Align2::RIGHT_TOP)
+    };
+    let text = format!("clip of block {block} in the pattern");
+    scene.tag(surface, below, anchor, text);
+}
+
+/// Returns the part of the pattern that a tile was clipped from, in lattice units: rectangles, each by its lowest and
+/// highest corner, more than one where the clip reaches across the border of a periodic pattern.
+fn window(tile: &Tile, block: &LatticeRect, extent: [i32; 2]) -> Vec<[[i32; 2]; 2]> {
+    let symmetry = tile.symmetry.0;
+    // The clip was placed in the pattern as turned and mirrored.
+    let is_swapped = symmetry & 4 != 0;
+    let turned = if is_swapped {
+        [extent[1], extent[0]]
+    } else {
+        extent
+    };
+    let ranges = |start: i32, length: i32, period: i32| {
+        let end = start + length;
+        let mut ranges = vec![[start, end.min(period)]];
+        if end > period {
+            ranges.push([0, (end - period).min(period)]);
+        }
+        ranges
+    };
+    let columns = ranges(tile.start.x, block.width() + 2 * R, turned[0]);
+    let rows = ranges(tile.start.y, block.height() + 2 * R, turned[1]);
+    let back = |[x, y]: [i32; 2]| {
+        let [x, y] = if is_swapped { [y, x] } else { [x, y] };
+        let mirrored =
+            |at: i32, bit: u8, extent: i32| if symmetry & bit == 0 { at } else { extent - at };
+        [mirrored(x, 1, extent[0]), mirrored(y, 2, extent[1])]
+    };
+    let pieces = columns
+        .iter()
+        .flat_map(|x| rows.iter().map(move |y| [[x[0], y[0]], [x[1], y[1]]]));
+    pieces.map(|corners| corners.map(back)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use tilescope_core::{Parameters, Point, Unobserved, sample};
+
+    /// Every sample of a tile lies in its window, and the window has its area.
+    #[test]
+    fn the_window_holds_the_samples_of_its_tile() {
+        for dihedral in [false, true] {
+            let parameters = Parameters {
+                dihedral,
+                radius: 0.02,
+                ..Parameters::default()
+            };
+            let run = sample(&parameters, &mut Unobserved).expect("a run");
+            let extent = run.pattern.domain().rect().max;
+            for (tile, block) in run.tiles.iter().zip(&run.blocks.leaves) {
+                let pieces = window(tile, &block.rect, [extent.x, extent.y]);
+                let area = |[a, b]: &[[i32; 2]; 2]| {
+                    i64::from((a[0] - b[0]).abs()) * i64::from((a[1] - b[1]).abs())
+                };
+                let whole =
+                    i64::from(block.rect.width() + 2 * R) * i64::from(block.rect.height() + 2 * R);
+                assert_eq!(pieces.iter().map(area).sum::<i64>(), whole);
+                let holds = |[a, b]: &[[i32; 2]; 2], p: Point| {
+                    let within =
+                        |at: i32, k: usize| (a[k].min(b[k])..=a[k].max(b[k])).contains(&at);
+                    within(p.x, 0) && within(p.y, 1)
+                };
+                for id in tile.samples.clone() {
+                    let Origin::Tiled { pattern, .. } = run.samples.origins[id as usize] else {
+                        panic!("sample {id} is of no tile");
+                    };
+                    let point = run.pattern.samples()[pattern as usize];
+                    assert!(pieces.iter().any(|piece| holds(piece, point)), "{id}");
+                }
+            }
+        }
+    }
+}
