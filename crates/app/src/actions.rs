@@ -291,6 +291,15 @@ fn view(list: &mut List, state: &State) {
         Some((NONE, Key::Period)),
         Command::View(Which::First, ViewCommand::GoToCurrent),
     );
+    add(
+        if state.appearance.follows_events {
+            "Do not follow the events".to_owned()
+        } else {
+            "Follow the events with the camera".to_owned()
+        },
+        Some((SHIFT, Key::F)),
+        Command::Appearance(AppearanceCommand::ToggleFollow),
+    );
     for look in [Look::Dark, Look::Light] {
         add(
             look.name().to_owned(),
@@ -322,7 +331,7 @@ fn view(list: &mut List, state: &State) {
     );
     add(
         "Layers: automatic".to_owned(),
-        Some((NONE, Key::A)),
+        Some((NONE, Key::T)),
         Command::Appearance(AppearanceCommand::AutomaticLayers),
     );
     for layer in Layer::ALL {

@@ -37,7 +37,7 @@ use egui::{
 
 use crate::panels::analysis::AnalysisContext;
 use crate::panels::common::scrolled;
-use crate::panels::context::{PanelContext, TimeContext};
+use crate::panels::context::TimeContext;
 use crate::panes::Canvas;
 use crate::panes::CanvasContext;
 pub use embedded::show as show_embedded;
@@ -76,13 +76,12 @@ pub fn show_projector(
     let palette = Palette::of(state.appearance.look);
     let frame = Frame::new().fill(palette.panel);
     let width = ui.available_width() - 2.0 * 14.0;
-    let height = timeline::height(ui.ctx(), &TimeContext::of(state), width) + pseudocode::NEXT_LINE;
+    let height = timeline::height(ui.ctx(), &TimeContext::of(state), width);
     egui::Panel::bottom("projector")
         .exact_size(height + 2.0 * 8.0)
         .frame(frame.inner_margin(Margin::symmetric(14, 8)))
         .show(ui, |ui| {
             ui.spacing_mut().item_spacing.y = 0.0;
-            pseudocode::next_line(ui, &PanelContext::of(state));
             timeline::show(ui, &TimeContext::of(state), commands);
         });
     if state.analyses() {

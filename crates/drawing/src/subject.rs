@@ -37,6 +37,8 @@ pub struct Subject<'a> {
     pub contrast: Option<Contrast<'a>>,
     /// The causes of the brush.
     pub causes: Option<&'a BrushedCause>,
+    /// How far the last event is drawn in, from 0 to 1: after a step in time it takes a moment.
+    pub drawn_in: f32,
 }
 
 /// The samples that only one of two compared runs has, seen from one of them.

@@ -89,11 +89,11 @@ pub fn stage_sentence(session: &Session, stage: Stage) -> String {
         }
         Stage::Iterate(k) => iteration_sentence(session, k),
         Stage::Regions | Stage::Finish => format!(
-            "Finish: {} in canonical order: {} tiled, {} eliminated, {} inserted.",
-            samples(summary.count),
+            "Finish: {} tiled \u{2212} {} eliminated + {} inserted = {}, in canonical order.",
             grouped(summary.tiled),
             grouped(summary.eliminated),
             grouped(summary.inserted.iter().sum()),
+            samples(summary.count),
         ),
     }
 }

@@ -220,7 +220,7 @@ fn gap_symbol(painter: &Painter, at: Pos2, palette: &Palette) {
 
 /// The explanation of the chip without a layer.
 const AUTOMATIC: &str = "The layers follow the stage: the KD-tree while blocks are cut, the clips while they are placed. A layer that is \
-     switched by hand ends this; A returns to it.";
+     switched by hand ends this; T returns to it.";
 
 /// Shows a pill that is on or off, with a layer's symbol and name; without a layer, the one for layers that follow the
 /// stage.

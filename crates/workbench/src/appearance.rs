@@ -17,6 +17,8 @@ pub struct Appearance {
     pub look: Look,
     /// The look to return to from projector mode.
     pub(crate) look_before: Look,
+    /// Whether the camera follows the current event.
+    pub follows_events: bool,
     /// Whether the camera jumps instead of flying.
     pub reduced_motion: bool,
     /// The user's choice of that, if any; otherwise the system's preference counts.
@@ -30,6 +32,7 @@ impl Default for Appearance {
             colouring: Colouring::default(),
             look: Look::Dark,
             look_before: Look::Dark,
+            follows_events: false,
             reduced_motion: false,
             motion_chosen: None,
         }
@@ -60,6 +63,7 @@ impl Appearance {
                 Look::Projector => self.look_before,
                 _ => Look::Projector,
             }),
+            AppearanceCommand::ToggleFollow => self.follows_events = !self.follows_events,
             AppearanceCommand::ToggleReducedMotion => {
                 self.reduced_motion = !self.reduced_motion;
                 self.motion_chosen = Some(self.reduced_motion);

@@ -1,5 +1,5 @@
-//! Playback: the clock, which is the unit of a step of play and of the arrow keys, and the speed. It counts
-//! ticks; `crate::state` moves the run.
+//! Playback: the clock, which is the unit of a step of play and of the arrow keys, and the speed: ticks of the clock,
+//! or the whole run in a given time. It counts; `crate::state` moves the run.
 
 use std::ops::Range;
 
@@ -48,6 +48,8 @@ impl Clock {
 
 /// Speeds to choose from.
 pub const SPEEDS: [f32; 7] = [0.25, 0.5, 1.0, 2.0, 8.0, 64.0, 512.0];
+/// Durations of a whole run to choose from, in seconds.
+pub const WHOLE_RUNS_SECS: [f32; 3] = [10.0, 30.0, 60.0];
 /// The most ticks in one frame, so that a frame stays short.
 const MAX_TICKS: u32 = 2_000;
 
@@ -58,6 +60,8 @@ pub struct Playback {
     pub clock: Clock,
     /// The factor of the speed.
     pub speed: f32,
+    /// The duration of the whole run, in seconds; if given, play goes at this pace instead of by ticks.
+    pub whole_run_secs: Option<f32>,
     /// The range of cursors that play loops over.
     pub range: Option<Range<usize>>,
     /// The clock to return to when there are no passes.
@@ -71,6 +75,7 @@ impl Default for Playback {
         Self {
             clock: Clock::default(),
             speed: 1.0,
+            whole_run_secs: Some(WHOLE_RUNS_SECS[1]),
             range: None,
             without_passes: Clock::default(),
             left_secs: None,
@@ -111,7 +116,28 @@ impl Playback {
     }
 
     fn tick_secs(&self) -> f32 {
-        self.clock.tick_secs() / self.speed
+        match self.pace_secs() {
+            // A run without events has about so many stages.
+            Some(secs) => secs / 8.0,
+            None => self.clock.tick_secs() / self.speed,
+        }
+    }
+
+    /// Plays by ticks at this speed.
+    pub const fn choose_speed(&mut self, speed: f32) {
+        (self.speed, self.whole_run_secs) = (speed, None);
+    }
+
+    /// Returns the duration of the whole run, if play goes by that: the passes of the GPU are played by ticks.
+    #[must_use]
+    pub fn pace_secs(&self) -> Option<f32> {
+        self.whole_run_secs.filter(|_| self.clock != Clock::Pass)
+    }
+
+    /// Returns whether steps follow each other so quickly that a transition between them could not be seen.
+    #[must_use]
+    pub fn is_fast(&self, transition_secs: f32) -> bool {
+        self.is_playing() && (self.pace_secs().is_some() || self.tick_secs() < transition_secs)
     }
 
     /// Advances by `dt_secs`; returns how many ticks are due.
@@ -130,9 +156,82 @@ impl Playback {
     }
 }
 
+/// The course of a whole run: the share of the time that each stage takes, as much longer as its number of events has
+/// more digits, so that no stage is over before it is seen.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Course {
+    /// The cursor at the end of each stage, and the share of the time until then.
+    ends: Vec<(usize, f64)>,
+}
+
+impl Course {
+    /// Returns the course of a run whose stages end at these cursors, in order.
+    #[must_use]
+    pub fn of(stage_ends: impl Iterator<Item = usize>) -> Self {
+        let (mut from, mut sum) = (0, 0.0);
+        let mut ends: Vec<(usize, f64)> = Vec::new();
+        for end in stage_ends {
+            sum += ((end.saturating_sub(from) + 2) as f64).ln();
+            ends.push((end, sum));
+            from = end;
+        }
+        for (_, share) in &mut ends {
+            *share /= sum;
+        }
+        Self { ends }
+    }
+
+    /// Returns the share of the time that has passed at a cursor, from 0 to 1.
+    #[must_use]
+    pub fn share(&self, cursor: usize) -> f64 {
+        let index = self.ends.partition_point(|&(end, _)| end < cursor);
+        let (from, before) = self.before(index);
+        let Some(&(end, after)) = self.ends.get(index) else {
+            return 1.0;
+        };
+        let part = (cursor - from) as f64 / (end - from).max(1) as f64;
+        before + part * (after - before)
+    }
+
+    /// Returns the cursor at a share of the time.
+    #[must_use]
+    pub fn cursor(&self, share: f64) -> usize {
+        let index = self.ends.partition_point(|&(_, after)| after <= share);
+        let (from, before) = self.before(index);
+        let Some(&(end, after)) = self.ends.get(index) else {
+            return self.ends.last().map_or(0, |&(end, _)| end);
+        };
+        let part = ((share - before) / (after - before)).clamp(0.0, 1.0);
+        from + (part * (end - from) as f64) as usize
+    }
+
+    fn before(&self, index: usize) -> (usize, f64) {
+        index
+            .checked_sub(1)
+            .map_or((0, 0.0), |last| self.ends[last])
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_course_gives_every_stage_its_time() {
+        let course = Course::of([0, 18, 11_078, 28_000, 45_961, 45_961].into_iter());
+        assert_eq!((course.cursor(0.0), course.cursor(1.0)), (0, 45_961));
+        let mut last = 0;
+        for percent in 0..=1_000 {
+            let share = f64::from(percent) / 1_000.0;
+            let cursor = course.cursor(share);
+            assert!(cursor >= last);
+            last = cursor;
+            // Within stages that have events, the share leads back to the cursor.
+            assert!(course.share(cursor) <= share + 1e-9, "{share}");
+        }
+        // The blocks' eighteen events are not over in a moment.
+        assert!(course.share(18) - course.share(0) > 0.05);
+    }
 
     #[test]
     fn ticks_come_as_often_as_the_speed_says() {
@@ -140,6 +239,7 @@ mod tests {
             let mut playback = Playback {
                 clock: Clock::Event,
                 speed,
+                whole_run_secs: None,
                 ..Playback::default()
             };
             assert_eq!(playback.advance(9.0), 0);

@@ -41,8 +41,10 @@ pub enum TimeCommand {
     TogglePlay,
     /// Chooses the unit of a tick.
     Clock(Clock),
-    /// Chooses the speed of playing.
+    /// Plays by ticks of the clock, at this speed.
     Speed(f32),
+    /// Plays the whole run in so many seconds.
+    WholeRun(f32),
     /// Goes to the moment after this many events.
     Jump(usize),
     /// Steps into, over or out.
@@ -134,6 +136,8 @@ pub enum AppearanceCommand {
     Look(Look),
     /// Enters the projector mode, or returns to the look before it.
     ToggleProjector,
+    /// Makes the camera follow the current event, or no longer.
+    ToggleFollow,
     /// Switches between flying and jumping of the camera.
     ToggleReducedMotion,
 }

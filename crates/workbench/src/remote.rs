@@ -16,7 +16,7 @@ use crate::clock::{Clock, SPEEDS};
 use crate::link::{
     COLOURINGS, MAX_PATTERN_SIDE, MAX_SAMPLES, choice_name, choice_named, layer_name, quoted,
 };
-use crate::view::{MAX_OFFSET, sound_camera};
+use crate::view::{AUTOMATIC, MAX_OFFSET, sound_camera};
 use tilescope_drawing::camera::{Camera, MAX_SCALE, MIN_SCALE};
 
 /// The longest request, in bytes.
@@ -335,9 +335,6 @@ fn camera(value: &Value) -> Result<Option<Camera>, RequestError> {
 
 /// The camera that shows the whole domain, however large the frame is.
 pub const WHOLE: &str = "whole";
-
-/// The layers that follow the stage.
-pub const AUTOMATIC: &str = "automatic";
 
 fn layers(value: &Value) -> Result<Option<Layers>, RequestError> {
     if value.as_str() == Some(AUTOMATIC) {

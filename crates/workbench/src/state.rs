@@ -6,7 +6,7 @@ use tilescope_core::Stage;
 
 use crate::analysis::Analysis;
 pub use crate::appearance::Appearance;
-use crate::command::{Command, LinkCommand, ViewCommand, Which};
+use crate::command::{AppearanceCommand, Command, LinkCommand, ViewCommand, Which};
 use crate::export::ExportCommand;
 use crate::layout::Panel;
 use effects::{Context, Effect};
@@ -163,6 +163,17 @@ impl State {
 
     /// Applies a command. This is the only way in which the user changes the state.
     pub fn apply(&mut self, command: Command) {
+        let cursor = self.cursor();
+        let follows = matches!(
+            command,
+            Command::Time(_)
+                | Command::Debug(_)
+                | Command::Appearance(AppearanceCommand::ToggleFollow)
+        );
+        let cursor = match command {
+            Command::Appearance(_) => None,
+            _ => cursor,
+        };
         match command {
             Command::Undo => self.undo(),
             Command::Redo => self.redo(),
@@ -176,8 +187,18 @@ impl State {
                 None => self.dispatch(command),
             },
         }
+        if follows {
+            self.follow_event(cursor);
+        }
         self.follow_first();
         self.follow_passes();
+    }
+
+    /// Moves the camera to the current event, if it follows and the cursor is no longer `before`.
+    fn follow_event(&mut self, before: Option<(usize, usize)>) {
+        if self.appearance.follows_events && self.cursor() != before {
+            self.on(Which::First, |run, context| run.follow_event(context));
+        }
     }
 
     fn dispatch(&mut self, command: Command) {

@@ -19,6 +19,9 @@ use tilescope_drawing::camera::{Camera, MAX_SCALE, MIN_SCALE};
 /// The farthest that any domain reaches from the origin, in r.
 pub const MAX_OFFSET: f64 = 200_000.0;
 
+/// Stands for layers that follow the stage.
+pub const AUTOMATIC: &str = "automatic";
+
 /// The view of a session: parts of the state.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SavedView {
@@ -83,10 +86,11 @@ impl SavedView {
             put("camera", json!(SavedCamera { center, scale }));
         }
         put("fitted", json!(self.camera.is_none()));
-        if let Some(layers) = chosen_layers {
+        let layers = chosen_layers.map(|layers| {
             let names = Layer::ALL.into_iter().filter(|layer| layers.has(*layer));
-            put("layers", json!(names.map(Layer::name).collect::<Vec<_>>()));
-        }
+            json!(names.map(Layer::name).collect::<Vec<_>>())
+        });
+        put("layers", layers.unwrap_or_else(|| json!(AUTOMATIC)));
         put("colouring", json!(colouring));
         put("look", json!(look));
         put("layout", json!(self.layout));
@@ -96,7 +100,10 @@ impl SavedView {
             Selection::Place(place) => put("selection", json!(SavedSelection::Place(place))),
         }
         put("clock", json!(self.playback.clock_of_events()));
-        put("speed", json!(self.playback.speed));
+        match self.playback.whole_run_secs {
+            Some(secs) => put("whole-run", json!(secs)),
+            None => put("speed", json!(self.playback.speed)),
+        }
         if let Some(range) = &self.playback.range {
             put("range", json!([range.start, range.end]));
         }
@@ -121,7 +128,7 @@ impl SavedView {
             Some(true) => view.camera = None,
             _ => view.camera = camera.or(view.camera),
         }
-        view.appearance.chosen_layers = parts.take("layers", layers);
+        parts.set(&mut view.appearance.chosen_layers, "layers", layers);
         parts.set(&mut view.appearance.colouring, "colouring", Some);
         parts.set(&mut view.appearance.look, "look", Some);
         parts.set(&mut view.layout, "layout", layout);
@@ -129,7 +136,12 @@ impl SavedView {
         if let Some(clock) = parts.take("clock", Some) {
             view.playback.choose(clock);
         }
-        parts.set(&mut view.playback.speed, "speed", speed);
+        if let Some(speed) = parts.take("speed", speed) {
+            view.playback.choose_speed(speed);
+        }
+        if let Some(secs) = parts.take("whole-run", whole_run) {
+            view.playback.whole_run_secs = Some(secs);
+        }
         let range = parts.take("range", |[start, end]: [usize; 2]| {
             (start < end).then_some(start..end)
         });
@@ -197,17 +209,19 @@ fn layout(saved: Value) -> Option<Layout> {
     }
 }
 
-/// Layers unknown to this version are ignored.
-#[allow(clippy::unnecessary_wraps, reason = "the shape of the other parts")]
-fn layers(names: Vec<String>) -> Option<Layers> {
+/// Returns the layers, `None` within for those of the stage. Layers unknown to this version are ignored.
+fn layers(saved: Value) -> Option<Option<Layers>> {
+    if saved.as_str() == Some(AUTOMATIC) {
+        return Some(None);
+    }
+    let names: std::collections::HashSet<String> = serde_json::from_value(saved).ok()?;
     let mut layers = Layers::none();
-    let names: std::collections::HashSet<String> = names.into_iter().collect();
     for layer in Layer::ALL {
         if names.contains(layer.name()) {
             layers.toggle(layer);
         }
     }
-    Some(layers)
+    Some(Some(layers))
 }
 
 fn selection(saved: SavedSelection) -> Option<Selection> {
@@ -228,6 +242,16 @@ fn second(second: Parameters) -> Option<Parameters> {
 pub fn speed(speed: f32) -> Option<f32> {
     let fastest = SPEEDS[SPEEDS.len() - 1];
     (SPEEDS[0]..=fastest).contains(&speed).then_some(speed)
+}
+
+/// The shortest and the longest duration of a whole run, in seconds.
+const WHOLE_RUN_SECS: [f32; 2] = [1.0, 3600.0];
+
+/// Returns the duration of a whole run, if it is from a second to an hour.
+#[must_use]
+pub fn whole_run(secs: f32) -> Option<f32> {
+    let [shortest, longest] = WHOLE_RUN_SECS;
+    (shortest..=longest).contains(&secs).then_some(secs)
 }
 
 #[cfg(test)]
@@ -256,7 +280,7 @@ mod tests {
         view.appearance.colouring = Colouring::Provenance;
         view.appearance.look = Look::Light;
         view.playback.choose(Clock::Line);
-        view.playback.speed = 8.0;
+        view.playback.choose_speed(8.0);
         view.playback.range = Some(10..20);
         view
     }

@@ -2,8 +2,8 @@
 //! executions. A click on the gutter sets a breakpoint; a click on a line goes to its next execution.
 
 use egui::{
-    Align, Align2, Color32, CursorIcon, FontId, RichText, Role, ScrollArea, Sense, Stroke,
-    StrokeKind, Ui, WidgetInfo, pos2, vec2,
+    Align2, Color32, CursorIcon, FontId, RichText, Role, ScrollArea, Sense, Stroke, StrokeKind, Ui,
+    WidgetInfo, pos2, vec2,
 };
 use tilescope_core::{Insertion, Variant};
 use tilescope_debugger::{
@@ -17,6 +17,7 @@ use tilescope_ui::widgets::Known;
 use super::common::no_events;
 use super::context::PanelContext;
 use tilescope_workbench::command::{Command, DebugCommand, TimeCommand};
+use tilescope_workbench::state::RunView;
 
 const GUTTER: f32 = 22.0;
 /// Room for a remark behind a line.
@@ -261,42 +262,13 @@ fn explanation(line: &ListingLine) -> String {
     }
 }
 
-/// Height of the row of [`next_line`].
-pub const NEXT_LINE: f32 = 22.0;
-
-/// Shows the next line to run in a single row.
-pub fn next_line(ui: &mut Ui, context: &PanelContext<'_>) {
-    let palette = context.palette;
-    let lines = Listings::shipped();
-    let line = context
-        .run
-        .debugger
-        .as_ref()
-        .and_then(|d| lines.line(d.event()?.line()));
-    let otherwise = if context.run.shows_combination() {
-        ("combine", "Maximal sets are joined along their seams.")
-    } else {
-        ("end", "The run is over.")
+/// Returns the text of the next line to run; `None` for a session without events.
+pub fn next_line(run: &RunView) -> Option<String> {
+    let debugger = run.debugger.as_ref()?;
+    let parameters = run.session.as_ref()?.run().parameters;
+    let Some(event) = debugger.event() else {
+        return Some("nothing: the run is complete".to_owned());
     };
-    let parameters = context
-        .run
-        .session
-        .as_ref()
-        .map(|session| session.run().parameters);
-    let next = line.zip(parameters.as_ref());
-    ui.horizontal(|ui| {
-        ui.set_height(NEXT_LINE);
-        let (number, text) = match next {
-            Some((line, parameters)) => (line.id.as_str(), line.text(parameters)),
-            None => (otherwise.0, otherwise.1.to_owned()),
-        };
-        if next.is_some() {
-            ui.label(RichText::new("next").color(palette.muted));
-        }
-        ui.label(RichText::new(number).monospace().color(palette.accent));
-        ui.with_layout(egui::Layout::left_to_right(Align::Center), |ui| {
-            ui.add(egui::Label::new(RichText::new(text).monospace()).truncate())
-                .known_as("next-line");
-        });
-    });
+    let line = Listings::shipped().line(event.line())?;
+    Some(line.text(&parameters))
 }

@@ -11,10 +11,11 @@ use tilescope_ui::theme::{FINGER, is_for_fingers};
 use tilescope_ui::widgets::{Icon, Kebab, Known, icon_button};
 
 use super::context::TimeContext;
+use super::pseudocode::next_line;
 use super::track;
 use crate::actions::time_refusals;
 use tilescope_workbench::arrangement::Arrangement;
-use tilescope_workbench::clock::{Clock, SPEEDS};
+use tilescope_workbench::clock::{Clock, SPEEDS, WHOLE_RUNS_SECS};
 use tilescope_workbench::command::{Command, TimeCommand};
 
 /// Minimum width for counts beside the sentence.
@@ -23,7 +24,14 @@ const WIDE: f32 = 760.0;
 const BESIDE: f32 = 24.0;
 /// Gap between the sentence and the controls.
 const ABOVE_CONTROLS: f32 = 4.0;
-/// Font sizes of the sentence.
+/// Width of the labels "Done" and "Next".
+const LABEL: f32 = 46.0;
+/// Height of the row of the next line.
+const NEXT_LINE: f32 = 19.0;
+/// A lower window has no room for it.
+const MIN_HEIGHT_FOR_NEXT: f32 = 560.0;
+/// Font sizes of the labels, of the next line, and of the sentence.
+const SMALL_SIZE: f32 = 13.0;
 const SIZE: f32 = 15.0;
 const COMPACT_SIZE: f32 = 14.5;
 
@@ -67,16 +75,26 @@ fn room_beside(ctx: &Context, context: &TimeContext<'_>, width: f32) -> f32 {
     ctx.fonts_mut(|fonts| fonts.layout_job(job)).size().x + BESIDE
 }
 
+/// Returns whether the next line is shown: there are events, and the window is not low.
+fn has_next(ctx: &Context, context: &TimeContext<'_>) -> bool {
+    context.run.debugger.is_some() && ctx.content_rect().height() >= MIN_HEIGHT_FOR_NEXT
+}
+
 /// Returns the height that shows everything in `width`.
 #[must_use]
 pub fn height(ctx: &Context, context: &TimeContext<'_>, width: f32) -> f32 {
-    let width = width - room_beside(ctx, context, width);
+    let width = width - LABEL - room_beside(ctx, context, width);
     let track = if is_for_fingers(ctx) {
         track::COMPACT_HEIGHT
     } else {
         track::HEIGHT
     };
-    sentence_height(ctx, context, SIZE, width).max(LINE) + ABOVE_CONTROLS + track
+    let next = if has_next(ctx, context) {
+        NEXT_LINE
+    } else {
+        0.0
+    };
+    sentence_height(ctx, context, SIZE, width).max(LINE) + next + ABOVE_CONTROLS + track
 }
 
 /// Shows the panel.
@@ -85,7 +103,8 @@ pub fn show(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>)
     ui.spacing_mut().item_spacing.y = 0.0;
     let room = ui.available_width();
     let beside = room_beside(ui.ctx(), context, room);
-    let height = sentence_height(ui.ctx(), context, SIZE, room - beside).max(LINE);
+    let width = room - LABEL - beside;
+    let height = sentence_height(ui.ctx(), context, SIZE, width).max(LINE);
     ui.allocate_ui_with_layout(
         vec2(room, height),
         Layout::left_to_right(Align::Center),
@@ -93,7 +112,8 @@ pub fn show(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>)
             ui.set_min_size(vec2(room, height));
             ui.spacing_mut().item_spacing.x = 0.0;
             // The sentence comes first for screen readers, then the counts.
-            sentence(ui, context, SIZE, vec2(room - beside, height), usize::MAX);
+            label(ui, "Done", height, palette.muted);
+            sentence(ui, context, SIZE, vec2(width, height), usize::MAX);
             if beside > 0.0 {
                 ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
                     let text = RichText::new(context.run.moment_texts().join("   ")).monospace();
@@ -102,6 +122,16 @@ pub fn show(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>)
             }
         },
     );
+    let next = next_line(context.run).filter(|_| has_next(ui.ctx(), context));
+    if let Some(next) = next {
+        ui.horizontal(|ui| {
+            ui.spacing_mut().item_spacing.x = 0.0;
+            label(ui, "Next", NEXT_LINE, palette.muted);
+            let text = RichText::new(next).size(SMALL_SIZE).color(palette.muted);
+            let response = ui.add(egui::Label::new(text).truncate());
+            response.known_as("next-line");
+        });
+    }
     ui.add_space(ABOVE_CONTROLS);
     ui.horizontal(|ui| {
         controls(ui, context, true, commands);
@@ -110,6 +140,15 @@ pub fn show(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>)
         speed(ui, context, commands);
         ui.add_space(14.0);
         track::show(ui, context, commands);
+    });
+}
+
+/// Shows the label of a row.
+fn label(ui: &mut Ui, text: &str, height: f32, color: Color32) {
+    let room = vec2(LABEL, height);
+    ui.allocate_ui_with_layout(room, Layout::left_to_right(Align::Center), |ui| {
+        ui.set_min_size(room);
+        ui.label(RichText::new(text).size(SMALL_SIZE).color(color));
     });
 }
 
@@ -382,20 +421,33 @@ fn clock(ui: &mut Ui, context: &TimeContext<'_>, width: f32, commands: &mut Vec<
     let response = response.response;
     response.widget_info(|| WidgetInfo::labeled(Role::ComboBox, true, "Clock"));
     response.known_as("clock");
-    response.on_hover_text("What play and the arrow keys advance by");
+    response.on_hover_text("Step by: what the arrow keys, and play tick by tick, advance by.");
 }
 
 /// Shows the choice of the speed.
 fn speed(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>) {
     let playback = &context.time.playback;
-    let chosen = ComboBox::from_id_salt("speed")
-        .width(58.0)
-        .selected_text(format!("{}\u{d7}", playback.speed));
+    let chosen =
+        ComboBox::from_id_salt("speed")
+            .width(58.0)
+            .selected_text(match playback.pace_secs() {
+                Some(secs) => format!("{secs} s"),
+                None => format!("{}\u{d7}", playback.speed),
+            });
     let response = chosen.show_ui(ui, |ui| {
+        let by_passes = playback.clock == Clock::Pass;
+        for secs in WHOLE_RUNS_SECS.into_iter().filter(|_| !by_passes) {
+            let same = playback.whole_run_secs == Some(secs);
+            let row = ui.selectable_label(same, format!("whole run in {secs} s"));
+            row.known_as(format_args!("whole-run.{secs}"));
+            if row.clicked() {
+                commands.push(Command::Time(TimeCommand::WholeRun(secs)));
+            }
+        }
         for speed in SPEEDS {
-            let same = (playback.speed - speed).abs() < 1e-6;
+            let same = playback.pace_secs().is_none() && (playback.speed - speed).abs() < 1e-6;
             if ui
-                .selectable_label(same, format!("{speed}\u{d7}"))
+                .selectable_label(same, format!("{speed}\u{d7} by {}", playback.clock.name()))
                 .clicked()
             {
                 commands.push(Command::Time(TimeCommand::Speed(speed)));
@@ -405,6 +457,9 @@ fn speed(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>) {
     let response = response.response;
     response.widget_info(|| WidgetInfo::labeled(Role::ComboBox, true, "Speed"));
     response.known_as("speed");
+    response.on_hover_text(
+        "How fast play goes: the whole run in a given time, longer where more happens, or tick by tick of the clock.",
+    );
 }
 
 #[cfg(test)]

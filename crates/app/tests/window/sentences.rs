@@ -117,7 +117,10 @@ fn the_window_and_its_export_sheet() {
     let mut window = Wording::opened();
     window.shows(&[
         ("verdict", "Verdict: verified"),
-        ("status", "Finish: 10,041 samples*"),
+        (
+            "status",
+            "Finish: 11,050 tiled*= 10,041 samples, in canonical order.",
+        ),
         ("counts", "10,041 samples   event 45,961 of 45,961"),
         ("engine-used", "engine: CPU"),
         ("run", "Run"),

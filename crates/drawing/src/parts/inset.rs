@@ -1,6 +1,7 @@
 //! The inset of the tiling stage: the pattern in a corner of the picture, with the window from which the current
 //! block's samples come.
 
+use ecolor::Color32;
 use emath::{Align2, Pos2, Rect, pos2, vec2};
 use tilescope_core::stages::tile::Tile;
 use tilescope_core::{Origin, R, Rect as LatticeRect, Standing};
@@ -95,10 +96,13 @@ pub fn draw(scene: &Scene<'_>, surface: &mut impl Surface) {
             Some(Stroke::new(1.8, color)),
         );
     }
+    let share = scene.subject.drawn_in;
     if let Some((id, from)) = last {
         let to = scene.at(scene.session.position(id));
         let stroke = Stroke::new(1.2, color.gamma_multiply(0.8));
-        surface.dashes([from, to], stroke);
+        surface.dashes([from, from.lerp(to, share)], stroke);
+    } else {
+        fly(scene, surface, (inset, scale), tile, rect, color);
     }
     let (below, anchor) = if is_left {
         (inset.left_bottom() + vec2(-6.0, 10.0), Align2::LEFT_TOP)
@@ -107,6 +111,33 @@ pub fn draw(scene: &Scene<'_>, surface: &mut impl Surface) {
     };
     let text = format!("clip of block {block} in the pattern");
     scene.tag(surface, below, anchor, text);
+}
+
+/// While the placing of a clip is drawn in: its samples fly from the pattern to the block.
+fn fly(
+    scene: &Scene<'_>,
+    surface: &mut impl Surface,
+    (inset, scale): (Rect, f32),
+    tile: &Tile,
+    block: Rect,
+    color: Color32,
+) {
+    let share = scene.subject.drawn_in;
+    if share >= 1.0 {
+        return;
+    }
+    let from =
+        inset.left_bottom() + vec2(tile.start.x as f32, -tile.start.y as f32) / R as f32 * scale;
+    let to = block.expand(scene.scale()).left_bottom();
+    let size = block.expand(scene.scale()).size();
+    let small = size * (scale / scene.scale());
+    let (corner, size) = (from.lerp(to, share), small + (size - small) * share);
+    let rect = Rect::from_min_size(corner - vec2(0.0, size.y), size);
+    surface.rect(
+        rect,
+        Some(color.gamma_multiply(0.18)),
+        Some(Stroke::new(2.0, color)),
+    );
 }
 
 /// Returns the part of the pattern that a tile was clipped from, in lattice units: rectangles, each by its lowest and

@@ -109,8 +109,24 @@ fn last_event(scene: &Scene<'_>, surface: &mut impl Surface) {
     }
     if let Some((id, color)) = changed {
         let at = scene.at(scene.session.position(id));
+        growth(scene, surface, event, color);
         let stroke = Stroke::new(3.0, color);
         surface.circle(at, ring(scene) + 2.0, None, Some(stroke));
+    }
+}
+
+/// While an elimination or insertion is drawn in: the disk that does it grows and fades.
+fn growth(scene: &Scene<'_>, surface: &mut impl Surface, event: RunEvent, color: Color32) {
+    let share = scene.subject.drawn_in;
+    let (RunEvent::Eliminate { by: centre, .. } | RunEvent::Insert { sample: centre, .. }) = event
+    else {
+        return;
+    };
+    if share < 1.0 {
+        let at = scene.at(scene.session.position(centre));
+        let fill = color.gamma_multiply(0.5 * (1.0 - share));
+        let stroke = Stroke::new(2.0, color.gamma_multiply(1.0 - share));
+        surface.circle(at, share * scene.scale(), Some(fill), Some(stroke));
     }
 }
 

@@ -93,6 +93,7 @@ fn subject<'a>(
         geometry,
         contrast: None,
         causes,
+        drawn_in: 1.0,
     }
 }
 

@@ -23,9 +23,9 @@ use super::write::{LINKS, NINE_SETS, layer_name};
 use super::{MAX_BOOKMARKS, MAX_BYTES, MAX_COMBINATION, MAX_SAMPLES, MAX_STOPS, MAX_TEXT, VERSION};
 use crate::clock::Clock;
 use crate::layout;
-use crate::view::{is_near, sound_camera, speed};
+use crate::view::{is_near, sound_camera, speed, whole_run};
 
-const OTHERS: [&str; 17] = [
+const OTHERS: [&str; 18] = [
     "v",
     "combine",
     "at",
@@ -37,6 +37,7 @@ const OTHERS: [&str; 17] = [
     "select",
     "clock",
     "speed",
+    "whole-run",
     "loop",
     "b",
     "break",
@@ -195,9 +196,14 @@ impl LinkReader {
         }
         if let Some(clock) = self.take("clock", |text| named(&CLOCKS, text)) {
             content.view.playback.choose(clock);
+            // Links from before there were whole runs name the clock that plays.
+            content.view.playback.whole_run_secs = None;
         }
         if let Some(speed) = self.take("speed", |text| speed(text.parse().ok()?)) {
-            content.view.playback.speed = speed;
+            content.view.playback.choose_speed(speed);
+        }
+        if let Some(secs) = self.take("whole-run", |text| whole_run(text.parse().ok()?)) {
+            content.view.playback.whole_run_secs = Some(secs);
         }
         content.view.playback.range = self.take("loop", |text| {
             let (start, end) = text.split_once('-')?;

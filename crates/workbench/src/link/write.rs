@@ -133,8 +133,12 @@ impl Writer {
         if content.view.playback.clock_of_events() != first.view.playback.clock {
             self.put("clock", name(&content.view.playback.clock_of_events()));
         }
-        if content.view.playback.speed.to_bits() != first.view.playback.speed.to_bits() {
-            self.put("speed", content.view.playback.speed.to_string());
+        let playback = &content.view.playback;
+        let is_first = playback.clock_of_events() == first.view.playback.clock;
+        match playback.whole_run_secs {
+            None => self.put("speed", playback.speed.to_string()),
+            secs if is_first && secs == first.view.playback.whole_run_secs => {}
+            Some(secs) => self.put("whole-run", secs.to_string()),
         }
         if let Some(Range { start, end }) = &content.view.playback.range {
             self.put("loop", format!("{start}-{end}"));

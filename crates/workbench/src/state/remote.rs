@@ -15,6 +15,7 @@ use crate::command::{Command, TimeCommand, Which};
 use crate::draft::Draft;
 use crate::link::{choice_name, layer_name, slug};
 use crate::remote::{self, Request, RequestError, Wanted};
+use crate::view::AUTOMATIC;
 use tilescope_drawing::camera::Camera;
 
 const NO_EVENTS: &str = "this session has no events; seek a stage";
@@ -169,7 +170,7 @@ impl State {
         });
         json!({
             "camera": camera.map_or_else(|| json!(remote::WHOLE), numbers),
-            "layers": layers.unwrap_or_else(|| json!(remote::AUTOMATIC)),
+            "layers": layers.unwrap_or_else(|| json!(AUTOMATIC)),
             "colouring": choice_name(&self.appearance.colouring),
             "look": choice_name(&self.appearance.look),
         })

@@ -25,6 +25,7 @@ mod debug;
 mod hits;
 mod passes;
 mod time;
+mod transition;
 mod work;
 
 pub use debug::FindEventsTask;
@@ -32,6 +33,7 @@ pub use debug::{EventQuery, FoundEvents, MAX_FOUND};
 pub use hits::CountHitsTask;
 pub use hits::{Hits, MAX_HITS};
 pub(super) use time::{next_line, none_there};
+pub(super) use transition::TRANSITION_SECS;
 
 /// The result of making a session.
 pub(super) type Made = Result<Result<Session, MakeError>, String>;
@@ -87,6 +89,7 @@ pub struct RunView {
     /// While the pattern is shown, which has its own domain: the camera to return to, and whether it was
     /// fitted.
     pub(super) before_pattern: Option<(Camera, bool)>,
+    transition: transition::Transition,
 }
 
 impl Default for RunView {
@@ -116,6 +119,7 @@ impl Default for RunView {
             flight: None,
             fitted: true,
             before_pattern: None,
+            transition: transition::Transition::default(),
         }
     }
 }
@@ -186,6 +190,7 @@ impl RunView {
             geometry: &self.geometry,
             contrast,
             causes: None,
+            drawn_in: self.drawn_in(),
         })
     }
 }

@@ -64,6 +64,7 @@ fn stages_stop_at_both_ends() {
 fn playing_ends_at_the_last_stage() {
     let mut state = settled();
     let stages = state.runs.first.stage;
+    state.apply(Command::Time(TimeCommand::Speed(1.0)));
     state.apply(Command::Time(TimeCommand::TogglePlay));
     assert_eq!(state.runs.first.stage, 0);
     for _ in 0..stages {

@@ -9,7 +9,7 @@ use tilescope_debugger::{Direction, Step, Stop};
 use super::RunView;
 use super::effects::Context;
 use super::run_view::next_line;
-use crate::clock::{Clock, Playback};
+use crate::clock::{Clock, Course, Playback};
 use crate::command::TimeCommand;
 use crate::passes::PassCommand;
 
@@ -23,6 +23,8 @@ pub struct Time {
     pub playback: Playback,
     /// The direction in which a breakpoint is being searched for, if so.
     pub(super) continuing: Option<Direction>,
+    /// While a whole run is played: the share of its time that has passed, and the cursor there.
+    played: Option<(f64, usize)>,
 }
 
 impl Time {
@@ -42,8 +44,11 @@ impl Time {
             TimeCommand::Clock(clock) if run.clock_refusal(clock).is_none() => {
                 self.playback.choose(clock);
             }
-            TimeCommand::Clock(_) => {}
-            TimeCommand::Speed(speed) => self.playback.speed = speed,
+            TimeCommand::Speed(speed) => self.playback.choose_speed(speed),
+            TimeCommand::WholeRun(secs) if secs > 0.0 => {
+                self.playback.whole_run_secs = Some(secs);
+            }
+            TimeCommand::Clock(_) | TimeCommand::WholeRun(_) => {}
             TimeCommand::Jump(cursor) => run.jump(cursor),
             TimeCommand::Step(step, direction) => run.step(step, direction),
             TimeCommand::RunTo(target, direction) => run.run_to(target, direction, context),
@@ -166,6 +171,9 @@ impl Time {
 
     /// Plays for `dt_secs`; returns whether it is still playing.
     fn play(&mut self, dt_secs: f32, run: &mut RunView, context: &mut Context) -> bool {
+        if let (Some(secs), Some((at, _))) = (self.playback.pace_secs(), run.cursor()) {
+            return self.play_course(dt_secs / secs, at, run);
+        }
         let before = run.stage;
         let ticks = self.playback.advance(dt_secs);
         for _ in 0..ticks {
@@ -184,6 +192,36 @@ impl Time {
         }
         if ticks > 0 {
             run.moved(before);
+        }
+        self.playback.is_playing()
+    }
+
+    /// Plays this share of the whole run's time from the cursor `at`; returns whether it is still playing.
+    fn play_course(&mut self, share: f32, at: usize, run: &mut RunView) -> bool {
+        let before = run.stage;
+        let Some(session) = &run.session else {
+            return false;
+        };
+        let course = Course::of((0..session.stages.len()).map_while(|k| session.stage_end(k)));
+        let passed = match self.played {
+            Some((passed, cursor)) if cursor == at => passed,
+            _ => course.share(at),
+        };
+        let passed = passed + f64::from(share);
+        let mut cursor = course.cursor(passed).max(at);
+        if let Some(range) = self.playback.range.clone()
+            && cursor >= range.end
+        {
+            cursor = range.start;
+        }
+        self.played = (cursor >= at).then_some((passed, cursor));
+        if cursor != at {
+            run.jump(cursor);
+            run.moved(before);
+        }
+        if passed >= 1.0 && self.playback.range.is_none() {
+            self.playback.stop();
+            self.played = None;
         }
         self.playback.is_playing()
     }

@@ -50,6 +50,7 @@ impl State {
             dropped.push("clock");
         }
         self.time.playback.speed = view.playback.speed;
+        self.time.playback.whole_run_secs = view.playback.whole_run_secs;
         if let Some(range) = &view.playback.range {
             match self.cursor() {
                 Some((_, len)) if range.end <= len => {

@@ -5,7 +5,7 @@ use tilescope_session::recipe::Recipe;
 use tilescope_session::session::{MakeError, Session};
 use tilescope_session::words::sentence;
 
-use super::run_view::Made;
+use super::run_view::{Made, TRANSITION_SECS};
 use super::undo::UndoPart;
 use super::{State, Which};
 use crate::layout::Panel;
@@ -44,7 +44,12 @@ impl State {
     pub fn advance(&mut self, dt_secs: f32) -> bool {
         self.poll();
         self.on(Which::First, |run, _| run.fly_on(dt_secs));
+        let cursor = self.cursor();
         let runs = self.in_time(|time, run, context| time.advance(dt_secs, run, context));
+        let is_fast = self.time.playback.is_fast(TRANSITION_SECS);
+        if !is_fast {
+            self.follow_event(cursor);
+        }
         let shows_events = self.window.shows(Panel::Events);
         let with_geometry = self.wants_geometry();
         self.on(Which::First, |run, context| {
@@ -61,7 +66,9 @@ impl State {
         let flies = self.advance_second(dt_secs);
         self.follow_passes();
         self.announce();
-        self.runs.first.flight.is_some() || runs || flies
+        let is_wanted = !is_fast && !self.appearance.reduced_motion;
+        let changes = self.runs.first.advance_transition(dt_secs, is_wanted);
+        self.runs.first.flight.is_some() || runs || flies || changes
     }
 
     fn poll(&mut self) {

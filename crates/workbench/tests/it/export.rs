@@ -162,6 +162,12 @@ fn an_svg_has_the_visible_layers_and_the_parameters() {
         ("samples", Layer::Samples),
         ("conflicts", Layer::Conflicts),
     ];
+    // The clips are shown at this stage unless layers are chosen.
+    assert!(has(&svg, "clips"));
+    state.apply(Command::Appearance(AppearanceCommand::ToggleLayer(
+        Layer::Pattern,
+    )));
+    let svg = shoot(&mut state, "chosen.svg");
     let hidden = [("clips", Layer::Pattern), ("Voronoi", Layer::Voronoi)];
     assert!(shown.iter().all(|(group, _)| has(&svg, group)));
     assert!(hidden.iter().all(|(group, _)| !has(&svg, group)));

@@ -14,6 +14,10 @@ use tilescope_drawing::camera::{Camera, Flight, MAX_SCALE, MIN_SCALE};
 
 /// The smallest distance of a selection from the edge of the view, in screen points.
 const IN_VIEW: f32 = 32.0;
+/// The width of the view around the current event, in r.
+const CURRENT: f64 = 12.0;
+/// A wider view is narrowed when the camera follows the events, in r.
+const FOLLOWED: f64 = 40.0;
 
 impl RunView {
     pub(in crate::state) fn apply_to_view(&mut self, command: ViewCommand, context: &mut Context) {
@@ -178,14 +182,42 @@ impl RunView {
         self.fly(to, context);
     }
 
+    /// Returns the place of the last event, in r.
+    fn current_place(&self) -> Option<DVec2> {
+        let shown = self.shown()?;
+        let event = shown.last_event()?;
+        let point = shown.debugger?.recording().event_point(event)?;
+        Some(units::position(point))
+    }
+
     fn go_to_current(&mut self, context: &Context) {
-        let shown = self.shown();
-        let point = shown.and_then(|shown| {
-            let event = shown.last_event()?;
-            shown.debugger?.recording().event_point(event)
-        });
-        if let Some(point) = point {
-            self.fly_to(units::position(point), 12.0, context);
+        if let Some(place) = self.current_place() {
+            self.fly_to(place, CURRENT, context);
+        }
+    }
+
+    /// Keeps the last event in view: flies closer if the view is wide, and pans where the event is near its edge. At the
+    /// end of a stage, which concerns the whole domain, the camera stays.
+    pub(in crate::state) fn follow_event(&mut self, context: &Context) {
+        let ends_stage = self.shown().is_none_or(|shown| shown.ends_stage());
+        let Some(place) = self.current_place().filter(|_| !ends_stage) else {
+            return;
+        };
+        let camera = self
+            .flight
+            .as_ref()
+            .map_or(self.camera, Flight::destination);
+        let room = f64::from(self.viewport.size().min_elem().max(1.0));
+        let is_wide = room / camera.scale > FOLLOWED;
+        let at = camera.screen_from_domain(self.viewport, place);
+        let inner = self.viewport.shrink(0.2 * self.viewport.size().min_elem());
+        if is_wide || !inner.contains(at) {
+            let radii = if is_wide {
+                CURRENT
+            } else {
+                room / camera.scale
+            };
+            self.fly_to(place, radii, context);
         }
     }
 

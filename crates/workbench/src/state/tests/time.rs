@@ -3,12 +3,15 @@
 
 use tilescope_core::{Boundary, Insertion, RunEvent, Stage, Variant};
 use tilescope_debugger::{Direction, Target, moves};
+use tilescope_session::layers::Layer;
 use tilescope_session::sentence::happened;
 
 use super::{settled, type_in};
 use crate::State;
 use crate::clock::Clock;
-use crate::command::{Command, DebugCommand, FormCommand, TimeCommand, ViewCommand, Which};
+use crate::command::{
+    AppearanceCommand, Command, DebugCommand, FormCommand, TimeCommand, ViewCommand, Which,
+};
 use crate::compare::CompareCommand;
 use crate::draft::{Choice, Field};
 use crate::state::RunView;
@@ -30,6 +33,7 @@ fn play_fits_the_domain_behind_the_pattern() {
     for clock in [Clock::Stage, Clock::Event, Clock::Line] {
         let mut state = settled();
         time(&mut state, TimeCommand::Clock(clock));
+        time(&mut state, TimeCommand::Speed(1.0));
         state.apply(Command::Time(TimeCommand::TogglePlay));
         assert_eq!(state.current_stage(), Some(Stage::Pattern));
         assert!(fits(&state.runs.first));
@@ -102,6 +106,7 @@ fn the_second_run_fits_too() {
         Which::Second,
         ViewCommand::Viewport(viewport),
     ));
+    time(&mut state, TimeCommand::Speed(1.0));
     state.apply(Command::Time(TimeCommand::TogglePlay));
     state.advance(Clock::Stage.tick_secs());
     let second = state.runs.get(Which::Second).unwrap();
@@ -275,4 +280,86 @@ fn passes_and_presses_at_the_ends_change_nothing() {
     state.apply(Command::Time(TimeCommand::FirstStage));
     time(&mut state, TimeCommand::RunTo(Target::Gap, BACKWARDS));
     assert_eq!(state.cursor().unwrap().0, 0);
+}
+
+#[test]
+fn a_whole_run_is_played_in_the_chosen_time() {
+    let mut state = settled();
+    time(&mut state, TimeCommand::WholeRun(10.0));
+    state.apply(Command::Time(TimeCommand::TogglePlay));
+    let mut seen = Vec::new();
+    let mut secs = 0.0;
+    while state.time.playback.is_playing() && secs < 20.0 {
+        state.advance(0.05);
+        secs += 0.05;
+        if seen.last() != state.current_stage().as_ref() {
+            seen.extend(state.current_stage());
+        }
+    }
+    assert!((9.0..=10.2).contains(&secs), "{secs}");
+    let session = state.runs.first.session.as_ref().unwrap();
+    assert_eq!(seen, session.stages);
+    assert!(state.runs.first.is_at_end());
+}
+
+#[test]
+fn a_step_is_drawn_in_and_a_jump_to_the_end_of_a_stage_too() {
+    let mut state = settled();
+    let drawn_in = |state: &State| state.subject().unwrap().drawn_in;
+    state.advance(0.01);
+    time(&mut state, TimeCommand::Jump(11_500));
+    state.advance(0.01);
+    assert!(drawn_in(&state) < 1.0);
+    state.advance(1.0);
+    assert!(drawn_in(&state) >= 1.0);
+    state.apply(Command::Appearance(AppearanceCommand::ToggleReducedMotion));
+    time(&mut state, TimeCommand::Jump(11_600));
+    state.advance(0.01);
+    assert!(drawn_in(&state) >= 1.0);
+}
+
+#[test]
+fn a_camera_that_follows_has_the_event_in_view() {
+    let mut state = settled();
+    let viewport = emath::Rect::from_min_size(emath::pos2(0.0, 0.0), emath::vec2(800.0, 600.0));
+    state.apply(Command::View(Which::First, ViewCommand::Viewport(viewport)));
+    time(&mut state, TimeCommand::FirstStage);
+    state.apply(Command::Appearance(AppearanceCommand::ToggleFollow));
+    for _ in 0..4 {
+        time(&mut state, TimeCommand::RunTo(Target::Gap, FORWARDS));
+        while state.advance(0.1) {}
+        let run = &state.runs.first;
+        let shown = run.shown().unwrap();
+        let event = shown.last_event().unwrap();
+        let point = shown
+            .debugger
+            .unwrap()
+            .recording()
+            .event_point(event)
+            .unwrap();
+        let place = tilescope_session::units::position(point);
+        let at = run.camera.screen_from_domain(viewport, place);
+        assert!(viewport.contains(at), "{at:?}");
+    }
+    let camera = state.runs.first.camera;
+    state.apply(Command::Appearance(AppearanceCommand::ToggleFollow));
+    time(&mut state, TimeCommand::RunTo(Target::Insertion, FORWARDS));
+    while state.advance(0.1) {}
+    assert_eq!(state.runs.first.camera, camera);
+}
+
+#[test]
+fn layers_follow_the_stage_until_one_is_chosen() {
+    let mut state = settled();
+    let has = |state: &State, layer| state.subject().unwrap().layers.has(layer);
+    time(&mut state, TimeCommand::ShowStage(1));
+    assert!(has(&state, Layer::Tree));
+    time(&mut state, TimeCommand::ShowStage(2));
+    assert!(!has(&state, Layer::Tree) && has(&state, Layer::Pattern));
+    let toggle = AppearanceCommand::ToggleLayer(Layer::Disks);
+    state.apply(Command::Appearance(toggle));
+    time(&mut state, TimeCommand::ShowStage(1));
+    assert!(!has(&state, Layer::Tree) && has(&state, Layer::Disks));
+    state.apply(Command::Appearance(AppearanceCommand::AutomaticLayers));
+    assert!(has(&state, Layer::Tree) && !has(&state, Layer::Disks));
 }

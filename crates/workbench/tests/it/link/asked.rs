@@ -337,7 +337,7 @@ const REFUSED: &[(&str, &str)] = &[
     ),
     (
         r#"{"do":"view","layers":["disks","tinsel"]}"#,
-        "\"layers\" is \"tinsel\"; it must be a list of some of \"pattern\"",
+        "\"layers\" is \"tinsel\"; it must be \"automatic\", or a list of some of",
     ),
     (
         r#"{"do":"view","layers":"disks"}"#,

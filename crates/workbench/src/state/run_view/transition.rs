@@ -1,0 +1,43 @@
+//! The short transition with which an event is drawn in after a step in time.
+
+use super::RunView;
+
+/// The duration of a transition, in seconds.
+pub(in crate::state) const TRANSITION_SECS: f32 = 0.35;
+
+/// How far the last event is drawn in.
+#[derive(Default)]
+pub(super) struct Transition {
+    /// The cursor that is drawn.
+    cursor: Option<usize>,
+    /// The time since it was reached; `None` once the transition is over.
+    elapsed_secs: Option<f32>,
+}
+
+impl RunView {
+    /// Advances the transition by `dt_secs`; without `is_wanted` there are none. Returns whether it goes on.
+    pub(in crate::state) fn advance_transition(&mut self, dt_secs: f32, is_wanted: bool) -> bool {
+        let cursor = self.cursor().map(|(cursor, _)| cursor);
+        let is_new = cursor != self.transition.cursor;
+        let is_first = self.transition.cursor.is_none();
+        let elapsed_secs = match self.transition.elapsed_secs {
+            _ if !is_wanted || is_first => None,
+            _ if is_new => Some(0.0),
+            elapsed => elapsed.map(|elapsed| elapsed + dt_secs),
+        };
+        self.transition = Transition {
+            cursor,
+            elapsed_secs: elapsed_secs.filter(|&elapsed| elapsed < TRANSITION_SECS),
+        };
+        self.transition.elapsed_secs.is_some()
+    }
+
+    /// Returns how far the last event is drawn in, from 0 to 1.
+    pub(super) fn drawn_in(&self) -> f32 {
+        let share = match self.transition.elapsed_secs {
+            Some(elapsed) => elapsed / TRANSITION_SECS,
+            None => 1.0,
+        };
+        share * share * (3.0 - 2.0 * share)
+    }
+}
