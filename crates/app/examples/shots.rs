@@ -18,6 +18,7 @@ use tilescope_workbench::command::{
 use tilescope_workbench::draft::{Choice, Field};
 use tilescope_workbench::export::{ExportCommand, ExportKind, NumberField};
 use tilescope_workbench::layout::Panel;
+use tilescope_workbench::scenes::SceneCommand;
 use tilescope_workbench::{Command, State};
 
 fn main() {
@@ -345,8 +346,8 @@ fn moments(shoot: &mut dyn FnMut(&str, Vec<Command>)) {
         "moment-insertion",
         vec![
             run_to(Target::SecondInsertion),
-            debug(DebugCommand::Bookmark),
-            Command::Window(WindowCommand::OpenPanel(Panel::Bookmarks)),
+            Command::Scene(SceneCommand::Add),
+            Command::Window(WindowCommand::OpenPanel(Panel::Scenes)),
             Command::View(Which::First, ViewCommand::GoToCurrent),
         ],
     );

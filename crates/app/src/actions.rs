@@ -13,6 +13,7 @@ use std::sync::LazyLock;
 use egui::{Key, KeyboardShortcut, Modifiers, vec2};
 
 pub use keys::{keys_of, press_keys, takes_key};
+use tilescope_debugger::Direction;
 use tilescope_session::layers::{Colouring, Layer};
 use tilescope_session::limits::MAX_STAGED;
 use tilescope_session::look::Look;
@@ -27,6 +28,7 @@ use tilescope_workbench::command::{
 use tilescope_workbench::finder::Finder;
 use tilescope_workbench::help::HelpPage;
 use tilescope_workbench::layout::Panel;
+use tilescope_workbench::scenes::{SceneCommand, SceneList};
 use tilescope_workbench::state::{RunView, State, Time};
 
 /// The menus.
@@ -40,7 +42,7 @@ pub enum Menu {
     View,
     /// Time.
     Go,
-    /// Breakpoints, bookmarks, causes.
+    /// Breakpoints, scenes, causes.
     Debug,
     /// Measures of the moment.
     Analyze,
@@ -137,6 +139,7 @@ pub fn actions(state: &State) -> Vec<Action> {
     full_screen(&mut list, state);
     view(&mut list, state);
     camera(&mut list, state);
+    scenes(&mut list, state);
     go::add(&mut list, state);
     debug(&mut list, state);
     analyze::add(&mut list, state);
@@ -188,12 +191,13 @@ impl List {
     fn escape(&mut self, state: &State) {
         let projector = (state.appearance.look == Look::Projector)
             .then_some(Command::Appearance(AppearanceCommand::ToggleProjector));
+        let caption = state.scene.map(|_| Command::Scene(SceneCommand::Leave));
         let ways = [
             Command::View(Which::First, ViewCommand::Pick(Selection::Nothing)),
             Command::Analysis(AnalysisCommand::Brush(None)),
             Command::Window(WindowCommand::Drawer(DrawerCommand::Show(None))),
         ];
-        for way in ways.into_iter().chain(projector) {
+        for way in caption.into_iter().chain(ways).chain(projector) {
             let is_way = |action: &&mut Action| action.command == way && action.refusal.is_none();
             if let Some(action) = self.actions.iter_mut().find(is_way) {
                 let key = match action.shortcut {
@@ -243,6 +247,13 @@ fn edit(list: &mut List, state: &State) {
 }
 
 fn help(list: &mut List) {
+    list.add(
+        Menu::Help,
+        "Tour",
+        None,
+        Command::Scene(SceneCommand::Tour),
+        None,
+    );
     for page in HelpPage::ALL {
         let keys = (page == HelpPage::Keys).then_some((NONE, Key::Questionmark));
         let command = Command::Window(WindowCommand::Help(page));
@@ -258,6 +269,51 @@ fn full_screen(list: &mut List, state: &State) {
         Command::Window(WindowCommand::ToggleFullScreen),
         state.window.full_screen.refusal(),
     );
+}
+
+/// Adds the scenes. In the tour the space key, which plays otherwise, goes on.
+fn scenes(list: &mut List, state: &State) {
+    let no_events = state
+        .runs
+        .first
+        .debugger
+        .is_none()
+        .then_some(no_events(state));
+    let has_scenes = state.scene.is_some() || !state.scenes(SceneList::Own).is_empty();
+    let no_scenes = (!has_scenes).then_some("There are no scenes: B makes one.");
+    let step = |direction| Command::Scene(SceneCommand::Step(direction));
+    let mut add = |name: &str, key, command, refusal| {
+        list.add(Menu::Go, name, key, command, refusal);
+    };
+    let key = |key| Some((NONE, key));
+    let add_scene = Command::Scene(SceneCommand::Add);
+    add(
+        "Make a scene of this moment",
+        key(Key::B),
+        add_scene,
+        no_events,
+    );
+    add(
+        "Next scene",
+        key(Key::PageDown),
+        step(Direction::Forwards),
+        no_scenes,
+    );
+    add(
+        "Previous scene",
+        key(Key::PageUp),
+        step(Direction::Backwards),
+        no_scenes,
+    );
+    if state.is_touring()
+        && let Some(next) = list.actions.iter_mut().rev().nth(1)
+    {
+        next.also = Some(KeyboardShortcut::new(NONE, Key::Space));
+    }
+    if state.scene.is_some() {
+        let leave = Command::Scene(SceneCommand::Leave);
+        list.add(Menu::Go, "Close the scene's caption", None, leave, None);
+    }
 }
 
 /// Returns the name of the action that enters the projector mode or leaves it.
@@ -441,12 +497,6 @@ fn debug(list: &mut List, state: &State) {
         Some((NONE, Key::W)),
         DebugCommand::Why,
         no_events.or(no_cause),
-    );
-    add(
-        "Bookmark this moment",
-        Some((NONE, Key::B)),
-        DebugCommand::Bookmark,
-        no_events,
     );
     add(
         "Watch the current sample",

@@ -326,6 +326,13 @@ impl App {
         ctx.request_repaint();
     }
 
+    /// Returns whether no earlier session has stored its settings.
+    #[must_use]
+    pub fn is_first_start(storage: &dyn eframe::Storage) -> bool {
+        let has = |key| storage.get_string(key).is_some();
+        ![LAYOUT_KEY, OLD_LAYOUT_KEY, LOOK_KEY].into_iter().any(has)
+    }
+
     /// Restores the settings of an earlier session.
     pub fn remember(&mut self, storage: &dyn eframe::Storage) {
         let old = || eframe::get_value::<OldLayout>(storage, OLD_LAYOUT_KEY)?.completed();

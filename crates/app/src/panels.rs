@@ -2,7 +2,6 @@
 //! lists all of them.
 
 mod analysis;
-mod bookmarks;
 mod choices;
 mod common;
 pub mod compact;
@@ -23,6 +22,7 @@ mod parameters;
 mod passes;
 mod pseudocode;
 mod registry;
+mod scenes;
 mod sheet;
 mod stages;
 mod timeline;
@@ -121,6 +121,7 @@ fn leave_projector(ui: &Ui, palette: &Palette, commands: &mut Vec<Command>) {
 pub fn show_floating(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     export::show(ui, state, commands);
     files::show(ui, state, commands);
+    scenes::caption(ui, state, commands);
     notice::show(ui, state, commands);
     help::show(ui, state, commands);
     finder::show(ui, state, commands);

@@ -102,6 +102,22 @@ impl Recording {
         stages
     }
 
+    /// Returns the cursor at the end of a stage, if the run has that stage.
+    #[must_use]
+    pub fn end_of(&self, stage: Stage) -> Option<usize> {
+        let stages = self.stages();
+        let (_, events) = stages.iter().find(|(other, _)| *other == stage)?;
+        Some(events.end)
+    }
+
+    /// Returns the stage that ends at a cursor, if one does.
+    #[must_use]
+    pub fn stage_ending_at(&self, cursor: usize) -> Option<Stage> {
+        let stages = self.stages();
+        let ending = stages.iter().find(|(_, events)| events.end == cursor);
+        ending.map(|(stage, _)| *stage)
+    }
+
     /// Returns the anchor of an event.
     #[must_use]
     pub fn anchor(&self, event: usize) -> Option<Anchor> {

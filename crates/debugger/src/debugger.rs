@@ -1,4 +1,4 @@
-//! A debugging session: one cursor over a recording, with breakpoints, watches and bookmarks. A user interface reads
+//! A debugging session: one cursor over a recording, with breakpoints, watches and scenes. A user interface reads
 //! its state and calls its moves.
 
 use std::sync::{Arc, OnceLock};
@@ -11,7 +11,7 @@ use crate::listing::{LineId, Listings};
 use crate::moves::{self, Direction, Step, Target};
 use crate::recording::Recording;
 use crate::session::{
-    Bookmark, PatternFile, SavedBreakpoint, Session, SessionError, VERSION, digest,
+    PatternFile, SavedBreakpoint, SavedScene, Session, SessionError, VERSION, digest,
 };
 use crate::state::State;
 
@@ -51,18 +51,18 @@ pub enum Stop {
     End,
 }
 
-/// The breakpoints, watches and bookmarks of a session, which are kept when another run replaces it.
+/// The breakpoints, watches and scenes of a session, which are kept when another run replaces it.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Stops {
     /// The breakpoints.
     pub breakpoints: Vec<SavedBreakpoint>,
     /// The watched expressions.
     pub watches: Vec<String>,
-    /// The bookmarks.
-    pub bookmarks: Vec<Bookmark>,
+    /// The scenes.
+    pub scenes: Vec<SavedScene>,
 }
 
-/// Where a bookmark is in a run.
+/// Where a scene is in a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Marked {
     /// It was set in this run, at this cursor.
@@ -93,8 +93,8 @@ pub struct Debugger {
     run_id: OnceLock<String>,
     breakpoints: Vec<Breakpoint>,
     watches: Vec<String>,
-    /// The bookmarks, of this run and of others.
-    pub bookmarks: Vec<Bookmark>,
+    /// The scenes, of this run and of others, in the user's order.
+    pub scenes: Vec<SavedScene>,
     /// The state of the user interface, which is saved with the session but not read here.
     pub view: serde_json::Value,
     /// The file of the pattern with which the recording was made, if it came from one.
@@ -113,7 +113,7 @@ impl Debugger {
             run_id: OnceLock::new(),
             breakpoints: Vec::new(),
             watches: Vec::new(),
-            bookmarks: Vec::new(),
+            scenes: Vec::new(),
             view: serde_json::Value::Null,
             pattern: None,
         }
@@ -277,76 +277,61 @@ impl Debugger {
         })
     }
 
-    /// Sets a bookmark at the cursor, if there is none yet.
-    pub fn bookmark(&mut self) {
-        let cursor = self.state.cursor();
-        let is_there = |mark: &Bookmark| self.marked(mark) == Marked::Here(cursor);
-        if !self.bookmarks.iter().any(is_there) {
-            let mark = self.anchored(Bookmark {
-                event: cursor,
-                ..Bookmark::default()
-            });
-            self.bookmarks.push(mark);
-            self.sort_bookmarks();
-        }
+    /// Adds a scene of the moment at the cursor, with this view, at `index` of the scenes or as the last.
+    pub fn add_scene(&mut self, index: usize, view: serde_json::Value) {
+        let scene = self.anchored(SavedScene {
+            event: self.state.cursor(),
+            view,
+            ..SavedScene::default()
+        });
+        self.scenes.insert(index.min(self.scenes.len()), scene);
     }
 
-    /// Returns where a bookmark is in this run.
+    /// Returns where a scene is in this run.
     #[must_use]
-    pub fn marked(&self, mark: &Bookmark) -> Marked {
+    pub fn marked(&self, mark: &SavedScene) -> Marked {
         if mark.run == self.run_id() && mark.event <= self.recording.len() {
             return Marked::Here(mark.event);
         }
-        let cursor = match &mark.anchor {
-            Some(anchor) => self.recording.anchored(anchor).map(|event| event + 1),
-            None => (mark.event == 0).then_some(0),
+        let cursor = match (mark.ends, &mark.anchor) {
+            (Some(stage), _) => self.recording.end_of(stage),
+            (None, Some(anchor)) => self.recording.anchored(anchor).map(|event| event + 1),
+            (None, None) => (mark.event == 0).then_some(0),
         };
         cursor.map_or(Marked::Nowhere, Marked::Like)
     }
 
-    /// Returns a bookmark with the run and the anchor that it lacks.
-    fn anchored(&self, mut mark: Bookmark) -> Bookmark {
+    /// Returns a scene with the run and the anchor that it lacks.
+    fn anchored(&self, mut mark: SavedScene) -> SavedScene {
         if mark.run.is_empty() {
             self.run_id().clone_into(&mut mark.run);
             let last = mark.event.checked_sub(1);
             mark.anchor = last.and_then(|event| self.recording.anchor(event));
+            mark.ends = self.recording.stage_ending_at(mark.event);
         }
         mark
     }
 
-    /// Sorts the bookmarks by their cursors in this run; those without one come last.
-    fn sort_bookmarks(&mut self) {
-        let mut marks = std::mem::take(&mut self.bookmarks);
-        marks.sort_by_cached_key(|mark| {
-            let marked = self.marked(mark);
-            let is_other = !matches!(marked, Marked::Here(_));
-            let cursor = marked.cursor().unwrap_or(usize::MAX);
-            (cursor, is_other, mark.run.clone(), mark.event)
-        });
-        self.bookmarks = marks;
-    }
-
-    /// Takes breakpoints, watches and bookmarks out of this session.
+    /// Takes breakpoints, watches and scenes out of this session.
     pub fn take_stops(&mut self) -> Stops {
         let breakpoints = self.saved_breakpoints();
         self.breakpoints.clear();
         Stops {
             breakpoints,
             watches: std::mem::take(&mut self.watches),
-            bookmarks: std::mem::take(&mut self.bookmarks),
+            scenes: std::mem::take(&mut self.scenes),
         }
     }
 
-    /// Replaces breakpoints, watches and bookmarks. A bookmark without a run counts as one of this run.
+    /// Replaces breakpoints, watches and scenes. A scene without a run counts as one of this run.
     pub fn put_stops(&mut self, stops: Stops) -> Result<(), SessionError> {
         self.breakpoints.clear();
         for saved in &stops.breakpoints {
             self.add_saved(saved)?;
         }
         self.watches = stops.watches;
-        let anchored = stops.bookmarks.into_iter().map(|mark| self.anchored(mark));
-        self.bookmarks = anchored.collect();
-        self.sort_bookmarks();
+        let anchored = stops.scenes.into_iter().map(|mark| self.anchored(mark));
+        self.scenes = anchored.collect();
         Ok(())
     }
 
@@ -375,7 +360,7 @@ impl Debugger {
             cursor: self.state.cursor(),
             breakpoints: self.saved_breakpoints(),
             watches: self.watches.clone(),
-            bookmarks: self.bookmarks.clone(),
+            scenes: self.scenes.clone(),
             view: self.view.clone(),
             pattern: self.pattern.clone(),
         }
@@ -413,16 +398,16 @@ impl Debugger {
         }
         let events = recording.len();
         let mut debugger = Self::new(recording, session.budget);
-        let of_this = |mark: &&Bookmark| mark.run.is_empty() || mark.run == debugger.run_id();
-        let named = session.bookmarks.iter().filter(of_this);
-        let named = named.map(|bookmark| bookmark.event);
+        let of_this = |mark: &&SavedScene| mark.run.is_empty() || mark.run == debugger.run_id();
+        let named = session.scenes.iter().filter(of_this);
+        let named = named.map(|scene| scene.event);
         if let Some(event) = named.chain([session.cursor]).find(|&event| event > events) {
             return Err(SessionError::NoSuchEvent { event, events });
         }
         debugger.put_stops(Stops {
             breakpoints: session.breakpoints.clone(),
             watches: session.watches.clone(),
-            bookmarks: session.bookmarks.clone(),
+            scenes: session.scenes.clone(),
         })?;
         debugger.view.clone_from(&session.view);
         debugger.pattern.clone_from(&session.pattern);

@@ -57,8 +57,8 @@ pub use query::{Query, QueryError};
 pub use recording::Recording;
 pub use sentence::{grouped, sentence, short};
 pub use session::{
-    Bookmark, MAX_BOOKMARKS, MAX_BUDGET, MAX_BYTES, MAX_SAMPLES, MAX_STOPS, MAX_TEXT, PatternFile,
-    SavedBreakpoint, Session, SessionError, VERSION, digest, pattern_digest,
+    MAX_BUDGET, MAX_BYTES, MAX_SAMPLES, MAX_SCENES, MAX_STOPS, MAX_TEXT, PatternFile,
+    SavedBreakpoint, SavedScene, Session, SessionError, VERSION, digest, pattern_digest,
 };
 pub use state::{State, StatusCounts};
 pub use tally::Density;

@@ -1,11 +1,11 @@
-//! Saved sessions: parameters, cursor, breakpoints, watches and bookmarks as JSON, and a digest of the result. The run
+//! Saved sessions: parameters, cursor, breakpoints, watches and scenes as JSON, and a digest of the result. The run
 //! itself is not saved. It is computed again, and the digest shows whether it is the same.
 
 use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
-use tilescope_core::{MAXIMAL_DENSITY, Observer, Parameters, Pattern, Run};
+use tilescope_core::{MAXIMAL_DENSITY, Observer, Parameters, Pattern, Run, Stage};
 
 use crate::anchor::Anchor;
 use crate::listing::Listings;
@@ -32,8 +32,8 @@ pub const MAX_SAMPLES: usize = if cfg!(target_arch = "wasm32") {
 /// The most breakpoints, and the most watches, of a saved session.
 pub const MAX_STOPS: usize = 1_000;
 
-/// The most bookmarks of a saved session.
-pub const MAX_BOOKMARKS: usize = 10_000;
+/// The most scenes of a saved session.
+pub const MAX_SCENES: usize = 10_000;
 
 /// The most bytes of a condition, a watch, a note or a path.
 pub const MAX_TEXT: usize = 10_000;
@@ -52,20 +52,27 @@ pub struct SavedBreakpoint {
     pub enabled: bool,
 }
 
-/// A bookmark of a cursor. It is kept when the parameters change: in the run in which it was set it is a number of
-/// events, in others it is found by its anchor.
+/// A moment to come back to, with a caption and a view. It is kept when the parameters change: in the run in which it was
+/// made it is a number of events, in others it is found by its anchor or by the stage that ends there.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Bookmark {
+pub struct SavedScene {
     /// How many events have happened, in the run in which it was set.
     pub event: usize,
-    /// The note.
-    pub note: String,
+    /// The caption.
+    #[serde(rename = "note")]
+    pub caption: String,
     /// The [`crate::Debugger::run_id`] of the run in which it was set. If empty, that of the session.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub run: String,
     /// The event before it; `None` at the start of a run.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub anchor: Option<Anchor>,
+    /// The stage that ends at the moment, if one does.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ends: Option<Stage>,
+    /// The view of the moment, not read here; null if none was saved.
+    #[serde(default, skip_serializing_if = "Value::is_null")]
+    pub view: Value,
 }
 
 /// A file with the pattern of a run.
@@ -94,8 +101,9 @@ pub struct Session {
     pub breakpoints: Vec<SavedBreakpoint>,
     /// The watched expressions.
     pub watches: Vec<String>,
-    /// The bookmarks.
-    pub bookmarks: Vec<Bookmark>,
+    /// The scenes.
+    #[serde(rename = "bookmarks")]
+    pub scenes: Vec<SavedScene>,
     /// The state of the user interface, not read here; null if there is none.
     #[serde(default, skip_serializing_if = "Value::is_null")]
     pub view: Value,
@@ -130,7 +138,7 @@ pub enum SessionError {
         /// The digest of the run.
         found: String,
     },
-    /// The cursor or a bookmark is past the end.
+    /// The cursor or a scene is past the end.
     #[error("the session names event {event}; the run has {events}")]
     NoSuchEvent {
         /// The event.
@@ -233,7 +241,7 @@ impl Session {
         within("events of budget", self.budget, MAX_BUDGET)?;
         within("breakpoints", self.breakpoints.len(), MAX_STOPS)?;
         within("watches", self.watches.len(), MAX_STOPS)?;
-        within("bookmarks", self.bookmarks.len(), MAX_BOOKMARKS)?;
+        within("scenes", self.scenes.len(), MAX_SCENES)?;
         let conditions = self
             .breakpoints
             .iter()
@@ -241,12 +249,12 @@ impl Session {
         longest("bytes in a condition", conditions)?;
         longest("bytes in a watch", self.watches.iter().map(String::as_str))?;
         longest(
-            "bytes in a note",
-            self.bookmarks.iter().map(|b| b.note.as_str()),
+            "bytes in a caption",
+            self.scenes.iter().map(|b| b.caption.as_str()),
         )?;
         longest(
-            "bytes in a bookmark's run",
-            self.bookmarks.iter().map(|b| b.run.as_str()),
+            "bytes in a scene's run",
+            self.scenes.iter().map(|b| b.run.as_str()),
         )?;
         longest(
             "bytes in a path",

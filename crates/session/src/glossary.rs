@@ -83,7 +83,7 @@ glossary! {
     RECORDING, "recording", "", "A run with all of its events.";
     CURSOR, "cursor", "", "How many events have happened at the moment that is looked at.";
     MOMENT, "moment", "", "The state of a run after some of its events, or after a stage where no events were kept.";
-    SESSION, "session", "", "A run that is looked at, with its verdict. A saved session also has breakpoints, bookmarks and the view.";
+    SESSION, "session", "", "A run that is looked at, with its verdict. A saved session also has breakpoints, scenes and the view.";
     TASK, "task", "", "Work in the background on plain data: a thread natively, a worker on a page.";
     CERTIFICATE, "certificate", "", "The file beside an exported set: parameters, verdict and digest of what was written.";
     WITNESS, "witness", "", "What proves a verdict: the closest pair, the largest empty circle, a conflict, the centre of a gap.";

@@ -22,6 +22,7 @@ use crate::files::FileCommand;
 use crate::help::HelpPage;
 use crate::layout::Panel;
 use crate::passes::PassCommand;
+use crate::scenes::SceneCommand;
 
 /// A move in time.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -79,12 +80,6 @@ pub enum DebugCommand {
     EditWatch(usize, String),
     /// Stops watching an expression.
     RemoveWatch(usize),
-    /// Adds a bookmark at the moment.
-    Bookmark,
-    /// Sets the note of a bookmark.
-    Note(usize, String),
-    /// Removes a bookmark.
-    RemoveBookmark(usize),
     /// Goes to the cause of the last event.
     Why,
     /// Goes to the moment after an event and all events inside it.
@@ -236,7 +231,9 @@ pub enum Command {
     Cancel(Which),
     /// Moves in time.
     Time(TimeCommand),
-    /// Changes breakpoints, watches, bookmarks or the event browser.
+    /// Makes, changes and shows scenes.
+    Scene(SceneCommand),
+    /// Changes breakpoints, watches or the event browser.
     Debug(DebugCommand),
     /// Changes the view of a run.
     View(Which, ViewCommand),

@@ -63,7 +63,7 @@ impl Purpose {
     pub const fn explanation(self) -> &'static str {
         match self {
             Self::Save => {
-                "Parameters, moment, breakpoints, watches, bookmarks and view are written; the run is computed again when the session is opened."
+                "Parameters, moment, breakpoints, watches, scenes and view are written; the run is computed again when the session is opened."
             }
             Self::Open => {
                 "The run is computed again, and its digest proves that it is the one that was saved."

@@ -40,9 +40,9 @@ pub enum Panel {
     /// The events around the moment, and those that a query finds.
     #[serde(alias = "Events")]
     Events,
-    /// Bookmarked events.
-    #[serde(alias = "Bookmarks")]
-    Bookmarks,
+    /// Scenes, and breakpoints.
+    #[serde(alias = "bookmarks", alias = "Bookmarks")]
+    Scenes,
     /// Watched expressions, and the conditions of breakpoints.
     #[serde(alias = "Watches")]
     Watches,
@@ -101,7 +101,7 @@ const ROWS: [PanelRow; 14] = [
     row(Panel::Statistics, "Statistics", 's', (Slot::Upper, 1)),
     row(Panel::Verification, "Verification", 'v', (Slot::Lower, 0)),
     row(Panel::Events, "Events", 'e', (Slot::Left, 1)),
-    row(Panel::Bookmarks, "Bookmarks", 'b', (Slot::Left, 2)),
+    row(Panel::Scenes, "Scenes", 'b', (Slot::Left, 2)),
     row(Panel::Watches, "Watches", 'w', (Slot::Lower, 2)),
     row(Panel::Analysis, "Analysis", 'a', (Slot::Left, 3)),
     row(Panel::Compare, "Compare", 'x', (Slot::Upper, 2)),

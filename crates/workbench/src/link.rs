@@ -53,8 +53,8 @@ pub const MAX_PATTERN_SIDE: f64 = if cfg!(target_arch = "wasm32") {
 /// The most breakpoints of a link, and the most watches.
 pub const MAX_STOPS: usize = 32;
 
-/// The most bookmarks of a link.
-pub const MAX_BOOKMARKS: usize = 64;
+/// The most scenes of a link.
+pub const MAX_SCENES: usize = 64;
 
 /// The most characters of a condition, a watch or a note in a link.
 pub const MAX_TEXT: usize = 200;

@@ -9,6 +9,7 @@ pub use crate::appearance::Appearance;
 use crate::command::{AppearanceCommand, Command, LinkCommand, ViewCommand, Which};
 use crate::export::ExportCommand;
 use crate::layout::Panel;
+use crate::scenes::ShownScene;
 use effects::{Context, Effect};
 pub use export::{ExportSource, Exports};
 pub use form::Form;
@@ -86,6 +87,8 @@ pub struct State {
     pub gpu: GpuState,
     /// The analysis.
     pub analysis: Analysis,
+    /// The scene that is shown, if one is.
+    pub scene: Option<ShownScene>,
     /// Links.
     pub links: Links,
     /// Messages to the user.
@@ -107,6 +110,7 @@ impl State {
             files: FileState::default(),
             gpu: GpuState::default(),
             analysis: Analysis::default(),
+            scene: None,
             links: Links::default(),
             messages: Messages::default(),
             history: undo::History::default(),
@@ -230,6 +234,7 @@ impl State {
                 let shown = self.runs.first.shown();
                 self.analysis.apply(command, shown.as_ref());
             }
+            Command::Scene(command) => self.apply_to_scenes(command),
             Command::Debug(command) => {
                 self.on(Which::First, |run, context| {
                     run.apply_to_debugger(command, context);
@@ -360,6 +365,7 @@ mod page;
 mod parts;
 mod remote;
 pub mod run_view;
+mod scenes;
 #[cfg(test)]
 mod tests;
 mod time;

@@ -19,6 +19,9 @@ use tilescope_drawing::camera::{Camera, MAX_SCALE, MIN_SCALE};
 /// The farthest that any domain reaches from the origin, in r.
 pub const MAX_OFFSET: f64 = 200_000.0;
 
+/// The widest view of a scene across its shorter side, in r.
+pub const MAX_RADII: f64 = 4.0 * MAX_OFFSET;
+
 /// Stands for layers that follow the stage.
 pub const AUTOMATIC: &str = "automatic";
 
@@ -210,6 +213,7 @@ fn layout(saved: Value) -> Option<Layout> {
 }
 
 /// Returns the layers, `None` within for those of the stage. Layers unknown to this version are ignored.
+#[allow(clippy::option_option, reason = "the shape of the other parts")]
 fn layers(saved: Value) -> Option<Option<Layers>> {
     if saved.as_str() == Some(AUTOMATIC) {
         return Some(None);

@@ -12,6 +12,7 @@ use tilescope_workbench::command::{
     AppearanceCommand, DebugCommand, TimeCommand, ViewCommand, Which, WindowCommand,
 };
 use tilescope_workbench::embedding::Embedding;
+use tilescope_workbench::scenes::SceneCommand;
 
 /// A window without a display.
 struct Window {
@@ -337,11 +338,11 @@ fn the_default_session_has_its_gaps_where_it_fits() {
 }
 
 #[test]
-fn a_bookmark_and_a_row_lead_to_the_same_moment() {
+fn a_scene_and_a_row_lead_to_the_same_moment() {
     let mut window = Window::opened([1440.0, 900.0]);
     window.apply(Command::Window(WindowCommand::OpenPanel(Panel::Events)));
     window.apply(Command::Time(TimeCommand::Jump(4_000)));
-    window.apply(Command::Debug(DebugCommand::Bookmark));
+    window.apply(Command::Scene(SceneCommand::Add));
     window.apply(Command::Time(TimeCommand::FirstStage));
     let last = window
         .app
@@ -351,7 +352,7 @@ fn a_bookmark_and_a_row_lead_to_the_same_moment() {
         .debugger
         .as_ref()
         .unwrap()
-        .bookmarks[0]
+        .scenes[0]
         .event
         - 1;
     window.apply(Command::Debug(DebugCommand::SelectEvent(last)));

@@ -11,8 +11,8 @@ use super::compare::CompareContext;
 use super::context::{PanelContext, TimeContext};
 use super::parameters::FormContext;
 use super::{
-    analysis, bookmarks, compare, events, inspector, layers, legend, parameters, pseudocode,
-    stages, timeline, verification, watches,
+    analysis, compare, events, inspector, layers, legend, parameters, pseudocode, scenes, stages,
+    timeline, verification, watches,
 };
 use crate::actions::keys_of;
 use crate::panes::Canvas;
@@ -67,12 +67,12 @@ fn row(panel: Panel) -> (Room, Show) {
                 timeline::show(ui, &TimeContext::of(state), commands);
             }),
         ),
-        Panel::Bookmarks => (
+        Panel::Scenes => (
             Scrolled,
             Parts(|ui, state, commands| {
                 let run_on = Command::Time(TimeCommand::Continue(Direction::Forwards));
                 let keys = keys_of(state, &run_on);
-                bookmarks::show(ui, &PanelContext::of(state), keys, commands);
+                scenes::show(ui, &PanelContext::of(state), state.scene, keys, commands);
             }),
         ),
         Panel::Legend => (

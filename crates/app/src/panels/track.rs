@@ -1,4 +1,4 @@
-//! The track of the timeline: a segment per stage, wider the more events it has, with the cursor, bookmarks and the
+//! The track of the timeline: a segment per stage, wider the more events it has, with the cursor, scenes and the
 //! loop. Click or drag to move in time.
 
 use std::ops::Range;
@@ -240,7 +240,7 @@ fn hits(
     }
 }
 
-/// Draws bookmarks, breakpoint hits and the loop.
+/// Draws scenes, breakpoint hits and the loop.
 fn marks(
     painter: &Painter,
     context: &TimeContext<'_>,
@@ -264,7 +264,7 @@ fn marks(
         return;
     };
     hits(painter, context, segments, rect, palette);
-    for mark in &debugger.bookmarks {
+    for mark in &debugger.scenes {
         let marked = debugger.marked(mark);
         let Some(cursor) = marked.cursor() else {
             continue;

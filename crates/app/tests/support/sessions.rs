@@ -14,6 +14,7 @@ use tilescope_workbench::command::{
 };
 use tilescope_workbench::draft::Field;
 use tilescope_workbench::files::{FileCommand, Purpose};
+use tilescope_workbench::scenes::SceneCommand;
 
 use super::{opened, settle};
 
@@ -53,7 +54,7 @@ pub fn notice(harness: &Harness<'_, App>) -> (String, bool) {
     (notice.text, notice.is_error)
 }
 
-/// A small run with a breakpoint, a watch and a bookmark, in the middle of elimination.
+/// A small run with a breakpoint, a watch and a scene, in the middle of elimination.
 pub fn busy() -> Harness<'static, App> {
     let mut harness = opened();
     apply(
@@ -76,9 +77,9 @@ pub fn busy() -> Harness<'static, App> {
     let pick = ViewCommand::Pick(Selection::Sample(40));
     apply(&mut harness, Command::View(Which::First, pick));
     apply(&mut harness, Command::Time(TimeCommand::Jump(3_000)));
-    apply(&mut harness, Command::Debug(DebugCommand::Bookmark));
-    let note = DebugCommand::Note(0, "here".to_owned());
-    apply(&mut harness, Command::Debug(note));
+    apply(&mut harness, Command::Scene(SceneCommand::Add));
+    let caption = SceneCommand::Caption(0, "here".to_owned());
+    apply(&mut harness, Command::Scene(caption));
     apply(&mut harness, Command::Time(TimeCommand::Jump(3_456)));
     apply(&mut harness, Command::Time(TimeCommand::Clock(Clock::Line)));
     apply(

@@ -26,7 +26,7 @@ const TABS: [(&str, Panel, &str); 14] = [
     ("tab.statistics", Panel::Statistics, "row.tile"),
     ("tab.verification", Panel::Verification, "largest-hole"),
     ("tab.events", Panel::Events, "find-events"),
-    ("tab.bookmarks", Panel::Bookmarks, "no-bookmarks"),
+    ("tab.scenes", Panel::Scenes, "no-scenes"),
     ("tab.watches", Panel::Watches, "add-watch"),
     ("tab.analysis", Panel::Analysis, "brush.status"),
     ("tab.compare", Panel::Compare, "compare.keep"),
@@ -134,11 +134,11 @@ fn the_size_of_the_window_decides_at_once_and_tiles_stay() {
     harness
         .state_mut()
         .state
-        .apply(Command::Window(WindowCommand::OpenPanel(Panel::Bookmarks)));
+        .apply(Command::Window(WindowCommand::OpenPanel(Panel::Scenes)));
     settle(&mut harness);
     assert_eq!(
         harness.state().state.window.drawer.open,
-        Some(Panel::Bookmarks)
+        Some(Panel::Scenes)
     );
     harness.set_size(vec2(844.0, 390.0));
     harness.step();

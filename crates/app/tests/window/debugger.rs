@@ -1,4 +1,4 @@
-//! The debugger by clicks and keys: breakpoints, steps both ways, the event browser, bookmarks, watches.
+//! The debugger by clicks and keys: breakpoints, steps both ways, the event browser, scenes, watches.
 
 use egui::{Key, Modifiers};
 use egui_kittest::Harness;
@@ -42,7 +42,7 @@ fn a_conditional_breakpoint_stops_where_it_holds() {
     press(&mut harness, Modifiers::NONE, Key::Home);
     apply(
         &mut harness,
-        Command::Window(WindowCommand::OpenPanel(Panel::Bookmarks)),
+        Command::Window(WindowCommand::OpenPanel(Panel::Scenes)),
     );
     node(&harness, "eliminate.5.condition").focus();
     harness.run();
@@ -237,27 +237,27 @@ fn a_sample_tells_its_history_and_why_leads_to_the_cause() {
 }
 
 #[test]
-fn bookmarks_and_watches_stay_with_their_moments() {
+fn scenes_and_watches_stay_with_their_moments() {
     let mut harness = opened();
     press(&mut harness, Modifiers::SHIFT, Key::I);
     let at = cursor(&harness);
     press(&mut harness, Modifiers::NONE, Key::B);
     apply(
         &mut harness,
-        Command::Window(WindowCommand::OpenPanel(Panel::Bookmarks)),
+        Command::Window(WindowCommand::OpenPanel(Panel::Scenes)),
     );
-    node(&harness, "bookmark-1.note").focus();
+    node(&harness, "scene-1.caption").focus();
     harness.run();
-    node(&harness, "bookmark-1.note").type_text("the last one");
+    node(&harness, "scene-1.caption").type_text("the last one");
     harness.run();
     press(&mut harness, Modifiers::NONE, Key::Enter);
     apply(&mut harness, Command::Time(TimeCommand::FirstStage));
     let number = tilescope_session::words::grouped(at);
-    assert!(text(&harness, "bookmark-1").contains(&number));
-    node(&harness, "bookmark-1").click();
+    assert!(text(&harness, "scene-1").contains(&number));
+    node(&harness, "scene-1").click();
     harness.run();
     assert_eq!(cursor(&harness), at);
-    assert_eq!(debugger(&harness).bookmarks[0].note, "the last one");
+    assert_eq!(debugger(&harness).scenes[0].caption, "the last one");
     apply(
         &mut harness,
         Command::Window(WindowCommand::OpenPanel(Panel::Watches)),
@@ -316,21 +316,19 @@ fn tabs_and_layers_fill_no_undo_and_moved_panels_do() {
         Command::Appearance(AppearanceCommand::ToggleLayer(Layer::Disks)),
     );
     let layers = harness.state().state.appearance.chosen_layers;
-    node(&harness, "tab.bookmarks").click();
+    node(&harness, "tab.scenes").click();
     harness.run();
-    assert!(harness.state().state.window.layout.shows(Panel::Bookmarks));
+    assert!(harness.state().state.window.layout.shows(Panel::Scenes));
     press(&mut harness, Modifiers::COMMAND, Key::Z);
     assert_eq!(harness.state().state.form.draft.text(Field::Seed), seed);
     let state = &harness.state().state;
-    assert!(
-        state.window.layout.shows(Panel::Bookmarks) && state.appearance.chosen_layers == layers
-    );
+    assert!(state.window.layout.shows(Panel::Scenes) && state.appearance.chosen_layers == layers);
     press(&mut harness, Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
     assert_eq!(harness.state().state.form.draft.text(Field::Seed), "7");
     apply(&mut harness, Command::Window(WindowCommand::ResetLayout));
     assert_eq!(harness.state().state.window.layout, start);
     press(&mut harness, Modifiers::COMMAND, Key::Z);
-    assert!(harness.state().state.window.layout.shows(Panel::Bookmarks));
+    assert!(harness.state().state.window.layout.shows(Panel::Scenes));
 }
 
 #[test]

@@ -17,6 +17,7 @@ use tilescope_workbench::compare::{CompareCommand, ComparePreset};
 use tilescope_workbench::device::Engine;
 use tilescope_workbench::draft::Field;
 use tilescope_workbench::layout::Panel;
+use tilescope_workbench::scenes::SceneCommand;
 
 use crate::support::{find, node, opened_at, settle};
 
@@ -55,7 +56,7 @@ fn busy(size: [f32; 2]) -> Harness<'static, App> {
         Command::Debug(DebugCommand::ToggleBreakpoint(line)),
         Command::Debug(DebugCommand::Condition(0, "distance < 0.5".to_owned())),
         Command::Debug(DebugCommand::Watch("distance".to_owned())),
-        Command::Debug(DebugCommand::Bookmark),
+        Command::Scene(SceneCommand::Add),
         Command::View(Which::First, ViewCommand::Pick(Selection::Sample(40))),
         Command::Compare(CompareCommand::Start(ComparePreset::Order)),
     ] {
@@ -286,7 +287,7 @@ const TABS: [&str; 14] = [
     "Statistics",
     "Verification",
     "Events",
-    "Bookmarks",
+    "Scenes",
     "Watches",
     "Analysis",
     "Compare",

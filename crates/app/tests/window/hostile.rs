@@ -152,8 +152,8 @@ fn sessions_that_could_not_be_reopened_are_not_saved() {
     let path = folder("too-much").join("notes.json");
     let mut harness = busy();
     let note = "n".repeat(10_001);
-    let note = tilescope_workbench::command::DebugCommand::Note(0, note);
-    apply(&mut harness, Command::Debug(note));
+    let note = tilescope_workbench::scenes::SceneCommand::Caption(0, note);
+    apply(&mut harness, Command::Scene(note));
     go(&mut harness, Purpose::Save, &path);
     let (message, is_error) = notice(&harness);
     assert!(is_error && message.contains("10000"), "{message}");

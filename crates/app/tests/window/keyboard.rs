@@ -73,7 +73,7 @@ fn a_session_needs_no_mouse() {
     act(&mut harness, "go-time-step-into-backwards");
     assert_eq!(next_kind(&harness), Some(EventKind::Eliminate));
     act(&mut harness, "debug-debug-toggle-breakpoint");
-    act(&mut harness, "view-window-open-panel-bookmarks");
+    act(&mut harness, "view-window-open-panel-scenes");
     tab_to(&mut harness, "eliminate.5.condition");
     harness.event(Event::Text("distance < 0.3".to_owned()));
     harness.run();
@@ -103,7 +103,7 @@ fn a_session_needs_no_mouse() {
     press(&mut harness, NONE, Key::F5);
     assert_eq!(cursor(&harness), stopped);
     press(&mut harness, NONE, Key::B);
-    assert_eq!(debugger(&harness).bookmarks[0].event, stopped);
+    assert_eq!(debugger(&harness).scenes[0].event, stopped);
 
     // Pan, and select at the centre.
     act(&mut harness, "view-view-first-zoom");

@@ -17,6 +17,7 @@ use tilescope_workbench::draft::Field;
 use tilescope_workbench::export::{ExportCommand, ExportKind};
 use tilescope_workbench::files::{FileCommand, Purpose};
 use tilescope_workbench::layout::Panel;
+use tilescope_workbench::scenes::SceneCommand;
 
 use crate::support::sessions::{apply, busy};
 use crate::support::{ids, node, opened_at, settle};
@@ -58,7 +59,7 @@ fn check(harness: &Harness<'_, App>, view: &str) {
     assert!(ids.len() > 8 && twice.is_empty(), "{view}: {twice:?}");
 }
 
-/// Adds two each of watches, bookmarks and breakpoints.
+/// Adds two each of watches, scenes and breakpoints.
 fn crowded() -> Harness<'static, App> {
     let mut harness = busy();
     let line = tilescope_debugger::Listings::shipped()
@@ -68,7 +69,7 @@ fn crowded() -> Harness<'static, App> {
         Command::Debug(DebugCommand::ToggleBreakpoint(line)),
         Command::Debug(DebugCommand::Watch("block".to_owned())),
         Command::Time(TimeCommand::Jump(3_100)),
-        Command::Debug(DebugCommand::Bookmark),
+        Command::Scene(SceneCommand::Add),
         Command::View(Which::First, ViewCommand::Pick(Selection::Sample(40))),
         Command::Compare(CompareCommand::Start(ComparePreset::Order)),
     ] {

@@ -23,6 +23,7 @@ use tilescope_workbench::export::{ExportCommand, ExportKind, NumberField};
 use tilescope_workbench::files::{FileCommand, Purpose};
 use tilescope_workbench::layout::Panel;
 use tilescope_workbench::passes::{PassCommand, PassSide};
+use tilescope_workbench::scenes::SceneCommand;
 
 use crate::analysis_panel::noise;
 use crate::sessions::pattern;
@@ -359,17 +360,17 @@ fn two_runs_and_the_debugger() {
     let pick = ViewCommand::Pick(Selection::Sample(40));
     window.after([Command::View(Which::First, pick)]);
     window.shows(&[("history", "History: * events")]);
-    window.after([Command::Window(WindowCommand::OpenPanel(Panel::Bookmarks))]);
-    window.shows(&[("no-bookmarks", "Press B to bookmark this moment.")]);
-    window.after([Command::Debug(DebugCommand::Bookmark)]);
+    window.after([Command::Window(WindowCommand::OpenPanel(Panel::Scenes))]);
+    window.shows(&[("no-scenes", "Press B to make a scene of this moment and its view. PageDown and PageUp step through them.")]);
+    window.after([Command::Scene(SceneCommand::Add)]);
     let listings = Command::Window(WindowCommand::OpenPanel(Panel::Pseudocode));
     let jump = |at| Command::Time(TimeCommand::Jump(at));
     window.after([Command::Debug(DebugCommand::Watch(
         "inserted + 1".to_owned(),
     ))]);
     window.shows(&[
-        ("bookmark-1", "event *"),
-        ("bookmark-1.note", "Note of bookmark 1"),
+        ("scene-1", "1  event *"),
+        ("scene-1.caption", "Caption of scene 1"),
     ]);
     window.after([listings]);
     window.shows(&[("eliminate.5.breakpoint", "Breakpoint on line eliminate.5")]);

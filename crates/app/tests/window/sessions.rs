@@ -55,7 +55,7 @@ fn a_session_is_opened_where_it_was_left() {
     assert!(state.window.layout.shows(Panel::Events));
     assert_eq!(state.form.draft.parameters, before.parameters);
     assert_eq!(
-        state.runs.first.debugger.as_ref().unwrap().bookmarks[0].note,
+        state.runs.first.debugger.as_ref().unwrap().scenes[0].caption,
         "here"
     );
 }

@@ -15,6 +15,7 @@ use tilescope_workbench::compare::{CompareCommand, ComparePreset};
 use tilescope_workbench::draft::Field;
 use tilescope_workbench::embedding::Embedding;
 use tilescope_workbench::layout::{Layout, Panel};
+use tilescope_workbench::scenes::SceneCommand;
 
 use crate::support::{find, opened_at, settle};
 
@@ -47,8 +48,8 @@ fn prepared(size: [f32; 2]) -> Harness<'static, App> {
         Command::Debug(DebugCommand::Condition(0, "distance < 0.5".to_owned())),
         Command::Debug(DebugCommand::Watch("distance".to_owned())),
         Command::Debug(DebugCommand::Watch("nonsense(".to_owned())),
-        Command::Debug(DebugCommand::Bookmark),
-        Command::Debug(DebugCommand::Note(0, "the first one dies".to_owned())),
+        Command::Scene(SceneCommand::Add),
+        Command::Scene(SceneCommand::Caption(0, "the first one dies".to_owned())),
         Command::View(Which::First, ViewCommand::Pick(Selection::Sample(40))),
         Command::Compare(CompareCommand::Start(ComparePreset::Order)),
     ] {

@@ -1,9 +1,9 @@
 //! Integration tests of `tilescope-debugger`.
 
-mod bookmarks;
 mod divergence;
 mod finding;
 mod saved;
+mod scenes;
 mod sentences;
 mod sessions;
 mod support;

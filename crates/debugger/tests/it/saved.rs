@@ -5,8 +5,8 @@ use std::sync::Arc;
 use serde_json::json;
 use tilescope_core::{Parameters, Pattern, PatternSpec, Unobserved};
 use tilescope_debugger::{
-    Bookmark, DEFAULT_BUDGET, Debugger, MAX_BOOKMARKS, MAX_BUDGET, MAX_SAMPLES, MAX_TEXT,
-    PatternFile, Recording, Session, SessionError, pattern_digest,
+    DEFAULT_BUDGET, Debugger, MAX_BUDGET, MAX_SAMPLES, MAX_SCENES, MAX_TEXT, PatternFile,
+    Recording, SavedScene, Session, SessionError, pattern_digest,
 };
 
 use crate::support::{record, variants};
@@ -122,16 +122,16 @@ fn a_session_that_asks_for_too_much_is_refused_with_value_and_limit() {
     };
     let expected = format!("{} events of budget; at most {MAX_BUDGET}", usize::MAX);
     assert!(refused(&budget).contains(&expected));
-    let first = Bookmark {
+    let first = SavedScene {
         event: 1,
-        ..Bookmark::default()
+        ..SavedScene::default()
     };
-    let bookmarks = vec![first.clone(); MAX_BOOKMARKS + 1];
+    let scenes = vec![first.clone(); MAX_SCENES + 1];
     let many = Session {
-        bookmarks,
+        scenes,
         ..good.clone()
     };
-    assert!(refused(&many).contains("has 10001 bookmarks; at most 10000"));
+    assert!(refused(&many).contains("has 10001 scenes; at most 10000"));
     let watches = vec!["p".to_owned(); 1_001];
     let watched = Session {
         watches,
@@ -157,9 +157,9 @@ fn a_session_that_asks_for_too_much_is_refused_with_value_and_limit() {
         error.contains("expected samples; at most") && error.contains(&MAX_SAMPLES.to_string())
     );
     // What is at the limit is taken.
-    let bookmarks = vec![first; MAX_BOOKMARKS];
+    let scenes = vec![first; MAX_SCENES];
     let most = Session {
-        bookmarks,
+        scenes,
         budget: MAX_BUDGET,
         ..good
     };
@@ -167,22 +167,22 @@ fn a_session_that_asks_for_too_much_is_refused_with_value_and_limit() {
 }
 
 #[test]
-fn a_million_bookmarks_and_deep_views_are_refused() {
+fn a_million_scenes_and_deep_views_are_refused() {
     let text = plain().to_json().unwrap();
-    let bookmark = r#"{"event":1,"note":"n"}"#;
-    let list = vec![bookmark; 1_000_000].join(",");
-    let million = text.replace("\"bookmarks\": []", &format!("\"bookmarks\": [{list}]"));
+    let scene = r#"{"event":1,"note":"n"}"#;
+    let list = vec![scene; 1_000_000].join(",");
+    let million = text.replace("\"scenes\": []", &format!("\"scenes\": [{list}]"));
     assert_ne!(million, text);
     let error = Session::from_json(&million).unwrap_err().to_string();
     assert!(error.contains("bytes; at most 16000000"), "{error}");
-    let list = vec![bookmark; 400_000].join(",");
-    let many = text.replace("\"bookmarks\": []", &format!("\"bookmarks\": [{list}]"));
+    let list = vec![scene; 400_000].join(",");
+    let many = text.replace("\"scenes\": []", &format!("\"scenes\": [{list}]"));
     let error = Session::from_json(&many).unwrap_err().to_string();
-    assert!(error.contains("400000 bookmarks; at most 10000"), "{error}");
+    assert!(error.contains("400000 scenes; at most 10000"), "{error}");
     let deep = format!("{}{}", "[".repeat(100_000), "]".repeat(100_000));
     let deep = text.replace(
-        "\"bookmarks\": []",
-        &format!("\"bookmarks\": [], \"view\": {deep}"),
+        "\"scenes\": []",
+        &format!("\"scenes\": [], \"view\": {deep}"),
     );
     assert!(matches!(
         Session::from_json(&deep),

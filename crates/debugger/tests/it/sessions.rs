@@ -337,8 +337,8 @@ fn a_saved_session_comes_back_as_it_was() {
     debugger.enable_breakpoint(0, false);
     debugger.watches_mut().push("kept".to_owned());
     debugger.jump(77);
-    debugger.bookmark();
-    debugger.bookmarks[0].note = "look here".to_owned();
+    debugger.add_scene(usize::MAX, serde_json::Value::Null);
+    debugger.scenes[0].caption = "look here".to_owned();
     debugger.jump(1234);
     let text = debugger.session().to_json().unwrap();
     let session = Session::from_json(&text).unwrap();

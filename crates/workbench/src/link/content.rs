@@ -2,7 +2,7 @@
 
 use tilescope_core::Parameters;
 use tilescope_core::combine::file::Layout as Combination;
-use tilescope_debugger::{Bookmark, SavedBreakpoint};
+use tilescope_debugger::{SavedBreakpoint, SavedScene};
 
 use crate::view::SavedView;
 
@@ -33,6 +33,6 @@ pub struct LinkContent {
     pub breakpoints: Vec<SavedBreakpoint>,
     /// The watched expressions.
     pub watches: Vec<String>,
-    /// The bookmarks.
-    pub bookmarks: Vec<Bookmark>,
+    /// The scenes.
+    pub scenes: Vec<SavedScene>,
 }

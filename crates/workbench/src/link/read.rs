@@ -8,7 +8,7 @@ use glam::DVec2;
 
 use tilescope_core::combine::file::{Layout as Combination, PieceSource, PlacedPiece};
 use tilescope_core::{MAXIMAL_DENSITY, Parameters, PatternSpec};
-use tilescope_debugger::{Bookmark, Listings, SavedBreakpoint};
+use tilescope_debugger::{Listings, SavedBreakpoint, SavedScene};
 use tilescope_session::combination::NINE;
 use tilescope_session::layers::{Colouring, Layer, Layers};
 use tilescope_session::look::Look;
@@ -20,7 +20,7 @@ use super::parameters::{self, KEYS, VARIANT};
 use super::text::{from_base64, items, named, numbers, pairs};
 use super::warnings::{LinkWarnings, quoted};
 use super::write::{LINKS, NINE_SETS, layer_name};
-use super::{MAX_BOOKMARKS, MAX_BYTES, MAX_COMBINATION, MAX_SAMPLES, MAX_STOPS, MAX_TEXT, VERSION};
+use super::{MAX_BYTES, MAX_COMBINATION, MAX_SAMPLES, MAX_SCENES, MAX_STOPS, MAX_TEXT, VERSION};
 use crate::clock::Clock;
 use crate::layout;
 use crate::view::{is_near, sound_camera, speed, whole_run};
@@ -283,10 +283,8 @@ impl LinkReader {
     fn stops(&mut self, content: &mut LinkContent) {
         content.breakpoints = self.list("break", "breakpoint", MAX_STOPS, breakpoint);
         content.watches = self.list("watch", "watch", MAX_STOPS, short);
-        content.bookmarks = self.list("mark", "bookmark", MAX_BOOKMARKS, bookmark);
-        let marks = &mut content.bookmarks;
-        marks.sort_by(|a, b| (&a.run, a.event).cmp(&(&b.run, b.event)));
-        marks.dedup_by(|a, b| (&a.run, a.event) == (&b.run, b.event));
+        content.scenes = self.list("mark", "scene", MAX_SCENES, scene);
+        content.scenes.dedup();
     }
 
     fn list<T>(
@@ -324,18 +322,19 @@ fn short(text: &str) -> Option<String> {
     (text.chars().count() <= MAX_TEXT).then(|| text.to_owned())
 }
 
-/// Reads an event and its note; a bookmark of another run has the run and an anchor between them.
-fn bookmark(text: &str) -> Option<Bookmark> {
+/// Reads an event and its note; a scene of another run has the run and an anchor between them.
+fn scene(text: &str) -> Option<SavedScene> {
     let (mark, note) = text.split_once(':').unwrap_or((text, ""));
     let mut parts = mark.split('@');
     let event = parts.next()?.parse().ok()?;
     let run = short(parts.next().unwrap_or_default())?;
     let anchor = parts.next().map(|anchor| anchor.parse().ok());
-    Some(Bookmark {
+    Some(SavedScene {
         event,
-        note: short(note)?,
+        caption: short(note)?,
         run,
         anchor: anchor.map_or(Some(None), |read| read.map(Some))?,
+        ..SavedScene::default()
     })
     .filter(|_| parts.next().is_none())
 }

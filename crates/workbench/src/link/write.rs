@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 use tilescope_core::Parameters;
-use tilescope_debugger::{Bookmark, SavedBreakpoint};
+use tilescope_debugger::{SavedBreakpoint, SavedScene};
 use tilescope_session::combination::NINE;
 use tilescope_session::layers::{Layer, Layers};
 use tilescope_session::selection::Selection;
@@ -11,7 +11,7 @@ use tilescope_session::words::counted;
 use super::content::{LinkContent, NamedMoment};
 use super::parameters::differing;
 use super::text::{base64, escaped, exact, item, name, rounded, slug};
-use super::{MAX_BOOKMARKS, MAX_CHARACTERS, MAX_COMBINATION, MAX_STOPS, MAX_TEXT, VERSION};
+use super::{MAX_CHARACTERS, MAX_COMBINATION, MAX_SCENES, MAX_STOPS, MAX_TEXT, VERSION};
 use crate::layout;
 use tilescope_drawing::camera::Camera;
 
@@ -169,8 +169,8 @@ impl Writer {
             })
         };
         let watch = |text: &String| fits(text).then(|| escaped(&item(text)));
-        let mark = |mark: &Bookmark| {
-            let note: String = mark.note.chars().take(MAX_TEXT).collect();
+        let mark = |mark: &SavedScene| {
+            let note: String = mark.caption.chars().take(MAX_TEXT).collect();
             let colon = if note.is_empty() { "" } else { ":" };
             let run = match &mark.anchor {
                 _ if mark.run.is_empty() => String::new(),
@@ -191,13 +191,13 @@ impl Writer {
             breakpoint,
         );
         self.list("watch", "watches", MAX_STOPS, &content.watches, watch);
-        self.list("mark", "bookmarks", MAX_BOOKMARKS, &content.bookmarks, mark);
-        let long = content.bookmarks.iter().filter(|mark| !fits(&mark.note));
+        self.list("mark", "scenes", MAX_SCENES, &content.scenes, mark);
+        let long = content.scenes.iter().filter(|mark| !fits(&mark.caption));
         match long.count() {
             0 => {}
             count => self.left_out.push(format!(
                 "the ends of {} of more than {MAX_TEXT} characters",
-                counted(count, "note", "notes")
+                counted(count, "caption", "captions")
             )),
         }
     }

@@ -150,7 +150,7 @@ fn the_limits_of_a_page_are_documented() {
         grouped(link::MAX_BYTES),
         grouped(link::MAX_CHARACTERS),
         link::MAX_STOPS.to_string(),
-        link::MAX_BOOKMARKS.to_string(),
+        link::MAX_SCENES.to_string(),
         link::MAX_TEXT.to_string(),
         grouped(MAX_BYTES),
     ];

@@ -149,7 +149,7 @@ impl State {
     fn swap(&mut self) {
         if let Some((mut side, comparison)) = self.runs.second.take() {
             let viewports = (self.runs.first.viewport, side.viewport);
-            // Breakpoints, watches and bookmarks stay with the first run, as the panels show them.
+            // Breakpoints, watches and scenes stay with the first run, as the panels show them.
             let stops = self.runs.first.take_stops();
             std::mem::swap(&mut self.runs.first, &mut side);
             (self.runs.first.viewport, side.viewport) = viewports;

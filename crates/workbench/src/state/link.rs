@@ -2,7 +2,7 @@
 //! moment, view and the rest are applied.
 
 use tilescope_core::Parameters;
-use tilescope_debugger::{Bookmark, Stops};
+use tilescope_debugger::{SavedScene, Stops};
 use tilescope_session::recipe::Recipe;
 use tilescope_session::selection::Selection;
 use tilescope_session::words::{counted, grouped, stage_name};
@@ -50,9 +50,9 @@ impl State {
         if let Some(debugger) = &self.runs.first.debugger {
             content.breakpoints = debugger.saved_breakpoints();
             content.watches = debugger.watches().to_vec();
-            content.bookmarks.clone_from(&debugger.bookmarks);
-            for mark in &mut content.bookmarks {
-                // A bookmark of the link's own run does not name the run.
+            content.scenes.clone_from(&debugger.scenes);
+            for mark in &mut content.scenes {
+                // A scene of the link's own run does not name the run.
                 if mark.run == debugger.run_id() {
                     (mark.run, mark.anchor) = (String::new(), None);
                 }
@@ -293,30 +293,30 @@ impl State {
     }
 
     fn take_linked_stops(&mut self, content: &LinkContent, warnings: &mut LinkWarnings) {
-        let stops = content.breakpoints.len() + content.watches.len() + content.bookmarks.len();
+        let stops = content.breakpoints.len() + content.watches.len() + content.scenes.len();
         let Some(debugger) = &mut self.runs.first.debugger else {
             if stops > 0 {
                 warnings.add(
-                    "This run has no events: breakpoints, watches and bookmarks were left out."
+                    "This run has no events: breakpoints, watches and scenes were left out."
                         .to_owned(),
                 );
             }
             return;
         };
         let len = debugger.recording().len();
-        let fits = |mark: &&Bookmark| !mark.run.is_empty() || mark.event <= len;
-        let bookmarks: Vec<Bookmark> = content.bookmarks.iter().filter(fits).cloned().collect();
-        let behind = content.bookmarks.len() - bookmarks.len();
+        let fits = |mark: &&SavedScene| !mark.run.is_empty() || mark.event <= len;
+        let scenes: Vec<SavedScene> = content.scenes.iter().filter(fits).cloned().collect();
+        let behind = content.scenes.len() - scenes.len();
         let stops = Stops {
             breakpoints: content.breakpoints.clone(),
             watches: content.watches.clone(),
-            bookmarks,
+            scenes,
         };
         if let Err(error) = debugger.put_stops(stops) {
             warnings.add(tilescope_session::words::sentence(&error.to_string()));
         }
         if behind > 0 {
-            let marks = counted(behind, "bookmark", "bookmarks");
+            let marks = counted(behind, "scene", "scenes");
             warnings.add(format!(
                 "The link has {marks} after the run's last event, {}, which were left out.",
                 grouped(len)

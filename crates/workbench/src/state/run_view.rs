@@ -68,7 +68,7 @@ pub struct RunView {
     pub(super) asked: Option<Parameters>,
     /// The visible rows of the event browser's tree.
     pub rows: Option<OutlineRows>,
-    /// Breakpoints, watches and bookmarks, while there are no events to apply them to.
+    /// Breakpoints, watches and scenes, while there are no events to apply them to.
     pub(super) stops: Stops,
     /// The file that the session was saved to or opened from last.
     pub session_path: Option<String>,

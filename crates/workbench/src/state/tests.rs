@@ -16,7 +16,7 @@ use crate::device::Engine;
 use crate::draft::{Choice, Field};
 use crate::export::{ExportCommand, ExportKind};
 
-fn settled() -> State {
+pub(super) fn settled() -> State {
     let mut state = State::new(Arc::new(|| {}));
     state.apply(Command::View(
         Which::First,

@@ -94,6 +94,7 @@ impl State {
                 self.show_made(which, session);
                 if which == Which::First {
                     self.arrive();
+                    self.show_tour_again();
                 }
                 return;
             }

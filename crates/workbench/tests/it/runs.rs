@@ -13,6 +13,7 @@ use tilescope_workbench::compare::{CompareCommand, ComparePreset};
 use tilescope_workbench::draft::{Choice, Field};
 use tilescope_workbench::files::{FileCommand, Purpose};
 use tilescope_workbench::layout::Panel;
+use tilescope_workbench::scenes::SceneCommand;
 use tilescope_workbench::{Command, State};
 
 use crate::exporting::opened;
@@ -34,32 +35,39 @@ fn debug(state: &mut State, command: DebugCommand) {
     apply(state, Command::Debug(command));
 }
 
-/// A state with a bookmark, its note, a breakpoint with a condition, and a watch.
+/// A state with a scene, its note, a breakpoint with a condition, and a watch.
 fn lecture() -> State {
     let mut state = opened();
     let line = Listings::shipped().find("eliminate.5").unwrap();
     apply(&mut state, Command::Time(TimeCommand::Jump(3_000)));
     for command in [
-        DebugCommand::Bookmark,
-        DebugCommand::Note(0, "here".to_owned()),
         DebugCommand::ToggleBreakpoint(line),
         DebugCommand::Condition(0, "distance < 0.4".to_owned()),
         DebugCommand::Watch("distance".to_owned()),
     ] {
         debug(&mut state, command);
     }
+    for command in [
+        SceneCommand::Add,
+        SceneCommand::Caption(0, "here".to_owned()),
+    ] {
+        state.apply(Command::Scene(command));
+    }
     let last = state.cursor().unwrap().1;
     apply(&mut state, Command::Time(TimeCommand::Jump(last)));
-    debug(&mut state, DebugCommand::Bookmark);
-    debug(&mut state, DebugCommand::Note(1, "the end".to_owned()));
+    state.apply(Command::Scene(SceneCommand::Add));
+    state.apply(Command::Scene(SceneCommand::Caption(
+        1,
+        "the end".to_owned(),
+    )));
     state
 }
 
 fn marks(state: &State) -> Vec<(Marked, String)> {
     let debugger = state.runs.first.debugger.as_ref().unwrap();
-    let marks = debugger.bookmarks.iter();
+    let marks = debugger.scenes.iter();
     marks
-        .map(|mark| (debugger.marked(mark), mark.note.clone()))
+        .map(|mark| (debugger.marked(mark), mark.caption.clone()))
         .collect()
 }
 
@@ -71,7 +79,7 @@ fn stops(state: &State) -> (Vec<String>, Vec<String>) {
 }
 
 #[test]
-fn bookmarks_and_notes_survive_other_parameters_and_come_back_exactly() {
+fn scenes_and_notes_survive_other_parameters_and_come_back_exactly() {
     let mut state = lecture();
     let (set, others) = (marks(&state), stops(&state));
     let seed = state.form.draft.text(Field::Seed).to_owned();
@@ -91,18 +99,11 @@ fn bookmarks_and_notes_survive_other_parameters_and_come_back_exactly() {
 }
 
 #[test]
-fn bookmarks_of_other_runs_are_in_sessions_and_links() {
+fn scenes_of_other_runs_are_in_sessions_and_links() {
     let mut state = lecture();
     run_with(&mut state, Field::Radius, "0.08");
-    debug(&mut state, DebugCommand::Bookmark);
-    let set = state
-        .runs
-        .first
-        .debugger
-        .as_ref()
-        .unwrap()
-        .bookmarks
-        .clone();
+    state.apply(Command::Scene(SceneCommand::Add));
+    let set = state.runs.first.debugger.as_ref().unwrap().scenes.clone();
     assert_eq!(set.len(), 3);
     assert!(
         marks(&state)
@@ -121,7 +122,7 @@ fn bookmarks_of_other_runs_are_in_sessions_and_links() {
             apply(state, Command::File(command));
         }
         assert_eq!(
-            state.runs.first.debugger.as_ref().unwrap().bookmarks,
+            state.runs.first.debugger.as_ref().unwrap().scenes,
             set,
             "{purpose:?}"
         );
@@ -133,12 +134,12 @@ fn bookmarks_of_other_runs_are_in_sessions_and_links() {
         Command::Link(LinkCommand::Open(link.fragment.clone())),
     );
     assert_eq!(there.messages.notice, None);
-    assert_eq!(there.runs.first.debugger.as_ref().unwrap().bookmarks, set);
+    assert_eq!(there.runs.first.debugger.as_ref().unwrap().scenes, set);
     assert_eq!(there.link(), link);
 }
 
 #[test]
-fn bookmarks_stay_with_the_first_run_after_a_swap() {
+fn scenes_stay_with_the_first_run_after_a_swap() {
     let mut state = lecture();
     let set = marks(&state);
     let start = CompareCommand::Start(ComparePreset::NextSeed);
@@ -242,7 +243,7 @@ fn undoing_a_run_restores_parameters_and_run_together() {
         .to_owned();
     // Changes of the view are not steps.
     for command in [
-        Command::Window(WindowCommand::OpenPanel(Panel::Bookmarks)),
+        Command::Window(WindowCommand::OpenPanel(Panel::Scenes)),
         Command::Window(WindowCommand::OpenPanel(Panel::Watches)),
         Command::Appearance(AppearanceCommand::ToggleLayer(Layer::Disks)),
     ] {

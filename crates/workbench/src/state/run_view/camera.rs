@@ -36,15 +36,7 @@ impl RunView {
                 self.select_middle(context);
                 context.ask(Effect::Inspect);
             }
-            ViewCommand::Fit => {
-                self.witness_mark = None;
-                self.fitted = true;
-                // Fitting the pattern also fits the domain when it is shown again.
-                if let Some((_, fitted)) = &mut self.before_pattern {
-                    *fitted = true;
-                }
-                self.fly(self.fitting(), context);
-            }
+            ViewCommand::Fit => self.fit(context),
             ViewCommand::FlyTo(center, radii) => self.fly_to(center, radii, context),
             ViewCommand::GoToCurrent => self.go_to_current(context),
             ViewCommand::FlyToBlock(place) => self.fly_to_block(place, context),
@@ -183,11 +175,22 @@ impl RunView {
     }
 
     /// Returns the place of the last event, in r.
-    fn current_place(&self) -> Option<DVec2> {
+    pub(in crate::state) fn current_place(&self) -> Option<DVec2> {
         let shown = self.shown()?;
         let event = shown.last_event()?;
         let point = shown.debugger?.recording().event_point(event)?;
         Some(units::position(point))
+    }
+
+    /// Fits what is shown into the canvas.
+    pub(in crate::state) fn fit(&mut self, context: &Context) {
+        self.witness_mark = None;
+        self.fitted = true;
+        // Fitting the pattern also fits the domain when it is shown again.
+        if let Some((_, fitted)) = &mut self.before_pattern {
+            *fitted = true;
+        }
+        self.fly(self.fitting(), context);
     }
 
     fn go_to_current(&mut self, context: &Context) {

@@ -1,4 +1,4 @@
-//! The debugger of a run: breakpoints, watches, bookmarks, queries, and the selection with its history.
+//! The debugger of a run: breakpoints, watches, scenes, queries, and the selection with its history.
 
 use std::sync::Arc;
 
@@ -103,7 +103,7 @@ impl RunView {
         self.moved(before);
     }
 
-    /// Takes breakpoints, watches and bookmarks out of the run.
+    /// Takes breakpoints, watches and scenes out of the run.
     pub(in crate::state) fn take_stops(&mut self) -> Stops {
         match &mut self.debugger {
             Some(debugger) => debugger.take_stops(),
@@ -111,7 +111,7 @@ impl RunView {
         }
     }
 
-    /// Puts breakpoints, watches and bookmarks into the run; without events, they are kept for a later run.
+    /// Puts breakpoints, watches and scenes into the run; without events, they are kept for a later run.
     pub(in crate::state) fn put_stops(&mut self, stops: Stops, context: &mut Context) {
         match &mut self.debugger {
             Some(debugger) => {
@@ -123,7 +123,7 @@ impl RunView {
         }
     }
 
-    /// Sets the debugger of a new session; breakpoints, watches and bookmarks stay.
+    /// Sets the debugger of a new session; breakpoints, watches and scenes stay.
     pub(in crate::state) fn debug(&mut self, session: &Session, context: &mut Context) {
         let stops = self.take_stops();
         let debugger = |recording| Debugger::new(Arc::clone(recording), DEFAULT_BUDGET);
@@ -266,17 +266,6 @@ fn change(debugger: &mut Debugger, command: DebugCommand) {
         DebugCommand::RemoveWatch(index) => {
             if index < debugger.watches_mut().len() {
                 debugger.watches_mut().remove(index);
-            }
-        }
-        DebugCommand::Bookmark => debugger.bookmark(),
-        DebugCommand::Note(index, text) => {
-            if let Some(mark) = debugger.bookmarks.get_mut(index) {
-                mark.note = text;
-            }
-        }
-        DebugCommand::RemoveBookmark(index) => {
-            if index < debugger.bookmarks.len() {
-                debugger.bookmarks.remove(index);
             }
         }
         DebugCommand::Why => {

@@ -1,9 +1,13 @@
 //! The short transition with which an event is drawn in after a step in time.
 
+use tilescope_core::RunEvent;
+
 use super::RunView;
 
 /// The duration of a transition, in seconds.
 pub(in crate::state) const TRANSITION_SECS: f32 = 0.35;
+/// The duration where a clip flies from the pattern to its block.
+const CLIP_SECS: f32 = 1.0;
 
 /// How far the last event is drawn in.
 #[derive(Default)]
@@ -27,15 +31,24 @@ impl RunView {
         };
         self.transition = Transition {
             cursor,
-            elapsed_secs: elapsed_secs.filter(|&elapsed| elapsed < TRANSITION_SECS),
+            elapsed_secs: elapsed_secs.filter(|&elapsed| elapsed < self.transition_secs()),
         };
         self.transition.elapsed_secs.is_some()
+    }
+
+    fn transition_secs(&self) -> f32 {
+        let shown = self.shown();
+        let last = shown.and_then(|shown| shown.last_event()?.run_event());
+        match last {
+            Some(RunEvent::Clip { .. }) => CLIP_SECS,
+            _ => TRANSITION_SECS,
+        }
     }
 
     /// Returns how far the last event is drawn in, from 0 to 1.
     pub(super) fn drawn_in(&self) -> f32 {
         let share = match self.transition.elapsed_secs {
-            Some(elapsed) => elapsed / TRANSITION_SECS,
+            Some(elapsed) => elapsed / self.transition_secs(),
             None => 1.0,
         };
         share * share * (3.0 - 2.0 * share)

@@ -14,7 +14,7 @@ use crate::state::Verification;
 use crate::state::effects::Context;
 
 impl RunView {
-    /// Shows a session at its last stage and has it verified. Breakpoints, watches and bookmarks stay.
+    /// Shows a session at its last stage and has it verified. Breakpoints, watches and scenes stay.
     pub(in crate::state) fn show(&mut self, session: Session, context: &mut Context) {
         let same_domain = self.session.as_ref().is_some_and(|old| {
             old.run().domain.width() == session.run().domain.width()

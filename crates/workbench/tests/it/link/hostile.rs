@@ -4,7 +4,7 @@ use tilescope_core::{MAXIMAL_DENSITY, Parameters};
 use tilescope_session::layers::Layer;
 use tilescope_workbench::State;
 use tilescope_workbench::link::{
-    LinkContent, MAX_BOOKMARKS, MAX_CHARACTERS, MAX_PATTERN_SIDE, MAX_SAMPLES, MAX_STOPS, MAX_TEXT,
+    LinkContent, MAX_CHARACTERS, MAX_PATTERN_SIDE, MAX_SAMPLES, MAX_SCENES, MAX_STOPS, MAX_TEXT,
     read, write,
 };
 
@@ -28,8 +28,8 @@ fn check(text: &str) -> LinkContent {
         assert!(layout.placed().expect("a layout").expected <= MAX_SAMPLES);
     }
     assert!(content.breakpoints.len() <= MAX_STOPS && content.watches.len() <= MAX_STOPS);
-    assert!(content.bookmarks.len() <= MAX_BOOKMARKS);
-    let notes = content.bookmarks.iter().map(|mark| &mark.note);
+    assert!(content.scenes.len() <= MAX_SCENES);
+    let notes = content.scenes.iter().map(|mark| &mark.caption);
     let texts = content.watches.iter().chain(notes);
     assert!(
         texts
@@ -108,8 +108,8 @@ fn invalid_parts_are_named_and_the_rest_is_read() {
         ("break=eliminate.999", "breakpoint \"eliminate.999\""),
         ("break=%zz", "breakpoint \"%zz\""),
         (&format!("watch=p;{}", "%20".repeat(300)), "watch \""),
-        ("mark=x", "bookmark \"x\""),
-        ("mark=4000000000", "1 bookmark after the run's last event"),
+        ("mark=x", "scene \"x\""),
+        ("mark=4000000000", "1 scene after the run's last event"),
         (
             &format!("mark={marks}"),
             "bytes; everything after the first 65,536 was left out",
@@ -329,7 +329,7 @@ fn links_with_small_changes_are_harmless() {
                  b.seed=8&break=eliminate.5:distance%20%3C%201&mark=5:here&layout=VHT_peba-1950T_cg-6050VT_lsx-4400T_viwk-5600-2000-8740t1260-";
     let (content, warnings) = read(whole);
     assert_eq!(warnings.text(), "");
-    assert!(content.view.second.is_some() && content.bookmarks.len() == 1);
+    assert!(content.view.second.is_some() && content.scenes.len() == 1);
     let mut draws = Draws(77);
     let mut damaged = 0;
     for _ in 0..5_000 {

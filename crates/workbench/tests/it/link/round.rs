@@ -22,6 +22,7 @@ use tilescope_workbench::compare::{CompareCommand, ComparePreset};
 use tilescope_workbench::draft::{Choice, Field};
 use tilescope_workbench::layout::Panel;
 use tilescope_workbench::link::{MAX_CHARACTERS, MAX_TEXT, read};
+use tilescope_workbench::scenes::SceneCommand;
 use tilescope_workbench::{Command, State};
 
 use super::support::{Draws, digest, notice_text, opened, settle, state};
@@ -63,8 +64,8 @@ fn a_session_with_everything_set_is_restored() {
         Command::Debug(DebugCommand::Watch("distance".to_owned())),
         Command::View(Which::First, ViewCommand::Pick(Selection::Sample(40))),
         Command::Time(TimeCommand::Jump(300)),
-        Command::Debug(DebugCommand::Bookmark),
-        Command::Debug(DebugCommand::Note(0, "here: \u{e9}; there".to_owned())),
+        Command::Scene(SceneCommand::Add),
+        Command::Scene(SceneCommand::Caption(0, "here: \u{e9}; there".to_owned())),
         Command::Time(TimeCommand::Jump(345)),
         Command::Time(TimeCommand::Clock(Clock::Line)),
         Command::Time(TimeCommand::Speed(8.0)),
@@ -91,7 +92,7 @@ fn a_session_with_everything_set_is_restored() {
     let (a, b) = (state.saved().unwrap(), there.saved().unwrap());
     assert_eq!((a.cursor, a.parameters), (b.cursor, b.parameters));
     assert_eq!((a.breakpoints, a.watches), (b.breakpoints, b.watches));
-    assert_eq!(a.bookmarks, b.bookmarks);
+    assert_eq!(a.scenes, b.scenes);
     let seconds = [&state, &there].map(|state| {
         let (side, _) = state.runs.second.as_ref().expect("a second run");
         side.session.as_ref().expect("made").digest().to_owned()
@@ -186,8 +187,8 @@ fn view_command(draws: &mut Draws) -> Command {
             LineId(draws.below(20) as u8),
         )),
         15 => Command::Debug(DebugCommand::Watch(draws.next().to_string() + " < p; &")),
-        16 => Command::Debug(DebugCommand::Bookmark),
-        17 => Command::Debug(DebugCommand::Note(
+        16 => Command::Scene(SceneCommand::Add),
+        17 => Command::Scene(SceneCommand::Caption(
             0,
             "%zz \u{1f600}:;".repeat(draws.below(30)),
         )),
@@ -306,16 +307,16 @@ fn parts_that_do_not_fit_are_left_out_and_named() {
     }
     for k in 0..80 {
         state.apply(Command::Time(TimeCommand::Jump(100 * k)));
-        state.apply(Command::Debug(DebugCommand::Bookmark));
+        state.apply(Command::Scene(SceneCommand::Add));
         let note = "n".repeat(if k == 0 { 300 } else { 40 });
-        state.apply(Command::Debug(DebugCommand::Note(k, note)));
+        state.apply(Command::Scene(SceneCommand::Caption(k, note)));
     }
     let link = state.link();
     let len = link.fragment.len();
     assert!((7_900..=MAX_CHARACTERS).contains(&len), "{len}");
     let left = link.left_out.join("; ");
     for part in [
-        "of 80 bookmarks",
+        "of 80 scenes",
         "the ends of 1 note of",
         "of 40 watches",
         "the panel layout",
@@ -492,8 +493,8 @@ fn links_are_read_the_same_in_any_encoding() {
         content.breakpoints[0].condition.as_deref(),
         Some("distance < 0.4 + 1")
     );
-    assert_eq!(content.bookmarks[0].note, "a;b: c & \u{e9}%2C", "once");
-    assert_eq!(content.bookmarks.len(), 2);
+    assert_eq!(content.scenes[0].caption, "a;b: c & \u{e9}%2C", "once");
+    assert_eq!(content.scenes.len(), 2);
     let strict: Vec<String> = EVERYTHING
         .iter()
         .map(|(key, value)| format!("{key}={}", escape(value)))

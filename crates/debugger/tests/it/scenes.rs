@@ -1,9 +1,9 @@
-//! Bookmarks outlive their run: in it they are at their events, in other runs at their anchors or nowhere.
+//! Scenes outlive their run: in it they are at their events, in other runs at their anchors or nowhere.
 
 use std::sync::Arc;
 
 use tilescope_core::{Parameters, Unobserved};
-use tilescope_debugger::{Bookmark, DEFAULT_BUDGET, Debugger, Marked, Recording, Session};
+use tilescope_debugger::{DEFAULT_BUDGET, Debugger, Marked, Recording, SavedScene, Session};
 
 fn debugger(seed: u64, radius: f64) -> Debugger {
     let parameters = Parameters {
@@ -16,9 +16,9 @@ fn debugger(seed: u64, radius: f64) -> Debugger {
     Debugger::new(Arc::new(recording), DEFAULT_BUDGET)
 }
 
-/// Where the bookmarks of a session are.
+/// Where the scenes of a session are.
 fn marked(debugger: &Debugger) -> Vec<Marked> {
-    let marks = debugger.bookmarks.iter();
+    let marks = debugger.scenes.iter();
     marks.map(|mark| debugger.marked(mark)).collect()
 }
 
@@ -45,57 +45,59 @@ fn every_event_is_found_by_its_anchor() {
 }
 
 #[test]
-fn bookmarks_stay_with_their_moments_in_other_runs_and_come_back_exactly() {
+fn scenes_stay_with_their_moments_in_other_runs_and_come_back_exactly() {
     let mut first = debugger(1, 0.02);
     let len = first.recording().len();
     let moments = [0, 5, len / 2, len - 40, len];
     for cursor in moments {
         first.jump(cursor);
-        first.bookmark();
-        first.bookmark();
+        first.add_scene(usize::MAX, serde_json::Value::Null);
     }
-    first.bookmarks[2].note = "half".to_owned();
+    first.scenes[2].caption = "half".to_owned();
     assert_eq!(marked(&first), moments.map(Marked::Here));
-    let set = first.bookmarks.clone();
+    let set = first.scenes.clone();
     // A run of fewer samples does not have them all.
     let mut small = debugger(2, 0.06);
     small.put_stops(first.take_stops()).unwrap();
-    assert!(first.bookmarks.is_empty());
+    assert!(first.scenes.is_empty());
     let there = marked(&small);
     assert_eq!(there[0], Marked::Like(0));
     assert!(there.contains(&Marked::Nowhere));
-    for mark in &small.bookmarks {
+    for mark in &small.scenes {
         if let Marked::Like(cursor) = small.marked(mark) {
             let last = cursor.checked_sub(1);
             let anchor = last.and_then(|event| small.recording().anchor(event));
-            assert_eq!(anchor, mark.anchor);
+            match mark.ends {
+                Some(stage) => assert_eq!(small.recording().end_of(stage), Some(cursor)),
+                None => assert_eq!(anchor, mark.anchor),
+            }
         }
     }
     // They are saved with this run, which has fewer events, and are restored in the first one.
     let text = small.session().to_json().unwrap();
     let saved = Session::from_json(&text).unwrap();
     let mut restored = Debugger::restore(&saved, &mut Unobserved).unwrap();
-    assert_eq!(restored.bookmarks, small.bookmarks);
+    assert_eq!(restored.scenes, small.scenes);
     let mut again = debugger(1, 0.02);
     again.put_stops(restored.take_stops()).unwrap();
-    assert_eq!(again.bookmarks, set);
+    assert_eq!(again.scenes, set);
     assert_eq!(marked(&again), moments.map(Marked::Here));
 }
 
 #[test]
-fn bookmarks_of_older_files_are_of_the_run_that_was_saved() {
+fn scenes_of_older_files_are_of_the_run_that_was_saved() {
     let mut debugger = debugger(1, 0.04);
     debugger.jump(77);
-    debugger.bookmark();
-    let set = debugger.bookmarks.clone();
+    debugger.add_scene(usize::MAX, serde_json::Value::Null);
+    let set = debugger.scenes.clone();
     let mut saved = debugger.session();
-    saved.bookmarks = vec![Bookmark {
+    saved.scenes = vec![SavedScene {
         event: 77,
-        ..Bookmark::default()
+        ..SavedScene::default()
     }];
     let text = saved.to_json().unwrap();
     assert!(!text.contains("anchor") && !text.contains("\"run\""));
     let saved = Session::from_json(&text).unwrap();
     let back = Debugger::restore(&saved, &mut Unobserved).unwrap();
-    assert_eq!(back.bookmarks, set);
+    assert_eq!(back.scenes, set);
 }

@@ -1,0 +1,317 @@
+//! Scenes: moments with a view and a caption, in the user's order, and the breakpoints with their conditions. The caption
+//! of the scene that is shown lies over the canvas.
+
+use egui::{
+    Area, Button, FontId, Frame, Id, KeyboardShortcut, Label, Margin, Order, RichText, Role,
+    Stroke, TextEdit, Ui, WidgetInfo, pos2,
+};
+use tilescope_debugger::{Debugger, Direction, Listings, Marked, SavedScene};
+use tilescope_drawing::palette::Palette;
+use tilescope_session::look::Look;
+use tilescope_session::words::grouped;
+use tilescope_ui::theme::semibold;
+use tilescope_ui::widgets::{Icon, Known, heading, icon_button, primary_button};
+
+use super::common::{no_events, read_out};
+use super::context::PanelContext;
+use tilescope_workbench::command::{Command, DebugCommand};
+use tilescope_workbench::scenes::{SceneCommand, SceneList, ShownScene, tour};
+use tilescope_workbench::state::State;
+
+/// Shows the panel.
+pub fn show(
+    ui: &mut Ui,
+    context: &PanelContext<'_>,
+    shown: Option<ShownScene>,
+    run_on: Option<KeyboardShortcut>,
+    commands: &mut Vec<Command>,
+) {
+    let palette = context.palette;
+    let Some(debugger) = &context.run.debugger else {
+        no_events(ui, context);
+        return;
+    };
+    heading(ui, "Scenes");
+    if debugger.scenes.is_empty() {
+        let text = "Press B to make a scene of this moment and its view. PageDown and PageUp step through them.";
+        ui.label(RichText::new(text).color(palette.muted))
+            .known_as("no-scenes");
+    }
+    let own = shown.filter(|shown| shown.list == SceneList::Own);
+    for (index, scene) in debugger.scenes.iter().enumerate() {
+        let is_shown = own.is_some_and(|shown| shown.index == index);
+        row(ui, debugger, (index, scene), is_shown, palette, commands);
+    }
+    ui.add_space(10.0);
+    heading(ui, "Breakpoints");
+    if debugger.breakpoints().is_empty() {
+        let keys = run_on.map(|keys| ui.ctx().format_shortcut(&keys));
+        let keys = keys.unwrap_or_default();
+        let text =
+            format!("A click beside a line of pseudocode sets one; {keys} runs to the next.");
+        ui.label(RichText::new(text).color(palette.muted))
+            .known_as("no-breakpoints");
+    }
+    breakpoints(ui, debugger, palette, commands);
+    if let Some(text) = context.run.hits.description() {
+        ui.label(RichText::new(text).color(palette.muted))
+            .known_as("hits");
+    }
+}
+
+/// Shows a scene of the list: its moment, its buttons, and its caption.
+fn row(
+    ui: &mut Ui,
+    debugger: &Debugger,
+    (index, scene): (usize, &SavedScene),
+    is_shown: bool,
+    palette: &Palette,
+    commands: &mut Vec<Command>,
+) {
+    let number = index + 1;
+    let mut issue = |command| commands.push(Command::Scene(command));
+    ui.horizontal(|ui| {
+        ui.spacing_mut().item_spacing.x = 2.0;
+        let link = moment(ui, debugger, (index, scene), is_shown, palette);
+        if link.clicked() {
+            issue(SceneCommand::Show(index));
+        }
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            let last = debugger.scenes.len() - 1;
+            let [first_refusal, last_refusal] = [
+                (index == 0).then_some("It is the first."),
+                (index == last).then_some("It is the last."),
+            ];
+            for (icon, name, id, refusal, command) in [
+                (
+                    Icon::Close,
+                    "Remove scene",
+                    "remove",
+                    None,
+                    SceneCommand::Remove(index),
+                ),
+                (
+                    Icon::Shorter,
+                    "Move down scene",
+                    "down",
+                    last_refusal,
+                    SceneCommand::Move(index, number),
+                ),
+                (
+                    Icon::Taller,
+                    "Move up scene",
+                    "up",
+                    first_refusal,
+                    SceneCommand::Move(index, index.saturating_sub(1)),
+                ),
+            ] {
+                let button = icon_button(ui, icon, &format!("{name} {number}"), refusal, palette);
+                if button
+                    .known_as(format_args!("scene-{number}.{id}"))
+                    .clicked()
+                {
+                    issue(command);
+                }
+            }
+            let update = ui.add(Button::new("Update").small());
+            update.known_as(format_args!("scene-{number}.replace"));
+            let update = update
+                .on_hover_text("Gives this scene the moment and the view that are shown now.");
+            if update.clicked() {
+                issue(SceneCommand::Replace(index));
+            }
+        });
+    });
+    let mut caption = scene.caption.clone();
+    let field = TextEdit::multiline(&mut caption)
+        .desired_rows(1)
+        .hint_text("caption")
+        .desired_width(ui.available_width() - 8.0);
+    let response = ui.add(field);
+    response.widget_info(|| {
+        WidgetInfo::labeled(Role::TextInput, true, format!("Caption of scene {number}"))
+    });
+    response.known_as(format_args!("scene-{number}.caption"));
+    if response.changed() {
+        issue(SceneCommand::Caption(index, caption));
+    }
+    ui.add_space(4.0);
+}
+
+/// Shows the moment of a scene in this run, and where it was made if that was another.
+fn moment(
+    ui: &mut Ui,
+    debugger: &Debugger,
+    (index, scene): (usize, &SavedScene),
+    is_shown: bool,
+    palette: &Palette,
+) -> egui::Response {
+    let marked = debugger.marked(scene);
+    let anchor = scene.anchor.map(|anchor| anchor.to_string());
+    let origin = format!(
+        "It was made in another run, at event {}{}.",
+        grouped(scene.event),
+        anchor.map_or(String::new(), |anchor| format!(" ({anchor})"))
+    );
+    let number = index + 1;
+    let Some(cursor) = marked.cursor() else {
+        let text = RichText::new(format!("{number}  not in this run")).color(palette.muted);
+        let label = ui.label(text);
+        label.known_as(format_args!("scene-{number}"));
+        return label.on_hover_text(origin);
+    };
+    let about = if matches!(marked, Marked::Here(_)) {
+        ""
+    } else {
+        "~ "
+    };
+    let mut text = RichText::new(format!("{number}  {about}event {}", grouped(cursor))).monospace();
+    if is_shown {
+        text = text.strong();
+    }
+    let event = tilescope_debugger::short(debugger.recording(), cursor);
+    let link = ui.link(text);
+    link.known_as(format_args!("scene-{number}"));
+    link.on_hover_text(match marked {
+        Marked::Here(_) => event,
+        _ => format!("{event}\n{origin} This is the corresponding event of its stage."),
+    })
+}
+
+/// Font sizes of the caption over the canvas: in the window, and for a projector.
+const CAPTION_SIZES: [f32; 2] = [15.0, 17.0];
+/// Width of the caption, in screen points.
+const CAPTION_WIDTH: f32 = 560.0;
+/// The distance of the caption from the canvas' lower edge, above the scale bar.
+const ABOVE_EDGE: f32 = 56.0;
+
+/// Shows the caption of the scene over the canvas.
+pub fn caption(ui: &Ui, state: &State, commands: &mut Vec<Command>) {
+    let Some(shown) = state.scene else {
+        return;
+    };
+    let scenes = state.scenes(shown.list);
+    let Some(scene) = scenes.get(shown.index) else {
+        return;
+    };
+    let palette = Palette::of(state.appearance.look);
+    let of_tour = (shown.list == SceneList::Tour).then(|| &tour()[shown.index]);
+    if of_tour.is_none() && scene.caption.is_empty() {
+        return;
+    }
+    let canvas = state.runs.first.viewport;
+    let size = CAPTION_SIZES[usize::from(state.appearance.look == Look::Projector)];
+    let width = CAPTION_WIDTH.min(canvas.width() - 24.0).max(200.0);
+    let at = pos2(canvas.center().x, canvas.bottom() - ABOVE_EDGE);
+    Area::new(Id::unique("caption of the scene"))
+        .order(Order::Middle)
+        .pivot(egui::Align2::CENTER_BOTTOM)
+        .fixed_pos(at)
+        .constrain(true)
+        .show(ui.ctx(), |ui| {
+            Frame::new()
+                .fill(palette.raised)
+                .stroke(Stroke::new(1.0, palette.accent))
+                .corner_radius(10)
+                .shadow(ui.visuals().window_shadow)
+                .inner_margin(Margin::symmetric(16, 12))
+                .show(ui, |ui| {
+                    ui.set_width(width - 32.0);
+                    if let Some(of_tour) = of_tour {
+                        ui.label(RichText::new(&of_tour.title).font(FontId::new(size, semibold())))
+                            .known_as("caption-title");
+                    }
+                    let text = RichText::new(&scene.caption).size(size);
+                    let response = ui.add(Label::new(text).wrap());
+                    read_out(ui, &response);
+                    response.known_as("caption");
+                    if let Some(offer) = of_tour.and_then(|scene| scene.offer.as_ref()) {
+                        ui.add_space(4.0);
+                        let button = primary_button(ui, &offer.name, None, palette);
+                        if button.known_as("caption-offer").clicked() {
+                            commands.extend(offer.commands.iter().cloned());
+                        }
+                    }
+                    ui.add_space(6.0);
+                    ui.horizontal(|ui| {
+                        let of = format!("{} of {}", shown.index + 1, scenes.len());
+                        ui.label(RichText::new(of).color(palette.muted))
+                            .known_as("caption-number");
+                        steps(ui, shown, scenes.len(), commands);
+                    });
+                });
+        });
+}
+
+/// Shows the buttons that go on, back, and away.
+fn steps(ui: &mut Ui, shown: ShownScene, len: usize, commands: &mut Vec<Command>) {
+    let is_tour = shown.list == SceneList::Tour;
+    let is_last = shown.index + 1 == len;
+    let on = match (is_tour, is_last) {
+        (true, true) => "Finish (Space)",
+        (true, false) => "Next (Space)",
+        (false, _) => "Next (PageDown)",
+    };
+    ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+        let mut step = |ui: &mut Ui, name: &str, id: &str, can: bool, command| {
+            let button = ui.add_enabled(can, Button::new(name));
+            if button.known_as(id).clicked() {
+                commands.push(Command::Scene(command));
+            }
+        };
+        step(
+            ui,
+            on,
+            "caption-next",
+            is_tour || !is_last,
+            SceneCommand::Step(Direction::Forwards),
+        );
+        let back = SceneCommand::Step(Direction::Backwards);
+        step(ui, "Back", "caption-back", shown.index > 0, back);
+        step(
+            ui,
+            "Close (Esc)",
+            "caption-close",
+            true,
+            SceneCommand::Leave,
+        );
+    });
+}
+
+fn breakpoints(ui: &mut Ui, debugger: &Debugger, palette: &Palette, commands: &mut Vec<Command>) {
+    for (index, breakpoint) in debugger.breakpoints().iter().enumerate() {
+        let line = Listings::shipped().line(breakpoint.line);
+        let id = line.map_or("?", |line| line.id.as_str());
+        ui.horizontal(|ui| {
+            let name = format!("Remove the breakpoint on {id}");
+            let remove = icon_button(ui, Icon::Close, &name, None, palette);
+            if remove.known_as(format_args!("{id}.remove")).clicked() {
+                commands.push(Command::Debug(DebugCommand::RemoveBreakpoint(index)));
+            }
+            let mut enabled = breakpoint.enabled;
+            let switch = ui.checkbox(&mut enabled, id);
+            if switch.known_as(format_args!("{id}.enabled")).changed() {
+                commands.push(Command::Debug(DebugCommand::Enable(index, enabled)));
+            }
+        });
+        let mut condition = breakpoint.condition.clone();
+        let field = TextEdit::singleline(&mut condition)
+            .align(egui::Align2::LEFT_CENTER)
+            .hint_text("condition, such as block == 7 && distance < 0.9")
+            .code_editor()
+            .desired_width(ui.available_width() - 8.0);
+        let response = ui.add(field);
+        response.widget_info(|| {
+            WidgetInfo::labeled(Role::TextInput, true, format!("Condition on {id}"))
+        });
+        response.known_as(format_args!("{id}.condition"));
+        if response.changed() {
+            commands.push(Command::Debug(DebugCommand::Condition(index, condition)));
+        }
+        if let Some(error) = breakpoint.error() {
+            ui.label(RichText::new(error.to_string()).color(palette.conflict))
+                .known_as(format_args!("{id}.refusal"));
+        }
+        ui.add_space(4.0);
+    }
+}

@@ -1,0 +1,378 @@
+//! Making, changing and showing scenes.
+
+use glam::DVec2;
+use serde_json::json;
+use tilescope_debugger::{Debugger, Direction, Marked, SavedScene};
+use tilescope_session::selection::Selection;
+
+use super::{RunView, State};
+use crate::command::{Command, FormCommand, Which};
+use crate::scenes::{SceneCamera, SceneCommand, SceneList, SceneView, ShownScene, tour};
+use crate::view::{MAX_RADII, SavedView, is_near};
+
+impl State {
+    /// Returns the scenes of a list.
+    #[must_use]
+    pub fn scenes(&self, list: SceneList) -> Vec<&SavedScene> {
+        match list {
+            SceneList::Tour => tour().iter().map(|scene| &scene.scene).collect(),
+            SceneList::Own => {
+                let debugger = self.runs.first.debugger.as_ref();
+                debugger.map_or_else(Vec::new, |debugger| debugger.scenes.iter().collect())
+            }
+        }
+    }
+
+    /// Returns whether the tour is shown.
+    #[must_use]
+    pub fn is_touring(&self) -> bool {
+        self.scene
+            .is_some_and(|shown| shown.list == SceneList::Tour)
+    }
+
+    pub(super) fn apply_to_scenes(&mut self, command: SceneCommand) {
+        match command {
+            SceneCommand::Add => self.add_scene(),
+            SceneCommand::Replace(index) => {
+                let view = self.scene_view();
+                self.change_scenes(|debugger| {
+                    if let Some(caption) = debugger.scenes.get(index).map(|s| s.caption.clone()) {
+                        debugger.scenes.remove(index);
+                        debugger.add_scene(index, view);
+                        debugger.scenes[index].caption = caption;
+                    }
+                });
+            }
+            SceneCommand::Caption(index, text) => self.change_scenes(|debugger| {
+                if let Some(scene) = debugger.scenes.get_mut(index) {
+                    scene.caption = text;
+                }
+            }),
+            SceneCommand::Remove(index) => {
+                self.change_scenes(|debugger| {
+                    if index < debugger.scenes.len() {
+                        debugger.scenes.remove(index);
+                    }
+                });
+                self.scene = None;
+            }
+            SceneCommand::Move(from, to) => self.change_scenes(|debugger| {
+                let len = debugger.scenes.len();
+                if from < len && to < len {
+                    let scene = debugger.scenes.remove(from);
+                    debugger.scenes.insert(to, scene);
+                }
+            }),
+            SceneCommand::Show(index) => self.show_scene(SceneList::Own, index),
+            SceneCommand::Step(direction) => self.step_scene(direction),
+            SceneCommand::Tour => {
+                if self.runs.first.debugger.is_none() && self.runs.first.sampling.is_none() {
+                    self.form.apply(FormCommand::Reset);
+                    self.apply(Command::Run);
+                }
+                self.show_scene(SceneList::Tour, 0);
+            }
+            SceneCommand::Leave => self.scene = None,
+        }
+    }
+
+    fn change_scenes(&mut self, change: impl FnOnce(&mut Debugger)) {
+        if let Some(debugger) = &mut self.runs.first.debugger {
+            change(debugger);
+        }
+    }
+
+    fn add_scene(&mut self) {
+        let view = self.scene_view();
+        let at = match self.scene {
+            Some(shown) if shown.list == SceneList::Own => shown.index + 1,
+            _ => usize::MAX,
+        };
+        self.change_scenes(|debugger| debugger.add_scene(at, view));
+        if let Some(shown) = &mut self.scene
+            && shown.list == SceneList::Own
+        {
+            shown.index += 1;
+        }
+    }
+
+    /// Returns the current view for a scene.
+    fn scene_view(&self) -> serde_json::Value {
+        let run = &self.runs.first;
+        let saved = self.view().to_json();
+        let part = |name: &str| saved.get(name).cloned();
+        let camera = (!run.is_fitted()).then(|| SceneCamera {
+            radii: f64::from(run.viewport.size().min_elem().max(1.0)) / run.camera.scale,
+            center: Some(run.camera.center),
+            event: run.current_place(),
+        });
+        json!(SceneView {
+            camera,
+            layers: part("layers"),
+            colouring: Some(self.appearance.colouring),
+            look: Some(self.appearance.look),
+            layout: part("layout"),
+            selection: part("selection"),
+        })
+    }
+
+    fn step_scene(&mut self, direction: Direction) {
+        let (list, to) = match (self.scene, direction) {
+            (None, Direction::Forwards) => (SceneList::Own, Some(0)),
+            (None, Direction::Backwards) => (SceneList::Own, None),
+            (Some(shown), Direction::Forwards) => (shown.list, Some(shown.index + 1)),
+            (Some(shown), Direction::Backwards) => (shown.list, shown.index.checked_sub(1)),
+        };
+        let len = self.scenes(list).len();
+        match to {
+            Some(index) if index < len => self.show_scene(list, index),
+            // After its last scene the tour is over.
+            Some(_) if list == SceneList::Tour => self.scene = None,
+            _ => {}
+        }
+    }
+
+    fn show_scene(&mut self, list: SceneList, index: usize) {
+        let Some(scene) = self.scenes(list).get(index).map(|&scene| scene.clone()) else {
+            return;
+        };
+        self.scene = Some(ShownScene { list, index });
+        // A run that is being made shows the scene when it is there.
+        self.arrive_at(&scene);
+    }
+
+    /// Shows the current scene of the tour again, since another run is there.
+    pub(super) fn show_tour_again(&mut self) {
+        if let Some(shown) = self.scene
+            && shown.list == SceneList::Tour
+            && shown.index == 0
+        {
+            self.show_scene(shown.list, shown.index);
+        }
+    }
+
+    fn arrive_at(&mut self, scene: &SavedScene) {
+        let marked = self.runs.first.debugger.as_ref();
+        let Some(marked) = marked.map(|debugger| debugger.marked(scene)) else {
+            return;
+        };
+        let Some(cursor) = marked.cursor() else {
+            return self.tell(
+                "This run has no such moment: the scene was made in another run.".to_owned(),
+                false,
+            );
+        };
+        self.time.playback.stop();
+        self.on(Which::First, |run, _| {
+            let before = run.stage;
+            run.jump(cursor);
+            run.moved(before);
+        });
+        // An invalid view leaves everything as it is.
+        let view = match &scene.view {
+            serde_json::Value::Null => return,
+            view => serde_json::from_value::<SceneView>(view.clone()).unwrap_or_default(),
+        };
+        self.look_as_in(&view, matches!(marked, Marked::Here(_)));
+    }
+
+    /// Applies the view of a scene; `is_same_run` if it was made in this run.
+    fn look_as_in(&mut self, view: &SceneView, is_same_run: bool) {
+        let now = self.view();
+        let saved = json!({
+            "layers": view.layers,
+            "layout": view.layout,
+            "selection": view.selection,
+        });
+        let (saved, _) = SavedView::from_json(&saved, &now);
+        self.appearance.chosen_layers = match view.layers {
+            Some(_) => saved.appearance.chosen_layers,
+            None => None,
+        };
+        if let Some(colouring) = view.colouring {
+            self.appearance.colouring = colouring;
+        }
+        if let Some(look) = view.look {
+            self.appearance.choose_look(look);
+        }
+        if view.layout.is_some() && self.window.embedding.is_none() {
+            self.window.layout = saved.layout;
+        }
+        let selection = match view.selection {
+            Some(_) if is_same_run && self.runs.first.can_select(saved.selection) => {
+                saved.selection
+            }
+            _ => Selection::Nothing,
+        };
+        let camera = view.camera;
+        self.on(Which::First, |run, context| {
+            run.pick(selection, context);
+            match camera.and_then(|camera| run.place_of(camera, is_same_run)) {
+                Some((center, radii)) => run.fly_to(center, radii, context),
+                None => run.fit(context),
+            }
+        });
+    }
+}
+
+impl RunView {
+    /// Returns where the camera of a scene is in this run, and the width of its view; `None` if that is not valid.
+    fn place_of(&self, camera: SceneCamera, is_same_run: bool) -> Option<(DVec2, f64)> {
+        let place = self.current_place();
+        let center = match (camera.center, camera.event, place) {
+            (Some(center), Some(event), Some(place)) if !is_same_run => center + (place - event),
+            (Some(center), _, _) => center,
+            (None, _, place) => place?,
+        };
+        let is_valid = is_near(center) && camera.radii > 0.0 && camera.radii <= MAX_RADII;
+        is_valid.then_some((center, camera.radii))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::settled;
+    use super::*;
+    use crate::command::{TimeCommand, ViewCommand};
+    use tilescope_drawing::camera::Camera;
+    use tilescope_session::layers::Layer;
+
+    fn scene(state: &mut State, command: SceneCommand) {
+        state.apply(Command::Scene(command));
+    }
+
+    fn rest(state: &mut State) {
+        while state.advance(0.1) {}
+    }
+
+    /// Returns what a scene is made of.
+    fn seen(state: &State) -> (Option<(usize, usize)>, Camera, bool, bool) {
+        let run = &state.runs.first;
+        let layers = state.appearance.layers(state.current_stage());
+        (
+            state.cursor(),
+            run.camera,
+            run.is_fitted(),
+            layers.has(Layer::Voronoi),
+        )
+    }
+
+    /// A state with three scenes: the whole domain, a place with other layers, and the end.
+    fn with_scenes() -> State {
+        let mut state = settled();
+        let viewport = emath::Rect::from_min_size(emath::pos2(0.0, 0.0), emath::vec2(800.0, 600.0));
+        state.apply(Command::View(Which::First, ViewCommand::Viewport(viewport)));
+        state.apply(Command::Time(TimeCommand::Jump(5_000)));
+        scene(&mut state, SceneCommand::Add);
+        state.apply(Command::Time(TimeCommand::Jump(12_000)));
+        let fly = ViewCommand::FlyTo([30.0, 40.0].into(), 20.0);
+        state.apply(Command::View(Which::First, fly));
+        rest(&mut state);
+        let layer = crate::command::AppearanceCommand::ToggleLayer(Layer::Voronoi);
+        state.apply(Command::Appearance(layer));
+        scene(&mut state, SceneCommand::Add);
+        state.apply(Command::Time(TimeCommand::LastStage));
+        scene(&mut state, SceneCommand::Add);
+        state
+    }
+
+    #[test]
+    fn scenes_come_back_as_they_were_made_in_their_order() {
+        let mut state = with_scenes();
+        let mut views = Vec::new();
+        for index in 0..3 {
+            scene(&mut state, SceneCommand::Show(index));
+            rest(&mut state);
+            views.push(seen(&state));
+        }
+        assert_eq!(views[0].0.map(|(at, _)| at), Some(5_000));
+        assert_eq!(views[1].0.map(|(at, _)| at), Some(12_000));
+        assert!(views[0].2 && !views[1].2 && !views[0].3 && views[1].3);
+        assert!(views[1].1.center.distance([30.0, 40.0].into()) < 1e-9);
+        // A step goes on from the scene that is shown, and stays at the ends of the list.
+        scene(&mut state, SceneCommand::Step(Direction::Forwards));
+        assert_eq!(state.scene.map(|shown| shown.index), Some(2));
+        for index in [1, 0, 0] {
+            scene(&mut state, SceneCommand::Step(Direction::Backwards));
+            rest(&mut state);
+            assert_eq!(state.scene.map(|shown| shown.index), Some(index));
+            assert_eq!(seen(&state), views[index]);
+        }
+        scene(&mut state, SceneCommand::Move(2, 0));
+        scene(&mut state, SceneCommand::Show(1));
+        rest(&mut state);
+        assert_eq!(seen(&state), views[0]);
+        scene(&mut state, SceneCommand::Remove(1));
+        assert_eq!(state.scenes(SceneList::Own).len(), 2);
+        assert!(state.scene.is_none());
+    }
+
+    #[test]
+    fn scenes_survive_other_parameters_and_end_where_the_stage_ends() {
+        let mut state = with_scenes();
+        state.apply(Command::Form(FormCommand::Type(
+            crate::draft::Field::Seed,
+            "7".to_owned(),
+        )));
+        state.apply(Command::Run);
+        state.settle();
+        scene(&mut state, SceneCommand::Show(2));
+        rest(&mut state);
+        assert!(state.runs.first.is_at_end());
+        scene(&mut state, SceneCommand::Show(1));
+        rest(&mut state);
+        let run = &state.runs.first;
+        let at = run
+            .camera
+            .screen_from_domain(run.viewport, run.current_place().unwrap());
+        let made = with_scenes();
+        let (there, place) = {
+            let mut made = made;
+            scene(&mut made, SceneCommand::Show(1));
+            rest(&mut made);
+            let run = &made.runs.first;
+            let place = run.current_place().unwrap();
+            (run.camera.screen_from_domain(run.viewport, place), place)
+        };
+        // The event is at the same place of the view, though at another one of the domain.
+        assert!(at.distance(there) < 0.1, "{at:?} {there:?}");
+        assert!(place.distance(run.current_place().unwrap()) > 1.0);
+    }
+
+    #[test]
+    fn every_scene_of_the_tour_is_there_and_short() {
+        let mut state = settled();
+        scene(&mut state, SceneCommand::Tour);
+        for (index, of_tour) in tour().iter().enumerate() {
+            assert!(state.is_touring());
+            assert_eq!(state.scene.map(|shown| shown.index), Some(index));
+            assert!(state.messages.notice.is_none(), "{}", of_tour.title);
+            let words = of_tour.scene.caption.split_whitespace().count();
+            assert!(
+                (5..=40).contains(&words),
+                "{}: {words} words",
+                of_tour.title
+            );
+            let view = serde_json::from_value::<SceneView>(of_tour.scene.view.clone());
+            view.unwrap_or_else(|error| panic!("{}: {error}", of_tour.title));
+            scene(&mut state, SceneCommand::Step(Direction::Forwards));
+        }
+        assert!(state.scene.is_none());
+        assert_eq!(tour().len(), 10);
+    }
+
+    #[test]
+    fn the_offer_of_the_tour_breaks_the_set() {
+        let mut state = settled();
+        let offers = tour().iter().filter_map(|scene| scene.offer.as_ref());
+        for command in offers.flat_map(|offer| offer.commands.clone()) {
+            state.apply(command);
+        }
+        state.settle();
+        assert!(
+            state
+                .verdict()
+                .is_some_and(|verdict| !verdict.report.maximal())
+        );
+    }
+}
