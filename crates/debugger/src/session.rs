@@ -12,7 +12,7 @@ use crate::listing::Listings;
 use crate::recording::Recording;
 
 /// The version of sessions that this program writes, and the newest that it reads.
-pub const VERSION: u32 = 1;
+pub const VERSION: u32 = 2;
 
 /// The largest budget of events in a saved session: 480 MB. On a web page, which has less memory, 120 MB.
 pub const MAX_BUDGET: usize = if cfg!(target_arch = "wasm32") {
@@ -59,7 +59,7 @@ pub struct SavedScene {
     /// How many events have happened, in the run in which it was set.
     pub event: usize,
     /// The caption.
-    #[serde(rename = "note")]
+    #[serde(alias = "note")]
     pub caption: String,
     /// The [`crate::Debugger::run_id`] of the run in which it was set. If empty, that of the session.
     #[serde(default, skip_serializing_if = "String::is_empty")]
@@ -102,7 +102,7 @@ pub struct Session {
     /// The watched expressions.
     pub watches: Vec<String>,
     /// The scenes.
-    #[serde(rename = "bookmarks")]
+    #[serde(alias = "bookmarks")]
     pub scenes: Vec<SavedScene>,
     /// The state of the user interface, not read here; null if there is none.
     #[serde(default, skip_serializing_if = "Value::is_null")]

@@ -1,16 +1,12 @@
 //! Scenes: moments with a view and a caption, to be shown one after another. The user's are kept in the session; those of
 //! the tour come with the program.
 
-use std::sync::LazyLock;
-
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
-use tilescope_debugger::{Direction, SavedScene};
+use tilescope_debugger::Direction;
 use tilescope_session::layers::Colouring;
 use tilescope_session::look::Look;
-
-use crate::command::Command;
 
 /// A change of the scenes, or of the one that is shown.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -89,37 +85,4 @@ pub struct SceneCamera {
     /// The place of the event in the run where the scene was made. In another run the view moves with the event.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub event: Option<DVec2>,
-}
-
-/// A scene of the tour.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
-pub struct TourScene {
-    /// The heading.
-    pub title: String,
-    /// The moment, the view and the caption.
-    #[serde(flatten)]
-    pub scene: SavedScene,
-    /// What the scene offers to do.
-    #[serde(default)]
-    pub offer: Option<Offer>,
-}
-
-/// Something that a button does.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
-pub struct Offer {
-    /// The text of the button.
-    pub name: String,
-    /// The commands it issues.
-    pub commands: Vec<Command>,
-}
-
-static TOUR: LazyLock<Vec<TourScene>> = LazyLock::new(|| {
-    let text = include_str!("../../../assets/tour.json");
-    serde_json::from_str(text).expect("the tour is valid")
-});
-
-/// Returns the scenes of the tour.
-#[must_use]
-pub fn tour() -> &'static [TourScene] {
-    &TOUR
 }

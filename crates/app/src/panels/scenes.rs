@@ -15,8 +15,9 @@ use tilescope_ui::widgets::{Icon, Known, heading, icon_button, primary_button};
 use super::common::{no_events, read_out};
 use super::context::PanelContext;
 use tilescope_workbench::command::{Command, DebugCommand};
-use tilescope_workbench::scenes::{SceneCommand, SceneList, ShownScene, tour};
+use tilescope_workbench::scenes::{SceneCommand, SceneList, ShownScene};
 use tilescope_workbench::state::State;
+use tilescope_workbench::tour::tour;
 
 /// Shows the panel.
 pub fn show(

@@ -250,7 +250,6 @@ fn scenes_and_watches_stay_with_their_moments() {
     harness.run();
     node(&harness, "scene-1.caption").type_text("the last one");
     harness.run();
-    press(&mut harness, Modifiers::NONE, Key::Enter);
     apply(&mut harness, Command::Time(TimeCommand::FirstStage));
     let number = tilescope_session::words::grouped(at);
     assert!(text(&harness, "scene-1").contains(&number));

@@ -169,7 +169,7 @@ fn a_session_that_asks_for_too_much_is_refused_with_value_and_limit() {
 #[test]
 fn a_million_scenes_and_deep_views_are_refused() {
     let text = plain().to_json().unwrap();
-    let scene = r#"{"event":1,"note":"n"}"#;
+    let scene = r#"{"event":1,"caption":"n"}"#;
     let list = vec![scene; 1_000_000].join(",");
     let million = text.replace("\"scenes\": []", &format!("\"scenes\": [{list}]"));
     assert_ne!(million, text);

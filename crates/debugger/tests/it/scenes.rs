@@ -97,7 +97,10 @@ fn scenes_of_older_files_are_of_the_run_that_was_saved() {
     }];
     let text = saved.to_json().unwrap();
     assert!(!text.contains("anchor") && !text.contains("\"run\""));
-    let saved = Session::from_json(&text).unwrap();
+    let old = text.replace("\"scenes\"", "\"bookmarks\"");
+    let old = old.replace("\"caption\"", "\"note\"");
+    assert_ne!(old, text);
+    let saved = Session::from_json(&old).unwrap();
     let back = Debugger::restore(&saved, &mut Unobserved).unwrap();
     assert_eq!(back.scenes, set);
 }

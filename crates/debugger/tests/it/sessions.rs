@@ -357,7 +357,7 @@ fn a_session_that_cannot_be_restored_says_why() {
         Session::from_json(&text[..40]),
         Err(SessionError::Corrupt(_))
     ));
-    let newer = text.replace("\"version\": 1", "\"version\": 9");
+    let newer = text.replace("\"version\": 2", "\"version\": 9");
     assert!(matches!(
         Session::from_json(&newer),
         Err(SessionError::Newer { found: 9 })

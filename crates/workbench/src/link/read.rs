@@ -284,7 +284,6 @@ impl LinkReader {
         content.breakpoints = self.list("break", "breakpoint", MAX_STOPS, breakpoint);
         content.watches = self.list("watch", "watch", MAX_STOPS, short);
         content.scenes = self.list("mark", "scene", MAX_SCENES, scene);
-        content.scenes.dedup();
     }
 
     fn list<T>(

@@ -51,7 +51,13 @@ impl State {
             content.breakpoints = debugger.saved_breakpoints();
             content.watches = debugger.watches().to_vec();
             content.scenes.clone_from(&debugger.scenes);
+            let views = content.scenes.iter().filter(|mark| !mark.view.is_null());
+            match views.count() {
+                0 => {}
+                count => left_out.push(counted(count, "view of a scene", "views of scenes")),
+            }
             for mark in &mut content.scenes {
+                (mark.view, mark.ends) = (serde_json::Value::Null, None);
                 // A scene of the link's own run does not name the run.
                 if mark.run == debugger.run_id() {
                     (mark.run, mark.anchor) = (String::new(), None);

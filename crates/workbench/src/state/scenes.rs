@@ -7,7 +7,8 @@ use tilescope_session::selection::Selection;
 
 use super::{RunView, State};
 use crate::command::{Command, FormCommand, Which};
-use crate::scenes::{SceneCamera, SceneCommand, SceneList, SceneView, ShownScene, tour};
+use crate::scenes::{SceneCamera, SceneCommand, SceneList, SceneView, ShownScene};
+use crate::tour::tour;
 use crate::view::{MAX_RADII, SavedView, is_near};
 
 impl State {

@@ -1,7 +1,7 @@
 //! The settings that stay, and those that undo restores, when another run replaces the current one.
 
 use tilescope_core::Order;
-use tilescope_debugger::{Listings, Marked};
+use tilescope_debugger::{Listings, Marked, SavedScene};
 use tilescope_session::combination::CombineCommand;
 use tilescope_session::layers::Layer;
 use tilescope_session::selection::Selection;
@@ -134,8 +134,16 @@ fn scenes_of_other_runs_are_in_sessions_and_links() {
         Command::Link(LinkCommand::Open(link.fragment.clone())),
     );
     assert_eq!(there.messages.notice, None);
-    assert_eq!(there.runs.first.debugger.as_ref().unwrap().scenes, set);
-    assert_eq!(there.link(), link);
+    // The views are in the session alone.
+    let said = |scenes: &[SavedScene]| -> Vec<(usize, String, String)> {
+        let said = scenes.iter();
+        said.map(|scene| (scene.event, scene.caption.clone(), scene.run.clone()))
+            .collect()
+    };
+    let scenes = &there.runs.first.debugger.as_ref().unwrap().scenes;
+    assert_eq!(said(scenes), said(&set));
+    assert_eq!(link.left_out, ["3 views of scenes"]);
+    assert_eq!(there.link().fragment, link.fragment);
 }
 
 #[test]
