@@ -18,6 +18,7 @@ mod names;
 mod passes;
 mod passes_panel;
 mod rest;
+mod scenes;
 mod sentences;
 mod sessions;
 mod snapshots;
