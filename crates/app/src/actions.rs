@@ -189,7 +189,10 @@ impl Action {
 impl List {
     /// Gives Escape to the action that closes or leaves what was entered last.
     fn escape(&mut self, state: &State) {
-        let projector = (state.appearance.look == Look::Projector)
+        let projector = state
+            .appearance
+            .look
+            .is_projector()
             .then_some(Command::Appearance(AppearanceCommand::ToggleProjector));
         let caption = state.scene.map(|_| Command::Scene(SceneCommand::Leave));
         let ways = [
@@ -320,7 +323,7 @@ fn scenes(list: &mut List, state: &State) {
 #[must_use]
 pub const fn projector_action(look: Look) -> &'static str {
     match look {
-        Look::Projector => "Leave the projector mode",
+        Look::Projector | Look::ProjectorDark => "Leave the projector mode",
         Look::Dark | Look::Light => Look::Projector.name(),
     }
 }
@@ -356,7 +359,7 @@ fn view(list: &mut List, state: &State) {
         Some((SHIFT, Key::F)),
         Command::Appearance(AppearanceCommand::ToggleFollow),
     );
-    for look in [Look::Dark, Look::Light] {
+    for look in [Look::Dark, Look::Light, Look::ProjectorDark] {
         add(
             look.name().to_owned(),
             None,

@@ -125,7 +125,7 @@ impl App {
             self.commands.retain(Command::works_in_frame);
         } else if self.state.window.drawer.arrangement.is_compact() {
             panels::compact::show(ui, &self.state, &mut self.canvas, &mut self.commands);
-        } else if self.state.appearance.look == Look::Projector {
+        } else if self.state.appearance.look.is_projector() {
             panels::show_projector(ui, &self.state, &mut self.canvas, &mut self.commands);
         } else {
             if !self.state.window.bare {
@@ -282,7 +282,7 @@ impl App {
     /// Arranges the panels for the window's size. A layout that was arranged for less than a whole window is kept.
     fn arrange(&mut self, ui: &Ui) {
         let mut size = ui.available_size();
-        if self.state.appearance.look == Look::Projector {
+        if self.state.appearance.look.is_projector() {
             size *= ui.ctx().zoom_factor();
         }
         let arrangement = if self.state.window.layout.is_whole() {

@@ -101,19 +101,31 @@ pub fn show_projector(
     leave_projector(ui, palette, commands);
 }
 
-/// Shows a small button in the corner of the canvas that leaves the projector mode.
+/// Shows small buttons in the corner of the canvas that change the colours and leave the projector mode.
 fn leave_projector(ui: &Ui, palette: &Palette, commands: &mut Vec<Command>) {
     Area::new(Id::unique("leave projector"))
         .anchor(Align2::RIGHT_TOP, vec2(-8.0, 8.0))
         .show(ui.ctx(), |ui| {
-            let text = RichText::new("F2: leave").small().color(palette.muted);
-            let button = ui.add(Button::new(text).fill(palette.panel).small());
-            let name = crate::actions::projector_action(tilescope_session::look::Look::Projector);
-            button.widget_info(|| WidgetInfo::labeled(Role::Button, true, name));
-            button.known_as("leave-projector");
-            if button.on_hover_text(name).clicked() {
-                commands.push(Command::Appearance(AppearanceCommand::ToggleProjector));
-            }
+            ui.horizontal(|ui| {
+                let other = if palette.dark { "light" } else { "dark" };
+                let text = RichText::new(other).small().color(palette.muted);
+                let button = ui.add(Button::new(text).fill(palette.panel).small());
+                let name = format!("Projector mode, {other}");
+                button.widget_info(|| WidgetInfo::labeled(Role::Button, true, &name));
+                button.known_as("other-projector");
+                if button.on_hover_text(&name).clicked() {
+                    commands.push(Command::Appearance(AppearanceCommand::ToggleTheme));
+                }
+                let text = RichText::new("F2: leave").small().color(palette.muted);
+                let button = ui.add(Button::new(text).fill(palette.panel).small());
+                let name =
+                    crate::actions::projector_action(tilescope_session::look::Look::Projector);
+                button.widget_info(|| WidgetInfo::labeled(Role::Button, true, name));
+                button.known_as("leave-projector");
+                if button.on_hover_text(name).clicked() {
+                    commands.push(Command::Appearance(AppearanceCommand::ToggleProjector));
+                }
+            });
         });
 }
 

@@ -169,7 +169,7 @@ impl PaneSide<'_> {
         overlay::cursor(&painter, rect, subject, pointer, palette);
         overlay::note(&painter, rect, subject, note.as_deref(), palette);
         hint::show(&painter, rect, palette);
-        let brief = context.look == Look::Projector;
+        let brief = context.look.is_projector();
         if pointer.is_some() {
             hover::show(ui, &painter, &response, subject, palette, brief);
         }

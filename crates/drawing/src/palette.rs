@@ -112,7 +112,7 @@ impl Palette {
     #[must_use]
     pub const fn of(look: Look) -> &'static Self {
         match look {
-            Look::Dark => &DARK,
+            Look::Dark | Look::ProjectorDark => &DARK,
             Look::Light | Look::Projector => &LIGHT,
         }
     }

@@ -52,6 +52,8 @@ pub enum Part {
     Conflicts,
     /// The pairs at brushed distances.
     Pairs,
+    /// Around a periodic domain, the copies of samples near its border.
+    Copies,
     /// The samples.
     Samples,
     /// Detectors and candidates.
@@ -68,7 +70,7 @@ pub enum Part {
 
 impl Part {
     /// Every part, from bottom to top.
-    pub const ALL: [Self; 21] = [
+    pub const ALL: [Self; 22] = [
         Self::Tints,
         Self::Band,
         Self::Delaunay,
@@ -83,6 +85,7 @@ impl Part {
         Self::Clips,
         Self::Conflicts,
         Self::Pairs,
+        Self::Copies,
         Self::Samples,
         Self::Search,
         Self::Numbers,
@@ -111,6 +114,7 @@ impl Part {
             Self::Clips => "clips",
             Self::Conflicts => "conflicts",
             Self::Pairs => "brushed pairs",
+            Self::Copies => "copies",
             Self::Samples => "samples",
             Self::Search => "search",
             Self::TreeNumbers => "split numbers",
@@ -143,6 +147,7 @@ impl Part {
             Self::Inset => {
                 scene.stage == Stage::Tile && has(Layer::Pattern) && !scene.shown.ends_stage()
             }
+            Self::Copies => is_tiled && scene.session.run().domain.is_periodic(),
             Self::Samples | Self::Search | Self::Selection => true,
         }
     }
@@ -179,6 +184,7 @@ impl Part {
             Self::Clips => blocks::clips(scene, surface),
             Self::Conflicts => samples::conflicts(scene, surface),
             Self::Pairs => pairs::draw(scene, surface),
+            Self::Copies => samples::copies(scene, looks, surface),
             Self::Samples => samples::draw(scene, looks, surface),
             Self::Search => samples::search(scene, surface),
             Self::TreeNumbers => tree::numbers(scene, surface),

@@ -1,4 +1,4 @@
-//! The looks of a window: light, dark, and for a projector. Their colours are in `tilescope_drawing::palette`.
+//! The looks of a window: light and dark, also for a projector. Their colours are in `tilescope_drawing::palette`.
 
 /// A look of the window. Earlier versions saved the aliases.
 #[derive(
@@ -17,11 +17,18 @@ pub enum Look {
     /// timeline.
     #[serde(alias = "Projector")]
     Projector,
+    /// The same, light on dark, for rooms that are dark.
+    ProjectorDark,
 }
 
 impl Look {
     /// Every look.
-    pub const ALL: [Self; 3] = [Self::Dark, Self::Light, Self::Projector];
+    pub const ALL: [Self; 4] = [
+        Self::Dark,
+        Self::Light,
+        Self::Projector,
+        Self::ProjectorDark,
+    ];
 
     /// Returns its name.
     #[must_use]
@@ -30,15 +37,30 @@ impl Look {
             Self::Dark => "Dark theme",
             Self::Light => "Light theme",
             Self::Projector => "Projector mode",
+            Self::ProjectorDark => "Projector mode, dark",
         }
     }
 
-    /// Returns the light look for the dark one, and the dark one for the others.
+    /// Returns whether it is one for a projector.
+    #[must_use]
+    pub const fn is_projector(self) -> bool {
+        matches!(self, Self::Projector | Self::ProjectorDark)
+    }
+
+    /// Returns whether it is light on dark.
+    #[must_use]
+    pub const fn is_dark(self) -> bool {
+        matches!(self, Self::Dark | Self::ProjectorDark)
+    }
+
+    /// Returns the light look for a dark one, and the dark one for a light one.
     #[must_use]
     pub const fn other(self) -> Self {
         match self {
             Self::Dark => Self::Light,
-            Self::Light | Self::Projector => Self::Dark,
+            Self::Light => Self::Dark,
+            Self::Projector => Self::ProjectorDark,
+            Self::ProjectorDark => Self::Projector,
         }
     }
 
@@ -47,7 +69,7 @@ impl Look {
     pub const fn zoom(self) -> f32 {
         match self {
             Self::Dark | Self::Light => 1.0,
-            Self::Projector => 1.75,
+            Self::Projector | Self::ProjectorDark => 1.75,
         }
     }
 }

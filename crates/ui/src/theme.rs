@@ -18,7 +18,7 @@ pub fn semibold() -> FontFamily {
 #[must_use]
 pub const fn theme_of(look: Look) -> Theme {
     match look {
-        Look::Dark => Theme::Dark,
+        Look::Dark | Look::ProjectorDark => Theme::Dark,
         Look::Light | Look::Projector => Theme::Light,
     }
 }

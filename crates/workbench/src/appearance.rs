@@ -60,7 +60,7 @@ impl Appearance {
             AppearanceCommand::ToggleTheme => self.choose_look(self.look.other()),
             AppearanceCommand::Look(look) => self.choose_look(look),
             AppearanceCommand::ToggleProjector => self.choose_look(match self.look {
-                Look::Projector => self.look_before,
+                look if look.is_projector() => self.look_before,
                 _ => Look::Projector,
             }),
             AppearanceCommand::ToggleFollow => self.follows_events = !self.follows_events,
@@ -96,7 +96,7 @@ impl Appearance {
 
     /// Chooses a look. Leaving projector mode returns to the look before it.
     pub fn choose_look(&mut self, look: Look) {
-        if look == Look::Projector && self.look != look {
+        if look.is_projector() && !self.look.is_projector() {
             self.look_before = self.look;
         }
         self.look = look;

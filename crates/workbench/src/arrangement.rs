@@ -32,7 +32,7 @@ impl Arrangement {
     pub fn of(size: Vec2, look: Look) -> Self {
         let room = match look {
             Look::Dark | Look::Light => ROOM_FOR_TILES,
-            Look::Projector => ROOM_FOR_PROJECTOR,
+            Look::Projector | Look::ProjectorDark => ROOM_FOR_PROJECTOR,
         };
         if size.x >= room.x && size.y >= room.y {
             Self::Tiles

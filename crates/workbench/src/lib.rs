@@ -36,6 +36,7 @@ pub mod scenes;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod script;
 pub mod state;
+pub mod thumbnails;
 pub mod tour;
 pub mod view;
 pub mod worker;

@@ -10,6 +10,7 @@ use crate::command::{AppearanceCommand, Command, LinkCommand, ViewCommand, Which
 use crate::export::ExportCommand;
 use crate::layout::Panel;
 use crate::scenes::ShownScene;
+use crate::thumbnails::Thumbnails;
 use effects::{Context, Effect};
 pub use export::{ExportSource, Exports};
 pub use form::Form;
@@ -89,6 +90,8 @@ pub struct State {
     pub analysis: Analysis,
     /// The scene that is shown, if one is.
     pub scene: Option<ShownScene>,
+    /// The scenes' pictures.
+    pub thumbnails: Thumbnails,
     /// Links.
     pub links: Links,
     /// Messages to the user.
@@ -111,6 +114,7 @@ impl State {
             gpu: GpuState::default(),
             analysis: Analysis::default(),
             scene: None,
+            thumbnails: Thumbnails::default(),
             links: Links::default(),
             messages: Messages::default(),
             history: undo::History::default(),

@@ -214,7 +214,7 @@ fn layout(saved: Value) -> Option<Layout> {
 
 /// Returns the layers, `None` within for those of the stage. Layers unknown to this version are ignored.
 #[allow(clippy::option_option, reason = "the shape of the other parts")]
-fn layers(saved: Value) -> Option<Option<Layers>> {
+pub(crate) fn layers(saved: Value) -> Option<Option<Layers>> {
     if saved.as_str() == Some(AUTOMATIC) {
         return Some(None);
     }

@@ -40,6 +40,7 @@ tasks! {
     crate::compare::difference::DifferenceTask,
     crate::files::ReadTask,
     crate::state::export::ExportTask,
+    crate::thumbnails::ThumbnailTask,
 }
 
 #[cfg(test)]

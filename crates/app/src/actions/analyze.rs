@@ -1,7 +1,6 @@
 //! The Analyze menu: measures of the moment, the reference, and brushing.
 
 use egui::Key;
-use tilescope_session::look::Look;
 
 use super::{List, Menu, NO_SESSION, NONE};
 use tilescope_workbench::analysis::AnalysisCommand;
@@ -29,7 +28,7 @@ pub(super) fn add(list: &mut List, state: &State) {
             "Hide analysis",
             Command::Window(WindowCommand::Drawer(DrawerCommand::Show(None))),
         )
-    } else if state.appearance.look == Look::Projector {
+    } else if state.appearance.look.is_projector() {
         (
             "Hide analysis",
             Command::Window(WindowCommand::OpenPanel(Panel::Parameters)),

@@ -72,7 +72,7 @@ fn row(panel: Panel) -> (Room, Show) {
             Parts(|ui, state, commands| {
                 let run_on = Command::Time(TimeCommand::Continue(Direction::Forwards));
                 let keys = keys_of(state, &run_on);
-                scenes::show(ui, &PanelContext::of(state), state.scene, keys, commands);
+                scenes::show(ui, state, keys, commands);
             }),
         ),
         Panel::Legend => (

@@ -1,13 +1,15 @@
 //! Scenes: moments with a view and a caption, in the user's order, and the breakpoints with their conditions. The caption
 //! of the scene that is shown lies over the canvas.
 
+use std::sync::Arc;
+
 use egui::{
-    Area, Button, FontId, Frame, Id, KeyboardShortcut, Label, Margin, Order, RichText, Role,
-    Stroke, TextEdit, Ui, WidgetInfo, pos2,
+    Area, Button, Color32, ColorImage, CursorIcon, FontId, Frame, Id, KeyboardShortcut, Label,
+    Margin, Order, Rect, RichText, Role, Sense, Stroke, StrokeKind, TextEdit, TextureHandle,
+    TextureOptions, Ui, WidgetInfo, pos2, vec2,
 };
 use tilescope_debugger::{Debugger, Direction, Listings, Marked, SavedScene};
 use tilescope_drawing::palette::Palette;
-use tilescope_session::look::Look;
 use tilescope_session::words::grouped;
 use tilescope_ui::theme::semibold;
 use tilescope_ui::widgets::{Icon, Known, heading, icon_button, primary_button};
@@ -17,16 +19,17 @@ use super::context::PanelContext;
 use tilescope_workbench::command::{Command, DebugCommand};
 use tilescope_workbench::scenes::{SceneCommand, SceneList, ShownScene};
 use tilescope_workbench::state::State;
+use tilescope_workbench::thumbnails::{THUMBNAIL_SIZE, Thumbnail};
 use tilescope_workbench::tour::tour;
 
 /// Shows the panel.
 pub fn show(
     ui: &mut Ui,
-    context: &PanelContext<'_>,
-    shown: Option<ShownScene>,
+    state: &State,
     run_on: Option<KeyboardShortcut>,
     commands: &mut Vec<Command>,
 ) {
+    let context = &PanelContext::of(state);
     let palette = context.palette;
     let Some(debugger) = &context.run.debugger else {
         no_events(ui, context);
@@ -38,10 +41,14 @@ pub fn show(
         ui.label(RichText::new(text).color(palette.muted))
             .known_as("no-scenes");
     }
-    let own = shown.filter(|shown| shown.list == SceneList::Own);
+    let own = state.scene.filter(|shown| shown.list == SceneList::Own);
     for (index, scene) in debugger.scenes.iter().enumerate() {
         let is_shown = own.is_some_and(|shown| shown.index == index);
-        row(ui, debugger, (index, scene), is_shown, palette, commands);
+        ui.horizontal_top(|ui| {
+            picture(ui, state, (index, scene), is_shown, commands);
+            ui.vertical(|ui| row(ui, debugger, (index, scene), is_shown, palette, commands));
+        });
+        caption_field(ui, (index, scene), commands);
     }
     ui.add_space(10.0);
     heading(ui, "Breakpoints");
@@ -60,7 +67,62 @@ pub fn show(
     }
 }
 
-/// Shows a scene of the list: its moment, its buttons, and its caption.
+/// Shows the small picture of a scene; a click shows the scene.
+fn picture(
+    ui: &mut Ui,
+    state: &State,
+    (index, scene): (usize, &SavedScene),
+    is_shown: bool,
+    commands: &mut Vec<Command>,
+) {
+    let palette = Palette::of(state.appearance.look);
+    let [width, height] = THUMBNAIL_SIZE.map(|side| side as f32);
+    let (rect, response) = ui.allocate_exact_size(vec2(width, height), Sense::click());
+    let name = format!("Picture of scene {}", index + 1);
+    response.widget_info(|| WidgetInfo::labeled(Role::Button, true, &name));
+    response.known_as(format_args!("scene-{}.picture", index + 1));
+    let run = &state.runs.first;
+    let thumbnail = run.session.as_ref().zip(run.debugger.as_ref());
+    let thumbnail = thumbnail.and_then(|(session, debugger)| {
+        state
+            .thumbnails
+            .of(session, debugger, scene, state.appearance.look.is_dark())
+    });
+    if let Some(thumbnail) = thumbnail {
+        let texture = texture(ui, index, thumbnail);
+        let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
+        ui.painter()
+            .image(texture.id(), rect, whole, Color32::WHITE);
+    }
+    let color = if is_shown {
+        palette.accent
+    } else {
+        palette.line
+    };
+    ui.painter()
+        .rect_stroke(rect, 3.0, Stroke::new(1.5, color), StrokeKind::Inside);
+    if response.on_hover_cursor(CursorIcon::PointingHand).clicked() {
+        commands.push(Command::Scene(SceneCommand::Show(index)));
+    }
+}
+
+/// Returns the texture of a small picture, which is kept until the scene has another one.
+fn texture(ui: &Ui, index: usize, thumbnail: &Arc<Thumbnail>) -> TextureHandle {
+    let id = Id::unique("picture of a scene").with(index);
+    let kept: Option<(Arc<Thumbnail>, TextureHandle)> = ui.data(|data| data.get_temp(id));
+    if let Some((_, texture)) = kept.filter(|(of, _)| Arc::ptr_eq(of, thumbnail)) {
+        return texture;
+    }
+    let image = ColorImage::from_rgba_unmultiplied(thumbnail.size, &thumbnail.rgba);
+    let texture = ui
+        .ctx()
+        .load_texture("picture of a scene", image, TextureOptions::LINEAR);
+    let kept = (Arc::clone(thumbnail), texture.clone());
+    ui.data_mut(|data| data.insert_temp(id, kept));
+    texture
+}
+
+/// Shows the moment of a scene and its buttons.
 fn row(
     ui: &mut Ui,
     debugger: &Debugger,
@@ -71,58 +133,45 @@ fn row(
 ) {
     let number = index + 1;
     let mut issue = |command| commands.push(Command::Scene(command));
+    if moment(ui, debugger, (index, scene), is_shown, palette).clicked() {
+        issue(SceneCommand::Show(index));
+    }
     ui.horizontal(|ui| {
-        ui.spacing_mut().item_spacing.x = 2.0;
-        let link = moment(ui, debugger, (index, scene), is_shown, palette);
-        if link.clicked() {
-            issue(SceneCommand::Show(index));
+        ui.spacing_mut().item_spacing.x = 0.0;
+        let update = ui.add(Button::new("Update").small());
+        update.known_as(format_args!("scene-{number}.replace"));
+        let update =
+            update.on_hover_text("Gives this scene the moment and the view that are shown now.");
+        if update.clicked() {
+            issue(SceneCommand::Replace(index));
         }
-        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            let last = debugger.scenes.len() - 1;
-            let [first_refusal, last_refusal] = [
-                (index == 0).then_some("It is the first."),
-                (index == last).then_some("It is the last."),
-            ];
-            for (icon, name, id, refusal, command) in [
-                (
-                    Icon::Close,
-                    "Remove scene",
-                    "remove",
-                    None,
-                    SceneCommand::Remove(index),
-                ),
-                (
-                    Icon::Shorter,
-                    "Move down scene",
-                    "down",
-                    last_refusal,
-                    SceneCommand::Move(index, number),
-                ),
-                (
-                    Icon::Taller,
-                    "Move up scene",
-                    "up",
-                    first_refusal,
-                    SceneCommand::Move(index, index.saturating_sub(1)),
-                ),
-            ] {
-                let button = icon_button(ui, icon, &format!("{name} {number}"), refusal, palette);
-                if button
-                    .known_as(format_args!("scene-{number}.{id}"))
-                    .clicked()
-                {
-                    issue(command);
-                }
+        let up = (index == 0).then_some("It is the first.");
+        let down = (number == debugger.scenes.len()).then_some("It is the last.");
+        let above = SceneCommand::Move(index, index.saturating_sub(1));
+        let below = SceneCommand::Move(index, number);
+        for (icon, name, id, refusal, command) in [
+            (Icon::Taller, "Move up scene", "up", up, above),
+            (Icon::Shorter, "Move down scene", "down", down, below),
+            (
+                Icon::Close,
+                "Remove scene",
+                "remove",
+                None,
+                SceneCommand::Remove(index),
+            ),
+        ] {
+            let button = icon_button(ui, icon, &format!("{name} {number}"), refusal, palette);
+            let id = format_args!("scene-{number}.{id}");
+            if button.known_as(id).clicked() {
+                issue(command);
             }
-            let update = ui.add(Button::new("Update").small());
-            update.known_as(format_args!("scene-{number}.replace"));
-            let update = update
-                .on_hover_text("Gives this scene the moment and the view that are shown now.");
-            if update.clicked() {
-                issue(SceneCommand::Replace(index));
-            }
-        });
+        }
     });
+}
+
+/// Shows the caption of a scene, to be edited.
+fn caption_field(ui: &mut Ui, (index, scene): (usize, &SavedScene), commands: &mut Vec<Command>) {
+    let number = index + 1;
     let mut caption = scene.caption.clone();
     let field = TextEdit::multiline(&mut caption)
         .desired_rows(1)
@@ -134,9 +183,9 @@ fn row(
     });
     response.known_as(format_args!("scene-{number}.caption"));
     if response.changed() {
-        issue(SceneCommand::Caption(index, caption));
+        commands.push(Command::Scene(SceneCommand::Caption(index, caption)));
     }
-    ui.add_space(4.0);
+    ui.add_space(6.0);
 }
 
 /// Shows the moment of a scene in this run, and where it was made if that was another.
@@ -201,7 +250,7 @@ pub fn caption(ui: &Ui, state: &State, commands: &mut Vec<Command>) {
         return;
     }
     let canvas = state.runs.first.viewport;
-    let size = CAPTION_SIZES[usize::from(state.appearance.look == Look::Projector)];
+    let size = CAPTION_SIZES[usize::from(state.appearance.look.is_projector())];
     let width = CAPTION_WIDTH.min(canvas.width() - 24.0).max(200.0);
     let at = pos2(canvas.center().x, canvas.bottom() - ABOVE_EDGE);
     Area::new(Id::unique("caption of the scene"))

@@ -1,4 +1,4 @@
-//! The tour and scenes by keys: space goes on, Escape ends, PageDown and PageUp step, also for a projector.
+//! The tour and scenes by keys: the space key goes on, Escape ends, the page keys step, also for a projector.
 
 use egui::{Key, Modifiers};
 use egui_kittest::Harness;

@@ -12,6 +12,10 @@ use crate::surface::{Mark, Stroke, Surface};
 
 /// The width of a conflict's edge, in screen points.
 const EDGE_WIDTH: f32 = 1.4;
+/// How far around a periodic domain copies of samples are drawn, in r.
+const AROUND: f64 = 8.0;
+/// The opacity of the copies.
+const DIMMED: f32 = 0.42;
 
 /// Calls `visit` with every sample whose symbol may reach into view.
 pub fn visit(scene: &Scene<'_>, mut visit: impl FnMut(u32, Pos2)) {
@@ -61,6 +65,20 @@ pub fn draw(scene: &Scene<'_>, looks: &Looks<'_>, surface: &mut impl Surface) {
                 surface.mark(Mark::Diamond, pos, [diamond, by], look.color);
             }
             Symbol::Ring | Symbol::None => {}
+        }
+    });
+}
+
+/// Draws the copies of samples around a periodic domain, dimmed.
+pub fn copies(scene: &Scene<'_>, looks: &Looks<'_>, surface: &mut impl Surface) {
+    let [radius, ..] = radii_at(scene.scale());
+    let index = &scene.session.index;
+    index.visit(scene.low, scene.high, AROUND, |seen| {
+        let look = looks.of(seen.id);
+        let is_shown = matches!(look.symbol, Symbol::Dot | Symbol::Diamond);
+        if seen.image && is_shown {
+            let color = look.color.gamma_multiply(DIMMED);
+            surface.mark(Mark::Dot, scene.at(seen.position), [radius, 0.0], color);
         }
     });
 }

@@ -163,6 +163,29 @@ pub(super) fn frame(session: &Session, cursor: usize, view: &PictureView) -> Sce
     drawn(session, &Moment::at(session, cursor), view, None, false)
 }
 
+/// Returns the debugger of a session at a moment, if events were recorded.
+fn debugger_at(session: &Session, moment: &Moment) -> Option<Debugger> {
+    let (recording, cursor) = session.recording().zip(moment.cursor)?;
+    let mut debugger = Debugger::new(Arc::clone(recording), DEFAULT_BUDGET);
+    debugger.jump(cursor);
+    Some(debugger)
+}
+
+/// Returns a picture without margins and caption.
+pub(crate) fn thumbnail(session: &Session, moment: &Moment, view: &PictureView) -> Scene {
+    let debugger = debugger_at(session, moment);
+    let shown = ShownMoment {
+        session,
+        debugger: debugger.as_ref(),
+        stage: moment.stage,
+    };
+    let [width, height] = view.size;
+    let mut scene = Scene::new(width, height, color(view.outside()));
+    let frame = Rect::from_min_size(pos2(0.0, 0.0), vec2(width as f32, height as f32));
+    scene.groups = groups(shown, view, None, frame);
+    scene
+}
+
 fn drawn(
     session: &Session,
     moment: &Moment,
@@ -170,12 +193,7 @@ fn drawn(
     causes: Option<&BrushedCause>,
     has_pattern: bool,
 ) -> Scene {
-    let recorded = session.recording().zip(moment.cursor);
-    let debugger = recorded.map(|(recording, cursor)| {
-        let mut debugger = Debugger::new(Arc::clone(recording), DEFAULT_BUDGET);
-        debugger.jump(cursor);
-        debugger
-    });
+    let debugger = debugger_at(session, moment);
     let shown = ShownMoment {
         session,
         debugger: debugger.as_ref(),

@@ -2,7 +2,6 @@
 
 use tilescope_session::jobs::Job;
 use tilescope_session::limits::MAX_PASSES_ON_A_PAGE;
-use tilescope_session::look::Look;
 use tilescope_session::recipe::Recipe;
 use tilescope_session::sampling::SampleTask;
 use tilescope_session::session::Session;
@@ -111,7 +110,7 @@ impl State {
     #[must_use]
     pub fn buffers_on_canvas(&self) -> Option<OnCanvas<'_>> {
         let passes = self.runs.first.passes.as_ref()?;
-        let is_seen = self.window.shows(Panel::Passes) && self.appearance.look != Look::Projector;
+        let is_seen = self.window.shows(Panel::Passes) && !self.appearance.look.is_projector();
         let now = self.runs.first.moment();
         let is_then = now.is_some() && passes.moment() == now;
         let is_meant = is_seen || is_then || self.time.playback.clock == Clock::Pass;

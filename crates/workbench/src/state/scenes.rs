@@ -7,6 +7,7 @@ use tilescope_session::selection::Selection;
 
 use super::{RunView, State};
 use crate::command::{Command, FormCommand, Which};
+use crate::layout::Panel;
 use crate::scenes::{SceneCamera, SceneCommand, SceneList, SceneView, ShownScene};
 use crate::tour::tour;
 use crate::view::{MAX_RADII, SavedView, is_near};
@@ -29,6 +30,18 @@ impl State {
     pub fn is_touring(&self) -> bool {
         self.scene
             .is_some_and(|shown| shown.list == SceneList::Tour)
+    }
+
+    /// Draws the pictures of the scenes while their panel is open.
+    pub(super) fn follow_thumbnails(&mut self) {
+        let run = &self.runs.first;
+        if let (Some(session), Some(debugger)) = (&run.session, &run.debugger)
+            && self.window.shows(Panel::Scenes)
+        {
+            let dark = self.appearance.look.is_dark();
+            let wake = &self.jobs.wake;
+            self.thumbnails.follow(session, debugger, dark, wake);
+        }
     }
 
     pub(super) fn apply_to_scenes(&mut self, command: SceneCommand) {
@@ -73,7 +86,7 @@ impl State {
                 }
                 self.show_scene(SceneList::Tour, 0);
             }
-            SceneCommand::Leave => self.scene = None,
+            SceneCommand::Leave => self.leave_scene(),
         }
     }
 
@@ -128,9 +141,17 @@ impl State {
         match to {
             Some(index) if index < len => self.show_scene(list, index),
             // After its last scene the tour is over.
-            Some(_) if list == SceneList::Tour => self.scene = None,
+            Some(_) if list == SceneList::Tour => self.leave_scene(),
             _ => {}
         }
+    }
+
+    /// Removes the caption. After the tour layers follow the stage again.
+    fn leave_scene(&mut self) {
+        if self.is_touring() {
+            self.appearance.chosen_layers = None;
+        }
+        self.scene = None;
     }
 
     fn show_scene(&mut self, list: SceneList, index: usize) {
@@ -375,5 +396,36 @@ mod tests {
                 .verdict()
                 .is_some_and(|verdict| !verdict.report.maximal())
         );
+    }
+
+    #[test]
+    fn every_scene_has_a_picture_of_its_own() {
+        let mut state = with_scenes();
+        state.window.open_panel(Panel::Scenes);
+        let pictures = |state: &State| -> Vec<Option<Vec<u8>>> {
+            let run = &state.runs.first;
+            let (session, debugger) = (run.session.as_ref(), run.debugger.as_ref());
+            let (session, debugger) = (session.unwrap(), debugger.unwrap());
+            let of = |scene| state.thumbnails.of(session, debugger, scene, true);
+            let scenes = debugger.scenes.iter();
+            scenes
+                .map(|scene| of(scene).map(|made| made.rgba.clone()))
+                .collect()
+        };
+        for _ in 0..2_000 {
+            state.advance(0.1);
+            if pictures(&state).iter().all(Option::is_some) {
+                break;
+            }
+            std::thread::sleep(std::time::Duration::from_millis(5));
+        }
+        let pictures = pictures(&state);
+        assert!(pictures.iter().all(Option::is_some));
+        assert!(pictures[0] != pictures[1] && pictures[1] != pictures[2]);
+        // A picture shows more than one colour.
+        for picture in pictures.into_iter().flatten() {
+            let first = picture[..4].to_vec();
+            assert!(picture.chunks(4).any(|pixel| pixel != first));
+        }
     }
 }

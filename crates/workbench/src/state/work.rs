@@ -62,6 +62,7 @@ impl State {
             }
         });
         self.want_analysis();
+        self.follow_thumbnails();
         self.in_exports(|exports, source, _, _| exports.count_frames(source));
         let flies = self.advance_second(dt_secs);
         self.follow_passes();
