@@ -81,6 +81,53 @@ impl Menu {
     }
 }
 
+/// The submenus.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Submenu {
+    /// Moving and zooming by steps.
+    Camera,
+    /// The panels.
+    Panels,
+    /// The layers of the canvas.
+    Layers,
+    /// What colours stand for.
+    Colours,
+    /// Themes and motion.
+    Look,
+    /// The scenes.
+    Scenes,
+    /// What a tick is.
+    Ticks,
+    /// Stepping backwards.
+    Backwards,
+    /// Running backwards.
+    Previous,
+    /// Repeating a part of the run.
+    Loop,
+    /// What a run can be compared with.
+    Presets,
+}
+
+impl Submenu {
+    /// Returns its name.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Camera => "Move and zoom",
+            Self::Panels => "Panels",
+            Self::Layers => "Layers",
+            Self::Colours => "Colours",
+            Self::Look => "Look",
+            Self::Scenes => "Scenes",
+            Self::Ticks => "Step by",
+            Self::Backwards => "Step backwards",
+            Self::Previous => "Run backwards to",
+            Self::Loop => "Loop",
+            Self::Presets => "Compare with",
+        }
+    }
+}
+
 /// An action.
 #[derive(Clone, Debug)]
 pub struct Action {
@@ -96,6 +143,12 @@ pub struct Action {
     pub command: Command,
     /// Why it is unavailable, if it is.
     pub refusal: Option<String>,
+    /// The submenu that it is in, if any.
+    pub submenu: Option<Submenu>,
+    /// Whether a line separates it from the actions before it.
+    pub begins_group: bool,
+    /// Whether what it switches is on; `None` for other actions.
+    pub is_on: Option<bool>,
 }
 
 /// Returns the actions whose names contain every typed word; names that begin with the text come first.
@@ -131,15 +184,12 @@ fn no_events(state: &State) -> &'static str {
 /// Returns every action, with its current name and availability.
 #[must_use]
 pub fn actions(state: &State) -> Vec<Action> {
-    let mut list = List {
-        actions: Vec::new(),
-    };
+    let mut list = List::default();
     file::add(&mut list, state);
     edit(&mut list, state);
-    full_screen(&mut list, state);
     view(&mut list, state);
-    camera(&mut list, state);
-    scenes(&mut list, state);
+    list.within(Submenu::Scenes, |list| scenes(list, state));
+    list.group();
     go::add(&mut list, state);
     debug(&mut list, state);
     analyze::add(&mut list, state);
@@ -149,8 +199,13 @@ pub fn actions(state: &State) -> Vec<Action> {
     list.actions
 }
 
+#[derive(Default)]
 struct List {
     actions: Vec<Action>,
+    /// The submenu of the actions that are added next.
+    submenu: Option<Submenu>,
+    /// Whether the next action begins a group.
+    begins_group: bool,
 }
 
 impl List {
@@ -169,7 +224,29 @@ impl List {
             also: None,
             command,
             refusal: refusal.map(str::to_owned),
+            submenu: self.submenu,
+            begins_group: std::mem::take(&mut self.begins_group),
+            is_on: None,
         });
+    }
+
+    /// Begins a group: a line separates the next action from those before it.
+    const fn group(&mut self) {
+        self.begins_group = true;
+    }
+
+    /// Marks the action added last as a switch that is on or off.
+    fn mark(&mut self, is_on: bool) {
+        if let Some(action) = self.actions.last_mut() {
+            action.is_on = Some(is_on);
+        }
+    }
+
+    /// Adds actions to a submenu.
+    fn within(&mut self, submenu: Submenu, add: impl FnOnce(&mut Self)) {
+        self.submenu = Some(submenu);
+        add(self);
+        self.submenu = None;
     }
 }
 
@@ -178,6 +255,15 @@ impl Action {
     #[must_use]
     pub fn id(&self) -> Kebab<(Menu, &Command)> {
         Kebab((self.menu, &self.command))
+    }
+
+    /// Returns its name within its menu: in a submenu, what follows the colon.
+    #[must_use]
+    pub fn label(&self) -> &str {
+        match self.name.split_once(": ") {
+            Some((_, label)) if self.submenu.is_some() => label,
+            _ => &self.name,
+        }
     }
 
     /// Returns its shortcuts.
@@ -239,9 +325,20 @@ fn edit(list: &mut List, state: &State) {
     );
     let nothing = (state.runs.first.selected.is_none() && state.runs.first.place.is_none())
         .then_some("Nothing is selected.");
+    let no_session = state.runs.first.session.is_none().then_some(NO_SESSION);
+    list.group();
+    list.add(
+        Menu::Edit,
+        "Select at the centre of the view",
+        Some((NONE, Key::M)),
+        Command::View(Which::First, ViewCommand::SelectMiddle),
+        no_session,
+    );
     let deselect = Command::View(Which::First, ViewCommand::Pick(Selection::Nothing));
-    add("Deselect", None, deselect, nothing);
-    add(
+    list.add(Menu::Edit, "Deselect", None, deselect, nothing);
+    list.group();
+    list.add(
+        Menu::Edit,
         "All actions\u{2026}",
         Some((COMMAND, Key::K)),
         Command::Window(WindowCommand::ToggleFinder),
@@ -262,16 +359,6 @@ fn help(list: &mut List) {
         let command = Command::Window(WindowCommand::Help(page));
         list.add(Menu::Help, page.name(), keys, command, None);
     }
-}
-
-fn full_screen(list: &mut List, state: &State) {
-    list.add(
-        Menu::View,
-        "Full screen",
-        Some((Modifiers::ALT, Key::Enter)),
-        Command::Window(WindowCommand::ToggleFullScreen),
-        state.window.full_screen.refusal(),
-    );
 }
 
 /// Adds the scenes. In the tour the space key, which plays otherwise, goes on.
@@ -329,92 +416,106 @@ pub const fn projector_action(look: Look) -> &'static str {
 }
 
 fn view(list: &mut List, state: &State) {
-    let no_panel = state
-        .window
-        .drawer
-        .open
-        .is_none()
-        .then_some("No panel is open.");
+    let mut add = |name: &str, key, command| {
+        let command = Command::View(Which::First, command);
+        list.add(Menu::View, name, Some((NONE, key)), command, None);
+    };
+    add("Show the whole domain", Key::F, ViewCommand::Fit);
+    add(
+        "Show the current event",
+        Key::Period,
+        ViewCommand::GoToCurrent,
+    );
+    let follow = Command::Appearance(AppearanceCommand::ToggleFollow);
+    let keys = Some((SHIFT, Key::F));
+    list.add(
+        Menu::View,
+        "Follow the events with the camera",
+        keys,
+        follow,
+        None,
+    );
+    list.mark(state.appearance.follows_events);
+    list.within(Submenu::Camera, |list| camera(list, state));
+    list.group();
+    list.within(Submenu::Panels, |list| panels(list, state));
+    list.within(Submenu::Layers, |list| layers(list, state));
+    list.within(Submenu::Colours, |list| colours(list, state));
+    list.within(Submenu::Look, |list| look(list, state));
+    list.group();
+    list.add(
+        Menu::View,
+        "Full screen",
+        Some((Modifiers::ALT, Key::Enter)),
+        Command::Window(WindowCommand::ToggleFullScreen),
+        state.window.full_screen.refusal(),
+    );
     if state.window.drawer.arrangement.is_compact() {
+        let drawer = &state.window.drawer;
+        let no_panel = drawer.open.is_none().then_some("No panel is open.");
         let close = Command::Window(WindowCommand::Drawer(DrawerCommand::Show(None)));
         list.add(Menu::View, "Close the panel", None, close, no_panel);
     }
-    let mut add = |name: String, keys, command| list.add(Menu::View, name, keys, command, None);
-    add(
-        "Show the whole domain".to_owned(),
-        Some((NONE, Key::F)),
-        Command::View(Which::First, ViewCommand::Fit),
-    );
-    add(
-        "Show the current event".to_owned(),
-        Some((NONE, Key::Period)),
-        Command::View(Which::First, ViewCommand::GoToCurrent),
-    );
-    add(
-        if state.appearance.follows_events {
-            "Do not follow the events".to_owned()
-        } else {
-            "Follow the events with the camera".to_owned()
-        },
-        Some((SHIFT, Key::F)),
-        Command::Appearance(AppearanceCommand::ToggleFollow),
-    );
-    for look in [Look::Dark, Look::Light, Look::ProjectorDark] {
-        add(
-            look.name().to_owned(),
-            None,
-            Command::Appearance(AppearanceCommand::Look(look)),
-        );
-    }
-    add(
-        projector_action(state.appearance.look).to_owned(),
-        Some((NONE, Key::F2)),
-        Command::Appearance(AppearanceCommand::ToggleProjector),
-    );
-    add(
-        "Reduced motion".to_owned(),
-        None,
-        Command::Appearance(AppearanceCommand::ToggleReducedMotion),
-    );
+}
+
+/// Adds the panels.
+fn panels(list: &mut List, state: &State) {
     for panel in Panel::all() {
-        add(
-            format!("Panel: {}", panel.name()),
-            None,
-            Command::Window(WindowCommand::OpenPanel(panel)),
-        );
+        let command = Command::Window(WindowCommand::OpenPanel(panel));
+        let name = format!("Panel: {}", panel.name());
+        list.add(Menu::View, name, None, command, None);
+        list.mark(state.window.shows(panel));
     }
-    add(
-        "Reset layout".to_owned(),
-        None,
-        Command::Window(WindowCommand::ResetLayout),
-    );
-    add(
-        "Layers: automatic".to_owned(),
-        Some((NONE, Key::T)),
-        Command::Appearance(AppearanceCommand::AutomaticLayers),
-    );
+    list.group();
+    let reset = Command::Window(WindowCommand::ResetLayout);
+    list.add(Menu::View, "Reset layout", None, reset, None);
+}
+
+/// Adds the layers of the canvas.
+fn layers(list: &mut List, state: &State) {
+    let automatic = Command::Appearance(AppearanceCommand::AutomaticLayers);
+    let keys = Some((NONE, Key::T));
+    list.add(Menu::View, "Layers: automatic", keys, automatic, None);
+    list.mark(state.appearance.chosen_layers.is_none());
+    list.group();
+    let shown = state.appearance.layers(state.current_stage());
     for layer in Layer::ALL {
-        add(
-            format!("Layer: {}", layer.name()),
-            None,
-            Command::Appearance(AppearanceCommand::ToggleLayer(layer)),
-        );
+        let command = Command::Appearance(AppearanceCommand::ToggleLayer(layer));
+        let name = format!("Layer: {}", layer.name());
+        list.add(Menu::View, name, None, command, None);
+        list.mark(shown.has(layer));
     }
-    add(
-        "Colour by block".to_owned(),
-        None,
-        Command::Appearance(AppearanceCommand::Colour(Colouring::Block)),
-    );
-    add(
-        "Colour by origin".to_owned(),
-        None,
-        Command::Appearance(AppearanceCommand::Colour(Colouring::Provenance)),
-    );
-    add(
-        "Colour by age".to_owned(),
-        None,
-        Command::Appearance(AppearanceCommand::Colour(Colouring::Age)),
-    );
+}
+
+/// Adds what the colour of samples can stand for.
+fn colours(list: &mut List, state: &State) {
+    for (name, colouring) in [
+        ("Colour by block", Colouring::Block),
+        ("Colour by origin", Colouring::Provenance),
+        ("Colour by age", Colouring::Age),
+    ] {
+        let command = Command::Appearance(AppearanceCommand::Colour(colouring));
+        list.add(Menu::View, name, None, command, None);
+        list.mark(state.appearance.colouring == colouring);
+    }
+}
+
+/// Adds themes and motion.
+fn look(list: &mut List, state: &State) {
+    let shown = state.appearance.look;
+    for look in [Look::Dark, Look::Light, Look::ProjectorDark] {
+        let command = Command::Appearance(AppearanceCommand::Look(look));
+        list.add(Menu::View, look.name(), None, command, None);
+        list.mark(shown == look);
+    }
+    let projector = Command::Appearance(AppearanceCommand::ToggleProjector);
+    let keys = Some((NONE, Key::F2));
+    list.add(Menu::View, projector_action(shown), keys, projector, None);
+    list.mark(shown.is_projector());
+    list.group();
+    let motion = Command::Appearance(AppearanceCommand::ToggleReducedMotion);
+    list.add(Menu::View, "Reduced motion", None, motion, None);
+    list.mark(state.appearance.reduced_motion);
 }
 
 /// How far a key pans the view, in screen points.
@@ -430,26 +531,15 @@ fn camera(list: &mut List, state: &State) {
         ("Move the view down", Key::ArrowDown, vec2(0.0, -PAN)),
     ] {
         let keys = Some((SHIFT, key));
-        list.add(
-            Menu::View,
-            name,
-            keys,
-            Command::View(Which::First, ViewCommand::Pan(delta)),
-            no_session,
-        );
+        let command = Command::View(Which::First, ViewCommand::Pan(delta));
+        list.add(Menu::View, name, keys, command, no_session);
     }
+    list.group();
     let middle = state.runs.first.viewport.center();
     for (name, key, factor) in [("Zoom in", Key::Plus, 1.25), ("Zoom out", Key::Minus, 0.8)] {
         let command = Command::View(Which::First, ViewCommand::Zoom(middle, factor));
         list.add(Menu::View, name, Some((NONE, key)), command, no_session);
     }
-    list.add(
-        Menu::Edit,
-        "Select at the centre of the view",
-        Some((NONE, Key::M)),
-        Command::View(Which::First, ViewCommand::SelectMiddle),
-        no_session,
-    );
 }
 
 /// Returns why time cannot go forwards, and why it cannot go backwards, if so.
@@ -469,30 +559,25 @@ pub fn time_refusals(run: &RunView, time: &Time) -> [Option<&'static str>; 2] {
 }
 
 fn debug(list: &mut List, state: &State) {
-    let no_events = state
-        .runs
-        .first
-        .debugger
-        .is_none()
-        .then_some(no_events(state));
+    let debugger = state.runs.first.debugger.as_ref();
+    let no_events = debugger.is_none().then_some(no_events(state));
+    if let Some(debugger) = debugger
+        && let Some(event) = debugger.event()
+    {
+        let line = event.line();
+        list.add(
+            Menu::Debug,
+            "Breakpoint on the next line",
+            Some((NONE, Key::F9)),
+            Command::Debug(DebugCommand::ToggleBreakpoint(line)),
+            None,
+        );
+        let breakpoints = debugger.breakpoints();
+        list.mark(breakpoints.iter().any(|there| there.line == line));
+    }
     let mut add = |name: &str, keys, command, refusal: Option<&str>| {
         list.add(Menu::Debug, name, keys, Command::Debug(command), refusal);
     };
-    let event = state
-        .runs
-        .first
-        .debugger
-        .as_ref()
-        .and_then(|debugger| debugger.event());
-    if let Some(event) = event {
-        let command = DebugCommand::ToggleBreakpoint(event.line());
-        add(
-            "Breakpoint on the next line",
-            Some((NONE, Key::F9)),
-            command,
-            None,
-        );
-    }
     let at_start = state.cursor().is_some_and(|(at, _)| at == 0);
     let no_cause = at_start.then_some("Nothing has happened yet.");
     add(
@@ -501,10 +586,10 @@ fn debug(list: &mut List, state: &State) {
         DebugCommand::Why,
         no_events.or(no_cause),
     );
-    add(
-        "Watch the current sample",
-        None,
-        DebugCommand::Watch("p".to_owned()),
-        no_events,
-    );
+    list.group();
+    let mut add = |name: &str, keys, command| {
+        list.add(Menu::Debug, name, keys, Command::Debug(command), no_events);
+    };
+    let sample = DebugCommand::Watch("p".to_owned());
+    add("Watch the current sample", None, sample);
 }

@@ -53,6 +53,7 @@ pub(super) fn add(list: &mut List, state: &State) {
     let refusal = (!stopped).then_some("Measuring this moment was not cancelled.");
     let resume = Command::Analysis(AnalysisCommand::Resume);
     add("Measure this moment", None, resume, refusal);
+    list.group();
     brushes(list, state);
 }
 

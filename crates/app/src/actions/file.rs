@@ -35,7 +35,9 @@ pub(super) fn add(list: &mut List, state: &State) {
         Command::Cancel(Which::First),
         idle,
     );
+    list.group();
     sessions(list, state);
+    list.group();
     for (name, keys, kind) in [
         (
             "Export samples\u{2026}",
@@ -74,14 +76,6 @@ pub(super) fn add(list: &mut List, state: &State) {
             refusal.as_deref(),
         );
     }
-    let keys = Some((COMMAND | SHIFT, Key::L));
-    add(
-        list,
-        "Copy link",
-        keys,
-        Command::Link(LinkCommand::Copy),
-        None,
-    );
     let idle = state
         .files
         .exports
@@ -90,6 +84,10 @@ pub(super) fn add(list: &mut List, state: &State) {
         .then_some("Nothing is being exported.");
     let cancel = Command::Export(ExportCommand::Cancel);
     add(list, "Cancel the export", None, cancel, idle);
+    list.group();
+    let keys = Some((COMMAND | SHIFT, Key::L));
+    let copy = Command::Link(LinkCommand::Copy);
+    add(list, "Copy link", keys, copy, None);
 }
 
 /// Returns the name of an action that toggles a sheet.

@@ -3,7 +3,7 @@
 use egui::{Key, Modifiers};
 use tilescope_debugger::{Direction, Step, Target};
 
-use super::{List, Menu, NO_SESSION, NONE, SHIFT, no_events, time_refusals};
+use super::{List, Menu, NO_SESSION, NONE, SHIFT, Submenu, no_events, time_refusals};
 use tilescope_workbench::clock::Clock;
 use tilescope_workbench::command::{Command, TimeCommand};
 use tilescope_workbench::state::State;
@@ -49,31 +49,36 @@ pub(super) fn add(list: &mut List, state: &State) {
     ] {
         list.add(Menu::Go, name, Some((NONE, key)), command, refusal);
     }
-    for clock in Clock::ALL {
-        let command = Command::Time(TimeCommand::Clock(clock));
-        let refusal = state.runs.first.clock_refusal(clock);
-        list.add(
-            Menu::Go,
-            format!("Step by: {}", clock.name()),
-            None,
-            command,
-            refusal,
-        );
-    }
-    for (direction, refusal) in [
-        (Direction::Forwards, no_events.or(at_end)),
-        (Direction::Backwards, no_events.or(at_start)),
-    ] {
-        steps(list, state, direction, refusal);
-        runs(list, state, direction, refusal);
-    }
-    for (name, command) in [
-        ("Loop from here", TimeCommand::LoopStart),
-        ("Loop up to here", TimeCommand::LoopEnd),
-        ("No loop", TimeCommand::Loop(None)),
-    ] {
-        list.add(Menu::Go, name, None, Command::Time(command), no_events);
-    }
+    list.group();
+    list.within(Submenu::Ticks, |list| {
+        for clock in Clock::ALL {
+            let command = Command::Time(TimeCommand::Clock(clock));
+            let refusal = state.runs.first.clock_refusal(clock);
+            let name = format!("Step by: {}", clock.name());
+            list.add(Menu::Go, name, None, command, refusal);
+            list.mark(state.time.playback.clock == clock);
+        }
+    });
+    let (on, back) = (no_events.or(at_end), no_events.or(at_start));
+    let (forwards, backwards) = (Direction::Forwards, Direction::Backwards);
+    steps(list, state, forwards, on);
+    list.within(Submenu::Backwards, |list| {
+        steps(list, state, backwards, back);
+    });
+    list.group();
+    runs(list, state, forwards, on);
+    list.within(Submenu::Previous, |list| {
+        runs(list, state, backwards, back);
+    });
+    list.within(Submenu::Loop, |list| {
+        for (name, command) in [
+            ("Loop from here", TimeCommand::LoopStart),
+            ("Loop up to here", TimeCommand::LoopEnd),
+            ("No loop", TimeCommand::Loop(None)),
+        ] {
+            list.add(Menu::Go, name, None, Command::Time(command), no_events);
+        }
+    });
 }
 
 /// Adds stepping, with a debugger's usual keys; one more modifier steps backwards. Browsers reload on F5 and go full

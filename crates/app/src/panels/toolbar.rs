@@ -1,6 +1,9 @@
 //! The bar on top: menus, the name of the run, the verdict, export and theme.
 
-use egui::{Align, Button, FontId, Layout, Popup, PopupCloseBehavior, RichText, Ui};
+use egui::{
+    Align, Atom, Button, FontId, IdSalt, Layout, Popup, PopupCloseBehavior, RichText, Role, Shape,
+    Stroke, Ui, Vec2, WidgetInfo, vec2,
+};
 use tilescope_drawing::palette::Palette;
 use tilescope_session::look::Look;
 use tilescope_session::words::{counted, grouped};
@@ -8,7 +11,7 @@ use tilescope_ui::theme::{FINGER, is_for_fingers, semibold};
 use tilescope_ui::widgets::{Icon, Kebab, Known, icon_button};
 
 use super::verification;
-use crate::actions::{Action, Menu, actions};
+use crate::actions::{Action, Menu, Submenu, actions};
 use crate::panels::context::PanelContext;
 use tilescope_workbench::command::{AppearanceCommand, Command, ViewCommand, Which};
 use tilescope_workbench::export::{ExportCommand, ExportKind};
@@ -132,12 +135,12 @@ fn one_menu(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         let name = RichText::new(menu.name()).font(FontId::new(14.0, semibold()));
         let button = Button::new(name)
             .right_text(RichText::new(mark).color(palette.muted))
-            .min_size(egui::vec2(ui.available_width(), FINGER))
+            .min_size(vec2(ui.available_width(), FINGER))
             .frame_when_inactive(false);
         let response = ui.add(button);
         response.widget_info(|| {
             let name = format!("{} menu", menu.name());
-            egui::WidgetInfo::selected(egui::Role::Button, true, is_open, name)
+            WidgetInfo::selected(Role::Button, true, is_open, name)
         });
         response.known_as(format_args!("menu.{}", Kebab(menu)));
         if response.clicked() {
@@ -146,10 +149,39 @@ fn one_menu(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         }
         if is_open {
             ui.indent(menu.name(), |ui| {
-                for action in all.iter().filter(|action| action.menu == menu) {
-                    entry(ui, action, commands);
-                }
+                nested(ui, &all, menu, commands);
             });
+        }
+    }
+}
+
+/// Shows the entries of a menu of a small window; a chosen submenu opens below its name.
+fn nested(ui: &mut Ui, all: &[Action], menu: Menu, commands: &mut Vec<Command>) {
+    let chosen_id = ui.scope_id().with("chosen submenu");
+    let chosen: Option<Submenu> = ui.data(|data| data.get_temp(chosen_id)).flatten();
+    for part in parts(all, menu) {
+        if part[0].begins_group {
+            ui.separator();
+        }
+        let Some(submenu) = part[0].submenu else {
+            entries(ui, part, commands);
+            continue;
+        };
+        let is_open = chosen == Some(submenu);
+        let mark = if is_open { "\u{2212}" } else { "+" };
+        let button = Button::new(submenu.name())
+            .right_text(mark)
+            .min_size(vec2(ui.available_width(), FINGER))
+            .frame_when_inactive(false);
+        let response = ui.add(button);
+        response.widget_info(|| WidgetInfo::selected(Role::Button, true, is_open, submenu.name()));
+        response.known_as(format_args!("submenu.{}", Kebab(submenu)));
+        if response.clicked() {
+            let chosen = (!is_open).then_some(submenu);
+            ui.data_mut(|data| data.insert_temp(chosen_id, chosen));
+        }
+        if is_open {
+            ui.indent(submenu.name(), |ui| entries(ui, part, commands));
         }
     }
 }
@@ -174,31 +206,104 @@ fn menus(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     for menu in Menu::ALL {
         let button = ui.menu_button(menu.name(), |ui| {
             let all: &Vec<Action> = all.get_or_init(|| actions(state));
-            egui::ScrollArea::vertical()
-                .max_height(620.0)
-                .show(ui, |ui| {
-                    for action in all.iter().filter(|action| action.menu == menu) {
-                        entry(ui, action, commands);
-                    }
-                });
+            scrolled_if_low(ui, |ui| {
+                for part in parts(all, menu) {
+                    submenu(ui, part, commands);
+                }
+            });
         });
         let button = button.response;
         button.known_as(format_args!("menu.{}", Kebab(menu)));
     }
 }
 
-fn entry(ui: &mut Ui, action: &Action, commands: &mut Vec<Command>) {
+/// Height of the bar above a menu and of the margins around it, in screen points.
+const BELOW_MENU: f32 = 72.0;
+
+/// Shows a menu, which scrolls only in a window lower than it.
+fn scrolled_if_low(ui: &mut Ui, add: impl FnOnce(&mut Ui)) {
+    let height = ui.ctx().content_rect().height() - BELOW_MENU;
+    egui::ScrollArea::vertical()
+        .max_height(height)
+        .min_scrolled_height(height)
+        .show(ui, add);
+}
+
+/// Returns the actions of a menu in parts: those of a submenu, or those between two submenus or lines.
+fn parts(all: &[Action], menu: Menu) -> impl Iterator<Item = &[Action]> {
+    all.chunk_by(|a, b| {
+        let is_new = b.begins_group && b.submenu.is_none();
+        a.menu == b.menu && a.submenu == b.submenu && !is_new
+    })
+    .filter(move |part| part[0].menu == menu)
+}
+
+/// Shows a part of a menu: a button that opens its submenu, or the entries.
+fn submenu(ui: &mut Ui, part: &[Action], commands: &mut Vec<Command>) {
+    if part[0].begins_group {
+        ui.separator();
+    }
+    let Some(submenu) = part[0].submenu else {
+        entries(ui, part, commands);
+        return;
+    };
+    let button = ui.menu_button(submenu.name(), |ui| {
+        scrolled_if_low(ui, |ui| entries(ui, part, commands));
+    });
+    let button = button.response;
+    button.known_as(format_args!("submenu.{}", Kebab(submenu)));
+}
+
+/// Shows entries, with room for check marks if any of them can have one.
+fn entries(ui: &mut Ui, part: &[Action], commands: &mut Vec<Command>) {
+    let has_marks = part.iter().any(|action| action.is_on.is_some());
+    for (index, action) in part.iter().enumerate() {
+        if index > 0 && action.begins_group {
+            ui.separator();
+        }
+        entry(ui, action, has_marks, commands);
+    }
+}
+
+/// Side of a check mark, in screen points.
+const MARK: f32 = 12.0;
+
+fn entry(ui: &mut Ui, action: &Action, has_marks: bool, commands: &mut Vec<Command>) {
     // On touch devices shortcuts are not shown.
     let shortcut = action.shortcut.filter(|_| !is_for_fingers(ui.ctx()));
-    let mut button = Button::new(action.name.as_str());
+    let mark = IdSalt::new("check mark");
+    let mut button = if has_marks {
+        Button::new((Atom::custom(mark, Vec2::splat(MARK)), action.label()))
+    } else {
+        Button::new(action.label())
+    };
     if let Some(keys) = shortcut {
         button = button.shortcut_text(ui.ctx().format_shortcut(&keys));
     }
-    let response = ui.add_enabled(action.refusal.is_none(), button);
+    let is_enabled = action.refusal.is_none();
+    let shown = ui.add_enabled_ui(is_enabled, |ui| {
+        let shown = button.atom_ui(ui);
+        if let Some(rect) = shown.rect(mark).filter(|_| action.is_on == Some(true)) {
+            check_mark(ui.painter(), rect.center(), ui.visuals().text_color());
+        }
+        shown
+    });
+    let response = shown.inner.response;
+    if let Some(is_on) = action.is_on {
+        response.widget_info(|| {
+            WidgetInfo::selected(Role::CheckBox, is_enabled, is_on, action.label())
+        });
+    }
     response.known_as(format_args!("entry.{}", action.id()));
     let response = response.on_disabled_hover_text(action.refusal.as_deref().unwrap_or_default());
     if response.clicked() {
         commands.push(action.command.clone());
         ui.close();
     }
+}
+
+fn check_mark(painter: &egui::Painter, at: egui::Pos2, color: egui::Color32) {
+    let ends = [vec2(-4.0, 0.0), vec2(-1.0, 3.5), vec2(4.5, -4.0)];
+    let ends = ends.map(|end| at + end).to_vec();
+    painter.add(Shape::line(ends, Stroke::new(1.6, color)));
 }

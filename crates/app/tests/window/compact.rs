@@ -173,17 +173,23 @@ fn fingers_have_room() {
     assert!(node(&harness, "layer.disks").rect().height() >= 36.0);
 }
 
-/// Runs an action by the single menu.
+/// Runs an action by the single menu; `menu` may name a submenu after a slash.
 fn menu(harness: &mut Harness<'_, App>, menu: &str, action: &str) {
     // The menu stays open after an action was run elsewhere.
     if find(harness, "menu.file").is_none() {
         click(harness, "menu");
     }
-    let heading = format!("menu.{menu}");
-    let toggled = node(harness, &heading).accesskit_node().toggled();
-    if toggled != Some(egui::accesskit::Toggled::True) {
-        node(harness, &heading).click_accesskit();
-        harness.run();
+    let (menu, submenu) = menu.split_once('/').unwrap_or((menu, ""));
+    let mut headings = vec![format!("menu.{menu}")];
+    if !submenu.is_empty() {
+        headings.push(format!("submenu.{submenu}"));
+    }
+    for heading in headings {
+        let toggled = node(harness, &heading).accesskit_node().toggled();
+        if toggled != Some(egui::accesskit::Toggled::True) {
+            node(harness, &heading).click_accesskit();
+            harness.run();
+        }
     }
     let entry = format!("entry.{menu}-{action}");
     assert!(!is_disabled(harness, &entry), "{action}");
@@ -207,11 +213,15 @@ fn every_primary_action_can_be_done() {
     click(&mut harness, "tab.parameters");
     click(&mut harness, "run");
     assert!(harness.state().state.runs.first.session.is_some());
-    menu(&mut harness, "view", "appearance-look-light");
+    menu(&mut harness, "view/look", "appearance-look-light");
     assert_eq!(harness.state().state.appearance.look, Look::Light);
-    menu(&mut harness, "view", "appearance-toggle-reduced-motion");
+    menu(
+        &mut harness,
+        "view/look",
+        "appearance-toggle-reduced-motion",
+    );
     assert!(harness.state().state.appearance.reduced_motion);
-    menu(&mut harness, "compare", "compare-start-next-seed");
+    menu(&mut harness, "compare/presets", "compare-start-next-seed");
     assert!(harness.state().state.runs.second.is_some());
     assert_eq!(outside(&harness, PHONE[0]), Vec::<String>::new());
     menu(&mut harness, "compare", "compare-close");

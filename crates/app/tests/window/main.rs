@@ -14,6 +14,7 @@ mod instanced;
 mod keyboard;
 mod link;
 mod marks;
+mod menus;
 mod names;
 mod passes;
 mod passes_panel;
