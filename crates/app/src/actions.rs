@@ -458,15 +458,51 @@ fn view(list: &mut List, state: &State) {
     }
 }
 
-/// Adds the panels.
+/// Returns the keys that show and hide a panel.
+const fn panel_keys(panel: Panel) -> Option<(Modifiers, Key)> {
+    Some(match panel {
+        Panel::Parameters => (NONE, Key::Num1),
+        Panel::Inspector => (NONE, Key::Num2),
+        Panel::Pseudocode => (NONE, Key::Num3),
+        Panel::Statistics => (NONE, Key::Num4),
+        Panel::Verification => (NONE, Key::Num5),
+        Panel::Events => (NONE, Key::Num6),
+        Panel::Bookmarks => (NONE, Key::Num7),
+        Panel::Watches => (NONE, Key::Num8),
+        Panel::Compare => (NONE, Key::Num9),
+        Panel::Legend => (NONE, Key::Num0),
+        Panel::Timeline => (SHIFT, Key::F4),
+        // The analysis has a key in its menu.
+        Panel::Canvas | Panel::Analysis | Panel::Passes => return None,
+    })
+}
+
+/// Adds the panels: what is visible is hidden, all else is brought into view.
 fn panels(list: &mut List, state: &State) {
+    let window = &state.window;
     for panel in Panel::all() {
-        let command = Command::Window(WindowCommand::OpenPanel(panel));
-        let name = format!("Panel: {}", panel.name());
-        list.add(Menu::View, name, None, command, None);
-        list.mark(state.window.shows(panel));
+        let (name, keys) = (panel.name(), panel_keys(panel));
+        let (name, command) = if window.can_hide(panel) {
+            let name = format!("Hide the panel: {name}");
+            (name, WindowCommand::HidePanel(panel))
+        } else {
+            let name = format!("Panel: {name}");
+            (name, WindowCommand::OpenPanel(panel))
+        };
+        list.add(Menu::View, name, keys, Command::Window(command), None);
+        list.mark(window.shows(panel));
     }
     list.group();
+    if !window.drawer.arrangement.is_compact() {
+        let name = if window.shows_sides() {
+            "Hide the side panels"
+        } else {
+            "Show the side panels"
+        };
+        let keys = Some((NONE, Key::F4));
+        let sides = Command::Window(WindowCommand::ToggleSides);
+        list.add(Menu::View, name, keys, sides, None);
+    }
     let reset = Command::Window(WindowCommand::ResetLayout);
     list.add(Menu::View, "Reset layout", None, reset, None);
 }

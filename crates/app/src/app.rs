@@ -430,6 +430,17 @@ impl Behavior<Panel> for Shower<'_> {
             return button;
         };
         button.known_as(format_args!("tab.{}", Kebab(panel)));
+        if panel != Panel::Canvas {
+            button.context_menu(|ui| {
+                let hide = ui.button(format!("Hide {}", panel.name()));
+                hide.known_as(format_args!("tab.{}.hide", Kebab(panel)));
+                if hide.clicked() {
+                    let command = WindowCommand::HidePanel(panel);
+                    self.commands.push(Command::Window(command));
+                    ui.close();
+                }
+            });
+        }
         let id = egui::Id::unique("seen tab").with(tile);
         if !self.state.window.layout.shows(panel) {
             button.ctx.data_mut(|data| data.remove::<u8>(id));

@@ -36,6 +36,9 @@ pub fn tree(layout: &Layout) -> Tree<Panel> {
         containers: 0,
     };
     let root = maker.insert(&layout.root);
+    for panel in layout.hidden().panels() {
+        maker.tiles.set_visible(tile_of(panel), false);
+    }
     Tree::new(id(), root, maker.tiles)
 }
 
@@ -83,7 +86,10 @@ impl Maker {
 #[must_use]
 pub fn layout(tree: &Tree<Panel>) -> Option<Layout> {
     let root = tile(&tree.tiles, tree.root()?, 0)?;
-    Some(Layout { root })
+    let mut layout = Layout::new(root);
+    let hidden = Panel::all().filter(|panel| !tree.tiles.is_visible(tile_of(*panel)));
+    hidden.for_each(|panel| layout.hide(panel));
+    Some(layout)
 }
 
 fn tile(tiles: &Tiles<Panel>, id: TileId, depth: usize) -> Option<layout::LayoutTile> {
@@ -148,6 +154,10 @@ mod tests {
     fn layouts_come_back_from_tiles() {
         let mut whole = Layout::default();
         whole.open(Panel::Legend);
+        assert_eq!(layout(&tree(&whole)), Some(whole.clone()));
+        for panel in [Panel::Parameters, Panel::Legend, Panel::Timeline] {
+            whole.hide(panel);
+        }
         assert_eq!(layout(&tree(&whole)), Some(whole));
         let ids: Vec<_> = Panel::all().map(tile_of).collect();
         assert!(ids.iter().all(|id| id.0 < CONTAINERS));

@@ -145,6 +145,10 @@ pub enum WindowCommand {
     ToggleFullScreen,
     /// Brings a panel into view.
     OpenPanel(Panel),
+    /// Hides a panel; the canvas stays.
+    HidePanel(Panel),
+    /// Hides the panels beside the canvas, or brings them back.
+    ToggleSides,
     /// Changes a compact window.
     Drawer(DrawerCommand),
     /// Restores the default layout of the panels.
@@ -291,7 +295,14 @@ impl Command {
             Self::File(_)
                 | Self::Export(_)
                 | Self::Combine(_)
-                | Self::Window(W::ToggleFinder | W::Help(_) | W::OpenPanel(_) | W::ResetLayout)
+                | Self::Window(
+                    W::ToggleFinder
+                        | W::Help(_)
+                        | W::OpenPanel(_)
+                        | W::HidePanel(_)
+                        | W::ToggleSides
+                        | W::ResetLayout
+                )
                 | Self::OpenPasses
                 | Self::Run
                 | Self::Undo

@@ -205,6 +205,28 @@ impl LayoutTile {
         }
     }
 
+    /// Returns whether all panels inside are hidden.
+    fn is_hidden(&self, hidden: PanelSet) -> bool {
+        match self {
+            Self::Panel(panel) => hidden.has(*panel),
+            _ => self.children().all(|tile| tile.is_hidden(hidden)),
+        }
+    }
+
+    /// Opens another tab wherever the open one is hidden: the next one to the left, or else to the right.
+    fn leave(&mut self, hidden: PanelSet) {
+        if let Self::Tabs { tiles, open } = self
+            && tiles.get(*open).is_some_and(|tile| tile.is_hidden(hidden))
+        {
+            let seen = |index: &usize| !tiles[*index].is_hidden(hidden);
+            let near = (0..*open).rev().chain(*open..tiles.len()).find(seen);
+            *open = near.unwrap_or(*open);
+        }
+        for tile in self.children_mut() {
+            tile.leave(hidden);
+        }
+    }
+
     fn has(&self, panel: Panel) -> bool {
         match self {
             Self::Panel(own) => *own == panel,
@@ -246,6 +268,14 @@ impl LayoutTile {
                 let mut tiles = tiles.iter_mut();
                 tiles.find_map(|(tile, _)| tile.tabs_around(panel))
             }
+        }
+    }
+
+    /// Returns the tabs that directly contain a panel.
+    fn tabs_with(&self, panel: Panel) -> Option<&[Self]> {
+        match self {
+            Self::Tabs { tiles, .. } if tiles.contains(&Self::Panel(panel)) => Some(tiles),
+            _ => self.children().find_map(|tile| tile.tabs_with(panel)),
         }
     }
 
@@ -291,12 +321,55 @@ impl LayoutTile {
     }
 }
 
+/// A set of panels.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct PanelSet(u32);
+
+impl PanelSet {
+    /// Returns whether a panel is in the set.
+    #[must_use]
+    pub const fn has(self, panel: Panel) -> bool {
+        self.0 & panel.bit() != 0
+    }
+
+    /// Returns whether the set is empty.
+    #[must_use]
+    pub const fn is_empty(self) -> bool {
+        self.0 == 0
+    }
+
+    /// Adds a panel.
+    pub const fn insert(&mut self, panel: Panel) {
+        self.0 |= panel.bit();
+    }
+
+    /// Removes a panel.
+    pub const fn remove(&mut self, panel: Panel) {
+        self.0 &= !panel.bit();
+    }
+
+    /// Returns the panels, the most useful first.
+    pub fn panels(self) -> impl Iterator<Item = Panel> {
+        Panel::all().filter(move |panel| self.has(*panel))
+    }
+}
+
+impl FromIterator<Panel> for PanelSet {
+    fn from_iter<I: IntoIterator<Item = Panel>>(panels: I) -> Self {
+        let mut set = Self::default();
+        panels.into_iter().for_each(|panel| set.insert(panel));
+        set
+    }
+}
+
 /// The places of the panels.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(into = "String", try_from = "String")]
 pub struct Layout {
-    /// The tile that fills the window.
+    /// The tile that fills the window. It contains hidden panels too, which so keep their places.
     pub root: LayoutTile,
+    /// The panels that are hidden; never the canvas.
+    hidden: PanelSet,
 }
 
 impl Default for Layout {
@@ -321,43 +394,84 @@ impl Default for Layout {
             (linear(Direction::Horizontal, middle), 0.874),
             (LayoutTile::Panel(Panel::Timeline), 0.126),
         ];
-        Self {
-            root: linear(Direction::Vertical, rows),
-        }
+        Self::new(linear(Direction::Vertical, rows))
     }
 }
 
 impl Layout {
+    /// Returns a layout without hidden panels.
+    #[must_use]
+    pub fn new(root: LayoutTile) -> Self {
+        let hidden = PanelSet::default();
+        Self { root, hidden }
+    }
+
     /// Returns a layout of this panel alone.
     #[must_use]
     pub fn alone(panel: Panel) -> Self {
-        Self {
-            root: LayoutTile::Tabs {
-                tiles: vec![LayoutTile::Panel(panel)],
-                open: 0,
-            },
+        Self::new(LayoutTile::Tabs {
+            tiles: vec![LayoutTile::Panel(panel)],
+            open: 0,
+        })
+    }
+
+    /// Returns whether the panel is visible: it exists, it is not hidden, and its tab is open.
+    #[must_use]
+    pub fn shows(&self, panel: Panel) -> bool {
+        !self.hidden.has(panel) && self.root.shows(panel)
+    }
+
+    /// Returns the hidden panels.
+    #[must_use]
+    pub const fn hidden(&self) -> PanelSet {
+        self.hidden
+    }
+
+    /// Hides a panel; it keeps its place. The canvas stays.
+    pub fn hide(&mut self, panel: Panel) {
+        if panel != Panel::Canvas {
+            self.hidden.insert(panel);
+            self.root.leave(self.hidden);
         }
     }
 
-    /// Returns whether the panel is visible: it exists, and its tab is open.
+    /// Ends hiding these panels, without opening their tabs.
+    pub fn show_all(&mut self, panels: PanelSet) {
+        panels.panels().for_each(|panel| self.hidden.remove(panel));
+        self.root.leave(self.hidden);
+    }
+
+    /// Returns the panels in the columns beside the canvas: all but the timeline and those that share the canvas's tabs.
     #[must_use]
-    pub fn shows(&self, panel: Panel) -> bool {
-        self.root.shows(panel)
+    pub fn sides(&self) -> PanelSet {
+        let middle = self.root.tabs_with(Panel::Canvas);
+        let is_side = |panel: &Panel| {
+            let shares = middle.is_some_and(|tabs| tabs.iter().any(|tile| tile.has(*panel)));
+            !shares && ![Panel::Canvas, Panel::Timeline].contains(panel) && self.root.has(*panel)
+        };
+        Panel::all().filter(is_side).collect()
     }
 
     /// Enlarges tiles that are smaller than `least` requires for their panels, at the cost of the others, if
     /// `size` has room for all. `gap` is the space between tiles, `bar` the height of the tabs' bar.
     pub fn enlarge(&mut self, size: Vec2, [gap, bar]: [f32; 2], least: impl Fn(Panel) -> Vec2) {
-        let room = Room { gap, bar, least };
+        let hidden = self.hidden;
+        let room = Room {
+            gap,
+            bar,
+            least,
+            hidden,
+        };
         room.enlarge(&mut self.root, size);
     }
 
-    /// Brings a panel into view.
+    /// Brings a panel into view, also if it was hidden.
     pub fn open(&mut self, panel: Panel) {
+        self.hidden.remove(panel);
         self.root.open(panel);
     }
 
-    /// Returns whether every panel occurs once, as in every layout of this program.
+    /// Returns whether every panel occurs once, visible or hidden, as in every layout of this program.
     #[must_use]
     pub fn is_whole(&self) -> bool {
         let all = Panel::all().fold(0, |set, panel| set | panel.bit());
@@ -391,11 +505,15 @@ struct Room<L> {
     gap: f32,
     bar: f32,
     least: L,
+    hidden: PanelSet,
 }
 
 impl<L: Fn(Panel) -> Vec2> Room<L> {
     /// Returns the smallest size of a tile.
     fn of(&self, tile: &LayoutTile) -> Vec2 {
+        if tile.is_hidden(self.hidden) {
+            return Vec2::ZERO;
+        }
         match tile {
             LayoutTile::Panel(panel) => (self.least)(*panel),
             LayoutTile::Tabs { tiles, .. } => {
@@ -404,13 +522,14 @@ impl<L: Fn(Panel) -> Vec2> Room<L> {
             }
             LayoutTile::Linear { axis, tiles } => {
                 let axis = axis.index();
-                let mut all = Vec2::ZERO;
+                let (mut all, mut count) = (Vec2::ZERO, 0);
                 for (tile, _) in tiles {
                     let size = self.of(tile);
                     all[1 - axis] = all[1 - axis].max(size[1 - axis]);
                     all[axis] += size[axis];
+                    count += usize::from(!tile.is_hidden(self.hidden));
                 }
-                all[axis] += self.gaps(tiles.len());
+                all[axis] += self.gaps(count);
                 all
             }
         }
@@ -432,6 +551,11 @@ impl<L: Fn(Panel) -> Vec2> Room<L> {
             }
             LayoutTile::Linear { axis, tiles } => (axis.index(), tiles),
         };
+        // Hidden tiles keep their shares, which do not count.
+        let seen = tiles.iter_mut();
+        let mut tiles: Vec<_> = seen
+            .filter(|(tile, _)| !tile.is_hidden(self.hidden))
+            .collect();
         let room = (size[axis] - self.gaps(tiles.len())).max(0.0);
         let total: f32 = tiles.iter().map(|(_, share)| share).sum();
         let whole = if total == 0.0 { 1.0 } else { total };
@@ -442,7 +566,7 @@ impl<L: Fn(Panel) -> Vec2> Room<L> {
         let least: Vec<f32> = tiles.iter().map(|(tile, _)| self.of(tile)[axis]).collect();
         let enlarged = enlarged(&lengths, &least);
         let is_same = enlarged == lengths;
-        for ((tile, share), length) in tiles.iter_mut().zip(enlarged) {
+        for ((tile, share), length) in tiles.iter_mut().map(|tile| &mut **tile).zip(enlarged) {
             if !is_same {
                 *share = total * length / room;
             }
@@ -535,6 +659,49 @@ mod tests {
     }
 
     #[test]
+    fn hidden_panels_keep_their_places() {
+        let whole = Layout::default();
+        let mut layout = whole.clone();
+        layout.hide(Panel::Canvas);
+        assert_eq!(layout, whole, "the canvas stays");
+        // The next tab opens in the place of a hidden one, and a hidden panel comes back where it was.
+        layout.open(Panel::Events);
+        layout.hide(Panel::Events);
+        assert!(layout.is_whole() && layout.shows(Panel::Parameters));
+        assert!(!layout.shows(Panel::Events) && layout.hidden().has(Panel::Events));
+        layout.hide(Panel::Parameters);
+        assert!(
+            layout.shows(Panel::Bookmarks),
+            "to the right, as nothing is left of it"
+        );
+        for panel in [Panel::Bookmarks, Panel::Analysis] {
+            layout.hide(panel);
+        }
+        let text = text::written(&layout);
+        assert_eq!(text::read(&text), Some(layout.clone()), "{text}");
+        for panel in Panel::all() {
+            layout.open(panel);
+            assert!(layout.shows(panel));
+        }
+        assert!(layout.hidden().is_empty());
+    }
+
+    #[test]
+    fn the_sides_are_what_is_beside_the_canvas() {
+        let mut layout = Layout::default();
+        let sides = layout.sides();
+        assert_eq!(sides.panels().count(), 11);
+        for panel in [Panel::Canvas, Panel::Timeline, Panel::Passes] {
+            assert!(!sides.has(panel));
+        }
+        // The room of hidden columns is not reserved.
+        sides.panels().for_each(|panel| layout.hide(panel));
+        let shares = layout.clone();
+        layout.enlarge(vec2(120.0, 400.0), [2.0, 20.0], |_| vec2(100.0, 50.0));
+        assert_eq!(layout, shares);
+    }
+
+    #[test]
     fn small_tiles_are_enlarged_at_the_cost_of_large_ones() {
         let same = [30.0, 60.0, 10.0];
         assert_eq!(enlarged(&same, &[30.0, 10.0, 10.0]), same);
@@ -577,7 +744,7 @@ mod tests {
         assert!(emptied.is_whole() && !text::written(&emptied).contains("T-"));
         // A single panel has no tabs to add others to.
         let root = LayoutTile::Panel(Panel::Canvas);
-        assert_eq!(Layout { root }.completed(), None);
+        assert_eq!(Layout::new(root).completed(), None);
         assert!(Layout::alone(Panel::Canvas).completed().unwrap().is_whole());
     }
 
@@ -588,7 +755,7 @@ mod tests {
             axis: Direction::Horizontal,
             tiles: vec![(tabs(vec![LayoutTile::Panel(Panel::Canvas)], 0), share)],
         };
-        assert!(Layout { root: row(0.5) }.completed().is_some());
+        assert!(Layout::new(row(0.5)).completed().is_some());
         let canvas = || LayoutTile::Panel(Panel::Canvas);
         for root in [
             row(f32::NAN),
@@ -597,7 +764,7 @@ mod tests {
             tabs(vec![canvas()], 1),
             tabs(Vec::new(), 0),
         ] {
-            assert_eq!(Layout { root: root.clone() }.completed(), None, "{root:?}");
+            assert_eq!(Layout::new(root.clone()).completed(), None, "{root:?}");
         }
     }
 }

@@ -26,7 +26,7 @@ const fn has_sheet(state: &State) -> bool {
 const fn is_function(key: Key) -> bool {
     matches!(
         key,
-        Key::F2 | Key::F5 | Key::F8 | Key::F9 | Key::F10 | Key::F11
+        Key::F2 | Key::F4 | Key::F5 | Key::F8 | Key::F9 | Key::F10 | Key::F11
     )
 }
 

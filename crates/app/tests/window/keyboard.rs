@@ -56,6 +56,8 @@ fn tab_to(harness: &mut Harness<'_, App>, id: &str) {
 fn a_session_needs_no_mouse() {
     let mut harness = opened();
     // A run with another radius, typed into its field.
+    act(&mut harness, "view-window-hide-panel-parameters");
+    assert!(!harness.state().state.window.shows(Panel::Parameters));
     act(&mut harness, "view-window-open-panel-parameters");
     tab_to(&mut harness, "radius");
     press(&mut harness, Modifiers::COMMAND, Key::A);

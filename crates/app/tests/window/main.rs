@@ -16,6 +16,7 @@ mod link;
 mod marks;
 mod menus;
 mod names;
+mod panels;
 mod passes;
 mod passes_panel;
 mod rest;

@@ -67,7 +67,7 @@ impl OldLayout {
         let mut left = MAX_TILES;
         let tree = self.0;
         let root = tree.tile(tree.root?, 0, &mut left)?;
-        Layout { root }.completed()
+        Layout::new(root).completed()
     }
 }
 

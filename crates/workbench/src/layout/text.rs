@@ -11,12 +11,19 @@ const END: char = '-';
 /// The mark before the open tab.
 const OPEN: char = '_';
 
+/// The mark before the hidden panels.
+const HIDDEN: char = '.';
+
 /// Returns a layout as text: `H`, `V` or `T`, the children, `-`. A child of a row or column is followed by its share in
-/// ten thousandths.
+/// ten thousandths. The letters of hidden panels follow a dot.
 #[must_use]
 pub fn written(layout: &Layout) -> String {
     let mut text = String::new();
     write(&layout.root, &mut text);
+    if !layout.hidden.is_empty() {
+        text.push(HIDDEN);
+        text.extend(layout.hidden.panels().map(Panel::letter));
+    }
     text
 }
 
@@ -56,8 +63,17 @@ pub fn read(text: &str) -> Option<Layout> {
         count: 0,
     };
     let root = reader.tile(0)?;
-    reader.rest.is_empty().then_some(())?;
-    Layout { root }.completed()
+    let mut layout = Layout::new(root).completed()?;
+    if reader.takes(HIDDEN) {
+        while let Some(letter) = reader.next() {
+            layout.hide(panel_of(letter)?);
+        }
+    }
+    reader.rest.is_empty().then_some(layout)
+}
+
+fn panel_of(letter: char) -> Option<Panel> {
+    Panel::all().find(|panel| panel.letter() == letter)
 }
 
 impl From<Layout> for String {
@@ -101,10 +117,7 @@ impl LayoutReader<'_> {
             'T' => self.tabs(depth),
             'H' => self.linear(Direction::Horizontal, depth),
             'V' => self.linear(Direction::Vertical, depth),
-            other => {
-                let panel = Panel::all().find(|&panel| panel.letter() == other)?;
-                Some(LayoutTile::Panel(panel))
-            }
+            other => Some(LayoutTile::Panel(panel_of(other)?)),
         }
     }
 
@@ -155,6 +168,12 @@ mod tests {
             assert!(back.is_whole() && back.shows(panel), "{panel:?}: {text}");
             assert_eq!(written(&back), text);
         }
+        for panel in [Panel::Parameters, Panel::Legend] {
+            layout.hide(panel);
+        }
+        let text = written(&layout);
+        assert!(text.ends_with("-.pk"), "{text}");
+        assert_eq!(read(&text).map(|back| written(&back)), Some(text));
         // Missing panels, as in a link of an earlier version, are completed.
         assert!(read("VT_cg-5000t5000-").unwrap().is_whole());
     }
@@ -179,6 +198,8 @@ mod tests {
             "Hc4000000000g1-",
             "VT_cg-5000c5000-",
             "T\u{e9}-",
+            "VT_cg-5000t5000-.?",
+            "VT_cg-5000t5000-p",
             &deep,
             &wide,
         ] {

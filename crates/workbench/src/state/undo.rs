@@ -63,7 +63,12 @@ pub struct History {
 pub(super) const fn concerns(command: &Command) -> Option<UndoPart> {
     match command {
         Command::Form(_) => Some(UndoPart::Form),
-        Command::Window(WindowCommand::ResetLayout) => Some(UndoPart::Layout),
+        Command::Window(
+            WindowCommand::ResetLayout
+            | WindowCommand::OpenPanel(_)
+            | WindowCommand::HidePanel(_)
+            | WindowCommand::ToggleSides,
+        ) => Some(UndoPart::Layout),
         _ => None,
     }
 }
@@ -107,6 +112,12 @@ impl State {
 
     /// Adds a step for `command`, if it changed something since `before`.
     pub(super) fn remember(&mut self, before: Memento, part: UndoPart, command: Option<&Command>) {
+        // To open a tab is no change of the layout; to bring back a hidden panel is.
+        if let Some(Command::Window(WindowCommand::OpenPanel(_))) = command
+            && before.layout.hidden() == self.window.layout.hidden()
+        {
+            return;
+        }
         let field = match command {
             Some(Command::Form(FormCommand::Type(field, _))) => Some(*field),
             _ => None,

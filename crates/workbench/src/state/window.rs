@@ -6,13 +6,15 @@ use crate::command::WindowCommand;
 use crate::embedding::Embedding;
 use crate::finder::Finder;
 use crate::help::HelpPage;
-use crate::layout::{Layout, Panel};
+use crate::layout::{Layout, Panel, PanelSet};
 
 /// The state of the window.
 #[derive(Default)]
 pub struct WindowState {
     /// The layout of the panels.
     pub layout: Layout,
+    /// The panels beside the canvas that were hidden together, to bring them back together.
+    put_away: PanelSet,
     /// The drawer of a window that is too small for the layout.
     pub drawer: Drawer,
     /// The list of all actions, if open.
@@ -37,7 +39,12 @@ impl WindowState {
             }
             WindowCommand::Drawer(DrawerCommand::Show(panel)) => self.drawer.open = panel,
             WindowCommand::Drawer(DrawerCommand::Tall(is_tall)) => self.drawer.is_tall = is_tall,
-            WindowCommand::ResetLayout => self.layout = Layout::default(),
+            WindowCommand::HidePanel(panel) => self.hide_panel(panel),
+            WindowCommand::ToggleSides => self.toggle_sides(),
+            WindowCommand::ResetLayout => {
+                self.layout = Layout::default();
+                self.put_away = PanelSet::default();
+            }
             WindowCommand::ToggleFinder => {
                 self.finder = match self.finder {
                     None => Some(Finder::default()),
@@ -64,6 +71,48 @@ impl WindowState {
             (_, Panel::Canvas | Panel::Timeline) => true,
             _ => self.drawer.open == Some(panel),
         }
+    }
+
+    /// Returns whether a command can hide the panel: it is visible, and the window works without it.
+    #[must_use]
+    pub fn can_hide(&self, panel: Panel) -> bool {
+        match self.drawer.arrangement {
+            Arrangement::Tiles => panel != Panel::Canvas && self.layout.shows(panel),
+            _ => self.drawer.open == Some(panel),
+        }
+    }
+
+    fn hide_panel(&mut self, panel: Panel) {
+        if !self.drawer.arrangement.is_compact() {
+            self.layout.hide(panel);
+        } else if self.drawer.open == Some(panel) {
+            self.drawer.open = None;
+        }
+    }
+
+    /// Returns whether any panel beside the canvas is visible.
+    #[must_use]
+    pub fn shows_sides(&self) -> bool {
+        let mut sides = self.layout.sides().panels();
+        sides.any(|panel| self.layout.shows(panel))
+    }
+
+    /// Hides the panels beside the canvas; or, if all of them are hidden, brings back those that were hidden together,
+    /// or else all. Which tabs are open stays.
+    fn toggle_sides(&mut self) {
+        let (tabs, hidden) = (self.layout.root.clone(), self.layout.hidden());
+        let sides = self.layout.sides();
+        if self.shows_sides() {
+            let shown = sides.panels().filter(|panel| !hidden.has(*panel));
+            self.put_away = self.put_away.panels().chain(shown).collect();
+            sides.panels().for_each(|panel| self.layout.hide(panel));
+            // The open tabs stay open for when the panels come back.
+            self.layout.root = tabs;
+            return;
+        }
+        let away = std::mem::take(&mut self.put_away);
+        let back = if away.is_empty() { sides } else { away };
+        self.layout.show_all(back);
     }
 
     /// Brings a panel into view; a compact window keeps the layout unchanged.
@@ -93,6 +142,29 @@ mod tests {
         window.apply(WindowCommand::OpenPanel(Panel::Canvas));
         assert!(window.shows(Panel::Canvas) && !window.shows(Panel::Statistics));
         assert_eq!(window.layout, tiles);
+    }
+
+    #[test]
+    fn the_panels_beside_the_canvas_are_hidden_together_and_come_back() {
+        let mut window = WindowState::default();
+        window.apply(WindowCommand::OpenPanel(Panel::Events));
+        window.apply(WindowCommand::HidePanel(Panel::Legend));
+        let before = window.layout.clone();
+        window.apply(WindowCommand::ToggleSides);
+        assert!(!window.shows_sides() && window.shows(Panel::Canvas));
+        assert!(window.shows(Panel::Timeline));
+        window.apply(WindowCommand::ToggleSides);
+        assert_eq!(window.layout, before, "the legend stays hidden");
+        // A panel that was opened meanwhile does not replace the others.
+        window.apply(WindowCommand::ToggleSides);
+        window.apply(WindowCommand::OpenPanel(Panel::Inspector));
+        assert!(window.shows(Panel::Inspector) && !window.shows(Panel::Events));
+        window.apply(WindowCommand::ToggleSides);
+        window.apply(WindowCommand::ToggleSides);
+        assert!(window.shows(Panel::Inspector) && window.shows(Panel::Events));
+        assert_eq!(window.layout.hidden(), before.hidden());
+        window.apply(WindowCommand::ResetLayout);
+        assert_eq!(window.layout, Layout::default());
     }
 
     #[test]
