@@ -420,7 +420,7 @@ fn view(list: &mut List, state: &State) {
         let command = Command::View(Which::First, command);
         list.add(Menu::View, name, Some((NONE, key)), command, None);
     };
-    add("Show the whole domain", Key::F, ViewCommand::Fit);
+    add("Fit the domain", Key::F, ViewCommand::Fit);
     add(
         "Show the current event",
         Key::Period,
@@ -450,6 +450,9 @@ fn view(list: &mut List, state: &State) {
         Command::Window(WindowCommand::ToggleFullScreen),
         state.window.full_screen.refusal(),
     );
+    if let Some(is_full) = state.window.is_full {
+        list.mark(is_full);
+    }
     if state.window.drawer.arrangement.is_compact() {
         let drawer = &state.window.drawer;
         let no_panel = drawer.open.is_none().then_some("No panel is open.");

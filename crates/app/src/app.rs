@@ -98,6 +98,7 @@ impl App {
         self.arrange(ui);
         self.follow_look(ui.ctx());
         self.copy(ui.ctx());
+        self.state.window.is_full = ui.input(|input| input.viewport().fullscreen);
         let dt = ui.input(|i| i.stable_dt);
         if self.state.advance(dt) {
             ui.ctx().request_repaint();

@@ -73,7 +73,7 @@ fn whole_domain(ui: &mut Ui, canvas: Rect, palette: &Palette, commands: &mut Vec
         .layout(egui::Layout::right_to_left(egui::Align::Min));
     ui.scope_builder(builder, |ui| {
         let ground = ui.painter().add(egui::Shape::Noop);
-        let name = "Show the whole domain (F)";
+        let name = "Fit the domain (F)";
         let response = icon_button(ui, Icon::Fit, name, None, palette);
         response.known_as("fit");
         let color = palette.panel.gamma_multiply(0.82);

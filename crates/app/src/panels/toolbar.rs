@@ -56,7 +56,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         }
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             theme_button(ui, state, commands);
-            let fit = icon_button(ui, Icon::Fit, "Show the whole domain (F)", None, palette);
+            let fit = icon_button(ui, Icon::Fit, "Fit the domain (F)", None, palette);
             if fit.known_as("fit").clicked() {
                 commands.push(Command::View(Which::First, ViewCommand::Fit));
             }
@@ -98,7 +98,7 @@ pub fn show_compact(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
                 .known_as("title");
         }
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-            let fit = icon_button(ui, Icon::Fit, "Show the whole domain (F)", None, palette);
+            let fit = icon_button(ui, Icon::Fit, "Fit the domain (F)", None, palette);
             if fit.known_as("fit").clicked() {
                 commands.push(Command::View(Which::First, ViewCommand::Fit));
             }

@@ -416,4 +416,8 @@ fn alt_and_enter_ask_for_the_full_screen_and_give_it_back() {
     let full = |on: bool| vec![ViewportCommand::Fullscreen(on)];
     assert_eq!(asked(false), full(true));
     assert_eq!(asked(true), full(false));
+    // The menu shows which it is.
+    let all = tilescope_app::actions::actions(&harness.state().state);
+    let action = all.iter().find(|action| action.name == "Full screen");
+    assert_eq!(action.and_then(|action| action.is_on), Some(true));
 }

@@ -133,7 +133,7 @@ fn the_window_and_its_export_sheet() {
         ("moment", "Moment"),
         ("clock", "Clock"),
         ("speed", "Speed"),
-        ("fit", "Show the whole domain (F)"),
+        ("fit", "Fit the domain (F)"),
         ("export", "Export\u{2026}"),
         ("toggle-theme", "Light theme"),
         ("canvas", "Canvas of samples"),

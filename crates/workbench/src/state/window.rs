@@ -27,6 +27,8 @@ pub struct WindowState {
     pub bare: bool,
     /// Whether the window can use full screen.
     pub full_screen: FullScreen,
+    /// Whether the window fills the screen, where that is known.
+    pub is_full: Option<bool>,
 }
 
 impl WindowState {
