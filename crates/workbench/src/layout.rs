@@ -671,10 +671,10 @@ mod tests {
         assert!(!layout.shows(Panel::Events) && layout.hidden().has(Panel::Events));
         layout.hide(Panel::Parameters);
         assert!(
-            layout.shows(Panel::Bookmarks),
+            layout.shows(Panel::Scenes),
             "to the right, as nothing is left of it"
         );
-        for panel in [Panel::Bookmarks, Panel::Analysis] {
+        for panel in [Panel::Scenes, Panel::Analysis] {
             layout.hide(panel);
         }
         let text = text::written(&layout);
