@@ -470,7 +470,7 @@ const fn panel_keys(panel: Panel) -> Option<(Modifiers, Key)> {
         Panel::Statistics => (NONE, Key::Num4),
         Panel::Verification => (NONE, Key::Num5),
         Panel::Events => (NONE, Key::Num6),
-        Panel::Bookmarks => (NONE, Key::Num7),
+        Panel::Scenes => (NONE, Key::Num7),
         Panel::Watches => (NONE, Key::Num8),
         Panel::Compare => (NONE, Key::Num9),
         Panel::Legend => (NONE, Key::Num0),

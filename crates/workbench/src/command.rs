@@ -16,7 +16,7 @@ use crate::arrangement::DrawerCommand;
 use crate::clock::Clock;
 use crate::compare::CompareCommand;
 use crate::device::Engine;
-use crate::draft::{Choice, Field};
+use crate::draft::{Choice, Field, Preset};
 use crate::export::ExportCommand;
 use crate::files::FileCommand;
 use crate::help::HelpPage;
@@ -96,8 +96,12 @@ pub enum DebugCommand {
 pub enum FormCommand {
     /// Sets the text of a parameter.
     Type(Field, String),
+    /// Types a number of samples, which sets the radius.
+    Count(String),
     /// Chooses a parameter.
     Choose(Choice),
+    /// Sets all parameters to those of a preset.
+    Preset(Preset),
     /// Returns to the parameters of the default session.
     Reset,
     /// Uses the pattern that the parameters describe again.

@@ -48,6 +48,82 @@ pub enum Choice {
     Variant(Variant),
 }
 
+/// Parameters to begin with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Preset {
+    /// The session that the window opens with.
+    First,
+    /// Figure 11 of the paper in small: blocks of 20 r, circumcentres, and a pattern that does not repeat.
+    PaperInSmall,
+    /// Gaps are searched for within 2 r only, and some stay.
+    BreakIt,
+    /// Blocks in which the pattern repeats.
+    LargeBlocks,
+    /// Gaps are filled by uniform darts.
+    Uniform,
+}
+
+impl Preset {
+    /// Every preset.
+    pub const ALL: [Self; 5] = [
+        Self::First,
+        Self::PaperInSmall,
+        Self::BreakIt,
+        Self::LargeBlocks,
+        Self::Uniform,
+    ];
+
+    /// Returns its name.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::First => "The first session",
+            Self::PaperInSmall => "The paper's settings",
+            Self::BreakIt => "Break it",
+            Self::LargeBlocks => "Blocks too large",
+            Self::Uniform => "Uniform insertion",
+        }
+    }
+
+    /// Returns what to look at, in a sentence.
+    #[must_use]
+    pub const fn explanation(self) -> &'static str {
+        match self {
+            Self::First => "About 10,000 samples in nine blocks: small enough to see every step.",
+            Self::PaperInSmall => {
+                "A bounded pattern and blocks of at least 20 r, as in the paper's experiments: more blocks, more seams."
+            }
+            Self::BreakIt => {
+                "Gaps are searched for within 2 r only: some stay open, and the verdict shows where."
+            }
+            Self::LargeBlocks => {
+                "Blocks larger than the pattern: it repeats within them, which the spectrum in Analysis shows as spikes."
+            }
+            Self::Uniform => {
+                "Gaps are filled by darts, uniformly over their area, instead of at circumcentres."
+            }
+        }
+    }
+
+    /// Returns its parameters.
+    #[must_use]
+    pub fn parameters(self) -> Parameters {
+        let mut p = Parameters::default();
+        match self {
+            Self::First => {}
+            Self::PaperInSmall => {
+                p.leaf = 20.0;
+                p.pattern.boundary = Boundary::Bounded;
+            }
+            Self::BreakIt => (p.seed, p.search) = (3, Search::TwoRadii),
+            Self::LargeBlocks => (p.leaf, p.pattern.side, p.radius) = (60.0, 30.0, 0.004),
+            Self::Uniform => p.insertion = Insertion::Uniform,
+        }
+        p
+    }
+}
+
 /// Every typed field, in the order of the panel.
 pub const FIELDS: [Field; 7] = [
     Field::Width,
@@ -63,6 +139,8 @@ pub const FIELDS: [Field; 7] = [
 #[derive(Clone, Debug, PartialEq)]
 pub struct Draft {
     texts: [String; FIELDS.len()],
+    /// The number of samples as typed, if the radius was given by it.
+    count: Option<String>,
     /// The values; a number is that of the last valid text.
     pub parameters: Parameters,
 }
@@ -96,7 +174,11 @@ impl Draft {
             p.pattern.side.to_string(),
             p.pattern.seed.to_string(),
         ];
-        Self { texts, parameters }
+        Self {
+            texts,
+            count: None,
+            parameters,
+        }
     }
 
     /// Returns the text of a field.
@@ -119,6 +201,59 @@ impl Draft {
             Field::PatternSeed => assign(&mut p.pattern.seed, value),
         }
         self.texts[field as usize] = text;
+        // The radius is for the domain that there was.
+        self.count = None;
+    }
+
+    /// Returns the number of samples as typed, or otherwise the expected one with two significant digits, if it is known.
+    #[must_use]
+    pub fn count_text(&self) -> String {
+        let expected = || {
+            let samples = self.expected_samples()?;
+            let step = 10_f64.powf((samples.log10().floor() - 1.0).max(0.0));
+            Some(format!("{}", (samples / step).round() * step))
+        };
+        self.count.clone().or_else(expected).unwrap_or_default()
+    }
+
+    /// Sets the radius to that of about so many samples, if the text is a number for which there is one.
+    pub fn set_count(&mut self, text: String) {
+        if let Ok(radius) = self.radius_of(&text) {
+            self.set_text(Field::Radius, radius.to_string());
+        }
+        self.count = Some(text);
+    }
+
+    /// Returns why the number of samples as typed cannot be had, if so.
+    #[must_use]
+    pub fn count_refusal(&self) -> Option<String> {
+        self.radius_of(self.count.as_ref()?).err()
+    }
+
+    /// Returns the radius of about so many samples, with five significant digits.
+    fn radius_of(&self, text: &str) -> Result<f64, String> {
+        let plain: String = text.trim().chars().filter(|c| *c != ',').collect();
+        let count: u64 = plain
+            .parse()
+            .ok()
+            .filter(|&count| count > 0)
+            .ok_or_else(|| {
+                format!(
+                    "\"{}\" is not a whole number of samples from 1 on.",
+                    text.trim()
+                )
+            })?;
+        let radius = tilescope_core::radius_estimate(&self.parameters, count)
+            .map_err(|error| sentence(&error.to_string()))?;
+        Ok(format!("{radius:.4e}").parse().unwrap_or(radius))
+    }
+
+    /// Returns whether the text of a field is not that of a run's parameters.
+    #[must_use]
+    pub fn differs(&self, field: Field, made: &Parameters) -> bool {
+        let made = Self::from_parameters(*made);
+        let typed = Self::from_parameters(self.parameters);
+        typed.text(field) != made.text(field) || self.unreadable(field).is_some()
     }
 
     /// Makes a choice.
@@ -179,7 +314,6 @@ impl Draft {
     #[must_use]
     pub fn differences(&self, made: &Parameters) -> Vec<&'static str> {
         let p = &self.parameters;
-        let [typed, run] = [*p, *made].map(Self::from_parameters);
         let names = [
             "width",
             "height",
@@ -189,10 +323,8 @@ impl Draft {
             "pattern size",
             "pattern seed",
         ];
-        let differs =
-            |field: Field| typed.text(field) != run.text(field) || self.unreadable(field).is_some();
         let fields = FIELDS.into_iter().zip(names);
-        let typed = fields.filter(|(field, _)| differs(*field));
+        let typed = fields.filter(|(field, _)| self.differs(*field, made));
         let chosen = [
             ("boundary", p.boundary != made.boundary),
             (
@@ -367,5 +499,41 @@ mod tests {
         draft.set_text(Field::Leaf, "12.5".to_owned());
         assert_eq!(draft.parameters.seed, 77);
         assert!((draft.parameters.leaf - 12.5).abs() < f64::EPSILON);
+    }
+
+    #[test]
+    fn a_number_of_samples_sets_the_radius_and_the_radius_the_number() {
+        let mut draft = Draft::default();
+        assert_eq!(draft.count_text(), "10000");
+        for (text, count) in [("200000", 200_000.0), ("5,000", 5_000.0), (" 750 ", 750.0)] {
+            draft.set_count(text.to_owned());
+            assert_eq!(draft.count_text(), text);
+            assert_eq!(draft.count_refusal(), None);
+            let expected = draft.expected_samples().unwrap();
+            assert!((expected / count - 1.0).abs() < 0.05, "{text}: {expected}");
+        }
+        // What cannot be had leaves the radius as it is.
+        let radius = draft.parameters.radius;
+        for text in ["", "many", "0", "-5", "1e6", "99999999999999999"] {
+            draft.set_count(text.to_owned());
+            let refusal = draft.count_refusal().expect(text);
+            assert!(refusal.ends_with('.'), "{refusal}");
+            assert!(draft.parameters.radius.to_bits() == radius.to_bits());
+        }
+        draft.set_text(Field::Radius, "0.02".to_owned());
+        assert_eq!(
+            (draft.count_refusal(), &*draft.count_text()),
+            (None, "1700")
+        );
+    }
+
+    #[test]
+    fn every_preset_can_be_run() {
+        for preset in Preset::ALL {
+            let draft = Draft::from_parameters(preset.parameters());
+            assert_eq!(draft.refusals(), [], "{}", preset.name());
+            let repeats = draft.side_without_repeats().is_some();
+            assert_eq!(repeats, preset == Preset::LargeBlocks);
+        }
     }
 }

@@ -2,12 +2,13 @@
 //! stays in view.
 
 use egui::{ComboBox, ProgressBar, RichText, TextEdit, Ui, UiBuilder, vec2};
+use tilescope_core::Parameters;
 use tilescope_drawing::palette::Palette;
 use tilescope_session::jobs::Job;
 use tilescope_session::session::{MakeError, Session};
 use tilescope_session::words::{grouped, sentence};
 use tilescope_ui::theme::row_height;
-use tilescope_ui::widgets::{Known, heading, primary_button};
+use tilescope_ui::widgets::{Kebab, Known, heading, primary_button};
 
 use super::choices::{
     BOUNDARIES, INSERTIONS, Listed, ORDERS, ORIENTATIONS, PATTERN_BOUNDARIES, SEARCHES, VARIANTS,
@@ -15,7 +16,7 @@ use super::choices::{
 };
 use super::engine;
 use tilescope_workbench::command::{Command, FormCommand, Which};
-use tilescope_workbench::draft::{Choice, DraftRefusal, Field};
+use tilescope_workbench::draft::{Choice, DraftRefusal, Field, Preset};
 use tilescope_workbench::layout::Panel;
 use tilescope_workbench::state::{Form, GpuState};
 
@@ -52,6 +53,8 @@ pub struct FormContext<'a> {
     pub refusal: Option<String>,
     /// The parameters that differ from the run shown, if any.
     pub remark: Option<String>,
+    /// The parameters of the run shown.
+    pub made: Option<Parameters>,
     /// A remark on the engine of the next run: a short line and the full text.
     pub engine: Option<(&'static str, String)>,
     /// Whether the GPU is the default engine.
@@ -92,6 +95,7 @@ pub fn show(ui: &mut Ui, context: &FormContext<'_>, commands: &mut Vec<Command>)
 fn form(ui: &mut Ui, context: &FormContext<'_>, commands: &mut Vec<Command>) {
     let palette = context.palette;
     let refusals = context.form.draft.refusals();
+    presets(ui, commands);
     heading(ui, "Domain");
     pair(
         ui,
@@ -103,6 +107,7 @@ fn form(ui: &mut Ui, context: &FormContext<'_>, commands: &mut Vec<Command>) {
     );
     let radius = (Field::Radius, "Radius", "");
     number(ui, context, radius, &refusals, commands);
+    samples(ui, context, commands);
     let p = &context.form.draft.parameters;
     let why = "Periodic: opposite sides are joined, and the set tiles the plane. Bounded: the domain ends at its border.";
     if let Some(chosen) = choice(
@@ -115,7 +120,6 @@ fn form(ui: &mut Ui, context: &FormContext<'_>, commands: &mut Vec<Command>) {
     ) {
         commands.push(Command::Form(FormCommand::Choose(Choice::Boundary(chosen))));
     }
-    expected(ui, context, palette);
 
     heading(ui, "Tiling");
     for field in [
@@ -157,6 +161,22 @@ fn form(ui: &mut Ui, context: &FormContext<'_>, commands: &mut Vec<Command>) {
     for (k, refusal) in refusals.iter().filter(|r| r.field.is_none()).enumerate() {
         trouble(ui, &refusal.reason, palette).known_as(format_args!("refusal-{k}"));
     }
+}
+
+/// Shows the presets: each sets all parameters and runs.
+fn presets(ui: &mut Ui, commands: &mut Vec<Command>) {
+    let menu = ui.menu_button("Presets", |ui| {
+        for preset in Preset::ALL {
+            let row = ui.button(preset.name());
+            row.known_as(format_args!("preset.{}", Kebab(preset)));
+            if row.on_hover_text(preset.explanation()).clicked() {
+                commands.push(Command::Form(FormCommand::Preset(preset)));
+                commands.push(Command::Run);
+                ui.close();
+            }
+        }
+    });
+    menu.response.known_as("presets");
 }
 
 /// Notes that the pattern comes from a file, if it does.
@@ -236,21 +256,35 @@ fn algorithm(ui: &mut Ui, context: &FormContext<'_>, commands: &mut Vec<Command>
     }
 }
 
-fn expected(ui: &mut Ui, context: &FormContext<'_>, palette: &Palette) {
-    let text = match context.form.draft.expected_samples() {
-        Some(samples) => {
-            // An estimate, so two significant digits.
-            let step = 10_f64.powf((samples.log10().floor() - 1.0).max(0.0));
-            let about = (samples / step).round() * step;
-            format!("about {} samples", grouped(about as usize))
+/// Shows the number of samples, the other end of the radius.
+fn samples(ui: &mut Ui, context: &FormContext<'_>, commands: &mut Vec<Command>) {
+    let palette = context.palette;
+    let draft = &context.form.draft;
+    let refusal = draft.count_refusal();
+    let meaning =
+        "About how many samples the run will have. Type a number to set the radius by it.";
+    labelled(ui, ("Samples", meaning), palette, |ui, _| {
+        let mut text = draft.count_text();
+        let edit = TextEdit::singleline(&mut text)
+            .align(egui::Align2::LEFT_CENTER)
+            .id_salt("Samples")
+            .font(egui::TextStyle::Monospace)
+            .text_color_opt(refusal.is_some().then_some(palette.conflict))
+            .margin(egui::Margin::symmetric(8, 4))
+            .desired_width(field_width(ui));
+        let response = ui
+            .add(edit)
+            .accessible_name("Samples")
+            .on_hover_text(meaning);
+        response.known_as("count");
+        if response.changed() {
+            commands.push(Command::Form(FormCommand::Count(text)));
         }
-        None => "about \u{2013} samples".to_owned(),
-    };
-    ui.horizontal(|ui| {
-        ui.add_space(FIELD_START);
-        ui.label(RichText::new(text).small().color(palette.muted))
-            .known_as("expected");
+        enter(ui, &response, context, commands);
     });
+    if let Some(refusal) = refusal {
+        trouble(ui, &refusal, palette).known_as("count.refusal");
+    }
     if context.form.draft.keeps_result_only() {
         let text = "So large a run keeps its result only: there will be no steps to go through.";
         ui.label(RichText::new(text).small().color(palette.accent))
@@ -275,6 +309,18 @@ pub(super) fn labelled(
     });
 }
 
+/// Returns the label of fields, with a mark if one of them is not as in the run shown.
+fn marked(context: &FormContext<'_>, fields: &[Field], name: &str) -> String {
+    let draft = &context.form.draft;
+    let made = context.made.as_ref();
+    let differs = made.is_some_and(|made| fields.iter().any(|&field| draft.differs(field, made)));
+    if differs {
+        format!("{name} \u{2022}")
+    } else {
+        name.to_owned()
+    }
+}
+
 fn number(
     ui: &mut Ui,
     context: &FormContext<'_>,
@@ -284,7 +330,8 @@ fn number(
 ) {
     let palette = context.palette;
     let refusal = refusals.iter().find(|r| r.field == Some(field));
-    labelled(ui, (name, meaning(field)), palette, |ui, _| {
+    let name_shown = marked(context, &[field], name);
+    labelled(ui, (&name_shown, meaning(field)), palette, |ui, _| {
         let width = field_width(ui);
         edit(ui, context, field, name, width, refusal.is_some(), commands);
         if !unit.is_empty() {
@@ -307,7 +354,8 @@ fn pair(
 ) {
     let palette = context.palette;
     let refusal = |field| refusals.iter().find(|r| r.field == Some(field));
-    labelled(ui, (name, meaning(fields[0].0)), palette, |ui, _| {
+    let name_shown = marked(context, &fields.map(|(field, _)| field), name);
+    labelled(ui, (&name_shown, meaning(fields[0].0)), palette, |ui, _| {
         ui.spacing_mut().item_spacing.x = 6.0;
         let width = (field_width(ui) - 6.0) / 2.0;
         for (field, name) in fields {
@@ -355,6 +403,16 @@ fn edit(
     if response.changed() {
         commands.push(Command::Form(FormCommand::Type(field, text)));
     }
+    enter(ui, &response, context, commands);
+}
+
+/// Runs when Enter was pressed in a field.
+fn enter(
+    ui: &Ui,
+    response: &egui::Response,
+    context: &FormContext<'_>,
+    commands: &mut Vec<Command>,
+) {
     let entered = response.lost_focus() && ui.input(|i| i.key_pressed(egui::Key::Enter));
     if entered && context.refusal.as_deref().is_none() && context.sampling.is_none() {
         commands.push(Command::Run);
@@ -442,7 +500,12 @@ fn run_or_cancel(ui: &mut Ui, context: &FormContext<'_>, commands: &mut Vec<Comm
                 return;
             }
             let refusal = context.refusal.as_deref();
-            let run = primary_button(ui, "Run", refusal, palette);
+            let name = if context.remark.is_some() {
+                "Run to apply"
+            } else {
+                "Run"
+            };
+            let run = primary_button(ui, name, refusal, palette);
             if run.known_as("run").clicked() {
                 commands.push(Command::Run);
             }

@@ -144,6 +144,12 @@ impl<'a> FormContext<'a> {
             sampling: state.runs.first.sampling.as_ref(),
             refusal: state.run_refusal(),
             remark: state.run_remark(),
+            made: state
+                .runs
+                .first
+                .session
+                .as_ref()
+                .map(|session| session.run().parameters),
             engine: state.gpu.engine_text(state.form.draft.parameters.variant),
             auto_is_gpu: state.gpu.takes(Engine::Auto),
         }

@@ -62,7 +62,7 @@ fn a_column_without_panels_leaves_its_room_to_the_canvas() {
     for panel in [
         Panel::Parameters,
         Panel::Events,
-        Panel::Bookmarks,
+        Panel::Scenes,
         Panel::Analysis,
     ] {
         // The panels of a column differ in their smallest widths.

@@ -18,6 +18,11 @@ impl Form {
     pub(super) fn apply(&mut self, command: FormCommand) {
         match command {
             FormCommand::Type(field, text) => self.draft.set_text(field, text),
+            FormCommand::Count(text) => self.draft.set_count(text),
+            FormCommand::Preset(preset) => {
+                self.draft = Draft::from_parameters(preset.parameters());
+                self.own_pattern = None;
+            }
             FormCommand::Choose(choice) => self.draft.choose(choice),
             FormCommand::GeneratedPattern => self.own_pattern = None,
             FormCommand::Reset => (self.draft, self.own_pattern) = (Draft::default(), None),

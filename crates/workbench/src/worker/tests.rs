@@ -22,6 +22,7 @@ use crate::compare::{CompareCommand, ComparePreset};
 use crate::export::{ExportCommand, ExportKind};
 use crate::files::{Delivery, FileCommand};
 use crate::layout::Panel;
+use crate::scenes::SceneCommand;
 use crate::state::{State, Verification};
 
 type Reply = Result<Vec<u8>, TaskError>;
@@ -166,8 +167,30 @@ fn visit() -> Vec<String> {
             second.1.divergence(session, other).expect("a parting")
         ),
     ];
+    found.push(picture_of_a_scene(&mut state));
     found.extend(hand_over(&mut state));
     found
+}
+
+/// Makes a scene and returns its small picture.
+fn picture_of_a_scene(state: &mut State) -> String {
+    state.apply(Command::Scene(SceneCommand::Add));
+    let panel = WindowCommand::OpenPanel(Panel::Scenes);
+    state.apply(Command::Window(panel));
+    for _ in 0..2_000 {
+        state.advance(0.0);
+        let run = &state.runs.first;
+        let session = run.session.as_ref().expect("a session");
+        let debugger = run.debugger.as_ref().expect("events");
+        let picture = state
+            .thumbnails
+            .of(session, debugger, &debugger.scenes[0], true);
+        if let Some(picture) = picture {
+            return format!("{picture:?}");
+        }
+        std::thread::sleep(std::time::Duration::from_millis(5));
+    }
+    panic!("no picture");
 }
 
 /// Exports samples and opens them again, and combines sets; returns the results.
