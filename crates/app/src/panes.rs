@@ -3,6 +3,7 @@
 
 mod buffers;
 mod input;
+mod menu;
 mod titles;
 
 use eframe::egui_wgpu::RenderState;
@@ -156,6 +157,9 @@ impl PaneSide<'_> {
         let pointer = input::handle(ui, &response, subject, context, &mut moves);
         let moves = moves.into_iter();
         commands.extend(moves.map(|command| Command::View(self.which, command)));
+        if !context.is_embedded {
+            menu::show(ui, &response, subject, self.which, commands);
+        }
         let note = pane.paint(ui, rect, subject, palette);
         let rows = match self.which {
             Which::First => context.rows,

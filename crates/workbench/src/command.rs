@@ -187,6 +187,10 @@ pub enum ViewCommand {
     Fit,
     /// Flies to a place, given in r, at a scale that shows about this many r.
     FlyTo(DVec2, f64),
+    /// Moves a place, given in r, into the middle of the view.
+    Centre(DVec2),
+    /// Copies a place, given in r, to the clipboard, in the unit of the domain.
+    CopyPosition(DVec2),
     /// Flies to the gap that contains a place, given in r, or otherwise to its block.
     FlyToBlock(DVec2),
     /// Flies to the place that decides a verdict.
@@ -281,6 +285,7 @@ impl ViewCommand {
                 | Self::Zoom(..)
                 | Self::Fit
                 | Self::FlyTo(..)
+                | Self::Centre(_)
                 | Self::FlyToBlock(_)
                 | Self::GoToSample(_)
         )

@@ -323,6 +323,7 @@ impl State {
         for effect in effects {
             match effect {
                 Effect::Tell(Notice { text, is_error }) => self.tell_of(which, text, is_error),
+                Effect::Copy(text) => self.links.copied = Some(text),
                 Effect::Inspect => self.inspect(which),
                 Effect::Download(file) => self.files.downloads.push(file),
             }

@@ -18,7 +18,7 @@ use tilescope_drawing::subject::Subject;
 use tilescope_workbench::command::ViewCommand;
 
 /// Pick radius of the pointer, in screen points.
-const PICK_POINTS: f64 = 14.0;
+pub(super) const PICK_POINTS: f64 = 14.0;
 /// Pick radius of a finger, which hides its target.
 const PICK_BY_FINGER: f64 = 24.0;
 /// How far an arrow key pans the view, in screen points.
@@ -177,7 +177,12 @@ fn pick(
 }
 
 /// Returns the sample nearest to a point on the screen, within `reach` screen points.
-fn nearest(response: &Response, subject: &Subject<'_>, pos: Pos2, reach: f64) -> Option<u32> {
+pub(super) fn nearest(
+    response: &Response,
+    subject: &Subject<'_>,
+    pos: Pos2,
+    reach: f64,
+) -> Option<u32> {
     let shown = subject.shown;
     let position = subject.camera.domain_from_screen(response.rect, pos);
     let reach = (reach / subject.camera.scale).min(1.5);

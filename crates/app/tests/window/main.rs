@@ -3,6 +3,7 @@
 mod analysis_panel;
 mod buffers;
 mod canvas;
+mod canvas_menu;
 mod compact;
 mod compare;
 mod debugger;

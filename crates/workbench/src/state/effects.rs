@@ -12,6 +12,8 @@ use super::{Appearance, Notice};
 pub(super) enum Effect {
     /// Show this notice.
     Tell(Notice),
+    /// Copy a text to the clipboard.
+    Copy(String),
     /// Open the panel of the selection.
     Inspect,
     /// Download a file.

@@ -38,6 +38,17 @@ impl RunView {
             }
             ViewCommand::Fit => self.fit(context),
             ViewCommand::FlyTo(center, radii) => self.fly_to(center, radii, context),
+            ViewCommand::Centre(center) => {
+                self.fitted = false;
+                let scale = self.camera.scale;
+                self.fly(Camera { center, scale }, context);
+            }
+            ViewCommand::CopyPosition(place) => {
+                if let Some(session) = &self.session {
+                    let DVec2 { x, y } = place * session.run().domain.radius();
+                    context.ask(Effect::Copy(format!("{x:.6}, {y:.6}")));
+                }
+            }
             ViewCommand::GoToCurrent => self.go_to_current(context),
             ViewCommand::FlyToBlock(place) => self.fly_to_block(place, context),
             ViewCommand::FlyToWitness(witness) => self.fly_to_witness(witness, context),

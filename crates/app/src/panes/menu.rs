@@ -1,0 +1,198 @@
+//! The menu of a place on the canvas: what can be asked about the sample, the gap or the block there. It opens by the
+//! secondary button or, with the focus on the canvas, by the menu key.
+
+use egui::{Key, Modifiers, PointerButton, Popup, Pos2, Response, SetOpenCommand, Ui};
+use glam::DVec2;
+use tilescope_core::Origin;
+use tilescope_debugger::{Direction, NONE, Target};
+use tilescope_drawing::subject::Subject;
+use tilescope_session::selection::Selection;
+use tilescope_session::words::grouped;
+use tilescope_ui::widgets::Known;
+use tilescope_workbench::command::{Command, DebugCommand, TimeCommand, ViewCommand, Which};
+
+use super::input;
+
+/// What the menu is about.
+#[derive(Clone, Copy)]
+struct MenuSubject {
+    sample: Option<u32>,
+    /// In r.
+    place: DVec2,
+}
+
+/// An entry of the menu.
+struct Entry {
+    id: &'static str,
+    name: String,
+    commands: Vec<Command>,
+    /// Whether a line separates it from the entries before it.
+    begins_group: bool,
+}
+
+impl Entry {
+    fn new(id: &'static str, name: impl Into<String>, commands: Vec<Command>) -> Self {
+        Self {
+            id,
+            name: name.into(),
+            commands,
+            begins_group: false,
+        }
+    }
+}
+
+/// Shows the menu, if it is open.
+pub fn show(
+    ui: &Ui,
+    response: &Response,
+    subject: &Subject<'_>,
+    which: Which,
+    commands: &mut Vec<Command>,
+) {
+    let id = response.id.with("menu");
+    if let Some(pos) = asked_at(ui, response, subject) {
+        let about = MenuSubject::at(response, subject, pos);
+        ui.data_mut(|data| data.insert_temp(id, (pos, about)));
+        Popup::open_id(ui.ctx(), id);
+    }
+    let Some((pos, about)) = ui.data(|data| data.get_temp::<(Pos2, MenuSubject)>(id)) else {
+        return;
+    };
+    let closes = response.clicked().then_some(SetOpenCommand::Bool(false));
+    let popup = Popup::menu(response).id(id).open_memory(closes);
+    popup.at_position(pos).show(|ui| {
+        for entry in entries(subject, which, about) {
+            if entry.begins_group {
+                ui.separator();
+            }
+            let button = ui.button(entry.name);
+            button.known_as(format_args!("canvas-menu.{}", entry.id));
+            if button.clicked() {
+                commands.extend(entry.commands);
+                ui.close();
+            }
+        }
+    });
+}
+
+/// Returns where the menu is to be opened on the screen, if it was asked for. A long press selects instead.
+fn asked_at(ui: &Ui, response: &Response, subject: &Subject<'_>) -> Option<Pos2> {
+    if response.clicked_by(PointerButton::Secondary) {
+        return response.interact_pointer_pos();
+    }
+    let is_pressed =
+        response.has_focus() && ui.input_mut(|input| input.consume_key(Modifiers::NONE, Key::Menu));
+    is_pressed.then(|| {
+        // About the selection, if it is in view.
+        let session = subject.shown.session;
+        let sample = subject.selected.map(|id| session.position(id));
+        let selected = sample.or(subject.place);
+        let at = selected.map(|at| subject.camera.screen_from_domain(response.rect, at));
+        let at = at.filter(|at| response.rect.contains(*at));
+        at.unwrap_or(response.rect.center())
+    })
+}
+
+impl MenuSubject {
+    fn at(response: &Response, subject: &Subject<'_>, pos: Pos2) -> Self {
+        Self {
+            sample: input::nearest(response, subject, pos, input::PICK_POINTS),
+            place: subject.camera.domain_from_screen(response.rect, pos),
+        }
+    }
+}
+
+/// Returns the entries of the menu.
+fn entries(subject: &Subject<'_>, which: Which, about: MenuSubject) -> Vec<Entry> {
+    let mut entries = Vec::new();
+    if let Some(sample) = about.sample {
+        entries.extend(of_sample(subject, which, sample));
+    }
+    let mut add = |group: Vec<Entry>| {
+        let start = entries.len();
+        entries.extend(group);
+        if let Some(first) = entries.get_mut(start).filter(|_| start > 0) {
+            first.begins_group = true;
+        }
+    };
+    add(of_place(subject, which, about.place));
+    let session = subject.shown.session;
+    let at = about.sample.map_or(about.place, |id| session.position(id));
+    let view = |command| vec![Command::View(which, command)];
+    let centre = view(ViewCommand::Centre(about.place));
+    let copy = view(ViewCommand::CopyPosition(at));
+    let mut others = vec![
+        Entry::new("centre", "Centre here", centre),
+        Entry::new("copy", "Copy the position", copy),
+    ];
+    if which == Which::First && subject.shown.debugger.is_some() {
+        let bookmark = vec![Command::Debug(DebugCommand::Bookmark)];
+        others.push(Entry::new("bookmark", "Bookmark this moment", bookmark));
+    }
+    add(others);
+    entries
+}
+
+/// Returns the entries about a sample: its history, and the moments that changed it.
+fn of_sample(subject: &Subject<'_>, which: Which, sample: u32) -> Vec<Entry> {
+    let pick = Command::View(which, ViewCommand::Pick(Selection::Sample(sample)));
+    let name = format!("Show the history of sample {}", grouped(sample as usize));
+    let inspect = Command::View(which, ViewCommand::Inspect);
+    let mut entries = vec![Entry::new("history", name, vec![pick.clone(), inspect])];
+    let debugger = subject.shown.debugger.filter(|_| which == Which::First);
+    let Some(recording) = debugger.map(tilescope_debugger::Debugger::recording) else {
+        return entries;
+    };
+    let Some(life) = recording.life(sample) else {
+        return entries;
+    };
+    let origin = recording.run().samples.origins[sample as usize];
+    let is_inserted = matches!(origin, Origin::Inserted { .. });
+    let born = if is_inserted {
+        ("inserted", "Go to where it was inserted")
+    } else {
+        ("placed", "Go to where it was placed")
+    };
+    for ((id, name), event) in [
+        (born, life.born),
+        (("kept", "Go to where it was kept"), life.kept),
+        (("lost", "Go to where it was eliminated"), life.lost),
+    ] {
+        // The insertion of a sample keeps it, and what lies outside the domain is dropped when it is placed.
+        let is_told = event != life.born || id == born.0;
+        if event != NONE && is_told {
+            let jump = Command::Time(TimeCommand::Jump(event as usize + 1));
+            entries.push(Entry::new(id, name, vec![pick.clone(), jump]));
+        }
+    }
+    let next = TimeCommand::RunTo(Target::Sample(sample), Direction::Forwards);
+    let next = vec![pick, Command::Time(next)];
+    entries.push(Entry::new("next", "Go to its next event", next));
+    entries
+}
+
+/// Returns the entries about a place: the gap or the block there, and its history.
+fn of_place(subject: &Subject<'_>, which: Which, place: DVec2) -> Vec<Entry> {
+    let shown = subject.shown;
+    let size = shown.session.size_radii();
+    if !(place.cmpge(DVec2::ZERO) & place.cmplt(size)).all() {
+        return Vec::new();
+    }
+    let tessellation = subject.geometry.of(&shown);
+    let is_gap = tessellation.is_some_and(|tessellation| tessellation.gap_at(place).is_some());
+    let (history, fly) = if is_gap {
+        let history = "Why is this a gap? The history of this place";
+        (history, ("gap", "Go to this gap"))
+    } else {
+        let history = "Show the history of this place";
+        (history, ("block", "Zoom to this block"))
+    };
+    let view = |command| Command::View(which, command);
+    let pick = view(ViewCommand::Pick(Selection::Place(place)));
+    let inspect = vec![pick, view(ViewCommand::Inspect)];
+    let zoom = vec![view(ViewCommand::FlyToBlock(place))];
+    vec![
+        Entry::new("place", history, inspect),
+        Entry::new(fly.0, fly.1, zoom),
+    ]
+}
