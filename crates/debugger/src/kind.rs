@@ -17,6 +17,12 @@ macro_rules! kinds {
                 match self { $(Self::$kind => $name,)* }
             }
 
+            /// Returns what happens, as a sentence.
+            #[must_use]
+            pub const fn explanation(self) -> &'static str {
+                match self { $(Self::$kind => $doc,)* }
+            }
+
             /// Returns the kind of a name.
             #[must_use]
             pub fn named(name: &str) -> Option<Self> {

@@ -7,16 +7,22 @@ use crate::context::Context;
 use crate::event::Event;
 use crate::kind::EventKind;
 use crate::listing::{LineId, Listings};
+use crate::moves::{Target, matches_target};
 use crate::recording::Recording;
 
 /// An error in a query.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum QueryError {
     /// A word is neither a kind of event nor a comparison.
-    #[error("\"{word}\" is neither a kind of event nor a comparison such as iteration>1")]
+    #[error(
+        "\"{word}\" is neither a kind of event nor a comparison such as iteration>1{}",
+        meant(near)
+    )]
     UnknownWord {
         /// The word.
         word: String,
+        /// Similar words that are known.
+        near: Vec<&'static str>,
     },
     /// The name is unknown.
     #[error(
@@ -73,6 +79,8 @@ enum NumberField {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Term {
     Kind(EventKind, bool),
+    /// What "Next conflict" and its like go to.
+    Found(Target),
     Line(LineId, bool),
     Verdict(&'static str, bool),
     Sample(u32, bool),
@@ -95,7 +103,97 @@ const OPERATORS: [(&str, Operator); 7] = [
     (":", Operator::Equal),
 ];
 
+/// Words for what the debugger runs to, with their meanings.
+const TARGETS: [(&str, Target, &str); 4] = [
+    (
+        "conflict",
+        Target::Conflict,
+        "Two samples are found to be in conflict.",
+    ),
+    (
+        "elimination",
+        Target::Elimination,
+        "A sample is eliminated.",
+    ),
+    ("gap", Target::Gap, "A place is found to lie in a gap."),
+    ("insertion", Target::Insertion, "A sample is inserted."),
+];
+
+/// Beginnings of comparisons, with their meanings.
+const COMPARISONS: [(&str, &str); 7] = [
+    ("iteration=", "Events of an iteration, also with < and >."),
+    ("block=", "Events of a block, also with < and >."),
+    ("sample=", "Events that name a sample, also with !=."),
+    ("event=", "The event of a number, also with < and >."),
+    (
+        "depth=",
+        "Events of a depth in the tree, also with < and >.",
+    ),
+    ("line=", "Events of a line of pseudocode, such as insert.3."),
+    (
+        "verdict=",
+        "Examined places: accepted, too-far, outside, covered or not-nearest.",
+    ),
+];
+
 const VERDICTS: [&str; 5] = ["accepted", "too-far", "outside", "covered", "not-nearest"];
+
+/// Returns the words of queries with their meanings: what is run to, kinds of events, and beginnings of comparisons.
+pub fn words() -> impl Iterator<Item = (&'static str, &'static str)> {
+    let targets = TARGETS.iter().map(|&(word, _, meaning)| (word, meaning));
+    let kinds = EventKind::ALL.iter();
+    let kinds = kinds.map(|kind| (kind.name(), kind.explanation()));
+    targets.chain(kinds).chain(COMPARISONS)
+}
+
+/// Returns the words that the last word of a text may become; none if it is empty or one of them.
+#[must_use]
+pub fn completions(text: &str) -> Vec<(&'static str, &'static str)> {
+    let last = text.rsplit(char::is_whitespace).next().unwrap_or_default();
+    if last.is_empty() || words().any(|(word, _)| word == last) {
+        return Vec::new();
+    }
+    let mut near: Vec<_> = words().filter(|(word, _)| is_near(word, last)).collect();
+    near.sort_by_key(|(word, _)| !word.starts_with(last));
+    near
+}
+
+/// Returns a text with its last word replaced, ready for the next word or the number of a comparison.
+#[must_use]
+pub fn completed(text: &str, word: &str) -> String {
+    let start = text.rfind(char::is_whitespace).map_or(0, |at| at + 1);
+    let end = if word.ends_with('=') { "" } else { " " };
+    format!("{}{word}{end}", &text[..start])
+}
+
+/// Returns whether a typed word may stand for a known one: it is a part of it, or at most two letters differ.
+fn is_near(known: &str, typed: &str) -> bool {
+    let typed = typed.to_lowercase();
+    known.contains(&typed) || (typed.len() > 3 && distance(known, &typed) <= 2)
+}
+
+/// Returns how many letters must be added, removed or replaced to turn `a` into `b`.
+fn distance(a: &str, b: &str) -> usize {
+    let mut row: Vec<usize> = (0..=b.chars().count()).collect();
+    for (i, x) in a.chars().enumerate() {
+        let mut corner = row[0];
+        row[0] = i + 1;
+        for (j, y) in b.chars().enumerate() {
+            let replaced = corner + usize::from(x != y);
+            corner = row[j + 1];
+            row[j + 1] = replaced.min(corner + 1).min(row[j] + 1);
+        }
+    }
+    row.last().copied().unwrap_or_default()
+}
+
+/// Returns the end of an error's sentence that lists similar words.
+fn meant(near: &[&str]) -> String {
+    if near.is_empty() {
+        return String::new();
+    }
+    format!("; similar: {}", near.join(", "))
+}
 
 impl Query {
     /// Returns the query of a text; an empty one accepts every event.
@@ -133,6 +231,7 @@ impl Query {
 impl Term {
     fn holds(self, recording: &Recording, index: usize, event: &Event, context: &Context) -> bool {
         match self {
+            Self::Found(target) => matches_target(recording, index, event, target),
             Self::Kind(kind, wanted) => (event.kind() == kind) == wanted,
             Self::Line(line, wanted) => (event.line() == line) == wanted,
             Self::Verdict(name, wanted) => (verdict_name(event) == Some(name)) == wanted,
@@ -219,7 +318,13 @@ fn parse_word(word: &str) -> Result<Term, QueryError> {
     let signs = OPERATORS.iter();
     let split = signs.filter_map(|&(sign, c)| word.split_once(sign).map(|parts| (parts, c)));
     let Some(((name, value), comparison)) = split.min_by_key(|((name, _), _)| name.len()) else {
-        let unknown = || QueryError::UnknownWord { word: word.into() };
+        if let Some((_, target, _)) = TARGETS.iter().find(|(name, ..)| *name == word) {
+            return Ok(Term::Found(*target));
+        }
+        let unknown = || QueryError::UnknownWord {
+            word: word.into(),
+            near: completions(word).iter().map(|(near, _)| *near).collect(),
+        };
         let kind = kind_of(word).ok_or_else(unknown)?;
         return Ok(Term::Kind(kind, true));
     };
@@ -302,6 +407,27 @@ mod tests {
         assert_eq!(query.terms[3], Term::Kind(EventKind::Dart, false));
         assert_eq!(query.terms.len(), 5);
         assert_eq!(Query::parse("  "), Ok(Query::default()));
+    }
+
+    #[test]
+    fn words_are_completed_and_similar_ones_are_named() {
+        let near = |text: &str| -> Vec<&str> {
+            completions(text)
+                .into_iter()
+                .map(|(word, _)| word)
+                .collect()
+        };
+        assert_eq!(near("insert conf"), ["conflict"]);
+        assert_eq!(near("iter"), ["iteration", "iteration-end", "iteration="]);
+        assert_eq!(near("confilct"), ["conflict"]);
+        assert!(near("").is_empty() && near("gap").is_empty() && near("block=7 ").is_empty());
+        assert_eq!(completed("gap ite", "iteration="), "gap iteration=");
+        assert_eq!(completed("conf", "conflict"), "conflict ");
+        for (word, _) in words().filter(|(word, _)| !word.ends_with('=')) {
+            assert!(Query::parse(word).is_ok(), "{word}");
+        }
+        let error = Query::parse("elimnation").unwrap_err().to_string();
+        assert!(error.ends_with("; similar: elimination"), "{error}");
     }
 
     #[test]

@@ -5,7 +5,7 @@ use egui::{
     Align, Align2, CursorIcon, FontId, Rect, RichText, Role, ScrollArea, Sense, TextEdit, Ui,
     WidgetInfo, pos2, style::ScrollAnimation, vec2,
 };
-use tilescope_debugger::{Debugger, OutlineRows};
+use tilescope_debugger::{Debugger, OutlineRows, query};
 use tilescope_drawing::palette::Palette;
 use tilescope_session::words::{counted, event_number, grouped};
 use tilescope_ui::focus;
@@ -28,14 +28,22 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
         return;
     };
     let mut text = context.run.query.text.clone();
-    let field = TextEdit::singleline(&mut text)
-        .align(egui::Align2::LEFT_CENTER)
-        .hint_text("insert iteration>1 block=7")
-        .desired_width(ui.available_width() - 16.0);
-    let response = ui.add(field);
-    response.widget_info(|| WidgetInfo::labeled(Role::TextInput, true, "Find events"));
-    response.known_as("find-events");
-    if response.changed() {
+    let mut chosen = None;
+    let is_changed = ui.horizontal(|ui| {
+        let field = TextEdit::singleline(&mut text)
+            .align(egui::Align2::LEFT_CENTER)
+            .hint_text("insert iteration>1 block=7")
+            .desired_width(ui.available_width() - WORDS);
+        let response = ui.add(field);
+        response.widget_info(|| WidgetInfo::labeled(Role::TextInput, true, "Find events"));
+        response.known_as("find-events");
+        chosen = words(ui, &context.run.query.text);
+        response.changed()
+    });
+    if is_changed.inner {
+        chosen = Some(text);
+    }
+    if let Some(text) = chosen.or_else(|| completions(ui, &context.run.query.text)) {
         commands.push(Command::Debug(DebugCommand::Query(text)));
     }
     let (note, color) = match (&context.run.query.error, &context.run.query.found) {
@@ -62,6 +70,59 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
         _ => None,
     };
     list(ui, context, debugger, found, commands);
+}
+
+/// The most completions shown.
+const MAX_COMPLETIONS: usize = 6;
+
+/// Room for the button of all words, in screen points.
+const WORDS: f32 = 84.0;
+
+/// Shows a menu of all words; returns the query with the chosen one added.
+fn words(ui: &mut Ui, text: &str) -> Option<String> {
+    let mut chosen = None;
+    let button = ui.menu_button("Words", |ui| {
+        let height = ui.ctx().content_rect().height() - BESIDE_WORDS;
+        let area = ScrollArea::vertical().max_height(height);
+        area.min_scrolled_height(height).show(ui, |ui| {
+            for (word, meaning) in query::words() {
+                let button = ui.button(word);
+                button.known_as(format_args!("word-{word}"));
+                if button.on_hover_text(meaning).clicked() {
+                    let start = format!("{} ", text.trim_end());
+                    chosen = Some(query::completed(start.trim_start(), word));
+                    ui.close();
+                }
+            }
+        });
+    });
+    let button = button.response;
+    button.known_as("query-words");
+    button.on_hover_text("The words that a query can have");
+    chosen
+}
+
+/// Room above and below the list of words, in screen points.
+const BESIDE_WORDS: f32 = 160.0;
+
+/// Shows the words that the last word of the query may become; returns the query completed by a chosen one.
+fn completions(ui: &mut Ui, text: &str) -> Option<String> {
+    let near = query::completions(text);
+    if near.is_empty() {
+        return None;
+    }
+    let mut chosen = None;
+    ui.horizontal_wrapped(|ui| {
+        ui.spacing_mut().item_spacing.x = 4.0;
+        for (word, meaning) in near.into_iter().take(MAX_COMPLETIONS) {
+            let button = ui.small_button(word);
+            button.known_as(format_args!("complete-{word}"));
+            if button.on_hover_text(meaning).clicked() {
+                chosen = Some(query::completed(text, word));
+            }
+        }
+    });
+    chosen
 }
 
 /// A row to be shown: an event, how far it is indented, and whether it can be expanded, or is.

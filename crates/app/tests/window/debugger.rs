@@ -395,3 +395,36 @@ fn every_line_of_the_listings_that_run_has_a_gutter() {
         }
     }
 }
+
+#[test]
+fn a_query_is_completed_by_known_words() {
+    let mut harness = opened();
+    apply(
+        &mut harness,
+        Command::Window(WindowCommand::OpenPanel(Panel::Events)),
+    );
+    let query = |harness: &Harness<'_, App>| harness.state().state.runs.first.query.text.clone();
+    let apply_query = |harness: &mut Harness<'_, App>, text: &str| {
+        apply(
+            harness,
+            Command::Debug(DebugCommand::Query(text.to_owned())),
+        );
+    };
+    apply_query(&mut harness, "conf");
+    node(&harness, "complete-conflict").click();
+    harness.run();
+    settle(&mut harness);
+    assert_eq!(query(&harness), "conflict ");
+    assert!(find(&harness, "complete-conflict").is_none());
+    let found = harness.state().state.runs.first.query.found.events().len();
+    assert!(found > 0);
+    node(&harness, "query-words").click();
+    harness.run();
+    node(&harness, "word-gap").click();
+    harness.run();
+    settle(&mut harness);
+    assert_eq!(query(&harness), "conflict gap ");
+    // An unknown word has an error that names similar ones.
+    apply_query(&mut harness, "confilct");
+    assert!(text(&harness, "found-events").ends_with("similar: conflict"));
+}
