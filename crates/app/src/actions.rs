@@ -542,15 +542,18 @@ fn colours(list: &mut List, state: &State) {
 /// Adds themes and motion.
 fn look(list: &mut List, state: &State) {
     let shown = state.appearance.look;
-    for look in [Look::Dark, Look::Light, Look::ProjectorDark] {
+    let theme = |list: &mut List, look: Look| {
         let command = Command::Appearance(AppearanceCommand::Look(look));
         list.add(Menu::View, look.name(), None, command, None);
         list.mark(shown == look);
-    }
+    };
+    theme(list, Look::Dark);
+    theme(list, Look::Light);
     let projector = Command::Appearance(AppearanceCommand::ToggleProjector);
     let keys = Some((NONE, Key::F2));
     list.add(Menu::View, projector_action(shown), keys, projector, None);
     list.mark(shown.is_projector());
+    theme(list, Look::ProjectorDark);
     list.group();
     let motion = Command::Appearance(AppearanceCommand::ToggleReducedMotion);
     list.add(Menu::View, "Reduced motion", None, motion, None);

@@ -312,15 +312,23 @@ impl Debugger {
         mark
     }
 
+    /// Returns breakpoints, watches and scenes.
+    #[must_use]
+    pub fn stops(&self) -> Stops {
+        Stops {
+            breakpoints: self.saved_breakpoints(),
+            watches: self.watches.clone(),
+            scenes: self.scenes.clone(),
+        }
+    }
+
     /// Takes breakpoints, watches and scenes out of this session.
     pub fn take_stops(&mut self) -> Stops {
-        let breakpoints = self.saved_breakpoints();
+        let stops = self.stops();
         self.breakpoints.clear();
-        Stops {
-            breakpoints,
-            watches: std::mem::take(&mut self.watches),
-            scenes: std::mem::take(&mut self.scenes),
-        }
+        self.watches.clear();
+        self.scenes.clear();
+        stops
     }
 
     /// Replaces breakpoints, watches and scenes. A scene without a run counts as one of this run.

@@ -9,7 +9,8 @@ use tilescope_drawing::subject::Subject;
 use tilescope_session::selection::Selection;
 use tilescope_session::words::grouped;
 use tilescope_ui::widgets::Known;
-use tilescope_workbench::command::{Command, DebugCommand, TimeCommand, ViewCommand, Which};
+use tilescope_workbench::command::{Command, TimeCommand, ViewCommand, Which};
+use tilescope_workbench::scenes::SceneCommand;
 
 use super::input;
 
@@ -126,8 +127,8 @@ fn entries(subject: &Subject<'_>, which: Which, about: MenuSubject) -> Vec<Entry
         Entry::new("copy", "Copy the position", copy),
     ];
     if which == Which::First && subject.shown.debugger.is_some() {
-        let bookmark = vec![Command::Debug(DebugCommand::Bookmark)];
-        others.push(Entry::new("bookmark", "Bookmark this moment", bookmark));
+        let scene = vec![Command::Scene(SceneCommand::Add)];
+        others.push(Entry::new("scene", "Make a scene of this moment", scene));
     }
     add(others);
     entries

@@ -46,8 +46,8 @@ fn the_menu_of_a_sample_leads_to_its_history_and_its_moments() {
     assert_eq!(cursor(&harness), life.born as usize + 1);
     choose(&mut harness, "kept");
     assert_eq!(cursor(&harness), life.kept as usize + 1);
-    choose(&mut harness, "bookmark");
-    assert_eq!(debugger(&harness).bookmarks.len(), 1);
+    choose(&mut harness, "scene");
+    assert_eq!(debugger(&harness).scenes.len(), 1);
     // What never happened is not offered.
     node(&harness, "canvas").click_secondary();
     harness.run();

@@ -1,15 +1,18 @@
-//! Undo and redo of parameters and the runs made from them, of panels that were moved, and of opened links.
+//! Undo and redo of parameters and the runs made from them, of panels that were moved or hidden, of breakpoints, watches
+//! and scenes, and of opened links.
 //! Moves in time, tabs, layers, colours and the camera are not recorded, since they change nothing but the
 //! view.
 
 use tilescope_core::combine::file::Layout as Combination;
+use tilescope_debugger::Stops;
 use tilescope_session::recipe::Recipe;
 
 use super::{Form, State};
 use crate::appearance::Appearance;
-use crate::command::{Command, FormCommand, Which, WindowCommand};
+use crate::command::{Command, DebugCommand, FormCommand, Which, WindowCommand};
 use crate::draft::Field;
 use crate::layout::Layout;
+use crate::scenes::SceneCommand;
 
 /// The most steps that are kept.
 const MAX_STEPS: usize = 200;
@@ -30,6 +33,8 @@ pub(super) enum UndoPart {
     Run,
     /// The layout of the panels.
     Layout,
+    /// Breakpoints, watches and scenes.
+    Stops,
     /// Everything that a link replaces.
     Everything,
 }
@@ -41,6 +46,27 @@ pub(super) struct Memento {
     made: Option<Made>,
     appearance: Appearance,
     layout: Layout,
+    stops: Stops,
+}
+
+/// A field in which typing is a single step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Typed {
+    Parameter(Field),
+    Condition(usize),
+    Watch(usize),
+    Caption(usize),
+}
+
+/// Returns the field in which a command types.
+const fn typed_in(command: &Command) -> Option<Typed> {
+    Some(match command {
+        Command::Form(FormCommand::Type(field, _)) => Typed::Parameter(*field),
+        Command::Debug(DebugCommand::Condition(index, _)) => Typed::Condition(*index),
+        Command::Debug(DebugCommand::EditWatch(index, _)) => Typed::Watch(*index),
+        Command::Scene(SceneCommand::Caption(index, _)) => Typed::Caption(*index),
+        _ => return None,
+    })
 }
 
 /// A change, with the snapshot before it or, once it is undone, after it.
@@ -55,7 +81,7 @@ pub struct History {
     past: Vec<Change>,
     future: Vec<Change>,
     /// The field that was typed in last; typing in one field is a single step.
-    typing: Option<Field>,
+    typing: Option<Typed>,
 }
 
 /// Returns the undoable part of the state that a command may change; `None` for others, such as the frequent moves of
@@ -69,6 +95,20 @@ pub(super) const fn concerns(command: &Command) -> Option<UndoPart> {
             | WindowCommand::HidePanel(_)
             | WindowCommand::ToggleSides,
         ) => Some(UndoPart::Layout),
+        Command::Debug(
+            DebugCommand::Why
+            | DebugCommand::SelectEvent(_)
+            | DebugCommand::ToggleEvent(_)
+            | DebugCommand::Query(_),
+        ) => None,
+        Command::Debug(_)
+        | Command::Scene(
+            SceneCommand::Add
+            | SceneCommand::Replace(_)
+            | SceneCommand::Caption(..)
+            | SceneCommand::Remove(_)
+            | SceneCommand::Move(..),
+        ) => Some(UndoPart::Stops),
         _ => None,
     }
 }
@@ -97,6 +137,7 @@ impl State {
             made: self.made(),
             appearance: self.appearance.clone(),
             layout: self.window.layout.clone(),
+            stops: self.runs.first.stops(),
         }
     }
 
@@ -118,10 +159,7 @@ impl State {
         {
             return;
         }
-        let field = match command {
-            Some(Command::Form(FormCommand::Type(field, _))) => Some(*field),
-            _ => None,
-        };
+        let field = command.and_then(typed_in);
         if before != self.memento() {
             let goes_on = field.is_some() && field == self.history.typing;
             if goes_on {
@@ -205,11 +243,16 @@ impl State {
 
     fn recall(&mut self, part: UndoPart, memento: Memento) {
         self.history.typing = None;
-        if part != UndoPart::Layout {
+        if !matches!(part, UndoPart::Layout | UndoPart::Stops) {
             self.form = memento.form;
         }
         if matches!(part, UndoPart::Layout | UndoPart::Everything) {
             self.window.layout = memento.layout;
+        }
+        if part == UndoPart::Stops {
+            self.on(Which::First, |run, context| {
+                run.put_stops(memento.stops, context);
+            });
         }
         if part == UndoPart::Everything {
             let Appearance {

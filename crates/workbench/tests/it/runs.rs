@@ -341,3 +341,57 @@ fn undoing_a_combination_or_a_link_restores_the_run_before() {
     apply(&mut state, Command::Redo);
     assert_eq!(radii(&state), agreed("0.05"));
 }
+
+#[test]
+fn what_was_made_is_undone_and_where_one_looked_is_not() {
+    let mut state = opened();
+    let scenes = |state: &State| {
+        let debugger = state.runs.first.debugger.as_ref().unwrap();
+        let notes = debugger.scenes.iter().map(|mark| mark.caption.clone());
+        notes.collect::<Vec<_>>()
+    };
+    apply(&mut state, Command::Scene(SceneCommand::Add));
+    for note in ["a", "an", "and"] {
+        let caption = SceneCommand::Caption(0, note.to_owned());
+        apply(&mut state, Command::Scene(caption));
+    }
+    let line = tilescope_debugger::Listings::shipped().find("eliminate.5");
+    let line = line.expect("a line");
+    apply(
+        &mut state,
+        Command::Debug(DebugCommand::ToggleBreakpoint(line)),
+    );
+    apply(
+        &mut state,
+        Command::Window(WindowCommand::HidePanel(Panel::Legend)),
+    );
+    // Looking around is no step.
+    for command in [
+        Command::Window(WindowCommand::OpenPanel(Panel::Events)),
+        Command::Appearance(AppearanceCommand::ToggleLayer(Layer::Disks)),
+        Command::View(Which::First, ViewCommand::Fit),
+        Command::Time(TimeCommand::FirstStage),
+        Command::Debug(DebugCommand::Query("insert".to_owned())),
+    ] {
+        apply(&mut state, command);
+    }
+    let layers = state.appearance.chosen_layers;
+    apply(&mut state, Command::Undo);
+    assert!(state.window.layout.hidden().is_empty());
+    apply(&mut state, Command::Undo);
+    let debugger = state.runs.first.debugger.as_ref().unwrap();
+    assert!(debugger.breakpoints().is_empty());
+    assert_eq!(scenes(&state), ["and"]);
+    apply(&mut state, Command::Undo);
+    assert_eq!(scenes(&state), [""], "typing is one step");
+    apply(&mut state, Command::Undo);
+    assert!(scenes(&state).is_empty());
+    assert_eq!(state.appearance.chosen_layers, layers);
+    for _ in 0..2 {
+        apply(&mut state, Command::Redo);
+    }
+    assert_eq!(scenes(&state), ["and"]);
+    apply(&mut state, Command::Scene(SceneCommand::Remove(0)));
+    apply(&mut state, Command::Undo);
+    assert_eq!(scenes(&state), ["and"], "a removed scene comes back");
+}

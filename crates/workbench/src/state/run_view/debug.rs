@@ -103,6 +103,14 @@ impl RunView {
         self.moved(before);
     }
 
+    /// Returns breakpoints, watches and scenes.
+    pub(in crate::state) fn stops(&self) -> Stops {
+        match &self.debugger {
+            Some(debugger) => debugger.stops(),
+            None => self.stops.clone(),
+        }
+    }
+
     /// Takes breakpoints, watches and scenes out of the run.
     pub(in crate::state) fn take_stops(&mut self) -> Stops {
         match &mut self.debugger {
