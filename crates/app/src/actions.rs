@@ -188,8 +188,6 @@ pub fn actions(state: &State) -> Vec<Action> {
     file::add(&mut list, state);
     edit(&mut list, state);
     view(&mut list, state);
-    list.within(Submenu::Scenes, |list| scenes(list, state));
-    list.group();
     go::add(&mut list, state);
     debug(&mut list, state);
     analyze::add(&mut list, state);
@@ -373,7 +371,7 @@ fn scenes(list: &mut List, state: &State) {
     let no_scenes = (!has_scenes).then_some("There are no scenes: B makes one.");
     let step = |direction| Command::Scene(SceneCommand::Step(direction));
     let mut add = |name: &str, key, command, refusal| {
-        list.add(Menu::Go, name, key, command, refusal);
+        list.add(Menu::View, name, key, command, refusal);
     };
     let key = |key| Some((NONE, key));
     let add_scene = Command::Scene(SceneCommand::Add);
@@ -402,7 +400,7 @@ fn scenes(list: &mut List, state: &State) {
     }
     if state.scene.is_some() {
         let leave = Command::Scene(SceneCommand::Leave);
-        list.add(Menu::Go, "Close the scene's caption", None, leave, None);
+        list.add(Menu::View, "Close the scene's caption", None, leave, None);
     }
 }
 
@@ -442,6 +440,7 @@ fn view(list: &mut List, state: &State) {
     list.within(Submenu::Layers, |list| layers(list, state));
     list.within(Submenu::Colours, |list| colours(list, state));
     list.within(Submenu::Look, |list| look(list, state));
+    list.within(Submenu::Scenes, |list| scenes(list, state));
     list.group();
     list.add(
         Menu::View,

@@ -65,6 +65,18 @@ impl Thumbnails {
         }
     }
 
+    /// Waits for the picture that is being drawn; returns whether there was one.
+    #[cfg(not(target_arch = "wasm32"))]
+    pub(crate) fn wait(&mut self) -> bool {
+        for (_, drawn) in &mut self.0 {
+            if let Drawn::Pending(job) = drawn {
+                *drawn = Drawn::Done(job.wait().unwrap_or_default().map(Arc::new));
+                return true;
+            }
+        }
+        false
+    }
+
     /// Takes the picture that was being drawn, drops those of scenes that are gone, and starts the next one.
     pub(crate) fn follow(
         &mut self,

@@ -44,6 +44,15 @@ impl State {
         }
     }
 
+    /// Waits for the pictures of the scenes.
+    #[cfg(not(target_arch = "wasm32"))]
+    pub(super) fn settle_thumbnails(&mut self) {
+        self.follow_thumbnails();
+        while self.thumbnails.wait() {
+            self.follow_thumbnails();
+        }
+    }
+
     pub(super) fn apply_to_scenes(&mut self, command: SceneCommand) {
         match command {
             SceneCommand::Add => self.add_scene(),
@@ -412,13 +421,7 @@ mod tests {
                 .map(|scene| of(scene).map(|made| made.rgba.clone()))
                 .collect()
         };
-        for _ in 0..2_000 {
-            state.advance(0.1);
-            if pictures(&state).iter().all(Option::is_some) {
-                break;
-            }
-            std::thread::sleep(std::time::Duration::from_millis(5));
-        }
+        state.settle();
         let pictures = pictures(&state);
         assert!(pictures.iter().all(Option::is_some));
         assert!(pictures[0] != pictures[1] && pictures[1] != pictures[2]);

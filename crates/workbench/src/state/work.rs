@@ -159,6 +159,7 @@ impl State {
             run.want_hits(context);
             run.hits.settle();
         });
+        self.settle_thumbnails();
         self.in_exports(|exports, _, _, context| exports.settle(context));
     }
 

@@ -177,20 +177,13 @@ fn picture_of_a_scene(state: &mut State) -> String {
     state.apply(Command::Scene(SceneCommand::Add));
     let panel = WindowCommand::OpenPanel(Panel::Scenes);
     state.apply(Command::Window(panel));
-    for _ in 0..2_000 {
-        state.advance(0.0);
-        let run = &state.runs.first;
-        let session = run.session.as_ref().expect("a session");
-        let debugger = run.debugger.as_ref().expect("events");
-        let picture = state
-            .thumbnails
-            .of(session, debugger, &debugger.scenes[0], true);
-        if let Some(picture) = picture {
-            return format!("{picture:?}");
-        }
-        std::thread::sleep(std::time::Duration::from_millis(5));
-    }
-    panic!("no picture");
+    state.settle();
+    let run = &state.runs.first;
+    let session = run.session.as_ref().expect("a session");
+    let debugger = run.debugger.as_ref().expect("events");
+    let scene = &debugger.scenes[0];
+    let picture = state.thumbnails.of(session, debugger, scene, true);
+    format!("{:?}", picture.expect("a picture"))
 }
 
 /// Exports samples and opens them again, and combines sets; returns the results.
