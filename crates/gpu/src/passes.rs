@@ -10,6 +10,7 @@ mod tile;
 mod uniform;
 
 use crate::layout::{Access, Binding, Job, Name, counter};
+use crate::shader::FILES;
 
 pub(crate) use blocks::blocks;
 pub(crate) use detect::{detect, detectors, redetect};
@@ -91,6 +92,16 @@ pub const ALL: &[&Pass] = &[
     &finish::GATHER,
     &finish::SOURCES,
 ];
+
+/// Returns what the pass of this name does: the head of its shader, as one text. `None` if there is no such pass.
+#[must_use]
+pub fn meaning(name: &str) -> Option<String> {
+    let pass = ALL.iter().find(|pass| pass.name == name)?;
+    let (_, source) = FILES.iter().find(|(file, _)| *file == pass.shader)?;
+    let head = source.lines().map_while(|line| line.strip_prefix("// "));
+    let head = head.take_while(|line| !line.starts_with("import:"));
+    Some(head.collect::<Vec<_>>().join(" "))
+}
 
 /// Computes the workgroups of indirect dispatches from counters.
 pub(crate) const PREPARE: Pass = Pass {
@@ -221,4 +232,23 @@ pub(crate) fn argument(name: &str) -> Size {
         .iter()
         .position(|argument| *argument == name);
     Size::Indirect(place.expect("arguments are named in constants.rs") as u32)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_pass_says_what_it_does() {
+        for pass in ALL {
+            let meaning = meaning(pass.name).expect(pass.name);
+            assert!(
+                meaning.ends_with('.') && meaning.len() > 20,
+                "{}: {meaning}",
+                pass.name
+            );
+            assert!(!meaning.contains("import"), "{}: {meaning}", pass.name);
+        }
+        assert_eq!(meaning("nothing"), None);
+    }
 }

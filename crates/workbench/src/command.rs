@@ -96,6 +96,10 @@ pub enum DebugCommand {
 pub enum FormCommand {
     /// Sets the text of a parameter.
     Type(Field, String),
+    /// Changes a parameter by so many small steps.
+    Nudge(Field, i32),
+    /// Chooses whether small runs start at once when a parameter changes.
+    Live(bool),
     /// Types a number of samples, which sets the radius.
     Count(String),
     /// Chooses a parameter.

@@ -205,6 +205,28 @@ impl Draft {
         self.count = None;
     }
 
+    /// Changes a parameter by so many small steps: lengths by 2%, sizes in r and seeds by 1.
+    pub fn nudge(&mut self, field: Field, steps: i32) {
+        let p = &self.parameters;
+        let scaled = |value: f64| {
+            let value = value * 1.02_f64.powi(steps);
+            let short = format!("{value:.3e}").parse::<f64>();
+            short.unwrap_or(value).to_string()
+        };
+        let moved = |value: f64| (value + f64::from(steps)).to_string();
+        let counted = |seed: u64| seed.saturating_add_signed(i64::from(steps)).to_string();
+        let text = match field {
+            Field::Width => scaled(p.width),
+            Field::Height => scaled(p.height),
+            Field::Radius => scaled(p.radius),
+            Field::Seed => counted(p.seed),
+            Field::Leaf => moved(p.leaf),
+            Field::PatternSide => moved(p.pattern.side),
+            Field::PatternSeed => counted(p.pattern.seed),
+        };
+        self.set_text(field, text);
+    }
+
     /// Returns the number of samples as typed, or otherwise the expected one with two significant digits, if it is known.
     #[must_use]
     pub fn count_text(&self) -> String {
@@ -285,7 +307,7 @@ impl Draft {
             })
             .collect();
         if let Err(error) = self.parameters.validate_sequential() {
-            let field = field_of(&error);
+            let field = field_of(&error, &self.parameters);
             if !refusals.iter().any(|refusal| refusal.field == field) {
                 let reason = sentence(&error.to_string());
                 refusals.push(DraftRefusal { field, reason });
@@ -397,8 +419,14 @@ fn assign<T: std::str::FromStr>(value: &mut T, text: &str) {
     }
 }
 
-fn field_of(error: &ParameterError) -> Option<Field> {
+fn field_of(error: &ParameterError, parameters: &Parameters) -> Option<Field> {
     match error {
+        // Such a side is wrong in r: the radius is to be changed if the side suits the default radius.
+        ParameterError::SideTooShort { .. } | ParameterError::SideTooLong { .. }
+            if suits_default_radius(parameters) =>
+        {
+            Some(Field::Radius)
+        }
         ParameterError::Radius { .. } | ParameterError::TooManySamples { .. } => {
             Some(Field::Radius)
         }
@@ -412,6 +440,18 @@ fn field_of(error: &ParameterError) -> Option<Field> {
         ParameterError::PatternSide { .. } => Some(Field::PatternSide),
         _ => None,
     }
+}
+
+fn suits_default_radius(parameters: &Parameters) -> bool {
+    let radius = Parameters::default().radius;
+    let parameters = Parameters {
+        radius,
+        ..*parameters
+    };
+    !matches!(
+        parameters.validate_sequential(),
+        Err(ParameterError::SideTooShort { .. } | ParameterError::SideTooLong { .. })
+    )
 }
 
 fn too_many(expected: Option<f64>, most: f64) -> Option<DraftRefusal> {
@@ -464,6 +504,9 @@ mod tests {
             (Field::Radius, "one", "\"one\" is not a number"),
             (Field::Radius, "NaN", "NaN"),
             (Field::Radius, "0.00002", "at most"),
+            (Field::Radius, "0.5", "choose a smaller radius"),
+            (Field::Radius, "1e-12", "at most"),
+            (Field::Width, "0.01", "width"),
             (Field::Width, "-1", "width"),
             (Field::Height, "0.01", "height"),
             (Field::Seed, "-1", "whole number"),
@@ -525,6 +568,28 @@ mod tests {
             (draft.count_refusal(), &*draft.count_text()),
             (None, "1700")
         );
+    }
+
+    #[test]
+    fn a_nudge_and_its_opposite_lead_back() {
+        for field in FIELDS {
+            let mut draft = Draft::default();
+            for steps in [3, 1, -4] {
+                let before = draft.text(field).to_owned();
+                draft.nudge(field, steps);
+                // A seed is never below 0.
+                let is_least = before == "0" && steps < 0;
+                assert!(draft.text(field) != before || is_least, "{field:?}");
+                assert_eq!(draft.refusals(), [], "{field:?}");
+            }
+            let (now, first) = (draft.text(field), Draft::default());
+            let number = |text: &str| text.parse::<f64>().expect("a number");
+            let ratio = number(now) - number(first.text(field));
+            assert!(
+                ratio.abs() <= 2e-3 * number(now).max(1e-9),
+                "{field:?}: {now}"
+            );
+        }
     }
 
     #[test]

@@ -133,6 +133,8 @@ pub enum ExportCommand {
     Type(NumberField, String),
     /// Chooses whether a picture is coloured for print instead of as in the window.
     Print(bool),
+    /// Chooses whether an animation shows the whole run.
+    WholeRun(bool),
     /// Chooses the clock that counts the frames of an animation.
     Clock(Clock),
     /// Asks for the file in the system's dialog.

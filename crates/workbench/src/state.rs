@@ -191,6 +191,7 @@ impl State {
                     let remembered = command.clone();
                     self.dispatch(command);
                     self.remember(before, part, Some(&remembered));
+                    self.run_live(&remembered);
                 }
                 None => self.dispatch(command),
             },

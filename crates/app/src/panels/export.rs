@@ -10,9 +10,7 @@ use tilescope_ui::widgets::{Kebab, Known, primary_button};
 use super::sheet::{above_middle, entered, escaped, just_opened, scrolled, select_all};
 use tilescope_workbench::clock::Clock;
 use tilescope_workbench::command::Command;
-use tilescope_workbench::export::{
-    ExportCommand, ExportForm, ExportKind, ExportRefusal, NumberField,
-};
+use tilescope_workbench::export::{ExportCommand, ExportForm, ExportKind, NumberField};
 use tilescope_workbench::state::{ExportSource, Exports, State};
 
 /// Width of a typed number.
@@ -78,6 +76,7 @@ impl Sheet<'_> {
             ExportKind::Animation => {
                 self.scale(ui);
                 self.colours(ui);
+                self.span(ui);
                 self.frames(ui);
                 self.delay(ui);
             }
@@ -126,11 +125,13 @@ impl Sheet<'_> {
     }
 
     fn animation(&self) -> String {
-        let Some(range) = self.source.range() else {
+        let Some(range) = self.source.range(self.form) else {
             return "An animation shows the view from event to event.".to_owned();
         };
         let (start, end) = (grouped(range.start), grouped(range.end));
-        let whose = if self.source.time.playback.range.is_some() {
+        let whose = if self.form.whole_run {
+            "the whole run"
+        } else if self.source.time.playback.range.is_some() {
             "the range of the loop"
         } else {
             "the stage shown; a loop on the timeline chooses another range"
@@ -172,14 +173,14 @@ impl Sheet<'_> {
                 self.commands.push(ExportCommand::Browse);
             }
         });
+        self.formats(ui);
         let (text, color) = if let Some(refusal) = self.form.name_refusal() {
             (refusal.to_string(), self.palette.conflict)
         } else {
             let format = self.form.kind.format(self.form.file());
             let format = format.unwrap_or_default();
-            let known = self.form.kind.extensions();
-            let all = ExportRefusal::Extension { known };
-            (format!("Format: {format}. {all}"), self.palette.muted)
+            let folder = self.folder();
+            (format!("Format: {format}.{folder}"), self.palette.muted)
         };
         ui.label(RichText::new(text).small().color(color))
             .known_as("export.format");
@@ -189,6 +190,38 @@ impl Sheet<'_> {
             ui.label(RichText::new(text).small().color(self.palette.conflict))
                 .known_as("export.taken");
         }
+    }
+
+    /// Shows the formats; a click changes the extension of the file.
+    fn formats(&mut self, ui: &mut Ui) {
+        let chosen = tilescope_workbench::export::extension(self.form.file());
+        ui.horizontal_wrapped(|ui| {
+            ui.spacing_mut().item_spacing = vec2(3.0, 3.0);
+            for extension in self.form.kind.extensions() {
+                let is_chosen = chosen.as_deref() == Some(extension);
+                let text = RichText::new(extension).small();
+                let chip = ui.add(Button::selectable(is_chosen, text));
+                chip.known_as(format_args!("export.format.{extension}"));
+                let path = self.form.file().with_extension(extension);
+                let name = self.form.kind.format(&path).unwrap_or_default();
+                if chip.on_hover_text(name).clicked() {
+                    let path = path.to_string_lossy().into_owned();
+                    self.commands.push(ExportCommand::Path(path));
+                }
+            }
+        });
+    }
+
+    /// Returns the folder of the file in a sentence; nothing where a browser chooses it.
+    fn folder(&self) -> String {
+        if self.in_browser {
+            return String::new();
+        }
+        let folder = std::path::absolute(self.form.file());
+        let folder = folder.as_deref().ok().and_then(std::path::Path::parent);
+        folder.map_or_else(String::new, |folder| {
+            format!(" Folder: {}", folder.display())
+        })
     }
 
     fn precision(&mut self, ui: &mut Ui) {
@@ -232,6 +265,24 @@ impl Sheet<'_> {
                 let button = Button::selectable(sheet.form.print == print, name);
                 if ui.add(button).clicked() {
                     sheet.commands.push(ExportCommand::Print(print));
+                }
+            }
+        });
+    }
+
+    fn span(&mut self, ui: &mut Ui) {
+        let has_loop = self.source.time.playback.range.is_some();
+        let part = if has_loop { "the loop" } else { "this stage" };
+        self.named(ui, "Shows", |sheet, ui, _| {
+            for (whole, name) in [(false, part), (true, "the whole run")] {
+                let button = Button::selectable(sheet.form.whole_run == whole, name);
+                let id = if whole { "whole-run" } else { "part" };
+                if ui
+                    .add(button)
+                    .known_as(format_args!("export.{id}"))
+                    .clicked()
+                {
+                    sheet.commands.push(ExportCommand::WholeRun(whole));
                 }
             }
         });

@@ -1,7 +1,7 @@
 //! The parameter form: fields with their errors beside them, and below them the button that runs or cancels, which
 //! stays in view.
 
-use egui::{ComboBox, ProgressBar, RichText, TextEdit, Ui, UiBuilder, vec2};
+use egui::{ComboBox, CursorIcon, ProgressBar, RichText, Sense, TextEdit, Ui, UiBuilder, vec2};
 use tilescope_core::Parameters;
 use tilescope_drawing::palette::Palette;
 use tilescope_session::jobs::Job;
@@ -95,7 +95,7 @@ pub fn show(ui: &mut Ui, context: &FormContext<'_>, commands: &mut Vec<Command>)
 fn form(ui: &mut Ui, context: &FormContext<'_>, commands: &mut Vec<Command>) {
     let palette = context.palette;
     let refusals = context.form.draft.refusals();
-    presets(ui, commands);
+    presets(ui, context, commands);
     heading(ui, "Domain");
     pair(
         ui,
@@ -163,8 +163,21 @@ fn form(ui: &mut Ui, context: &FormContext<'_>, commands: &mut Vec<Command>) {
     }
 }
 
-/// Shows the presets: each sets all parameters and runs.
-fn presets(ui: &mut Ui, commands: &mut Vec<Command>) {
+/// Shows the presets, each of which sets all parameters and runs, and the choice of live runs.
+fn presets(ui: &mut Ui, context: &FormContext<'_>, commands: &mut Vec<Command>) {
+    ui.horizontal(|ui| {
+        preset_menu(ui, commands);
+        let mut live = context.form.live;
+        let switch = ui.checkbox(&mut live, "Live");
+        switch.known_as("live");
+        let why = "Runs at once when a parameter changes, up to 50,000 samples. Drag the name of a number sideways, or press Up and Down in its field, to change it.";
+        if switch.on_hover_text(why).changed() {
+            commands.push(Command::Form(FormCommand::Live(live)));
+        }
+    });
+}
+
+fn preset_menu(ui: &mut Ui, commands: &mut Vec<Command>) {
     let menu = ui.menu_button("Presets", |ui| {
         for preset in Preset::ALL {
             let row = ui.button(preset.name());
@@ -298,15 +311,39 @@ pub(super) fn labelled(
     (name, meaning): (&str, &str),
     palette: &Palette,
     add: impl FnOnce(&mut Ui, egui::Id),
-) {
-    ui.horizontal(|ui| {
+) -> egui::Response {
+    let shown = ui.horizontal(|ui| {
         let start = ui.cursor().left();
-        let label = ui.label(RichText::new(name).color(palette.muted));
+        let text = RichText::new(name).color(palette.muted);
+        let label = ui.add(egui::Label::new(text).selectable(false).sense(Sense::DRAG));
         let label = label.on_hover_text(meaning);
         let gap = start + FIELD_START - ui.cursor().left();
         ui.add_space(gap.max(0.0));
         add(ui, label.id);
+        label
     });
+    shown.inner
+}
+
+/// How far the name of a number is dragged for a step, in screen points.
+const STEP: f32 = 8.0;
+
+/// Changes a number while its name is dragged sideways.
+fn drag(ui: &Ui, label: &egui::Response, field: Field, commands: &mut Vec<Command>) {
+    if label.hovered() || label.dragged() {
+        ui.ctx().set_cursor_icon(CursorIcon::ResizeHorizontal);
+    }
+    if !label.dragged() {
+        return;
+    }
+    let before: f32 = ui.data(|data| data.get_temp(label.id)).unwrap_or_default();
+    let moved = if label.drag_started() { 0.0 } else { before } + label.drag_delta().x;
+    let steps = (moved / STEP).trunc();
+    ui.data_mut(|data| data.insert_temp(label.id, moved - steps * STEP));
+    if steps != 0.0 {
+        let nudge = FormCommand::Nudge(field, steps as i32);
+        commands.push(Command::Form(nudge));
+    }
 }
 
 /// Returns the label of fields, with a mark if one of them is not as in the run shown.
@@ -331,13 +368,14 @@ fn number(
     let palette = context.palette;
     let refusal = refusals.iter().find(|r| r.field == Some(field));
     let name_shown = marked(context, &[field], name);
-    labelled(ui, (&name_shown, meaning(field)), palette, |ui, _| {
+    let label = labelled(ui, (&name_shown, meaning(field)), palette, |ui, _| {
         let width = field_width(ui);
         edit(ui, context, field, name, width, refusal.is_some(), commands);
         if !unit.is_empty() {
             ui.label(RichText::new(unit).color(palette.muted));
         }
     });
+    drag(ui, &label, field, commands);
     if let Some(refusal) = refusal {
         refused(ui, field, refusal, palette);
     }
@@ -402,6 +440,13 @@ fn edit(
     response.known_as(key(field));
     if response.changed() {
         commands.push(Command::Form(FormCommand::Type(field, text)));
+    }
+    if response.has_focus() {
+        let pressed = |key| ui.input(|input| input.num_presses(key)) as i32;
+        let steps = pressed(egui::Key::ArrowUp) - pressed(egui::Key::ArrowDown);
+        if steps != 0 {
+            commands.push(Command::Form(FormCommand::Nudge(field, steps)));
+        }
     }
     enter(ui, &response, context, commands);
 }

@@ -5,7 +5,7 @@ use tilescope_core::Stage;
 use tilescope_drawing::palette::Palette;
 use tilescope_session::combination::Combination;
 use tilescope_session::limits::MAX_STAGED;
-use tilescope_session::sentence::name_in;
+use tilescope_session::sentence::{name_in, stage_sentence};
 use tilescope_session::session::Session;
 use tilescope_session::words::{grouped, share};
 use tilescope_ui::theme::row_height;
@@ -34,7 +34,11 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
             },
         ];
         let texts = texts.each_ref().map(String::as_str);
-        if row(ui, texts, index == context.run.stage, palette, Some(stage)) {
+        let shown = row(ui, texts, index == context.run.stage, palette, Some(stage));
+        if shown
+            .on_hover_text(stage_sentence(session, stage))
+            .clicked()
+        {
             commands.push(Command::Time(TimeCommand::ShowStage(index)));
         }
     }
@@ -102,7 +106,7 @@ fn row(
     current: bool,
     palette: &Palette,
     stage: Option<Stage>,
-) -> bool {
+) -> egui::Response {
     let click = stage.is_some();
     let sense = if click {
         Sense::click()
@@ -153,9 +157,9 @@ fn row(
         painter.galley(at, galley, colors[k]);
     }
     if click {
-        response.on_hover_cursor(CursorIcon::PointingHand).clicked()
+        response.on_hover_cursor(CursorIcon::PointingHand)
     } else {
-        false
+        response
     }
 }
 

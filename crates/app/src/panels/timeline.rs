@@ -124,7 +124,9 @@ pub fn show(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>)
     );
     let next = next_line(context.run).filter(|_| has_next(ui.ctx(), context));
     if let Some(next) = next {
-        ui.horizontal(|ui| {
+        let row = vec2(room, NEXT_LINE);
+        ui.allocate_ui_with_layout(row, Layout::left_to_right(Align::Center), |ui| {
+            ui.set_min_size(row);
             ui.spacing_mut().item_spacing.x = 0.0;
             label(ui, "Next", NEXT_LINE, palette.muted);
             let text = RichText::new(next).size(SMALL_SIZE).color(palette.muted);

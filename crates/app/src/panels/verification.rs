@@ -5,6 +5,7 @@ use egui::{
 };
 use tilescope_analysis::Judge;
 use tilescope_drawing::palette::Palette;
+use tilescope_session::glossary;
 use tilescope_session::verification::{Verdict, Witness};
 use tilescope_session::words::{conflicts_in, counted, grouped};
 use tilescope_ui::theme::semibold;
@@ -98,12 +99,22 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
     let verdict = context.run.verdict();
     let report = verdict.map(|v| &v.report);
     let free = report.map(|r| (r.conflict_free(), conflicts_in(r)));
-    property(ui, "Conflict-free", free.as_ref(), palette);
+    property(
+        ui,
+        ("Conflict-free", glossary::CONFLICT.meaning),
+        free.as_ref(),
+        palette,
+    );
     let maximal = report.map(|r| {
         let count = counted(r.gaps as usize, "open place", "open places");
         (r.maximal(), count)
     });
-    property(ui, "Maximal", maximal.as_ref(), palette);
+    property(
+        ui,
+        ("Maximal", glossary::MAXIMAL.meaning),
+        maximal.as_ref(),
+        palette,
+    );
     let number = |value: Option<f64>, digits: usize, unit: &str| match value {
         Some(value) if value.is_finite() => format!("{value:.digits$}{unit}"),
         Some(_) => "none".to_owned(),
@@ -112,26 +123,19 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
     let in_radii = |value: fn(&Verdict) -> f64| verdict.map(|v| value(v) / v.report.radius);
     let least = number(in_radii(|v| v.report.min_distance), 6, " r");
     let cover = number(in_radii(|v| v.report.covering_radius), 6, " r");
-    row(ui, "Smallest distance", &least, palette);
-    row(ui, "Covering radius", &cover, palette);
-    row(
-        ui,
-        "Density N r\u{b2}/A",
-        &number(report.map(|r| r.density), 4, ""),
-        palette,
-    );
-    row(
-        ui,
-        "Relative radius",
-        &number(report.map(|r| r.relative_radius), 4, ""),
-        palette,
-    );
-    row(
-        ui,
-        "Samples",
-        &report.map_or_else(|| "\u{2013}".to_owned(), |r| grouped(r.count)),
-        palette,
-    );
+    let density = number(report.map(|r| r.density), 4, "");
+    let relative = number(report.map(|r| r.relative_radius), 4, "");
+    let count = report.map_or_else(|| "\u{2013}".to_owned(), |r| grouped(r.count));
+    for (name, term, value) in [
+        ("Smallest distance", glossary::MIN_DISTANCE, &least),
+        ("Covering radius", glossary::COVERING_RADIUS, &cover),
+        ("Density N r\u{b2}/A", glossary::DENSITY, &density),
+        ("Relative radius", glossary::RELATIVE_RADIUS, &relative),
+        ("Samples", glossary::SAMPLE, &count),
+    ] {
+        let shown = ui.scope(|ui| row(ui, name, value, palette));
+        shown.response.on_hover_text(term.meaning);
+    }
     let judges = report.map_or_else(|| "\u{2013}".to_owned(), |r| short(&r.judges));
     let shown = ui.scope(|ui| row(ui, "Verified by", &judges, palette));
     if let Some(report) = report {
@@ -177,8 +181,13 @@ fn short(judges: &[Judge]) -> String {
     judges.iter().map(name).collect::<Vec<_>>().join(", ")
 }
 
-fn property(ui: &mut Ui, name: &str, judged: Option<&(bool, String)>, palette: &Palette) {
-    ui.horizontal(|ui| {
+fn property(
+    ui: &mut Ui,
+    (name, meaning): (&str, &str),
+    judged: Option<&(bool, String)>,
+    palette: &Palette,
+) {
+    let shown = ui.horizontal(|ui| {
         let (rect, _) = ui.allocate_exact_size(vec2(16.0, 20.0), Sense::hover());
         let (text, color) = match judged {
             None => ("\u{2013}".to_owned(), palette.muted),
@@ -193,4 +202,5 @@ fn property(ui: &mut Ui, name: &str, judged: Option<&(bool, String)>, palette: &
             ui.label(RichText::new(text).monospace().color(color));
         });
     });
+    shown.response.on_hover_text(meaning);
 }

@@ -210,10 +210,7 @@ fn the_export_sheet(window: &mut Wording) {
     ]);
     window.shows(&[
         ("export.write", "Write picture"),
-        (
-            "export.format",
-            "Format: PNG. The extension chooses the format: .png .svg.",
-        ),
+        ("export.format", "Format: PNG. Folder: *"),
         ("export.prospect", "* pixels.*"),
     ]);
     window.after([write()]);
@@ -262,7 +259,7 @@ fn parameters_engines_and_verdicts() {
     window.shows(&[("refusal-radius", "*must be a finite number above 0*")]);
     window.typed(&[(Field::Radius, "0.5")]);
     window.shows(&[(
-        "refusal-width",
+        "refusal-radius",
         "The width is 2 r long; it must be at least 10 r: choose a smaller radius.",
     )]);
     // Cancelled before it is finished.

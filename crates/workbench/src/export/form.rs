@@ -44,6 +44,8 @@ pub struct ExportForm {
     pub scale: String,
     /// Whether pictures are coloured for print instead of as in the window.
     pub print: bool,
+    /// Whether an animation shows the whole run instead of the stage shown or the loop.
+    pub whole_run: bool,
     /// The clock that counts frames.
     pub clock: Clock,
     /// Ticks of the clock from frame to frame, as typed; empty until an animation is chosen.
@@ -64,6 +66,7 @@ impl Default for ExportForm {
             precision: Precision::Double,
             scale: "1".to_owned(),
             print: false,
+            whole_run: false,
             clock: Clock::Event,
             every: String::new(),
             delay: "100".to_owned(),

@@ -106,6 +106,12 @@ impl Exports {
                     self.propose_every(source);
                 }
             }
+            ExportCommand::WholeRun(whole) => {
+                if let Some(form) = &mut self.sheet {
+                    form.whole_run = whole;
+                    self.propose_every(source);
+                }
+            }
             #[cfg(not(target_arch = "wasm32"))]
             ExportCommand::Browse => {
                 let form = self.sheet.as_ref();
@@ -138,8 +144,8 @@ impl Exports {
 
     /// Proposes the number of ticks between frames.
     fn propose_every(&mut self, source: ExportSource<'_>) {
-        if let (Some(form), Some(session), Some(range)) =
-            (&mut self.sheet, &source.run.session, source.range())
+        if let (Some(form), Some(session)) = (&mut self.sheet, &source.run.session)
+            && let Some(range) = source.range(form)
         {
             form.every = every_at_first(session, &range, form.clock).to_string();
         }
@@ -273,10 +279,14 @@ impl ExportSource<'_> {
         }
     }
 
-    /// Returns the range of cursors of an animation: the loop, or otherwise the stage.
+    /// Returns the range of cursors of an animation: the whole run if that was chosen, the loop, or otherwise the stage.
     #[must_use]
-    pub fn range(&self) -> Option<Range<usize>> {
+    pub fn range(&self, form: &ExportForm) -> Option<Range<usize>> {
         let session = self.run.session.as_ref()?;
+        if form.whole_run {
+            let (_, len) = self.run.cursor()?;
+            return Some(0..len);
+        }
         let end = session.stage_end(self.run.stage)?;
         let start = match self.run.stage.checked_sub(1) {
             Some(before) => session.stage_end(before)?,
@@ -355,7 +365,7 @@ fn frames_key(form: &ExportForm, source: ExportSource<'_>) -> Result<Key, Export
         .session
         .as_ref()
         .ok_or(ExportRefusal::NoSession)?;
-    let range = source.range().ok_or(ExportRefusal::NoEvents)?;
+    let range = source.range(form).ok_or(ExportRefusal::NoEvents)?;
     Ok((session.generation, range, form.clock, form.every()?))
 }
 

@@ -12,12 +12,16 @@ pub struct Form {
     pub draft: Draft,
     /// The pattern from a file to use instead of the one that the parameters describe.
     pub own_pattern: Option<OwnPattern>,
+    /// Whether small runs start at once when a parameter changes.
+    pub live: bool,
 }
 
 impl Form {
     pub(super) fn apply(&mut self, command: FormCommand) {
         match command {
             FormCommand::Type(field, text) => self.draft.set_text(field, text),
+            FormCommand::Nudge(field, steps) => self.draft.nudge(field, steps),
+            FormCommand::Live(live) => self.live = live,
             FormCommand::Count(text) => self.draft.set_count(text),
             FormCommand::Preset(preset) => {
                 self.draft = Draft::from_parameters(preset.parameters());

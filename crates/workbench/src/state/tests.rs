@@ -471,3 +471,39 @@ fn a_gpu_that_computes_on_the_cpu_is_tested_only_when_it_is_chosen() {
     state.with(|state, context| state.gpu.finish_test(found(), context));
     assert_eq!(state.gpu.device.word(), "testing");
 }
+
+#[test]
+fn live_runs_start_at_once_stay_at_the_stage_and_are_one_step() {
+    let mut state = settled();
+    let form = |state: &mut State, command| {
+        state.apply(Command::Form(command));
+        state.settle();
+    };
+    let seed = |state: &State| {
+        let session = state.runs.first.session.as_ref().unwrap();
+        session.run().parameters.seed
+    };
+    form(&mut state, FormCommand::Nudge(Field::Seed, 1));
+    assert_eq!(seed(&state), 1, "without live runs nothing starts");
+    form(&mut state, FormCommand::Nudge(Field::Seed, -1));
+    form(&mut state, FormCommand::Live(true));
+    state.apply(Command::Time(TimeCommand::ShowStage(2)));
+    for expected in 2..5 {
+        form(&mut state, FormCommand::Nudge(Field::Seed, 1));
+        assert_eq!(seed(&state), expected);
+        assert_eq!(state.current_stage(), Some(Stage::Tile));
+    }
+    // Too many samples to start by themselves, and what cannot be run.
+    form(&mut state, FormCommand::Count("200000".to_owned()));
+    form(
+        &mut state,
+        FormCommand::Type(Field::Radius, "wide".to_owned()),
+    );
+    assert_eq!(seed(&state), 4);
+    assert!(state.runs.first.sampling.is_none());
+    while state.can_undo() && seed(&state) == 4 {
+        state.apply(Command::Undo);
+        state.settle();
+    }
+    assert_eq!(seed(&state), 1, "the three runs are one step");
+}

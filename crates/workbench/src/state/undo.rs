@@ -61,7 +61,10 @@ enum Typed {
 /// Returns the field in which a command types.
 const fn typed_in(command: &Command) -> Option<Typed> {
     Some(match command {
-        Command::Form(FormCommand::Type(field, _)) => Typed::Parameter(*field),
+        Command::Form(FormCommand::Type(field, _) | FormCommand::Nudge(field, _)) => {
+            Typed::Parameter(*field)
+        }
+        Command::Form(FormCommand::Count(_)) => Typed::Parameter(Field::Radius),
         Command::Debug(DebugCommand::Condition(index, _)) => Typed::Condition(*index),
         Command::Debug(DebugCommand::EditWatch(index, _)) => Typed::Watch(*index),
         Command::Scene(SceneCommand::Caption(index, _)) => Typed::Caption(*index),
@@ -82,6 +85,8 @@ pub struct History {
     future: Vec<Change>,
     /// The field that was typed in last; typing in one field is a single step.
     typing: Option<Typed>,
+    /// The field whose changes were run live last, and the number of steps then: changes of one field are one step.
+    live: Option<(Typed, usize)>,
 }
 
 /// Returns the undoable part of the state that a command may change; `None` for others, such as the frequent moves of
@@ -210,6 +215,23 @@ impl State {
         } else {
             self.push(part, before);
         }
+    }
+
+    /// Adds the step of a run that starts since a parameter changed, unless it goes on with the step of the one before.
+    pub(super) fn remember_live_run(&mut self, command: &Command) {
+        let field = typed_in(command);
+        let goes_on = field.is_some_and(|field| {
+            let len = self.history.past.len().checked_sub(1);
+            len.is_some_and(|len| self.history.live == Some((field, len)))
+        });
+        if goes_on {
+            // The change of the form belongs to that step.
+            self.history.past.pop();
+            self.history.typing = None;
+        } else {
+            self.remember_run(UndoPart::Run);
+        }
+        self.history.live = field.map(|field| (field, self.history.past.len()));
     }
 
     /// Takes a layout that the user changed by dragging. Moving a panel can be undone.

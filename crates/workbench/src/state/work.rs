@@ -8,7 +8,11 @@ use tilescope_session::words::sentence;
 use super::run_view::{Made, TRANSITION_SECS};
 use super::undo::UndoPart;
 use super::{State, Which};
+use crate::command::Command;
 use crate::layout::Panel;
+
+/// Larger runs, in samples, do not start by themselves.
+const MAX_LIVE: f64 = 50_000.0;
 
 impl State {
     pub(super) fn run(&mut self) {
@@ -28,6 +32,23 @@ impl State {
             self.remember_run(UndoPart::Run);
         }
         self.start_sampling(Which::First, recipe, self.gpu.engine);
+    }
+
+    /// Runs after a change of the parameters, if live runs were chosen and the run is small.
+    pub(super) fn run_live(&mut self, command: &Command) {
+        let draft = &self.form.draft;
+        let is_small = draft
+            .expected_samples()
+            .is_some_and(|count| count <= MAX_LIVE);
+        if !self.form.live || !is_small || self.run_refusal().is_some() {
+            return;
+        }
+        let recipe = self.typed();
+        let session = self.runs.first.session.as_ref();
+        if session.is_none_or(|session| session.recipe() != recipe) {
+            self.remember_live_run(command);
+            self.start_sampling(Which::First, recipe, self.gpu.engine);
+        }
     }
 
     /// Returns the recipe of the parameters panel.
@@ -92,7 +113,14 @@ impl State {
     fn finish_sampling(&mut self, which: Which, outcome: Made) {
         match outcome {
             Ok(Ok(session)) => {
+                // A live run shows the stage that was shown.
+                let run = &self.runs.first;
+                let is_live = self.form.live && which == Which::First && !run.is_at_end();
+                let stage = run.current_stage().filter(|_| is_live);
                 self.show_made(which, session);
+                if let Some(stage) = stage {
+                    self.on(which, |run, _| run.show_same_stage(stage));
+                }
                 if which == Which::First {
                     self.arrive();
                     self.show_tour_again();

@@ -262,7 +262,11 @@ fn an_animation_has_the_frames_of_its_range() {
     state.apply(Command::Time(TimeCommand::ShowStage(2)));
     let session = state.runs.first.session.clone().unwrap();
     let stage = session.stage_end(1).unwrap()..session.stage_end(2).unwrap();
-    assert_eq!(state.export_source().range(), Some(stage));
+    let mut form = tilescope_workbench::export::ExportForm::default();
+    assert_eq!(state.export_source().range(&form), Some(stage));
+    form.whole_run = true;
+    let (_, len) = state.cursor().unwrap();
+    assert_eq!(state.export_source().range(&form), Some(0..len));
     fill_in(&mut state, ExportKind::Animation, &path, &[]);
     export(&mut state, ExportCommand::Clock(Clock::Stage));
     assert!(

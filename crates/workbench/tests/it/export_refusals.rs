@@ -199,7 +199,8 @@ fn impossible_exports_are_refused_with_value_and_limit() {
     assert!(prospect(&state).unwrap().starts_with("501 frames"));
     state.apply(Command::Time(TimeCommand::Loop(None)));
     state.apply(Command::Time(TimeCommand::FirstStage));
-    let range = state.export_source().range().unwrap();
+    let form = tilescope_workbench::export::ExportForm::default();
+    let range = state.export_source().range(&form).unwrap();
     fill_in(&mut state, ExportKind::Animation, &path("a.gif"), &enough);
     let refusal = prospect(&state).unwrap_err().to_string();
     assert!(

@@ -165,7 +165,11 @@ fn row(ui: &mut Ui, passes: &Passes, index: usize, longest: f64, palette: &Palet
         font,
         palette.text,
     );
-    response.on_hover_cursor(CursorIcon::PointingHand)
+    let response = response.on_hover_cursor(CursorIcon::PointingHand);
+    match tilescope_gpu::passes::meaning(pass.report.name) {
+        Some(meaning) => response.on_hover_text(meaning),
+        None => response,
+    }
 }
 
 /// Draws the time of a pass, and a bar as long as its share of the longest.

@@ -89,6 +89,14 @@ impl RunView {
         }
     }
 
+    /// Shows the end of a stage of another run.
+    pub(in crate::state) fn show_same_stage(&mut self, stage: Stage) {
+        if let Some(session) = &self.session {
+            let index = session.stage_index(stage);
+            self.show_stage(index);
+        }
+    }
+
     /// Moves to a cursor.
     pub(in crate::state) fn jump(&mut self, cursor: usize) {
         let (Some(debugger), Some(session)) = (&mut self.debugger, &self.session) else {
