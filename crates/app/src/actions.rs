@@ -172,12 +172,15 @@ static NO_EVENTS: LazyLock<String> = LazyLock::new(|| {
     )
 });
 
-/// Returns why a session has no events.
-fn no_events(state: &State) -> &'static str {
-    if state.shows_combination() {
-        "A combination has stages but no events: its sets were there before."
-    } else {
-        NO_EVENTS.as_str()
+/// Returns why what is shown has no events, if it has none.
+fn no_events(state: &State) -> Option<&'static str> {
+    match &state.runs.first {
+        run if run.debugger.is_some() => None,
+        run if run.session.is_none() => Some(NO_SESSION),
+        _ if state.shows_combination() => {
+            Some("A combination has stages but no events: its sets were there before.")
+        }
+        _ => Some(NO_EVENTS.as_str()),
     }
 }
 
@@ -361,12 +364,6 @@ fn help(list: &mut List) {
 
 /// Adds the scenes. In the tour the space key, which plays otherwise, goes on.
 fn scenes(list: &mut List, state: &State) {
-    let no_events = state
-        .runs
-        .first
-        .debugger
-        .is_none()
-        .then_some(no_events(state));
     let has_scenes = state.scene.is_some() || !state.scenes(SceneList::Own).is_empty();
     let no_scenes = (!has_scenes).then_some("There are no scenes: B makes one.");
     let step = |direction| Command::Scene(SceneCommand::Step(direction));
@@ -379,7 +376,7 @@ fn scenes(list: &mut List, state: &State) {
         "Make a scene of this moment",
         key(Key::B),
         add_scene,
-        no_events,
+        no_events(state),
     );
     add(
         "Next scene",
@@ -393,8 +390,12 @@ fn scenes(list: &mut List, state: &State) {
         step(Direction::Backwards),
         no_scenes,
     );
+    let next = step(Direction::Forwards);
     if state.is_touring()
-        && let Some(next) = list.actions.iter_mut().rev().nth(1)
+        && let Some(next) = list
+            .actions
+            .iter_mut()
+            .find(|action| action.command == next)
     {
         next.also = Some(KeyboardShortcut::new(NONE, Key::Space));
     }
@@ -601,7 +602,7 @@ pub fn time_refusals(run: &RunView, time: &Time) -> [Option<&'static str>; 2] {
 
 fn debug(list: &mut List, state: &State) {
     let debugger = state.runs.first.debugger.as_ref();
-    let no_events = debugger.is_none().then_some(no_events(state));
+    let no_events = no_events(state);
     if let Some(debugger) = debugger
         && let Some(event) = debugger.event()
     {

@@ -2,6 +2,7 @@
 //! lists all of them.
 
 mod analysis;
+mod caption;
 mod choices;
 mod common;
 pub mod compact;
@@ -133,7 +134,7 @@ fn leave_projector(ui: &Ui, palette: &Palette, commands: &mut Vec<Command>) {
 pub fn show_floating(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     export::show(ui, state, commands);
     files::show(ui, state, commands);
-    scenes::caption(ui, state, commands);
+    caption::show(ui, state, commands);
     notice::show(ui, state, commands);
     help::show(ui, state, commands);
     finder::show(ui, state, commands);

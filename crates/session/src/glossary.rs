@@ -84,6 +84,7 @@ glossary! {
     CURSOR, "cursor", "", "How many events have happened at the moment that is looked at.";
     MOMENT, "moment", "", "The state of a run after some of its events, or after a stage where no events were kept.";
     SESSION, "session", "", "A run that is looked at, with its verdict. A saved session also has breakpoints, scenes and the view.";
+    SCENE, "scene", "", "A moment to show, with its camera, layers and caption. The tour is made of scenes.";
     TASK, "task", "", "Work in the background on plain data: a thread natively, a worker on a page.";
     CERTIFICATE, "certificate", "", "The file beside an exported set: parameters, verdict and digest of what was written.";
     WITNESS, "witness", "", "What proves a verdict: the closest pair, the largest empty circle, a conflict, the centre of a gap.";

@@ -181,6 +181,11 @@ impl Layers {
         self.0 & 1 << layer as u32 != 0
     }
 
+    /// Returns the layers that are on, in the order of the chips.
+    pub fn iter(self) -> impl Iterator<Item = Layer> {
+        Layer::ALL.into_iter().filter(move |&layer| self.has(layer))
+    }
+
     /// Returns whether a layer is on that needs the triangulation of the moment.
     #[must_use]
     pub fn wants_geometry(self) -> bool {

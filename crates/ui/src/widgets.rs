@@ -218,15 +218,11 @@ fn gap_symbol(painter: &Painter, at: Pos2, palette: &Palette) {
     }
 }
 
-/// The explanation of the chip without a layer.
-const AUTOMATIC: &str = "The layers follow the stage: the KD-tree while blocks are cut, the clips while they are placed. A layer that is \
-     switched by hand ends this; T returns to it.";
-
-/// Shows a pill that is on or off, with a layer's symbol and name; without a layer, the one for layers that follow the
-/// stage.
+/// Shows a pill that is on or off, with its name and the symbol of its layer, if it has one.
 pub fn chip(
     ui: &mut Ui,
     (layer, name): (Option<Layer>, &str),
+    explanation: &str,
     on: bool,
     palette: &Palette,
 ) -> Response {
@@ -274,7 +270,7 @@ pub fn chip(
     painter.galley(text, galley, color);
     response
         .on_hover_cursor(CursorIcon::PointingHand)
-        .on_hover_text(layer.map_or(AUTOMATIC, Layer::explanation))
+        .on_hover_text(explanation)
 }
 
 /// What an icon button shows.

@@ -54,8 +54,8 @@ pub enum Choice {
 pub enum Preset {
     /// The session that the window opens with.
     First,
-    /// Figure 11 of the paper in small: blocks of 20 r, circumcentres, and a pattern that does not repeat.
-    PaperInSmall,
+    /// Blocks at the lower end of the range that the paper recommends, 20 r to 40 r, and its bounded pattern.
+    SmallBlocks,
     /// Gaps are searched for within 2 r only, and some stay.
     BreakIt,
     /// Blocks in which the pattern repeats.
@@ -68,7 +68,7 @@ impl Preset {
     /// Every preset.
     pub const ALL: [Self; 5] = [
         Self::First,
-        Self::PaperInSmall,
+        Self::SmallBlocks,
         Self::BreakIt,
         Self::LargeBlocks,
         Self::Uniform,
@@ -79,7 +79,7 @@ impl Preset {
     pub const fn name(self) -> &'static str {
         match self {
             Self::First => "The first session",
-            Self::PaperInSmall => "The paper's settings",
+            Self::SmallBlocks => "Many small blocks",
             Self::BreakIt => "Break it",
             Self::LargeBlocks => "Blocks too large",
             Self::Uniform => "Uniform insertion",
@@ -91,8 +91,8 @@ impl Preset {
     pub const fn explanation(self) -> &'static str {
         match self {
             Self::First => "About 10,000 samples in nine blocks: small enough to see every step.",
-            Self::PaperInSmall => {
-                "A bounded pattern and blocks of at least 20 r, as in the paper's experiments: more blocks, more seams."
+            Self::SmallBlocks => {
+                "Blocks of at least 20 r, the smallest that the paper recommends, and its bounded pattern: more seams, more gaps."
             }
             Self::BreakIt => {
                 "Gaps are searched for within 2 r only: some stay open, and the verdict shows where."
@@ -112,7 +112,7 @@ impl Preset {
         let mut p = Parameters::default();
         match self {
             Self::First => {}
-            Self::PaperInSmall => {
+            Self::SmallBlocks => {
                 p.leaf = 20.0;
                 p.pattern.boundary = Boundary::Bounded;
             }
@@ -164,16 +164,7 @@ impl Draft {
     /// Returns the draft with the texts of `parameters`.
     #[must_use]
     pub fn from_parameters(parameters: Parameters) -> Self {
-        let p = &parameters;
-        let texts = [
-            p.width.to_string(),
-            p.height.to_string(),
-            p.radius.to_string(),
-            p.seed.to_string(),
-            p.leaf.to_string(),
-            p.pattern.side.to_string(),
-            p.pattern.seed.to_string(),
-        ];
+        let texts = FIELDS.map(|field| text_of(&parameters, field));
         Self {
             texts,
             count: None,
@@ -273,9 +264,7 @@ impl Draft {
     /// Returns whether the text of a field is not that of a run's parameters.
     #[must_use]
     pub fn differs(&self, field: Field, made: &Parameters) -> bool {
-        let made = Self::from_parameters(*made);
-        let typed = Self::from_parameters(self.parameters);
-        typed.text(field) != made.text(field) || self.unreadable(field).is_some()
+        text_of(&self.parameters, field) != text_of(made, field) || self.unreadable(field).is_some()
     }
 
     /// Makes a choice.
@@ -400,6 +389,18 @@ impl Draft {
                 .err()
                 .map(|_| format!("\"{text}\" is not a number.")),
         }
+    }
+}
+
+fn text_of(p: &Parameters, field: Field) -> String {
+    match field {
+        Field::Width => p.width.to_string(),
+        Field::Height => p.height.to_string(),
+        Field::Radius => p.radius.to_string(),
+        Field::Seed => p.seed.to_string(),
+        Field::Leaf => p.leaf.to_string(),
+        Field::PatternSide => p.pattern.side.to_string(),
+        Field::PatternSeed => p.pattern.seed.to_string(),
     }
 }
 

@@ -5,8 +5,8 @@ use glam::DVec2;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use tilescope_debugger::Direction;
-use tilescope_session::layers::Colouring;
-use tilescope_session::look::Look;
+
+use crate::view::{MAX_RADII, is_near};
 
 /// A change of the scenes, or of the one that is shown.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -50,30 +50,6 @@ pub struct ShownScene {
     pub index: usize,
 }
 
-/// The view of a scene. What is missing stays as it is, but the camera fits the domain and layers follow the stage.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(default, rename_all = "kebab-case")]
-pub struct SceneView {
-    /// The camera; `None` fits the whole domain.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub camera: Option<SceneCamera>,
-    /// The names of the layers; `None` for those of the stage.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub layers: Option<Value>,
-    /// The property of samples that their colour shows.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub colouring: Option<Colouring>,
-    /// Light, dark or for a projector.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub look: Option<Look>,
-    /// The layout of the panels.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub layout: Option<Value>,
-    /// The selection.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub selection: Option<Value>,
-}
-
 /// The camera of a scene, in r, whatever the size of the canvas.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SceneCamera {
@@ -85,4 +61,25 @@ pub struct SceneCamera {
     /// The place of the event in the run where the scene was made. In another run the view moves with the event.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub event: Option<DVec2>,
+}
+
+impl SceneCamera {
+    /// Reads the camera of a scene's view; `None` if it has none, which fits the whole domain.
+    #[must_use]
+    pub fn of(view: &Value) -> Option<Self> {
+        Self::deserialize(view.get("camera")?).ok()
+    }
+
+    /// Returns the middle of the view where the event is at `event`; `None` if the camera is not valid. In another run than
+    /// the scene's own the view moves with the event.
+    #[must_use]
+    pub fn placed(self, event: Option<DVec2>, is_same_run: bool) -> Option<DVec2> {
+        let center = match (self.center, self.event, event) {
+            (Some(center), Some(from), Some(to)) if !is_same_run => center + (to - from),
+            (Some(center), _, _) => center,
+            (None, _, event) => event?,
+        };
+        let is_valid = is_near(center) && self.radii > 0.0 && self.radii <= MAX_RADII;
+        is_valid.then_some(center)
+    }
 }

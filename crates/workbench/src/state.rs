@@ -171,16 +171,11 @@ impl State {
 
     /// Applies a command. This is the only way in which the user changes the state.
     pub fn apply(&mut self, command: Command) {
-        let cursor = self.cursor();
-        let follows = matches!(
-            command,
-            Command::Time(_)
-                | Command::Debug(_)
-                | Command::Appearance(AppearanceCommand::ToggleFollow)
-        );
-        let cursor = match command {
-            Command::Appearance(_) => None,
-            _ => cursor,
+        // The cursor before a command after which the camera may follow; `None` within leads to the event at once.
+        let before = match command {
+            Command::Time(_) | Command::Debug(_) => Some(self.cursor()),
+            Command::Appearance(AppearanceCommand::ToggleFollow) => Some(None),
+            _ => None,
         };
         match command {
             Command::Undo => self.undo(),
@@ -196,8 +191,8 @@ impl State {
                 None => self.dispatch(command),
             },
         }
-        if follows {
-            self.follow_event(cursor);
+        if let Some(before) = before {
+            self.follow_event(before);
         }
         self.follow_first();
         self.follow_passes();

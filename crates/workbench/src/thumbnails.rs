@@ -2,10 +2,10 @@
 
 use std::sync::Arc;
 
-use glam::DVec2;
+use emath::{Pos2, Rect};
 use serde::{Deserialize, Serialize};
 use tilescope_core::Stage;
-use tilescope_debugger::{Debugger, SavedScene};
+use tilescope_debugger::{Debugger, Marked, SavedScene};
 use tilescope_drawing::camera::Camera;
 use tilescope_figures::to_pixels;
 use tilescope_session::jobs::{Job, Monitor, Wake};
@@ -16,8 +16,8 @@ use tilescope_session::task::{self, SessionRef, Task};
 use tilescope_session::units;
 
 use crate::export::picture::{PictureView, thumbnail};
-use crate::scenes::SceneView;
-use crate::view;
+use crate::scenes::SceneCamera;
+use crate::view::{SavedView, sound_camera};
 
 /// Width and height of a picture, in points of the window.
 pub const THUMBNAIL_SIZE: [f64; 2] = [84.0, 56.0];
@@ -35,8 +35,24 @@ pub struct Thumbnail {
     pub rgba: Vec<u8>,
 }
 
-/// What a picture is drawn from: the session's generation, the cursor, and the view.
-type Key = (u64, usize, PictureView);
+/// What a picture depends on.
+#[derive(PartialEq)]
+struct Key {
+    /// The session's generation.
+    generation: u64,
+    dark: bool,
+    /// The scene without its caption.
+    scene: SavedScene,
+}
+
+impl Key {
+    fn is_of(&self, session: &Session, scene: &SavedScene, dark: bool) -> bool {
+        let other = &self.scene;
+        (self.generation, self.dark) == (session.generation, dark)
+            && (other.event, other.ends) == (scene.event, scene.ends)
+            && (&other.run, &other.anchor, &other.view) == (&scene.run, &scene.anchor, &scene.view)
+    }
+}
 
 enum Drawn {
     Pending(Job<Option<Thumbnail>>),
@@ -50,18 +66,11 @@ pub struct Thumbnails(Vec<(Key, Drawn)>);
 impl Thumbnails {
     /// Returns the picture of a scene, once it is drawn.
     #[must_use]
-    pub fn of(
-        &self,
-        session: &Session,
-        debugger: &Debugger,
-        scene: &SavedScene,
-        dark: bool,
-    ) -> Option<&Arc<Thumbnail>> {
-        let key = key(session, debugger, scene, dark)?;
-        let (_, drawn) = self.0.iter().find(|(other, _)| *other == key)?;
-        match drawn {
-            Drawn::Done(thumbnail) => thumbnail.as_ref(),
-            Drawn::Pending(_) => None,
+    pub fn of(&self, session: &Session, scene: &SavedScene, dark: bool) -> Option<&Arc<Thumbnail>> {
+        let mut drawn = self.0.iter();
+        match drawn.find(|(key, _)| key.is_of(session, scene, dark))? {
+            (_, Drawn::Done(thumbnail)) => thumbnail.as_ref(),
+            (_, Drawn::Pending(_)) => None,
         }
     }
 
@@ -92,66 +101,85 @@ impl Thumbnails {
                 *drawn = Drawn::Done(outcome.unwrap_or_default().map(Arc::new));
             }
         }
-        let scenes = debugger.scenes.iter();
-        let keys: Vec<Key> = scenes
-            .filter_map(|scene| key(session, debugger, scene, dark))
-            .collect();
-        self.0.retain(|(key, _)| keys.contains(key));
-        if self
-            .0
-            .iter()
-            .any(|(_, drawn)| matches!(drawn, Drawn::Pending(_)))
-        {
-            return;
-        }
-        let is_missing = |key: &&Key| self.0.iter().all(|(other, _)| other != *key);
-        if let Some(&(generation, cursor, view)) = keys.iter().find(is_missing) {
-            let task = ThumbnailTask {
-                moment: Moment::at(session, cursor),
-                session: SessionRef(Arc::clone(session)),
-                view,
+        let scenes = &debugger.scenes;
+        self.0
+            .retain(|(key, _)| scenes.iter().any(|scene| key.is_of(session, scene, dark)));
+        for scene in scenes {
+            if self
+                .0
+                .iter()
+                .any(|(_, drawn)| matches!(drawn, Drawn::Pending(_)))
+            {
+                return;
+            }
+            if self
+                .0
+                .iter()
+                .any(|(key, _)| key.is_of(session, scene, dark))
+            {
+                continue;
+            }
+            let key = Key {
+                generation: session.generation,
+                dark,
+                scene: SavedScene {
+                    caption: String::new(),
+                    ..scene.clone()
+                },
             };
-            let job = task::start(wake, task);
-            self.0
-                .push(((generation, cursor, view), Drawn::Pending(job)));
+            // This run may not have the moment.
+            let drawn = match picture(session, debugger, scene, dark) {
+                Some((cursor, view)) => Drawn::Pending(task::start(
+                    wake,
+                    ThumbnailTask {
+                        moment: Moment::at(session, cursor),
+                        session: SessionRef(Arc::clone(session)),
+                        view,
+                    },
+                )),
+                None => Drawn::Done(None),
+            };
+            self.0.push((key, drawn));
         }
     }
 }
 
-/// Returns what the picture of a scene is drawn from; `None` if this run does not have its moment.
-fn key(session: &Session, debugger: &Debugger, scene: &SavedScene, dark: bool) -> Option<Key> {
-    let cursor = debugger.marked(scene).cursor()?;
-    let saved = SceneView::deserialize(&scene.view).unwrap_or_default();
+/// Returns the cursor of a scene's picture and its view; `None` if this run does not have its moment.
+fn picture(
+    session: &Session,
+    debugger: &Debugger,
+    scene: &SavedScene,
+    dark: bool,
+) -> Option<(usize, PictureView)> {
+    let marked = debugger.marked(scene);
+    let cursor = marked.cursor()?;
+    let (saved, _) = SavedView::from_json(&scene.view, &SavedView::default());
+    let size = THUMBNAIL_SIZE.map(|side| LAID_OUT * side);
     let is_pattern = session.stages.get(session.stage_at(cursor)) == Some(&Stage::Pattern);
-    let size = if is_pattern {
+    let domain = if is_pattern {
         units::size(session.run().pattern.domain())
     } else {
         session.size_radii()
     };
-    let laid_out = THUMBNAIL_SIZE.map(|side| LAID_OUT * side);
-    let [width, height] = laid_out;
-    let fit = || Camera {
-        center: 0.5 * size,
-        scale: 0.94 * (DVec2::new(width, height) / size).min_element(),
-    };
-    let camera = saved.camera.and_then(|camera| {
-        let scale = height / camera.radii;
-        view::sound_camera(camera.center?, scale)
+    let frame = Rect::from_min_size(Pos2::ZERO, size.map(|side| side as f32).into());
+    let recording = debugger.recording();
+    let last = cursor.checked_sub(1).and_then(|last| recording.event(last));
+    let place = last.and_then(|event| recording.event_point(event));
+    let camera = SceneCamera::of(&scene.view).and_then(|camera| {
+        let is_same_run = matches!(marked, Marked::Here(_));
+        let center = camera.placed(place.map(units::position), is_same_run)?;
+        sound_camera(center, size[1] / camera.radii)
     });
-    let layers = saved.layers.and_then(view::layers);
-    Some((
-        session.generation,
-        cursor,
-        PictureView {
-            camera: camera.unwrap_or_else(fit),
-            size: laid_out,
-            chosen_layers: layers.flatten(),
-            colouring: saved.colouring.unwrap_or_default(),
-            selection: Selection::Nothing,
-            dark,
-            print: false,
-        },
-    ))
+    let view = PictureView {
+        camera: camera.unwrap_or_else(|| Camera::fitting(domain, frame)),
+        size,
+        chosen_layers: saved.appearance.chosen_layers,
+        colouring: saved.appearance.colouring,
+        selection: Selection::Nothing,
+        dark,
+        print: false,
+    };
+    Some((cursor, view))
 }
 
 /// The task of drawing a small picture.

@@ -89,10 +89,8 @@ impl SavedView {
             put("camera", json!(SavedCamera { center, scale }));
         }
         put("fitted", json!(self.camera.is_none()));
-        let layers = chosen_layers.map(|layers| {
-            let names = Layer::ALL.into_iter().filter(|layer| layers.has(*layer));
-            json!(names.map(Layer::name).collect::<Vec<_>>())
-        });
+        let layers =
+            chosen_layers.map(|layers| json!(layers.iter().map(Layer::name).collect::<Vec<_>>()));
         put("layers", layers.unwrap_or_else(|| json!(AUTOMATIC)));
         put("colouring", json!(colouring));
         put("look", json!(look));
@@ -214,7 +212,7 @@ fn layout(saved: Value) -> Option<Layout> {
 
 /// Returns the layers, `None` within for those of the stage. Layers unknown to this version are ignored.
 #[allow(clippy::option_option, reason = "the shape of the other parts")]
-pub(crate) fn layers(saved: Value) -> Option<Option<Layers>> {
+fn layers(saved: Value) -> Option<Option<Layers>> {
     if saved.as_str() == Some(AUTOMATIC) {
         return Some(None);
     }
@@ -248,14 +246,10 @@ pub fn speed(speed: f32) -> Option<f32> {
     (SPEEDS[0]..=fastest).contains(&speed).then_some(speed)
 }
 
-/// The shortest and the longest duration of a whole run, in seconds.
-const WHOLE_RUN_SECS: [f32; 2] = [1.0, 3600.0];
-
 /// Returns the duration of a whole run, if it is from a second to an hour.
 #[must_use]
 pub fn whole_run(secs: f32) -> Option<f32> {
-    let [shortest, longest] = WHOLE_RUN_SECS;
-    (shortest..=longest).contains(&secs).then_some(secs)
+    (1.0..=3600.0).contains(&secs).then_some(secs)
 }
 
 #[cfg(test)]

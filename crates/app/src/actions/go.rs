@@ -12,12 +12,7 @@ use tilescope_workbench::state::State;
 pub(super) fn add(list: &mut List, state: &State) {
     let [at_end, at_start] = time_refusals(&state.runs.first, &state.time);
     let no_session = state.runs.first.session.is_none().then_some(NO_SESSION);
-    let no_events = state
-        .runs
-        .first
-        .debugger
-        .is_none()
-        .then_some(no_events(state));
+    let no_events = no_events(state);
     let play = Command::Time(TimeCommand::TogglePlay);
     let space = Some((NONE, Key::Space));
     list.add(Menu::Go, "Play or pause", space, play, no_session);

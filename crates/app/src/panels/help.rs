@@ -87,8 +87,8 @@ fn keys(ui: &mut Ui, state: &State, palette: &Palette) {
     heading(ui, "On the canvas");
     ui.label(
         "Drag to move, turn the wheel or pinch to zoom. A click selects a sample or a place, a double click flies to its \
-         block. The right button opens a menu about what is there. With \
-         the canvas focused, arrow keys move it, Enter selects in its middle, and the menu key opens that menu.",
+         block. The right button opens a menu about what is there. With the canvas focused, arrow keys move it, Enter \
+         selects in its middle, and the menu key opens that menu.",
     );
 }
 

@@ -7,6 +7,9 @@ use tilescope_ui::widgets::{Kebab, Known, chip};
 use super::context::PanelContext;
 use tilescope_workbench::command::{AppearanceCommand, Command};
 
+const AUTOMATIC: &str = "The layers follow the stage: the KD-tree while blocks are cut, the clips while they are placed. A layer that is \
+     switched by hand ends this; T returns to it.";
+
 /// Shows the chips.
 pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>) {
     ui.horizontal_wrapped(|ui| {
@@ -16,6 +19,7 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
         let automatic = chip(
             ui,
             (None, "Automatic"),
+            AUTOMATIC,
             layers.chosen_layers.is_none(),
             context.palette,
         );
@@ -27,7 +31,8 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
         let offered = |layer: &Layer| layer.is_of(combination);
         for layer in Layer::ALL.into_iter().filter(offered) {
             let named = (Some(layer), layer.name_in(combination));
-            let chip = chip(ui, named, shown.has(layer), context.palette);
+            let is_on = shown.has(layer);
+            let chip = chip(ui, named, layer.explanation(), is_on, context.palette);
             chip.known_as(format_args!("layer.{}", Kebab(layer)));
             if chip.clicked() {
                 commands.push(Command::Appearance(AppearanceCommand::ToggleLayer(layer)));

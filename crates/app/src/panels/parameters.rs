@@ -1,7 +1,9 @@
 //! The parameter form: fields with their errors beside them, and below them the button that runs or cancels, which
 //! stays in view.
 
-use egui::{ComboBox, CursorIcon, ProgressBar, RichText, Sense, TextEdit, Ui, UiBuilder, vec2};
+use egui::{
+    Color32, ComboBox, CursorIcon, ProgressBar, RichText, Sense, TextEdit, Ui, UiBuilder, vec2,
+};
 use tilescope_core::Parameters;
 use tilescope_drawing::palette::Palette;
 use tilescope_session::jobs::Job;
@@ -53,7 +55,7 @@ pub struct FormContext<'a> {
     pub refusal: Option<String>,
     /// The parameters that differ from the run shown, if any.
     pub remark: Option<String>,
-    /// The parameters of the run shown.
+    /// The parameters of the run shown; a combination has none.
     pub made: Option<Parameters>,
     /// A remark on the engine of the next run: a short line and the full text.
     pub engine: Option<(&'static str, String)>,
@@ -278,22 +280,14 @@ fn samples(ui: &mut Ui, context: &FormContext<'_>, commands: &mut Vec<Command>) 
         "About how many samples the run will have. Type a number to set the radius by it.";
     labelled(ui, ("Samples", meaning), palette, |ui, _| {
         let mut text = draft.count_text();
-        let edit = TextEdit::singleline(&mut text)
-            .align(egui::Align2::LEFT_CENTER)
-            .id_salt("Samples")
-            .font(egui::TextStyle::Monospace)
-            .text_color_opt(refusal.is_some().then_some(palette.conflict))
-            .margin(egui::Margin::symmetric(8, 4))
-            .desired_width(field_width(ui));
-        let response = ui
-            .add(edit)
-            .accessible_name("Samples")
-            .on_hover_text(meaning);
-        response.known_as("count");
-        if response.changed() {
+        let color = refusal.is_some().then_some(palette.conflict);
+        let width = field_width(ui);
+        let field = text_field(ui, &mut text, ("Samples", meaning), width, color);
+        field.known_as("count");
+        if field.changed() {
             commands.push(Command::Form(FormCommand::Count(text)));
         }
-        enter(ui, &response, context, commands);
+        enter(ui, &field, context, commands);
     });
     if let Some(refusal) = refusal {
         trouble(ui, &refusal, palette).known_as("count.refusal");
@@ -415,6 +409,23 @@ fn pair(
     }
 }
 
+fn text_field(
+    ui: &mut Ui,
+    text: &mut String,
+    (name, meaning): (&str, &str),
+    width: f32,
+    color: Option<Color32>,
+) -> egui::Response {
+    let edit = TextEdit::singleline(text)
+        .align(egui::Align2::LEFT_CENTER)
+        .id_salt(name)
+        .font(egui::TextStyle::Monospace)
+        .text_color_opt(color)
+        .margin(egui::Margin::symmetric(8, 4))
+        .desired_width(width);
+    ui.add(edit).accessible_name(name).on_hover_text(meaning)
+}
+
 fn edit(
     ui: &mut Ui,
     context: &FormContext<'_>,
@@ -426,17 +437,8 @@ fn edit(
 ) {
     let palette = context.palette;
     let mut text = context.form.draft.text(field).to_owned();
-    let edit = TextEdit::singleline(&mut text)
-        .align(egui::Align2::LEFT_CENTER)
-        .id_salt(name)
-        .font(egui::TextStyle::Monospace)
-        .text_color_opt(is_wrong.then_some(palette.conflict))
-        .margin(egui::Margin::symmetric(8, 4))
-        .desired_width(width);
-    let response = ui
-        .add(edit)
-        .accessible_name(name)
-        .on_hover_text(meaning(field));
+    let color = is_wrong.then_some(palette.conflict);
+    let response = text_field(ui, &mut text, (name, meaning(field)), width, color);
     response.known_as(key(field));
     if response.changed() {
         commands.push(Command::Form(FormCommand::Type(field, text)));

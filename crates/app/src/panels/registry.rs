@@ -144,12 +144,10 @@ impl<'a> FormContext<'a> {
             sampling: state.runs.first.sampling.as_ref(),
             refusal: state.run_refusal(),
             remark: state.run_remark(),
-            made: state
-                .runs
-                .first
-                .session
-                .as_ref()
-                .map(|session| session.run().parameters),
+            made: match &state.runs.first.session {
+                Some(session) if session.combination.is_none() => Some(session.run().parameters),
+                _ => None,
+            },
             engine: state.gpu.engine_text(state.form.draft.parameters.variant),
             auto_is_gpu: state.gpu.takes(Engine::Auto),
         }

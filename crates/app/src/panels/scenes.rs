@@ -4,23 +4,20 @@
 use std::sync::Arc;
 
 use egui::{
-    Area, Button, Color32, ColorImage, CursorIcon, FontId, Frame, Id, KeyboardShortcut, Label,
-    Margin, Order, Rect, RichText, Role, Sense, Stroke, StrokeKind, TextEdit, TextureHandle,
-    TextureOptions, Ui, WidgetInfo, pos2, vec2,
+    Button, Color32, ColorImage, CursorIcon, Id, KeyboardShortcut, Rect, RichText, Role, Sense,
+    Stroke, StrokeKind, TextEdit, TextureHandle, TextureOptions, Ui, WidgetInfo, pos2, vec2,
 };
-use tilescope_debugger::{Debugger, Direction, Listings, Marked, SavedScene};
+use tilescope_debugger::{Debugger, Listings, Marked, SavedScene};
 use tilescope_drawing::palette::Palette;
 use tilescope_session::words::grouped;
-use tilescope_ui::theme::semibold;
-use tilescope_ui::widgets::{Icon, Known, heading, icon_button, primary_button};
+use tilescope_ui::widgets::{Icon, Known, heading, icon_button};
 
-use super::common::{no_events, read_out};
+use super::common::no_events;
 use super::context::PanelContext;
 use tilescope_workbench::command::{Command, DebugCommand};
-use tilescope_workbench::scenes::{SceneCommand, SceneList, ShownScene};
+use tilescope_workbench::scenes::{SceneCommand, SceneList};
 use tilescope_workbench::state::State;
 use tilescope_workbench::thumbnails::{THUMBNAIL_SIZE, Thumbnail};
-use tilescope_workbench::tour::tour;
 
 /// Shows the panel.
 pub fn show(
@@ -81,13 +78,9 @@ fn picture(
     let name = format!("Picture of scene {}", index + 1);
     response.widget_info(|| WidgetInfo::labeled(Role::Button, true, &name));
     response.known_as(format_args!("scene-{}.picture", index + 1));
-    let run = &state.runs.first;
-    let thumbnail = run.session.as_ref().zip(run.debugger.as_ref());
-    let thumbnail = thumbnail.and_then(|(session, debugger)| {
-        state
-            .thumbnails
-            .of(session, debugger, scene, state.appearance.look.is_dark())
-    });
+    let session = state.runs.first.session.as_ref();
+    let is_dark = state.appearance.look.is_dark();
+    let thumbnail = session.and_then(|session| state.thumbnails.of(session, scene, is_dark));
     if let Some(thumbnail) = thumbnail {
         let texture = texture(ui, index, thumbnail);
         let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
@@ -150,17 +143,29 @@ fn row(
         let above = SceneCommand::Move(index, index.saturating_sub(1));
         let below = SceneCommand::Move(index, number);
         for (icon, name, id, refusal, command) in [
-            (Icon::Taller, "Move up scene", "up", up, above),
-            (Icon::Shorter, "Move down scene", "down", down, below),
+            (
+                Icon::Taller,
+                format!("Move scene {number} up"),
+                "up",
+                up,
+                above,
+            ),
+            (
+                Icon::Shorter,
+                format!("Move scene {number} down"),
+                "down",
+                down,
+                below,
+            ),
             (
                 Icon::Close,
-                "Remove scene",
+                format!("Remove scene {number}"),
                 "remove",
                 None,
                 SceneCommand::Remove(index),
             ),
         ] {
-            let button = icon_button(ui, icon, &format!("{name} {number}"), refusal, palette);
+            let button = icon_button(ui, icon, &name, refusal, palette);
             let id = format_args!("scene-{number}.{id}");
             if button.known_as(id).clicked() {
                 issue(command);
@@ -226,106 +231,6 @@ fn moment(
         Marked::Here(_) => event,
         _ => format!("{event}\n{origin} This is the corresponding event of its stage."),
     })
-}
-
-/// Font sizes of the caption over the canvas: in the window, and for a projector.
-const CAPTION_SIZES: [f32; 2] = [15.0, 17.0];
-/// Width of the caption, in screen points.
-const CAPTION_WIDTH: f32 = 560.0;
-/// The distance of the caption from the canvas' lower edge, above the scale bar.
-const ABOVE_EDGE: f32 = 56.0;
-
-/// Shows the caption of the scene over the canvas.
-pub fn caption(ui: &Ui, state: &State, commands: &mut Vec<Command>) {
-    let Some(shown) = state.scene else {
-        return;
-    };
-    let scenes = state.scenes(shown.list);
-    let Some(scene) = scenes.get(shown.index) else {
-        return;
-    };
-    let palette = Palette::of(state.appearance.look);
-    let of_tour = (shown.list == SceneList::Tour).then(|| &tour()[shown.index]);
-    if of_tour.is_none() && scene.caption.is_empty() {
-        return;
-    }
-    let canvas = state.runs.first.viewport;
-    let size = CAPTION_SIZES[usize::from(state.appearance.look.is_projector())];
-    let width = CAPTION_WIDTH.min(canvas.width() - 24.0).max(200.0);
-    let at = pos2(canvas.center().x, canvas.bottom() - ABOVE_EDGE);
-    Area::new(Id::unique("caption of the scene"))
-        .order(Order::Middle)
-        .pivot(egui::Align2::CENTER_BOTTOM)
-        .fixed_pos(at)
-        .constrain(true)
-        .show(ui.ctx(), |ui| {
-            Frame::new()
-                .fill(palette.raised)
-                .stroke(Stroke::new(1.0, palette.accent))
-                .corner_radius(10)
-                .shadow(ui.visuals().window_shadow)
-                .inner_margin(Margin::symmetric(16, 12))
-                .show(ui, |ui| {
-                    ui.set_width(width - 32.0);
-                    if let Some(of_tour) = of_tour {
-                        ui.label(RichText::new(&of_tour.title).font(FontId::new(size, semibold())))
-                            .known_as("caption-title");
-                    }
-                    let text = RichText::new(&scene.caption).size(size);
-                    let response = ui.add(Label::new(text).wrap());
-                    read_out(ui, &response);
-                    response.known_as("caption");
-                    if let Some(offer) = of_tour.and_then(|scene| scene.offer.as_ref()) {
-                        ui.add_space(4.0);
-                        let button = primary_button(ui, &offer.name, None, palette);
-                        if button.known_as("caption-offer").clicked() {
-                            commands.extend(offer.commands.iter().cloned());
-                        }
-                    }
-                    ui.add_space(6.0);
-                    ui.horizontal(|ui| {
-                        let of = format!("{} of {}", shown.index + 1, scenes.len());
-                        ui.label(RichText::new(of).color(palette.muted))
-                            .known_as("caption-number");
-                        steps(ui, shown, scenes.len(), commands);
-                    });
-                });
-        });
-}
-
-/// Shows the buttons that go on, back, and away.
-fn steps(ui: &mut Ui, shown: ShownScene, len: usize, commands: &mut Vec<Command>) {
-    let is_tour = shown.list == SceneList::Tour;
-    let is_last = shown.index + 1 == len;
-    let on = match (is_tour, is_last) {
-        (true, true) => "Finish (Space)",
-        (true, false) => "Next (Space)",
-        (false, _) => "Next (PageDown)",
-    };
-    ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-        let mut step = |ui: &mut Ui, name: &str, id: &str, can: bool, command| {
-            let button = ui.add_enabled(can, Button::new(name));
-            if button.known_as(id).clicked() {
-                commands.push(Command::Scene(command));
-            }
-        };
-        step(
-            ui,
-            on,
-            "caption-next",
-            is_tour || !is_last,
-            SceneCommand::Step(Direction::Forwards),
-        );
-        let back = SceneCommand::Step(Direction::Backwards);
-        step(ui, "Back", "caption-back", shown.index > 0, back);
-        step(
-            ui,
-            "Close (Esc)",
-            "caption-close",
-            true,
-            SceneCommand::Leave,
-        );
-    });
 }
 
 fn breakpoints(ui: &mut Ui, debugger: &Debugger, palette: &Palette, commands: &mut Vec<Command>) {

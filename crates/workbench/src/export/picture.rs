@@ -142,10 +142,9 @@ pub fn scene(
 /// Returns the description of a view for files.
 #[must_use]
 pub fn described(view: &PictureView) -> String {
-    let layers = view.chosen_layers.map(|layers| {
-        let on = Layer::ALL.into_iter().filter(|&layer| layers.has(layer));
-        json!(on.map(Layer::name).collect::<Vec<_>>())
-    });
+    let layers = view
+        .chosen_layers
+        .map(|layers| json!(layers.iter().map(Layer::name).collect::<Vec<_>>()));
     json!({
         "center_radii": view.camera.center,
         "points_per_radius": view.camera.scale,

@@ -130,14 +130,16 @@ impl Writer {
                 self.put("select", format!("place:{x},{y}"));
             }
         }
-        if content.view.playback.clock_of_events() != first.view.playback.clock {
-            self.put("clock", name(&content.view.playback.clock_of_events()));
-        }
         let playback = &content.view.playback;
-        let is_first = playback.clock_of_events() == first.view.playback.clock;
+        let clock = playback.clock_of_events();
+        let is_default_clock = clock == first.view.playback.clock;
+        if !is_default_clock {
+            self.put("clock", name(&clock));
+        }
         match playback.whole_run_secs {
             None => self.put("speed", playback.speed.to_string()),
-            secs if is_first && secs == first.view.playback.whole_run_secs => {}
+            // A link with a clock is played by its ticks, unless it has a duration too.
+            secs if is_default_clock && secs == first.view.playback.whole_run_secs => {}
             Some(secs) => self.put("whole-run", secs.to_string()),
         }
         if let Some(Range { start, end }) = &content.view.playback.range {
@@ -251,6 +253,5 @@ impl Writer {
 pub(super) const LINKS: [&str; 3] = ["cameras", "clocks", "differences"];
 
 fn names(layers: Layers) -> String {
-    let on = Layer::ALL.into_iter().filter(|&layer| layers.has(layer));
-    on.map(layer_name).collect::<Vec<_>>().join(",")
+    layers.iter().map(layer_name).collect::<Vec<_>>().join(",")
 }

@@ -3,7 +3,6 @@
 use serde_json::{Value, json};
 use tilescope_core::Parameters;
 use tilescope_debugger::{Direction, Target, moves};
-use tilescope_session::layers::Layer;
 use tilescope_session::recipe::Recipe;
 use tilescope_session::sentence::happened;
 use tilescope_session::words::{grouped, stage_name};
@@ -164,10 +163,10 @@ impl State {
     fn view_json(&self) -> Value {
         let camera = self.view().camera;
         let numbers = |camera: Camera| json!([camera.center[0], camera.center[1], camera.scale]);
-        let layers = self.appearance.chosen_layers.map(|layers| {
-            let on = Layer::ALL.into_iter().filter(|&layer| layers.has(layer));
-            json!(on.map(layer_name).collect::<Vec<_>>())
-        });
+        let layers = self
+            .appearance
+            .chosen_layers
+            .map(|layers| json!(layers.iter().map(layer_name).collect::<Vec<_>>()));
         json!({
             "camera": camera.map_or_else(|| json!(remote::WHOLE), numbers),
             "layers": layers.unwrap_or_else(|| json!(AUTOMATIC)),

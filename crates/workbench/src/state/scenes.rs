@@ -1,16 +1,18 @@
 //! Making, changing and showing scenes.
 
-use glam::DVec2;
-use serde_json::json;
+use serde_json::{Value, json};
 use tilescope_debugger::{Debugger, Direction, Marked, SavedScene};
 use tilescope_session::selection::Selection;
 
-use super::{RunView, State};
+use super::State;
 use crate::command::{Command, FormCommand, Which};
 use crate::layout::Panel;
-use crate::scenes::{SceneCamera, SceneCommand, SceneList, SceneView, ShownScene};
+use crate::scenes::{SceneCamera, SceneCommand, SceneList, ShownScene};
 use crate::tour::tour;
-use crate::view::{MAX_RADII, SavedView, is_near};
+use crate::view::SavedView;
+
+/// The parts of a [`SavedView`] that a scene keeps; its camera is a [`SceneCamera`].
+const PARTS: [&str; 5] = ["layers", "colouring", "look", "layout", "selection"];
 
 impl State {
     /// Returns the scenes of a list.
@@ -77,15 +79,20 @@ impl State {
                         debugger.scenes.remove(index);
                     }
                 });
-                self.scene = None;
-            }
-            SceneCommand::Move(from, to) => self.change_scenes(|debugger| {
-                let len = debugger.scenes.len();
-                if from < len && to < len {
-                    let scene = debugger.scenes.remove(from);
-                    debugger.scenes.insert(to, scene);
+                if !self.is_touring() {
+                    self.scene = None;
                 }
-            }),
+            }
+            SceneCommand::Move(from, to) => {
+                let len = self.scenes(SceneList::Own).len();
+                if from < len && to < len {
+                    self.change_scenes(|debugger| {
+                        let scene = debugger.scenes.remove(from);
+                        debugger.scenes.insert(to, scene);
+                    });
+                    self.follow_moved_scene(from, to);
+                }
+            }
             SceneCommand::Show(index) => self.show_scene(SceneList::Own, index),
             SceneCommand::Step(direction) => self.step_scene(direction),
             SceneCommand::Tour => {
@@ -96,6 +103,20 @@ impl State {
                 self.show_scene(SceneList::Tour, 0);
             }
             SceneCommand::Leave => self.leave_scene(),
+        }
+    }
+
+    /// Keeps the shown scene the same one after a scene was moved.
+    fn follow_moved_scene(&mut self, from: usize, to: usize) {
+        if let Some(ShownScene { list, index }) = &mut self.scene
+            && *list == SceneList::Own
+        {
+            let without = *index - usize::from(*index > from);
+            *index = if *index == from {
+                to
+            } else {
+                without + usize::from(without >= to)
+            };
         }
     }
 
@@ -120,23 +141,21 @@ impl State {
     }
 
     /// Returns the current view for a scene.
-    fn scene_view(&self) -> serde_json::Value {
+    fn scene_view(&self) -> Value {
         let run = &self.runs.first;
-        let saved = self.view().to_json();
-        let part = |name: &str| saved.get(name).cloned();
         let camera = (!run.is_fitted()).then(|| SceneCamera {
             radii: f64::from(run.viewport.size().min_elem().max(1.0)) / run.camera.scale,
             center: Some(run.camera.center),
             event: run.current_place(),
         });
-        json!(SceneView {
-            camera,
-            layers: part("layers"),
-            colouring: Some(self.appearance.colouring),
-            look: Some(self.appearance.look),
-            layout: part("layout"),
-            selection: part("selection"),
-        })
+        let mut view = self.view().to_json();
+        if let Some(parts) = view.as_object_mut() {
+            parts.retain(|name, _| PARTS.contains(&name.as_str()));
+            if let Some(camera) = camera {
+                parts.insert("camera".to_owned(), json!(camera));
+            }
+        }
+        view
     }
 
     fn step_scene(&mut self, direction: Direction) {
@@ -176,7 +195,6 @@ impl State {
     pub(super) fn show_tour_again(&mut self) {
         if let Some(shown) = self.scene
             && shown.list == SceneList::Tour
-            && shown.index == 0
         {
             self.show_scene(shown.list, shown.index);
         }
@@ -199,64 +217,41 @@ impl State {
             run.jump(cursor);
             run.moved(before);
         });
-        // An invalid view leaves everything as it is.
-        let view = match &scene.view {
-            serde_json::Value::Null => return,
-            view => serde_json::from_value::<SceneView>(view.clone()).unwrap_or_default(),
-        };
-        self.look_as_in(&view, matches!(marked, Marked::Here(_)));
+        if !scene.view.is_null() {
+            self.look_as_in(&scene.view, matches!(marked, Marked::Here(_)));
+        }
     }
 
-    /// Applies the view of a scene; `is_same_run` if it was made in this run.
-    fn look_as_in(&mut self, view: &SceneView, is_same_run: bool) {
-        let now = self.view();
-        let saved = json!({
-            "layers": view.layers,
-            "layout": view.layout,
-            "selection": view.selection,
-        });
-        let (saved, _) = SavedView::from_json(&saved, &now);
-        self.appearance.chosen_layers = match view.layers {
-            Some(_) => saved.appearance.chosen_layers,
-            None => None,
+    /// Applies the view of a scene; `is_same_run` if it was made in this run. Parts that are missing or invalid stay as they
+    /// are, but without a camera the domain is fitted.
+    fn look_as_in(&mut self, view: &Value, is_same_run: bool) {
+        let now = SavedView {
+            selection: Selection::Nothing,
+            ..self.view()
         };
-        if let Some(colouring) = view.colouring {
-            self.appearance.colouring = colouring;
-        }
-        if let Some(look) = view.look {
-            self.appearance.choose_look(look);
-        }
-        if view.layout.is_some() && self.window.embedding.is_none() {
+        let (saved, _) = SavedView::from_json(view, &now);
+        self.appearance.take(&saved.appearance);
+        if self.window.embedding.is_none() {
             self.window.layout = saved.layout;
         }
-        let selection = match view.selection {
-            Some(_) if is_same_run && self.runs.first.can_select(saved.selection) => {
-                saved.selection
-            }
-            _ => Selection::Nothing,
+        let can_select = is_same_run && self.runs.first.can_select(saved.selection);
+        let selection = if can_select {
+            saved.selection
+        } else {
+            Selection::Nothing
         };
-        let camera = view.camera;
+        let camera = SceneCamera::of(view);
         self.on(Which::First, |run, context| {
             run.pick(selection, context);
-            match camera.and_then(|camera| run.place_of(camera, is_same_run)) {
+            let placed = camera.and_then(|camera| {
+                let center = camera.placed(run.current_place(), is_same_run)?;
+                Some((center, camera.radii))
+            });
+            match placed {
                 Some((center, radii)) => run.fly_to(center, radii, context),
                 None => run.fit(context),
             }
         });
-    }
-}
-
-impl RunView {
-    /// Returns where the camera of a scene is in this run, and the width of its view; `None` if that is not valid.
-    fn place_of(&self, camera: SceneCamera, is_same_run: bool) -> Option<(DVec2, f64)> {
-        let place = self.current_place();
-        let center = match (camera.center, camera.event, place) {
-            (Some(center), Some(event), Some(place)) if !is_same_run => center + (place - event),
-            (Some(center), _, _) => center,
-            (None, _, place) => place?,
-        };
-        let is_valid = is_near(center) && camera.radii > 0.0 && camera.radii <= MAX_RADII;
-        is_valid.then_some((center, camera.radii))
     }
 }
 
@@ -329,7 +324,9 @@ mod tests {
             assert_eq!(state.scene.map(|shown| shown.index), Some(index));
             assert_eq!(seen(&state), views[index]);
         }
+        // The first one, which is shown, becomes the second one.
         scene(&mut state, SceneCommand::Move(2, 0));
+        assert_eq!(state.scene.map(|shown| shown.index), Some(1));
         scene(&mut state, SceneCommand::Show(1));
         rest(&mut state);
         assert_eq!(seen(&state), views[0]);
@@ -384,8 +381,11 @@ mod tests {
                 "{}: {words} words",
                 of_tour.title
             );
-            let view = serde_json::from_value::<SceneView>(of_tour.scene.view.clone());
-            view.unwrap_or_else(|error| panic!("{}: {error}", of_tour.title));
+            let view = &of_tour.scene.view;
+            let (_, invalid) = SavedView::from_json(view, &SavedView::default());
+            let camera = view.get("camera");
+            assert!(invalid.iter().all(|&part| part == "camera"), "{invalid:?}");
+            assert_eq!(camera.is_some(), SceneCamera::of(view).is_some());
             scene(&mut state, SceneCommand::Step(Direction::Forwards));
         }
         assert!(state.scene.is_none());
@@ -415,7 +415,7 @@ mod tests {
             let run = &state.runs.first;
             let (session, debugger) = (run.session.as_ref(), run.debugger.as_ref());
             let (session, debugger) = (session.unwrap(), debugger.unwrap());
-            let of = |scene| state.thumbnails.of(session, debugger, scene, true);
+            let of = |scene| state.thumbnails.of(session, scene, true);
             let scenes = debugger.scenes.iter();
             scenes
                 .map(|scene| of(scene).map(|made| made.rgba.clone()))

@@ -12,6 +12,7 @@ use super::run_view::next_line;
 use crate::clock::{Clock, Course, Playback};
 use crate::command::TimeCommand;
 use crate::passes::PassCommand;
+use crate::view::whole_run;
 
 /// The most breakpoint conditions evaluated in a frame, which takes some tens of milliseconds.
 const MAX_CONDITIONS: u32 = 10_000;
@@ -45,10 +46,11 @@ impl Time {
                 self.playback.choose(clock);
             }
             TimeCommand::Speed(speed) => self.playback.choose_speed(speed),
-            TimeCommand::WholeRun(secs) if secs > 0.0 => {
-                self.playback.whole_run_secs = Some(secs);
+            TimeCommand::WholeRun(secs) => {
+                let playback = &mut self.playback;
+                playback.whole_run_secs = whole_run(secs).or(playback.whole_run_secs);
             }
-            TimeCommand::Clock(_) | TimeCommand::WholeRun(_) => {}
+            TimeCommand::Clock(_) => {}
             TimeCommand::Jump(cursor) => run.jump(cursor),
             TimeCommand::Step(step, direction) => run.step(step, direction),
             TimeCommand::RunTo(target, direction) => run.run_to(target, direction, context),

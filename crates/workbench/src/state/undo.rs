@@ -93,6 +93,13 @@ pub struct History {
 /// the pointer.
 pub(super) const fn concerns(command: &Command) -> Option<UndoPart> {
     match command {
+        Command::Form(FormCommand::Live(_))
+        | Command::Debug(
+            DebugCommand::Why
+            | DebugCommand::SelectEvent(_)
+            | DebugCommand::ToggleEvent(_)
+            | DebugCommand::Query(_),
+        ) => None,
         Command::Form(_) => Some(UndoPart::Form),
         Command::Window(
             WindowCommand::ResetLayout
@@ -100,12 +107,6 @@ pub(super) const fn concerns(command: &Command) -> Option<UndoPart> {
             | WindowCommand::HidePanel(_)
             | WindowCommand::ToggleSides,
         ) => Some(UndoPart::Layout),
-        Command::Debug(
-            DebugCommand::Why
-            | DebugCommand::SelectEvent(_)
-            | DebugCommand::ToggleEvent(_)
-            | DebugCommand::Query(_),
-        ) => None,
         Command::Debug(_)
         | Command::Scene(
             SceneCommand::Add
@@ -266,7 +267,11 @@ impl State {
     fn recall(&mut self, part: UndoPart, memento: Memento) {
         self.history.typing = None;
         if !matches!(part, UndoPart::Layout | UndoPart::Stops) {
-            self.form = memento.form;
+            let live = self.form.live;
+            self.form = Form {
+                live,
+                ..memento.form
+            };
         }
         if matches!(part, UndoPart::Layout | UndoPart::Everything) {
             self.window.layout = memento.layout;

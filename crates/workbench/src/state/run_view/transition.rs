@@ -12,10 +12,12 @@ const CLIP_SECS: f32 = 1.0;
 /// How far the last event is drawn in.
 #[derive(Default)]
 pub(super) struct Transition {
-    /// The cursor that is drawn.
+    /// The cursor of the last frame.
     cursor: Option<usize>,
     /// The time since it was reached; `None` once the transition is over.
     elapsed_secs: Option<f32>,
+    /// Whether a change of the cursor begins a transition.
+    is_wanted: bool,
 }
 
 impl RunView {
@@ -32,6 +34,7 @@ impl RunView {
         self.transition = Transition {
             cursor,
             elapsed_secs: elapsed_secs.filter(|&elapsed| elapsed < self.transition_secs()),
+            is_wanted,
         };
         self.transition.elapsed_secs.is_some()
     }
@@ -47,9 +50,17 @@ impl RunView {
 
     /// Returns how far the last event is drawn in, from 0 to 1.
     pub(super) fn drawn_in(&self) -> f32 {
-        let share = match self.transition.elapsed_secs {
-            Some(elapsed) => elapsed / self.transition_secs(),
-            None => 1.0,
+        let Transition {
+            cursor,
+            elapsed_secs,
+            is_wanted,
+        } = self.transition;
+        // A command may have moved the cursor since the last frame.
+        let is_new = cursor.is_some() && cursor != self.cursor().map(|(cursor, _)| cursor);
+        let share = match elapsed_secs {
+            _ if is_new && is_wanted => 0.0,
+            Some(elapsed) if !is_new => elapsed / self.transition_secs(),
+            _ => 1.0,
         };
         share * share * (3.0 - 2.0 * share)
     }

@@ -303,13 +303,16 @@ fn a_whole_run_is_played_in_the_chosen_time() {
 }
 
 #[test]
-fn a_step_is_drawn_in_and_a_jump_to_the_end_of_a_stage_too() {
+fn a_step_is_drawn_in_unless_motion_is_reduced() {
     let mut state = settled();
     let drawn_in = |state: &State| state.subject().unwrap().drawn_in;
     state.advance(0.01);
     time(&mut state, TimeCommand::Jump(11_500));
+    assert!(drawn_in(&state) <= 0.0);
     state.advance(0.01);
-    assert!(drawn_in(&state) < 1.0);
+    assert!(drawn_in(&state) <= 0.0);
+    state.advance(0.1);
+    assert!(drawn_in(&state) > 0.0 && drawn_in(&state) < 1.0);
     state.advance(1.0);
     assert!(drawn_in(&state) >= 1.0);
     state.apply(Command::Appearance(AppearanceCommand::ToggleReducedMotion));
