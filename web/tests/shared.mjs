@@ -23,6 +23,7 @@ export function host() {
  * @typedef {object} Wishes
  * @property {{address: string}} [server] used instead of the shared one
  * @property {object} [settings] of the context
+ * @property {boolean} [first] whether the visit is the first one, which begins with the tour
  * @property {(context: import("playwright-core").BrowserContext) => Promise<void>} [prepare] is called before a page is opened
  * @property {RegExp[]} [expected] expected errors; any other error fails the test
  * @property {string[]} [origins] of other servers to which requests are allowed
@@ -32,14 +33,26 @@ export function host() {
 /** The layout of a desktop at half its resolution, to save time for software renderers. */
 const DESKTOP = { viewport: { width: 1280, height: 800 }, deviceScaleFactor: 0.5 };
 
+/** Stores the look, as an earlier visit has done. */
+export function visitedBefore() {
+  try {
+    localStorage.setItem("look", "(dark,None)");
+  } catch {
+    // The initial empty page has no storage.
+  }
+}
+
 /** Makes a context, and returns it with the list of errors on its pages. @param {Wishes} wishes */
-export async function makeContext({ server, settings = {}, prepare, origins = [] } = {}) {
+export async function makeContext({ server, settings = {}, first = false, prepare, origins = [] } = {}) {
   server ??= await host();
   shared.browser ??= launch();
   const browser = await shared.browser;
   const context = await browser.newContext({ ...DESKTOP, ...settings });
   context.setDefaultTimeout(PATIENCE_MS);
   const wrong = watch(context, [server.address, ...origins]);
+  if (!first) {
+    await context.addInitScript(visitedBefore);
+  }
   await prepare?.(context);
   return { server, context, wrong };
 }

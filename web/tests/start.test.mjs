@@ -5,7 +5,7 @@ import { once } from "node:events";
 import { createServer } from "node:http";
 import { test } from "node:test";
 import { PATIENCE_MS, ask, changed, load, pixels, rests, shows, state, until } from "./harness.mjs";
-import { host, opened, reused, started } from "./shared.mjs";
+import { host, opened, reused, started, visitedBefore } from "./shared.mjs";
 
 /** The whole page. */
 const WHOLE = { x: 0, y: 0, width: 1280, height: 800 };
@@ -29,6 +29,27 @@ for (const [display, name] of [["webgpu", "WebGPU"], ["webgl", "WebGL 2"]]) {
     assert.match(told.chosen, new RegExp(name));
   });
 }
+
+test("a first visit begins with the tour, which Escape ends; a link and a later visit do not", async (t) => {
+  const { page, server, context } = await started(t, "?engine=cpu", { first: true });
+  const touring = await state(page, (told) => told.caption !== null);
+  assert.match(touring.caption, /maximal|closer than one radius/);
+  await page.focus("#canvas");
+  await page.keyboard.press("Space");
+  const next = await state(page, (told) => told.caption !== touring.caption);
+  assert.equal(next.stage, "pattern");
+  await page.keyboard.press("Escape");
+  await state(page, (told) => told.caption === null);
+  for (const [address, keep] of [["#v=1&radius=0.02", false], ["", true]]) {
+    if (keep) {
+      await page.evaluate(visitedBefore);
+    }
+    const other = await context.newPage();
+    await other.goto(`${server.address}/?engine=cpu${address}`);
+    assert.equal((await state(other, (told) => told.ready)).caption, null);
+    await other.close();
+  }
+});
 
 /** Advances the page's clock by 50 ms for each of its frames, however long they take, and counts draws. */
 function slowClock() {

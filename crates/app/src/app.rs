@@ -20,6 +20,7 @@ use tilescope_workbench::arrangement::{Arrangement, DrawerCommand};
 use tilescope_workbench::command::{Command, WindowCommand};
 use tilescope_workbench::files::FileCommand;
 use tilescope_workbench::layout::{Layout, OldLayout, Panel};
+use tilescope_workbench::scenes::SceneCommand;
 use tilescope_workbench::state::{FullScreen, State};
 
 /// The application.
@@ -327,15 +328,13 @@ impl App {
         ctx.request_repaint();
     }
 
-    /// Returns whether no earlier session has stored its settings.
-    #[must_use]
-    pub fn is_first_start(storage: &dyn eframe::Storage) -> bool {
+    /// Restores the settings of an earlier session. If there was none, the tour begins, unless the app opens otherwise than
+    /// with the default session.
+    pub fn remember(&mut self, storage: &dyn eframe::Storage, is_default: bool) {
         let has = |key| storage.get_string(key).is_some();
-        ![LAYOUT_KEY, OLD_LAYOUT_KEY, LOOK_KEY].into_iter().any(has)
-    }
-
-    /// Restores the settings of an earlier session.
-    pub fn remember(&mut self, storage: &dyn eframe::Storage) {
+        if is_default && ![LAYOUT_KEY, OLD_LAYOUT_KEY, LOOK_KEY].into_iter().any(has) {
+            self.state.apply(Command::Scene(SceneCommand::Tour));
+        }
         let old = || eframe::get_value::<OldLayout>(storage, OLD_LAYOUT_KEY)?.completed();
         if let Some(layout) = eframe::get_value::<Layout>(storage, LAYOUT_KEY).or_else(old) {
             self.state.window.layout = layout;

@@ -144,14 +144,8 @@ pub fn run_native(options: &WindowOptions) -> Result<(), AppError> {
                 if let Some(render_state) = &creation.wgpu_render_state {
                     app.draw_with(render_state);
                 }
-                let is_first = creation.storage.is_some_and(App::is_first_start);
                 if let Some(storage) = creation.storage {
-                    app.remember(storage);
-                }
-                if is_first && link.is_none() {
-                    app.state.apply(tilescope_workbench::Command::Scene(
-                        tilescope_workbench::scenes::SceneCommand::Tour,
-                    ));
+                    app.remember(storage, link.is_none());
                 }
                 if light {
                     app.state.apply(tilescope_workbench::Command::Appearance(

@@ -6,6 +6,7 @@ mod content;
 mod parameters;
 mod read;
 mod text;
+mod view;
 mod warnings;
 mod write;
 

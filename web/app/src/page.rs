@@ -309,7 +309,7 @@ impl Page {
         });
         app.turn_full_screen_with(hooks::full_screen);
         if let Some(storage) = creation.storage.filter(|_| stores) {
-            app.remember(storage);
+            app.remember(storage, options.link.is_empty());
         }
         // Opening a link removes earlier notices.
         if !options.link.is_empty() {

@@ -380,6 +380,19 @@ impl eframe::Storage for MemoryStorage {
 }
 
 #[test]
+fn the_tour_begins_at_the_first_start_of_the_default_session_only() {
+    let begins = |storage: &MemoryStorage, is_default| {
+        let mut app = App::new(&Context::default());
+        app.remember(storage, is_default);
+        app.state.is_touring()
+    };
+    let mut storage = MemoryStorage::default();
+    assert!(begins(&storage, true) && !begins(&storage, false));
+    eframe::App::save(&mut Window::opened([1440.0, 900.0]).app, &mut storage);
+    assert!(!begins(&storage, true));
+}
+
+#[test]
 fn the_panels_stand_where_they_stood_also_as_earlier_versions_kept_it() {
     let mut first = Window::opened([1440.0, 900.0]);
     first.app.state.window.layout.open(Panel::Legend);
@@ -387,7 +400,7 @@ fn the_panels_stand_where_they_stood_also_as_earlier_versions_kept_it() {
     eframe::App::save(&mut first.app, &mut storage);
     let remembered = |storage: &MemoryStorage| {
         let mut app = App::new(&Context::default());
-        app.remember(storage);
+        app.remember(storage, true);
         app.state.window.layout.clone()
     };
     assert_eq!(remembered(&storage), first.app.state.window.layout);

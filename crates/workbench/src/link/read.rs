@@ -10,7 +10,7 @@ use tilescope_core::combine::file::{Layout as Combination, PieceSource, PlacedPi
 use tilescope_core::{MAXIMAL_DENSITY, Parameters, PatternSpec};
 use tilescope_debugger::{Listings, SavedBreakpoint, SavedScene};
 use tilescope_session::combination::NINE;
-use tilescope_session::layers::{Colouring, Layer, Layers};
+use tilescope_session::layers::Colouring;
 use tilescope_session::look::Look;
 use tilescope_session::selection::Selection;
 use tilescope_session::words::grouped;
@@ -18,14 +18,15 @@ use tilescope_session::words::grouped;
 use super::content::{LinkContent, NamedMoment};
 use super::parameters::{self, KEYS, VARIANT};
 use super::text::{from_base64, items, named, numbers, pairs};
+use super::view::{read_layers, read_scene_view, read_selection};
 use super::warnings::{LinkWarnings, quoted};
-use super::write::{LINKS, NINE_SETS, layer_name};
+use super::write::{LINKS, NINE_SETS};
 use super::{MAX_BYTES, MAX_COMBINATION, MAX_SAMPLES, MAX_SCENES, MAX_STOPS, MAX_TEXT, VERSION};
 use crate::clock::Clock;
 use crate::layout;
-use crate::view::{is_near, sound_camera, speed, whole_run};
+use crate::view::{sound_camera, speed, whole_run};
 
-const OTHERS: [&str; 18] = [
+const OTHERS: [&str; 19] = [
     "v",
     "combine",
     "at",
@@ -43,6 +44,7 @@ const OTHERS: [&str; 18] = [
     "break",
     "watch",
     "mark",
+    "mark-view",
     "layout",
 ];
 
@@ -186,7 +188,12 @@ impl LinkReader {
             sound_camera(DVec2::new(x, y), scale)
         });
         if let Some(layers) = self.take("layers", |text| Some(text.to_owned())) {
-            content.view.appearance.chosen_layers = self.layers(&layers);
+            let (layers, unknown) = read_layers(&layers);
+            content.view.appearance.chosen_layers = layers;
+            for name in unknown.into_iter().map(quoted) {
+                self.warnings
+                    .add(format!("There is no layer \"{name}\"; it was left out."));
+            }
         }
         if let Some(colouring) = self.take("colouring", |text| named(&COLOURINGS, text)) {
             content.view.appearance.colouring = colouring;
@@ -215,38 +222,8 @@ impl LinkReader {
         }
     }
 
-    /// Returns the layers of a list. If none of those named exists, `None` for the layers of the stage: closer to the
-    /// intention than an empty canvas.
-    fn layers(&mut self, names: &str) -> Option<Layers> {
-        let (mut layers, mut are_unknown) = (Layers::none(), false);
-        for name in names.split(',').filter(|name| !name.is_empty()) {
-            let layer = Layer::ALL.into_iter().find(|&l| layer_name(l) == name);
-            match layer {
-                Some(layer) if !layers.has(layer) => layers.toggle(layer),
-                Some(_) => {}
-                None => {
-                    are_unknown = true;
-                    let name = quoted(name);
-                    self.warnings
-                        .add(format!("There is no layer \"{name}\"; it was left out."));
-                }
-            }
-        }
-        if are_unknown && layers == Layers::none() {
-            return None;
-        }
-        Some(layers)
-    }
-
     fn selection(&mut self, content: &mut LinkContent) {
-        let selection = self.take("select", |text| match text.split_once(':')? {
-            ("sample", id) => id.parse().ok().map(Selection::Sample),
-            ("place", place) => numbers(place)
-                .map(DVec2::from)
-                .filter(|place| is_near(*place))
-                .map(Selection::Place),
-            _ => None,
-        });
+        let selection = self.take("select", read_selection);
         content.view.selection = selection.unwrap_or(Selection::Nothing);
     }
 
@@ -284,6 +261,17 @@ impl LinkReader {
         content.breakpoints = self.list("break", "breakpoint", MAX_STOPS, breakpoint);
         content.watches = self.list("watch", "watch", MAX_STOPS, short);
         content.scenes = self.list("mark", "scene", MAX_SCENES, scene);
+        let views = self.list("mark-view", "view of a scene", MAX_SCENES, |text| {
+            Some(read_scene_view(text).ok_or_else(|| quoted(text)))
+        });
+        for (scene, view) in content.scenes.iter_mut().zip(views) {
+            match view {
+                Ok(view) => scene.view = view,
+                Err(text) => self.warnings.add(format!(
+                    "The link's view of a scene \"{text}\" is invalid and was left out."
+                )),
+            }
+        }
     }
 
     fn list<T>(

@@ -1,16 +1,18 @@
 //! Writes a link: everything that differs from an empty link, in a fixed order, up to a limited length.
 
 use std::ops::Range;
+
+use serde_json::Value;
 use tilescope_core::Parameters;
 use tilescope_debugger::{SavedBreakpoint, SavedScene};
 use tilescope_session::combination::NINE;
-use tilescope_session::layers::{Layer, Layers};
-use tilescope_session::selection::Selection;
+use tilescope_session::layers::Layer;
 use tilescope_session::words::counted;
 
 use super::content::{LinkContent, NamedMoment};
 use super::parameters::differing;
-use super::text::{base64, escaped, exact, item, name, rounded, slug};
+use super::text::{base64, escaped, item, name, rounded, slug};
+use super::view::{layers_text, scene_view_text, selection_text};
 use super::{MAX_CHARACTERS, MAX_COMBINATION, MAX_SCENES, MAX_STOPS, MAX_TEXT, VERSION};
 use crate::layout;
 use tilescope_drawing::camera::Camera;
@@ -114,7 +116,7 @@ impl Writer {
             self.put("camera", numbers.join(","));
         }
         if let Some(layers) = content.view.appearance.chosen_layers {
-            self.put("layers", names(layers));
+            self.put("layers", layers_text(layers));
         }
         if content.view.appearance.colouring != first.view.appearance.colouring {
             self.put("colouring", name(&content.view.appearance.colouring));
@@ -122,13 +124,8 @@ impl Writer {
         if content.view.appearance.look != first.view.appearance.look {
             self.put("look", name(&content.view.appearance.look));
         }
-        match content.view.selection {
-            Selection::Nothing => {}
-            Selection::Sample(id) => self.put("select", format!("sample:{id}")),
-            Selection::Place(place) => {
-                let [x, y] = place.to_array().map(exact);
-                self.put("select", format!("place:{x},{y}"));
-            }
+        if let Some(selection) = selection_text(content.view.selection) {
+            self.put("select", selection);
         }
         let playback = &content.view.playback;
         let clock = playback.clock_of_events();
@@ -193,7 +190,8 @@ impl Writer {
             breakpoint,
         );
         self.list("watch", "watches", MAX_STOPS, &content.watches, watch);
-        self.list("mark", "scenes", MAX_SCENES, &content.scenes, mark);
+        let written = self.list("mark", "scenes", MAX_SCENES, &content.scenes, mark);
+        self.views(&content.scenes[..written]);
         let long = content.scenes.iter().filter(|mark| !fits(&mark.caption));
         match long.count() {
             0 => {}
@@ -204,7 +202,15 @@ impl Writer {
         }
     }
 
-    /// Writes as many items as the limits allow.
+    /// Writes the views of scenes, if there are any.
+    fn views(&mut self, scenes: &[SavedScene]) {
+        let mut views: Vec<&Value> = scenes.iter().map(|scene| &scene.view).collect();
+        while views.pop_if(|view| view.is_null()).is_some() {}
+        let item = |view: &&Value| Some(scene_view_text(view));
+        self.list("mark-view", "views of scenes", MAX_SCENES, &views, item);
+    }
+
+    /// Writes as many items as the limits allow, and returns how many.
     fn list<T>(
         &mut self,
         key: &str,
@@ -212,7 +218,7 @@ impl Writer {
         most: usize,
         all: &[T],
         item: impl Fn(&T) -> Option<String>,
-    ) {
+    ) -> usize {
         let (mut text, mut taken, room) = (String::new(), 0, self.room(key));
         for item in all.iter().filter_map(item).take(most) {
             if text.len() + item.len() + 1 > room {
@@ -232,6 +238,7 @@ impl Writer {
             self.left_out
                 .push(format!("{missing} of {} {what}", all.len()));
         }
+        taken
     }
 
     /// Written last, as the layout is the first to be left out for lack of room.
@@ -251,7 +258,3 @@ impl Writer {
 
 /// The settings that can be linked between two runs; names in links.
 pub(super) const LINKS: [&str; 3] = ["cameras", "clocks", "differences"];
-
-fn names(layers: Layers) -> String {
-    layers.iter().map(layer_name).collect::<Vec<_>>().join(",")
-}

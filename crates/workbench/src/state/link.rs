@@ -1,6 +1,7 @@
 //! Permalinks in the state: writing the link to what is shown, and opening links. The run is made first, then
 //! moment, view and the rest are applied.
 
+use serde_json::{Value, json};
 use tilescope_core::Parameters;
 use tilescope_debugger::{SavedScene, Stops};
 use tilescope_session::recipe::Recipe;
@@ -51,13 +52,21 @@ impl State {
             content.breakpoints = debugger.saved_breakpoints();
             content.watches = debugger.watches().to_vec();
             content.scenes.clone_from(&debugger.scenes);
-            let views = content.scenes.iter().filter(|mark| !mark.view.is_null());
-            match views.count() {
+            let layout = json!(self.window.layout);
+            let is_other = |layout_of: &Value| !layout_of.is_null() && *layout_of != layout;
+            let scenes = content.scenes.iter();
+            match scenes.filter(|mark| is_other(&mark.view["layout"])).count() {
                 0 => {}
-                count => left_out.push(counted(count, "view of a scene", "views of scenes")),
+                count => left_out.push(format!(
+                    "the panel layout of {}",
+                    counted(count, "scene", "scenes")
+                )),
             }
             for mark in &mut content.scenes {
-                (mark.view, mark.ends) = (serde_json::Value::Null, None);
+                mark.ends = None;
+                if let Some(view) = mark.view.as_object_mut() {
+                    view.remove("layout");
+                }
                 // A scene of the link's own run does not name the run.
                 if mark.run == debugger.run_id() {
                     (mark.run, mark.anchor) = (String::new(), None);

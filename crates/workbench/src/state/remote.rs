@@ -203,6 +203,7 @@ impl State {
             "cursor": cursor,
             "stage": stage,
             "sentence": happened(self.shown().as_ref()),
+            "caption": self.caption(),
             "playing": self.time.playback.is_playing(),
             "verified": self.verdict().map(|verdict| verdict.report.valid()),
             "digest": session.map(tilescope_session::session::Session::digest),

@@ -34,6 +34,14 @@ impl State {
             .is_some_and(|shown| shown.list == SceneList::Tour)
     }
 
+    /// Returns the caption of the scene that is shown.
+    #[must_use]
+    pub fn caption(&self) -> Option<String> {
+        let shown = self.scene?;
+        let scenes = self.scenes(shown.list);
+        Some(scenes.get(shown.index)?.caption.clone())
+    }
+
     /// Draws the pictures of the scenes while their panel is open.
     pub(super) fn follow_thumbnails(&mut self) {
         let run = &self.runs.first;

@@ -82,7 +82,7 @@ fn a_session_with_everything_set_is_restored() {
     }
     settle(&mut state);
     let link = state.link();
-    assert_eq!(link.left_out, ["1 view of a scene"]);
+    assert_eq!(link.left_out, ["the panel layout of 1 scene"]);
     let expected = "v=1&radius=0.03&leaf=12&at=345&camera=20,21,66.666667&layers=";
     assert!(link.fragment.starts_with(expected), "{}", link.fragment);
     let there = opened(&link.fragment);
@@ -98,6 +98,9 @@ fn a_session_with_everything_set_is_restored() {
             (a.event, &a.caption, a.anchor),
             (b.event, &b.caption, b.anchor)
         );
+        for part in ["camera", "layers", "colouring", "look", "selection"] {
+            assert_eq!(a.view[part], b.view[part], "{part}");
+        }
     }
     let seconds = [&state, &there].map(|state| {
         let (side, _) = state.runs.second.as_ref().expect("a second run");
