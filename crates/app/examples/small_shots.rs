@@ -100,6 +100,7 @@ fn sheets(harness: &mut Harness<'_, App>, folder: &str, name: &str) {
     harness.state_mut().state.messages.notice = Some(Notice {
         text: "The file /a/place/of/some/length/samples.ply could not be read: its head names more points than it holds.".to_owned(),
         is_error: true,
+        folder: None,
     });
     save(harness, folder, &format!("{name}-notice"));
     // The menu, its second part open.

@@ -149,6 +149,8 @@ impl App {
         self.apply_commands(ui.ctx());
         #[cfg(target_arch = "wasm32")]
         self.download();
+        #[cfg(not(target_arch = "wasm32"))]
+        self.open_folder();
     }
 
     /// Requests another frame when the focus has moved: a page accepts text only then.
@@ -191,10 +193,21 @@ impl App {
     fn download(&mut self) {
         for file in self.state.files.take_downloads() {
             if let Err(text) = tilescope_workbench::download::start(&file) {
-                let is_error = true;
-                self.state.messages.notice =
-                    Some(tilescope_workbench::state::Notice { text, is_error });
+                let notice = tilescope_workbench::state::Notice::new(text, true);
+                self.state.messages.notice = Some(notice);
             }
+        }
+    }
+
+    /// Opens the folder that the user asked for.
+    #[cfg(not(target_arch = "wasm32"))]
+    fn open_folder(&mut self) {
+        if let Some(folder) = self.state.files.folder_to_open.take()
+            && let Err(error) = open::that_detached(&folder)
+        {
+            let text = format!("{} cannot be opened: {error}.", folder.display());
+            let notice = tilescope_workbench::state::Notice::new(text, true);
+            self.state.messages.notice = Some(notice);
         }
     }
 

@@ -23,6 +23,7 @@ pub mod parts;
 pub mod scene;
 pub mod subject;
 pub mod surface;
+pub mod symbol;
 
 /// The scale, in screen points per r, above which disks and gaps are drawn.
 pub const MIN_DISK_SCALE: f64 = 1.25;

@@ -175,6 +175,24 @@ pub fn fitted(text: &str, room: f64, size: f64) -> String {
     fitted
 }
 
+/// Returns the lines of a text at a size of the regular font, each with as many words as there is room for, in pixels. A
+/// word wider than that is a line of its own.
+#[must_use]
+pub fn wrapped(text: &str, room: f64, size: f64) -> Vec<String> {
+    let mut lines: Vec<String> = Vec::new();
+    for word in text.split_whitespace() {
+        if let Some(last) = lines.last_mut() {
+            let longer = format!("{last} {word}");
+            if text_width(&longer, Font::Regular, size) <= room {
+                *last = longer;
+                continue;
+            }
+        }
+        lines.push(word.to_owned());
+    }
+    lines
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -221,5 +239,11 @@ mod tests {
         );
         assert!(text_width(&short, Font::Regular, 20.0) <= 200.0);
         assert_eq!(fitted("word", 1.0, 20.0), "word");
+        let lines = wrapped(text, 200.0, 20.0);
+        assert_eq!(lines.join(" "), text);
+        let is_short = |line: &String| text_width(line, Font::Regular, 20.0) <= 200.0;
+        assert!(lines.len() > 1 && lines.iter().all(is_short));
+        assert_eq!(wrapped("word", 1.0, 20.0), ["word"]);
+        assert_eq!(wrapped("", 1.0, 20.0), [""; 0]);
     }
 }

@@ -113,6 +113,31 @@ impl Layer {
         }
     }
 
+    /// Returns what its symbol stands for, in a few words, in a combination or in a run.
+    #[must_use]
+    pub const fn meaning(self, combination: bool) -> &'static str {
+        match self {
+            Self::Blocks if combination => "rectangle of a piece",
+            Self::Pattern if combination => "rectangle enlarged by r",
+            Self::Samples => "sample",
+            Self::Disks => "disk of radius r",
+            Self::Blocks => "building block",
+            Self::Tree => "split of the KD-tree",
+            Self::Seams => "seam, and how far gluing may reach",
+            Self::Pattern => "clip: block enlarged by r",
+            Self::Conflicts => "conflict: closer than r",
+            Self::Eliminated => "eliminated sample",
+            Self::Gaps => "gap: covered by no disk",
+            Self::Detectors => "gap detector",
+            Self::Candidates => "candidate place",
+            Self::Inserted => "inserted sample",
+            Self::Delaunay => "Delaunay triangle",
+            Self::Voronoi => "border of a Voronoi cell",
+            Self::Circumcircles => "empty circle larger than r",
+            Self::CoveredCircles => "exposed arc: covered by no disk",
+        }
+    }
+
     /// Returns what it shows, in a sentence or two.
     #[must_use]
     pub const fn explanation(self) -> &'static str {
@@ -173,6 +198,12 @@ impl Layers {
             _ => {}
         }
         layers
+    }
+
+    /// Returns the layers of any stage.
+    #[must_use]
+    pub fn of_any_stage() -> Self {
+        Self(Self::default().0 | Self::of_stage(Stage::Blocks).0 | Self::of_stage(Stage::Tile).0)
     }
 
     /// Returns whether `layer` is on.

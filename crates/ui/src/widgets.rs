@@ -7,9 +7,10 @@ use egui::{
     Align2, Color32, CursorIcon, FontId, Painter, Pos2, Rect, Response, RichText, Role, Sense,
     Shape, Stroke, StrokeKind, Ui, Vec2, WidgetInfo, vec2,
 };
-use tilescope_session::layers::Layer;
-
 use tilescope_drawing::palette::Palette;
+use tilescope_drawing::surface::Stroke as SymbolStroke;
+use tilescope_drawing::symbol::SymbolShape;
+use tilescope_session::layers::Layer;
 
 use crate::theme::{FINGER, is_for_fingers, row_height, semibold};
 
@@ -84,137 +85,46 @@ pub fn row(ui: &mut Ui, name: &str, value: &str, palette: &Palette) {
     ui.spacing_mut().interact_size.y = height;
 }
 
-/// Draws the symbol of a layer, as on the canvas, in a square around `at`.
+/// Draws the symbol of a layer around `at`.
 pub fn symbol(painter: &Painter, layer: Layer, at: Pos2, palette: &Palette) {
-    let thin = |color: Color32| Stroke::new(1.4, color);
-    match layer {
-        Layer::Samples => {
-            painter.circle_filled(at, 3.0, palette.sample);
-        }
-        Layer::Disks => {
-            let fill = palette.sample.gamma_multiply(0.12);
-            painter.circle(at, 6.0, fill, thin(palette.sample.gamma_multiply(0.8)));
-        }
-        Layer::Pattern => {
-            let rect = Rect::from_center_size(at, Vec2::splat(12.0));
-            let corners = [
-                rect.left_top(),
-                rect.right_top(),
-                rect.right_bottom(),
-                rect.left_bottom(),
-                rect.left_top(),
-            ];
-            painter.extend(Shape::dashed_line(&corners, thin(palette.sample), 3.0, 2.0));
-        }
-        Layer::Blocks => {
-            let rect = Rect::from_center_size(at, Vec2::splat(11.0));
-            let color = palette.block(0);
-            painter.rect(
-                rect,
-                1.0,
-                color.gamma_multiply(0.25),
-                thin(color),
-                StrokeKind::Middle,
-            );
-        }
-        Layer::Tree => {
-            for (ends, width) in [
-                ([vec2(-1.5, -6.0), vec2(-1.5, 6.0)], 2.6),
-                ([vec2(-1.5, 1.0), vec2(6.0, 1.0)], 1.6),
-                ([vec2(-6.0, -2.0), vec2(-1.5, -2.0)], 1.6),
-            ] {
-                let ends = ends.map(|v| at + v);
-                painter.line_segment(ends, Stroke::new(width, palette.text));
-            }
-        }
-        Layer::Seams => seam_symbol(painter, at, palette),
-        Layer::Conflicts => {
-            let ends = [at + vec2(-6.0, 4.0), at + vec2(6.0, -4.0)];
-            painter.extend(Shape::dashed_line(
-                &ends,
-                Stroke::new(1.8, palette.conflict),
-                3.5,
-                2.0,
-            ));
-        }
-        Layer::Eliminated => {
-            let stroke = Stroke::new(1.6, palette.eliminated);
-            for side in [vec2(4.0, 4.0), vec2(4.0, -4.0)] {
-                painter.line_segment([at - side, at + side], stroke);
-            }
-        }
-        Layer::Gaps => gap_symbol(painter, at, palette),
-        Layer::Detectors => {
-            painter.circle_stroke(at, 5.0, thin(palette.detector));
-            painter.circle_filled(at, 1.8, palette.detector);
-        }
-        Layer::Candidates => {
-            let corners = [vec2(0.0, -6.0), vec2(5.2, 4.0), vec2(-5.2, 4.0)];
-            let corners = corners.map(|v| at + v).to_vec();
-            painter.add(Shape::closed_line(corners, thin(palette.candidate)));
-        }
-        Layer::Delaunay | Layer::Voronoi => net_symbol(painter, layer, at, palette),
-        Layer::Circumcircles => {
-            painter.circle_stroke(at, 6.0, thin(palette.conflict));
-            for angle in [0.4_f32, 2.5, 4.4] {
-                painter.circle_filled(at + 6.0 * Vec2::angled(angle), 1.8, palette.conflict);
-            }
-        }
-        Layer::CoveredCircles => {
-            painter.circle_stroke(at, 6.0, thin(palette.sample.gamma_multiply(0.5)));
-            let end = |step: u8| at + 6.0 * Vec2::angled(-0.3 - 0.25 * f32::from(step));
-            let arc = (0..=6).map(end).collect();
-            painter.add(Shape::line(arc, Stroke::new(2.8, palette.gap)));
-        }
-        Layer::Inserted => {
-            let corners = [
-                vec2(0.0, -5.5),
-                vec2(5.5, 0.0),
-                vec2(0.0, 5.5),
-                vec2(-5.5, 0.0),
-            ];
-            let corners = corners.map(|v| at + v).to_vec();
-            painter.add(Shape::convex_polygon(
+    let stroke = |stroke: SymbolStroke| Stroke::new(stroke.width, stroke.color);
+    for shape in tilescope_drawing::symbol::symbol(layer, palette) {
+        match shape {
+            SymbolShape::Polygon {
                 corners,
-                palette.inserted,
-                Stroke::NONE,
-            ));
+                fill,
+                stroke: line,
+            } => {
+                let corners = corners.into_iter().map(|corner| at + corner).collect();
+                let line = line.map_or(Stroke::NONE, stroke);
+                painter.add(match fill {
+                    Some(fill) => Shape::convex_polygon(corners, fill, line),
+                    None => Shape::closed_line(corners, line),
+                });
+            }
+            SymbolShape::Line {
+                points,
+                stroke: line,
+                dashes,
+            } => {
+                let points: Vec<Pos2> = points.into_iter().map(|point| at + point).collect();
+                match dashes {
+                    Some([dash, space]) => {
+                        painter.extend(Shape::dashed_line(&points, stroke(line), dash, space));
+                    }
+                    None => drop(painter.add(Shape::line(points, stroke(line)))),
+                }
+            }
+            SymbolShape::Circle {
+                center,
+                radius,
+                fill,
+                stroke: line,
+            } => {
+                let line = line.map_or(Stroke::NONE, stroke);
+                painter.circle(at + center, radius, fill.unwrap_or_default(), line);
+            }
         }
-    }
-}
-
-fn net_symbol(painter: &Painter, layer: Layer, at: Pos2, palette: &Palette) {
-    let corners = [vec2(-6.0, 4.0), vec2(1.0, -5.5), vec2(6.0, 4.5)];
-    let (ends, color) = match layer {
-        Layer::Delaunay => {
-            let [a, b, c] = corners;
-            ([[a, b], [b, c], [c, a]], palette.sample)
-        }
-        _ => (corners.map(|corner| [Vec2::ZERO, corner]), palette.detector),
-    };
-    for ends in ends {
-        painter.line_segment(ends.map(|v| at + v), Stroke::new(1.3, color));
-    }
-}
-
-/// Two sets, and the seam between them in its band.
-fn seam_symbol(painter: &Painter, at: Pos2, palette: &Palette) {
-    let band = Rect::from_center_size(at, vec2(9.0, 13.0));
-    painter.rect_filled(band, 0.0, palette.accent.gamma_multiply(0.3));
-    let half = vec2(0.0, 6.5);
-    painter.line_segment([at - half, at + half], Stroke::new(1.6, palette.accent));
-}
-
-fn gap_symbol(painter: &Painter, at: Pos2, palette: &Palette) {
-    let rect = Rect::from_center_size(at, Vec2::splat(11.0));
-    painter.rect_filled(rect, 1.0, palette.gap.gamma_multiply(0.3));
-    let stroke = Stroke::new(1.3, palette.gap);
-    for ends in [
-        [vec2(-5.0, 0.0), vec2(0.0, -5.0)],
-        [vec2(-5.0, 5.0), vec2(5.0, -5.0)],
-        [vec2(0.0, 5.0), vec2(5.0, 0.0)],
-    ] {
-        painter.line_segment(ends.map(|v| at + v), stroke);
     }
 }
 

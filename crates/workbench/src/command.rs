@@ -277,6 +277,8 @@ pub enum Command {
     Redo,
     /// Closes the notice.
     DismissNotice,
+    /// Opens a folder in the system's file manager.
+    OpenFolder(std::path::PathBuf),
 }
 
 impl ViewCommand {

@@ -1,6 +1,7 @@
 //! Exports: samples with a certificate, pictures and animations, as values. [`write`] makes their files,
 //! `crate::state` fills in the export sheet.
 
+mod below;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod browse;
 mod drawing;
@@ -9,6 +10,7 @@ pub mod frames;
 pub mod picture;
 mod provenance;
 pub mod refusal;
+pub(crate) mod scenes;
 mod surface;
 pub mod write;
 
@@ -19,6 +21,7 @@ use tilescope_session::moment::Moment;
 use tilescope_formats::{Format, Precision};
 
 use crate::clock::Clock;
+pub use below::Legend;
 pub use form::{ExportForm, NumberField};
 pub use frames::MAX_FRAMES;
 pub use picture::PictureView;
@@ -38,13 +41,21 @@ pub enum ExportKind {
     Samples,
     /// The view of the canvas.
     Picture,
+    /// The scenes, each as a picture.
+    Scenes,
     /// The view of the canvas during playback.
     Animation,
 }
 
 impl ExportKind {
     /// Every kind.
-    pub const ALL: [Self; 4] = [Self::Result, Self::Samples, Self::Picture, Self::Animation];
+    pub const ALL: [Self; 5] = [
+        Self::Result,
+        Self::Samples,
+        Self::Picture,
+        Self::Scenes,
+        Self::Animation,
+    ];
 
     /// Returns its name.
     #[must_use]
@@ -53,6 +64,7 @@ impl ExportKind {
             Self::Result => "Result",
             Self::Samples => "Samples of this moment",
             Self::Picture => "Picture",
+            Self::Scenes => "Scenes",
             Self::Animation => "Animation",
         }
     }
@@ -72,7 +84,7 @@ impl ExportKind {
                 let formats = Format::ALL.iter().filter(|f| **f != Format::PlyAscii);
                 formats.map(|format| format.extension()).collect()
             }
-            Self::Picture => vec!["png", "svg"],
+            Self::Picture | Self::Scenes => vec!["png", "svg"],
             Self::Animation => vec!["gif", "apng", "png"],
         }
     }
@@ -88,7 +100,9 @@ impl ExportKind {
                     .map(|format| (format.to_string(), vec![format.extension()]))
                     .collect()
             }
-            Self::Picture => vec![named("PNG", vec!["png"]), named("SVG", vec!["svg"])],
+            Self::Picture | Self::Scenes => {
+                vec![named("PNG", vec!["png"]), named("SVG", vec!["svg"])]
+            }
             Self::Animation => vec![
                 named("GIF", vec!["gif"]),
                 named("Animated PNG", vec!["apng", "png"]),
@@ -115,6 +129,15 @@ pub fn extension(path: &Path) -> Option<String> {
     Some(path.extension()?.to_str()?.to_ascii_lowercase())
 }
 
+/// Returns the path of the picture of a scene, counted from 0, of `count` scenes: `talk.png` becomes `talk-07.png`.
+#[must_use]
+pub fn scene_path(path: &Path, index: usize, count: usize) -> PathBuf {
+    let digits = count.to_string().len();
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    let extension = extension(path).unwrap_or_default();
+    path.with_file_name(format!("{stem}-{:0digits$}.{extension}", index + 1))
+}
+
 /// An action of the export sheet.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -133,6 +156,8 @@ pub enum ExportCommand {
     Type(NumberField, String),
     /// Chooses whether a picture is coloured for print instead of as in the window.
     Print(bool),
+    /// Chooses whether a legend is below a picture.
+    Legend(bool),
     /// Chooses whether an animation shows the whole run.
     WholeRun(bool),
     /// Chooses the clock that counts the frames of an animation.
@@ -156,6 +181,15 @@ pub struct ExportJob {
     pub content: ExportContent,
 }
 
+/// A moment, and how it is drawn.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct MomentView {
+    /// The moment.
+    pub moment: Moment,
+    /// The view of the moment.
+    pub view: PictureView,
+}
+
 /// The content of an export.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub enum ExportContent {
@@ -168,12 +202,17 @@ pub enum ExportContent {
     },
     /// A picture.
     Picture {
-        /// The moment.
-        moment: Moment,
-        /// The view of the moment.
-        view: PictureView,
+        /// The moment and its view.
+        shown: MomentView,
         /// The causes of the brush.
         causes: Option<Cause>,
+        /// Pixels for a point of the window; unused for SVG.
+        scale: f64,
+    },
+    /// A picture of each scene, in files whose names are numbered.
+    Scenes {
+        /// Their moments and views.
+        shown: Vec<MomentView>,
         /// Pixels for a point of the window; unused for SVG.
         scale: f64,
     },

@@ -45,6 +45,20 @@ pub struct Notice {
     pub text: String,
     /// Whether something went wrong.
     pub is_error: bool,
+    /// The folder of the file that was written, if one was.
+    pub folder: Option<std::path::PathBuf>,
+}
+
+impl Notice {
+    /// Returns a notice.
+    #[must_use]
+    pub const fn new(text: String, is_error: bool) -> Self {
+        Self {
+            text,
+            is_error,
+            folder: None,
+        }
+    }
 }
 
 /// Whether the window can use full screen.
@@ -219,6 +233,7 @@ impl State {
                 });
             }
             Command::DismissNotice => self.messages.notice = None,
+            Command::OpenFolder(folder) => self.files.folder_to_open = Some(folder),
             Command::Appearance(command) => {
                 let stage = self.current_stage();
                 self.appearance.apply(command, stage);
@@ -318,7 +333,7 @@ impl State {
     fn carry_out_effects(&mut self, which: Which, effects: Vec<Effect>) {
         for effect in effects {
             match effect {
-                Effect::Tell(Notice { text, is_error }) => self.tell_of(which, text, is_error),
+                Effect::Tell(notice) => self.notify(which, notice),
                 Effect::Copy(text) => self.links.copied = Some(text),
                 Effect::Inspect => self.inspect(which),
                 Effect::Download(file) => self.files.downloads.push(file),
@@ -336,18 +351,19 @@ impl State {
     }
 
     pub(super) fn tell(&mut self, text: String, is_error: bool) {
-        self.messages.notice = Some(Notice { text, is_error });
+        self.messages.notice = Some(Notice::new(text, is_error));
     }
 
     /// Shows a notice that concerns one of the runs.
     pub(super) fn tell_of(&mut self, which: Which, text: String, is_error: bool) {
-        self.tell(
-            match which {
-                Which::First => text,
-                Which::Second => format!("Run B: {text}"),
-            },
-            is_error,
-        );
+        self.notify(which, Notice::new(text, is_error));
+    }
+
+    fn notify(&mut self, which: Which, mut notice: Notice) {
+        if which == Which::Second {
+            notice.text = format!("Run B: {}", notice.text);
+        }
+        self.messages.notice = Some(notice);
     }
 }
 

@@ -2,22 +2,16 @@
 
 use std::sync::Arc;
 
-use emath::{Pos2, Rect};
 use serde::{Deserialize, Serialize};
-use tilescope_core::Stage;
-use tilescope_debugger::{Debugger, Marked, SavedScene};
-use tilescope_drawing::camera::Camera;
+use tilescope_debugger::{Debugger, SavedScene};
 use tilescope_figures::to_pixels;
 use tilescope_session::jobs::{Job, Monitor, Wake};
-use tilescope_session::moment::Moment;
-use tilescope_session::selection::Selection;
 use tilescope_session::session::Session;
 use tilescope_session::task::{self, SessionRef, Task};
-use tilescope_session::units;
 
-use crate::export::picture::{PictureView, thumbnail};
-use crate::scenes::SceneCamera;
-use crate::view::{SavedView, sound_camera};
+use crate::export::MomentView;
+use crate::export::picture::thumbnail;
+use crate::export::scenes::view_of_scene;
 
 /// Width and height of a picture, in points of the window.
 pub const THUMBNAIL_SIZE: [f64; 2] = [84.0, 56.0];
@@ -128,66 +122,22 @@ impl Thumbnails {
                 },
             };
             // This run may not have the moment.
-            let drawn = match picture(session, debugger, scene, dark) {
-                Some((cursor, view)) => Drawn::Pending(task::start(
-                    wake,
-                    ThumbnailTask {
-                        moment: Moment::at(session, cursor),
-                        session: SessionRef(Arc::clone(session)),
-                        view,
-                    },
-                )),
-                None => Drawn::Done(None),
-            };
+            let size = THUMBNAIL_SIZE.map(|side| LAID_OUT * side);
+            let shown = view_of_scene(session, debugger, scene, size, dark);
+            let drawn = shown.map_or(Drawn::Done(None), |shown| {
+                let session = SessionRef(Arc::clone(session));
+                Drawn::Pending(task::start(wake, ThumbnailTask { session, shown }))
+            });
             self.0.push((key, drawn));
         }
     }
-}
-
-/// Returns the cursor of a scene's picture and its view; `None` if this run does not have its moment.
-fn picture(
-    session: &Session,
-    debugger: &Debugger,
-    scene: &SavedScene,
-    dark: bool,
-) -> Option<(usize, PictureView)> {
-    let marked = debugger.marked(scene);
-    let cursor = marked.cursor()?;
-    let (saved, _) = SavedView::from_json(&scene.view, &SavedView::default());
-    let size = THUMBNAIL_SIZE.map(|side| LAID_OUT * side);
-    let is_pattern = session.stages.get(session.stage_at(cursor)) == Some(&Stage::Pattern);
-    let domain = if is_pattern {
-        units::size(session.run().pattern.domain())
-    } else {
-        session.size_radii()
-    };
-    let frame = Rect::from_min_size(Pos2::ZERO, size.map(|side| side as f32).into());
-    let recording = debugger.recording();
-    let last = cursor.checked_sub(1).and_then(|last| recording.event(last));
-    let place = last.and_then(|event| recording.event_point(event));
-    let camera = SceneCamera::of(&scene.view).and_then(|camera| {
-        let is_same_run = matches!(marked, Marked::Here(_));
-        let center = camera.placed(place.map(units::position), is_same_run)?;
-        sound_camera(center, size[1] / camera.radii)
-    });
-    let view = PictureView {
-        camera: camera.unwrap_or_else(|| Camera::fitting(domain, frame)),
-        size,
-        chosen_layers: saved.appearance.chosen_layers,
-        colouring: saved.appearance.colouring,
-        selection: Selection::Nothing,
-        dark,
-        print: false,
-    };
-    Some((cursor, view))
 }
 
 /// The task of drawing a small picture.
 #[derive(Serialize, Deserialize)]
 pub struct ThumbnailTask {
     session: SessionRef,
-    moment: Moment,
-    view: PictureView,
+    shown: MomentView,
 }
 
 impl Task for ThumbnailTask {
@@ -195,7 +145,7 @@ impl Task for ThumbnailTask {
     const NAME: &'static str = "thumbnail";
 
     fn run(self, _: &Monitor) -> Self::Outcome {
-        let scene = thumbnail(&self.session, &self.moment, &self.view);
+        let scene = thumbnail(&self.session, &self.shown);
         let pixels = to_pixels(&scene, SHARPNESS / LAID_OUT).ok()?;
         Some(Thumbnail {
             size: [pixels.width as usize, pixels.height as usize],

@@ -15,8 +15,8 @@ use tilescope_workbench::state::{ExportSource, Exports, State};
 
 /// Width of a typed number.
 const NUMBER_WIDTH: f32 = 84.0;
-/// Differences between pictures and the canvas.
-const LEFT_OUT: &str = "What is selected, brushed, compared or on the GPU is left out.";
+/// What pictures leave out of the canvas.
+const LEFT_OUT: &str = "What is compared or on the GPU is left out.";
 /// Width of the names beside fields.
 const NAME_WIDTH: f32 = 92.0;
 
@@ -69,13 +69,15 @@ impl Sheet<'_> {
         ui.add_space(6.0);
         match self.form.kind {
             ExportKind::Result | ExportKind::Samples => self.precision(ui),
-            ExportKind::Picture => {
+            ExportKind::Picture | ExportKind::Scenes => {
                 self.scale(ui);
                 self.colours(ui);
+                self.legend(ui);
             }
             ExportKind::Animation => {
                 self.scale(ui);
                 self.colours(ui);
+                self.legend(ui);
                 self.span(ui);
                 self.frames(ui);
                 self.delay(ui);
@@ -120,6 +122,9 @@ impl Sheet<'_> {
             ExportKind::Picture => {
                 format!("The canvas as it is, with the parameters inside. {LEFT_OUT}")
             }
+            ExportKind::Scenes => {
+                format!("A picture of every scene, with its caption, in files whose names are numbered. {LEFT_OUT}")
+            }
             ExportKind::Animation => self.animation(),
         }
     }
@@ -136,7 +141,9 @@ impl Sheet<'_> {
         } else {
             "the stage shown; a loop on the timeline chooses another range"
         };
-        format!("The canvas from event {start} to event {end}: {whose}. {LEFT_OUT}")
+        format!(
+            "The canvas from event {start} to event {end}: {whose}. What is selected, brushed, compared or on the GPU is left out."
+        )
     }
 
     fn file(&mut self, ui: &mut Ui) {
@@ -266,6 +273,16 @@ impl Sheet<'_> {
                 if ui.add(button).clicked() {
                     sheet.commands.push(ExportCommand::Print(print));
                 }
+            }
+        });
+    }
+
+    fn legend(&mut self, ui: &mut Ui) {
+        self.named(ui, "Legend", |sheet, ui, _| {
+            let mut legend = sheet.form.legend;
+            let switch = ui.checkbox(&mut legend, "below the picture");
+            if switch.known_as("export.legend").changed() {
+                sheet.commands.push(ExportCommand::Legend(legend));
             }
         });
     }
@@ -418,6 +435,7 @@ impl Sheet<'_> {
                 let what = match kind {
                     ExportKind::Result | ExportKind::Samples => "file and certificate",
                     ExportKind::Picture => "picture",
+                    ExportKind::Scenes => "pictures",
                     ExportKind::Animation => "animation",
                 };
                 format!("{verb} {what}")

@@ -27,34 +27,14 @@ pub fn show(
     ui.spacing_mut().item_spacing.y = 1.0;
     let combination = context.run.shows_combination();
     let shown = context.appearance.layers(context.run.current_stage());
-    for (layer, meaning) in [
-        (Layer::Samples, "sample"),
-        (Layer::Disks, "disk of radius r"),
-        (Layer::Blocks, "building block"),
-        (Layer::Tree, "split of the KD-tree"),
-        (Layer::Seams, "seam, and how far gluing may reach"),
-        (Layer::Pattern, "clip: block enlarged by r"),
-        (Layer::Conflicts, "conflict: closer than r"),
-        (Layer::Eliminated, "eliminated sample"),
-        (Layer::Gaps, "gap: covered by no disk"),
-        (Layer::Detectors, "gap detector"),
-        (Layer::Candidates, "candidate place"),
-        (Layer::Inserted, "inserted sample"),
-        (Layer::Delaunay, "Delaunay triangle"),
-        (Layer::Voronoi, "border of a Voronoi cell"),
-        (Layer::Circumcircles, "empty circle larger than r"),
-        (Layer::CoveredCircles, "exposed arc: covered by no disk"),
-    ] {
-        let meaning = match layer {
-            Layer::Blocks if combination => "rectangle of a piece",
-            Layer::Pattern if combination => "rectangle enlarged by r",
-            layer if !layer.is_of(combination) => continue,
-            net if Layer::NETS.contains(&net) && !shown.has(net) => continue,
-            _ => meaning,
-        };
+    let is_listed = |layer: &Layer| {
+        layer.is_of(combination) && (!Layer::NETS.contains(layer) || shown.has(*layer))
+    };
+    for layer in Layer::ALL.into_iter().filter(is_listed) {
         ui.horizontal(|ui| {
             let (rect, _) = ui.allocate_exact_size(vec2(22.0, 20.0), Sense::hover());
             symbol(ui.painter(), layer, rect.center(), palette);
+            let meaning = layer.meaning(combination);
             ui.label(RichText::new(meaning).size(12.5).color(palette.muted));
         });
     }

@@ -5,6 +5,8 @@ use tilescope_drawing::palette::Palette;
 use tilescope_ui::widgets::{Icon, Known, icon_button, verdict_mark};
 
 use tilescope_workbench::command::Command;
+#[cfg(not(target_arch = "wasm32"))]
+use tilescope_workbench::state::Notice;
 use tilescope_workbench::state::State;
 
 /// Shows the notice, if there is one, over the canvas.
@@ -44,12 +46,16 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
                         let (rect, _) = ui.allocate_exact_size(size, egui::Sense::hover());
                         verdict_mark(ui.painter(), rect.center(), !notice.is_error, color);
                         ui.scope(|ui| {
-                            ui.set_max_width(width - 80.0);
+                            ui.set_max_width(
+                                width - if notice.folder.is_some() { 180.0 } else { 80.0 },
+                            );
                             let text = RichText::new(&notice.text);
                             let response = ui.add(egui::Label::new(text).wrap());
                             super::common::read_out(ui, &response);
                             response.known_as("notice");
                         });
+                        #[cfg(not(target_arch = "wasm32"))]
+                        open_folder(ui, notice, commands);
                         let dismiss = icon_button(ui, Icon::Close, "Dismiss", None, palette);
                         if dismiss.known_as("dismiss").clicked() {
                             commands.push(Command::DismissNotice);
@@ -57,4 +63,17 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
                     });
                 });
         });
+}
+
+/// Shows the button that opens the folder of the file that was written, if one was.
+#[cfg(not(target_arch = "wasm32"))]
+fn open_folder(ui: &mut Ui, notice: &Notice, commands: &mut Vec<Command>) {
+    let Some(folder) = &notice.folder else {
+        return;
+    };
+    let button = ui.button("Open folder");
+    button.known_as("open-folder");
+    if button.on_hover_text(folder.display().to_string()).clicked() {
+        commands.push(Command::OpenFolder(folder.clone()));
+    }
 }

@@ -265,6 +265,7 @@ fn sheets_and_notices_fit() {
         harness.state_mut().state.messages.notice = Some(tilescope_workbench::state::Notice {
             text: text.repeat(3),
             is_error: true,
+            folder: None,
         });
         harness.run();
         let dismiss = node(&harness, "dismiss").rect();

@@ -241,6 +241,7 @@ fn tab_leads_through_and_out_of_a_frame_both_ways() {
     player.state_mut().state.messages.notice = Some(tilescope_workbench::state::Notice {
         text: "Something went wrong.".to_owned(),
         is_error: true,
+        folder: None,
     });
     player.run();
     let with_notice = tab_through(&mut player, false);

@@ -21,6 +21,7 @@ pub fn browse(form: &ExportForm, wake: &Wake) -> Job<Option<PathBuf>> {
             ("Export the samples and their certificate", "All point sets")
         }
         ExportKind::Picture => ("Export a picture of this moment", "All pictures"),
+        ExportKind::Scenes => ("Export pictures of the scenes", "All pictures"),
         ExportKind::Animation => ("Export an animation", "All animations"),
     };
     let mut dialog = rfd::AsyncFileDialog::new()

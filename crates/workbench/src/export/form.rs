@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use tilescope_formats::Precision;
 
 use super::refusal::ExportRefusal;
-use super::{ExportKind, extension};
+use super::{ExportKind, extension, scene_path};
 use crate::clock::Clock;
 
 /// The smallest scale: pixels for a point of the window.
@@ -33,6 +33,10 @@ pub enum NumberField {
 
 /// The export sheet.
 #[derive(Clone, Debug, PartialEq)]
+#[allow(
+    clippy::struct_excessive_bools,
+    reason = "independent switches of a form"
+)]
 pub struct ExportForm {
     /// The kind of export.
     pub kind: ExportKind,
@@ -44,6 +48,10 @@ pub struct ExportForm {
     pub scale: String,
     /// Whether pictures are coloured for print instead of as in the window.
     pub print: bool,
+    /// Whether a legend is below a picture.
+    pub legend: bool,
+    /// How many scenes there are to be pictured.
+    pub scenes: usize,
     /// Whether an animation shows the whole run instead of the stage shown or the loop.
     pub whole_run: bool,
     /// The clock that counts frames.
@@ -66,6 +74,8 @@ impl Default for ExportForm {
             precision: Precision::Double,
             scale: "1".to_owned(),
             print: false,
+            legend: false,
+            scenes: 0,
             whole_run: false,
             clock: Clock::Event,
             every: String::new(),
@@ -101,8 +111,24 @@ impl ExportForm {
         self.taken = if self.path.trim().is_empty() {
             None
         } else {
-            taken(self.file(), self.kind)
+            self.files().find(|file| file.symlink_metadata().is_ok())
         };
+    }
+
+    /// Returns the files that an export writes; none where a browser stores them.
+    fn files(&self) -> impl Iterator<Item = PathBuf> {
+        let file = self.file();
+        let mut files = match self.kind {
+            ExportKind::Scenes => (0..self.scenes)
+                .map(|index| scene_path(file, index, self.scenes))
+                .collect(),
+            _ => vec![file.to_owned()],
+        };
+        if self.kind.is_set() {
+            files.push(tilescope_formats::certificate_path(file));
+        }
+        files.retain(|_| cfg!(not(target_arch = "wasm32")));
+        files.into_iter()
     }
 
     /// Returns why no file of this name can be written.
@@ -152,20 +178,6 @@ impl ExportForm {
     }
 }
 
-#[cfg(not(target_arch = "wasm32"))]
-fn taken(path: &Path, kind: ExportKind) -> Option<PathBuf> {
-    let certificate = kind
-        .is_set()
-        .then(|| tilescope_formats::certificate_path(path));
-    let mut files = std::iter::once(path.to_owned()).chain(certificate);
-    files.find(|file| file.symlink_metadata().is_ok())
-}
-
-#[cfg(target_arch = "wasm32")]
-const fn taken(_: &Path, _: ExportKind) -> Option<PathBuf> {
-    None
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -179,6 +191,7 @@ mod tests {
         for (kind, path) in [
             (ExportKind::Samples, "some.folder/first.set.ply"),
             (ExportKind::Picture, "some.folder/first.set.png"),
+            (ExportKind::Scenes, "some.folder/first.set.png"),
             (ExportKind::Animation, "some.folder/first.set.gif"),
             (ExportKind::Result, "some.folder/first.set.csv"),
             (ExportKind::Samples, "some.folder/first.set.csv"),
@@ -198,6 +211,19 @@ mod tests {
         assert!(form.path == "film.SVG" && !form.has_scale());
         form.path = "  ".to_owned();
         assert_eq!(form.name_refusal(), Some(ExportRefusal::NoName));
+    }
+
+    #[test]
+    fn scenes_have_numbered_files() {
+        let names = |count| {
+            let path = |index| scene_path(Path::new("talks/intro.v2.png"), index, count);
+            [0, count - 1].map(|index| path(index).to_string_lossy().into_owned())
+        };
+        assert_eq!(names(3), ["talks/intro.v2-1.png", "talks/intro.v2-3.png"]);
+        assert_eq!(
+            names(12),
+            ["talks/intro.v2-01.png", "talks/intro.v2-12.png"]
+        );
     }
 
     #[test]

@@ -1,5 +1,5 @@
-//! A picture of a moment, as a scene of `tilescope_figures`: with the canvas' camera, layers and colours, and a
-//! caption below.
+//! A picture of a moment, as a scene of `tilescope_figures`: with the canvas' camera, layers and colours, the moment in
+//! words above, and perhaps a caption and a legend below.
 
 use std::sync::Arc;
 
@@ -19,6 +19,8 @@ use tilescope_session::sentence::stage_sentence;
 use tilescope_session::session::Session;
 use tilescope_session::words::{counted, grouped};
 
+use super::MomentView;
+use super::below::{Below, Legend};
 use super::drawing::{empty_domain, groups};
 use super::provenance::provenance;
 use super::refusal::ExportRefusal;
@@ -29,8 +31,8 @@ use tilescope_drawing::camera::Camera;
 /// The most samples that a picture draws.
 pub const MAX_DRAWN: usize = 1_000_000;
 
-/// The view of a picture: the visible part of the plane, and how it is drawn.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+/// The view of a picture: the visible part of the plane, how it is drawn, and what is written below it.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct PictureView {
     /// The camera of the canvas.
     pub camera: Camera,
@@ -46,6 +48,10 @@ pub struct PictureView {
     pub dark: bool,
     /// Whether it is coloured for print instead: dark on white.
     pub print: bool,
+    /// The caption below it; empty for none.
+    pub caption: String,
+    /// The legend below it, if any.
+    pub legend: Option<Legend>,
 }
 
 impl PictureView {
@@ -105,30 +111,35 @@ impl PictureView {
 
     /// Returns the size of the whole picture in points, including margins and caption.
     fn paper(&self) -> [f64; 2] {
-        let width = self.size[0] / (1.0 - 2.0 * MARGIN);
-        [width, self.size[1] + (2.0 * MARGIN + CAPTION) * width]
+        let width = self.width();
+        let above = self.size[1] + (2.0 * MARGIN + HEADING) * width;
+        [width, above + Below::of(self).height]
+    }
+
+    /// Returns the width of the whole picture in points.
+    pub(super) fn width(&self) -> f64 {
+        self.size[0] / (1.0 - 2.0 * MARGIN)
     }
 
     /// Returns the rectangle in which the picture shows the plane, in points.
     #[must_use]
     pub fn frame(&self) -> Rect {
-        let width = self.paper()[0];
-        let corner = pos2((MARGIN * width) as f32, ((MARGIN + CAPTION) * width) as f32);
+        let width = self.width();
+        let corner = pos2((MARGIN * width) as f32, ((MARGIN + HEADING) * width) as f32);
         Rect::from_min_size(corner, vec2(self.size[0] as f32, self.size[1] as f32))
     }
 }
 
 /// The margin around that rectangle, relative to the picture's width.
 const MARGIN: f64 = 0.016;
-/// The height of the caption, relative to the picture's width.
-const CAPTION: f64 = 0.044;
+/// The height of the heading, relative to the picture's width.
+const HEADING: f64 = 0.044;
 
 /// Returns the picture of a moment, with the run's parameters in its metadata.
 #[must_use]
 pub fn scene(
     session: &Session,
-    moment: &Moment,
-    view: &PictureView,
+    MomentView { moment, view }: &MomentView,
     causes: Option<&BrushedCause>,
 ) -> Scene {
     let mut scene = drawn(session, moment, view, causes, true);
@@ -136,6 +147,10 @@ pub fn scene(
     let shown = moment.description(session).to_string();
     scene.metadata.push(("Moment".to_owned(), shown));
     scene.metadata.push(("View".to_owned(), described(view)));
+    if !view.caption.is_empty() {
+        let caption = ("Caption".to_owned(), view.caption.clone());
+        scene.metadata.push(caption);
+    }
     scene
 }
 
@@ -171,7 +186,7 @@ fn debugger_at(session: &Session, moment: &Moment) -> Option<Debugger> {
 }
 
 /// Returns a picture without margins and caption.
-pub(crate) fn thumbnail(session: &Session, moment: &Moment, view: &PictureView) -> Scene {
+pub(crate) fn thumbnail(session: &Session, MomentView { moment, view }: &MomentView) -> Scene {
     let debugger = debugger_at(session, moment);
     let shown = ShownMoment {
         session,
@@ -210,15 +225,15 @@ fn drawn(
     } else {
         groups(shown, view, causes, view.frame())
     };
-    caption(&mut scene, &shown, view);
+    heading(&mut scene, &shown, view);
+    scene.groups.extend(Below::of(view).groups(view));
     scene
 }
 
-/// Adds a caption of the moment in words, also as the title, and the event's number.
-fn caption(scene: &mut Scene, shown: &ShownMoment<'_>, view: &PictureView) {
+/// Adds the moment in words above the picture, also as the title, and the event's number.
+fn heading(scene: &mut Scene, shown: &ShownMoment<'_>, view: &PictureView) {
     let (palette, frame) = (view.palette(), rect(view.frame()));
-    let px = view.paper()[0] / 1000.0;
-    let size = 20.0 * px;
+    let size = 0.02 * view.width();
     let event = shown.debugger.map_or_else(String::new, |debugger| {
         let [at, all] = [debugger.state().cursor(), debugger.recording().len()];
         format!("event {} of {}", grouped(at), grouped(all))
@@ -230,13 +245,13 @@ fn caption(scene: &mut Scene, shown: &ShownMoment<'_>, view: &PictureView) {
     };
     let width = text_width(&event, Font::Regular, size);
     let room = frame.max[0] - frame.min[0] - width - size;
-    let line = frame.min[1] - 16.0 * px;
+    let line = frame.min[1] - 0.8 * size;
     let ink = color(palette.text);
     let left = Text::new([frame.min[0], line], fitted(&text, room, size), size, ink);
     let muted = color(palette.muted);
     let mut right = Text::new([frame.max[0], line], event, size, muted);
     right.anchor = Anchor::End;
-    let mut group = Group::new("caption");
+    let mut group = Group::new("heading");
     group.shapes = [left, right].map(Shape::Text).into();
     group
         .shapes

@@ -25,6 +25,9 @@ pub enum ExportRefusal {
     /// No sample covers its disk.
     #[error("No sample covers its disk at this moment.")]
     NoSamples,
+    /// There is no scene whose moment is in this run.
+    #[error("There are no scenes of this run: B makes one.")]
+    NoScenes,
     /// No file was named.
     #[error("Name a file.")]
     NoName,

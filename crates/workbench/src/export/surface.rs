@@ -21,11 +21,11 @@ pub(super) fn color(color: Color32) -> Color {
     with_alpha([red, green, blue, 255], alpha)
 }
 
-fn line(stroke: Stroke) -> tilescope_figures::Stroke {
+pub(super) fn line(stroke: Stroke) -> tilescope_figures::Stroke {
     tilescope_figures::Stroke::new(color(stroke.color), f64::from(stroke.width))
 }
 
-fn style(fill: Option<Color32>, stroke: Option<Stroke>) -> Style {
+pub(super) fn style(fill: Option<Color32>, stroke: Option<Stroke>) -> Style {
     let mut style = fill.map_or_else(Style::default, |fill| Style::filled(color(fill)));
     style.stroke = stroke.map(line);
     style

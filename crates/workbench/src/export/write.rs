@@ -10,7 +10,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use serde_json::json;
 use tilescope_analysis::Report;
 use tilescope_figures::{
-    AnimationError, FigureError, to_pixels, to_png, to_svg, write_apng, write_gif,
+    AnimationError, FigureError, Scene, to_pixels, to_png, to_svg, write_apng, write_gif,
 };
 use tilescope_formats::{
     ExportContext, ExportError, FormatError, PointSet, Warning, certificate_path, export_bytes,
@@ -20,7 +20,7 @@ use tilescope_formats::{export, write_through, write_whole};
 
 use super::picture::{described, frame, scene};
 use super::provenance::{method, parameter_map, point_set, provenance};
-use super::{ExportContent, ExportJob, extension};
+use super::{ExportContent, ExportJob, extension, scene_path};
 use crate::clock::Clock;
 use tilescope_session::incoming::NamedBytes;
 use tilescope_session::jobs::Monitor;
@@ -54,6 +54,11 @@ pub enum What {
     },
     /// A picture.
     Picture,
+    /// Pictures of scenes.
+    Scenes {
+        /// How many they are.
+        count: usize,
+    },
     /// An animation.
     Animation {
         /// How many frames it has.
@@ -140,6 +145,13 @@ pub fn write(order: &ExportJob, monitor: &Monitor) -> Result<Written, WriteError
             write_whole(&order.path, &bytes)?;
             Ok(What::Picture)
         }),
+        ExportContent::Scenes { .. } => scenes(order, monitor).and_then(|files| {
+            let count = files.len();
+            for (path, bytes) in files {
+                write_whole(&path, &bytes)?;
+            }
+            Ok(What::Scenes { count })
+        }),
         ExportContent::Animation { .. } => {
             let written = write_through(&order.path, |file| animate(order, file, monitor));
             written.map(|()| animation(order))
@@ -162,6 +174,13 @@ pub fn render(order: &ExportJob, monitor: &Monitor) -> Result<Outgoing, WriteErr
         ExportContent::Picture { .. } => picture(order, monitor).map(|bytes| {
             files.push(NamedBytes::new(name, bytes));
             What::Picture
+        }),
+        ExportContent::Scenes { .. } => scenes(order, monitor).and_then(|made| {
+            let count = made.len();
+            for (path, bytes) in made {
+                files.push(NamedBytes::new(name_of(&path)?, bytes));
+            }
+            Ok(What::Scenes { count })
         }),
         ExportContent::Animation { .. } => {
             let mut bytes = Limited(Vec::new());
@@ -271,8 +290,7 @@ fn render_samples(
 
 fn picture(order: &ExportJob, monitor: &Monitor) -> Result<Vec<u8>, WriteError> {
     let ExportContent::Picture {
-        moment,
-        view,
+        shown,
         causes,
         scale,
     } = &order.content
@@ -283,16 +301,38 @@ fn picture(order: &ExportJob, monitor: &Monitor) -> Result<Vec<u8>, WriteError> 
     let causes = causes
         .clone()
         .map(|cause| BrushedCause { serial: 0, cause });
-    let scene = scene(&order.session, moment, view, causes.as_ref());
+    let scene = scene(&order.session, shown, causes.as_ref());
     monitor.set_fraction(0.3);
     go_on(monitor)?;
-    let bytes = match extension(&order.path).as_deref() {
-        Some("svg") => to_svg(&scene)?.into_bytes(),
-        _ => to_png(&scene, *scale)?,
-    };
+    let bytes = encoded(&scene, order, *scale)?;
     monitor.set_fraction(0.9);
     go_on(monitor)?;
     Ok(bytes)
+}
+
+/// Returns a picture in the format of the file's extension.
+fn encoded(scene: &Scene, order: &ExportJob, scale: f64) -> Result<Vec<u8>, WriteError> {
+    Ok(match extension(&order.path).as_deref() {
+        Some("svg") => to_svg(scene)?.into_bytes(),
+        _ => to_png(scene, scale)?,
+    })
+}
+
+/// Returns the files of the scenes: all are drawn before the first one is written.
+fn scenes(order: &ExportJob, monitor: &Monitor) -> Result<Vec<(PathBuf, Vec<u8>)>, WriteError> {
+    let ExportContent::Scenes { shown, scale } = &order.content else {
+        return Ok(Vec::new());
+    };
+    let count = shown.len();
+    let mut files = Vec::new();
+    for (index, shown) in shown.iter().enumerate() {
+        monitor.set_activity(&format!("scene {} of {count}", index + 1));
+        monitor.set_fraction(index as f32 / count as f32);
+        go_on(monitor)?;
+        let bytes = encoded(&scene(&order.session, shown, None), order, *scale)?;
+        files.push((scene_path(&order.path, index, count), bytes));
+    }
+    Ok(files)
 }
 
 fn animation(order: &ExportJob) -> What {

@@ -43,7 +43,7 @@ impl Context {
     }
 
     pub(super) fn tell(&mut self, text: String, is_error: bool) {
-        self.effects.push(Effect::Tell(Notice { text, is_error }));
+        self.ask(Effect::Tell(Notice::new(text, is_error)));
     }
 
     /// Returns the generation for a session that is about to be made.

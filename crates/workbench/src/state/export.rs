@@ -3,19 +3,24 @@
 use std::ops::Range;
 use std::sync::Arc;
 
+use tilescope_core::Stage;
+use tilescope_debugger::SavedScene;
 use tilescope_drawing::brushed::BrushedCause;
 use tilescope_session::jobs::Job;
+use tilescope_session::layers::Layers;
 use tilescope_session::selection::Selection;
 use tilescope_session::words::{counted, grouped};
 
 use super::effects::Context;
+use super::scenes::caption_of;
 use super::{RunView, State, Time};
 use crate::appearance::Appearance;
 use crate::export::frames::{Count, Key, count, every_at_first, frames};
 use crate::export::picture::MAX_DRAWN;
+use crate::export::scenes::view_of_scene;
 use crate::export::{
-    ExportCommand, ExportContent, ExportForm, ExportJob, ExportKind, ExportRefusal, MAX_FRAMES,
-    NumberField, PictureView,
+    ExportCommand, ExportContent, ExportForm, ExportJob, ExportKind, ExportRefusal, Legend,
+    MAX_FRAMES, MomentView, NumberField, PictureView,
 };
 use crate::files::Delivery;
 
@@ -44,6 +49,8 @@ pub struct ExportSource<'a> {
     pub appearance: &'a Appearance,
     /// The causes of the brush, if visible.
     pub causes: Option<&'a BrushedCause>,
+    /// The caption of the scene that is shown, if it has one.
+    pub caption: Option<&'a str>,
 }
 
 impl State {
@@ -55,6 +62,7 @@ impl State {
             time: &self.time,
             appearance: &self.appearance,
             causes: self.causes(),
+            caption: self.caption(),
         }
     }
 
@@ -71,6 +79,7 @@ impl State {
                 time,
                 appearance,
                 analysis,
+                scene,
                 ..
             } = state;
             let source = ExportSource {
@@ -78,6 +87,7 @@ impl State {
                 time,
                 appearance,
                 causes: analysis.causes(&runs.first, are_causes_seen),
+                caption: caption_of(&runs.first, *scene),
             };
             act(&mut files.exports, source, files.delivery, context)
         })
@@ -93,9 +103,12 @@ impl Exports {
         delivery: Delivery,
         context: &mut Context,
     ) {
+        if let Some(form) = &mut self.sheet {
+            form.scenes = source.scenes().len();
+        }
         match command {
             ExportCommand::Open(kind) => {
-                self.sheet.get_or_insert_default();
+                self.sheet.get_or_insert_default().scenes = source.scenes().len();
                 self.choose(kind, source);
             }
             ExportCommand::Close => self.sheet = None,
@@ -166,11 +179,24 @@ impl Exports {
             ExportKind::Result => Ok(counted(session.summary.count, "sample", "samples")),
             ExportKind::Samples => Ok(source.moment_name()),
             ExportKind::Picture => {
-                let size = checked_view(form, source)?.1;
+                let (shown, scale) = checked_view(form, source)?;
+                let size = size_text(&shown.view, scale);
                 Ok(format!("{}, {size}", source.moment_name()))
             }
+            ExportKind::Scenes => {
+                let (shown, scale) = checked_scenes(form, source)?;
+                let pictures = counted(shown.len(), "picture", "pictures");
+                let left = form.scenes.saturating_sub(shown.len());
+                let left = match left {
+                    0 => String::new(),
+                    left => format!("; {left} of other runs are left out"),
+                };
+                let size = shown.first().map(|first| size_text(&first.view, scale));
+                Ok(format!("{pictures}, {}{left}", size.unwrap_or_default()))
+            }
             ExportKind::Animation => {
-                let size = checked_view(form, source)?.1;
+                let (shown, scale) = checked_view(form, source)?;
+                let size = size_text(&shown.view, scale);
                 let frames = self.frame_count(form, source)?;
                 let secs = frames as f64 * f64::from(form.delay()?) / 100.0;
                 Ok(format!(
@@ -216,31 +242,32 @@ impl Exports {
     /// Returns the export that the sheet describes.
     pub fn order(&self, source: ExportSource<'_>) -> Result<ExportJob, ExportRefusal> {
         self.prospect(source)?;
-        let (Some(form), Some(session), Some(moment)) =
-            (&self.sheet, &source.run.session, source.run.moment())
-        else {
+        let (Some(form), Some(session)) = (&self.sheet, &source.run.session) else {
             return Err(ExportRefusal::NoSession);
         };
         let content = match form.kind {
             ExportKind::Result | ExportKind::Samples => ExportContent::Samples {
-                moment: (form.kind == ExportKind::Samples).then_some(moment),
+                moment: (source.run.moment()).filter(|_| form.kind == ExportKind::Samples),
                 precision: form.precision,
             },
             ExportKind::Picture => {
-                let (view, scale) = checked_view(form, source)?.0;
+                let (shown, scale) = checked_view(form, source)?;
                 ExportContent::Picture {
-                    moment,
-                    view,
+                    shown,
                     causes: source.causes.map(|found| found.cause.clone()),
                     scale,
                 }
             }
+            ExportKind::Scenes => {
+                let (shown, scale) = checked_scenes(form, source)?;
+                ExportContent::Scenes { shown, scale }
+            }
             ExportKind::Animation => {
-                let (view, scale) = checked_view(form, source)?.0;
+                let (shown, scale) = checked_view(form, source)?;
                 let (_, range, clock, every) = frames_key(form, source)?;
                 ExportContent::Animation {
                     cursors: frames(session, &range, clock, every)?,
-                    view,
+                    view: shown.view,
                     scale,
                     delay: form.delay()?,
                     clock,
@@ -275,6 +302,7 @@ impl ExportSource<'_> {
             }
             ExportKind::Animation if session.recording().is_none() => Some(ExportRefusal::NoEvents),
             ExportKind::Samples if !moment.has_samples(session) => Some(ExportRefusal::NoSamples),
+            ExportKind::Scenes if self.scenes().is_empty() => Some(ExportRefusal::NoScenes),
             _ => None,
         }
     }
@@ -296,8 +324,27 @@ impl ExportSource<'_> {
         Some(range.unwrap_or(start..end))
     }
 
-    /// Returns the view of a picture, as on the canvas. Animations show the run's domain even while the canvas shows
-    /// the pattern.
+    fn scenes(&self) -> &[SavedScene] {
+        let debugger = self.run.debugger.as_ref();
+        debugger.map_or(&[], |debugger| &debugger.scenes)
+    }
+
+    /// Returns the legend of the layers at a stage; of all stages for an animation.
+    fn legend(&self, kind: ExportKind, stage: Stage) -> Legend {
+        let layers = match self.appearance.chosen_layers {
+            Some(layers) => layers,
+            None if kind == ExportKind::Animation => Layers::of_any_stage(),
+            None => Layers::of_stage(stage),
+        };
+        let combination = self.run.shows_combination();
+        Legend {
+            layers,
+            combination,
+        }
+    }
+
+    /// Returns the view of a picture, as on the canvas, with the caption of the scene shown and without a legend. Animations
+    /// show the run's domain even while the canvas shows the pattern.
     pub fn view(&self, kind: ExportKind, print: bool) -> Result<PictureView, ExportRefusal> {
         if !self.run.viewport.is_positive() {
             return Err(ExportRefusal::NoCanvas);
@@ -316,8 +363,10 @@ impl ExportSource<'_> {
                 ExportKind::Animation => Selection::Nothing,
                 _ => self.run.selection(),
             },
-            dark: tilescope_drawing::palette::Palette::of(self.appearance.look).dark,
+            dark: self.appearance.look.is_dark(),
             print,
+            caption: self.caption.unwrap_or_default().to_owned(),
+            legend: None,
         })
     }
 
@@ -334,17 +383,56 @@ impl ExportSource<'_> {
     }
 }
 
-/// Returns the view of a sheet, its scale, and its size in words.
+/// Returns what the picture of a sheet shows, and its scale.
 fn checked_view(
     form: &ExportForm,
     source: ExportSource<'_>,
-) -> Result<((PictureView, f64), String), ExportRefusal> {
+) -> Result<(MomentView, f64), ExportRefusal> {
+    let moment = source.run.moment().ok_or(ExportRefusal::NoSession)?;
+    let mut view = source.view(form.kind, form.print)?;
+    view.legend = form.legend.then(|| source.legend(form.kind, moment.stage));
+    let shown = MomentView { moment, view };
+    let scale = checked_scale(form, source, &shown.view)?;
+    Ok((shown, scale))
+}
+
+/// Returns what the pictures of the scenes show, and their scale. Scenes that this run does not have are left out.
+fn checked_scenes(
+    form: &ExportForm,
+    source: ExportSource<'_>,
+) -> Result<(Vec<MomentView>, f64), ExportRefusal> {
+    let (Some(session), Some(debugger)) = (&source.run.session, &source.run.debugger) else {
+        return Err(ExportRefusal::NoSession);
+    };
+    let canvas = source.view(form.kind, form.print)?;
+    let scenes = source.scenes().iter();
+    let mut shown: Vec<MomentView> = scenes
+        .filter_map(|scene| view_of_scene(session, debugger, scene, canvas.size, canvas.dark))
+        .collect();
+    let mut scale = Err(ExportRefusal::NoScenes);
+    for MomentView { moment, view } in &mut shown {
+        view.print = form.print;
+        let layers = view.layers(moment.stage);
+        view.legend = form.legend.then(|| Legend {
+            layers,
+            ..source.legend(form.kind, moment.stage)
+        });
+        scale = Ok(checked_scale(form, source, view)?);
+    }
+    Ok((shown, scale?))
+}
+
+/// Returns the scale of a sheet, unless the picture is too large.
+fn checked_scale(
+    form: &ExportForm,
+    source: ExportSource<'_>,
+    view: &PictureView,
+) -> Result<f64, ExportRefusal> {
     let session = source
         .run
         .session
         .as_ref()
         .ok_or(ExportRefusal::NoSession)?;
-    let view = source.view(form.kind, form.print)?;
     let (low, high) = view.camera.visible(source.run.viewport);
     let samples = session.index.count_in(low, high);
     if samples > MAX_DRAWN {
@@ -352,11 +440,13 @@ fn checked_view(
     }
     let scale = if form.has_scale() { form.scale()? } else { 1.0 };
     let animated = form.kind == ExportKind::Animation;
-    if let Some(refusal) = view.size_refusal(scale, animated) {
-        return Err(refusal);
-    }
+    view.size_refusal(scale, animated).map_or(Ok(scale), Err)
+}
+
+/// Returns the size of a picture in words.
+fn size_text(view: &PictureView, scale: f64) -> String {
     let [width, height] = view.pixels(scale).map(grouped);
-    Ok(((view, scale), format!("{width} x {height} pixels")))
+    format!("{width} x {height} pixels")
 }
 
 fn frames_key(form: &ExportForm, source: ExportSource<'_>) -> Result<Key, ExportRefusal> {
@@ -378,6 +468,7 @@ fn fill_in(form: &mut ExportForm, command: ExportCommand) {
         }
         ExportCommand::Precision(precision) => form.precision = precision,
         ExportCommand::Print(print) => form.print = print,
+        ExportCommand::Legend(legend) => form.legend = legend,
         ExportCommand::Type(NumberField::Scale, text) => form.scale = text,
         ExportCommand::Type(NumberField::Every, text) => form.every = text,
         ExportCommand::Type(NumberField::Delay, text) => form.delay = text,

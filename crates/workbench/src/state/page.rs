@@ -32,10 +32,7 @@ impl State {
             self.window.full_screen = FullScreen::Refused(why);
         }
         if !start.reason.is_empty() {
-            self.messages.notice = Some(Notice {
-                text: start.reason.clone(),
-                is_error: true,
-            });
+            self.messages.notice = Some(Notice::new(start.reason.clone(), true));
         }
         self.with(|state, context| state.gpu.begin_on_page(start, context));
     }

@@ -54,6 +54,8 @@ pub struct FileState {
     pub delivery: Delivery,
     /// Files that are to be downloaded.
     pub(super) downloads: Vec<NamedBytes>,
+    /// The folder that is to be opened in the system's file manager.
+    pub folder_to_open: Option<std::path::PathBuf>,
 }
 
 /// Links.

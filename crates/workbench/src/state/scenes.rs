@@ -4,7 +4,7 @@ use serde_json::{Value, json};
 use tilescope_debugger::{Debugger, Direction, Marked, SavedScene};
 use tilescope_session::selection::Selection;
 
-use super::State;
+use super::{RunView, State};
 use crate::command::{Command, FormCommand, Which};
 use crate::layout::Panel;
 use crate::scenes::{SceneCamera, SceneCommand, SceneList, ShownScene};
@@ -13,6 +13,16 @@ use crate::view::SavedView;
 
 /// The parts of a [`SavedView`] that a scene keeps; its camera is a [`SceneCamera`].
 const PARTS: [&str; 5] = ["layers", "colouring", "look", "layout", "selection"];
+
+/// Returns the caption of a scene that is shown.
+pub(super) fn caption_of(run: &RunView, shown: Option<ShownScene>) -> Option<&str> {
+    let ShownScene { list, index } = shown?;
+    let scene = match list {
+        SceneList::Tour => &tour().get(index)?.scene,
+        SceneList::Own => run.debugger.as_ref()?.scenes.get(index)?,
+    };
+    Some(&scene.caption)
+}
 
 impl State {
     /// Returns the scenes of a list.
@@ -36,10 +46,8 @@ impl State {
 
     /// Returns the caption of the scene that is shown.
     #[must_use]
-    pub fn caption(&self) -> Option<String> {
-        let shown = self.scene?;
-        let scenes = self.scenes(shown.list);
-        Some(scenes.get(shown.index)?.caption.clone())
+    pub fn caption(&self) -> Option<&str> {
+        caption_of(&self.runs.first, self.scene)
     }
 
     /// Draws the pictures of the scenes while their panel is open.

@@ -17,7 +17,7 @@ use tilescope_session::combination::{CombineCommand, NINE};
 use tilescope_session::layers::Layer;
 use tilescope_workbench::command::{AppearanceCommand, TimeCommand, ViewCommand, Which};
 use tilescope_workbench::compare::{CompareCommand, ComparePreset};
-use tilescope_workbench::export::{ExportKind, picture};
+use tilescope_workbench::export::{ExportKind, MomentView, picture};
 use tilescope_workbench::{Command, State};
 
 use crate::combining::{drop_text, nine};
@@ -116,13 +116,9 @@ fn stages_of_a_combination_can_be_stepped_through() {
 /// The number of segments and rectangles of a group in the moment's picture.
 fn drawn(state: &State, name: &str) -> usize {
     let view = export_view(state, ExportKind::Picture).unwrap();
-    let still = state.runs.first.moment().unwrap();
-    let scene = picture::scene(
-        state.runs.first.session.as_ref().unwrap(),
-        &still,
-        &view,
-        None,
-    );
+    let moment = state.runs.first.moment().unwrap();
+    let session = state.runs.first.session.as_ref().unwrap();
+    let scene = picture::scene(session, &MomentView { moment, view }, None);
     let shapes = scene.groups.iter().filter(|group| group.name == name);
     let shapes = shapes.flat_map(|group| &group.shapes);
     let count = |shape: &tilescope_figures::Shape| match shape {

@@ -19,6 +19,7 @@ use tilescope_session::words::grouped;
 use tilescope_workbench::clock::Clock;
 use tilescope_workbench::command::{AppearanceCommand, TimeCommand, ViewCommand, Which};
 use tilescope_workbench::export::{ExportCommand, ExportKind, NumberField, PictureView};
+use tilescope_workbench::scenes::SceneCommand;
 use tilescope_workbench::{Command, State};
 
 use crate::exporting::{export, export_view, fill_in, notice_text, opened, write};
@@ -128,6 +129,81 @@ fn a_png_has_the_requested_size_and_its_provenance() {
         assert!(before.pixels != after.pixels, "{command:?}");
         pictures.push(after);
     }
+}
+
+/// Returns whether an SVG has a group of this name.
+fn has_group(svg: &str, name: &str) -> bool {
+    svg.contains(&format!("aria-label=\"{name}\""))
+}
+
+#[test]
+fn every_scene_is_a_picture_with_its_caption() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut state = opened();
+    let path = folder.path().join("talk.svg");
+    let refusal = state.export_source().kind_refusal(ExportKind::Scenes);
+    assert!(refusal.is_some_and(|refusal| refusal.to_string().contains("no scenes")));
+    for (index, stage) in [1, 3].into_iter().enumerate() {
+        state.apply(Command::Time(TimeCommand::ShowStage(stage)));
+        state.apply(Command::Scene(SceneCommand::Add));
+        let caption = SceneCommand::Caption(index, format!("The stage of number {stage}"));
+        state.apply(Command::Scene(caption));
+    }
+    write(&mut state, ExportKind::Scenes, &path, &[]);
+    let notice = notice_text(&state);
+    assert!(
+        notice.contains("2 pictures") && notice.contains("talk-1"),
+        "{notice}"
+    );
+    let written = |number: usize| {
+        let path = folder.path().join(format!("talk-{number}.svg"));
+        fs::read_to_string(path).unwrap()
+    };
+    assert!(!path.exists() && !folder.path().join("talk-3.svg").exists());
+    assert!(written(1).contains("The stage of number 1"));
+    assert!(written(2).contains("The stage of number 3"));
+    assert!(has_group(&written(1), "KD-tree") && !has_group(&written(2), "KD-tree"));
+    // The first replacement is asked for.
+    fill_in(&mut state, ExportKind::Scenes, &path, &[]);
+    let taken = state.files.exports.sheet.as_ref().unwrap().taken.clone();
+    assert!(taken.is_some_and(|file| file.ends_with("talk-1.svg")));
+}
+
+#[test]
+fn a_picture_has_the_legend_if_wanted_and_the_caption_of_the_scene() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut state = opened();
+    state.apply(Command::Time(TimeCommand::ShowStage(3)));
+    let mut heights = Vec::new();
+    for (name, legend, caption) in [
+        ("plain", false, ""),
+        ("legend", true, ""),
+        ("both", true, "One of every conflicting pair has to go."),
+    ] {
+        if !caption.is_empty() {
+            state.apply(Command::Scene(SceneCommand::Add));
+            state.apply(Command::Scene(SceneCommand::Caption(0, caption.to_owned())));
+            state.apply(Command::Scene(SceneCommand::Show(0)));
+        }
+        let path = folder.path().join(format!("{name}.svg"));
+        fill_in(&mut state, ExportKind::Picture, &path, &[]);
+        export(&mut state, ExportCommand::Legend(legend));
+        export(&mut state, ExportCommand::Write);
+        state.settle();
+        let svg = fs::read_to_string(&path).unwrap();
+        assert_eq!(has_group(&svg, "legend"), legend);
+        assert_eq!(svg.contains("eliminated sample"), legend);
+        // Layers that are off are not in it.
+        assert!(!svg.contains("disk of radius r"));
+        assert_eq!(has_group(&svg, "caption"), !caption.is_empty());
+        assert!(svg.contains(caption));
+        let height = svg.split("height=\"").nth(1).unwrap();
+        heights.push(height.split('"').next().unwrap().parse::<f64>().unwrap());
+    }
+    assert!(
+        heights[0] < heights[1] && heights[1] < heights[2],
+        "{heights:?}"
+    );
 }
 
 #[test]

@@ -17,7 +17,7 @@ use tilescope_workbench::command::{
     AppearanceCommand, FormCommand, TimeCommand, ViewCommand, Which,
 };
 use tilescope_workbench::draft::{Choice, Field};
-use tilescope_workbench::export::{ExportKind, picture};
+use tilescope_workbench::export::{ExportKind, MomentView, picture};
 use tilescope_workbench::{Command, State};
 
 type Color = ecolor::Color32;
@@ -182,13 +182,17 @@ fn check_picture(state: &State) {
     let view = view.expect("a canvas");
     let session = state.runs.first.session.as_ref().expect("a session");
     let moment = state.runs.first.moment().expect("a moment");
-    let scene = picture::scene(session, &moment, &view, None);
+    let shown = MomentView {
+        moment,
+        view: view.clone(),
+    };
+    let scene = picture::scene(session, &shown, None);
     assert!(to_svg(&scene).is_ok(), "{moment:?}");
     let (at, all) = state.cursor().expect("events");
     let message = format!("(event {} of {})", grouped(at), grouped(all));
     assert!(scene.title.ends_with(&message), "{}", scene.title);
     let frame = view.frame();
-    for group in scene.groups.iter().filter(|group| group.name != "caption") {
+    for group in scene.groups.iter().filter(|group| group.name != "heading") {
         let clip = group.clip.expect("what is seen of the plane is clipped");
         let [width, height] = [0, 1].map(|k| (clip.max[k] - clip.min[k]) as f32);
         let fits = width <= frame.width() + 0.01 && height <= frame.height() + 0.01;

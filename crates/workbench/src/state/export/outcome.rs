@@ -1,5 +1,7 @@
 //! The running export, and the notice at its end.
 
+use std::path::PathBuf;
+
 use tilescope_session::incoming::NamedBytes;
 use tilescope_session::jobs::{Job, Monitor};
 use tilescope_session::task::{self, Task};
@@ -11,6 +13,7 @@ use crate::export::ExportCommand;
 use crate::export::write::{What, WriteError, Written, render};
 use crate::export::{ExportForm, ExportJob};
 use crate::files::{Delivery, packed};
+use crate::state::Notice;
 use crate::state::effects::{Context, Effect};
 
 /// How an export ends.
@@ -154,7 +157,12 @@ impl Exports {
             self.sheet = None;
         }
         let (text, is_error) = notice_of(written, download);
-        context.tell(text, is_error);
+        let path = std::path::absolute(&written.path).ok();
+        let folder = path.as_deref().and_then(std::path::Path::parent);
+        context.ask(Effect::Tell(Notice {
+            folder: folder.filter(|_| download.is_none()).map(PathBuf::from),
+            ..Notice::new(text, is_error)
+        }));
     }
 }
 
@@ -187,6 +195,17 @@ fn notice_of(written: &Written, download: Option<&str>) -> (String, bool) {
             (text, *result && !report.valid())
         }
         What::Picture => (format!("{verb} the picture {to}."), false),
+        What::Scenes { count } => {
+            let pictures = counted(*count, "picture", "pictures");
+            let to = match (download, written.path.file_stem()) {
+                (None, Some(stem)) => {
+                    let folder = written.path.with_file_name("");
+                    format!("{}{}-1 to -{count}", folder.display(), stem.display())
+                }
+                _ => to.trim_start_matches("to ").to_owned(),
+            };
+            (format!("{verb} {pictures}: {to}."), false)
+        }
         What::Animation { frames } => {
             let frames = counted(*frames, "frame", "frames");
             (format!("{verb} {frames} {to}."), false)

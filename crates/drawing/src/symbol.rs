@@ -1,0 +1,195 @@
+//! The symbols of layers, for chips and legends.
+
+use ecolor::Color32;
+use emath::{Vec2, vec2};
+use tilescope_session::layers::Layer;
+
+use crate::palette::Palette;
+use crate::surface::Stroke;
+
+/// A shape of a symbol, in screen points around its middle.
+#[derive(Clone, Debug, PartialEq)]
+pub enum SymbolShape {
+    /// A closed polygon.
+    Polygon {
+        /// Its corners.
+        corners: Vec<Vec2>,
+        /// Its fill.
+        fill: Option<Color32>,
+        /// Its outline.
+        stroke: Option<Stroke>,
+    },
+    /// Connected lines.
+    Line {
+        /// Their ends.
+        points: Vec<Vec2>,
+        /// Their stroke.
+        stroke: Stroke,
+        /// The lengths of dashes and of the spaces between them, if dashed.
+        dashes: Option<[f32; 2]>,
+    },
+    /// A circle.
+    Circle {
+        /// Its middle.
+        center: Vec2,
+        /// Its radius.
+        radius: f32,
+        /// Its fill.
+        fill: Option<Color32>,
+        /// Its outline.
+        stroke: Option<Stroke>,
+    },
+}
+
+fn line(points: impl Into<Vec<Vec2>>, stroke: Stroke) -> SymbolShape {
+    SymbolShape::Line {
+        points: points.into(),
+        stroke,
+        dashes: None,
+    }
+}
+
+fn dashed(points: impl Into<Vec<Vec2>>, stroke: Stroke, dashes: [f32; 2]) -> SymbolShape {
+    SymbolShape::Line {
+        points: points.into(),
+        stroke,
+        dashes: Some(dashes),
+    }
+}
+
+fn outline(corners: impl Into<Vec<Vec2>>, stroke: Stroke) -> SymbolShape {
+    SymbolShape::Polygon {
+        corners: corners.into(),
+        fill: None,
+        stroke: Some(stroke),
+    }
+}
+
+fn filled(corners: impl Into<Vec<Vec2>>, fill: Color32) -> SymbolShape {
+    SymbolShape::Polygon {
+        corners: corners.into(),
+        fill: Some(fill),
+        stroke: None,
+    }
+}
+
+fn dot(center: Vec2, radius: f32, color: Color32) -> SymbolShape {
+    SymbolShape::Circle {
+        center,
+        radius,
+        fill: Some(color),
+        stroke: None,
+    }
+}
+
+fn ring(radius: f32, stroke: Stroke) -> SymbolShape {
+    SymbolShape::Circle {
+        center: Vec2::ZERO,
+        radius,
+        fill: None,
+        stroke: Some(stroke),
+    }
+}
+
+/// Returns the corners of a rectangle of these sides around the middle.
+fn rect(width: f32, height: f32) -> [Vec2; 4] {
+    let (x, y) = (width / 2.0, height / 2.0);
+    [vec2(-x, -y), vec2(x, -y), vec2(x, y), vec2(-x, y)]
+}
+
+/// Returns the symbol of a layer as on the canvas, within 7 points of its middle.
+#[must_use]
+pub fn symbol(layer: Layer, palette: &Palette) -> Vec<SymbolShape> {
+    let thin = |color: Color32| Stroke::new(1.4, color);
+    match layer {
+        Layer::Samples => vec![dot(Vec2::ZERO, 3.0, palette.sample)],
+        Layer::Disks => vec![
+            dot(Vec2::ZERO, 6.0, palette.sample.gamma_multiply(0.12)),
+            ring(6.0, thin(palette.sample.gamma_multiply(0.8))),
+        ],
+        Layer::Pattern => {
+            let [a, b, c, d] = rect(12.0, 12.0);
+            vec![dashed([a, b, c, d, a], thin(palette.sample), [3.0, 2.0])]
+        }
+        Layer::Blocks => {
+            let (corners, color) = (rect(11.0, 11.0), palette.block(0));
+            vec![
+                filled(corners, color.gamma_multiply(0.25)),
+                outline(corners, thin(color)),
+            ]
+        }
+        Layer::Tree => [
+            ([vec2(-1.5, -6.0), vec2(-1.5, 6.0)], 2.6),
+            ([vec2(-1.5, 1.0), vec2(6.0, 1.0)], 1.6),
+            ([vec2(-6.0, -2.0), vec2(-1.5, -2.0)], 1.6),
+        ]
+        .map(|(ends, width)| line(ends, Stroke::new(width, palette.text)))
+        .into(),
+        // Two sets, and the seam between them in its band.
+        Layer::Seams => vec![
+            filled(rect(9.0, 13.0), palette.accent.gamma_multiply(0.3)),
+            line(
+                [vec2(0.0, -6.5), vec2(0.0, 6.5)],
+                Stroke::new(1.6, palette.accent),
+            ),
+        ],
+        Layer::Conflicts => {
+            let stroke = Stroke::new(1.8, palette.conflict);
+            vec![dashed(
+                [vec2(-6.0, 4.0), vec2(6.0, -4.0)],
+                stroke,
+                [3.5, 2.0],
+            )]
+        }
+        Layer::Eliminated => [vec2(4.0, 4.0), vec2(4.0, -4.0)]
+            .map(|end| line([-end, end], Stroke::new(1.6, palette.eliminated)))
+            .into(),
+        Layer::Gaps => gap(palette),
+        Layer::Detectors => vec![
+            ring(5.0, thin(palette.detector)),
+            dot(Vec2::ZERO, 1.8, palette.detector),
+        ],
+        Layer::Candidates => {
+            let corners = [vec2(0.0, -6.0), vec2(5.2, 4.0), vec2(-5.2, 4.0)];
+            vec![outline(corners, thin(palette.candidate))]
+        }
+        Layer::Delaunay => vec![outline(TRIANGLE, Stroke::new(1.3, palette.sample))],
+        Layer::Voronoi => TRIANGLE
+            .map(|end| line([Vec2::ZERO, end], Stroke::new(1.3, palette.detector)))
+            .into(),
+        Layer::Circumcircles => {
+            let on_circle = [0.4_f32, 2.5, 4.4].map(|angle| 6.0 * Vec2::angled(angle));
+            let dots = on_circle.map(|at| dot(at, 1.8, palette.conflict));
+            std::iter::once(ring(6.0, thin(palette.conflict)))
+                .chain(dots)
+                .collect()
+        }
+        Layer::CoveredCircles => {
+            let end = |step: u8| 6.0 * Vec2::angled(-0.3 - 0.25 * f32::from(step));
+            let arc: Vec<Vec2> = (0..=6).map(end).collect();
+            vec![
+                ring(6.0, thin(palette.sample.gamma_multiply(0.5))),
+                line(arc, Stroke::new(2.8, palette.gap)),
+            ]
+        }
+        Layer::Inserted => {
+            let [x, y] = [vec2(5.5, 0.0), vec2(0.0, 5.5)];
+            vec![filled([-y, x, y, -x], palette.inserted)]
+        }
+    }
+}
+
+const TRIANGLE: [Vec2; 3] = [vec2(-6.0, 4.0), vec2(1.0, -5.5), vec2(6.0, 4.5)];
+
+/// Returns a hatched square.
+fn gap(palette: &Palette) -> Vec<SymbolShape> {
+    let lines = [
+        [vec2(-5.0, 0.0), vec2(0.0, -5.0)],
+        [vec2(-5.0, 5.0), vec2(5.0, -5.0)],
+        [vec2(0.0, 5.0), vec2(5.0, 0.0)],
+    ];
+    let hatch = lines.map(|ends| line(ends, Stroke::new(1.3, palette.gap)));
+    std::iter::once(filled(rect(11.0, 11.0), palette.gap.gamma_multiply(0.3)))
+        .chain(hatch)
+        .collect()
+}

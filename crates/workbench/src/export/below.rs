@@ -1,0 +1,155 @@
+//! What is written below an exported picture: the caption of a scene, and a legend.
+
+use ecolor::Color32;
+use emath::Vec2;
+use serde::{Deserialize, Serialize};
+use tilescope_drawing::surface::Stroke;
+use tilescope_drawing::symbol::{SymbolShape, symbol};
+use tilescope_figures::{Baseline, Font, Group, Shape, Text, text_width, wrapped};
+use tilescope_session::layers::{Layer, Layers};
+
+use super::picture::PictureView;
+use super::surface::{color, line, style};
+
+/// A legend: the symbols of layers, each with its meaning.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Legend {
+    /// The layers.
+    pub layers: Layers,
+    /// Whether the session is a combination, in which some layers have other meanings.
+    pub combination: bool,
+}
+
+/// Font size of the caption, relative to the picture's width.
+const CAPTION_SIZE: f64 = 0.02;
+/// Font size of the legend, relative to the picture's width.
+const LEGEND_SIZE: f64 = 0.016;
+/// The height of a line, relative to its font size.
+const LINE_HEIGHT: f64 = 1.5;
+/// Room for a symbol before its meaning, and between entries, relative to the font size of the legend.
+const SYMBOL_WIDTH: f64 = 1.6;
+/// The font size at which symbols have the size that they are drawn at in the window.
+const FONT_OF_SYMBOLS: f64 = 12.5;
+
+/// The layout below a picture, in points from the left edge of its frame and from the frame's lower edge.
+pub(super) struct Below {
+    /// The height of it all.
+    pub(super) height: f64,
+    lines: Vec<String>,
+    entries: Vec<Entry>,
+}
+
+struct Entry {
+    layer: Layer,
+    meaning: &'static str,
+    /// The left edge, and the middle of the line.
+    at: [f64; 2],
+}
+
+impl Below {
+    pub(super) fn of(view: &PictureView) -> Self {
+        let (room, width) = (view.size[0], view.width());
+        let lines = wrapped(&view.caption, room, CAPTION_SIZE * width);
+        let mut height = lines.len() as f64 * LINE_HEIGHT * CAPTION_SIZE * width;
+        let mut entries = Vec::new();
+        if let Some(Legend {
+            layers,
+            combination,
+        }) = view.legend
+        {
+            let size = LEGEND_SIZE * width;
+            let mut x = 0.0;
+            for layer in layers.iter().filter(|layer| layer.is_of(combination)) {
+                let meaning = layer.meaning(combination);
+                let wide = 2.0 * SYMBOL_WIDTH * size + text_width(meaning, Font::Regular, size);
+                if x > 0.0 && x + wide > room {
+                    (x, height) = (0.0, height + LINE_HEIGHT * size);
+                }
+                let at = [x, height + 0.5 * LINE_HEIGHT * size];
+                entries.push(Entry { layer, meaning, at });
+                x += wide;
+            }
+            height += LINE_HEIGHT * size;
+        }
+        Self {
+            height,
+            lines,
+            entries,
+        }
+    }
+
+    /// Returns the shapes.
+    pub(super) fn groups(&self, view: &PictureView) -> Vec<Group> {
+        let (palette, frame, width) = (view.palette(), view.frame(), view.width());
+        let [left, top] = [frame.min.x, frame.max.y].map(f64::from);
+        let top = top + 0.5 * CAPTION_SIZE * width;
+        let written = |text: &str, at: [f64; 2], size: f64, ink: Color32| {
+            let mut text = Text::new(at, text.to_owned(), size, color(ink));
+            text.baseline = Baseline::Middle;
+            Shape::Text(text)
+        };
+        let mut caption = Group::new("caption");
+        let size = CAPTION_SIZE * width;
+        for (k, text) in self.lines.iter().enumerate() {
+            let at = [left, top + (k as f64 + 0.5) * LINE_HEIGHT * size];
+            caption.shapes.push(written(text, at, size, palette.text));
+        }
+        let mut legend = Group::new("legend");
+        let size = LEGEND_SIZE * width;
+        for Entry { layer, meaning, at } in &self.entries {
+            let [x, y] = [left + at[0], top + at[1]];
+            let middle = [x + 0.5 * SYMBOL_WIDTH * size, y];
+            let scale = size / FONT_OF_SYMBOLS;
+            let shapes = symbol(*layer, palette).into_iter();
+            legend
+                .shapes
+                .extend(shapes.map(|shape| placed(shape, middle, scale)));
+            let at = [x + SYMBOL_WIDTH * size, y];
+            legend
+                .shapes
+                .push(written(meaning, at, size, palette.muted));
+        }
+        [caption, legend]
+            .into_iter()
+            .filter(|group| !group.shapes.is_empty())
+            .collect()
+    }
+}
+
+/// Returns a shape of a symbol at its place in the picture.
+fn placed(shape: SymbolShape, middle: [f64; 2], scale: f64) -> Shape {
+    let [x, y] = middle;
+    let on = |at: Vec2| [x + scale * f64::from(at.x), y + scale * f64::from(at.y)];
+    let wide = |stroke: Stroke| Stroke::new(stroke.width * scale as f32, stroke.color);
+    match shape {
+        SymbolShape::Polygon {
+            corners,
+            fill,
+            stroke,
+        } => Shape::Polygon {
+            points: corners.into_iter().map(on).collect(),
+            style: style(fill, stroke.map(wide)),
+        },
+        SymbolShape::Line {
+            points,
+            stroke,
+            dashes,
+        } => {
+            let mut stroke = line(wide(stroke));
+            stroke.dash = dashes.map(|lengths| lengths.map(|length| scale * f64::from(length)));
+            Shape::Polyline {
+                points: points.into_iter().map(on).collect(),
+                stroke,
+            }
+        }
+        SymbolShape::Circle {
+            center,
+            radius,
+            fill,
+            stroke,
+        } => {
+            let style = style(fill, stroke.map(wide));
+            Shape::circle(on(center), scale * f64::from(radius), style)
+        }
+    }
+}

@@ -1,0 +1,61 @@
+//! The moment and the view of a scene, for pictures of it.
+
+use emath::{Pos2, Rect};
+use tilescope_core::Stage;
+use tilescope_debugger::{Debugger, Marked, SavedScene};
+use tilescope_drawing::camera::Camera;
+use tilescope_session::moment::Moment;
+use tilescope_session::selection::Selection;
+use tilescope_session::session::Session;
+use tilescope_session::units;
+
+use super::{MomentView, PictureView};
+use crate::scenes::SceneCamera;
+use crate::view::{SavedView, sound_camera};
+
+/// Returns the moment and the view of a scene on a canvas of `size` points; `None` if this run does not have its moment.
+pub(crate) fn view_of_scene(
+    session: &Session,
+    debugger: &Debugger,
+    scene: &SavedScene,
+    size: [f64; 2],
+    dark: bool,
+) -> Option<MomentView> {
+    let marked = debugger.marked(scene);
+    let cursor = marked.cursor()?;
+    let is_same_run = matches!(marked, Marked::Here(_));
+    let (saved, _) = SavedView::from_json(&scene.view, &SavedView::default());
+    let is_pattern = session.stages.get(session.stage_at(cursor)) == Some(&Stage::Pattern);
+    let domain = if is_pattern {
+        units::size(session.run().pattern.domain())
+    } else {
+        session.size_radii()
+    };
+    let canvas = Rect::from_min_size(Pos2::ZERO, size.map(|side| side as f32).into());
+    let recording = debugger.recording();
+    let last = cursor.checked_sub(1).and_then(|last| recording.event(last));
+    let place = last.and_then(|event| recording.event_point(event));
+    let camera = SceneCamera::of(&scene.view).and_then(|camera| {
+        let center = camera.placed(place.map(units::position), is_same_run)?;
+        sound_camera(center, size[0].min(size[1]) / camera.radii)
+    });
+    let view = PictureView {
+        camera: camera.unwrap_or_else(|| Camera::fitting(domain, canvas)),
+        size,
+        chosen_layers: saved.appearance.chosen_layers,
+        colouring: saved.appearance.colouring,
+        selection: if is_same_run {
+            saved.selection
+        } else {
+            Selection::Nothing
+        },
+        dark,
+        print: false,
+        caption: scene.caption.clone(),
+        legend: None,
+    };
+    Some(MomentView {
+        moment: Moment::at(session, cursor),
+        view,
+    })
+}
