@@ -101,11 +101,12 @@ fn measure(bench: &mut Bench, name: &str) {
     println!();
 }
 
-/// Times views of moments in the middle and at the end.
+/// Times views of moments in tiling, where the pattern is inset, in the middle and at the end.
 fn measure_all(bench: &mut Bench, session: &Session, layers: &str) {
+    let tiling = session.stage_end(2).unwrap_or(0) / 2;
     let middle = session.stage_end(3).unwrap_or(0) * 3 / 4;
     let end = session.recording().map_or(0, |recording| recording.len());
-    for (moment, cursor) in [("middle", middle), ("end", end)] {
+    for (moment, cursor) in [("tiling", tiling), ("middle", middle), ("end", end)] {
         for (view, camera) in [
             ("fitted", Command::View(Which::First, ViewCommand::Fit)),
             (

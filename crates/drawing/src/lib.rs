@@ -15,6 +15,7 @@
 pub mod age;
 pub mod brushed;
 pub mod camera;
+pub mod figure;
 pub mod look;
 pub mod looks;
 pub mod made;

@@ -41,7 +41,7 @@ pub enum SymbolShape {
     },
 }
 
-fn line(points: impl Into<Vec<Vec2>>, stroke: Stroke) -> SymbolShape {
+pub(crate) fn line(points: impl Into<Vec<Vec2>>, stroke: Stroke) -> SymbolShape {
     SymbolShape::Line {
         points: points.into(),
         stroke,
@@ -49,7 +49,11 @@ fn line(points: impl Into<Vec<Vec2>>, stroke: Stroke) -> SymbolShape {
     }
 }
 
-fn dashed(points: impl Into<Vec<Vec2>>, stroke: Stroke, dashes: [f32; 2]) -> SymbolShape {
+pub(crate) fn dashed(
+    points: impl Into<Vec<Vec2>>,
+    stroke: Stroke,
+    dashes: [f32; 2],
+) -> SymbolShape {
     SymbolShape::Line {
         points: points.into(),
         stroke,
@@ -57,7 +61,7 @@ fn dashed(points: impl Into<Vec<Vec2>>, stroke: Stroke, dashes: [f32; 2]) -> Sym
     }
 }
 
-fn outline(corners: impl Into<Vec<Vec2>>, stroke: Stroke) -> SymbolShape {
+pub(crate) fn outline(corners: impl Into<Vec<Vec2>>, stroke: Stroke) -> SymbolShape {
     SymbolShape::Polygon {
         corners: corners.into(),
         fill: None,
@@ -65,7 +69,7 @@ fn outline(corners: impl Into<Vec<Vec2>>, stroke: Stroke) -> SymbolShape {
     }
 }
 
-fn filled(corners: impl Into<Vec<Vec2>>, fill: Color32) -> SymbolShape {
+pub(crate) fn filled(corners: impl Into<Vec<Vec2>>, fill: Color32) -> SymbolShape {
     SymbolShape::Polygon {
         corners: corners.into(),
         fill: Some(fill),
@@ -73,7 +77,7 @@ fn filled(corners: impl Into<Vec<Vec2>>, fill: Color32) -> SymbolShape {
     }
 }
 
-fn dot(center: Vec2, radius: f32, color: Color32) -> SymbolShape {
+pub(crate) fn dot(center: Vec2, radius: f32, color: Color32) -> SymbolShape {
     SymbolShape::Circle {
         center,
         radius,
@@ -83,8 +87,12 @@ fn dot(center: Vec2, radius: f32, color: Color32) -> SymbolShape {
 }
 
 fn ring(radius: f32, stroke: Stroke) -> SymbolShape {
+    ring_at(Vec2::ZERO, radius, stroke)
+}
+
+pub(crate) fn ring_at(center: Vec2, radius: f32, stroke: Stroke) -> SymbolShape {
     SymbolShape::Circle {
-        center: Vec2::ZERO,
+        center,
         radius,
         fill: None,
         stroke: Some(stroke),
@@ -92,7 +100,7 @@ fn ring(radius: f32, stroke: Stroke) -> SymbolShape {
 }
 
 /// Returns the corners of a rectangle of these sides around the middle.
-fn rect(width: f32, height: f32) -> [Vec2; 4] {
+pub(crate) fn rect(width: f32, height: f32) -> [Vec2; 4] {
     let (x, y) = (width / 2.0, height / 2.0);
     [vec2(-x, -y), vec2(x, -y), vec2(x, y), vec2(-x, y)]
 }

@@ -104,11 +104,34 @@ glossary! {
     CIRCUMCIRCLE, "empty circle", "3.2.1", "A circle through three samples with no sample inside. One that is larger than r proves a gap.";
 }
 
+/// Returns the terms that are words of a text, in the singular or the plural.
+pub fn terms_in(text: &str) -> impl Iterator<Item = &'static Term> {
+    let words: Vec<String> = text
+        .split(|c: char| !c.is_alphanumeric() && c != '-')
+        .map(|word| word.trim_end_matches('s').to_lowercase())
+        .collect();
+    TERMS.iter().filter(move |term| {
+        let name = term.name.to_lowercase();
+        words.iter().any(|word| *word == name.trim_end_matches('s'))
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use std::collections::BTreeSet;
 
     use super::*;
+
+    #[test]
+    fn terms_are_found_in_a_line() {
+        let found = |text| -> Vec<&str> { terms_in(text).map(|term| term.name).collect() };
+        assert_eq!(
+            found("copy a sample of the clip into the domain"),
+            ["sample", "domain", "clip"]
+        );
+        assert_eq!(found("for all Detectors and gaps:"), ["gap", "detector"]);
+        assert_eq!(found("radius"), [""; 0]);
+    }
 
     #[test]
     fn each_term_is_defined_once_in_one_or_two_sentences() {

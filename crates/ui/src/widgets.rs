@@ -7,6 +7,7 @@ use egui::{
     Align2, Color32, CursorIcon, FontId, Painter, Pos2, Rect, Response, RichText, Role, Sense,
     Shape, Stroke, StrokeKind, Ui, Vec2, WidgetInfo, vec2,
 };
+use tilescope_drawing::figure::FIGURE_SIZE;
 use tilescope_drawing::palette::Palette;
 use tilescope_drawing::surface::Stroke as SymbolStroke;
 use tilescope_drawing::symbol::SymbolShape;
@@ -87,8 +88,32 @@ pub fn row(ui: &mut Ui, name: &str, value: &str, palette: &Palette) {
 
 /// Draws the symbol of a layer around `at`.
 pub fn symbol(painter: &Painter, layer: Layer, at: Pos2, palette: &Palette) {
+    draw(
+        painter,
+        tilescope_drawing::symbol::symbol(layer, palette),
+        at,
+    );
+}
+
+/// Shows what a layer is: a small figure, if there is one, and the explanation.
+pub fn explain(ui: &mut Ui, layer: Layer, palette: &Palette) {
+    figure(ui, layer, palette);
+    ui.label(layer.explanation());
+}
+
+/// Shows the figure of a layer, if there is one.
+pub fn figure(ui: &mut Ui, layer: Layer, palette: &Palette) {
+    if let Some(shapes) = tilescope_drawing::figure::figure(layer, palette) {
+        let (rect, _) = ui.allocate_exact_size(FIGURE_SIZE, Sense::hover());
+        ui.painter().rect_filled(rect, 6.0, palette.domain);
+        draw(&ui.painter().with_clip_rect(rect), shapes, rect.center());
+    }
+}
+
+/// Draws shapes around `at`.
+fn draw(painter: &Painter, shapes: Vec<SymbolShape>, at: Pos2) {
     let stroke = |stroke: SymbolStroke| Stroke::new(stroke.width, stroke.color);
-    for shape in tilescope_drawing::symbol::symbol(layer, palette) {
+    for shape in shapes {
         match shape {
             SymbolShape::Polygon {
                 corners,
@@ -132,7 +157,6 @@ pub fn symbol(painter: &Painter, layer: Layer, at: Pos2, palette: &Palette) {
 pub fn chip(
     ui: &mut Ui,
     (layer, name): (Option<Layer>, &str),
-    explanation: &str,
     on: bool,
     palette: &Palette,
 ) -> Response {
@@ -178,9 +202,7 @@ pub fn chip(
         text.x += 14.0;
     }
     painter.galley(text, galley, color);
-    response
-        .on_hover_cursor(CursorIcon::PointingHand)
-        .on_hover_text(explanation)
+    response.on_hover_cursor(CursorIcon::PointingHand)
 }
 
 /// What an icon button shows.

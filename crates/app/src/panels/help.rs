@@ -3,8 +3,9 @@
 use egui::{Align, Button, FontId, Grid, Id, Label, Layout, Modal, RichText, Ui, vec2};
 use tilescope_drawing::palette::Palette;
 use tilescope_session::glossary::TERMS;
+use tilescope_session::layers::Layer;
 use tilescope_ui::theme::semibold;
-use tilescope_ui::widgets::{Kebab, Known, heading};
+use tilescope_ui::widgets::{Kebab, Known, figure, heading};
 
 use super::sheet;
 use crate::actions::{Menu, actions};
@@ -103,6 +104,12 @@ fn terms(ui: &mut Ui, palette: &Palette) {
             }
         });
         ui.label(term.meaning);
+        let layer = Layer::ALL
+            .into_iter()
+            .find(|l| l.explanation() == term.meaning);
+        if let Some(layer) = layer {
+            figure(ui, layer, palette);
+        }
         ui.add_space(6.0);
     }
 }

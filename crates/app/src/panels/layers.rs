@@ -2,7 +2,7 @@
 
 use egui::{Ui, vec2};
 use tilescope_session::layers::Layer;
-use tilescope_ui::widgets::{Kebab, Known, chip};
+use tilescope_ui::widgets::{Kebab, Known, chip, explain};
 
 use super::context::PanelContext;
 use tilescope_workbench::command::{AppearanceCommand, Command};
@@ -19,10 +19,10 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
         let automatic = chip(
             ui,
             (None, "Automatic"),
-            AUTOMATIC,
             layers.chosen_layers.is_none(),
             context.palette,
         );
+        let automatic = automatic.on_hover_text(AUTOMATIC);
         automatic.known_as("layer.automatic");
         if automatic.clicked() {
             commands.push(Command::Appearance(AppearanceCommand::AutomaticLayers));
@@ -32,7 +32,8 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
         for layer in Layer::ALL.into_iter().filter(offered) {
             let named = (Some(layer), layer.name_in(combination));
             let is_on = shown.has(layer);
-            let chip = chip(ui, named, layer.explanation(), is_on, context.palette);
+            let chip = chip(ui, named, is_on, context.palette);
+            let chip = chip.on_hover_ui(|ui| explain(ui, layer, context.palette));
             chip.known_as(format_args!("layer.{}", Kebab(layer)));
             if chip.clicked() {
                 commands.push(Command::Appearance(AppearanceCommand::ToggleLayer(layer)));

@@ -3,7 +3,7 @@
 use egui::{Align2, Button, FontId, Rect, RichText, Sense, Ui, pos2, vec2};
 use tilescope_drawing::palette::Palette;
 use tilescope_session::layers::{Colouring, Layer};
-use tilescope_ui::widgets::{Kebab, Known, heading, symbol};
+use tilescope_ui::widgets::{Kebab, Known, explain, heading, symbol};
 
 use super::context::PanelContext;
 use tilescope_drawing::age::{Ages, LAST_TILED};
@@ -34,8 +34,9 @@ pub fn show(
         ui.horizontal(|ui| {
             let (rect, _) = ui.allocate_exact_size(vec2(22.0, 20.0), Sense::hover());
             symbol(ui.painter(), layer, rect.center(), palette);
-            let meaning = layer.meaning(combination);
-            ui.label(RichText::new(meaning).size(12.5).color(palette.muted));
+            let meaning = RichText::new(layer.meaning(combination)).size(12.5);
+            ui.label(meaning.color(palette.muted))
+                .on_hover_ui(|ui| explain(ui, layer, palette));
         });
     }
     if context.is_compared {

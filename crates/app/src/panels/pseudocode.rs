@@ -10,6 +10,7 @@ use tilescope_debugger::{
     Debugger, Direction, Event, LineId, Listing, ListingLine, Listings, Target,
 };
 use tilescope_drawing::palette::Palette;
+use tilescope_session::glossary;
 use tilescope_ui::focus;
 use tilescope_ui::theme::{FINGER, is_for_fingers, row_height, semibold};
 use tilescope_ui::widgets::Known;
@@ -192,7 +193,10 @@ fn show_line(
     breakpoint(ui, debugger, (id, line), gutter, palette, commands);
     if text
         .on_hover_cursor(CursorIcon::PointingHand)
-        .on_hover_text(explanation(line))
+        .on_hover_ui(|ui| {
+            ui.label(explanation(line));
+            terms(ui, &words, palette);
+        })
         .clicked()
     {
         let target = Target::Line(id);
@@ -259,6 +263,15 @@ fn explanation(line: &ListingLine) -> String {
     match &line.erratum {
         Some(erratum) => format!("{}\n\nErratum: {erratum}", line.explanation),
         None => line.explanation.clone(),
+    }
+}
+
+/// Explains the terms in a line.
+fn terms(ui: &mut Ui, words: &str, palette: &Palette) {
+    for term in glossary::terms_in(words) {
+        ui.add_space(4.0);
+        ui.label(RichText::new(term.name).small().color(palette.accent));
+        ui.label(RichText::new(term.meaning).small());
     }
 }
 

@@ -24,6 +24,8 @@ pub struct Legend {
 const CAPTION_SIZE: f64 = 0.02;
 /// Font size of the legend, relative to the picture's width.
 const LEGEND_SIZE: f64 = 0.016;
+/// The space below the picture, relative to its width.
+const SPACE: f64 = 0.01;
 /// The height of a line, relative to its font size.
 const LINE_HEIGHT: f64 = 1.5;
 /// Room for a symbol before its meaning, and between entries, relative to the font size of the legend.
@@ -71,8 +73,9 @@ impl Below {
             }
             height += LINE_HEIGHT * size;
         }
+        let space = if height > 0.0 { SPACE * width } else { 0.0 };
         Self {
-            height,
+            height: height + space,
             lines,
             entries,
         }
@@ -82,7 +85,7 @@ impl Below {
     pub(super) fn groups(&self, view: &PictureView) -> Vec<Group> {
         let (palette, frame, width) = (view.palette(), view.frame(), view.width());
         let [left, top] = [frame.min.x, frame.max.y].map(f64::from);
-        let top = top + 0.5 * CAPTION_SIZE * width;
+        let top = top + SPACE * width;
         let written = |text: &str, at: [f64; 2], size: f64, ink: Color32| {
             let mut text = Text::new(at, text.to_owned(), size, color(ink));
             text.baseline = Baseline::Middle;

@@ -1,0 +1,415 @@
+//! The fields of the parameters. An error is written over the row below its field, so that no field moves while one types.
+
+use egui::{ComboBox, CursorIcon, Label, Rect, RichText, TextEdit, Ui, UiBuilder, vec2};
+use tilescope_core::Parameters;
+use tilescope_drawing::palette::Palette;
+use tilescope_session::words::grouped;
+use tilescope_ui::widgets::{Kebab, Known, heading};
+
+use super::super::choices::{
+    BOUNDARIES, INSERTIONS, Listed, ORDERS, ORIENTATIONS, PATTERN_BOUNDARIES, SEARCHES, VARIANTS,
+    meaning,
+};
+use super::super::engine;
+use super::{FormContext, field_width, labelled};
+use tilescope_workbench::command::{Command, FormCommand};
+use tilescope_workbench::draft::{Choice, DraftRefusal, Field, Preset};
+
+/// Shows the fields.
+pub(super) fn show(ui: &mut Ui, context: &FormContext<'_>, commands: &mut Vec<Command>) {
+    let mut fields = Fields {
+        context,
+        palette: context.palette,
+        refusals: context.form.draft.refusals(),
+        errors: Vec::new(),
+        commands,
+    };
+    fields.domain(ui);
+    fields.tiling(ui);
+    fields.algorithm(ui);
+    engine::show(ui, context, fields.commands);
+    fields.errors(ui);
+}
+
+struct Fields<'a> {
+    context: &'a FormContext<'a>,
+    palette: &'static Palette,
+    refusals: Vec<DraftRefusal>,
+    /// The row of each error, its id, and its text.
+    errors: Vec<(Rect, String, String)>,
+    commands: &'a mut Vec<Command>,
+}
+
+impl Fields<'_> {
+    fn domain(&mut self, ui: &mut Ui) {
+        presets(ui, self.context, self.commands);
+        heading(ui, "Domain");
+        self.pair(
+            ui,
+            "Size",
+            [(Field::Width, "Width"), (Field::Height, "Height")],
+        );
+        self.number(ui, Field::Radius, "Radius", "");
+        self.samples(ui);
+        let current = self.parameters().boundary;
+        self.choice(
+            ui,
+            ("boundary", "Boundary"),
+            "Periodic: opposite sides are joined, and the set tiles the plane. Bounded: the domain ends at its border.",
+            (current, &BOUNDARIES),
+            Choice::Boundary,
+        );
+    }
+
+    fn tiling(&mut self, ui: &mut Ui) {
+        heading(ui, "Tiling");
+        for (field, name, unit) in [
+            (Field::Seed, "Seed", ""),
+            (Field::Leaf, "Smallest block", "r"),
+            (Field::PatternSide, "Pattern size", "r"),
+            (Field::PatternSeed, "Pattern seed", ""),
+        ] {
+            self.number(ui, field, name, unit);
+        }
+        let current = self.parameters().pattern.boundary;
+        self.choice(
+            ui,
+            ("pattern-boundary", "Pattern border"),
+            "Whether the pattern repeats. A periodic one can be clipped anywhere; the paper uses a bounded one.",
+            (current, &PATTERN_BOUNDARIES),
+            Choice::PatternBoundary,
+        );
+        own_pattern(ui, self.context, self.commands);
+        let current = self.parameters().dihedral;
+        self.choice(
+            ui,
+            ("dihedral", "Orientation"),
+            "How the pattern lies where a block clips from it. Random rotations and mirrors repeat less.",
+            (current, &ORIENTATIONS),
+            Choice::Dihedral,
+        );
+    }
+
+    fn algorithm(&mut self, ui: &mut Ui) {
+        heading(ui, "Elimination and insertion");
+        let p = *self.parameters();
+        self.choice(
+            ui,
+            ("order", "Who wins"),
+            "Who wins a conflict: the sample that comes first in this order claims its disk, and the other one is eliminated.",
+            (p.order, &ORDERS),
+            Choice::Order,
+        );
+        self.choice(
+            ui,
+            ("insertion", "Insertion"),
+            "Where a gap is filled: at circumcentres (the paper, slightly biased) or by uniform darts.",
+            (p.insertion, &INSERTIONS),
+            Choice::Insertion,
+        );
+        self.choice(
+            ui,
+            ("search", "Gap search"),
+            "How far around itself a detector looks for gaps. 2 r is the paper's choice and misses a few.",
+            (p.search, &SEARCHES),
+            Choice::Search,
+        );
+        self.choice(
+            ui,
+            ("variant", "Algorithm 4"),
+            "Algorithm 4 in stages, elimination first, or as the paper prints it.",
+            (p.variant, &VARIANTS),
+            Choice::Variant,
+        );
+        let combinations = self.refusals.iter().filter(|r| r.field.is_none());
+        for (k, refusal) in combinations.enumerate() {
+            let text = RichText::new(&refusal.reason).small();
+            ui.label(text.color(self.palette.conflict))
+                .known_as(format_args!("refusal-{k}"));
+        }
+    }
+
+    fn parameters(&self) -> &Parameters {
+        &self.context.form.draft.parameters
+    }
+
+    fn issue(&mut self, command: FormCommand) {
+        self.commands.push(Command::Form(command));
+    }
+
+    /// Shows the number of samples, the other end of the radius.
+    fn samples(&mut self, ui: &mut Ui) {
+        let draft = &self.context.form.draft;
+        let refusal = draft.count_refusal();
+        let name = "Samples";
+        let meaning =
+            "About how many samples the run will have. Type a number to set the radius by it.";
+        let label = labelled(ui, (name, meaning), self.palette, |ui, _| {
+            let mut text = draft.count_text();
+            let width = field_width(ui);
+            let field = self.text_field(ui, &mut text, (name, meaning), width, refusal.is_some());
+            field.known_as("count");
+            if field.changed() {
+                self.issue(FormCommand::Count(text));
+            }
+            self.run_on_enter(ui, &field);
+        });
+        if let Some(refusal) = refusal {
+            let id = "count.refusal".to_owned();
+            self.errors.push((label.rect, id, refusal));
+        }
+        if draft.keeps_result_only() {
+            let text =
+                "So large a run keeps its result only: there will be no steps to go through.";
+            ui.label(RichText::new(text).small().color(self.palette.accent))
+                .known_as("result-only");
+        }
+    }
+
+    fn number(&mut self, ui: &mut Ui, field: Field, name: &str, unit: &str) {
+        let palette = self.palette;
+        let name_shown = self.marked(&[field], name);
+        let label = labelled(ui, (&name_shown, meaning(field)), palette, |ui, _| {
+            let width = field_width(ui);
+            self.edit(ui, field, name, width);
+            if !unit.is_empty() {
+                ui.label(RichText::new(unit).color(palette.muted));
+            }
+        });
+        drag(ui, &label, field, self.commands);
+        self.note_error(field, label.rect);
+    }
+
+    /// Two fields on a line.
+    fn pair(&mut self, ui: &mut Ui, name: &str, fields: [(Field, &str); 2]) {
+        let name_shown = self.marked(&fields.map(|(field, _)| field), name);
+        let explanation = (name_shown.as_str(), meaning(fields[0].0));
+        let label = labelled(ui, explanation, self.palette, |ui, _| {
+            ui.spacing_mut().item_spacing.x = 6.0;
+            let width = (field_width(ui) - 6.0) / 2.0;
+            for (field, name) in fields {
+                self.edit(ui, field, name, width);
+            }
+        });
+        for (field, _) in fields {
+            self.note_error(field, label.rect);
+        }
+    }
+
+    /// Returns the label of fields, with a mark if one of them is not as in the run shown.
+    fn marked(&self, fields: &[Field], name: &str) -> String {
+        let (draft, made) = (&self.context.form.draft, self.context.made.as_ref());
+        let differs =
+            made.is_some_and(|made| fields.iter().any(|&field| draft.differs(field, made)));
+        if differs {
+            format!("{name} \u{2022}")
+        } else {
+            name.to_owned()
+        }
+    }
+
+    fn refusal(&self, field: Field) -> Option<&DraftRefusal> {
+        let mut refusals = self.refusals.iter();
+        refusals.find(|refusal| refusal.field == Some(field))
+    }
+
+    fn note_error(&mut self, field: Field, row: Rect) {
+        if let Some(refusal) = self.refusal(field) {
+            let (id, reason) = (format!("refusal-{}", key(field)), refusal.reason.clone());
+            self.errors.push((row, id, reason));
+        }
+    }
+
+    fn edit(&mut self, ui: &mut Ui, field: Field, name: &str, width: f32) {
+        let mut text = self.context.form.draft.text(field).to_owned();
+        let is_wrong = self.refusal(field).is_some();
+        let explanation = (name, meaning(field));
+        let response = self.text_field(ui, &mut text, explanation, width, is_wrong);
+        response.known_as(key(field));
+        if response.changed() {
+            self.issue(FormCommand::Type(field, text));
+        }
+        if response.has_focus() {
+            let pressed = |key| ui.input(|input| input.num_presses(key)) as i32;
+            let steps = pressed(egui::Key::ArrowUp) - pressed(egui::Key::ArrowDown);
+            if steps != 0 {
+                self.issue(FormCommand::Nudge(field, steps));
+            }
+        }
+        self.run_on_enter(ui, &response);
+    }
+
+    fn text_field(
+        &self,
+        ui: &mut Ui,
+        text: &mut String,
+        (name, meaning): (&str, &str),
+        width: f32,
+        is_wrong: bool,
+    ) -> egui::Response {
+        let color = is_wrong.then_some(self.palette.conflict);
+        let edit = TextEdit::singleline(text)
+            .align(egui::Align2::LEFT_CENTER)
+            .id_salt(name)
+            .font(egui::TextStyle::Monospace)
+            .text_color_opt(color)
+            .margin(egui::Margin::symmetric(8, 4))
+            .desired_width(width);
+        ui.add(edit).accessible_name(name).on_hover_text(meaning)
+    }
+
+    /// Runs when Enter was pressed in a field.
+    fn run_on_enter(&mut self, ui: &Ui, response: &egui::Response) {
+        let entered = response.lost_focus() && ui.input(|i| i.key_pressed(egui::Key::Enter));
+        let context = self.context;
+        if entered && context.refusal.is_none() && context.sampling.is_none() {
+            self.commands.push(Command::Run);
+        }
+    }
+
+    fn choice<T: Copy + PartialEq>(
+        &mut self,
+        ui: &mut Ui,
+        (key, name): (&str, &str),
+        explanation: &str,
+        (current, options): (T, &[Listed<T>]),
+        command: impl FnOnce(T) -> Choice,
+    ) {
+        let mut chosen = current;
+        let text = options.iter().find(|(value, ..)| *value == current);
+        labelled(ui, (name, explanation), self.palette, |ui, label| {
+            let combo = ComboBox::from_id_salt(name)
+                .selected_text(text.map_or("", |(_, text, _)| text))
+                .width(field_width(ui))
+                .truncate()
+                .show_ui(ui, |ui| {
+                    for (value, text, meaning) in options {
+                        let option = ui.selectable_value(&mut chosen, *value, *text);
+                        option.on_hover_text(*meaning);
+                    }
+                });
+            let response = combo.response.labelled_by(label);
+            response.known_as(key);
+            response.on_hover_text(explanation);
+        });
+        if chosen != current {
+            self.issue(FormCommand::Choose(command(chosen)));
+        }
+    }
+
+    /// Writes the errors over the rows below their fields.
+    fn errors(&self, ui: &mut Ui) {
+        let right = ui.max_rect().right();
+        for (row, id, reason) in &self.errors {
+            let at = row.left_bottom() + vec2(0.0, BELOW_ROW);
+            let room = Rect::from_min_max(at, egui::pos2(right, at.y + 200.0));
+            let mut above = ui.new_child(UiBuilder::new().max_rect(room));
+            egui::Frame::new()
+                .fill(self.palette.raised)
+                .stroke((1.0, self.palette.conflict))
+                .corner_radius(4)
+                .inner_margin(egui::Margin::symmetric(6, 3))
+                .show(&mut above, |ui| {
+                    let text = RichText::new(reason).small().color(self.palette.conflict);
+                    ui.add(Label::new(text).wrap()).known_as(id);
+                });
+        }
+    }
+}
+
+/// The distance of an error from the label of its row.
+const BELOW_ROW: f32 = 6.0;
+
+/// Shows the presets, each of which sets all parameters and runs, and the choice of live runs.
+fn presets(ui: &mut Ui, context: &FormContext<'_>, commands: &mut Vec<Command>) {
+    ui.horizontal(|ui| {
+        preset_menu(ui, commands);
+        let mut live = context.form.live;
+        let switch = ui.checkbox(&mut live, "Live");
+        switch.known_as("live");
+        let why = "Runs at once when a parameter changes, up to 50,000 samples. Drag the name of a number sideways, or press Up and Down in its field, to change it.";
+        if switch.on_hover_text(why).changed() {
+            commands.push(Command::Form(FormCommand::Live(live)));
+        }
+    });
+}
+
+fn preset_menu(ui: &mut Ui, commands: &mut Vec<Command>) {
+    let menu = ui.menu_button("Presets", |ui| {
+        for preset in Preset::ALL {
+            let row = ui.button(preset.name());
+            row.known_as(format_args!("preset.{}", Kebab(preset)));
+            if row.on_hover_text(preset.explanation()).clicked() {
+                commands.push(Command::Form(FormCommand::Preset(preset)));
+                commands.push(Command::Run);
+                ui.close();
+            }
+        }
+    });
+    menu.response.known_as("presets");
+}
+
+/// Notes that the pattern comes from a file, if it does.
+fn own_pattern(ui: &mut Ui, context: &FormContext<'_>, commands: &mut Vec<Command>) {
+    let palette = context.palette;
+    let Some(own) = &context.form.own_pattern else {
+        repeats(ui, context, palette);
+        return;
+    };
+    let text = format!(
+        "The pattern comes from {}: {} samples.",
+        own.file.path,
+        grouped(own.pattern.samples().len())
+    );
+    ui.label(RichText::new(text).color(palette.muted))
+        .known_as("own-pattern");
+    let generated = ui.link("Use a generated pattern");
+    if generated.known_as("generated-pattern").clicked() {
+        commands.push(Command::Form(FormCommand::GeneratedPattern));
+    }
+}
+
+/// Notes that the pattern repeats within blocks, if it does.
+fn repeats(ui: &mut Ui, context: &FormContext<'_>, palette: &Palette) {
+    if let Some(side) = context.form.draft.side_without_repeats() {
+        let text = format!(
+            "The pattern repeats within the largest blocks; a side of {side} r would avoid that."
+        );
+        ui.label(RichText::new(text).color(palette.muted))
+            .known_as("pattern-repeats");
+    }
+}
+
+/// How far the name of a number is dragged for a step, in screen points.
+const STEP: f32 = 8.0;
+
+/// Changes a number while its name is dragged sideways.
+fn drag(ui: &Ui, label: &egui::Response, field: Field, commands: &mut Vec<Command>) {
+    if label.hovered() || label.dragged() {
+        ui.ctx().set_cursor_icon(CursorIcon::ResizeHorizontal);
+    }
+    if !label.dragged() {
+        return;
+    }
+    let before: f32 = ui.data(|data| data.get_temp(label.id)).unwrap_or_default();
+    let moved = if label.drag_started() { 0.0 } else { before } + label.drag_delta().x;
+    let steps = (moved / STEP).trunc();
+    ui.data_mut(|data| data.insert_temp(label.id, moved - steps * STEP));
+    if steps != 0.0 {
+        let nudge = FormCommand::Nudge(field, steps as i32);
+        commands.push(Command::Form(nudge));
+    }
+}
+
+/// Returns a field's key in links and files.
+const fn key(field: Field) -> &'static str {
+    match field {
+        Field::Width => "width",
+        Field::Height => "height",
+        Field::Radius => "radius",
+        Field::Seed => "seed",
+        Field::Leaf => "leaf",
+        Field::PatternSide => "pattern",
+        Field::PatternSeed => "pattern-seed",
+    }
+}
