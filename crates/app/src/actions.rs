@@ -483,6 +483,11 @@ const fn panel_keys(panel: Panel) -> Option<(Modifiers, Key)> {
 /// Adds the panels: what is visible is hidden, all else is brought into view.
 fn panels(list: &mut List, state: &State) {
     let window = &state.window;
+    let no_panels = state
+        .appearance
+        .look
+        .is_projector()
+        .then_some("The projector mode shows no panels: F2 leaves it.");
     for panel in Panel::all() {
         let (name, keys) = (panel.name(), panel_keys(panel));
         let (name, command) = if window.can_hide(panel) {
@@ -492,7 +497,8 @@ fn panels(list: &mut List, state: &State) {
             let name = format!("Panel: {name}");
             (name, WindowCommand::OpenPanel(panel))
         };
-        list.add(Menu::View, name, keys, Command::Window(command), None);
+        let refusal = no_panels.filter(|_| panel != Panel::Analysis);
+        list.add(Menu::View, name, keys, Command::Window(command), refusal);
         list.mark(window.shows(panel));
     }
     list.group();
@@ -504,7 +510,7 @@ fn panels(list: &mut List, state: &State) {
         };
         let keys = Some((NONE, Key::F4));
         let sides = Command::Window(WindowCommand::ToggleSides);
-        list.add(Menu::View, name, keys, sides, None);
+        list.add(Menu::View, name, keys, sides, no_panels);
     }
     let reset = Command::Window(WindowCommand::ResetLayout);
     list.add(Menu::View, "Reset layout", None, reset, None);

@@ -1,14 +1,17 @@
 //! The order of samples in GPU buffers: levels of increasing density, each sorted by grid cell. A region of the plane
-//! is a few ranges, and a thinned subset is a prefix.
+//! is a few ranges, and a thinned subset is a prefix. A level adds the samples that are far enough from those before, so
+//! that a thinned set of blue noise still looks like one, only coarser.
 
 use std::ops::Range;
 
 use glam::DVec2;
-use tilescope_core::{Domain, Point};
+use tilescope_core::{Domain, Point, R};
 use tilescope_session::units::{radii, size};
 
-/// Every 64th sample, then every 16th, every fourth, and the rest.
+/// About every 64th sample, then every 16th, every fourth, and the rest.
 pub const LEVELS: usize = 4;
+/// The smallest distances between the samples of a level and those before, in r; the last level has the rest.
+const DISTANCES: [f64; LEVELS - 1] = [8.0, 4.0, 2.0];
 /// Most cells of the grid; a level holds their offsets.
 const MAX_CELLS: f64 = 65_536.0;
 /// The shortest side of a cell, in r.
@@ -80,12 +83,14 @@ impl CellOrder {
         ids
     }
 
-    /// Assigns samples to levels by counting along the cells, so that each level is spread evenly.
+    /// Assigns samples to levels and sorts them by level and cell.
     fn split_into_levels(&mut self, points: &[Point], by_cell: &[u32]) {
         let cells = self.cell_count();
         self.starts = vec![0_u32; LEVELS * cells + 1];
-        let slot = |k: usize, id: u32| level(k) * cells + self.cell_of(points[id as usize]);
-        let slots: Vec<usize> = (0..).zip(by_cell).map(|(k, &id)| slot(k, id)).collect();
+        let levels = self.levels(points, by_cell);
+        let slot = |level: usize, id: u32| level * cells + self.cell_of(points[id as usize]);
+        let slots = levels.into_iter().zip(by_cell);
+        let slots: Vec<usize> = slots.map(|(level, &id)| slot(level, id)).collect();
         for slot in &slots {
             self.starts[slot + 1] += 1;
         }
@@ -99,6 +104,27 @@ impl CellOrder {
             self.ids[position as usize] = id;
             self.positions[id as usize] = position;
         }
+    }
+
+    /// Returns the level of each sample, in the order of `by_cell`.
+    fn levels(&self, points: &[Point], by_cell: &[u32]) -> Vec<usize> {
+        // In the order in which they are visited, which is faster.
+        let points: Vec<Point> = by_cell.iter().map(|&id| points[id as usize]).collect();
+        let mut levels = vec![LEVELS - 1; points.len()];
+        for (level, distance) in DISTANCES.into_iter().enumerate() {
+            let mut taken = Taken::new(self.size, distance);
+            for (&before, &point) in levels.iter().zip(&points) {
+                if before < level {
+                    taken.take(point);
+                }
+            }
+            for (sample, &point) in levels.iter_mut().zip(&points) {
+                if *sample > level && taken.take(point) {
+                    *sample = level;
+                }
+            }
+        }
+        levels
     }
 
     /// Returns the positions of the samples of the first `levels` levels in the cells that meet the rectangle from
@@ -138,12 +164,59 @@ pub fn count(ranges: &[Range<u32>]) -> usize {
     ranges.iter().map(ExactSizeIterator::len).sum()
 }
 
-const fn level(k: usize) -> usize {
-    match k.trailing_zeros() {
-        6.. => 0,
-        4..6 => 1,
-        2..4 => 2,
-        _ => 3,
+/// Points at a distance from each other, in cells so small that each holds one at most.
+struct Taken {
+    /// Cells in a unit of the lattice.
+    scale: f64,
+    columns: usize,
+    rows: usize,
+    /// The square of the distance, in units of the lattice.
+    square: i64,
+    /// The point in each cell, row by row, within a frame of two empty cells.
+    cells: Vec<Point>,
+}
+
+impl Taken {
+    /// Stands for no point: farther from all than any distance.
+    const NONE: Point = Point::new(i32::MIN / 2, i32::MIN / 2);
+
+    fn new(size: DVec2, distance: f64) -> Self {
+        let side = distance * std::f64::consts::FRAC_1_SQRT_2;
+        let [columns, rows] = size.to_array().map(|length| (length / side) as usize + 1);
+        let distance = (distance * f64::from(R)) as i64;
+        Self {
+            scale: 1.0 / (side * f64::from(R)),
+            columns,
+            rows,
+            square: distance * distance,
+            cells: vec![Self::NONE; (columns + 4) * (rows + 4)],
+        }
+    }
+
+    /// Takes a point unless it is too near to another one. Returns whether it was taken.
+    fn take(&mut self, point: Point) -> bool {
+        let cell = |units: i32, count: usize| {
+            ((f64::from(units) * self.scale).max(0.0) as usize).min(count - 1)
+        };
+        let (column, row) = (cell(point.x, self.columns), cell(point.y, self.rows));
+        let width = self.columns + 4;
+        let own = (row + 2) * width + column + 2;
+        if self.cells[own] != Self::NONE {
+            return false;
+        }
+        let is_near = |other: &Point| {
+            let x = i64::from(point.x) - i64::from(other.x);
+            let y = i64::from(point.y) - i64::from(other.y);
+            x * x + y * y < self.square
+        };
+        for row in row..row + 5 {
+            let first = row * width + column;
+            if self.cells[first..first + 5].iter().any(is_near) {
+                return false;
+            }
+        }
+        self.cells[own] = point;
+        true
     }
 }
 
@@ -165,7 +238,7 @@ const fn hash(point: Point) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use tilescope_core::{Boundary, R};
+    use tilescope_core::Boundary;
 
     const SIDE: f64 = 100.0;
 
@@ -233,10 +306,26 @@ mod tests {
                 assert!((0.7..1.4).contains(&ratio), "{levels} {corner:?} {ratio}");
             }
         }
-        assert_eq!(
-            count(&order.ranges(DVec2::ZERO, DVec2::splat(SIDE), 3)),
-            2_500
-        );
+    }
+
+    #[test]
+    fn the_samples_of_a_thinned_set_keep_their_distance() {
+        let (domain, points) = grid();
+        let order = CellOrder::new(&domain, &points);
+        let at = |id: u32| {
+            let point = points[id as usize];
+            DVec2::new(radii(point.x), radii(point.y))
+        };
+        for (levels, distance) in (1..).zip(DISTANCES) {
+            let thinned = ids(&order, [0.0; 2], [SIDE; 2], levels);
+            for (k, &a) in thinned.iter().enumerate() {
+                let others = thinned[..k].iter().map(|&b| at(a).distance(at(b)));
+                assert!(others.fold(f64::INFINITY, f64::min) >= distance);
+            }
+            // Every other sample is nearer than that to one of them.
+            let is_near = |id: u32| thinned.iter().any(|&b| at(id).distance(at(b)) < distance);
+            assert!((0..10_000).step_by(7).all(is_near));
+        }
     }
 
     #[test]

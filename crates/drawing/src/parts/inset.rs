@@ -13,8 +13,10 @@ use crate::surface::{Mark, Stroke, Surface};
 /// The side of the inset as a share of the picture's shorter side, and its limits in screen points.
 const SHARE: f32 = 0.3;
 const SIDES: [f32; 2] = [110.0, 300.0];
-/// The distance to the picture's corner, in screen points.
+/// The distance to the picture's side, in screen points.
 const MARGIN: f32 = 14.0;
+/// The distance to the picture's upper edge, below the buttons of the projector mode.
+const TOP_MARGIN: f32 = 38.0;
 /// In a lower or narrower picture the inset would cover too much.
 const MIN_PICTURE: f32 = 260.0;
 /// Of a pattern with more samples only those of the window are drawn.
@@ -44,7 +46,7 @@ pub fn draw(scene: &Scene<'_>, surface: &mut impl Surface) {
     } else {
         scene.rect.right() - MARGIN - extent.x
     };
-    let inset = Rect::from_min_size(pos2(left, scene.rect.top() + MARGIN), extent);
+    let inset = Rect::from_min_size(pos2(left, scene.rect.top() + TOP_MARGIN), extent);
     let palette = scene.palette;
     surface.rect(
         inset.expand(6.0),
