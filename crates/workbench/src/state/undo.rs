@@ -11,7 +11,7 @@ use super::{Form, State};
 use crate::appearance::Appearance;
 use crate::command::{Command, DebugCommand, FormCommand, Which, WindowCommand};
 use crate::draft::Field;
-use crate::layout::Layout;
+use crate::layout::{Layout, Panel};
 use crate::scenes::SceneCommand;
 
 /// The most steps that are kept.
@@ -87,6 +87,21 @@ pub struct History {
     typing: Option<Typed>,
     /// The field whose changes were run live last, and the number of steps then: changes of one field are one step.
     live: Option<(Typed, usize)>,
+}
+
+/// Returns a layout with the tabs that are open `now`, as far as it has their panels; panels that were hidden meanwhile
+/// are as they were.
+fn with_tabs_of(mut layout: Layout, now: &Layout) -> Layout {
+    let restored = layout.clone();
+    let is_kept = |panel: &Panel| now.shows(*panel) && !restored.hidden().has(*panel);
+    let is_back = |panel: &Panel| now.hidden().has(*panel) && restored.shows(*panel);
+    let panels = Panel::all()
+        .filter(is_kept)
+        .chain(Panel::all().filter(is_back));
+    for panel in panels {
+        layout.open(panel);
+    }
+    layout
 }
 
 /// Returns the undoable part of the state that a command may change; `None` for others, such as the frequent moves of
@@ -273,8 +288,12 @@ impl State {
                 ..memento.form
             };
         }
-        if matches!(part, UndoPart::Layout | UndoPart::Everything) {
-            self.window.layout = memento.layout;
+        match part {
+            UndoPart::Layout => {
+                self.window.layout = with_tabs_of(memento.layout, &self.window.layout)
+            }
+            UndoPart::Everything => self.window.layout = memento.layout,
+            UndoPart::Form | UndoPart::Run | UndoPart::Stops => {}
         }
         if part == UndoPart::Stops {
             self.on(Which::First, |run, context| {
@@ -353,6 +372,24 @@ mod tests {
         assert!(state.can_redo());
         type_in(&mut state, Field::Leaf, "40");
         assert!(state.can_undo() && !state.can_redo());
+    }
+
+    #[test]
+    fn undo_of_a_hidden_panel_leaves_the_tabs_that_were_opened_since() {
+        let mut state = State::new(Arc::new(|| {}));
+        let window = |state: &mut State, command| state.apply(Command::Window(command));
+        window(&mut state, WindowCommand::HidePanel(Panel::Legend));
+        window(&mut state, WindowCommand::OpenPanel(Panel::Events));
+        state.apply(Command::Undo);
+        assert!(!state.window.layout.hidden().has(Panel::Legend));
+        assert!(state.window.shows(Panel::Events));
+        state.apply(Command::Redo);
+        assert!(state.window.layout.hidden().has(Panel::Legend));
+        assert!(state.window.shows(Panel::Events));
+        // A panel that was visible when it was hidden is visible again.
+        window(&mut state, WindowCommand::HidePanel(Panel::Events));
+        state.apply(Command::Undo);
+        assert!(state.window.shows(Panel::Events));
     }
 
     #[test]
