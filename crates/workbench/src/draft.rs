@@ -56,6 +56,8 @@ pub enum Preset {
     First,
     /// Blocks at the lower end of the range that the paper recommends, 20 r to 40 r, and its bounded pattern.
     SmallBlocks,
+    /// As many samples as in figure 11 of the paper.
+    Million,
     /// Gaps are searched for within 2 r only, and some stay.
     BreakIt,
     /// Blocks in which the pattern repeats.
@@ -66,9 +68,10 @@ pub enum Preset {
 
 impl Preset {
     /// Every preset.
-    pub const ALL: [Self; 5] = [
+    pub const ALL: [Self; 6] = [
         Self::First,
         Self::SmallBlocks,
+        Self::Million,
         Self::BreakIt,
         Self::LargeBlocks,
         Self::Uniform,
@@ -80,6 +83,7 @@ impl Preset {
         match self {
             Self::First => "The first session",
             Self::SmallBlocks => "Many small blocks",
+            Self::Million => "The paper's figure 11",
             Self::BreakIt => "Break it",
             Self::LargeBlocks => "Blocks too large",
             Self::Uniform => "Uniform insertion",
@@ -93,6 +97,9 @@ impl Preset {
             Self::First => "About 10,000 samples in nine blocks: small enough to see every step.",
             Self::SmallBlocks => {
                 "Blocks of at least 20 r, the smallest that the paper recommends, and its bounded pattern: more seams, more gaps."
+            }
+            Self::Million => {
+                "A million samples, as many as the paper times. So large a run keeps its result only, without steps."
             }
             Self::BreakIt => {
                 "Gaps are searched for within 2 r only: some stay open, and the verdict shows where."
@@ -116,6 +123,7 @@ impl Preset {
                 p.leaf = 20.0;
                 p.pattern.boundary = Boundary::Bounded;
             }
+            Self::Million => p.radius = 0.000_835,
             Self::BreakIt => (p.seed, p.search) = (3, Search::TwoRadii),
             Self::LargeBlocks => (p.leaf, p.pattern.side, p.radius) = (60.0, 30.0, 0.004),
             Self::Uniform => p.insertion = Insertion::Uniform,
@@ -600,6 +608,7 @@ mod tests {
             assert_eq!(draft.refusals(), [], "{}", preset.name());
             let repeats = draft.side_without_repeats().is_some();
             assert_eq!(repeats, preset == Preset::LargeBlocks);
+            assert_eq!(draft.keeps_result_only(), preset == Preset::Million);
         }
     }
 }
