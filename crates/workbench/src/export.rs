@@ -10,7 +10,6 @@ pub mod frames;
 pub mod picture;
 mod provenance;
 pub mod refusal;
-pub(crate) mod scenes;
 mod surface;
 pub mod write;
 

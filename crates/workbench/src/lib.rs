@@ -32,6 +32,7 @@ pub mod layout;
 pub mod link;
 pub mod passes;
 pub mod remote;
+mod scene_view;
 pub mod scenes;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod script;

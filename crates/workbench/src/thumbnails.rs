@@ -11,7 +11,7 @@ use tilescope_session::task::{self, SessionRef, Task};
 
 use crate::export::MomentView;
 use crate::export::picture::thumbnail;
-use crate::export::scenes::view_of_scene;
+use crate::scene_view::view_of_scene;
 
 /// Width and height of a picture, in points of the window.
 pub const THUMBNAIL_SIZE: [f64; 2] = [84.0, 56.0];

@@ -171,7 +171,7 @@ struct Taken {
     columns: usize,
     rows: usize,
     /// The square of the distance, in units of the lattice.
-    square: i64,
+    square: u64,
     /// The point in each cell, row by row, within a frame of two empty cells.
     cells: Vec<Point>,
 }
@@ -183,7 +183,7 @@ impl Taken {
     fn new(size: DVec2, distance: f64) -> Self {
         let side = distance * std::f64::consts::FRAC_1_SQRT_2;
         let [columns, rows] = size.to_array().map(|length| (length / side) as usize + 1);
-        let distance = (distance * f64::from(R)) as i64;
+        let distance = (distance * f64::from(R)) as u64;
         Self {
             scale: 1.0 / (side * f64::from(R)),
             columns,
@@ -205,8 +205,8 @@ impl Taken {
             return false;
         }
         let is_near = |other: &Point| {
-            let x = i64::from(point.x) - i64::from(other.x);
-            let y = i64::from(point.y) - i64::from(other.y);
+            let x = u64::from(point.x.abs_diff(other.x));
+            let y = u64::from(point.y.abs_diff(other.y));
             x * x + y * y < self.square
         };
         for row in row..row + 5 {

@@ -9,8 +9,7 @@ use tilescope_session::selection::Selection;
 use super::read::COLOURINGS;
 use super::text::{exact, finite, name, named, numbers, rounded};
 use super::write::layer_name;
-use crate::scenes::SceneCamera;
-use crate::view::{SavedView, is_near};
+use crate::view::{SavedView, SceneCamera, is_near};
 
 /// Returns layers as a list of their names.
 pub(super) fn layers_text(layers: Layers) -> String {

@@ -17,12 +17,12 @@ use super::{RunView, State, Time};
 use crate::appearance::Appearance;
 use crate::export::frames::{Count, Key, count, every_at_first, frames};
 use crate::export::picture::MAX_DRAWN;
-use crate::export::scenes::view_of_scene;
 use crate::export::{
     ExportCommand, ExportContent, ExportForm, ExportJob, ExportKind, ExportRefusal, Legend,
     MAX_FRAMES, MomentView, NumberField, PictureView,
 };
 use crate::files::Delivery;
+use crate::scene_view::view_of_scene;
 
 /// The export sheet, and the running export.
 #[derive(Default)]

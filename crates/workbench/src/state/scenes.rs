@@ -7,9 +7,9 @@ use tilescope_session::selection::Selection;
 use super::{RunView, State};
 use crate::command::{Command, FormCommand, Which};
 use crate::layout::Panel;
-use crate::scenes::{SceneCamera, SceneCommand, SceneList, ShownScene};
+use crate::scenes::{SceneCommand, SceneList, ShownScene};
 use crate::tour::tour;
-use crate::view::SavedView;
+use crate::view::{SavedView, SceneCamera};
 
 /// The parts of a [`SavedView`] that a scene keeps; its camera is a [`SceneCamera`].
 const PARTS: [&str; 5] = ["layers", "colouring", "look", "layout", "selection"];

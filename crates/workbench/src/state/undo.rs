@@ -289,10 +289,10 @@ impl State {
             };
         }
         match part {
-            UndoPart::Layout => {
-                self.window.layout = with_tabs_of(memento.layout, &self.window.layout)
+            UndoPart::Layout if memento.layout.hidden() != self.window.layout.hidden() => {
+                self.window.layout = with_tabs_of(memento.layout, &self.window.layout);
             }
-            UndoPart::Everything => self.window.layout = memento.layout,
+            UndoPart::Layout | UndoPart::Everything => self.window.layout = memento.layout,
             UndoPart::Form | UndoPart::Run | UndoPart::Stops => {}
         }
         if part == UndoPart::Stops {

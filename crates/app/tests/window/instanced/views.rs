@@ -103,7 +103,7 @@ fn a_moving_camera_sees_a_subset_and_a_resting_one_all() {
     };
     let mut harness = probe(&domain, &crowd(20_000, 100.0), camera);
     harness.state_mut().canvas.set_limits(Limits {
-        moving_symbols: 2_000,
+        moving_symbols: 1_000,
         ..Limits::SOFTWARE
     });
     let rest = shoot(&mut harness);
@@ -113,7 +113,8 @@ fn a_moving_camera_sees_a_subset_and_a_resting_one_all() {
     assert!(harness.state().due, "another frame is due");
     let moving = shoot_now(&mut harness);
     assert!(moving.marked() * 4 < rest.marked());
-    assert!(moving.marked() > 1_250 * 3);
+    // Samples 4 r from each other, of which there are about 0.7 in 16 squared r.
+    assert!(moving.marked() > 400 * 3);
     harness.step();
     assert!(!harness.state().due);
     let after = shoot_now(&mut harness);

@@ -9,9 +9,8 @@ use tilescope_session::selection::Selection;
 use tilescope_session::session::Session;
 use tilescope_session::units;
 
-use super::{MomentView, PictureView};
-use crate::scenes::SceneCamera;
-use crate::view::{SavedView, sound_camera};
+use crate::export::{MomentView, PictureView};
+use crate::view::{SavedView, SceneCamera, sound_camera};
 
 /// Returns the moment and the view of a scene on a canvas of `size` points; `None` if this run does not have its moment.
 pub(crate) fn view_of_scene(
