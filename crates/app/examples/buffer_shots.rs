@@ -11,7 +11,7 @@ use tilescope_workbench::Command;
 use tilescope_workbench::command::{
     AppearanceCommand, FormCommand, GpuCommand, ViewCommand, Which, WindowCommand,
 };
-use tilescope_workbench::device::Engine;
+use tilescope_workbench::device::EngineChoice;
 use tilescope_workbench::draft::{Choice, Field};
 use tilescope_workbench::layout::Panel;
 use tilescope_workbench::passes::{PassCommand, PassSide, Passes};
@@ -26,7 +26,7 @@ fn main() {
     apply(&mut harness, vec![]);
     apply(
         &mut harness,
-        vec![Command::Gpu(GpuCommand::Engine(Engine::Gpu))],
+        vec![Command::Gpu(GpuCommand::Engine(EngineChoice::Gpu))],
     );
     apply(&mut harness, vec![Command::OpenPasses]);
     let canvas = || Command::Passes(PassCommand::ShowCanvas);

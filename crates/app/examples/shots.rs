@@ -354,7 +354,9 @@ fn moments(shoot: &mut dyn FnMut(&str, Vec<Command>)) {
     shoot(
         "passes",
         vec![
-            Command::Gpu(GpuCommand::Engine(tilescope_workbench::device::Engine::Gpu)),
+            Command::Gpu(GpuCommand::Engine(
+                tilescope_workbench::device::EngineChoice::Gpu,
+            )),
             Command::Window(WindowCommand::OpenPanel(Panel::Passes)),
         ],
     );

@@ -15,7 +15,7 @@ use crate::analysis::AnalysisCommand;
 use crate::arrangement::DrawerCommand;
 use crate::clock::Clock;
 use crate::compare::CompareCommand;
-use crate::device::Engine;
+use crate::device::EngineChoice;
 use crate::draft::{Choice, Field, Preset};
 use crate::export::ExportCommand;
 use crate::files::FileCommand;
@@ -117,7 +117,7 @@ pub enum FormCommand {
 #[serde(rename_all = "kebab-case")]
 pub enum GpuCommand {
     /// Chooses the engine. The first choice of the GPU opens and tests it.
-    Engine(Engine),
+    Engine(EngineChoice),
     /// Names the GPU adapter by a part of its name, or returns to the fastest. It takes effect the next time
     /// the GPU is chosen.
     NameAdapter(Option<String>),

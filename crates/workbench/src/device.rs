@@ -8,10 +8,10 @@ use tilescope_gpu::{Choice, Gpu, GpuError, SelfTest, self_test};
 use tilescope_session::jobs::Job;
 use tilescope_session::words::sentence;
 
-/// The engine that makes sessions.
+/// The engine that the user chose for runs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Engine {
+pub enum EngineChoice {
     /// Chosen by the program: the CPU, or on a page a GPU that passed its test.
     #[default]
     Auto,

@@ -16,7 +16,7 @@ use tilescope_session::task::set_task_pool;
 use tilescope_ui::focus::{self, End};
 use tilescope_workbench::Command;
 use tilescope_workbench::command::LinkCommand;
-use tilescope_workbench::device::Engine;
+use tilescope_workbench::device::EngineChoice;
 use tilescope_workbench::embedding::Embedding;
 use wasm_bindgen::JsValue;
 use wasm_bindgen::prelude::wasm_bindgen;
@@ -321,9 +321,9 @@ impl Page {
                 display: display.clone(),
                 reason: options.reason.clone(),
                 engine: match options.engine.as_str() {
-                    "cpu" => Engine::Cpu,
-                    "gpu" => Engine::Gpu,
-                    _ => Engine::Auto,
+                    "cpu" => EngineChoice::Cpu,
+                    "gpu" => EngineChoice::Gpu,
+                    _ => EngineChoice::Auto,
                 },
                 embedding: options.embed.as_deref().and_then(Embedding::named),
                 reduced_motion: options.reduced_motion,

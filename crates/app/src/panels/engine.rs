@@ -5,7 +5,7 @@ use tilescope_ui::widgets::{Kebab, Known};
 
 use super::parameters::{FormContext, field_width, labelled};
 use tilescope_workbench::command::{Command, GpuCommand};
-use tilescope_workbench::device::Engine;
+use tilescope_workbench::device::EngineChoice;
 
 const EXPLANATION: &str =
     "What computes the run. All engines give the same points; choosing the GPU tests it first.";
@@ -19,7 +19,7 @@ pub fn show(ui: &mut Ui, context: &FormContext<'_>, commands: &mut Vec<Command>)
             .width(field_width(ui))
             .truncate()
             .show_ui(ui, |ui| {
-                for engine in [Engine::Auto, Engine::Cpu, Engine::Gpu] {
+                for engine in [EngineChoice::Auto, EngineChoice::Cpu, EngineChoice::Gpu] {
                     entry(ui, context, engine, commands);
                 }
             });
@@ -35,10 +35,15 @@ pub fn show(ui: &mut Ui, context: &FormContext<'_>, commands: &mut Vec<Command>)
     }
 }
 
-fn entry(ui: &mut Ui, context: &FormContext<'_>, engine: Engine, commands: &mut Vec<Command>) {
+fn entry(
+    ui: &mut Ui,
+    context: &FormContext<'_>,
+    engine: EngineChoice,
+    commands: &mut Vec<Command>,
+) {
     let refusal = match engine {
-        Engine::Gpu => context.gpu.device.refusal(),
-        Engine::Auto | Engine::Cpu => None,
+        EngineChoice::Gpu => context.gpu.device.refusal(),
+        EngineChoice::Auto | EngineChoice::Cpu => None,
     };
     let button = Button::selectable(context.gpu.engine == engine, text(context, engine));
     let mut response = ui.add_enabled(refusal.is_none(), button);
@@ -51,11 +56,11 @@ fn entry(ui: &mut Ui, context: &FormContext<'_>, engine: Engine, commands: &mut 
     }
 }
 
-fn text(context: &FormContext<'_>, engine: Engine) -> &'static str {
+fn text(context: &FormContext<'_>, engine: EngineChoice) -> &'static str {
     match engine {
-        Engine::Auto if context.auto_is_gpu => "auto (GPU)",
-        Engine::Auto => "auto (CPU)",
-        Engine::Cpu => "CPU",
-        Engine::Gpu => "GPU",
+        EngineChoice::Auto if context.auto_is_gpu => "auto (GPU)",
+        EngineChoice::Auto => "auto (CPU)",
+        EngineChoice::Cpu => "CPU",
+        EngineChoice::Gpu => "GPU",
     }
 }

@@ -19,7 +19,7 @@ use crate::panes::Canvas;
 use crate::panes::CanvasContext;
 use tilescope_workbench::command::{Command, TimeCommand};
 use tilescope_workbench::compare::ComparePreset;
-use tilescope_workbench::device::Engine;
+use tilescope_workbench::device::EngineChoice;
 use tilescope_workbench::layout::Panel;
 use tilescope_workbench::state::State;
 
@@ -149,7 +149,7 @@ impl<'a> FormContext<'a> {
                 _ => None,
             },
             engine: state.gpu.engine_text(state.form.draft.parameters.variant),
-            auto_is_gpu: state.gpu.takes(Engine::Auto),
+            auto_is_gpu: state.gpu.takes(EngineChoice::Auto),
         }
     }
 }

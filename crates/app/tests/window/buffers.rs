@@ -15,7 +15,7 @@ use tilescope_workbench::command::{
     AppearanceCommand, FormCommand, GpuCommand, TimeCommand, ViewCommand, Which, WindowCommand,
 };
 use tilescope_workbench::compare::{CompareCommand, ComparePreset};
-use tilescope_workbench::device::Engine;
+use tilescope_workbench::device::EngineChoice;
 use tilescope_workbench::draft::Field;
 use tilescope_workbench::layout::Panel;
 use tilescope_workbench::passes::placed::Rows;
@@ -40,7 +40,7 @@ fn with_passes() -> Harness<'static, App> {
     for command in [
         radius,
         Command::Run,
-        Command::Gpu(GpuCommand::Engine(Engine::Gpu)),
+        Command::Gpu(GpuCommand::Engine(EngineChoice::Gpu)),
     ] {
         apply(&mut harness, command);
     }
@@ -173,7 +173,10 @@ fn a_run_without_passes_has_the_clock_from_before_them() {
             .is_some()
     );
     // The CPU samples next, so the clock of passes and the remark on the GPU are gone.
-    apply(&mut harness, Command::Gpu(GpuCommand::Engine(Engine::Auto)));
+    apply(
+        &mut harness,
+        Command::Gpu(GpuCommand::Engine(EngineChoice::Auto)),
+    );
     assert_eq!(
         state(&harness)
             .gpu
@@ -286,7 +289,10 @@ fn a_filter_chooses_the_rows_and_unchanged_cells() {
 #[test]
 fn too_many_marks_are_left_out_with_a_remark() {
     let mut harness = opened();
-    apply(&mut harness, Command::Gpu(GpuCommand::Engine(Engine::Gpu)));
+    apply(
+        &mut harness,
+        Command::Gpu(GpuCommand::Engine(EngineChoice::Gpu)),
+    );
     apply(&mut harness, Command::OpenPasses);
     go(&mut harness, "tile", Name::Places);
     let all = rows(&harness).shown.counts().rows;

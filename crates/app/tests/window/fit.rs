@@ -14,7 +14,7 @@ use tilescope_workbench::command::{
     WindowCommand,
 };
 use tilescope_workbench::compare::{CompareCommand, ComparePreset};
-use tilescope_workbench::device::Engine;
+use tilescope_workbench::device::EngineChoice;
 use tilescope_workbench::draft::Field;
 use tilescope_workbench::layout::Panel;
 use tilescope_workbench::scenes::SceneCommand;
@@ -215,7 +215,7 @@ fn run_is_seen_at_every_size() {
         state.apply(Command::Gpu(GpuCommand::NameAdapter(Some(
             "no such adapter".to_owned(),
         ))));
-        state.apply(Command::Gpu(GpuCommand::Engine(Engine::Gpu)));
+        state.apply(Command::Gpu(GpuCommand::Engine(EngineChoice::Gpu)));
         settle(&mut harness);
         harness.state_mut().state.messages.notice = None;
         let open = Command::Window(WindowCommand::OpenPanel(Panel::Parameters));

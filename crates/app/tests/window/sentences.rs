@@ -17,7 +17,7 @@ use tilescope_workbench::command::{
     WindowCommand,
 };
 use tilescope_workbench::compare::{CompareCommand, ComparePreset};
-use tilescope_workbench::device::Engine;
+use tilescope_workbench::device::EngineChoice;
 use tilescope_workbench::draft::{Choice, Field};
 use tilescope_workbench::export::{ExportCommand, ExportKind, NumberField};
 use tilescope_workbench::files::{FileCommand, Purpose};
@@ -273,7 +273,7 @@ fn parameters_engines_and_verdicts() {
     window.after([Command::Gpu(GpuCommand::NameAdapter(Some(
         "no such adapter".to_owned(),
     )))]);
-    window.after([Command::Gpu(GpuCommand::Engine(Engine::Gpu))]);
+    window.after([Command::Gpu(GpuCommand::Engine(EngineChoice::Gpu))]);
     window.shows(&[("notice", "*The GPU cannot be used.*")]);
     node(&window.harness, "engine").click();
     window.harness.run();
@@ -515,7 +515,10 @@ fn go_to(window: &mut Wording, name: &str, buffer: Name) {
 fn passes_on_a_device() {
     let mut window = Wording::opened();
     window.typed(&[(Field::Radius, "0.02")]);
-    window.after([Command::Run, Command::Gpu(GpuCommand::Engine(Engine::Gpu))]);
+    window.after([
+        Command::Run,
+        Command::Gpu(GpuCommand::Engine(EngineChoice::Gpu)),
+    ]);
     window.shows(&[("engine-status", "*self-test passed*")]);
     window.after([Command::Run]);
     window.shows(&[

@@ -8,7 +8,7 @@ use tilescope_session::layers::Layer;
 use tilescope_ui::widgets::Kebab;
 use tilescope_workbench::Command;
 use tilescope_workbench::command::{FormCommand, GpuCommand, WindowCommand};
-use tilescope_workbench::device::Engine;
+use tilescope_workbench::device::EngineChoice;
 use tilescope_workbench::draft::{Choice, Field};
 use tilescope_workbench::export::ExportCommand;
 use tilescope_workbench::layout::Panel;
@@ -232,7 +232,7 @@ fn the_engine_is_chosen_by_its_label_and_a_missing_gpu_leaves_the_cpu() {
     harness.step();
     settle(&mut harness);
     assert!(text(&harness, "notice").contains("GPU"));
-    assert_eq!(harness.state().state.gpu.engine, Engine::Auto);
+    assert_eq!(harness.state().state.gpu.engine, EngineChoice::Auto);
     node(&harness, "dismiss").click();
     harness.run();
     node(&harness, "engine").click();
@@ -247,7 +247,7 @@ fn the_gpu_shows_its_name_and_its_verdict() {
     harness
         .state_mut()
         .state
-        .apply(Command::Gpu(GpuCommand::Engine(Engine::Gpu)));
+        .apply(Command::Gpu(GpuCommand::Engine(EngineChoice::Gpu)));
     harness.step();
     assert!(is_disabled(&harness, "run"));
     settle(&mut harness);

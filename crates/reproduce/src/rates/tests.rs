@@ -1,3 +1,5 @@
+//! Ratios of made-up times, and sets that differ or are not valid.
+
 use super::*;
 use crate::study::Settings;
 use crate::study::tests::alone;

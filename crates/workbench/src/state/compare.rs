@@ -10,7 +10,7 @@ use super::{RunView, State};
 use crate::command::{ViewCommand, Which};
 use crate::compare::link::{common, corresponding};
 use crate::compare::{CompareCommand, ComparePreset, Comparison};
-use crate::device::{Device, Engine};
+use crate::device::{Device, EngineChoice};
 use crate::layout::Panel;
 use tilescope_drawing::subject::{Contrast, Subject};
 use tilescope_session::moment::Moment;
@@ -47,7 +47,7 @@ impl State {
         if session.combination.is_some() {
             return Some(super::combine::NO_PARAMETERS.to_owned());
         }
-        if preset == ComparePreset::Engine && self.other_engine() == Engine::Gpu {
+        if preset == ComparePreset::Engine && self.other_engine() == EngineChoice::Gpu {
             return match &self.gpu.device {
                 Device::Ready(_) => None,
                 Device::Unknown => Some(
@@ -81,14 +81,18 @@ impl State {
 
     /// Returns the engine other than the one that made the session.
     #[must_use]
-    pub fn other_engine(&self) -> Engine {
+    pub fn other_engine(&self) -> EngineChoice {
         let by_gpu = self
             .runs
             .first
             .session
             .as_ref()
             .is_some_and(|session| session.engine != "CPU");
-        if by_gpu { Engine::Cpu } else { Engine::Gpu }
+        if by_gpu {
+            EngineChoice::Cpu
+        } else {
+            EngineChoice::Gpu
+        }
     }
 
     fn start_comparison(&mut self, preset: ComparePreset) {
@@ -114,7 +118,7 @@ impl State {
         self.compare_with(recipe, engine);
     }
 
-    pub(super) fn compare_with(&mut self, recipe: Recipe, engine: Engine) {
+    pub(super) fn compare_with(&mut self, recipe: Recipe, engine: EngineChoice) {
         let (side, _) = self.runs.second.get_or_insert_default();
         side.asked = recipe.own.is_none().then_some(recipe.parameters);
         self.start_sampling(Which::Second, recipe, engine);

@@ -10,13 +10,13 @@ use tilescope_session::words::sentence;
 
 use super::{State, Which};
 use crate::clock::Clock;
-use crate::device::{Device, Engine};
+use crate::device::{Device, EngineChoice};
 use crate::layout::Panel;
 use crate::passes::{OnCanvas, PassCommand, Passes};
 
 impl State {
     /// Starts a run of `recipe` by `engine`.
-    pub(super) fn start_sampling(&mut self, which: Which, recipe: Recipe, engine: Engine) {
+    pub(super) fn start_sampling(&mut self, which: Which, recipe: Recipe, engine: EngineChoice) {
         self.jobs.generation += 1;
         let generation = self.jobs.generation;
         let job = match self.gpu.for_run(&recipe.parameters, engine) {

@@ -11,7 +11,7 @@ use tilescope_session::words::sentence;
 use super::PageStart;
 use super::effects::Context;
 use crate::command::GpuCommand;
-use crate::device::{Device, Engine, Tried, open_and_test};
+use crate::device::{Device, EngineChoice, Tried, open_and_test};
 
 /// Why an emulated GPU is used only if chosen by the user.
 const ON_CPU: &str = "The browser's GPU computes on the CPU itself, which takes longer.";
@@ -20,7 +20,7 @@ const ON_CPU: &str = "The browser's GPU computes on the CPU itself, which takes 
 #[derive(Default)]
 pub struct GpuState {
     /// The chosen engine.
-    pub engine: Engine,
+    pub engine: EngineChoice,
     /// The device that samples.
     pub device: Device,
     /// Why the last GPU run or test failed, if one did.
@@ -39,8 +39,8 @@ impl GpuState {
             GpuCommand::NameAdapter(name) => {
                 self.adapter = name;
                 self.device = Device::Unknown;
-                if self.engine == Engine::Gpu {
-                    self.engine = Engine::Auto;
+                if self.engine == EngineChoice::Gpu {
+                    self.engine = EngineChoice::Auto;
                 }
             }
         }
@@ -51,14 +51,14 @@ impl GpuState {
     pub(super) fn begin_on_page(&mut self, start: &PageStart, context: &Context) {
         self.display = Some(start.display.clone());
         self.engine = start.engine;
-        if start.engine != Engine::Cpu && matches!(self.device, Device::Unknown) {
-            self.test(start.engine == Engine::Gpu, context);
+        if start.engine != EngineChoice::Cpu && matches!(self.device, Device::Unknown) {
+            self.test(start.engine == EngineChoice::Gpu, context);
         }
     }
 
     /// Chooses the engine. The GPU is opened and tested first, unless it was already.
-    fn choose_engine(&mut self, engine: Engine, context: &Context) {
-        if engine == Engine::Gpu {
+    fn choose_engine(&mut self, engine: EngineChoice, context: &Context) {
+        if engine == EngineChoice::Gpu {
             match self.device {
                 Device::Refused(_) => return,
                 Device::Unknown => self.test(true, context),
@@ -106,7 +106,7 @@ impl GpuState {
     ) {
         if let Ok(Err(GpuError::SoftwareOnly { .. })) = outcome {
             // The GPU may have been chosen since the test began.
-            if self.engine == Engine::Gpu {
+            if self.engine == EngineChoice::Gpu {
                 self.test(true, context);
             } else {
                 self.device = Device::Unknown;
@@ -115,11 +115,11 @@ impl GpuState {
             return;
         }
         self.device = Device::from_test(outcome);
-        if self.engine == Engine::Gpu
+        if self.engine == EngineChoice::Gpu
             && let Some(reason) = self.device.refusal()
         {
             let text = format!("The GPU cannot be used. {reason} The CPU engine samples instead.");
-            self.engine = Engine::Auto;
+            self.engine = EngineChoice::Auto;
             context.tell(text, true);
         }
     }
@@ -128,7 +128,7 @@ impl GpuState {
     pub(super) fn failed(&mut self, Failure { name, error }: Failure) -> String {
         self.device.failed(&error);
         if !matches!(self.device, Device::Ready(_)) {
-            self.engine = Engine::Auto;
+            self.engine = EngineChoice::Auto;
         }
         let why = sentence(&error.to_string());
         self.failure = Some(format!("{name} failed. {why}"));
@@ -139,24 +139,28 @@ impl GpuState {
 
     /// Returns whether a ready device samples if `engine` is chosen.
     #[must_use]
-    pub fn takes(&self, engine: Engine) -> bool {
+    pub fn takes(&self, engine: EngineChoice) -> bool {
         let is_gpu = |gpu: &Arc<Gpu>| !gpu.report().is_software;
         match engine {
-            Engine::Gpu => self.device.ready().is_some(),
-            Engine::Auto => self.display.is_some() && self.device.ready().is_some_and(is_gpu),
-            Engine::Cpu => false,
+            EngineChoice::Gpu => self.device.ready().is_some(),
+            EngineChoice::Auto => self.display.is_some() && self.device.ready().is_some_and(is_gpu),
+            EngineChoice::Cpu => false,
         }
     }
 
     /// Returns the device that makes a run. Algorithm 4 as printed runs on the CPU, whatever was chosen.
-    pub(super) fn for_run(&self, parameters: &Parameters, engine: Engine) -> Option<Arc<Gpu>> {
+    pub(super) fn for_run(
+        &self,
+        parameters: &Parameters,
+        engine: EngineChoice,
+    ) -> Option<Arc<Gpu>> {
         let serves = self.takes(engine) && parameters.variant == Variant::Staged;
         self.device.ready().filter(|_| serves).map(Arc::clone)
     }
 
     /// Returns why no run can start yet, or `None` if it can: the chosen device is being tested.
     pub(super) fn waiting(&self) -> Option<String> {
-        let waits = matches!(self.device, Device::Testing(_)) && self.engine == Engine::Gpu;
+        let waits = matches!(self.device, Device::Testing(_)) && self.engine == EngineChoice::Gpu;
         self.device.description().filter(|_| waits)
     }
 
@@ -164,14 +168,14 @@ impl GpuState {
     /// says it all.
     #[must_use]
     pub fn engine_text(&self, variant: Variant) -> Option<(&'static str, String)> {
-        let is_free = self.engine == Engine::Auto && self.display.is_some();
+        let is_free = self.engine == EngineChoice::Auto && self.display.is_some();
         let takes = self.takes(self.engine);
         let line = match &self.device {
             Device::Ready(_) if takes && variant == Variant::AsPrinted => {
                 "CPU: it alone runs Algorithm 4 as printed."
             }
             Device::Ready(_) if takes => "GPU: self-test passed.",
-            Device::Testing(_) if self.engine == Engine::Gpu => "GPU: being tested.",
+            Device::Testing(_) if self.engine == EngineChoice::Gpu => "GPU: being tested.",
             Device::Testing(_) if is_free => "CPU, until the GPU is tested.",
             Device::Ready(_) if is_free => "CPU: this GPU is emulated, and slower.",
             Device::Refused(_) if is_free => "CPU: there is no GPU to use here.",
@@ -198,7 +202,7 @@ impl GpuState {
         let display = self.display.as_ref()?;
         let takes = self.takes(self.engine);
         let engine = match &self.device {
-            _ if self.engine == Engine::Cpu => {
+            _ if self.engine == EngineChoice::Cpu => {
                 "The CPU engine samples in a worker, as chosen.".to_owned()
             }
             Device::Unknown => {

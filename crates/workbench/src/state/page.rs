@@ -1,7 +1,7 @@
 //! Starting on a page: what draws the window, and how the GPU is prepared for sampling.
 
 use super::{FullScreen, Notice, State};
-use crate::device::Engine;
+use crate::device::EngineChoice;
 use crate::embedding::Embedding;
 
 /// The options that the page passes to the app at its start.
@@ -12,7 +12,7 @@ pub struct PageStart {
     /// Why, if that needs an explanation.
     pub reason: String,
     /// The engine.
-    pub engine: Engine,
+    pub engine: EngineChoice,
     /// The part of the window to show when it is embedded in another page.
     pub embedding: Option<Embedding>,
     /// Whether the system prefers reduced motion.

@@ -12,7 +12,7 @@ use tilescope_session::verification::{Witness, WitnessMark};
 
 use super::*;
 use crate::command::{AppearanceCommand, FormCommand, GpuCommand, TimeCommand, ViewCommand, Which};
-use crate::device::Engine;
+use crate::device::EngineChoice;
 use crate::draft::{Choice, Field};
 use crate::export::{ExportCommand, ExportKind};
 
@@ -276,7 +276,7 @@ fn a_large_session_keeps_the_result_alone_and_is_the_same_set() {
 /// Chooses the GPU, which must be there, if only as the software adapter llvmpipe.
 fn on_the_gpu() -> State {
     let mut state = settled();
-    state.apply(Command::Gpu(GpuCommand::Engine(Engine::Gpu)));
+    state.apply(Command::Gpu(GpuCommand::Engine(EngineChoice::Gpu)));
     state.settle();
     assert!(
         state.gpu.device.ready().is_some(),
@@ -289,7 +289,7 @@ fn on_the_gpu() -> State {
 #[test]
 fn the_gpu_is_tested_when_it_is_chosen_and_its_session_has_the_same_stages() {
     let mut state = on_the_gpu();
-    assert_eq!(state.gpu.engine, Engine::Gpu);
+    assert_eq!(state.gpu.engine, EngineChoice::Gpu);
     let description = state.gpu.device.description().unwrap();
     assert!(description.contains("self-test passed"), "{description}");
     let before = state.runs.first.session.clone().unwrap();
@@ -318,7 +318,7 @@ fn a_large_session_on_the_gpu_keeps_the_result_alone() {
     let session = state.runs.first.session.clone().unwrap();
     assert!(!session.has_stages() && session.engine.starts_with("GPU"));
     assert!(state.verdict().unwrap().report.valid());
-    state.apply(Command::Gpu(GpuCommand::Engine(Engine::Cpu)));
+    state.apply(Command::Gpu(GpuCommand::Engine(EngineChoice::Cpu)));
     state.apply(Command::Run);
     state.settle();
     let of_cpu = state.runs.first.session.as_ref().unwrap();
@@ -333,18 +333,18 @@ fn a_missing_gpu_leaves_the_cpu_with_a_reason() {
     state.apply(Command::Gpu(GpuCommand::NameAdapter(Some(
         "no such adapter".to_owned(),
     ))));
-    state.apply(Command::Gpu(GpuCommand::Engine(Engine::Gpu)));
+    state.apply(Command::Gpu(GpuCommand::Engine(EngineChoice::Gpu)));
     assert!(state.run_refusal().unwrap().contains("tested"));
     state.settle();
-    assert_eq!(state.gpu.engine, Engine::Auto);
+    assert_eq!(state.gpu.engine, EngineChoice::Auto);
     let notice = state.messages.notice.clone().unwrap();
     assert!(
         notice.is_error && notice.text.contains("o GPU adapter"),
         "{}",
         notice.text
     );
-    state.apply(Command::Gpu(GpuCommand::Engine(Engine::Gpu)));
-    assert_eq!(state.gpu.engine, Engine::Auto);
+    state.apply(Command::Gpu(GpuCommand::Engine(EngineChoice::Gpu)));
+    assert_eq!(state.gpu.engine, EngineChoice::Auto);
     assert_eq!(state.run_refusal(), None);
     state.apply(Command::Run);
     state.settle();
@@ -357,7 +357,7 @@ fn a_missing_gpu_leaves_the_cpu_with_a_reason() {
 #[test]
 fn a_device_lost_in_a_run_is_reported_and_the_cpu_makes_the_session() {
     let mut state = settled();
-    state.gpu.engine = Engine::Gpu;
+    state.gpu.engine = EngineChoice::Gpu;
     let monitor = tilescope_session::jobs::Job::start(&state.jobs.wake, |monitor| {
         Session::sample(&tilescope_core::Parameters::default().into(), 2, monitor)
     });
@@ -373,7 +373,7 @@ fn a_device_lost_in_a_run_is_reported_and_the_cpu_makes_the_session() {
     let notice = state.messages.notice.clone().unwrap();
     assert!(notice.is_error && notice.text.contains("Some GPU failed. The device was lost"));
     assert!(notice.text.contains("CPU"));
-    assert_eq!(state.gpu.engine, Engine::Auto);
+    assert_eq!(state.gpu.engine, EngineChoice::Auto);
     assert!(state.verdict().unwrap().report.valid());
 }
 
@@ -467,7 +467,7 @@ fn a_gpu_that_computes_on_the_cpu_is_tested_only_when_it_is_chosen() {
     let why = state.gpu.chosen(Variant::Staged).expect("why");
     assert!(why.contains("computes on the CPU itself"), "{why}");
     // The user chose it while the browser was looking for an adapter.
-    state.gpu.engine = Engine::Gpu;
+    state.gpu.engine = EngineChoice::Gpu;
     state.with(|state, context| state.gpu.finish_test(found(), context));
     assert_eq!(state.gpu.device.word(), "testing");
 }

@@ -1,3 +1,5 @@
+//! Verdicts on made-up shares, and a quick run.
+
 use super::*;
 use crate::experiment::Experiment;
 use crate::study::tests::{alone, quick_run};

@@ -6,17 +6,21 @@ use super::spectra::{MethodSpectra, difference};
 /// A leaf size at a radius against the reference sampler.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Against {
+    /// The radius of the sets, in user units.
     pub radius: f64,
+    /// How the sets were made.
     pub method: Method,
-    /// Relative RMS difference of radial mean powers: from the reference sets; between the two groups of them; and the
-    /// first with the second subtracted in quadrature.
+    /// Relative RMS difference of the radial mean power from that of the reference sets.
     pub difference: f64,
+    /// The same difference between two groups of reference sets.
     pub chance: f64,
+    /// The difference with chance subtracted in quadrature.
     pub left: f64,
-    /// Anisotropy above that of reference sets, in decibels; how far two groups of them lie apart; and how far it is
-    /// from zero by chance with probability 99 %.
+    /// Anisotropy above that of reference sets, in decibels.
     pub excess: f64,
+    /// The difference in anisotropy of two groups of reference sets, in decibels.
     pub apart: f64,
+    /// How far the excess is from zero by chance with probability 99 %, in decibels.
     pub reach: f64,
     /// Highest power over what chance allows.
     pub peak: f64,

@@ -1,3 +1,5 @@
+//! Verdicts on made-up numbers of gaps, and a quick run.
+
 use super::*;
 use crate::experiment::Experiment;
 use crate::study::tests::quick_run;

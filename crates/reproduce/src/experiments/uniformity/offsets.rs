@@ -32,11 +32,15 @@ pub const JUDGED: usize = 1 + BLOCK_BANDS.len() + DOMAIN_BANDS.len() + SIDES.len
 
 /// Everything that was counted.
 pub struct UniformityResults {
+    /// The reference sampler's sets.
     pub reference: SamplerUniformity,
     /// The control: reference sets with a known bias.
     pub moved: SamplerUniformity,
+    /// KDRT with insertion at circumcentres.
     pub circumcentre: SamplerUniformity,
+    /// KDRT with uniform insertion.
     pub uniform: SamplerUniformity,
+    /// The same as `circumcentre` with samples eliminated in random order.
     pub random: SamplerUniformity,
     /// Insertion at circumcentres against uniform insertion.
     pub paired: PairedBias,
@@ -44,15 +48,21 @@ pub struct UniformityResults {
 
 /// Sets that were made in one way.
 pub struct SamplerUniformity {
+    /// The name in tables and figures.
     pub name: &'static str,
+    /// How many sets were counted.
     pub sets: u64,
     /// Number of samples, relative to the reference sampler.
     pub density: f64,
+    /// Samples by cell of a grid over the domain.
     pub cells: Uniformity,
+    /// Samples by distance from the nearest border of a block, in classes between `EDGES`.
     pub blocks: Uniformity,
+    /// Samples by distance from the domain's border, in the same classes.
     pub domain: Uniformity,
-    /// By band of distances from a block's border, and from the domain's.
+    /// Samples by distance from the nearest border of a block, in a few bands.
     pub wide: Uniformity,
+    /// Samples by distance from the domain's border, in a few bands.
     pub frame: Uniformity,
     /// Within 1 r after the domain's border, within 1 r before it, and elsewhere.
     pub sides: Uniformity,
@@ -67,7 +77,9 @@ pub struct SamplerUniformity {
 /// How far a density is from the reference sampler's.
 #[derive(Clone, Copy, Debug)]
 pub struct DensityOffset {
+    /// The difference, relative to the reference sampler's density.
     pub relative: f64,
+    /// The interval that holds it with 99 % confidence.
     pub interval: [f64; 2],
 }
 

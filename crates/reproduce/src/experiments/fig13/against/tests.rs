@@ -1,3 +1,5 @@
+//! Made-up numbers of methods, for this and other tests.
+
 use super::*;
 
 /// Numbers of a good tiling.

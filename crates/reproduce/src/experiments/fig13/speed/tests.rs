@@ -1,3 +1,5 @@
+//! Verdicts on made-up rates.
+
 use super::*;
 use crate::rates::Engine;
 use tilescope_analysis::measures::Summary;
