@@ -32,9 +32,6 @@ const HALO: i32 = 6;
 /// smaller ones have more halo.
 pub(super) const MAX_SIDE: i32 = 320;
 
-/// The fewest rows of cells in a strip of a small window: with fewer, the halo costs more than another thread brings.
-const MIN_STRIP: i32 = 40;
-
 /// Windows for each thread between two calls of the observer.
 pub(super) const WINDOWS_A_THREAD: usize = 6;
 
@@ -141,7 +138,7 @@ impl Plane {
         observer: &mut dyn Observer,
     ) -> Result<Vec<Point>, SampleError> {
         let parts: Vec<Rect> = self.parts(window).iter().flat_map(pieces).collect();
-        let compute = |part: &Rect| -> Result<Vec<Point>, SampleError> {
+        let compute = |part: &Rect| {
             let mut scratch = self.plain.take();
             let mut found = Vec::new();
             self.compute(&mut scratch, 0, part)?;
@@ -150,14 +147,7 @@ impl Plane {
             Ok(found)
         };
         if let [part] = parts.as_slice() {
-            let strips = strips(part);
-            if let [only] = strips.as_slice() {
-                return compute(only);
-            }
-            // Whole rows of cells follow each other in canonical order.
-            let found: Vec<_> = strips.par_iter().map(compute).collect();
-            let found: Vec<_> = found.into_iter().collect::<Result<_, _>>()?;
-            return Ok(found.concat());
+            return compute(part);
         }
         let mut points = Vec::new();
         let total = parts.len() as u64;
@@ -298,23 +288,6 @@ fn pieces(part: &Rect) -> Vec<Rect> {
     pieces
 }
 
-/// Cuts a small window between rows of cells into strips for all threads.
-fn strips(part: &Rect) -> Vec<Rect> {
-    let (first, end) = (part.min.y >> CELL_BITS, ((part.max.y - 1) >> CELL_BITS) + 1);
-    let threads = rayon::current_num_threads() as i32;
-    let count = ((end - first) / MIN_STRIP).clamp(1, threads);
-    let cut = |k: i32| match k {
-        0 => part.min.y,
-        k if k == count => part.max.y,
-        k => (first + (end - first) * k / count) << CELL_BITS,
-    };
-    let strip = |k| Rect {
-        min: Point::new(part.min.x, cut(k)),
-        max: Point::new(part.max.x, cut(k + 1)),
-    };
-    (0..count).map(strip).collect()
-}
-
 /// Returns how many cells away from a lost sample places may lie that no sample covers and that the
 /// sequential engine would find.
 #[must_use]
@@ -422,27 +395,6 @@ mod tests {
             "no window came out unsure: the test shows nothing"
         );
         assert_eq!(narrow, wide);
-    }
-
-    #[test]
-    fn a_small_window_is_the_same_on_any_number_of_threads() {
-        let plane = plane(300.0);
-        for (low, high) in [
-            ([20.3, 30.7], [140.1, 150.2]),
-            ([0.0, 0.0], [250.0, 200.0]),
-            ([5.0, 5.0], [45.0, 46.0]),
-        ] {
-            let window = plane.domain().window(low, high).unwrap();
-            let made = [1, 2, 3, 16].map(|threads| {
-                let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
-                pool.build()
-                    .unwrap()
-                    .install(|| plane.window(&window).unwrap())
-            });
-            assert!(made[0].len() > 1_000);
-            assert!(made[0].is_sorted_by_key(|point| point.canonical()));
-            assert!(made.iter().all(|points| *points == made[0]), "{low:?}");
-        }
     }
 
     #[test]
