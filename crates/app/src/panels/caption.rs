@@ -3,7 +3,7 @@
 use egui::{Area, Button, FontId, Frame, Id, Label, Margin, Order, RichText, Stroke, Ui, pos2};
 use tilescope_debugger::Direction;
 use tilescope_drawing::palette::Palette;
-use tilescope_ui::theme::semibold;
+use tilescope_ui::theme::{is_for_fingers, semibold};
 use tilescope_ui::widgets::{Known, primary_button};
 use tilescope_workbench::command::Command;
 use tilescope_workbench::scenes::{SceneCommand, SceneList, ShownScene};
@@ -14,10 +14,12 @@ use super::common::read_out;
 
 /// Font sizes of the caption over the canvas: in the window, and for a projector.
 const CAPTION_SIZES: [f32; 2] = [15.0, 17.0];
-/// Width of the caption, in screen points.
-const CAPTION_WIDTH: f32 = 560.0;
-/// The distance of the caption from the canvas' lower edge, above the scale bar.
-const ABOVE_EDGE: f32 = 56.0;
+/// Largest width of the caption, in screen points, and the smallest one between the scale bar and the zoom.
+const CAPTION_WIDTHS: [f32; 2] = [560.0, 380.0];
+/// Room for the scale bar, and for the zoom, beside the caption.
+const BESIDE: f32 = 130.0;
+/// The distance of the caption from the canvas' lower edge: between the scale bar and the zoom, and above them.
+const ABOVE_EDGE: [f32; 2] = [14.0, 56.0];
 
 /// Shows the caption.
 pub fn show(ui: &Ui, state: &State, commands: &mut Vec<Command>) {
@@ -35,8 +37,15 @@ pub fn show(ui: &Ui, state: &State, commands: &mut Vec<Command>) {
     }
     let canvas = state.runs.first.viewport;
     let size = CAPTION_SIZES[usize::from(state.appearance.look.is_projector())];
-    let width = CAPTION_WIDTH.min(canvas.width() - 24.0).max(200.0);
-    let at = pos2(canvas.center().x, canvas.bottom() - ABOVE_EDGE);
+    let [widest, least] = CAPTION_WIDTHS;
+    let between = canvas.width() - 2.0 * BESIDE;
+    let (room, above) = if between >= least {
+        (between, ABOVE_EDGE[0])
+    } else {
+        (canvas.width() - 24.0, ABOVE_EDGE[1])
+    };
+    let width = room.clamp(200.0, widest);
+    let at = pos2(canvas.center().x, canvas.bottom() - above);
     Area::new(Id::unique("caption of the scene"))
         .order(Order::Middle)
         .pivot(egui::Align2::CENTER_BOTTOM)
@@ -81,11 +90,20 @@ pub fn show(ui: &Ui, state: &State, commands: &mut Vec<Command>) {
 fn steps(ui: &mut Ui, shown: ShownScene, len: usize, commands: &mut Vec<Command>) {
     let is_tour = shown.list == SceneList::Tour;
     let is_last = shown.index + 1 == len;
-    let on = match (is_tour, is_last) {
-        (true, true) => "Finish (Space)",
-        (true, false) => "Next (Space)",
-        (false, _) => "Next (PageDown)",
+    // A finger has no keys.
+    let named = |name: &str, key: &str| {
+        if is_for_fingers(ui.ctx()) {
+            name.to_owned()
+        } else {
+            format!("{name} ({key})")
+        }
     };
+    let on = match (is_tour, is_last) {
+        (true, true) => named("Finish", "Space"),
+        (true, false) => named("Next", "Space"),
+        (false, _) => named("Next", "PageDown"),
+    };
+    let close = named("Close", "Esc");
     ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
         let mut step = |ui: &mut Ui, name: &str, id: &str, can: bool, command| {
             let button = ui.add_enabled(can, Button::new(name));
@@ -95,19 +113,13 @@ fn steps(ui: &mut Ui, shown: ShownScene, len: usize, commands: &mut Vec<Command>
         };
         step(
             ui,
-            on,
+            &on,
             "caption-next",
             is_tour || !is_last,
             SceneCommand::Step(Direction::Forwards),
         );
         let back = SceneCommand::Step(Direction::Backwards);
         step(ui, "Back", "caption-back", shown.index > 0, back);
-        step(
-            ui,
-            "Close (Esc)",
-            "caption-close",
-            true,
-            SceneCommand::Leave,
-        );
+        step(ui, &close, "caption-close", true, SceneCommand::Leave);
     });
 }
