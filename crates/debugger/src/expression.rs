@@ -132,6 +132,11 @@ impl Evaluator {
         Self { engine, recording }
     }
 
+    /// Returns the engine, to add functions to those that expressions can call.
+    pub const fn engine_mut(&mut self) -> &mut Engine {
+        &mut self.engine
+    }
+
     /// Returns a parsed expression.
     pub fn parse(&self, text: &str) -> Result<Expression, ExpressionError> {
         if text.len() > MAX_LENGTH {
@@ -150,20 +155,27 @@ impl Evaluator {
 
     /// Returns the value of an expression at a state, as text.
     pub fn value(&self, expression: &Expression, state: &State) -> Result<String, ExpressionError> {
-        Ok(shown(&self.evaluate(expression, state)?))
+        Ok(shown(&self.evaluate(expression, state, |_| {})?))
     }
 
     /// Returns whether a condition holds at a state.
     pub fn holds(&self, expression: &Expression, state: &State) -> Result<bool, ExpressionError> {
-        let value = self.evaluate(expression, state)?;
+        let value = self.evaluate(expression, state, |_| {})?;
         let not_truth = |found: &str| ExpressionError::NotTruth {
             found: found.to_owned(),
         };
         value.as_bool().map_err(not_truth)
     }
 
-    fn evaluate(&self, expression: &Expression, state: &State) -> Result<Dynamic, ExpressionError> {
+    /// Returns the value of an expression at a state; `add` puts more names into scope.
+    pub fn evaluate(
+        &self,
+        expression: &Expression,
+        state: &State,
+        add: impl FnOnce(&mut Scope<'static>),
+    ) -> Result<Dynamic, ExpressionError> {
         let mut scope = scope(&self.recording, state);
+        add(&mut scope);
         let error = |e: Box<rhai::EvalAltResult>| ExpressionError::Evaluation {
             message: e.to_string(),
         };
@@ -173,7 +185,9 @@ impl Evaluator {
     }
 }
 
-fn shown(value: &Dynamic) -> String {
+/// Returns a value as text.
+#[must_use]
+pub fn shown(value: &Dynamic) -> String {
     match value.as_float() {
         Ok(number) => format!("{number:.6}"),
         Err(_) if value.is_unit() => "none".to_owned(),

@@ -38,6 +38,7 @@ mod session;
 mod state;
 mod tally;
 mod tape;
+mod until;
 pub mod why;
 
 pub use anchor::{Anchor, AnchorError};
@@ -46,7 +47,9 @@ pub use debugger::{Breakpoint, Debugger, Marked, Stop, Stops};
 pub use density::{Phase, density, phases};
 pub use divergence::{Divergence, first_divergence, first_divergence_of_runs};
 pub use event::{Event, NONE};
-pub use expression::{Evaluator, Expression, ExpressionError, LENGTHS, NAMES, NAMES_OF_NEXT};
+pub use expression::{
+    Evaluator, Expression, ExpressionError, LENGTHS, MAX_LENGTH, NAMES, NAMES_OF_NEXT, shown,
+};
 pub use kind::EventKind;
 pub use life::{Life, Status};
 pub use lines::Lines;

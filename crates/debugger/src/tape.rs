@@ -93,6 +93,17 @@ impl Tape {
         (0..end).rev().zip(tail.iter().rev().chain(earlier))
     }
 
+    /// Returns the first `end` events as a sealed tape.
+    #[must_use]
+    pub(crate) fn until(&self, parameters: &Parameters, end: usize) -> Self {
+        let mut tape = Self::new(parameters, usize::MAX);
+        for event in self.iter().take(end) {
+            tape.push(*event);
+        }
+        tape.seal();
+        tape
+    }
+
     /// Ends the recording: makes chunks equally long again, so that an index gives its chunk.
     pub fn seal(&mut self) {
         let mut whole: Vec<Vec<Event>> = Vec::with_capacity(self.len / CHUNK + 1);
@@ -121,7 +132,7 @@ impl Tape {
 
     /// Leaves tests out of the oldest chunks that still have them until another chunk fits into the budget.
     fn thin(&mut self) {
-        while self.len + CHUNK > self.budget && self.thinned < self.chunks.len() {
+        while self.len.saturating_add(CHUNK) > self.budget && self.thinned < self.chunks.len() {
             let (thin, left_out) = thin(&self.chunks[self.thinned]);
             self.len -= self.chunks[self.thinned].len() - thin.len();
             self.left_out += left_out;

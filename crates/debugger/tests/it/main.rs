@@ -8,3 +8,4 @@ mod sentences;
 mod sessions;
 mod support;
 mod time_travel;
+mod until;
