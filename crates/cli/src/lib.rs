@@ -13,6 +13,7 @@ mod facts;
 mod gpu;
 mod headless;
 mod interrupt;
+mod lesson;
 mod make;
 mod options;
 mod output;
@@ -83,6 +84,8 @@ pub enum Command {
     Gpu(gpu::GpuArguments),
     /// Carry out the paper's experiments and write a report of verdicts, figures and numbers
     Reproduce(reproduce::ReproduceArguments),
+    /// Check, write and list lessons, and merge their results
+    Lesson(lesson::LessonArguments),
     /// Serve the page that runs the same program in a browser
     Web(web::WebArguments),
     /// Carry out commands of the window from a file, without a window, and print the state
@@ -152,6 +155,7 @@ pub fn run(command: &Command, carry_out: script::CarryOut) -> ExitCode {
         Command::Headless(arguments) => headless::run(arguments),
         Command::Gpu(arguments) => gpu::run(arguments),
         Command::Reproduce(arguments) => reproduce::run(arguments),
+        Command::Lesson(arguments) => lesson::run(arguments),
         Command::Web(arguments) => web::run(arguments),
         Command::Script(arguments) => script::run(arguments, carry_out),
         Command::Completions { shell } => completions(*shell),

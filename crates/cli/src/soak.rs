@@ -138,7 +138,8 @@ fn text(sum: &Tally) -> String {
     } else {
         "NOT AS PROMISED"
     };
-    out + &format!("verdict            {verdict}\n")
+    let _ = writeln!(out, "verdict            {verdict}");
+    out
 }
 
 /// Random draws of a round.

@@ -1,0 +1,464 @@
+//! Checks a lesson as its learners will meet it: over many seeds, with a learner who knows everything, one who guesses, and
+//! one with the known misconceptions.
+
+use std::collections::{BTreeMap, HashMap};
+use std::fmt::Write as _;
+use std::sync::Arc;
+
+use tilescope_core::{Key as DrawKey, Observer, Parameters, Pattern, SampleError, Stream, below};
+use tilescope_debugger::Recording;
+
+use crate::answer::{Answer, Change, CutAxis, Key};
+use crate::error::LessonError;
+use crate::learner::{Arrival, Learner};
+use crate::lesson::{Gate, GateKind, Lesson};
+use crate::prose;
+use crate::question::{Form, Question};
+use crate::scene::{Scene, record};
+use crate::translation::Translation;
+
+/// The most words of a step's text, before and after its question.
+pub const MAX_WORDS: usize = 60;
+/// The most words of a question.
+pub const MAX_ASK_WORDS: usize = 60;
+/// The largest share of seeds in which one option is right.
+pub const MAX_SHARE: f64 = 0.6;
+/// The smallest share of seeds that have the moment of a question.
+const MIN_FITTING: f64 = 0.5;
+/// From so many seeds on, shares of options are looked at.
+const MIN_SEEDS_FOR_SHARES: usize = 10;
+/// How well a learner who guesses may do on average.
+const MAX_GUESSED: f64 = 0.75;
+/// The most faults that are listed of one question.
+const MAX_FAULTS: usize = 3;
+
+/// What checking a lesson found.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Checked {
+    /// The faults, by line.
+    pub faults: Vec<LessonError>,
+    /// The keys of all questions and seeds, to be pinned.
+    pub keys: String,
+    /// How many questions were asked of how many runs.
+    pub questions: usize,
+    /// The mean score of the learner who knows everything.
+    pub perfect: f64,
+    /// Of the one who guesses.
+    pub guessing: f64,
+    /// Of the one with the known misconceptions, where there are any.
+    pub misconceived: f64,
+}
+
+/// Makes the runs of lessons. A pattern is made once.
+#[derive(Default)]
+pub struct Runs {
+    patterns: HashMap<String, Arc<Pattern>>,
+    recordings: HashMap<String, Arc<Recording>>,
+}
+
+impl Runs {
+    /// Returns the recorded run of parameters.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`record`].
+    pub fn of(
+        &mut self,
+        parameters: &Parameters,
+        observer: &mut dyn Observer,
+    ) -> Result<Arc<Recording>, SampleError> {
+        let name = format!("{parameters:?}");
+        if let Some(recording) = self.recordings.get(&name) {
+            return Ok(Arc::clone(recording));
+        }
+        let spec = format!("{:?}", parameters.pattern);
+        let pattern = match self.patterns.get(&spec) {
+            Some(pattern) => Arc::clone(pattern),
+            None => {
+                let made = Pattern::of_spec(&parameters.pattern, observer)?;
+                self.patterns.insert(spec, Arc::clone(&made));
+                made
+            }
+        };
+        let recording = record(parameters, &pattern, observer)?;
+        self.recordings.insert(name, Arc::clone(&recording));
+        Ok(recording)
+    }
+
+    /// Forgets the recordings; patterns stay.
+    pub fn clear(&mut self) {
+        self.recordings.clear();
+    }
+}
+
+/// Sums of scores.
+#[derive(Default)]
+struct Scores {
+    perfect: (f64, usize),
+    guessing: (f64, usize),
+    misconceived: (f64, usize),
+}
+
+fn add(sum: &mut (f64, usize), score: f64) {
+    *sum = (sum.0 + score, sum.1 + 1);
+}
+
+fn mean((sum, count): (f64, usize)) -> f64 {
+    if count == 0 { 0.0 } else { sum / count as f64 }
+}
+
+/// What was found about one gate.
+#[derive(Default)]
+struct OfGate {
+    keys: BTreeMap<(bool, u64), String>,
+    options: HashMap<usize, usize>,
+    asked: usize,
+    fitting: usize,
+    faults: Vec<LessonError>,
+}
+
+/// Checks a lesson over at most `seeds` seeds of each question. `go_on` is called before each run, with the share that is
+/// done; if it returns false the check ends.
+///
+/// # Errors
+///
+/// Those of the sampler, and a cancelled check.
+pub fn check(
+    lesson: &Lesson,
+    seeds: usize,
+    runs: &mut Runs,
+    observer: &mut dyn Observer,
+    go_on: &mut dyn FnMut(f64) -> bool,
+) -> Result<Checked, SampleError> {
+    let mut checked = Checked {
+        faults: lengths(lesson),
+        ..Checked::default()
+    };
+    let mut scores = Scores::default();
+    // By seed, so that the steps of a seed share its runs.
+    let mut asked: Vec<(Option<u64>, usize)> =
+        (0..lesson.steps.len()).map(|step| (None, step)).collect();
+    for (index, step) in lesson.steps.iter().enumerate() {
+        let practice = step.gate.as_ref().and_then(|gate| gate.practice.clone());
+        asked.extend(
+            practice
+                .into_iter()
+                .flatten()
+                .take(seeds)
+                .map(|seed| (Some(seed), index)),
+        );
+    }
+    asked.sort_unstable();
+    let mut found: BTreeMap<usize, OfGate> = BTreeMap::new();
+    let mut last = None;
+    for (done, &(seed, index)) in asked.iter().enumerate() {
+        if !go_on(done as f64 / asked.len() as f64) {
+            return Err(SampleError::Cancelled {
+                stage: tilescope_core::Stage::Pattern,
+            });
+        }
+        if seed != last {
+            runs.clear();
+            last = seed;
+        }
+        let step = &lesson.steps[index];
+        let parameters = step.scene.parameters;
+        let parameters = Parameters {
+            seed: seed.unwrap_or(parameters.seed),
+            ..parameters
+        };
+        let recording = runs.of(&parameters, observer)?;
+        let of_gate = found.entry(index).or_default();
+        if seed.is_some() {
+            of_gate.asked += 1;
+        }
+        match ask(lesson, index, &recording, seed.is_some(), &mut scores) {
+            Ok(Some(question)) => {
+                checked.questions += 1;
+                of_gate.fitting += usize::from(seed.is_some());
+                if let (Key::Choice(option), true) = (question.key(), seed.is_some()) {
+                    *of_gate.options.entry(*option).or_default() += 1;
+                }
+                of_gate.keys.insert(
+                    (seed.is_some(), parameters.seed),
+                    question.key().to_string(),
+                );
+            }
+            Ok(None) => {}
+            Err(mut error) => {
+                let _ = write!(error.message, " (seed {})", parameters.seed);
+                of_gate.faults.push(error);
+            }
+        }
+    }
+    for (index, mut of_gate) in found {
+        let Some(gate) = &lesson.steps[index].gate else {
+            checked.faults.append(&mut of_gate.faults);
+            continue;
+        };
+        checked.faults.extend(shares(gate, &of_gate));
+        let more = of_gate.faults.len().saturating_sub(MAX_FAULTS);
+        of_gate.faults.truncate(MAX_FAULTS);
+        if let (Some(last), true) = (of_gate.faults.last_mut(), more > 0) {
+            let _ = write!(last.message, "; and {more} more like it");
+        }
+        checked.faults.append(&mut of_gate.faults);
+        let _ = writeln!(checked.keys, "{}", gate.name);
+        for ((practised, seed), key) in of_gate.keys {
+            let name = if practised {
+                seed.to_string()
+            } else {
+                "own".to_owned()
+            };
+            let _ = writeln!(checked.keys, "  {name}: {key}");
+        }
+    }
+    checked.perfect = mean(scores.perfect);
+    checked.guessing = mean(scores.guessing);
+    checked.misconceived = mean(scores.misconceived);
+    if scores.perfect.1 > 0 {
+        let wrong = |message: String| LessonError::new(1, message);
+        if checked.perfect < 0.999_999 {
+            checked.faults.push(wrong(format!(
+                "the key of some question scores less than 1: {}",
+                checked.perfect
+            )));
+        }
+        if checked.guessing > MAX_GUESSED {
+            checked.faults.push(wrong(format!(
+                "whoever guesses scores {:.2}; at most {MAX_GUESSED}",
+                checked.guessing
+            )));
+        }
+    }
+    checked.faults.sort_by_key(|fault| fault.line);
+    Ok(checked)
+}
+
+/// Returns the faults of texts that are too long.
+fn lengths(lesson: &Lesson) -> Vec<LessonError> {
+    let mut faults = Vec::new();
+    for step in &lesson.steps {
+        for (what, part) in [
+            ("text before the question", &step.text),
+            ("text after the answer", &step.after),
+        ] {
+            let words: usize = part.iter().map(|paragraph| prose::words(paragraph)).sum();
+            if words > MAX_WORDS {
+                let message = format!(
+                    "the {what} of \"{}\" has {words} words; at most {MAX_WORDS}",
+                    step.title
+                );
+                faults.push(LessonError::new(step.line, message));
+            }
+        }
+        if let Some(gate) = &step.gate {
+            let words = prose::words(&gate.ask.text);
+            if words > MAX_ASK_WORDS {
+                let message = format!("the question has {words} words; at most {MAX_ASK_WORDS}");
+                faults.push(LessonError::new(gate.ask.line, message));
+            }
+        }
+    }
+    faults
+}
+
+/// Returns the faults of a gate whose moment few seeds have, or of which one option is right too often.
+fn shares(gate: &Gate, found: &OfGate) -> Vec<LessonError> {
+    let mut faults = Vec::new();
+    let wrong = |message: String| LessonError::new(gate.line, message);
+    if (found.fitting as f64) < MIN_FITTING * found.asked as f64 && found.faults.is_empty() {
+        faults.push(wrong(format!(
+            "only {} of {} seeds have the moment; at least half must",
+            found.fitting, found.asked
+        )));
+    }
+    if found.fitting >= MIN_SEEDS_FOR_SHARES {
+        for (option, times) in &found.options {
+            let share = *times as f64 / found.fitting as f64;
+            if share > MAX_SHARE {
+                let letter = crate::answer::letter(*option);
+                faults.push(wrong(format!(
+                    "option {letter} is right in {:.0}% of the seeds; at most {:.0}%, or \"practice: none\"",
+                    100.0 * share, 100.0 * MAX_SHARE
+                )));
+            }
+        }
+    }
+    faults
+}
+
+/// Asks the question of a step in a run, and lets the three learners answer it. None if the run does not have the moment,
+/// or the step no question.
+fn ask(
+    lesson: &Lesson,
+    index: usize,
+    recording: &Arc<Recording>,
+    practised: bool,
+    scores: &mut Scores,
+) -> Result<Option<Question>, LessonError> {
+    let step = &lesson.steps[index];
+    let Some(scene) = Scene::find(recording, &step.scene)? else {
+        return if practised {
+            Ok(None)
+        } else {
+            Err(LessonError::new(
+                step.scene.line,
+                "the run has no such moment",
+            ))
+        };
+    };
+    for text in step.text.iter().chain(&step.after) {
+        scene.fill(text, step.line)?;
+    }
+    scene.camera(&step.scene.camera)?;
+    let Some(gate) = &step.gate else {
+        return Ok(None);
+    };
+    let question = Question::of(gate, &scene)?;
+    let mut learn = |answers: &mut dyn FnMut(&Question, usize, usize) -> Option<Answer>,
+                     sum: fn(&mut Scores) -> &mut (f64, usize)| {
+        let mut learner = Learner::new(Arc::new(lesson.clone()), Arc::new(Translation::default()));
+        learner.go(index);
+        if practised {
+            // Any draw stands for the seed of the recording; the run is given.
+            learner.practise(recording.run().parameters.seed);
+        }
+        if learner.arrive(recording, 0.0)? != Arrival::Here {
+            return Ok(());
+        }
+        for attempt in 0..100 {
+            let (_, traced) = learner.tries();
+            let Some(answer) = answers(&question, traced, attempt) else {
+                return Ok(());
+            };
+            let feedback = learner.answer(&answer, 1.0)?;
+            // All but a trace are judged by their first answer.
+            if feedback.is_done || !matches!(question.key(), Key::Trace(_)) {
+                break;
+            }
+        }
+        let score = match learner.take_entries().pop() {
+            Some(entry) => entry.score,
+            None => {
+                learner.give_up(1.0);
+                learner.give_up(1.0);
+                learner
+                    .take_entries()
+                    .pop()
+                    .map_or(0.0, |entry| entry.score)
+            }
+        };
+        add(sum(scores), score);
+        Ok(())
+    };
+    learn(
+        &mut |question, traced, _| Some(right(question, traced)),
+        |scores| &mut scores.perfect,
+    )?;
+    let key =
+        DrawKey::from_seed(recording.run().parameters.seed).derive(Stream::Order, index as u32);
+    learn(
+        &mut |question, _, attempt| Some(guess(question, key, attempt as u32)),
+        |scores| &mut scores.guessing,
+    )?;
+    learn(
+        &mut |question, _, attempt| {
+            if attempt == 0 {
+                misconception(gate, question)
+            } else {
+                None
+            }
+        },
+        |scores| &mut scores.misconceived,
+    )?;
+    Ok(Some(question))
+}
+
+fn right(question: &Question, traced: usize) -> Answer {
+    match question.key() {
+        Key::Trace(events) => Answer::Choice(events[traced.min(events.len() - 1)]),
+        _ => question.right_answer(),
+    }
+}
+
+/// Returns the answer of somebody who believes the first known misconception, if there is one.
+fn misconception(gate: &Gate, question: &Question) -> Option<Answer> {
+    if let Some(wrong) = question.wrong_answers().first() {
+        return Some(match (&wrong.answer, &question.form) {
+            (Answer::Pick(samples), Form::Pick { several: false, .. }) => {
+                let Key::Pick(right) = question.key() else {
+                    return None;
+                };
+                Answer::Pick(vec![*samples.iter().find(|s| !right.contains(s))?])
+            }
+            (answer, _) => answer.clone(),
+        });
+    }
+    let (GateKind::Choice { options, .. }, Key::Choice(right)) = (&gate.kind, question.key())
+    else {
+        return None;
+    };
+    let wrong = options
+        .iter()
+        .enumerate()
+        .find(|(index, option)| index != right && option.sentence.is_some());
+    wrong.map(|(index, _)| Answer::Choice(index))
+}
+
+/// Returns a random answer.
+fn guess(question: &Question, key: DrawKey, attempt: u32) -> Answer {
+    let draw = |index: u32, n: usize| {
+        below(
+            key.draw(Stream::Order, 64 * attempt + index)[0],
+            n.max(1) as u32,
+        ) as usize
+    };
+    let share =
+        |index: u32| f64::from(key.draw(Stream::Order, 64 * attempt + index)[1]) / 4_294_967_296.0;
+    match &question.form {
+        Form::Pick {
+            candidates,
+            several: false,
+        } => Answer::Pick(vec![candidates[draw(0, candidates.len())]]),
+        Form::Pick { candidates, .. } => {
+            let mut some: Vec<u32> = (0..)
+                .zip(candidates)
+                .filter(|(k, _)| share(*k) < 0.5)
+                .map(|(_, s)| *s)
+                .collect();
+            if some.is_empty() {
+                some.push(candidates[draw(60, candidates.len())]);
+            }
+            Answer::Pick(some)
+        }
+        Form::Place { candidates } => Answer::Place(candidates[draw(0, candidates.len())]),
+        Form::Number { .. } => Answer::Number((100.0 * share(0)).round()),
+        Form::Choice { options, .. } | Form::Trace { options, .. } => {
+            Answer::Choice(draw(0, options.len()))
+        }
+        Form::Order { items } => {
+            let mut order: Vec<usize> = (0..items.len()).collect();
+            for last in (1..order.len()).rev() {
+                order.swap(last, draw(last as u32, last + 1));
+            }
+            Answer::Order(order)
+        }
+        Form::Cut { min, max, .. } => {
+            let (axis, of) = if draw(0, 2) == 0 {
+                (CutAxis::X, 0)
+            } else {
+                (CutAxis::Y, 1)
+            };
+            Answer::Cut {
+                axis,
+                at: min[of] + share(1) * (max[of] - min[of]),
+            }
+        }
+        Form::Bands { bands, .. } => Answer::Bands(
+            (0..bands.len())
+                .map(|k| Change::ALL[draw(k as u32, 3)])
+                .collect(),
+        ),
+    }
+}

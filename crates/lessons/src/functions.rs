@@ -1,0 +1,642 @@
+//! What expressions of lessons can ask of a run, besides the names and functions of the debugger. Lengths and positions
+//! are in r; events are numbered from 1.
+
+use std::collections::HashMap;
+use std::sync::atomic::{AtomicI64, AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+
+use rhai::{Dynamic, Engine, EvalAltResult, Map};
+use tilescope_analysis::Tessellation;
+use tilescope_core::stages::blocks::Axis;
+use tilescope_core::stages::detect::Sites;
+use tilescope_core::{Fate, Origin, R, RunEvent, Sweep, Unobserved, sample};
+use tilescope_debugger::{
+    DEFAULT_BUDGET, Divergence, Event, EventKind, NONE, Query, Recording, Status, first_divergence,
+    query,
+};
+
+use crate::fields::Field;
+use crate::read::with_parameter;
+use crate::sets::{Measure, PointSet};
+
+/// The functions, each with its meaning.
+pub const FUNCTIONS: [(&str, &str); 32] = [
+    (
+        "next(query)",
+        "the next event that matches a query, as a map, or () if there is none",
+    ),
+    (
+        "previous(query)",
+        "the last event before this moment that matches a query",
+    ),
+    (
+        "count(query)",
+        "how many events of the whole run match a query",
+    ),
+    ("exists(value)", "whether a value is not ()"),
+    ("valid(s)", "whether a sample is valid at this moment"),
+    ("lost(s)", "whether a sample is eliminated, now or later"),
+    ("lost_to(s)", "the sample that eliminates it"),
+    ("kept(s)", "whether a sample is in the result"),
+    ("inserted(s)", "whether a sample is an inserted one"),
+    (
+        "own(s)",
+        "whether a tiled sample lies in its own block, not in the margin around it",
+    ),
+    (
+        "marked(s)",
+        "whether elimination makes a sample a gap detector",
+    ),
+    (
+        "turn(s)",
+        "the number of the event at which elimination takes a sample",
+    ),
+    (
+        "unsure(s)",
+        "whether a sample's fate is open when every sample has only looked at its own conflicts",
+    ),
+    ("samples()", "how many samples are valid"),
+    (
+        "conflicts()",
+        "how many pairs of valid samples are closer than r",
+    ),
+    (
+        "conflicts_of(s)",
+        "how many valid samples are closer than r to a sample",
+    ),
+    (
+        "covered(x, y)",
+        "whether a place lies in the disk of a valid sample",
+    ),
+    ("nearest(x, y)", "the valid sample nearest to a place"),
+    ("far(s, x, y)", "how far a sample is from a place"),
+    (
+        "apart(place, other)",
+        "the distance of two places, each [x, y]",
+    ),
+    (
+        "odd_run()",
+        "whether the run's seed is odd: in a condition, it varies which answer is right",
+    ),
+    ("gaps()", "how many gaps the valid samples leave"),
+    (
+        "deepest()",
+        "the deepest place [x, y] of the largest gap, or ()",
+    ),
+    (
+        "deepest_near(x, y)",
+        "the deepest place of the gap nearest to a place",
+    ),
+    (
+        "seam(x, y)",
+        "how far a place is from the nearest edge of a block",
+    ),
+    (
+        "on_seam(x, y)",
+        "the place on the nearest edge of a block, [x, y]",
+    ),
+    ("block_size(b)", "the sides of a block, [width, height]"),
+    ("parameter(name)", "a parameter of the run"),
+    (
+        "measure(name)",
+        "a measure of the valid samples: density, packing, closest, covering, peak, low-power, anisotropy",
+    ),
+    (
+        "measure_with(name, changes)",
+        "the same of the result with other parameters, such as \"leaf=10\"",
+    ),
+    (
+        "same_points(engine)",
+        "whether an engine (\"parallel\") makes the same points",
+    ),
+    (
+        "parts_at(changes)",
+        "the number of the event in which the run with other parameters first differs",
+    ),
+];
+
+/// What an event's map holds.
+pub const PROPERTIES: [&str; 20] = [
+    "event", "kind", "a", "b", "sites", "x", "y", "distance", "verdict", "block", "found",
+    "turned", "axis", "plane", "x0", "y0", "x1", "y1", "count", "len",
+];
+
+/// How many searches and computations the expressions of one question may make.
+const MAX_WORK: i64 = 1_000;
+/// What a computation of the whole set costs.
+const SET: i64 = 4;
+/// What another run costs.
+const RUN: i64 = 80;
+
+type Found<T> = Result<T, Box<EvalAltResult>>;
+
+/// The run and the moment that expressions are about, with what they have computed.
+pub(crate) struct Now {
+    pub recording: Arc<Recording>,
+    pub cursor: AtomicUsize,
+    left: AtomicI64,
+    found: Mutex<HashMap<String, Arc<Vec<usize>>>>,
+    sets: Mutex<HashMap<usize, Arc<PointSet>>>,
+    runs: Mutex<HashMap<String, Arc<PointSet>>>,
+    gaps: Mutex<HashMap<usize, Arc<Tessellation>>>,
+}
+
+fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+fn wrong(message: impl Into<String>) -> Box<EvalAltResult> {
+    message.into().into()
+}
+
+fn radii(units: impl Into<f64>) -> f64 {
+    units.into() / f64::from(R)
+}
+
+fn id(s: i64) -> u32 {
+    u32::try_from(s).unwrap_or(NONE)
+}
+
+/// Returns a place as expressions have it.
+pub(crate) fn place([x, y]: [f64; 2]) -> Dynamic {
+    vec![Dynamic::from(x), Dynamic::from(y)].into()
+}
+
+impl Now {
+    pub fn new(recording: Arc<Recording>, cursor: usize) -> Self {
+        Self {
+            recording,
+            cursor: AtomicUsize::new(cursor),
+            left: AtomicI64::new(MAX_WORK),
+            found: Mutex::default(),
+            sets: Mutex::default(),
+            runs: Mutex::default(),
+            gaps: Mutex::default(),
+        }
+    }
+
+    pub fn cursor(&self) -> usize {
+        self.cursor.load(Ordering::Relaxed)
+    }
+
+    fn spend(&self, work: i64) -> Found<()> {
+        if self.left.fetch_sub(work, Ordering::Relaxed) < work {
+            return Err(wrong("the expressions of this question search too much"));
+        }
+        Ok(())
+    }
+
+    fn status(&self, s: i64) -> Status {
+        self.recording.status(id(s), self.cursor())
+    }
+
+    /// Returns the events that match a query.
+    pub fn events(&self, text: &str) -> Found<Arc<Vec<usize>>> {
+        if let Some(found) = lock(&self.found).get(text) {
+            return Ok(Arc::clone(found));
+        }
+        self.spend(1)?;
+        let query = Query::parse(text).map_err(|error| wrong(error.to_string()))?;
+        let found = Arc::new(query.find_all(&self.recording, usize::MAX));
+        lock(&self.found).insert(text.to_owned(), Arc::clone(&found));
+        Ok(found)
+    }
+
+    fn next(&self, text: &str) -> Found<Dynamic> {
+        let (events, cursor) = (self.events(text)?, self.cursor());
+        let at = events.partition_point(|&event| event < cursor);
+        Ok(events
+            .get(at)
+            .map_or(Dynamic::UNIT, |&event| self.map(event)))
+    }
+
+    fn previous(&self, text: &str) -> Found<Dynamic> {
+        let (events, cursor) = (self.events(text)?, self.cursor());
+        let at = events.partition_point(|&event| event < cursor);
+        let last = at.checked_sub(1).and_then(|at| events.get(at));
+        Ok(last.map_or(Dynamic::UNIT, |&event| self.map(event)))
+    }
+
+    /// Returns an event as a map.
+    fn map(&self, index: usize) -> Dynamic {
+        let mut map = Map::new();
+        let mut put = |name: &str, value: Dynamic| {
+            map.insert(name.into(), value);
+        };
+        let Some(event) = self.recording.event(index) else {
+            return Dynamic::UNIT;
+        };
+        put("event", (index as i64 + 1).into());
+        put("kind", event.kind().name().into());
+        let named: Vec<u32> = event
+            .samples()
+            .into_iter()
+            .filter(|&sample| sample != NONE)
+            .collect();
+        for (name, sample) in ["a", "b"].into_iter().zip(&named) {
+            put(name, i64::from(*sample).into());
+        }
+        if let (Some(&a), Some(&b)) = (named.first(), named.get(1)) {
+            put("distance", self.distance(a, b).into());
+        }
+        if let Some(verdict) = query::verdict_name(event) {
+            put("verdict", verdict.into());
+        }
+        if let Some(block) = query::block(&self.recording, event) {
+            put("block", i64::from(block).into());
+        }
+        if let Some(point) = self.recording.event_point(event) {
+            put("x", radii(point.x).into());
+            put("y", radii(point.y).into());
+        }
+        self.details(event, &mut put);
+        map.into()
+    }
+
+    fn details(&self, event: &Event, put: &mut impl FnMut(&str, Dynamic)) {
+        let blocks = &self.recording.run().blocks;
+        let rect = match event.run_event() {
+            Some(RunEvent::Split { index, turned }) => {
+                put("turned", turned.into());
+                blocks.splits.get(index as usize).map(|split| {
+                    put("axis", if split.axis == Axis::X { "x" } else { "y" }.into());
+                    put("plane", radii(split.plane).into());
+                    split.rect
+                })
+            }
+            Some(RunEvent::Leaf { block } | RunEvent::Clip { block }) => {
+                blocks.leaves.get(block as usize).map(|leaf| leaf.rect)
+            }
+            Some(RunEvent::Search { found, .. }) => {
+                put("found", i64::from(found).into());
+                None
+            }
+            Some(
+                RunEvent::Iteration {
+                    detectors: count, ..
+                }
+                | RunEvent::IterationEnd {
+                    inserted: count, ..
+                }
+                | RunEvent::Rank { candidates: count },
+            ) => {
+                put("count", i64::from(count).into());
+                None
+            }
+            Some(RunEvent::Candidate { sites, .. }) => {
+                let ids = match sites {
+                    Sites::Three(ids) => ids.to_vec(),
+                    Sites::Border(ids) => ids.to_vec(),
+                    Sites::Corner(id) => vec![id],
+                    _ => Vec::new(),
+                };
+                let ids: Vec<Dynamic> = ids.into_iter().map(|id| i64::from(id).into()).collect();
+                put("sites", ids.into());
+                None
+            }
+            _ => None,
+        };
+        if let Some(rect) = rect {
+            for (name, value) in [
+                ("x0", rect.min.x),
+                ("y0", rect.min.y),
+                ("x1", rect.max.x),
+                ("y1", rect.max.y),
+            ] {
+                put(name, radii(value).into());
+            }
+        }
+    }
+
+    fn distance(&self, a: u32, b: u32) -> f64 {
+        let (Some(a), Some(b)) = (self.recording.point(a), self.recording.point(b)) else {
+            return f64::NAN;
+        };
+        radii((self.recording.domain().distance_squared(a, b) as f64).sqrt())
+    }
+
+    /// Returns the valid samples.
+    pub fn set(&self) -> Found<Arc<PointSet>> {
+        let cursor = self.cursor();
+        if let Some(set) = lock(&self.sets).get(&cursor) {
+            return Ok(Arc::clone(set));
+        }
+        self.spend(SET)?;
+        let set = Arc::new(PointSet::at(&self.recording, cursor));
+        lock(&self.sets).insert(cursor, Arc::clone(&set));
+        Ok(set)
+    }
+
+    /// Returns the result of the run with other parameters, such as `leaf=10 seed=3`.
+    fn set_with(&self, changes: &str) -> Found<Arc<PointSet>> {
+        if let Some(set) = lock(&self.runs).get(changes) {
+            return Ok(Arc::clone(set));
+        }
+        self.spend(RUN)?;
+        let run = sample(&self.changed(changes)?, &mut Unobserved);
+        let set = Arc::new(PointSet::of_run(
+            &run.map_err(|error| wrong(error.to_string()))?,
+        ));
+        lock(&self.runs).insert(changes.to_owned(), Arc::clone(&set));
+        Ok(set)
+    }
+
+    fn changed(&self, changes: &str) -> Found<tilescope_core::Parameters> {
+        let mut parameters = self.recording.run().parameters;
+        for change in changes.split_whitespace() {
+            let (key, value) = change
+                .split_once('=')
+                .ok_or_else(|| wrong(format!("\"{change}\" is not of the form leaf=10")))?;
+            let field = Field {
+                key: key.to_owned(),
+                value: value.to_owned(),
+                line: 0,
+            };
+            parameters =
+                with_parameter(&parameters, &field).map_err(|error| wrong(error.message))?;
+        }
+        let domain = parameters
+            .validate()
+            .map_err(|error| wrong(error.to_string()))?;
+        if domain.area_radii() * tilescope_core::MAXIMAL_DENSITY > crate::read::MAX_SAMPLES {
+            return Err(wrong(format!(
+                "a run with {changes} has too many samples for a lesson"
+            )));
+        }
+        Ok(parameters)
+    }
+
+    /// Returns the gaps of the valid samples.
+    pub fn tessellation(&self) -> Found<Arc<Tessellation>> {
+        let cursor = self.cursor();
+        if let Some(found) = lock(&self.gaps).get(&cursor) {
+            return Ok(Arc::clone(found));
+        }
+        let set = self.set()?;
+        self.spend(SET)?;
+        let made = Tessellation::of(&set.points, set.region, 1.0);
+        let made = Arc::new(made.map_err(|error| wrong(error.to_string()))?);
+        lock(&self.gaps).insert(cursor, Arc::clone(&made));
+        Ok(made)
+    }
+
+    fn deepest_near(&self, x: f64, y: f64) -> Found<Dynamic> {
+        let (set, found) = (self.set()?, self.tessellation()?);
+        let distance = |gap: &&tilescope_analysis::tessellation::GapRegion| {
+            set.distance([x, y], gap.deepest.0.into())
+        };
+        let nearest = found
+            .gaps
+            .iter()
+            .min_by(|a, b| distance(a).total_cmp(&distance(b)));
+        Ok(nearest.map_or(Dynamic::UNIT, |gap| place(gap.deepest.0.into())))
+    }
+
+    fn deepest(&self) -> Found<Dynamic> {
+        let found = self.tessellation()?;
+        let largest = found
+            .gaps
+            .iter()
+            .max_by(|a, b| a.deepest.1.total_cmp(&b.deepest.1));
+        Ok(largest.map_or(Dynamic::UNIT, |gap| place(gap.deepest.0.into())))
+    }
+
+    fn conflicts_of(&self, s: i64) -> i64 {
+        let near = |point| self.recording.valid_near(point, R, self.cursor());
+        let Some(point) = self.recording.point(id(s)) else {
+            return 0;
+        };
+        let others = near(point).into_iter().filter(|&other| other != id(s));
+        others
+            .filter(|&other| self.distance(id(s), other) < 1.0)
+            .count() as i64
+    }
+
+    fn fate(&self, s: i64) -> Option<Fate> {
+        self.recording
+            .run()
+            .samples
+            .fates
+            .get(id(s) as usize)
+            .copied()
+    }
+
+    fn lost_to(&self, s: i64) -> Option<u32> {
+        match self.fate(s)? {
+            Fate::Eliminated { by } => Some(by),
+            _ => None,
+        }
+    }
+
+    fn origin(&self, s: i64) -> Option<&Origin> {
+        self.recording.run().samples.origins.get(id(s) as usize)
+    }
+
+    fn conflicts(&self) -> Found<i64> {
+        let set = self.set()?;
+        let both = set.ids.iter().map(|&s| self.conflicts_of(s.into()));
+        Ok(both.sum::<i64>() / 2)
+    }
+
+    fn far(&self, s: i64, to: [f64; 2]) -> Found<f64> {
+        let set = self.set()?;
+        let point = self.recording.point(id(s));
+        Ok(point.map_or(f64::NAN, |p| set.distance([radii(p.x), radii(p.y)], to)))
+    }
+
+    fn apart(&self, a: rhai::Array, b: rhai::Array) -> Found<f64> {
+        let read =
+            |place: rhai::Array| crate::scene::place_of(&Dynamic::from(place)).map_err(wrong);
+        Ok(self.set()?.distance(read(a)?, read(b)?))
+    }
+
+    fn block_size(&self, b: i64) -> Dynamic {
+        let leaf = self.recording.run().blocks.leaves.get(id(b) as usize);
+        leaf.map_or(Dynamic::UNIT, |leaf| {
+            let (min, max) = (leaf.rect.min, leaf.rect.max);
+            place([radii(max.x - min.x), radii(max.y - min.y)])
+        })
+    }
+
+    fn parameter(&self, name: &str) -> Found<Dynamic> {
+        let all = serde_json::to_value(self.recording.run().parameters).unwrap_or_default();
+        match all.get(name) {
+            Some(serde_json::Value::Number(number)) => {
+                Ok(number.as_f64().unwrap_or(f64::NAN).into())
+            }
+            Some(serde_json::Value::String(text)) => Ok(text.clone().into()),
+            _ => Err(wrong(format!("there is no parameter \"{name}\""))),
+        }
+    }
+
+    fn measure(&self, name: &str, changes: Option<&str>) -> Found<f64> {
+        let measure = Measure::named(name).map_err(wrong)?;
+        let set = match changes {
+            Some(changes) => self.set_with(changes)?,
+            None => self.set()?,
+        };
+        self.spend(SET)?;
+        set.measure(measure).map_err(wrong)
+    }
+
+    /// Returns whether the fate of a sample is open after a first round in which each sample is kept if all its
+    /// conflicts have later turns, and lost if one of them is kept.
+    fn unsure(&self, s: i64) -> bool {
+        let earlier = |s: u32| -> Vec<u32> {
+            let Some(point) = self.recording.point(s) else {
+                return Vec::new();
+            };
+            let near = self
+                .recording
+                .valid_near(point, R, self.cursor())
+                .into_iter();
+            near.filter(|&t| {
+                t != s && self.distance(s, t) < 1.0 && self.turn_of(t) < self.turn_of(s)
+            })
+            .collect()
+        };
+        let before = earlier(id(s));
+        !before.is_empty() && !before.iter().any(|&t| earlier(t).is_empty())
+    }
+
+    fn turn_of(&self, s: u32) -> usize {
+        let events = self.recording.events_of(s).iter();
+        let takes = |event: usize| {
+            self.recording
+                .event(event)
+                .is_some_and(|e| matches!(e.kind(), EventKind::Take | EventKind::Keep))
+        };
+        events
+            .map(|&event| event as usize)
+            .find(|&event| takes(event))
+            .unwrap_or(usize::MAX)
+    }
+
+    /// Returns the nearest place on an edge of a block, and its distance.
+    fn seam(&self, x: f64, y: f64) -> ([f64; 2], f64) {
+        let leaves = &self.recording.run().blocks.leaves;
+        let mut best = ([x, y], f64::INFINITY);
+        for leaf in leaves {
+            let (min, max) = (leaf.rect.min, leaf.rect.max);
+            let [x0, y0, x1, y1] = [min.x, min.y, max.x, max.y].map(radii);
+            let inside = [x.clamp(x0, x1), y.clamp(y0, y1)];
+            for place in [
+                [x0, inside[1]],
+                [x1, inside[1]],
+                [inside[0], y0],
+                [inside[0], y1],
+            ] {
+                let distance = (place[0] - x).hypot(place[1] - y);
+                if distance < best.1 {
+                    best = (place, distance);
+                }
+            }
+        }
+        best
+    }
+
+    fn same_points(&self, engine: &str) -> Found<bool> {
+        if engine != "parallel" {
+            return Err(wrong(format!(
+                "there is no engine \"{engine}\" to compare with; there is parallel"
+            )));
+        }
+        self.spend(RUN)?;
+        let run = self.recording.run();
+        let other = Sweep::run(&run.parameters, &run.pattern, &mut Unobserved);
+        Ok(other.map_err(|error| wrong(error.to_string()))?.points() == run.points())
+    }
+
+    fn parts_at(&self, changes: &str) -> Found<Dynamic> {
+        self.spend(RUN)?;
+        let parameters = self.changed(changes)?;
+        let other = Recording::new(&parameters, DEFAULT_BUDGET, &mut Unobserved);
+        let other = other.map_err(|error| wrong(error.to_string()))?;
+        Ok(match first_divergence(&self.recording, &other) {
+            Divergence::Events { a: event, .. } | Divergence::Ends { event, .. } => {
+                (event as i64 + 1).into()
+            }
+            _ => Dynamic::UNIT,
+        })
+    }
+}
+
+/// Lets expressions call the functions about `now`.
+pub(crate) fn register(engine: &mut Engine, now: &Arc<Now>) {
+    macro_rules! function {
+        ($name:literal, |$of:ident $(, $argument:ident: $type:ty)*| $value:expr) => {{
+            let now = Arc::clone(now);
+            engine.register_fn($name, move |$($argument: $type),*| { let $of = &now; $value });
+        }};
+    }
+    engine.register_fn("min", |a: i64, b: i64| a.min(b));
+    engine.register_fn("max", |a: i64, b: i64| a.max(b));
+    engine.register_fn("min", |a: f64, b: f64| a.min(b));
+    engine.register_fn("max", |a: f64, b: f64| a.max(b));
+    function!("odd_run", |now| now.recording.run().parameters.seed % 2
+        == 1);
+    engine.register_fn("exists", |value: Dynamic| !value.is_unit());
+    function!("next", |now, query: &str| now.next(query));
+    function!("previous", |now, query: &str| now.previous(query));
+    function!("count", |now, query: &str| now
+        .events(query)
+        .map(|events| events.len() as i64));
+    function!("valid", |now, s: i64| now.status(s).is_valid());
+    function!("lost", |now, s: i64| matches!(
+        now.fate(s),
+        Some(Fate::Eliminated { .. })
+    ));
+    function!("lost_to", |now, s: i64| maybe(now.lost_to(s)));
+    function!("kept", |now, s: i64| now.fate(s) == Some(Fate::Kept));
+    function!("inserted", |now, s: i64| matches!(
+        now.origin(s),
+        Some(Origin::Inserted { .. })
+    ));
+    function!("own", |now, s: i64| matches!(
+        now.origin(s),
+        Some(Origin::Tiled { own: true, .. })
+    ));
+    function!("marked", |now, s: i64| now
+        .recording
+        .life(id(s))
+        .is_some_and(|life| life.marked != NONE));
+    function!("turn", |now, s: i64| now.turn_of(id(s)).saturating_add(1)
+        as i64);
+    function!("unsure", |now, s: i64| now.unsure(s));
+    function!("samples", |now| now
+        .set()
+        .map(|set| set.points.len() as i64));
+    function!("conflicts", |now| now.conflicts());
+    function!("conflicts_of", |now, s: i64| now.conflicts_of(s));
+    function!("covered", |now, x: f64, y: f64| {
+        now.set().map(|set| {
+            set.nearest([x, y])
+                .is_some_and(|(_, distance)| distance <= 1.0)
+        })
+    });
+    function!("nearest", |now, x: f64, y: f64| {
+        now.set()
+            .map(|set| maybe(set.nearest([x, y]).map(|(sample, _)| sample)))
+    });
+    function!("far", |now, s: i64, x: f64, y: f64| now.far(s, [x, y]));
+    function!("apart", |now, a: rhai::Array, b: rhai::Array| now
+        .apart(a, b));
+    function!("gaps", |now| now
+        .tessellation()
+        .map(|found| found.gaps.len() as i64));
+    function!("deepest", |now| now.deepest());
+    function!("deepest_near", |now, x: f64, y: f64| now.deepest_near(x, y));
+    function!("seam", |now, x: f64, y: f64| now.seam(x, y).1);
+    function!("on_seam", |now, x: f64, y: f64| place(now.seam(x, y).0));
+    function!("block_size", |now, b: i64| now.block_size(b));
+    function!("parameter", |now, name: &str| now.parameter(name));
+    function!("measure", |now, name: &str| now.measure(name, None));
+    function!("measure_with", |now, name: &str, changes: &str| now
+        .measure(name, Some(changes)));
+    function!("same_points", |now, engine: &str| now.same_points(engine));
+    function!("parts_at", |now, changes: &str| now.parts_at(changes));
+}
+
+fn maybe(sample: Option<u32>) -> Dynamic {
+    sample.map_or(Dynamic::UNIT, |sample| i64::from(sample).into())
+}

@@ -1,0 +1,398 @@
+//! A learner's way through a lesson: first try, fix until right, hints, giving up, practice with other runs. Whoever shows
+//! the lesson makes the runs and says what time it is.
+
+use std::sync::Arc;
+
+use tilescope_core::Parameters;
+use tilescope_debugger::Recording;
+
+use crate::answer::{Answer, Key};
+use crate::error::LessonError;
+use crate::lesson::{Lesson, Step};
+use crate::question::{Form, Question};
+use crate::results::Entry;
+use crate::scene::Scene;
+use crate::translation::Translation;
+
+/// A learner in a lesson.
+pub struct Learner {
+    lesson: Arc<Lesson>,
+    translation: Arc<Translation>,
+    step: usize,
+    /// The seed of practice, if the step is practised.
+    seed: Option<u64>,
+    scene: Option<Scene>,
+    question: Option<Question>,
+    attempt: Attempt,
+    entries: Vec<Entry>,
+}
+
+/// What the learner has done about a question.
+#[derive(Clone, Debug, Default, PartialEq)]
+struct Attempt {
+    tries: u32,
+    hints: u32,
+    /// The answer of the first try and its score; of a trace, once it is complete.
+    first: Option<(String, f64)>,
+    /// How many events of a trace are right, and at how many the first try was.
+    traced: (usize, usize),
+    /// Whether the last answer to the event of a trace was wrong.
+    missed: bool,
+    asked_to_give_up: bool,
+    state: Progress,
+    begun: f64,
+    confidence: Option<u8>,
+}
+
+/// How far a question is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Progress {
+    /// It is open: what follows is not shown.
+    #[default]
+    Open,
+    /// It was answered rightly.
+    Right,
+    /// The learner gave up.
+    GivenUp,
+}
+
+/// Whether a recording has the moment of the step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Arrival {
+    /// It has.
+    Here,
+    /// It has not; in practice another seed is to be tried.
+    NoMoment,
+}
+
+/// What is said to an answer.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Feedback {
+    /// From 0 to 1.
+    pub score: f64,
+    /// Whether the question is done.
+    pub is_done: bool,
+    /// What is said to a known wrong answer.
+    pub sentence: Option<String>,
+}
+
+impl Learner {
+    /// Returns a learner at the first step of a lesson.
+    #[must_use]
+    pub fn new(lesson: Arc<Lesson>, translation: Arc<Translation>) -> Self {
+        Self {
+            lesson,
+            translation,
+            step: 0,
+            seed: None,
+            scene: None,
+            question: None,
+            attempt: Attempt::default(),
+            entries: Vec::new(),
+        }
+    }
+
+    /// Returns the lesson.
+    #[must_use]
+    pub const fn lesson(&self) -> &Arc<Lesson> {
+        &self.lesson
+    }
+
+    /// Returns the index of the step.
+    #[must_use]
+    pub const fn index(&self) -> usize {
+        self.step
+    }
+
+    /// Returns the step.
+    #[must_use]
+    pub fn step(&self) -> &Step {
+        &self.lesson.steps[self.step]
+    }
+
+    /// Returns a text of the lesson in the learner's language, with the values of its expressions once the moment is there.
+    #[must_use]
+    pub fn words(&self, text: &str) -> String {
+        match &self.scene {
+            Some(scene) => scene
+                .fill(text, self.step().line)
+                .unwrap_or_else(|error| error.message),
+            None => self.translation.of(text).to_owned(),
+        }
+    }
+
+    /// Goes to a step, which must exist. What was open there before is asked anew.
+    pub fn go(&mut self, step: usize) {
+        self.step = step.min(self.lesson.steps.len() - 1);
+        (self.seed, self.scene, self.question) = (None, None, None);
+        self.attempt = Attempt::default();
+    }
+
+    /// Returns whether the next step may be shown: there is one, and no question is open.
+    #[must_use]
+    pub fn may_go_on(&self) -> bool {
+        self.step + 1 < self.lesson.steps.len() && !self.is_open()
+    }
+
+    /// Begins to practise the question with another run, if it can be practised. `draw` is any number; the seed is drawn
+    /// by it.
+    pub fn practise(&mut self, draw: u64) -> bool {
+        let Some(seeds) = self
+            .step()
+            .gate
+            .as_ref()
+            .and_then(|gate| gate.practice.clone())
+        else {
+            return false;
+        };
+        let (count, last) = (seeds.end() - seeds.start() + 1, self.seed);
+        let mut seed = seeds.start() + draw % count;
+        if last == Some(seed) && count > 1 {
+            seed = seeds.start() + (draw + 1) % count;
+        }
+        (self.seed, self.scene, self.question) = (Some(seed), None, None);
+        self.attempt = Attempt::default();
+        true
+    }
+
+    /// Returns the seed of practice, if the step is practised.
+    #[must_use]
+    pub const fn practised(&self) -> Option<u64> {
+        self.seed
+    }
+
+    /// Returns the parameters of the run that the step shows.
+    #[must_use]
+    pub fn parameters(&self) -> Parameters {
+        let parameters = self.step().scene.parameters;
+        Parameters {
+            seed: self.seed.unwrap_or(parameters.seed),
+            ..parameters
+        }
+    }
+
+    /// Takes the run of the step, at a time in seconds, and asks the step's question.
+    ///
+    /// # Errors
+    ///
+    /// A fault of the lesson's expressions.
+    pub fn arrive(
+        &mut self,
+        recording: &Arc<Recording>,
+        time: f64,
+    ) -> Result<Arrival, LessonError> {
+        let step = &self.lesson.steps[self.step];
+        let Some(mut scene) = Scene::find(recording, &step.scene)? else {
+            return Ok(Arrival::NoMoment);
+        };
+        scene.speak(&self.translation);
+        self.question = step
+            .gate
+            .as_ref()
+            .map(|gate| Question::of(gate, &scene))
+            .transpose()?;
+        self.scene = Some(scene);
+        self.attempt.begun = time;
+        Ok(Arrival::Here)
+    }
+
+    /// Returns the scene, once its run is there.
+    #[must_use]
+    pub const fn scene(&self) -> Option<&Scene> {
+        self.scene.as_ref()
+    }
+
+    /// Returns the question, once its run is there.
+    #[must_use]
+    pub const fn question(&self) -> Option<&Question> {
+        self.question.as_ref()
+    }
+
+    /// Returns how far the question is.
+    #[must_use]
+    pub const fn progress(&self) -> Progress {
+        self.attempt.state
+    }
+
+    /// Returns how many answers were given, and how many of a trace's events are done.
+    #[must_use]
+    pub const fn tries(&self) -> (u32, usize) {
+        (self.attempt.tries, self.attempt.traced.0)
+    }
+
+    /// Returns whether a question is open, also while its run is being made.
+    #[must_use]
+    pub fn is_open(&self) -> bool {
+        self.step().gate.is_some() && self.attempt.state == Progress::Open
+    }
+
+    /// Returns the cursor that is shown: the moment of the step; after the answer that of the event that decides.
+    #[must_use]
+    pub fn cursor(&self) -> Option<usize> {
+        let scene = self.scene.as_ref()?;
+        Some(match &self.question {
+            Some(question) if !self.is_open() => question.decided,
+            Some(question) => question
+                .traced
+                .get(self.attempt.traced.0)
+                .copied()
+                .unwrap_or(question.cursor),
+            None => scene.cursor(),
+        })
+    }
+
+    /// Returns the veil: while a question is open, nothing after this cursor may be shown.
+    #[must_use]
+    pub fn limit(&self) -> Option<usize> {
+        if self.is_open() {
+            self.cursor().or(Some(0))
+        } else {
+            None
+        }
+    }
+
+    /// Sets how sure the learner is, from 0 to 3; it is recorded and not graded.
+    pub fn feel(&mut self, confidence: u8) {
+        self.attempt.confidence = Some(confidence.min(3));
+    }
+
+    /// Takes an answer at a time in seconds.
+    ///
+    /// # Errors
+    ///
+    /// An answer that is not of the question's kind, and one when no question is open; it does not count as a try.
+    pub fn answer(&mut self, answer: &Answer, time: f64) -> Result<Feedback, LessonError> {
+        let step = self.step().line;
+        let closed = || LessonError::new(step, "no question is open");
+        if !self.is_open() {
+            return Err(closed());
+        }
+        let (Some(question), Some(scene)) = (&self.question, &self.scene) else {
+            return Err(closed());
+        };
+        let attempt = &mut self.attempt;
+        let grade = question.grade(answer, attempt.traced.0, scene)?;
+        attempt.tries += 1;
+        attempt.asked_to_give_up = false;
+        if let Key::Trace(events) = question.key() {
+            if !grade.is_right() {
+                attempt.missed = true;
+            } else {
+                attempt.traced.0 += 1;
+                attempt.traced.1 += usize::from(!attempt.missed);
+                attempt.missed = false;
+                if attempt.traced.0 == events.len() {
+                    let share = attempt.traced.1 as f64 / events.len() as f64;
+                    attempt.first =
+                        Some((format!("{} of {}", attempt.traced.1, events.len()), share));
+                    attempt.state = Progress::Right;
+                }
+            }
+        } else {
+            attempt
+                .first
+                .get_or_insert_with(|| (answer.to_string(), grade.score));
+            if grade.is_right() {
+                attempt.state = Progress::Right;
+            }
+        }
+        let is_done = attempt.state == Progress::Right;
+        if is_done {
+            self.note(time);
+        }
+        Ok(Feedback {
+            score: grade.score,
+            is_done,
+            sentence: grade.sentence,
+        })
+    }
+
+    /// Returns the hint of the question, and counts it.
+    pub fn hint(&mut self) -> Option<String> {
+        let hint = self.question.as_ref()?.hint.clone()?;
+        self.attempt.hints += u32::from(self.is_open());
+        Some(hint)
+    }
+
+    /// Gives up, at a time in seconds. The first call asks whether to; the second, with no answer between, reveals.
+    /// Returns whether the answer is revealed.
+    pub fn give_up(&mut self, time: f64) -> bool {
+        if !self.is_open() || self.question.is_none() {
+            return false;
+        }
+        if !self.attempt.asked_to_give_up {
+            self.attempt.asked_to_give_up = true;
+            return false;
+        }
+        self.attempt.state = Progress::GivenUp;
+        self.note(time);
+        true
+    }
+
+    /// Returns whether giving up was asked for once.
+    #[must_use]
+    pub const fn is_asked_to_give_up(&self) -> bool {
+        self.attempt.asked_to_give_up
+    }
+
+    fn note(&mut self, time: f64) {
+        let attempt = &self.attempt;
+        let (answer, score) = attempt.first.clone().unwrap_or((String::new(), 0.0));
+        let gate = self
+            .step()
+            .gate
+            .as_ref()
+            .map_or_else(String::new, |gate| gate.name.clone());
+        let entry = Entry {
+            lesson: self.lesson.name.clone(),
+            hash: self.lesson.hash.clone(),
+            gate,
+            seed: self.parameters().seed,
+            practised: self.seed.is_some(),
+            answer,
+            score,
+            tries: attempt.tries,
+            hints: attempt.hints,
+            given_up: attempt.state == Progress::GivenUp,
+            confidence: attempt.confidence,
+            seconds: (time - attempt.begun).max(0.0),
+            time,
+        };
+        self.entries.push(entry);
+    }
+
+    /// Takes the entries of the questions that were done since the last call.
+    pub fn take_entries(&mut self) -> Vec<Entry> {
+        std::mem::take(&mut self.entries)
+    }
+
+    /// Returns the right answer in words, for whoever gave up.
+    #[must_use]
+    pub fn right_answer(&self) -> Option<String> {
+        let question = self.question.as_ref()?;
+        Some(match (question.key(), &question.form) {
+            (Key::Choice(option), Form::Choice { options, .. }) => options.get(*option)?.clone(),
+            (Key::Trace(events), Form::Trace { options, .. }) => {
+                let texts = events
+                    .iter()
+                    .filter_map(|&option| options.get(option).map(String::as_str));
+                texts.collect::<Vec<_>>().join(" ")
+            }
+            (Key::Order(_), Form::Order { items }) => match question.right_answer() {
+                Answer::Order(order) => {
+                    let texts = order
+                        .iter()
+                        .filter_map(|&item| items.get(item).map(String::as_str));
+                    texts.collect::<Vec<_>>().join("; ")
+                }
+                _ => String::new(),
+            },
+            (Key::Number(number), Form::Number { unit }) => {
+                format!("{} {unit}", crate::answer::short(*number))
+                    .trim()
+                    .to_owned()
+            }
+            (key, _) => key.to_string(),
+        })
+    }
+}

@@ -1,0 +1,73 @@
+//! Lessons: text files that stop a recorded run at a moment and ask what happens next. No answer is written down: every
+//! key is computed from the recording.
+//!
+//! Begin with [`Lesson::read`], which reads a file; [`Scene::find`] finds the moment of a step in a recording, and
+//! [`Question::of`] computes the question and its key there. [`Learner`] is what a window or a page drives. The format is
+//! described for authors in `assets/lessons/README.md`.
+//!
+//! Architecture invariant: this crate has no window, no files and no clock.
+//!
+//! ```
+//! use tilescope_core::{Pattern, Unobserved};
+//! use tilescope_lessons::{Lesson, Question, Scene, record};
+//!
+//! let text = "---
+//! title: Losses
+//! objective: Say who is lost.
+//! ---
+//!
+//! # The first loss
+//!
+//! ```run
+//! moment: before eliminate
+//! ```
+//!
+//! ```gate first-loss
+//! type: number
+//! ask: Which sample is lost?
+//! answer: a
+//! ```
+//! ";
+//! let lesson = Lesson::read("losses", text)?;
+//! let step = &lesson.steps[0];
+//! let pattern = Pattern::of_spec(&step.scene.parameters.pattern, &mut Unobserved)?;
+//! let recording = record(&step.scene.parameters, &pattern, &mut Unobserved)?;
+//! let scene = Scene::find(&recording, &step.scene)?.expect("a sample is lost");
+//! let question = Question::of(step.gate.as_ref().expect("a question"), &scene)?;
+//! let lost = recording.event(question.cursor).expect("an event").samples()[0];
+//! assert_eq!(question.key().to_string(), lost.to_string());
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod answer;
+mod check;
+mod error;
+mod fields;
+mod functions;
+mod learner;
+mod lesson;
+mod moment;
+mod prose;
+mod question;
+mod read;
+pub mod results;
+mod scene;
+mod sets;
+pub mod shipped;
+mod syntax;
+mod translation;
+
+pub use answer::{Answer, Change, CutAxis, Key, letter};
+pub use check::{Checked, Runs, check};
+pub use error::{LessonError, nearest};
+pub use functions::{FUNCTIONS, PROPERTIES};
+pub use learner::{Arrival, Feedback, Learner, Progress};
+pub use lesson::{
+    Camera, ChoiceOption, Gate, GateKind, LAYERS, Lesson, SceneSpec, Step, Text, Wrong,
+};
+pub use moment::Moment;
+pub use prose::{Span, Style, plain, spans, words};
+pub use question::{Curve, Form, Grade, MAX_CANDIDATES, Question, WrongAnswer};
+pub use read::{MAX_BYTES, MAX_OPTIONS, MAX_SAMPLES, MAX_STEPS};
+pub use scene::{Scene, record};
+pub use translation::Translation;

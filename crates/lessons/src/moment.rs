@@ -1,0 +1,95 @@
+//! Moments of a run as lessons name them: `start`, `end`, `end of tile`, `before QUERY`, `after QUERY`, or the anchor of an
+//! event such as `eliminate.eliminate.1`.
+
+use tilescope_core::Stage;
+use tilescope_debugger::{Anchor, Query, Recording};
+
+use crate::error::{LessonError, shortened};
+
+/// A moment of a run.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Moment {
+    /// Before the first event.
+    Start,
+    /// After the last event.
+    End,
+    /// The end of a stage.
+    EndOf(Stage),
+    /// Just before an event that a query accepts.
+    Before(Query),
+    /// Just after an event that a query accepts.
+    After(Query),
+    /// Just after the event of an anchor.
+    At(Anchor),
+}
+
+const STAGES: [&str; 6] = [
+    "blocks",
+    "tile",
+    "eliminate",
+    "iterate-1",
+    "iterate-2",
+    "finish",
+];
+
+/// The most events that are tried as the moment of a step.
+const MAX_TRIED: usize = 2_000;
+
+impl Moment {
+    /// Reads a moment.
+    pub(crate) fn read(text: &str, line: usize) -> Result<Self, LessonError> {
+        let query = |text: &str| {
+            Query::parse(text).map_err(|error| LessonError::new(line, error.to_string()))
+        };
+        Ok(match text {
+            "start" => Self::Start,
+            "end" => Self::End,
+            _ => match text.split_once(' ') {
+                Some(("before", rest)) => Self::Before(query(rest)?),
+                Some(("after", rest)) => Self::After(query(rest)?),
+                Some(("end", rest)) => Self::EndOf(stage(rest.trim_start_matches("of ").trim(), line)?),
+                _ => Self::At(text.parse().map_err(|_| {
+                    let text = shortened(text);
+                    LessonError::new(line, format!(
+                        "\"{text}\" is not a moment. Moments are: start, end, end of STAGE, before QUERY, after QUERY, \
+                         and anchors such as eliminate.eliminate.1"
+                    ))
+                })?),
+            },
+        })
+    }
+
+    /// Returns the cursors of this moment in a run, in the order in which they are tried.
+    pub(crate) fn cursors(&self, recording: &Recording) -> Vec<usize> {
+        let found = |query: &Query| query.find_all(recording, MAX_TRIED);
+        match self {
+            Self::Start => vec![0],
+            Self::End => vec![recording.len()],
+            Self::EndOf(stage) => recording.end_of(*stage).into_iter().collect(),
+            Self::Before(query) => found(query),
+            Self::After(query) => found(query).into_iter().map(|event| event + 1).collect(),
+            Self::At(anchor) => recording
+                .anchored(anchor)
+                .map(|event| event + 1)
+                .into_iter()
+                .collect(),
+        }
+    }
+}
+
+fn stage(name: &str, line: usize) -> Result<Stage, LessonError> {
+    Ok(match name {
+        "blocks" => Stage::Blocks,
+        "tile" => Stage::Tile,
+        "eliminate" => Stage::Eliminate,
+        "finish" => Stage::Finish,
+        _ => {
+            let number = name
+                .strip_prefix("iterate-")
+                .and_then(|number| number.parse().ok());
+            Stage::Iterate(
+                number.ok_or_else(|| LessonError::unknown(line, "stage", name, &STAGES))?,
+            )
+        }
+    })
+}

@@ -1,0 +1,140 @@
+//! The text of lessons: paragraphs of Markdown with emphasis, strong emphasis and code, and nothing else. Texts stay as
+//! they are written until they are shown, so that a translation can replace them.
+
+use pulldown_cmark::{Event, Options, Parser, Tag, TagEnd};
+
+/// How a part of a paragraph is set.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Style {
+    /// As text.
+    #[default]
+    Plain,
+    /// Emphasised, in italics.
+    Emphasis,
+    /// Strongly emphasised, bold.
+    Strong,
+    /// As code.
+    Code,
+}
+
+/// A part of a paragraph in one style.
+#[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
+pub struct Span {
+    /// The text.
+    pub text: String,
+    /// Its style.
+    pub style: Style,
+}
+
+/// Returns the parts of a paragraph. Marks that are not shown, such as those of links, are left out; their text stays.
+#[must_use]
+pub fn spans(paragraph: &str) -> Vec<Span> {
+    let mut spans: Vec<Span> = Vec::new();
+    let mut styles = vec![Style::Plain];
+    let mut put = |text: &str, style: Style| match spans.last_mut() {
+        Some(last) if last.style == style => last.text.push_str(text),
+        _ => spans.push(Span {
+            text: text.to_owned(),
+            style,
+        }),
+    };
+    for event in Parser::new_ext(paragraph, Options::empty()) {
+        let style = styles.last().copied().unwrap_or_default();
+        match event {
+            Event::Start(Tag::Emphasis) => styles.push(Style::Emphasis),
+            Event::Start(Tag::Strong) => styles.push(Style::Strong),
+            Event::End(TagEnd::Emphasis | TagEnd::Strong) => {
+                styles.pop();
+            }
+            Event::Code(text) => put(&text, Style::Code),
+            Event::Text(text) | Event::Html(text) | Event::InlineHtml(text) => put(&text, style),
+            Event::SoftBreak | Event::HardBreak => put(" ", style),
+            _ => {}
+        }
+    }
+    spans
+}
+
+/// Returns a paragraph without marks.
+#[must_use]
+pub fn plain(paragraph: &str) -> String {
+    spans(paragraph).into_iter().map(|span| span.text).collect()
+}
+
+/// Returns the number of words of a paragraph.
+#[must_use]
+pub fn words(paragraph: &str) -> usize {
+    plain(paragraph).split_whitespace().count()
+}
+
+/// Returns a text with every `{expression}` replaced; `{{` and `}}` stand for braces.
+///
+/// # Errors
+///
+/// What `value` returns, and a brace that is not closed.
+pub fn filled(
+    text: &str,
+    mut value: impl FnMut(&str) -> Result<String, String>,
+) -> Result<String, String> {
+    let mut filled = String::with_capacity(text.len());
+    let mut rest = text;
+    while let Some(at) = rest.find(['{', '}']) {
+        filled.push_str(&rest[..at]);
+        let (brace, after) = rest[at..].split_at(1);
+        if let Some(after) = after.strip_prefix(brace) {
+            filled.push_str(brace);
+            rest = after;
+        } else if brace == "}" {
+            return Err("a closing brace without an opening one; write }} for a brace".to_owned());
+        } else {
+            let end = after
+                .find('}')
+                .ok_or("an expression in braces is not closed")?;
+            filled.push_str(&value(after[..end].trim())?);
+            rest = &after[end + 1..];
+        }
+    }
+    filled.push_str(rest);
+    Ok(filled)
+}
+
+/// Returns the expressions in the braces of a text.
+pub fn expressions(text: &str) -> Result<Vec<String>, String> {
+    let mut found = Vec::new();
+    filled(text, |expression| {
+        found.push(expression.to_owned());
+        Ok(String::new())
+    })?;
+    Ok(found)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn emphasis_and_code_are_kept_and_nothing_else() {
+        let text = spans("A **set** is *maximal* if `gap`s\nare <b>gone</b> [here](http://x.y).");
+        let styles: Vec<_> = text
+            .iter()
+            .map(|span| (span.text.as_str(), span.style))
+            .collect();
+        assert_eq!(styles[1], ("set", Style::Strong));
+        assert_eq!(styles[3], ("maximal", Style::Emphasis));
+        assert_eq!(styles[5], ("gap", Style::Code));
+        assert_eq!(plain("are <b>gone</b>\n[here](x)"), "are <b>gone</b> here");
+        assert_eq!(words("one *two*\nthree"), 3);
+    }
+
+    #[test]
+    fn expressions_are_replaced() {
+        let value = |text: &str| Ok(format!("<{text}>"));
+        assert_eq!(
+            filled("a {x + 1} b {{c}}", value).unwrap(),
+            "a <x + 1> b {c}"
+        );
+        assert!(filled("a {x", value).is_err() && filled("a } b", value).is_err());
+        assert_eq!(expressions("{a} and {b}").unwrap(), ["a", "b"]);
+    }
+}

@@ -1,0 +1,269 @@
+//! What is kept of learners, on their own machine: entries by question, exported as CSV and as xAPI statements. Keys are
+//! computed where the learner is, so results show what was learnt and prove nothing.
+
+use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
+
+/// What a learner did about one question.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Entry {
+    /// The lesson's name.
+    pub lesson: String,
+    /// The hash of the lesson's file.
+    pub hash: String,
+    /// The question's name.
+    pub gate: String,
+    /// The seed of its run.
+    pub seed: u64,
+    /// Whether the seed was drawn for practice.
+    pub practised: bool,
+    /// The first answer.
+    pub answer: String,
+    /// The score of the first answer, from 0 to 1.
+    pub score: f64,
+    /// How many answers were given.
+    pub tries: u32,
+    /// How many hints were asked for.
+    pub hints: u32,
+    /// Whether the learner gave up.
+    pub given_up: bool,
+    /// How sure the learner was, from 0 to 3, if they said so.
+    pub confidence: Option<u8>,
+    /// Seconds from the question to its end.
+    pub seconds: f64,
+    /// When it ended, in seconds since 1970.
+    pub time: f64,
+}
+
+/// The results of a learner, as they are stored and saved.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Results {
+    /// The version of the format: 1.
+    pub version: u32,
+    /// The learner's name, if they gave one.
+    #[serde(default)]
+    pub learner: String,
+    /// The entries, oldest first.
+    pub entries: Vec<Entry>,
+}
+
+/// Why results cannot be read.
+#[derive(Debug, thiserror::Error)]
+pub enum ResultsError {
+    /// The file is too large.
+    #[error("the file has {0} bytes; results have at most {MAX_BYTES}")]
+    TooLong(usize),
+    /// It is not JSON, or not of this form.
+    #[error("these are not results of lessons: {0}")]
+    Corrupt(#[from] serde_json::Error),
+    /// A newer version.
+    #[error("the results have version {0}; this program reads version {VERSION}")]
+    Newer(u32),
+}
+
+/// The version of results that this program writes.
+pub const VERSION: u32 = 1;
+/// The most bytes of a results file.
+pub const MAX_BYTES: usize = 16_000_000;
+/// The most entries that are kept; of more, the newest.
+pub const MAX_ENTRIES: usize = 10_000;
+
+const COLUMNS: [&str; 13] = [
+    "learner",
+    "lesson",
+    "hash",
+    "gate",
+    "seed",
+    "practised",
+    "answer",
+    "score",
+    "tries",
+    "hints",
+    "given_up",
+    "confidence",
+    "seconds",
+];
+
+impl Results {
+    /// Reads results.
+    pub fn read(text: &str) -> Result<Self, ResultsError> {
+        if text.len() > MAX_BYTES {
+            return Err(ResultsError::TooLong(text.len()));
+        }
+        let read: Self = serde_json::from_str(text)?;
+        if read.version > VERSION {
+            return Err(ResultsError::Newer(read.version));
+        }
+        Ok(read)
+    }
+
+    /// Returns the results as JSON.
+    #[must_use]
+    pub fn to_json(&self) -> String {
+        serde_json::to_string_pretty(self).unwrap_or_default()
+    }
+
+    /// Adds entries. Only the newest [`MAX_ENTRIES`] are kept.
+    pub fn add(&mut self, entries: impl IntoIterator<Item = Entry>) {
+        self.version = VERSION;
+        self.entries.extend(entries);
+        let over = self.entries.len().saturating_sub(MAX_ENTRIES);
+        self.entries.drain(..over);
+    }
+
+    /// Returns the best score of each question of a lesson, unpractised or not, with how often it was done.
+    #[must_use]
+    pub fn of_gate(&self, lesson: &str, gate: &str) -> Option<(f64, usize)> {
+        let entries = self
+            .entries
+            .iter()
+            .filter(|entry| entry.lesson == lesson && entry.gate == gate);
+        entries.fold(None, |best, entry| {
+            let (score, times) = best.unwrap_or((0.0, 0));
+            Some((f64::max(score, entry.score), times + 1))
+        })
+    }
+
+    /// Returns xAPI statements, one for each entry.
+    #[must_use]
+    pub fn xapi(&self) -> Value {
+        let name = if self.learner.is_empty() {
+            "anonymous"
+        } else {
+            &self.learner
+        };
+        let statement = |entry: &Entry| {
+            json!({
+                "actor": {"objectType": "Agent", "account": {"homePage": "urn:tilescope", "name": name}},
+                "verb": {"id": "http://adlnet.gov/expapi/verbs/answered", "display": {"en": "answered"}},
+                "object": {
+                    "id": format!("urn:tilescope:lesson:{}:{}", entry.lesson, entry.gate),
+                    "definition": {"type": "http://adlnet.gov/expapi/activities/cmi.interaction"},
+                },
+                "result": {
+                    "score": {"scaled": entry.score},
+                    "success": entry.score > 0.999,
+                    "completion": !entry.given_up,
+                    "response": entry.answer,
+                    "duration": format!("PT{:.1}S", entry.seconds),
+                    "extensions": {
+                        "urn:tilescope:tries": entry.tries, "urn:tilescope:hints": entry.hints,
+                        "urn:tilescope:seed": entry.seed, "urn:tilescope:hash": entry.hash,
+                    },
+                },
+                "timestamp": timestamp(entry.time),
+            })
+        };
+        self.entries.iter().map(statement).collect()
+    }
+}
+
+/// Returns the entries of several learners as CSV, with a heading.
+///
+/// # Errors
+///
+/// None that a text in memory can cause.
+pub fn csv(all: &[Results]) -> Result<String, csv::Error> {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    writer.write_record(COLUMNS.iter().chain(&["time"]))?;
+    for results in all {
+        for entry in &results.entries {
+            writer.write_record([
+                results.learner.as_str(),
+                &entry.lesson,
+                &entry.hash,
+                &entry.gate,
+                &entry.seed.to_string(),
+                if entry.practised { "yes" } else { "no" },
+                &entry.answer,
+                &format!("{:.3}", entry.score),
+                &entry.tries.to_string(),
+                &entry.hints.to_string(),
+                if entry.given_up { "yes" } else { "no" },
+                &entry
+                    .confidence
+                    .map_or_else(String::new, |sure| sure.to_string()),
+                &format!("{:.1}", entry.seconds),
+                &timestamp(entry.time),
+            ])?;
+        }
+    }
+    let bytes = writer
+        .into_inner()
+        .map_err(|error| csv::Error::from(error.into_error()))?;
+    Ok(String::from_utf8_lossy(&bytes).into_owned())
+}
+
+/// Returns a time in seconds since 1970 in the form of ISO 8601, in UTC.
+fn timestamp(time: f64) -> String {
+    // Times beyond the year 9999 and before 1970 are not ones at which a lesson was taken.
+    let time = jiff::Timestamp::from_second(time.clamp(0.0, 253_402_300_000.0) as i64);
+    time.map_or_else(|_| String::new(), |time| time.to_string())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn entry() -> Entry {
+        Entry {
+            lesson: "gaps".to_owned(),
+            hash: "00".to_owned(),
+            gate: "first".to_owned(),
+            seed: 3,
+            practised: true,
+            answer: "1, \"2\"".to_owned(),
+            score: 0.5,
+            tries: 2,
+            hints: 1,
+            given_up: false,
+            confidence: Some(2),
+            seconds: 12.25,
+            time: 86_400.0,
+        }
+    }
+
+    #[test]
+    fn results_are_written_and_read() {
+        let mut results = Results {
+            learner: "Ada".to_owned(),
+            ..Results::default()
+        };
+        results.add([
+            entry(),
+            Entry {
+                score: 1.0,
+                ..entry()
+            },
+        ]);
+        assert_eq!(Results::read(&results.to_json()).unwrap(), results);
+        assert_eq!(results.of_gate("gaps", "first"), Some((1.0, 2)));
+        assert_eq!(results.of_gate("gaps", "other"), None);
+        let text = csv(&[results.clone()]).unwrap();
+        assert_eq!(text.lines().count(), 3);
+        assert!(
+            text.contains("Ada,gaps,00,first,3,yes,\"1, \"\"2\"\"\",0.500,2,1,no,2,12."),
+            "{text}"
+        );
+        assert!(text.contains("1970-01-02T00:00:00Z"), "{text}");
+        let statements = results.xapi();
+        assert_eq!(statements[0]["result"]["score"]["scaled"], 0.5);
+        assert_eq!(statements[1]["result"]["success"], true);
+        assert_eq!(statements[0]["result"]["duration"], "PT12.2S");
+        assert!(matches!(
+            Results::read("{\"version\":9,\"entries\":[]}"),
+            Err(ResultsError::Newer(9))
+        ));
+        assert!(Results::read("[]").is_err());
+    }
+
+    #[test]
+    fn only_the_newest_are_kept() {
+        let mut results = Results::default();
+        results.add((0..MAX_ENTRIES as u64 + 5).map(|seed| Entry { seed, ..entry() }));
+        assert_eq!(
+            (results.entries.len(), results.entries[0].seed),
+            (MAX_ENTRIES, 5)
+        );
+    }
+}

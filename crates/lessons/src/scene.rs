@@ -1,0 +1,297 @@
+//! A moment of a recorded run, about which expressions can be evaluated.
+
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
+
+use rhai::{Dynamic, Scope};
+use tilescope_core::{Observer, Parameters, Pattern, R, SampleError};
+use tilescope_debugger::{DEFAULT_BUDGET, Evaluator, Recording, State};
+
+use crate::error::LessonError;
+use crate::functions::{self, Now};
+use crate::lesson::{Camera, SceneSpec, Text};
+use crate::prose;
+use crate::sets::PointSet;
+use crate::translation::Translation;
+
+/// A moment of a run with its evaluator.
+pub struct Scene {
+    pub(crate) now: Arc<Now>,
+    evaluator: Evaluator,
+    state: State,
+    translation: Arc<Translation>,
+}
+
+/// Runs the sequential engine for a lesson and records it.
+///
+/// # Errors
+///
+/// Those of [`Recording::with_pattern`].
+pub fn record(
+    parameters: &Parameters,
+    pattern: &Arc<Pattern>,
+    observer: &mut dyn Observer,
+) -> Result<Arc<Recording>, SampleError> {
+    let recording =
+        Recording::with_pattern(parameters, Arc::clone(pattern), DEFAULT_BUDGET, observer)?;
+    Ok(Arc::new(recording))
+}
+
+impl Scene {
+    /// Returns the scene at a cursor.
+    #[must_use]
+    pub fn at(recording: &Arc<Recording>, cursor: usize) -> Self {
+        let now = Arc::new(Now::new(Arc::clone(recording), cursor));
+        let mut evaluator = Evaluator::new(Arc::clone(recording));
+        functions::register(evaluator.engine_mut(), &now);
+        let state = State::at(recording, cursor);
+        Self {
+            now,
+            evaluator,
+            state,
+            translation: Arc::default(),
+        }
+    }
+
+    /// Returns the scene of a step: the first moment at which its condition holds. None if the run has no such moment.
+    ///
+    /// # Errors
+    ///
+    /// A fault of the condition.
+    pub fn find(recording: &Arc<Recording>, spec: &SceneSpec) -> Result<Option<Self>, LessonError> {
+        let mut scene = Self::at(recording, 0);
+        for cursor in spec.moment.cursors(recording) {
+            scene.go(cursor);
+            if let Some(condition) = &spec.condition
+                && !scene.truth(condition, |_| {})?
+            {
+                continue;
+            }
+            // What follows has the whole budget of searches again.
+            return Ok(Some(Self::at(recording, cursor)));
+        }
+        Ok(None)
+    }
+
+    /// Moves to another moment of the run.
+    pub(crate) fn go(&mut self, cursor: usize) {
+        self.state.seek(&self.now.recording, cursor);
+        self.now
+            .cursor
+            .store(self.state.cursor(), Ordering::Relaxed);
+    }
+
+    /// Says texts in another language from now on.
+    pub(crate) fn speak(&mut self, translation: &Arc<Translation>) {
+        self.translation = Arc::clone(translation);
+    }
+
+    /// Returns the recording.
+    #[must_use]
+    pub fn recording(&self) -> &Arc<Recording> {
+        &self.now.recording
+    }
+
+    /// Returns how many events have happened.
+    #[must_use]
+    pub fn cursor(&self) -> usize {
+        self.state.cursor()
+    }
+
+    /// Returns the value of an expression; `add` puts more names into scope.
+    pub(crate) fn value(
+        &self,
+        text: &Text,
+        add: impl FnOnce(&mut Scope<'static>),
+    ) -> Result<Dynamic, LessonError> {
+        let wrong = |message: String| LessonError::new(text.line, message);
+        let parsed = self
+            .evaluator
+            .parse(&text.text)
+            .map_err(|error| wrong(without_position(&error.to_string())))?;
+        self.evaluator
+            .evaluate(&parsed, &self.state, add)
+            .map_err(|error| wrong(without_position(&error.to_string())))
+    }
+
+    /// Returns the values of an expression for each of `items`, named `name`.
+    pub(crate) fn filter(&self, text: &Text, items: &[u32]) -> Result<Vec<u32>, LessonError> {
+        let wrong = |message: String| LessonError::new(text.line, message);
+        let parsed = self
+            .evaluator
+            .parse(&text.text)
+            .map_err(|error| wrong(without_position(&error.to_string())))?;
+        let mut found = Vec::new();
+        for &item in items {
+            let value = self.evaluator.evaluate(&parsed, &self.state, |scope| {
+                scope.push_constant("s", i64::from(item));
+            });
+            let value = value.map_err(|error| wrong(without_position(&error.to_string())))?;
+            if as_truth(&value).map_err(wrong)? {
+                found.push(item);
+            }
+        }
+        Ok(found)
+    }
+
+    /// Returns whether an expression is true.
+    pub(crate) fn truth(
+        &self,
+        text: &Text,
+        add: impl FnOnce(&mut Scope<'static>),
+    ) -> Result<bool, LessonError> {
+        as_truth(&self.value(text, add)?).map_err(|message| LessonError::new(text.line, message))
+    }
+
+    /// Returns the number that an expression gives.
+    pub(crate) fn number(&self, text: &Text) -> Result<f64, LessonError> {
+        let value = self.value(text, |_| {})?;
+        let number = value
+            .as_float()
+            .or_else(|_| value.as_int().map(|whole| whole as f64));
+        number
+            .ok()
+            .filter(|number| number.is_finite())
+            .ok_or_else(|| {
+                let shown = tilescope_debugger::shown(&value);
+                LessonError::new(text.line, format!("this must give a number, not {shown}"))
+            })
+    }
+
+    /// Returns the place that an expression gives: [x, y], or a sample's.
+    pub(crate) fn place(&self, text: &Text) -> Result<[f64; 2], LessonError> {
+        let value = self.value(text, |_| {})?;
+        let place = match value.as_int() {
+            Ok(sample) => self.position(sample),
+            Err(_) => place_of(&value),
+        };
+        place.map_err(|message| LessonError::new(text.line, message))
+    }
+
+    /// Returns the places that an expression gives: one, or an array of them.
+    pub(crate) fn places(&self, text: &Text) -> Result<Vec<[f64; 2]>, LessonError> {
+        let value = self.value(text, |_| {})?;
+        let several = value.read_lock::<rhai::Array>().and_then(|array| {
+            array
+                .iter()
+                .all(Dynamic::is_array)
+                .then(|| array.iter().map(place_of).collect::<Result<Vec<_>, _>>())
+        });
+        match several {
+            Some(places) => places.map_err(|message| LessonError::new(text.line, message)),
+            None => Ok(vec![self.place(text)?]),
+        }
+    }
+
+    fn position(&self, sample: i64) -> Result<[f64; 2], String> {
+        let point = u32::try_from(sample)
+            .ok()
+            .and_then(|sample| self.now.recording.point(sample));
+        let point = point.ok_or_else(|| format!("there is no sample {sample}"))?;
+        Ok([point.x, point.y].map(|units| f64::from(units) / f64::from(R)))
+    }
+
+    /// Returns the point set of a name: `set` is the valid samples, `white` and `jittered` as many others, `tiled` those
+    /// at the end of tiling, and anything else the name of a parameter's change such as `leaf=10`.
+    pub(crate) fn set(&self, text: &Text, seed: u64) -> Result<PointSet, LessonError> {
+        let wrong = |message: String| LessonError::new(text.line, message);
+        let value = self.value(text, |_| {})?;
+        let name = value
+            .into_string()
+            .map_err(|_| wrong("this must give a text".to_owned()))?;
+        let recording = &self.now.recording;
+        let here = || PointSet::at(recording, self.cursor());
+        Ok(match name.as_str() {
+            "set" => here(),
+            "white" => here().white(seed),
+            "jittered" => here().jittered(seed),
+            "tiled" => PointSet::at(
+                recording,
+                recording.end_of(tilescope_core::Stage::Tile).unwrap_or(0),
+            ),
+            "eliminated" => PointSet::at(
+                recording,
+                recording
+                    .end_of(tilescope_core::Stage::Eliminate)
+                    .unwrap_or(0),
+            ),
+            "result" => PointSet::at(recording, recording.len()),
+            _ => {
+                let known = ["set", "white", "jittered", "tiled", "eliminated", "result"];
+                return Err(LessonError::unknown(text.line, "point set", &name, &known));
+            }
+        })
+    }
+
+    /// Returns a text with the values of its expressions. Numbers that are not whole have two decimals.
+    pub(crate) fn fill(&self, text: &str, line: usize) -> Result<String, LessonError> {
+        let value = |expression: &str| {
+            let text = Text {
+                text: expression.to_owned(),
+                line,
+            };
+            let value = self.value(&text, |_| {}).map_err(|error| error.message)?;
+            Ok(match value.as_float() {
+                Ok(number) => format!("{number:.2}"),
+                Err(_) => tilescope_debugger::shown(&value),
+            })
+        };
+        prose::filled(self.translation.of(text), value)
+            .map_err(|message| LessonError::new(line, message))
+    }
+
+    /// Returns where the camera of a step looks, and how many r it shows; none for the whole domain.
+    ///
+    /// # Errors
+    ///
+    /// A fault of its expression.
+    pub fn camera(&self, camera: &Camera) -> Result<Option<([f64; 2], f64)>, LessonError> {
+        match camera {
+            Camera::Fit => Ok(None),
+            Camera::At(place, radii) => Ok(Some((self.place(place)?, *radii))),
+        }
+    }
+}
+
+fn as_truth(value: &Dynamic) -> Result<bool, String> {
+    let shown = || {
+        format!(
+            "this must be true or false, not {}",
+            tilescope_debugger::shown(value)
+        )
+    };
+    value.as_bool().map_err(|_| shown())
+}
+
+/// Returns the place of a value [x, y].
+pub(crate) fn place_of(value: &Dynamic) -> Result<[f64; 2], String> {
+    let number = |value: &Dynamic| {
+        value
+            .as_float()
+            .or_else(|_| value.as_int().map(|whole| whole as f64))
+            .ok()
+    };
+    let read = || {
+        let array = value.read_lock::<rhai::Array>()?;
+        match &array[..] {
+            [x, y] => Some([number(x)?, number(y)?]),
+            _ => None,
+        }
+    };
+    let place = read().filter(|place| place.iter().all(|number| number.is_finite()));
+    place.ok_or_else(|| {
+        format!(
+            "this must give a place [x, y], not {}",
+            tilescope_debugger::shown(value)
+        )
+    })
+}
+
+/// Returns a fault without the line and position within the expression, which would be taken for those of the file.
+fn without_position(message: &str) -> String {
+    message
+        .split(" (line ")
+        .next()
+        .unwrap_or(message)
+        .to_owned()
+}

@@ -1,0 +1,285 @@
+//! Point sets that questions are about, in r, with their measures and spectra.
+
+use std::ops::ControlFlow;
+
+use tilescope_analysis::measures::{MeasureError, Periodogram, RadialProfile, Spectrum};
+use tilescope_analysis::{Boundary, Progress, Region, VerifyOptions, verify};
+use tilescope_core::{Domain, Key, Point, R, Run, Stream};
+use tilescope_debugger::Recording;
+
+use crate::error::LessonError;
+
+/// A point set in r.
+pub(crate) struct PointSet {
+    /// The ids of its samples; empty if it was not taken from a recording.
+    pub ids: Vec<u32>,
+    pub points: Vec<[f64; 2]>,
+    pub region: Region,
+}
+
+/// A number that describes a point set.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Measure {
+    /// Samples per r^2.
+    Density,
+    /// The number of samples as a share of the most that disks of this size allow: the hexagonal packing.
+    Packing,
+    /// The smallest distance.
+    Closest,
+    /// The radius of the largest empty circle.
+    Covering,
+    /// The frequency of the highest mean power, in 1/r.
+    Peak,
+    /// The mean power below 0.3 / r.
+    LowPower,
+    /// The largest anisotropy from 0.3 / r on, in decibels over that of a set without preferred directions.
+    Anisotropy,
+}
+
+const MEASURES: [(&str, Measure); 7] = [
+    ("density", Measure::Density),
+    ("packing", Measure::Packing),
+    ("closest", Measure::Closest),
+    ("covering", Measure::Covering),
+    ("peak", Measure::Peak),
+    ("low-power", Measure::LowPower),
+    ("anisotropy", Measure::Anisotropy),
+];
+
+fn go_on(_: Progress) -> ControlFlow<()> {
+    ControlFlow::Continue(())
+}
+
+impl Measure {
+    pub fn named(name: &str) -> Result<Self, String> {
+        let found = MEASURES.iter().find(|(other, _)| *other == name);
+        let names = MEASURES.map(|(name, _)| name);
+        found
+            .map(|(_, measure)| *measure)
+            .ok_or_else(|| LessonError::unknown(0, "measure", name, &names).message)
+    }
+}
+
+fn region(domain: &Domain) -> Region {
+    let [width, height] = [domain.width(), domain.height()].map(radii);
+    let boundary = if domain.is_periodic() {
+        Boundary::Periodic
+    } else {
+        Boundary::Bounded
+    };
+    Region {
+        width,
+        height,
+        boundary,
+    }
+}
+
+fn radii(units: i32) -> f64 {
+    f64::from(units) / f64::from(R)
+}
+
+fn position(point: Point) -> [f64; 2] {
+    [radii(point.x), radii(point.y)]
+}
+
+impl PointSet {
+    /// Returns the samples that are valid at a cursor.
+    pub fn at(recording: &Recording, cursor: usize) -> Self {
+        let points = &recording.run().samples.points;
+        let all = 0..points.len() as u32;
+        let ids: Vec<u32> = all
+            .filter(|&id| recording.status(id, cursor).is_valid())
+            .collect();
+        let points = ids
+            .iter()
+            .map(|&id| position(points[id as usize]))
+            .collect();
+        let region = region(recording.domain());
+        Self {
+            ids,
+            points,
+            region,
+        }
+    }
+
+    /// Returns the result of a run.
+    pub fn of_run(run: &Run) -> Self {
+        Self {
+            ids: run.result.clone(),
+            points: run.points().into_iter().map(position).collect(),
+            region: region(&run.domain),
+        }
+    }
+
+    /// Returns as many samples as this set has, drawn independently and uniformly: white noise.
+    pub fn white(&self, seed: u64) -> Self {
+        let key = Key::from_seed(seed).derive(Stream::Dart, 0);
+        let share = |word: u32| f64::from(word) / 4_294_967_296.0;
+        let drawn = (0..self.points.len() as u32).map(|index| {
+            let [x, y] = key.draw(Stream::Dart, index).map(share);
+            [x * self.region.width, y * self.region.height]
+        });
+        Self {
+            ids: Vec::new(),
+            points: drawn.collect(),
+            region: self.region,
+        }
+    }
+
+    /// Returns about as many samples as this set has, one at a random place of each cell of a grid: jittered.
+    pub fn jittered(&self, seed: u64) -> Self {
+        let key = Key::from_seed(seed).derive(Stream::Dart, 1);
+        let side = (self.region.area() / self.points.len().max(1) as f64).sqrt();
+        let [columns, rows] =
+            [self.region.width, self.region.height].map(|extent| (extent / side).round().max(1.0));
+        let share = |word: u32| f64::from(word) / 4_294_967_296.0;
+        let cells =
+            (0..rows as u32).flat_map(|row| (0..columns as u32).map(move |column| (column, row)));
+        let drawn = cells.zip(0..).map(|((column, row), index)| {
+            let [x, y] = key.draw(Stream::Dart, index).map(share);
+            let at = [
+                (f64::from(column) + x) / columns,
+                (f64::from(row) + y) / rows,
+            ];
+            [at[0] * self.region.width, at[1] * self.region.height]
+        });
+        Self {
+            ids: Vec::new(),
+            points: drawn.collect(),
+            region: self.region,
+        }
+    }
+
+    /// Returns the distance of two places, around the domain if it is periodic.
+    pub fn distance(&self, a: [f64; 2], b: [f64; 2]) -> f64 {
+        let sides = [self.region.width, self.region.height];
+        let offset = [0, 1].map(|axis| {
+            let d = a[axis] - b[axis];
+            match self.region.boundary {
+                Boundary::Periodic => d - (d / sides[axis]).round() * sides[axis],
+                Boundary::Bounded => d,
+            }
+        });
+        offset[0].hypot(offset[1])
+    }
+
+    /// Returns the sample nearest to a place, and its distance.
+    pub fn nearest(&self, place: [f64; 2]) -> Option<(u32, f64)> {
+        let all = self.ids.iter().zip(&self.points);
+        let distances = all.map(|(&id, &point)| (id, self.distance(point, place)));
+        distances.min_by(|a, b| a.1.total_cmp(&b.1))
+    }
+
+    fn profile(&self) -> Result<RadialProfile, String> {
+        let window = Spectrum::window(self.points.len() as f64, self.region);
+        let read = || {
+            let periodogram = Periodogram::of(&self.points, self.region, &window, &go_on)?;
+            Ok(Spectrum::of(&periodogram)?.profile)
+        };
+        read().map_err(|error: MeasureError| error.to_string())
+    }
+
+    /// Returns the factor from a relative frequency nu to cycles per r.
+    fn cycles_per_r(&self) -> f64 {
+        (self.points.len() as f64 / self.region.area()).sqrt()
+    }
+
+    /// Returns the mean power by frequency in 1/r, with the number of frequencies behind each mean.
+    pub fn power(&self) -> Result<Vec<Power>, String> {
+        let profile = self.profile()?;
+        let unit = self.cycles_per_r();
+        let annuli = profile
+            .relative_frequencies()
+            .into_iter()
+            .zip(&profile.annuli);
+        Ok(annuli
+            .map(|(nu, annulus)| Power {
+                frequency: nu * unit,
+                power: annulus.power,
+                count: annulus.count,
+                anisotropy_db: annulus.anisotropy_db,
+            })
+            .collect())
+    }
+
+    pub fn measure(&self, measure: Measure) -> Result<f64, String> {
+        let count = self.points.len();
+        Ok(match measure {
+            Measure::Density => count as f64 / self.region.area(),
+            Measure::Packing => count as f64 * 3f64.sqrt() / 2.0 / self.region.area(),
+            Measure::Closest | Measure::Covering => {
+                let report = verify(
+                    &self.points,
+                    self.region,
+                    1.0,
+                    &VerifyOptions::default(),
+                    &go_on,
+                );
+                let report = report.map_err(|error| error.to_string())?;
+                if measure == Measure::Closest {
+                    report.min_distance
+                } else {
+                    report.covering_radius
+                }
+            }
+            Measure::Peak => {
+                let power = self.power()?;
+                let peak = power.iter().max_by(|a, b| a.power.total_cmp(&b.power));
+                peak.map_or(f64::NAN, |at| at.frequency)
+            }
+            Measure::LowPower => mean(&self.power()?, [0.0, 0.3]).0,
+            Measure::Anisotropy => {
+                let power = self.power()?;
+                let from = power
+                    .iter()
+                    .filter(|at| at.frequency >= 0.3 && at.anisotropy_db.is_finite());
+                from.map(|at| at.anisotropy_db)
+                    .fold(f64::NEG_INFINITY, f64::max)
+            }
+        })
+    }
+}
+
+/// The mean power at a frequency.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Power {
+    /// In 1/r.
+    pub frequency: f64,
+    pub power: f64,
+    /// How many frequencies it is the mean of.
+    pub count: u64,
+    pub anisotropy_db: f64,
+}
+
+/// Returns the mean power over a band of frequencies in 1/r, and its standard error: half of the frequencies are
+/// independent, and each power varies as much as its mean.
+pub(crate) fn mean(power: &[Power], [low, high]: [f64; 2]) -> (f64, f64) {
+    let band = power
+        .iter()
+        .filter(|at| (low..high).contains(&at.frequency));
+    let (mut sum, mut count) = (0.0, 0.0);
+    for at in band {
+        sum += at.power * at.count as f64;
+        count += at.count as f64;
+    }
+    let mean = sum / f64::max(count, 1.0);
+    (mean, mean / (0.5 * count).sqrt().max(1.0))
+}
+
+/// Returns the root of the mean squared difference of two curves, at the frequencies of the first.
+pub(crate) fn rms(a: &[Power], b: &[Power]) -> f64 {
+    let value = |at: f64| {
+        b.iter().min_by(|p, q| {
+            (p.frequency - at)
+                .abs()
+                .total_cmp(&(q.frequency - at).abs())
+        })
+    };
+    let squares = a
+        .iter()
+        .filter_map(|p| Some((p.power - value(p.frequency)?.power).powi(2)));
+    let (sum, count) = squares.fold((0.0, 0.0), |(sum, count), square| {
+        (sum + square, count + 1.0)
+    });
+    (sum / f64::max(count, 1.0)).sqrt()
+}

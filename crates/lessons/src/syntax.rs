@@ -1,0 +1,121 @@
+//! Checks expressions when a lesson is read: that they parse, and that every name and function is known.
+
+use std::sync::LazyLock;
+
+use rhai::Engine;
+use tilescope_debugger::{MAX_LENGTH, NAMES};
+
+use crate::error::LessonError;
+use crate::functions::{FUNCTIONS, PROPERTIES};
+use crate::prose;
+
+/// Words of the language.
+const KEYWORDS: [&str; 8] = ["true", "false", "if", "else", "in", "abs", "min", "max"];
+/// Functions of the language that lessons may use.
+const BUILT_IN: [&str; 12] = [
+    "abs", "sqrt", "round", "floor", "ceiling", "to_int", "to_float", "min", "max", "is_even",
+    "is_odd", "sin",
+];
+/// Functions of the debugger.
+const OF_DEBUGGER: [&str; 4] = ["x_of", "y_of", "distance", "block_of"];
+
+static ENGINE: LazyLock<Engine> = LazyLock::new(|| {
+    let mut engine = Engine::new_raw();
+    engine.disable_symbol("eval");
+    engine.set_max_expr_depths(32, 32);
+    engine
+});
+
+/// Checks an expression; `more` names are known besides those of every expression.
+pub(crate) fn check(text: &str, line: usize, more: &[&str]) -> Result<(), LessonError> {
+    if text.len() > MAX_LENGTH {
+        let message = format!(
+            "the expression has {} characters, more than {MAX_LENGTH}",
+            text.len()
+        );
+        return Err(LessonError::new(line, message));
+    }
+    ENGINE
+        .compile_expression(text)
+        .map_err(|error| LessonError::new(line, error.to_string()))?;
+    let names: Vec<&str> = NAMES
+        .iter()
+        .map(|(name, _)| *name)
+        .chain(KEYWORDS)
+        .chain(more.iter().copied())
+        .collect();
+    let functions = FUNCTIONS
+        .iter()
+        .map(|(form, _)| form.split('(').next().unwrap_or(form));
+    let functions: Vec<&str> = functions.chain(BUILT_IN).chain(OF_DEBUGGER).collect();
+    for Word {
+        word,
+        before,
+        after,
+    } in words(text)
+    {
+        match (before, after) {
+            (Some('.'), _) if PROPERTIES.contains(&word) || functions.contains(&word) => {}
+            (Some('.'), _) => {
+                return Err(LessonError::unknown(line, "property", word, &PROPERTIES));
+            }
+            (_, Some('(')) if functions.contains(&word) || KEYWORDS.contains(&word) => {}
+            (_, Some('(')) => return Err(LessonError::unknown(line, "function", word, &functions)),
+            _ if names.contains(&word) => {}
+            _ => return Err(LessonError::unknown(line, "name", word, &names)),
+        }
+    }
+    Ok(())
+}
+
+/// Checks the expressions in the braces of a text.
+pub(crate) fn check_text(text: &str, line: usize) -> Result<(), LessonError> {
+    let expressions =
+        prose::expressions(text).map_err(|message| LessonError::new(line, message))?;
+    expressions
+        .iter()
+        .try_for_each(|expression| check(expression, line, &[]))
+}
+
+/// A name in an expression, with the characters around it that are not spaces.
+struct Word<'a> {
+    word: &'a str,
+    before: Option<char>,
+    after: Option<char>,
+}
+
+/// Returns the names in an expression; texts in quotes are skipped.
+fn words(text: &str) -> Vec<Word<'_>> {
+    let mut words = Vec::new();
+    let mut quote: Option<char> = None;
+    let mut start: Option<usize> = None;
+    let is_part = |c: char| c.is_ascii_alphanumeric() || c == '_';
+    for (at, c) in text.char_indices().chain([(text.len(), ' ')]) {
+        if quote.is_some() {
+            if quote == Some(c) {
+                quote = None;
+            }
+            continue;
+        }
+        if is_part(c) {
+            start = start.or(Some(at));
+            continue;
+        }
+        if let Some(from) = start.take() {
+            let word = &text[from..at];
+            if !word.starts_with(|c: char| c.is_ascii_digit()) {
+                let before = text[..from].trim_end().chars().next_back();
+                let after = text[at..].trim_start().chars().next();
+                words.push(Word {
+                    word,
+                    before,
+                    after,
+                });
+            }
+        }
+        if matches!(c, '"' | '\'' | '`') {
+            quote = Some(c);
+        }
+    }
+    words
+}

@@ -1,0 +1,168 @@
+//! Translations of lessons: a file that quotes each text of the original and says it in another language. Keys, runs and
+//! expressions come from the original alone.
+
+use std::collections::HashMap;
+
+use crate::error::{LessonError, shortened};
+use crate::lesson::Lesson;
+use crate::prose;
+use crate::read::MAX_BYTES;
+
+/// A translation of a lesson's texts.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Translation {
+    texts: HashMap<String, (String, usize)>,
+}
+
+impl Translation {
+    /// Reads a translation: each text of the original as a quotation, lines that begin with `> `, and after it the
+    /// translation up to the next quotation.
+    ///
+    /// # Errors
+    ///
+    /// Text before the first quotation, a quotation without translation or the same one twice, and a translation with
+    /// other expressions in braces than its original.
+    pub fn read(text: &str) -> Result<Self, LessonError> {
+        if text.len() > MAX_BYTES {
+            let message = format!(
+                "the file has {} bytes; a translation has at most {MAX_BYTES}",
+                text.len()
+            );
+            return Err(LessonError::new(1, message));
+        }
+        let mut read = Self::default();
+        let (mut original, mut translated, mut line) = (String::new(), String::new(), 1);
+        let add = |part: &mut String, text: &str| {
+            if !part.is_empty() {
+                part.push(' ');
+            }
+            part.push_str(text.trim());
+        };
+        for (number, text) in (1..).zip(text.lines()) {
+            if let Some(quoted) = text.strip_prefix('>') {
+                if !translated.is_empty() {
+                    read.put(
+                        std::mem::take(&mut original),
+                        std::mem::take(&mut translated),
+                        line,
+                    )?;
+                }
+                if original.is_empty() {
+                    line = number;
+                }
+                add(&mut original, quoted);
+            } else if !text.trim().is_empty() {
+                if original.is_empty() {
+                    let message = "text before the first quotation; a translation quotes each text of the original with \"> \"";
+                    return Err(LessonError::new(number, message));
+                }
+                add(&mut translated, text);
+            }
+        }
+        if !original.is_empty() {
+            read.put(original, translated, line)?;
+        }
+        Ok(read)
+    }
+
+    fn put(
+        &mut self,
+        original: String,
+        translated: String,
+        line: usize,
+    ) -> Result<(), LessonError> {
+        let wrong = |message: String| Err(LessonError::new(line, message));
+        if translated.is_empty() {
+            return wrong(format!("\"{}\" has no translation", shortened(&original)));
+        }
+        let sorted = |text: &str| {
+            let mut found =
+                prose::expressions(text).map_err(|message| LessonError::new(line, message))?;
+            found.sort();
+            Ok(found)
+        };
+        if sorted(&original)? != sorted(&translated)? {
+            return wrong(
+                "the translation has other expressions in braces than the original".to_owned(),
+            );
+        }
+        if let Some((_, other)) = self.texts.get(&original) {
+            return wrong(format!("the same text is translated in line {other}"));
+        }
+        self.texts.insert(original, (translated, line));
+        Ok(())
+    }
+
+    /// Returns the translation of a text, or the text if there is none.
+    #[must_use]
+    pub fn of<'a>(&'a self, text: &'a str) -> &'a str {
+        self.texts
+            .get(text)
+            .map_or(text, |(translated, _)| translated)
+    }
+
+    /// Returns the texts of a lesson that are not translated, and the lines of translations of texts that it does not have.
+    #[must_use]
+    pub fn compared(&self, lesson: &Lesson) -> (Vec<String>, Vec<LessonError>) {
+        let texts = lesson.texts();
+        let missing = texts.iter().filter(|text| !self.texts.contains_key(**text));
+        let missing = missing.map(|text| (*text).to_owned()).collect();
+        let stale = self
+            .texts
+            .iter()
+            .filter(|(text, _)| !texts.contains(&text.as_str()));
+        let mut stale: Vec<LessonError> = stale
+            .map(|(text, (_, line))| {
+                LessonError::new(
+                    *line,
+                    format!("the lesson has no text \"{}\"", shortened(text)),
+                )
+            })
+            .collect();
+        stale.sort_by_key(|error| error.line);
+        (missing, stale)
+    }
+
+    /// Returns a translation file to be filled in: every text of a lesson that this one does not have, quoted, and every
+    /// one that it has with its translation.
+    #[must_use]
+    pub fn renewed(&self, lesson: &Lesson) -> String {
+        let mut seen: Vec<&str> = Vec::new();
+        let mut file = String::new();
+        for text in lesson.texts() {
+            if !seen.contains(&text) {
+                seen.push(text);
+                let translated = self
+                    .texts
+                    .get(text)
+                    .map_or("TODO", |(translated, _)| translated);
+                file.push_str(&format!("> {text}\n\n{translated}\n\n"));
+            }
+        }
+        file
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn texts_are_replaced_and_faults_named() {
+        let read = Translation::read(
+            "> A set\n> of points.\n\nEine Menge\nvon Punkten.\n\n> {a}\n\nNr. {a}\n",
+        )
+        .unwrap();
+        assert_eq!(read.of("A set of points."), "Eine Menge von Punkten.");
+        assert_eq!((read.of("{a}"), read.of("other")), ("Nr. {a}", "other"));
+        for (text, part) in [
+            ("Hallo", "before the first quotation"),
+            ("> a\n> b", "no translation"),
+            ("> {a}\n\nb", "other expressions"),
+            ("> a\n\nb\n\n> a\n\nc", "line 1"),
+        ] {
+            let error = Translation::read(text).unwrap_err().to_string();
+            assert!(error.contains(part), "{text}: {error}");
+        }
+    }
+}

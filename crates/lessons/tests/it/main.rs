@@ -1,0 +1,3 @@
+//! Integration tests of `tilescope-lessons`.
+
+mod guide;
