@@ -357,7 +357,7 @@ fn ask(
         |scores| &mut scores.perfect,
     )?;
     let key =
-        DrawKey::from_seed(recording.run().parameters.seed).derive(Stream::Order, index as u32);
+        DrawKey::from_seed(recording.run().parameters.seed).derive(Stream::Throw, index as u32);
     learn(
         &mut |question, _, attempt| Some(guess(question, key, attempt as u32)),
         |scores| &mut scores.guessing,
