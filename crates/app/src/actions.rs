@@ -7,6 +7,7 @@ mod compare;
 mod file;
 mod go;
 mod keys;
+mod lessons;
 
 use std::sync::LazyLock;
 
@@ -195,7 +196,9 @@ pub fn actions(state: &State) -> Vec<Action> {
     debug(&mut list, state);
     analyze::add(&mut list, state);
     compare::compare(&mut list, state);
+    lessons::add(&mut list, state);
     help(&mut list);
+    lessons::lead(&mut list, state);
     list.escape(state);
     list.actions
 }

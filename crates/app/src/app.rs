@@ -6,6 +6,7 @@ use std::sync::Arc;
 use eframe::egui_wgpu::RenderState;
 use egui::{CentralPanel, Context, Frame, Pos2, Ui, UiBuilder, ViewportCommand};
 use egui_tiles::{Behavior, EditAction, SimplificationOptions, TileId, Tiles, UiResponse};
+use tilescope_lessons::results::Results;
 use tilescope_session::look::Look;
 use tilescope_ui::focus;
 use tilescope_ui::presses::Presses;
@@ -96,6 +97,10 @@ impl App {
 
     /// Shows one frame.
     pub fn show(&mut self, ui: &mut Ui) {
+        self.state.lessons.now = now();
+        if self.state.window.embedding.is_none() {
+            panels::lesson::show(ui, &self.state, &mut self.commands);
+        }
         self.arrange(ui);
         self.follow_look(ui.ctx());
         self.copy(ui.ctx());
@@ -347,10 +352,15 @@ impl App {
         let has = |key| storage.get_string(key).is_some();
         if is_default && ![LAYOUT_KEY, OLD_LAYOUT_KEY, LOOK_KEY].into_iter().any(has) {
             self.state.apply(Command::Scene(SceneCommand::Tour));
+            self.state.lessons.lists = true;
         }
         let old = || eframe::get_value::<OldLayout>(storage, OLD_LAYOUT_KEY)?.completed();
         if let Some(layout) = eframe::get_value::<Layout>(storage, LAYOUT_KEY).or_else(old) {
             self.state.window.layout = layout;
+        }
+        if let Some(results) = storage.get_string(RESULTS_KEY) {
+            // Results that cannot be read are not overwritten until there are new ones.
+            self.state.lessons.results = Results::read(&results).unwrap_or_default();
         }
         if let Some((look, chosen)) = eframe::get_value(storage, LOOK_KEY) {
             self.state.appearance.choose_look(look);
@@ -362,6 +372,19 @@ impl App {
     }
 }
 
+/// Returns the time in seconds since 1970.
+#[cfg(not(target_arch = "wasm32"))]
+fn now() -> f64 {
+    let since = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH);
+    since.map_or(0.0, |since| since.as_secs_f64())
+}
+
+/// Returns the time in seconds since 1970.
+#[cfg(target_arch = "wasm32")]
+fn now() -> f64 {
+    js_sys::Date::now() / 1000.0
+}
+
 /// Gap between tiles, in screen points.
 const GAP: f32 = 2.0;
 /// Height of a row of tabs above a tile.
@@ -371,6 +394,7 @@ const LAYOUT_KEY: &str = "panels";
 /// The key of an older storage format.
 const OLD_LAYOUT_KEY: &str = "layout";
 const LOOK_KEY: &str = "look";
+const RESULTS_KEY: &str = "lessons";
 
 impl eframe::App for App {
     fn ui(&mut self, ui: &mut Ui, _: &mut eframe::Frame) {
@@ -384,6 +408,10 @@ impl eframe::App for App {
             self.state.appearance.motion_chosen(),
         );
         eframe::set_value(storage, LOOK_KEY, &look);
+        let results = &self.state.lessons.results;
+        if !results.entries.is_empty() || storage.get_string(RESULTS_KEY).is_some() {
+            storage.set_string(RESULTS_KEY, results.to_json());
+        }
     }
 
     fn raw_input_hook(&mut self, _: &Context, raw: &mut egui::RawInput) {

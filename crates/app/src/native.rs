@@ -7,6 +7,9 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use thiserror::Error;
 
+use tilescope_workbench::command::Command;
+use tilescope_workbench::lessons::LessonCommand;
+
 use crate::app::App;
 
 /// Why no window opened.
@@ -89,6 +92,8 @@ impl<A: eframe::App> eframe::App for Counted<A> {
 pub struct WindowOptions {
     /// A link to open: an address, or its fragment.
     pub link: Option<String>,
+    /// A lesson to open.
+    pub lesson: Option<LessonCommand>,
     /// Its inner size in screen points.
     pub size: [f32; 2],
     /// Whether it opens in the light theme.
@@ -99,6 +104,7 @@ impl Default for WindowOptions {
     fn default() -> Self {
         Self {
             link: None,
+            lesson: None,
             size: [1440.0, 900.0],
             light: false,
         }
@@ -133,6 +139,7 @@ pub fn run_native(options: &WindowOptions) -> Result<(), AppError> {
         ..eframe::NativeOptions::default()
     };
     let (light, link) = (options.light, options.link.clone());
+    let lesson = options.lesson.clone();
     let frames = Arc::new(Frames::default());
     let counter = Arc::clone(&frames);
     let run = || {
@@ -145,7 +152,7 @@ pub fn run_native(options: &WindowOptions) -> Result<(), AppError> {
                     app.draw_with(render_state);
                 }
                 if let Some(storage) = creation.storage {
-                    app.remember(storage, link.is_none());
+                    app.remember(storage, link.is_none() && lesson.is_none());
                 }
                 if light {
                     app.state.apply(tilescope_workbench::Command::Appearance(
@@ -156,6 +163,9 @@ pub fn run_native(options: &WindowOptions) -> Result<(), AppError> {
                     app.state.apply(tilescope_workbench::Command::Link(
                         tilescope_workbench::command::LinkCommand::Open(link),
                     ));
+                }
+                if let Some(lesson) = lesson {
+                    app.state.apply(Command::Lesson(lesson));
                 }
                 let frames = counter;
                 Ok(Box::new(Counted { app, frames }))

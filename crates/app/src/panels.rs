@@ -18,6 +18,7 @@ mod help;
 mod inspector;
 mod layers;
 mod legend;
+pub mod lesson;
 mod notice;
 mod parameters;
 mod passes;
@@ -134,6 +135,7 @@ fn leave_projector(ui: &Ui, palette: &Palette, commands: &mut Vec<Command>) {
 pub fn show_floating(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     export::show(ui, state, commands);
     files::show(ui, state, commands);
+    lesson::show_marks(ui, state);
     caption::show(ui, state, commands);
     notice::show(ui, state, commands);
     help::show(ui, state, commands);

@@ -18,6 +18,7 @@ use crate::{EXIT_FINE, EXIT_NEGATIVE, interrupt, output};
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct LessonArguments {
+    /// What is done with lessons.
     #[command(subcommand)]
     pub command: LessonCommand,
 }
@@ -31,6 +32,11 @@ pub enum LessonCommand {
     New {
         /// The file, NAME.md
         file: PathBuf,
+    },
+    /// Open the window on a lesson
+    Play {
+        /// A file, which is read again whenever it is saved, or the name of a lesson that comes with the program
+        lesson: String,
     },
     /// List the lessons that come with the program
     List,
@@ -69,21 +75,60 @@ pub struct CheckArguments {
 
 const EXAMPLES: &str = "\
 Examples:
+  tilescope lesson play gaps            the window, with a lesson that comes with the program
   tilescope lesson new mine.md          a lesson to begin with
   tilescope lesson check mine.md        every question, for 40 runs; exit code 1 if anything is wrong
   tilescope lesson translate mine.md de
   tilescope lesson results *.json --out class.csv";
 
+/// Runs `tilescope lesson`. Returns the exit code.
 pub fn run(arguments: &LessonArguments) -> Result<u8> {
     interrupt::listen();
     match &arguments.command {
         LessonCommand::Check(arguments) => check_all(arguments),
         LessonCommand::New { file } => new(file),
+        // The program opens the window before commands are run.
+        LessonCommand::Play { lesson } => bail!("there is no display to play {lesson} on"),
         LessonCommand::List => list(),
         LessonCommand::Keys(arguments) => keys(arguments),
         LessonCommand::Translate { file, language } => translate(file, language),
         LessonCommand::Results { files, out } => merge(files, out),
     }
+}
+
+/// Returns the lesson that is to be played, as a file or the name of one that comes with the program.
+///
+/// # Errors
+///
+/// Neither a file nor such a name.
+pub fn played(arguments: &LessonArguments) -> Option<Result<Played>> {
+    let LessonCommand::Play { lesson } = &arguments.command else {
+        return None;
+    };
+    if let Some(shipped) = shipped::LESSONS
+        .iter()
+        .find(|shipped| shipped.name == lesson)
+    {
+        return Some(Ok(Played::Shipped(shipped.name)));
+    }
+    let file = PathBuf::from(lesson);
+    if file.is_file() {
+        return Some(Ok(Played::File(file)));
+    }
+    let names = shipped::LESSONS.map(|shipped| shipped.name);
+    Some(Err(anyhow::anyhow!(
+        "\"{lesson}\" is no file, and no lesson that comes with the program: {}",
+        names.join(", ")
+    )))
+}
+
+/// A lesson that is to be played.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Played {
+    /// One that comes with the program.
+    Shipped(&'static str),
+    /// A file.
+    File(PathBuf),
 }
 
 /// A lesson file and its translations, as they are read.

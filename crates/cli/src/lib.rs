@@ -13,7 +13,7 @@ mod facts;
 mod gpu;
 mod headless;
 mod interrupt;
-mod lesson;
+pub mod lesson;
 mod make;
 mod options;
 mod output;
@@ -121,6 +121,15 @@ impl Arguments {
     #[must_use]
     pub fn read() -> Self {
         Self::of(std::env::args_os()).unwrap_or_else(|error| error.exit())
+    }
+
+    /// Returns the lesson that the window is to open on, if one is to be played.
+    #[must_use]
+    pub fn played(&self) -> Option<anyhow::Result<lesson::Played>> {
+        match &self.command {
+            Some(Command::Lesson(arguments)) => lesson::played(arguments),
+            _ => None,
+        }
     }
 
     fn of(words: impl IntoIterator<Item = OsString>) -> Result<Self, clap::Error> {

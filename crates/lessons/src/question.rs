@@ -87,8 +87,10 @@ pub struct WrongAnswer {
 /// A question about a moment of a run.
 #[derive(Clone, Debug)]
 pub struct Question {
-    /// What it asks.
-    pub ask: String,
+    /// What it asks; of a trace, at each of its events.
+    asks: Vec<String>,
+    /// The samples that the question names, as for `asks`.
+    named: Vec<Vec<u32>>,
     /// What the learner sees and answers with.
     pub form: Form,
     /// A hint.
@@ -154,7 +156,8 @@ impl Question {
         let fill = |text: &Text| scene.fill(&text.text, text.line);
         let cursor = scene.cursor();
         let mut question = Self {
-            ask: fill(&gate.ask)?,
+            asks: vec![fill(&gate.ask)?],
+            named: vec![scene.samples_in(&gate.ask)?],
             form: Form::Number {
                 unit: String::new(),
             },
@@ -225,7 +228,7 @@ impl Question {
                 events,
                 steps,
                 options,
-            } => question.trace(scene, events, *steps, options)?,
+            } => question.trace(scene, &gate.ask, events, *steps, options)?,
         }
         Ok(question)
     }
@@ -420,6 +423,7 @@ impl Question {
     fn trace(
         &mut self,
         scene: &Scene,
+        ask: &Text,
         events: &Text,
         steps: usize,
         options: &[ChoiceOption],
@@ -440,8 +444,12 @@ impl Question {
         }
         let mut right = Vec::new();
         let mut there = Scene::at(scene.recording(), scene.cursor());
+        there.speak_as(scene);
+        (self.asks, self.named) = (Vec::new(), Vec::new());
         for &event in &traced {
             there.go(event);
+            self.asks.push(there.fill(&ask.text, ask.line)?);
+            self.named.push(there.samples_in(ask)?);
             let mut holds = Vec::new();
             for (index, option) in options.iter().enumerate() {
                 if there.truth(&option.when, |_| {})? {
@@ -497,6 +505,24 @@ impl Question {
             (GateKind::Place { .. }, _) => Answer::Place(scene.place(text)?),
             _ => Answer::Number(scene.number(text)?),
         })
+    }
+
+    /// Returns what is asked; of a trace, at one of its events.
+    #[must_use]
+    pub fn ask(&self, step: usize) -> &str {
+        self.asks
+            .get(step)
+            .or(self.asks.last())
+            .map_or("", String::as_str)
+    }
+
+    /// Returns the samples that the question names, as for [`Self::ask`].
+    #[must_use]
+    pub fn named(&self, step: usize) -> &[u32] {
+        self.named
+            .get(step)
+            .or(self.named.last())
+            .map_or(&[], Vec::as_slice)
     }
 
     /// Returns the key.

@@ -86,6 +86,54 @@ impl Scene {
         self.translation = Arc::clone(translation);
     }
 
+    /// Says texts in the language of another scene.
+    pub(crate) fn speak_as(&mut self, other: &Self) {
+        self.translation = Arc::clone(&other.translation);
+    }
+
+    /// Returns the samples that a text names: those of its expressions whose values are valid samples, and that do not
+    /// count something.
+    pub(crate) fn samples_in(&self, text: &Text) -> Result<Vec<u32>, LessonError> {
+        const COUNTS: [&str; 9] = [
+            "count",
+            "samples(",
+            "conflicts",
+            "gaps",
+            "event",
+            "turn",
+            "undecided",
+            "kept",
+            "iteration",
+        ];
+        let mut named = Vec::new();
+        let found = prose::expressions(&text.text)
+            .map_err(|message| LessonError::new(text.line, message))?;
+        for expression in found
+            .into_iter()
+            .filter(|text| !COUNTS.iter().any(|word| text.contains(word)))
+        {
+            let value = self.value(
+                &Text {
+                    text: expression,
+                    line: text.line,
+                },
+                |_| {},
+            )?;
+            let sample = value
+                .as_int()
+                .ok()
+                .and_then(|sample| u32::try_from(sample).ok());
+            let is_valid =
+                |&sample: &u32| self.now.recording.status(sample, self.cursor()).is_valid();
+            if let Some(sample) = sample.filter(is_valid)
+                && !named.contains(&sample)
+            {
+                named.push(sample);
+            }
+        }
+        Ok(named)
+    }
+
     /// Returns the recording.
     #[must_use]
     pub fn recording(&self) -> &Arc<Recording> {

@@ -92,8 +92,10 @@ impl Moment {
     /// Returns whether a stage ends at this moment.
     #[must_use]
     pub fn ends_stage(&self, session: &Session) -> bool {
-        self.cursor
-            .is_none_or(|cursor| session.stage_end(session.stage_at(cursor)) == Some(cursor))
+        self.cursor.is_none_or(|cursor| {
+            let is_last = session.stage_end(session.stage_at(cursor)) == Some(cursor);
+            is_last && !session.is_cut_off_at(cursor)
+        })
     }
 
     /// Returns the description of the moment for files.

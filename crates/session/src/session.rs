@@ -198,6 +198,15 @@ impl Session {
         Some(next.unwrap_or_else(|| recording.len()))
     }
 
+    /// Returns whether the recording is cut off at a cursor: the run went on, and what came next is not here.
+    #[must_use]
+    pub fn is_cut_off_at(&self, cursor: usize) -> bool {
+        let here = self
+            .recording()
+            .filter(|recording| recording.len() == cursor);
+        here.is_some_and(|recording| recording.run().result.is_empty())
+    }
+
     /// Returns whether every sample's fate was kept, so that every stage can be shown.
     #[must_use]
     pub fn has_stages(&self) -> bool {
@@ -235,9 +244,13 @@ impl Session {
         if let RunSource::Recorded(recording) = &source {
             // Prepare the search index here, in the background, not at the first search.
             recording.prepare();
+            if run.result.is_empty() {
+                stages = begun_stages(recording, stages);
+            }
             last = last_iteration(recording);
             if last.is_some() {
                 let number = run.iterations.len() as u32 + 1;
+                stages.retain(|&stage| stage != Stage::Iterate(number));
                 let behind = stages.partition_point(|&stage| stage < Stage::Iterate(number));
                 stages.insert(behind, Stage::Iterate(number));
             }
@@ -362,6 +375,24 @@ fn last_iteration(recording: &Recording) -> Option<Iteration> {
         inserted: all.end..all.end,
         ..Iteration::default()
     })
+}
+
+/// Returns the stages of a recording that is cut off, with those that have begun and changed nothing yet.
+fn begun_stages(recording: &Recording, mut stages: Vec<Stage>) -> Vec<Stage> {
+    for event in recording.tape().iter().filter(|event| event.depth() == 0) {
+        let begun = match event.run_event() {
+            Some(RunEvent::Begin(stage)) => stage,
+            Some(RunEvent::Iteration { number, .. }) => Stage::Iterate(number),
+            _ => continue,
+        };
+        let is_part =
+            recording.run().parameters.variant == Variant::AsPrinted && begun == Stage::Iterate(1);
+        if !stages.contains(&begun) && !is_part {
+            stages.push(begun);
+        }
+    }
+    stages.sort();
+    stages
 }
 
 /// Returns the first event of each of `stages` but the first.

@@ -5,11 +5,22 @@ use std::io::Write;
 use std::process::ExitCode;
 
 use tilescope_app::WindowOptions;
+use tilescope_cli::lesson::Played;
 use tilescope_cli::{Arguments, HeadlessReason};
+use tilescope_workbench::lessons::LessonCommand;
 
 fn main() -> ExitCode {
     let arguments = Arguments::read();
-    if let Some(command) = &arguments.command {
+    let played = match arguments.played() {
+        Some(Err(error)) => {
+            let _ = writeln!(std::io::stderr(), "error: {error}");
+            return ExitCode::from(tilescope_cli::EXIT_BAD_INPUT);
+        }
+        Some(Ok(played)) => Some(played),
+        None => None,
+    };
+    let can_play = played.is_some() && tilescope_app::display_available();
+    if let (Some(command), false) = (&arguments.command, can_play) {
         return tilescope_cli::run(command, tilescope_workbench::script::run);
     }
     let has_link = arguments.link.is_some();
@@ -25,6 +36,10 @@ fn main() -> ExitCode {
     }
     let options = WindowOptions {
         link: arguments.link,
+        lesson: played.map(|played| match played {
+            Played::Shipped(name) => LessonCommand::Open(name.to_owned()),
+            Played::File(file) => LessonCommand::File(file),
+        }),
         ..WindowOptions::default()
     };
     match tilescope_app::run_native(&options) {

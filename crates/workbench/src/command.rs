@@ -21,6 +21,7 @@ use crate::export::ExportCommand;
 use crate::files::FileCommand;
 use crate::help::HelpPage;
 use crate::layout::Panel;
+use crate::lessons::LessonCommand;
 use crate::passes::PassCommand;
 use crate::scenes::SceneCommand;
 
@@ -249,6 +250,8 @@ pub enum Command {
     Time(TimeCommand),
     /// Makes, changes and shows scenes.
     Scene(SceneCommand),
+    /// Opens lessons, and answers their questions.
+    Lesson(LessonCommand),
     /// Changes breakpoints, watches or the event browser.
     Debug(DebugCommand),
     /// Changes the view of a run.

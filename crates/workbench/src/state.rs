@@ -9,12 +9,14 @@ pub use crate::appearance::Appearance;
 use crate::command::{AppearanceCommand, Command, LinkCommand, ViewCommand, Which};
 use crate::export::ExportCommand;
 use crate::layout::Panel;
+use crate::lessons::Lessons;
 use crate::scenes::ShownScene;
 use crate::thumbnails::Thumbnails;
 use effects::{Context, Effect};
 pub use export::{ExportSource, Exports};
 pub use form::Form;
 pub use gpu::GpuState;
+pub use lessons::veiled;
 pub use page::PageStart;
 use parts::JobContext;
 pub use parts::{FileState, Links, Messages, Runs};
@@ -104,6 +106,8 @@ pub struct State {
     pub analysis: Analysis,
     /// The scene that is shown, if one is.
     pub scene: Option<ShownScene>,
+    /// Lessons: the one that is open, the list, the results.
+    pub lessons: Lessons,
     /// The scenes' pictures.
     pub thumbnails: Thumbnails,
     /// Links.
@@ -128,6 +132,7 @@ impl State {
             gpu: GpuState::default(),
             analysis: Analysis::default(),
             scene: None,
+            lessons: Lessons::default(),
             thumbnails: Thumbnails::default(),
             links: Links::default(),
             messages: Messages::default(),
@@ -185,6 +190,10 @@ impl State {
 
     /// Applies a command. This is the only way in which the user changes the state.
     pub fn apply(&mut self, command: Command) {
+        if self.refuse_veiled(&command) {
+            return;
+        }
+        self.draft_from_canvas(&command);
         // The cursor before a command after which the camera may follow; `None` within leads to the event at once.
         let before = match command {
             Command::Time(_) | Command::Debug(_) => Some(self.cursor()),
@@ -243,13 +252,18 @@ impl State {
             Command::Undo | Command::Redo => {}
             Command::OpenPasses => self.open_passes(),
             Command::Passes(command) => self.apply_to_passes(command),
-            Command::File(command) => self.apply_to_files(command),
+            Command::File(command) => {
+                if !self.open_dropped_lesson(&command) {
+                    self.apply_to_files(command);
+                }
+            }
             Command::Compare(command) => self.apply_to_comparison(command),
             Command::Analysis(command) => {
                 let shown = self.runs.first.shown();
                 self.analysis.apply(command, shown.as_ref());
             }
             Command::Scene(command) => self.apply_to_scenes(command),
+            Command::Lesson(command) => self.apply_to_lessons(command),
             Command::Debug(command) => {
                 self.on(Which::First, |run, context| {
                     run.apply_to_debugger(command, context);
@@ -377,6 +391,7 @@ pub mod export;
 mod files;
 mod form;
 mod gpu;
+mod lessons;
 mod link;
 mod page;
 mod parts;

@@ -78,7 +78,10 @@ pub fn press_keys(ctx: &egui::Context, state: &mut State) -> bool {
         let is_meant_for_popup = key == Key::Escape && has_popup;
         let is_tick = matches!(key, Key::ArrowLeft | Key::ArrowRight) && pressed.is_none();
         let is_taken = pointed && !on_canvas;
-        if !free || is_meant_for_popup || (key == Key::Space && is_taken) || (is_tick && on_canvas)
+        if !free
+            || is_meant_for_popup
+            || (matches!(key, Key::Space | Key::Enter) && is_taken)
+            || (is_tick && on_canvas)
         {
             continue;
         }

@@ -280,7 +280,17 @@ pub fn next_line(run: &RunView) -> Option<String> {
     let debugger = run.debugger.as_ref()?;
     let parameters = run.session.as_ref()?.run().parameters;
     let Some(event) = debugger.event() else {
-        return Some("nothing: the run is complete".to_owned());
+        let cursor = debugger.state().cursor();
+        let is_cut_off = run
+            .session
+            .as_ref()
+            .is_some_and(|session| session.is_cut_off_at(cursor));
+        let text = if is_cut_off {
+            "the question of the lesson"
+        } else {
+            "nothing: the run is complete"
+        };
+        return Some(text.to_owned());
     };
     let line = Listings::shipped().line(event.line())?;
     Some(line.text(&parameters))

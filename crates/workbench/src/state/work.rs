@@ -64,6 +64,7 @@ impl State {
     /// so that another frame is needed.
     pub fn advance(&mut self, dt_secs: f32) -> bool {
         self.poll();
+        self.follow_lesson_file();
         self.on(Which::First, |run, _| run.fly_on(dt_secs));
         let cursor = self.cursor();
         let runs = self.in_time(|time, run, context| time.advance(dt_secs, run, context));
@@ -113,6 +114,15 @@ impl State {
     fn finish_sampling(&mut self, which: Which, outcome: Made) {
         match outcome {
             Ok(Ok(session)) => {
+                let is_first = which == Which::First;
+                let taken = if is_first {
+                    self.take_for_lesson(session)
+                } else {
+                    Some(session)
+                };
+                let Some(session) = taken else {
+                    return;
+                };
                 // A live run shows the stage that was shown.
                 let run = &self.runs.first;
                 let is_live = self.form.live && which == Which::First && !run.is_at_end();

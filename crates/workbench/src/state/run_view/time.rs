@@ -35,6 +35,7 @@ impl RunView {
             }
         };
         let moment = match self.cursor() {
+            Some((at, _)) if session.is_cut_off_at(at) => format!("event {}", grouped(at)),
             Some((at, len)) => format!("event {} of {}", grouped(at), grouped(len)),
             None => format!("stage {} of {}", self.stage + 1, session.stages.len()),
         };

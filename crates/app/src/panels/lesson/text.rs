@@ -1,0 +1,48 @@
+//! Paragraphs of lessons: plain, emphasised, strong, and code.
+
+use egui::text::{LayoutJob, TextFormat};
+use egui::{Color32, FontId, Label, Ui};
+use tilescope_drawing::palette::Palette;
+use tilescope_lessons::{Style, spans};
+use tilescope_ui::theme::semibold;
+use tilescope_ui::widgets::Known;
+use tilescope_workbench::lessons::OpenLesson;
+
+/// Shows paragraphs of the step that is shown.
+pub fn show(ui: &mut Ui, open: &OpenLesson, paragraphs: &[String], size: f32, palette: &Palette) {
+    for (index, paragraph) in paragraphs.iter().enumerate() {
+        let words = open.learner.words(paragraph);
+        let (indent, words) = match words.strip_prefix("- ") {
+            Some(item) => (14.0, format!("\u{2022} {item}")),
+            None => (0.0, words),
+        };
+        ui.horizontal(|ui| {
+            ui.add_space(indent);
+            let job = job(ui, &words, size, palette.text);
+            ui.add(Label::new(job).wrap())
+                .known_as(format_args!("lesson-text-{index}"));
+        });
+        ui.add_space(5.0);
+    }
+}
+
+/// Returns a paragraph laid out.
+pub fn job(ui: &Ui, paragraph: &str, size: f32, color: Color32) -> LayoutJob {
+    let mut job = LayoutJob::default();
+    let plain = FontId::proportional(size);
+    for span in spans(paragraph) {
+        let mut format = TextFormat::simple(plain.clone(), color);
+        match span.style {
+            Style::Plain => {}
+            Style::Emphasis => format.italics = true,
+            Style::Strong => format.font_id = FontId::new(size, semibold()),
+            Style::Code => {
+                format.font_id = FontId::monospace(size - 1.0);
+                format.background = ui.visuals().code_bg_color;
+            }
+        }
+        format.line_height = Some(1.42 * size);
+        job.append(&span.text, 0.0, format);
+    }
+    job
+}

@@ -1,0 +1,397 @@
+//! Lessons: what a user can do in one, the lesson that is open, and the answer that is being put together. The crate
+//! `tilescope-lessons` reads, asks and grades.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use glam::DVec2;
+use serde::{Deserialize, Serialize};
+use tilescope_debugger::{Direction, Recording};
+use tilescope_lessons::results::Results;
+use tilescope_lessons::{
+    Answer, Change, CutAxis, Feedback, Form, Key, Learner, LessonError, Question, letter, shipped,
+};
+
+/// An action in a lesson, or on the list of lessons.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum LessonCommand {
+    /// Opens the list of lessons, or closes it.
+    ToggleList,
+    /// Opens a lesson that comes with the program, by its name.
+    Open(String),
+    /// Opens a lesson from a text, with its name.
+    Read(String, String),
+    /// Closes the lesson.
+    Leave,
+    /// Goes to the next step, which waits while a question is open, or to the one before.
+    Step(Direction),
+    /// Goes to the step of this name.
+    Go(String),
+    /// Changes the answer that is being put together.
+    Draft(DraftCommand),
+    /// Gives the answer that was put together.
+    Answer,
+    /// Shows the hint.
+    Hint,
+    /// Gives up; the first time, asks whether to.
+    GiveUp,
+    /// Asks the question again of another run. The number draws the run.
+    Practise(u64),
+    /// Says how sure one is, from 0 to 3.
+    Sure(u8),
+    /// Says texts in a language, such as `de`; `en` is that of the lessons.
+    Language(String),
+    /// Opens a lesson from a file, which is read again whenever it changes.
+    File(PathBuf),
+    /// Saves the results: `json`, `csv`, or `xapi`.
+    SaveResults(String),
+    /// Removes the results that are kept.
+    ClearResults,
+    /// Names the learner in saved results.
+    Name(String),
+}
+
+/// A change of the answer that is being put together.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum DraftCommand {
+    /// Selects the option, sample, place or cut of this index in the list; of several samples, adds or removes it. Of items
+    /// to be sorted, appends it to the order or removes it.
+    Choose(usize),
+    /// Selects a sample on the canvas.
+    Pick(u32),
+    /// Puts a point, in r.
+    Place([f64; 2]),
+    /// Types a number.
+    Type(String),
+    /// Chooses the axis of a cut.
+    Axis(CutAxis),
+    /// Says how a band changes.
+    Band(usize, Change),
+}
+
+/// An answer that is being put together.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct AnswerDraft {
+    /// The selected samples.
+    pub samples: Vec<u32>,
+    /// The place.
+    pub place: Option<[f64; 2]>,
+    /// The text of a number.
+    pub text: String,
+    /// The chosen option.
+    pub option: Option<usize>,
+    /// The items in the order so far.
+    pub order: Vec<usize>,
+    /// The axis of a cut.
+    pub axis: Option<CutAxis>,
+    /// The changes of the bands so far.
+    pub bands: Vec<Option<Change>>,
+}
+
+impl AnswerDraft {
+    pub(crate) fn apply(&mut self, command: DraftCommand, question: &Question) {
+        match (command, &question.form) {
+            (DraftCommand::Choose(index), Form::Pick { candidates, .. }) => {
+                if let Some(&sample) = candidates.get(index) {
+                    self.toggle(sample, question);
+                }
+            }
+            (DraftCommand::Pick(sample), Form::Pick { candidates, .. }) => {
+                if candidates.contains(&sample) {
+                    self.toggle(sample, question);
+                }
+            }
+            (DraftCommand::Choose(index), Form::Place { candidates }) => {
+                self.place = candidates.get(index).copied().or(self.place);
+            }
+            (DraftCommand::Choose(index), Form::Cut { candidates, .. }) => {
+                if let Some(&(axis, at)) = candidates.get(index) {
+                    self.axis = Some(axis);
+                    self.place = Some([at, at]);
+                }
+            }
+            (DraftCommand::Place(place), Form::Place { .. } | Form::Cut { .. }) => {
+                self.place = Some(place)
+            }
+            (DraftCommand::Axis(axis), Form::Cut { .. }) => self.axis = Some(axis),
+            (
+                DraftCommand::Choose(index),
+                Form::Choice { options, .. } | Form::Trace { options, .. },
+            ) => {
+                if index < options.len() {
+                    self.option = Some(index);
+                }
+            }
+            (DraftCommand::Choose(index), Form::Order { items }) => {
+                if let Some(at) = self.order.iter().position(|&item| item == index) {
+                    self.order.remove(at);
+                } else if index < items.len() {
+                    self.order.push(index);
+                }
+            }
+            (DraftCommand::Type(text), Form::Number { .. }) => {
+                self.text = text.chars().take(40).collect()
+            }
+            (DraftCommand::Band(index, change), Form::Bands { bands, .. }) => {
+                self.bands.resize(bands.len(), None);
+                if let Some(band) = self.bands.get_mut(index) {
+                    *band = Some(change);
+                }
+            }
+            _ => {}
+        }
+    }
+
+    fn toggle(&mut self, sample: u32, question: &Question) {
+        let several = matches!(question.form, Form::Pick { several: true, .. });
+        if let Some(at) = self.samples.iter().position(|&other| other == sample) {
+            self.samples.remove(at);
+        } else {
+            if !several {
+                self.samples.clear();
+            }
+            self.samples.push(sample);
+        }
+    }
+
+    /// Returns the answer, or what it still lacks.
+    pub fn answer(&self, question: &Question) -> Result<Answer, &'static str> {
+        match &question.form {
+            Form::Pick { .. } if self.samples.is_empty() => {
+                Err("Select a sample: on the canvas, or by its number.")
+            }
+            Form::Pick { .. } => Ok(Answer::Pick(self.samples.clone())),
+            Form::Place { .. } => self
+                .place
+                .map(Answer::Place)
+                .ok_or("Put a point: on the canvas, or by its letter."),
+            Form::Number { .. } => {
+                let number = self.text.trim().replace(',', ".").parse::<f64>();
+                number
+                    .ok()
+                    .filter(|number| number.is_finite())
+                    .map(Answer::Number)
+                    .ok_or("Type a number, such as 12 or 0.5.")
+            }
+            Form::Choice { .. } | Form::Trace { .. } => {
+                self.option.map(Answer::Choice).ok_or("Choose an option.")
+            }
+            Form::Order { items } if self.order.len() < items.len() => {
+                Err("Put every item in its place: choose what comes first, then what comes next.")
+            }
+            Form::Order { .. } => Ok(Answer::Order(self.order.clone())),
+            Form::Cut { .. } => {
+                let axis = self
+                    .axis
+                    .ok_or("Choose whether the cut is vertical or horizontal.")?;
+                let place = self
+                    .place
+                    .ok_or("Click where the cut goes, or choose one of the list.")?;
+                let at = if axis == CutAxis::X {
+                    place[0]
+                } else {
+                    place[1]
+                };
+                Ok(Answer::Cut { axis, at })
+            }
+            Form::Bands { bands, .. } => {
+                let all: Option<Vec<Change>> = self.bands.iter().copied().collect();
+                let all = all.filter(|all| all.len() == bands.len());
+                all.map(Answer::Bands)
+                    .ok_or("Say for each band whether it goes up, down, or stays.")
+            }
+        }
+    }
+}
+
+/// Where a lesson comes from.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum LessonSource {
+    /// With the program.
+    Shipped,
+    /// From a text that was opened.
+    Text,
+    /// From a file, which is read again when it changes.
+    File(PathBuf),
+}
+
+/// The lesson that is open.
+pub struct OpenLesson {
+    /// The learner's way through it.
+    pub learner: Learner,
+    /// Where it comes from.
+    pub source: LessonSource,
+    /// The answer that is being put together.
+    pub draft: AnswerDraft,
+    /// What was said to the last answer.
+    pub feedback: Option<Feedback>,
+    /// What an answer still lacks, or a fault of the lesson.
+    pub lacking: Option<String>,
+    /// The fault that keeps the step from being shown.
+    pub fault: Option<LessonError>,
+    /// The hint, if it was asked for.
+    pub hint: Option<String>,
+    /// The whole run of the step.
+    pub(crate) run: Option<Arc<Recording>>,
+    /// Seeds of practice that did not have the moment.
+    pub(crate) missed: u64,
+    /// When its file was changed last, if it is from one.
+    pub(crate) changed: Option<std::time::SystemTime>,
+    /// Whether the panels beside the canvas were hidden for the lesson.
+    pub(crate) hid_sides: bool,
+}
+
+/// Lessons in the state of the window.
+#[derive(Default)]
+pub struct Lessons {
+    /// The lesson that is open.
+    pub open: Option<Box<OpenLesson>>,
+    /// Whether the list of lessons is open.
+    pub lists: bool,
+    /// The language of texts; empty for that of the lessons.
+    pub language: String,
+    /// What the learner did.
+    pub results: Results,
+    /// The time in seconds since 1970, set by whoever shows the window.
+    pub now: f64,
+}
+
+impl Lessons {
+    /// Returns the veil: while a question is open, nothing after this cursor is shown.
+    #[must_use]
+    pub fn veil(&self) -> Option<usize> {
+        self.open.as_ref()?.learner.limit()
+    }
+
+    /// Returns the question that is open.
+    #[must_use]
+    pub fn open_question(&self) -> Option<&Question> {
+        let open = self.open.as_ref()?;
+        open.learner.question().filter(|_| open.learner.is_open())
+    }
+}
+
+/// Returns the lesson of a name that comes with the program.
+#[must_use]
+pub fn shipped_named(name: &str) -> Option<&'static shipped::Shipped> {
+    shipped::LESSONS.iter().find(|lesson| lesson.name == name)
+}
+
+/// A mark of a lesson on the canvas.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mark {
+    /// Where it is, in r.
+    pub at: DVec2,
+    /// Its label; empty if it has none.
+    pub label: String,
+    /// What it stands for.
+    pub kind: MarkKind,
+}
+
+/// What a mark stands for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MarkKind {
+    /// A sample that the question names.
+    Named,
+    /// A sample or place of the list.
+    Listed,
+    /// What is selected.
+    Chosen,
+    /// What is right, once it is known.
+    Right,
+}
+
+/// A line or a box of a lesson on the canvas, by two corners in r.
+pub type MarkedBox = [DVec2; 2];
+
+impl OpenLesson {
+    /// Returns the marks of the step.
+    #[must_use]
+    pub fn marks(&self) -> Vec<Mark> {
+        let Some((question, run)) = self.learner.question().zip(self.run.as_ref()) else {
+            return Vec::new();
+        };
+        let position = |sample: u32| {
+            let point = run.point(sample).map(tilescope_session::units::position);
+            point.unwrap_or_default()
+        };
+        let mark = |at: DVec2, label: String, kind| Mark { at, label, kind };
+        let is_done = !self.learner.is_open();
+        let (_, step) = self.learner.tries();
+        let mut marks = Vec::new();
+        match &question.form {
+            Form::Pick { candidates, .. } => {
+                for &sample in candidates {
+                    let kind = match question.key() {
+                        Key::Pick(right) if is_done && right.contains(&sample) => MarkKind::Right,
+                        _ if self.draft.samples.contains(&sample) => MarkKind::Chosen,
+                        _ => MarkKind::Listed,
+                    };
+                    marks.push(mark(position(sample), sample.to_string(), kind));
+                }
+            }
+            Form::Place { candidates } => {
+                let listed = candidates.iter().enumerate();
+                marks.extend(
+                    listed.map(|(k, &at)| mark(at.into(), letter(k).to_string(), MarkKind::Listed)),
+                );
+            }
+            _ => {}
+        }
+        if let (Form::Place { .. }, Some(place), false) =
+            (&question.form, self.draft.place, is_done)
+        {
+            marks.push(mark(place.into(), String::new(), MarkKind::Chosen));
+        }
+        if let (Key::Place(right), true) = (question.key(), is_done) {
+            marks.extend(
+                right
+                    .iter()
+                    .map(|&at| mark(at.into(), String::new(), MarkKind::Right)),
+            );
+        }
+        for &sample in question.named(step) {
+            if !marks.iter().any(|mark| mark.label == sample.to_string()) {
+                marks.push(mark(position(sample), sample.to_string(), MarkKind::Named));
+            }
+        }
+        marks
+    }
+
+    /// Returns the box that is to be cut, and the cut that is chosen.
+    #[must_use]
+    pub fn cut(&self) -> Option<(MarkedBox, Option<MarkedBox>)> {
+        let Form::Cut { min, max, .. } = &self.learner.question()?.form else {
+            return None;
+        };
+        let (low, high) = (DVec2::from(*min), DVec2::from(*max));
+        let place = self.draft.place.filter(|_| self.learner.is_open());
+        let line = place.zip(self.draft.axis).map(|([x, y], axis)| match axis {
+            CutAxis::X => [DVec2::new(x, low.y), DVec2::new(x, high.y)],
+            CutAxis::Y => [DVec2::new(low.x, y), DVec2::new(high.x, y)],
+        });
+        Some(([low, high], line))
+    }
+
+    /// Returns why what was asked about happened: the event that decides and its causes, the nearest first, in words. Empty
+    /// while the question is open.
+    #[must_use]
+    pub fn reasons(&self) -> Vec<String> {
+        let Some((question, run)) = self.learner.question().zip(self.run.as_ref()) else {
+            return Vec::new();
+        };
+        let Some(event) = question
+            .decided
+            .checked_sub(1)
+            .filter(|_| !self.learner.is_open() && question.decided > question.cursor)
+        else {
+            return Vec::new();
+        };
+        let causes = tilescope_debugger::why::causes(run, event);
+        let all = std::iter::once(event).chain(causes).take(4);
+        all.map(|event| tilescope_debugger::sentence(run, event))
+            .collect()
+    }
+}

@@ -1,0 +1,834 @@
+//! Lessons in the state, and the veil: while a question is open the window has the run only up to the question's moment.
+//! What is not there cannot be shown, said, linked or exported. [`veiled`] lists the commands that would make or show
+//! another run, and are refused meanwhile.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use tilescope_debugger::{Direction, Recording};
+use tilescope_lessons::{Arrival, Learner, Lesson, LessonError, MAX_BYTES, Translation, results};
+use tilescope_session::incoming::NamedBytes;
+use tilescope_session::layers::{Layer, Layers};
+use tilescope_session::recipe::Recipe;
+use tilescope_session::selection::Selection;
+use tilescope_session::session::Session;
+use tilescope_session::words::sentence;
+
+use super::{Notice, State, Verification, Which};
+use crate::command::{Command, ViewCommand, WindowCommand};
+use crate::device::EngineChoice;
+use crate::files::{FileCommand, Purpose};
+use crate::lessons::{
+    AnswerDraft, DraftCommand, LessonCommand, LessonSource, OpenLesson, shipped_named,
+};
+use crate::link::layer_name;
+use crate::scenes::SceneCommand;
+
+/// The most seeds of practice that are tried for a moment.
+const MAX_MISSED: u64 = 50;
+
+/// Returns whether a command would show what an open question asks about: another run, or one made again.
+#[must_use]
+pub const fn veiled(command: &Command) -> bool {
+    matches!(
+        command,
+        Command::Run
+            | Command::Combine(_)
+            | Command::Form(_)
+            | Command::Undo
+            | Command::Redo
+            | Command::OpenPasses
+            | Command::Passes(_)
+            | Command::Compare(_)
+            | Command::File(_)
+            | Command::Export(_)
+            | Command::Scene(SceneCommand::Tour)
+    )
+}
+
+impl State {
+    /// Returns whether a command is refused because a question is open; a notice says so.
+    pub(super) fn refuse_veiled(&mut self, command: &Command) -> bool {
+        let is_refused = self.lessons.veil().is_some() && veiled(command);
+        if is_refused {
+            let text = "Answer the question of the lesson first, or close the lesson: this would show what comes next.";
+            self.tell(text.to_owned(), false);
+        }
+        is_refused
+    }
+
+    /// Gives the answer that is put together what is selected on the canvas.
+    pub(super) fn draft_from_canvas(&mut self, command: &Command) {
+        let Command::View(Which::First, ViewCommand::Pick(selection)) = command else {
+            return;
+        };
+        let draft = match *selection {
+            Selection::Sample(sample) => DraftCommand::Pick(sample),
+            Selection::Place(place) => DraftCommand::Place(place.into()),
+            Selection::Nothing => return,
+        };
+        let has_place = matches!(draft, DraftCommand::Place(_));
+        self.change_draft(draft);
+        // A place on a sample is a place, too.
+        if !has_place && let Selection::Sample(sample) = *selection {
+            let at = self
+                .runs
+                .first
+                .session
+                .as_ref()
+                .map(|session| session.position(sample));
+            if let Some(at) = at {
+                self.change_draft(DraftCommand::Place(at.into()));
+            }
+        }
+    }
+
+    fn change_draft(&mut self, command: DraftCommand) {
+        if let Some(open) = &mut self.lessons.open
+            && open.learner.is_open()
+            && let Some(question) = open.learner.question()
+        {
+            open.draft.apply(command, question);
+            (open.lacking, open.feedback) = (None, None);
+        }
+    }
+
+    pub(super) fn apply_to_lessons(&mut self, command: LessonCommand) {
+        match command {
+            LessonCommand::ToggleList => self.lessons.lists = !self.lessons.lists,
+            LessonCommand::Open(name) => match shipped_named(&name) {
+                Some(shipped) => {
+                    self.open_lesson(shipped.name, shipped.text, LessonSource::Shipped)
+                }
+                None => self.tell(format!("There is no lesson \"{name}\"."), true),
+            },
+            LessonCommand::Read(name, text) => self.open_lesson(&name, &text, LessonSource::Text),
+            LessonCommand::Leave => self.leave_lesson(),
+            LessonCommand::Step(direction) => self.step_lesson(direction),
+            LessonCommand::Go(name) => {
+                let index = self
+                    .lessons
+                    .open
+                    .as_ref()
+                    .and_then(|open| open.learner.lesson().step_named(&name));
+                match index {
+                    Some(index) => self.enter_step(index),
+                    None => self.tell(format!("The lesson has no step \"{name}\"."), true),
+                }
+            }
+            LessonCommand::Draft(command) => self.change_draft(command),
+            LessonCommand::Answer => self.answer_question(),
+            LessonCommand::Hint => {
+                if let Some(open) = &mut self.lessons.open {
+                    open.hint = open.learner.hint();
+                }
+            }
+            LessonCommand::GiveUp => {
+                let now = self.lessons.now;
+                if self
+                    .lessons
+                    .open
+                    .as_mut()
+                    .is_some_and(|open| open.learner.give_up(now))
+                {
+                    self.reveal();
+                }
+            }
+            LessonCommand::Practise(draw) => {
+                if let Some(open) = &mut self.lessons.open
+                    && open.learner.practise(draw)
+                {
+                    open.missed = 0;
+                    self.show_step();
+                }
+            }
+            LessonCommand::Sure(level) => {
+                if let Some(open) = &mut self.lessons.open {
+                    open.learner.feel(level);
+                }
+            }
+            LessonCommand::Language(language) => self.speak(language),
+            LessonCommand::File(path) => self.open_lesson_file(&path),
+            LessonCommand::SaveResults(format) => self.save_results(&format),
+            LessonCommand::ClearResults => self.lessons.results.entries.clear(),
+            LessonCommand::Name(name) => {
+                self.lessons.results.learner = name.chars().take(80).collect()
+            }
+        }
+    }
+
+    /// Opens a lesson; one that cannot be read is named in a notice with its fault.
+    pub fn open_lesson(&mut self, name: &str, text: &str, source: LessonSource) {
+        let lesson = match Lesson::read(name, text) {
+            Ok(lesson) => lesson,
+            Err(error) => {
+                return self.tell(format!("The lesson {name} cannot be read: {error}"), true);
+            }
+        };
+        let translation = self.translation(name, &source);
+        let step = match &self.lessons.open {
+            // A file that was changed is shown at the step that was shown.
+            Some(open) if open.source == source && open.learner.lesson().name == name => {
+                let before = open.learner.step().name.clone();
+                lesson.step_named(&before).unwrap_or(0)
+            }
+            _ => 0,
+        };
+        let mut hid_sides = self.lessons.open.take().is_some_and(|open| open.hid_sides);
+        if !hid_sides && self.window.embedding.is_none() && self.window.shows_sides() {
+            self.window.apply(WindowCommand::ToggleSides);
+            hid_sides = true;
+        }
+        (self.lessons.lists, self.scene, self.messages.notice) = (false, None, None);
+        self.lessons.open = Some(Box::new(OpenLesson {
+            learner: Learner::new(Arc::new(lesson), translation),
+            source,
+            draft: AnswerDraft::default(),
+            feedback: None,
+            lacking: None,
+            fault: None,
+            hint: None,
+            run: None,
+            missed: 0,
+            changed: None,
+            hid_sides,
+        }));
+        self.enter_step(step);
+    }
+
+    /// Opens a lesson from a file.
+    pub fn open_lesson_file(&mut self, path: &Path) {
+        let name = path
+            .file_stem()
+            .map(|name| name.to_string_lossy().into_owned())
+            .unwrap_or_default();
+        let changed = std::fs::metadata(path)
+            .and_then(|data| data.modified())
+            .ok();
+        let length = std::fs::metadata(path).map_or(0, |data| data.len());
+        let text = if length > MAX_BYTES as u64 {
+            Err(format!(
+                "it has {length} bytes; a lesson has at most {MAX_BYTES}"
+            ))
+        } else {
+            std::fs::read_to_string(path).map_err(|error| error.to_string())
+        };
+        match text {
+            Ok(text) => self.open_lesson(&name, &text, LessonSource::File(path.to_owned())),
+            Err(error) => self.tell(format!("{}: {error}.", path.display()), true),
+        }
+        if let Some(open) = &mut self.lessons.open {
+            open.changed = changed;
+        }
+    }
+
+    /// Reads the lesson's file again if it has changed.
+    pub(super) fn follow_lesson_file(&mut self) {
+        let Some(open) = &self.lessons.open else {
+            return;
+        };
+        let LessonSource::File(path) = open.source.clone() else {
+            return;
+        };
+        let changed = std::fs::metadata(&path)
+            .and_then(|data| data.modified())
+            .ok();
+        if changed.is_some() && changed != open.changed {
+            self.open_lesson_file(&path);
+        }
+    }
+
+    /// Writes the results beside the program's other files, under a name that is free; on a page, downloads them.
+    fn save_results(&mut self, format: &str) {
+        let results = &self.lessons.results;
+        let (text, extension) = match format {
+            "csv" => (
+                results::csv(std::slice::from_ref(results)).unwrap_or_default(),
+                "csv",
+            ),
+            "xapi" => (
+                serde_json::to_string_pretty(&results.xapi()).unwrap_or_default(),
+                "xapi.json",
+            ),
+            _ => (results.to_json(), "json"),
+        };
+        if self.files.in_browser() {
+            let file = NamedBytes::new(format!("tilescope-results.{extension}"), text);
+            self.files.downloads.push(file);
+            return;
+        }
+        let named = |number: usize| match number {
+            0 => format!("tilescope-results.{extension}"),
+            _ => format!("tilescope-results-{number}.{extension}"),
+        };
+        let free = (0..)
+            .map(|number| PathBuf::from(named(number)))
+            .find(|path| !path.exists());
+        let path = free.unwrap_or_default();
+        match tilescope_formats::write_whole(&path, text.as_bytes()) {
+            Ok(()) => {
+                let path = std::path::absolute(&path).unwrap_or(path);
+                let mut notice =
+                    Notice::new(format!("The results are in {}.", path.display()), false);
+                notice.folder = path.parent().map(Path::to_owned);
+                self.messages.notice = Some(notice);
+            }
+            Err(error) => self.tell(sentence(&error.to_string()), true),
+        }
+    }
+
+    /// Opens the first of some files that is a lesson. Returns whether there is one.
+    pub(super) fn open_dropped_lesson(&mut self, command: &FileCommand) -> bool {
+        let is_lesson = |name: &str| name.to_lowercase().ends_with(".md");
+        match command {
+            FileCommand::Dropped(paths) => {
+                let path = paths.iter().find(|path| is_lesson(path)).map(PathBuf::from);
+                path.inspect(|path| self.open_lesson_file(path)).is_some()
+            }
+            FileCommand::DroppedBytes(files, _) => {
+                let Some(file) = files.iter().find(|file| is_lesson(&file.name)) else {
+                    return false;
+                };
+                let name = file.name.trim_end_matches(".md").to_owned();
+                match String::from_utf8(file.bytes.clone()) {
+                    Ok(text) => self.open_lesson(&name, &text, LessonSource::Text),
+                    Err(_) => self.tell(format!("{}: the file is not text.", file.name), true),
+                }
+                true
+            }
+            FileCommand::Go => {
+                let sheet = self
+                    .files
+                    .sheet
+                    .as_ref()
+                    .filter(|sheet| sheet.purpose == Purpose::Open);
+                let path = sheet.map(|sheet| PathBuf::from(&sheet.path));
+                let path = path.filter(|path| is_lesson(&path.to_string_lossy()));
+                path.inspect(|path| {
+                    self.files.sheet = None;
+                    self.open_lesson_file(path);
+                })
+                .is_some()
+            }
+            _ => false,
+        }
+    }
+
+    fn translation(&self, name: &str, source: &LessonSource) -> Arc<Translation> {
+        let shipped = shipped_named(name).filter(|_| *source == LessonSource::Shipped);
+        let german = shipped.filter(|_| self.lessons.language == "de");
+        let read = german.and_then(|shipped| Translation::read(shipped.german).ok());
+        Arc::new(read.unwrap_or_default())
+    }
+
+    /// Says texts in another language. The question that is open is asked anew.
+    fn speak(&mut self, language: String) {
+        self.lessons.language = language;
+        let Some(open) = &self.lessons.open else {
+            return;
+        };
+        let (lesson, index) = (Arc::clone(open.learner.lesson()), open.learner.index());
+        let translation = self.translation(&lesson.name, &open.source);
+        if let Some(open) = &mut self.lessons.open {
+            open.learner = Learner::new(lesson, translation);
+        }
+        self.enter_step(index);
+    }
+
+    fn leave_lesson(&mut self) {
+        let Some(open) = self.lessons.open.take() else {
+            return;
+        };
+        if open.hid_sides && !self.window.shows_sides() {
+            self.window.apply(WindowCommand::ToggleSides);
+        }
+        self.appearance.chosen_layers = None;
+        if let Some(run) = open.run {
+            self.show_run_of_lesson(&run, None);
+            self.on(Which::First, |run, context| run.verify(context));
+        }
+    }
+
+    fn step_lesson(&mut self, direction: Direction) {
+        let Some(open) = &mut self.lessons.open else {
+            return;
+        };
+        let index = open.learner.index();
+        match direction {
+            Direction::Backwards if index > 0 => self.enter_step(index - 1),
+            Direction::Forwards if open.learner.may_go_on() => self.enter_step(index + 1),
+            Direction::Forwards if open.learner.is_open() => {
+                open.lacking =
+                    Some("Answer the question first; or ask for a hint, or give up.".to_owned());
+            }
+            _ => {}
+        }
+    }
+
+    fn enter_step(&mut self, index: usize) {
+        if let Some(open) = &mut self.lessons.open {
+            open.learner.go(index);
+            open.missed = 0;
+            self.show_step();
+        }
+    }
+
+    /// Shows the step, once its run is there; otherwise starts making it.
+    fn show_step(&mut self) {
+        let Some(open) = &mut self.lessons.open else {
+            return;
+        };
+        (open.draft, open.feedback, open.lacking) = (AnswerDraft::default(), None, None);
+        (open.fault, open.hint) = (None, None);
+        let parameters = open.learner.parameters();
+        let same = open
+            .run
+            .clone()
+            .filter(|run| run.run().parameters == parameters);
+        match same {
+            Some(run) => self.arrive_at_step(run),
+            None => {
+                open.run = None;
+                self.links.arriving = None;
+                self.time.playback.stop();
+                self.start_sampling(Which::First, Recipe::from(parameters), EngineChoice::Cpu);
+            }
+        }
+    }
+
+    /// Takes a session that was made for the lesson. Returns it if it was made for something else.
+    pub(super) fn take_for_lesson(&mut self, session: Session) -> Option<Session> {
+        let wanted = self
+            .lessons
+            .open
+            .as_ref()
+            .map(|open| (open.run.is_none(), open.learner.parameters()));
+        let recording = session.recording().filter(|recording| {
+            wanted == Some((true, recording.run().parameters)) && session.own.is_none()
+        });
+        let Some(recording) = recording.map(Arc::clone) else {
+            return Some(session);
+        };
+        drop(session);
+        self.arrive_at_step(recording);
+        None
+    }
+
+    fn arrive_at_step(&mut self, run: Arc<Recording>) {
+        let now = self.lessons.now;
+        let Some(open) = &mut self.lessons.open else {
+            return;
+        };
+        open.run = Some(Arc::clone(&run));
+        match open.learner.arrive(&run, now) {
+            Ok(Arrival::Here) => self.show_moment(),
+            Ok(Arrival::NoMoment)
+                if open.learner.practised().is_some() && open.missed < MAX_MISSED =>
+            {
+                open.missed += 1;
+                let draw = open.learner.parameters().seed + open.missed;
+                open.learner.practise(draw);
+                self.show_step();
+            }
+            Ok(Arrival::NoMoment) => {
+                let line = open.learner.step().scene.line;
+                open.fault = Some(LessonError::new(line, "the run has no such moment"));
+                self.show_nothing();
+            }
+            Err(fault) => {
+                open.fault = Some(fault);
+                self.show_nothing();
+            }
+        }
+    }
+
+    /// Shows the start of the run, since the step has no moment in it.
+    fn show_nothing(&mut self) {
+        if let Some(run) = self.lessons.open.as_ref().and_then(|open| open.run.clone()) {
+            self.show_run_of_lesson(&run, Some(0));
+        }
+    }
+
+    /// Shows the moment of the step: up to it if a question is open, otherwise in the whole run.
+    fn show_moment(&mut self) {
+        let Some(open) = &self.lessons.open else {
+            return;
+        };
+        let (Some(run), Some(cursor)) = (open.run.clone(), open.learner.cursor()) else {
+            return;
+        };
+        self.show_run_of_lesson(&run, open.learner.limit());
+        let Some(open) = &self.lessons.open else {
+            return;
+        };
+        let step = open.learner.step();
+        let mut layers = step.scene.layers.clone();
+        let is_open = open.learner.is_open();
+        if let (Some(layers), Some(gate), false) = (&mut layers, &step.gate, is_open) {
+            layers.extend(gate.shows.iter().cloned());
+        }
+        let camera = open
+            .learner
+            .scene()
+            .and_then(|scene| scene.camera(&step.scene.camera).ok().flatten());
+        self.appearance.chosen_layers = layers.map(|names| {
+            let mut chosen = Layers::none();
+            for layer in names.iter().filter_map(|name| layer_named(name)) {
+                if !chosen.has(layer) {
+                    chosen.toggle(layer);
+                }
+            }
+            chosen
+        });
+        self.on(Which::First, |run, context| {
+            let before = run.stage;
+            run.jump(cursor);
+            run.moved(before);
+            run.pick(Selection::Nothing, context);
+            match camera {
+                Some((center, radii)) => run.fly_to(center.into(), radii, context),
+                None => run.fit(context),
+            }
+        });
+    }
+
+    /// Shows a run, or what had happened in it up to a cursor. It is not verified: a verdict would answer questions.
+    fn show_run_of_lesson(&mut self, run: &Arc<Recording>, limit: Option<usize>) {
+        self.jobs.generation += 1;
+        let shown = match limit {
+            Some(cursor) => Arc::new(run.until(cursor)),
+            None => Arc::clone(run),
+        };
+        let session = Session::from_recording(shown, self.jobs.generation);
+        self.show_in(Which::First, session);
+        self.runs.first.verification = Verification::Nothing;
+    }
+
+    fn answer_question(&mut self) {
+        let now = self.lessons.now;
+        let Some(open) = &mut self.lessons.open else {
+            return;
+        };
+        let Some(question) = open.learner.question().filter(|_| open.learner.is_open()) else {
+            return;
+        };
+        let given = match open.draft.answer(question) {
+            Ok(answer) => open.learner.answer(&answer, now),
+            Err(lacking) => {
+                open.lacking = Some(lacking.to_owned());
+                return;
+            }
+        };
+        match given {
+            Ok(feedback) => {
+                let goes_on = feedback.is_done || feedback.score > 0.999;
+                (open.lacking, open.feedback) = (None, Some(feedback));
+                if goes_on {
+                    open.draft = AnswerDraft {
+                        ..AnswerDraft::default()
+                    };
+                    self.reveal();
+                }
+            }
+            Err(error) => open.lacking = Some(sentence(&error.message)),
+        }
+    }
+
+    /// Shows what an answer has revealed: the event that decides, or the next moment of a trace.
+    fn reveal(&mut self) {
+        if let Some(open) = &mut self.lessons.open {
+            let entries = open.learner.take_entries();
+            self.lessons.results.add(entries);
+        }
+        self.show_moment();
+    }
+}
+
+/// Returns the layer of a name in links and lessons.
+fn layer_named(name: &str) -> Option<Layer> {
+    Layer::ALL
+        .into_iter()
+        .find(|&layer| layer_name(layer) == name)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::settled;
+    use super::*;
+    use crate::command::{DebugCommand, FormCommand, LinkCommand, TimeCommand};
+    use crate::draft::Field;
+    use crate::export::ExportCommand;
+    use tilescope_lessons::shipped::TEMPLATE;
+    use tilescope_lessons::{Answer, Key};
+
+    fn lesson(state: &mut State, command: LessonCommand) {
+        state.apply(Command::Lesson(command));
+        state.settle();
+    }
+
+    /// A state with the template's question open.
+    fn asked() -> State {
+        let mut state = settled();
+        lesson(
+            &mut state,
+            LessonCommand::Read("template".to_owned(), TEMPLATE.to_owned()),
+        );
+        lesson(&mut state, LessonCommand::Step(Direction::Forwards));
+        assert!(state.lessons.open_question().is_some());
+        state
+    }
+
+    fn whole(state: &State) -> Arc<Recording> {
+        Arc::clone(state.lessons.open.as_ref().unwrap().run.as_ref().unwrap())
+    }
+
+    /// The option that is right, and one that is not.
+    fn options(state: &State) -> [usize; 2] {
+        let Key::Choice(right) = state.lessons.open_question().unwrap().key() else {
+            panic!("a choice");
+        };
+        [*right, 1 - *right]
+    }
+
+    fn choose(state: &mut State, option: usize) {
+        lesson(state, LessonCommand::Draft(DraftCommand::Choose(option)));
+        lesson(state, LessonCommand::Answer);
+    }
+
+    #[test]
+    fn a_question_is_answered_wrongly_then_rightly_and_the_first_try_scores() {
+        let mut state = asked();
+        let [right, wrong] = options(&state);
+        let cursor = state.cursor().unwrap().0;
+        choose(&mut state, wrong);
+        let open = state.lessons.open.as_ref().unwrap();
+        assert!(
+            open.learner.is_open()
+                && open
+                    .feedback
+                    .as_ref()
+                    .is_some_and(|said| said.sentence.is_some())
+        );
+        assert!(state.lessons.results.entries.is_empty());
+        choose(&mut state, right);
+        let open = state.lessons.open.as_ref().unwrap();
+        assert!(!open.learner.is_open() && !open.reasons().is_empty());
+        // The deciding event is shown, in the whole run.
+        let (now, len) = state.cursor().unwrap();
+        assert!(now > cursor && len == whole(&state).len());
+        let entries = &state.lessons.results.entries;
+        assert_eq!(
+            (entries.len(), entries[0].score, entries[0].tries),
+            (1, 0.0, 2)
+        );
+        // The same question with another run.
+        lesson(&mut state, LessonCommand::Practise(5));
+        assert!(state.lessons.open_question().is_some());
+        assert_ne!(whole(&state).run().parameters.seed, 1);
+    }
+
+    #[test]
+    fn giving_up_is_asked_once_more() {
+        let mut state = asked();
+        lesson(&mut state, LessonCommand::Step(Direction::Forwards));
+        lesson(&mut state, LessonCommand::GiveUp);
+        assert!(state.lessons.open_question().is_some());
+        lesson(&mut state, LessonCommand::GiveUp);
+        assert!(state.lessons.open_question().is_none());
+        assert!(state.lessons.results.entries[0].given_up);
+        lesson(&mut state, LessonCommand::Leave);
+        assert!(state.lessons.open.is_none() && state.verdict().is_some());
+    }
+
+    /// Everything that the state says and holds about the run, as text.
+    fn told(state: &State) -> String {
+        let run = &state.runs.first;
+        let session = run.session.as_ref().unwrap();
+        let debugger = run.debugger.as_ref().unwrap();
+        let recording = debugger.recording();
+        let events =
+            (0..recording.len()).map(|event| tilescope_debugger::sentence(recording, event));
+        format!(
+            "{:?} {:?} {:?} {:?} {:?}",
+            session.summary,
+            session.stages,
+            run.moment_texts(),
+            debugger.watch_values(),
+            events.collect::<Vec<String>>(),
+        )
+    }
+
+    #[test]
+    fn two_runs_that_differ_only_later_tell_the_same_while_the_question_is_open() {
+        // Up to the end of elimination, runs with the two searches are the same; afterwards they are not.
+        let text = |search: &str| {
+            let run = "radius: 0.03\nleaf: 8\nmoment: end of eliminate\n";
+            let gate = "type: number\nask: How many samples will be inserted?\nanswer: count(\"insert\")\n";
+            format!(
+                "---\ntitle: T\nobjective: O\n---\n# S\n```run\nsearch: {search}\n{run}```\n```gate g\n{gate}```\n"
+            )
+        };
+        let of = |search: &str| {
+            let mut state = settled();
+            lesson(
+                &mut state,
+                LessonCommand::Read("t".to_owned(), text(search)),
+            );
+            for watch in ["kind", "a", "count", "verdict", "place_x", "event"] {
+                state.apply(Command::Debug(DebugCommand::Watch(watch.to_owned())));
+            }
+            state
+        };
+        let (a, b) = (of("complete"), of("two-radii"));
+        assert_ne!(whole(&a).run().result.len(), whole(&b).run().result.len());
+        assert_eq!(told(&a), told(&b));
+        let [cursor, len] = a.cursor().map(|(cursor, len)| [cursor, len]).unwrap();
+        assert_eq!(cursor, len);
+        // The control: once both have given up, they tell different things.
+        let revealed = |mut state: State| {
+            lesson(&mut state, LessonCommand::GiveUp);
+            lesson(&mut state, LessonCommand::GiveUp);
+            told(&state)
+        };
+        assert_ne!(revealed(a), revealed(b));
+    }
+
+    #[test]
+    fn no_event_panel_time_line_watch_history_or_search_goes_past_the_question() {
+        let mut state = asked();
+        let cursor = state.cursor().unwrap();
+        assert_eq!(cursor.0, cursor.1);
+        for command in [
+            TimeCommand::StepForward,
+            TimeCommand::LastStage,
+            TimeCommand::Jump(usize::MAX),
+            TimeCommand::TogglePlay,
+        ] {
+            state.apply(Command::Time(command));
+            state.advance(5.0);
+            state.settle();
+            assert_eq!(state.cursor(), Some(cursor));
+        }
+        let run = &state.runs.first;
+        let debugger = run.debugger.as_ref().unwrap();
+        let next_names = ["kind", "a", "b", "line", "verdict"];
+        for name in next_names {
+            assert_eq!(debugger.evaluate(name).unwrap(), "none", "{name}");
+        }
+        let recording = debugger.recording();
+        assert!(recording.event(cursor.0).is_none());
+        for sample in 0..recording.run().samples.len() as u32 {
+            assert!(
+                recording
+                    .events_of(sample)
+                    .iter()
+                    .all(|&event| (event as usize) < cursor.0)
+            );
+        }
+        assert!(run.session.as_ref().unwrap().outline.is_some());
+        assert!(
+            state.verdict().is_none()
+                && matches!(state.runs.first.verification, Verification::Nothing)
+        );
+    }
+
+    #[test]
+    fn no_other_run_export_file_or_comparison_is_made_meanwhile() {
+        let mut state = asked();
+        let generation = state.runs.first.session.as_ref().unwrap().generation;
+        let all = [
+            Command::Run,
+            Command::Undo,
+            Command::OpenPasses,
+            Command::Form(FormCommand::Type(Field::Seed, "5".to_owned())),
+            Command::Export(ExportCommand::Open(crate::export::ExportKind::Result)),
+            Command::File(FileCommand::Sheet(Purpose::Save)),
+            Command::Scene(SceneCommand::Tour),
+        ];
+        for command in all {
+            assert!(veiled(&command));
+            state.messages.notice = None;
+            state.apply(command.clone());
+            state.settle();
+            let notice = state
+                .messages
+                .notice
+                .as_ref()
+                .map(|notice| notice.text.clone())
+                .unwrap_or_default();
+            assert!(
+                notice.contains("Answer the question"),
+                "{command:?}: {notice}"
+            );
+            assert_eq!(
+                state.runs.first.session.as_ref().unwrap().generation,
+                generation
+            );
+            assert!(!state.files.has_sheet() && state.lessons.open_question().is_some());
+        }
+    }
+
+    #[test]
+    fn links_name_the_moment_of_the_question_at_most() {
+        let mut state = asked();
+        let (cursor, _) = state.cursor().unwrap();
+        state.apply(Command::Link(LinkCommand::Copy));
+        let link = state.links.copied.clone().unwrap();
+        assert!(
+            link.contains("lesson=template")
+                || !link.contains("at=")
+                || link.contains(&format!("at={cursor}")),
+            "{link}"
+        );
+    }
+
+    #[test]
+    fn faults_of_a_lesson_are_named_with_their_line() {
+        let mut state = settled();
+        let text = TEMPLATE.replace("type: choice", "type: choise");
+        lesson(&mut state, LessonCommand::Read("broken".to_owned(), text));
+        let notice = &state.messages.notice.as_ref().unwrap().text;
+        assert!(
+            notice.contains("line 3") && notice.contains("\"choice\""),
+            "{notice}"
+        );
+        assert!(state.lessons.open.is_none());
+        // A moment that the run does not have.
+        let text = TEMPLATE.replace("where: (a < b) == odd_run()", "where: a == 123456");
+        lesson(&mut state, LessonCommand::Read("broken".to_owned(), text));
+        lesson(&mut state, LessonCommand::Step(Direction::Forwards));
+        assert!(state.lessons.open.as_ref().unwrap().fault.is_some());
+    }
+
+    #[test]
+    fn answers_are_put_together_on_the_canvas_and_from_the_list() {
+        let mut state = settled();
+        let text = "---\ntitle: T\nobjective: O\n---\n# S\n```run\nradius: 0.08\nleaf: 6\nmoment: end of tile\n```\n```gate g\ntype: pick\nseveral: yes\nask: Which?\ncandidates: far(s, 4.0, 4.0) < 2.5\nanswer: conflicts_of(s) > 0\n```\n";
+        lesson(
+            &mut state,
+            LessonCommand::Read("t".to_owned(), text.to_owned()),
+        );
+        let question = state.lessons.open_question().unwrap().clone();
+        let (Answer::Pick(right), tilescope_lessons::Form::Pick { candidates, .. }) =
+            (question.right_answer(), &question.form)
+        else {
+            panic!("samples are picked");
+        };
+        let first = right[0];
+        state.apply(Command::View(
+            Which::First,
+            ViewCommand::Pick(Selection::Sample(first)),
+        ));
+        assert_eq!(state.lessons.open.as_ref().unwrap().draft.samples, [first]);
+        for sample in &right[1..] {
+            let index = candidates.iter().position(|other| other == sample).unwrap();
+            lesson(
+                &mut state,
+                LessonCommand::Draft(DraftCommand::Choose(index)),
+            );
+        }
+        lesson(&mut state, LessonCommand::Answer);
+        assert!(state.lessons.open_question().is_none());
+        assert!((state.lessons.results.entries[0].score - 1.0).abs() < 1e-9);
+    }
+}
