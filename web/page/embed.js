@@ -112,6 +112,7 @@ export function bridge(origin, ask) {
     }
   };
   let isReady = false;
+  let answers = 0;
   return {
     /** Sent once, even if the program restarts. */
     ready: () => {
@@ -122,10 +123,15 @@ export function bridge(origin, ask) {
     },
     /** @param {string} error */
     failed: (error) => tell({ event: "failed", error }),
-    /** @param {string} json */
-    state: (json) => {
-      const told = JSON.parse(json);
-      tell({ event: "state", state: told.state ?? told });
+    /** @param {any} told */
+    state: (told) => {
+      tell({ event: "state", state: told });
+      // The count begins anew when the program restarts.
+      const { answered } = told;
+      if (answered && answered.number !== answers) {
+        tell({ event: "answered", ...answered });
+      }
+      answers = answered?.number ?? answers;
     },
   };
 }

@@ -3,6 +3,7 @@
 // program's requirements are checked in `missing.js`.
 
 import { bridge, namedOrigin } from "./{{asset:embed.js}}";
+import { connectLesson, showLesson } from "./{{asset:lesson.js}}";
 import { load } from "./{{asset:load.js}}";
 import { missing, showMissing } from "./{{asset:missing.js}}";
 import { keepOffline } from "./{{asset:offline.js}}";
@@ -10,6 +11,7 @@ import { comesIntoView, goOn, inView } from "./{{asset:view.js}}";
 import { announce, element, failure, hasFailed, loaded, loading, progress } from "./{{asset:sheets.js}}";
 
 const WORKER = new URL("./{{asset:worker.js}}", import.meta.url).href;
+const LESSONS = new URL("./{{asset:lessons.json}}", import.meta.url).href;
 const BINDINGS = new URL("./{{asset:tilescope.js}}", import.meta.url).href;
 
 /** A display lost this soon after it was replaced is not replaced again. */
@@ -44,6 +46,9 @@ let module;
 let restarted_ms = -Infinity;
 /** Why the program failed, if it did. */
 let failed = "";
+
+/** Whether the page shows the texts of lessons; in a frame the page around may bring its own. */
+const hasText = asked.get("text") !== "none";
 
 const frame = embed ? bridge(namedOrigin(asked.get("origin")), ask) : null;
 
@@ -108,6 +113,10 @@ function writeLink() {
  * @param {KeyboardEvent} event
  */
 function takeKey(event) {
+  // Keys in the lesson's text are not the program's.
+  if (event.target instanceof Node && element("lesson").contains(event.target)) {
+    return;
+  }
   const isTab = event.key === "Tab" && !(event.ctrlKey || event.metaKey || event.altKey);
   if (isTab && (leaves || (embed && app?.leaves_by_tab(event.shiftKey)))) {
     leaves = false;
@@ -202,7 +211,15 @@ const hooks = {
   full_screen: turnFullScreen,
   link: keepLink,
   /** @param {string} json */
-  state: (json) => (frame ? frame.state(json) : entitle(JSON.parse(json))),
+  state: (json) => {
+    const told = JSON.parse(json);
+    if (hasText) {
+      showLesson(told.lesson);
+    }
+    frame ? frame.state(told) : entitle(told);
+  },
+  // Deferred, as in `lost`.
+  lessons: () => setTimeout(loadLessons),
   // The program calls this while its state is borrowed, so it is ended a moment later.
   /** @param {string} reason */
   lost: (reason) => setTimeout(() => restart(reason)),
@@ -210,6 +227,19 @@ const hooks = {
   drawn: () => performance.mark("tilescope: first frame"),
   failed: fail,
 };
+
+/** Loads the lessons that come with the program, when they are first asked for. */
+async function loadLessons() {
+  try {
+    const response = await fetch(LESSONS);
+    if (!response.ok) {
+      throw new Error(`the server answered ${response.status}`);
+    }
+    app?.take_lessons(await response.text());
+  } catch (error) {
+    app?.lessons_failed(told(error));
+  }
+}
 
 /** Sets a title by which tabs and bookmarks can be distinguished. @param {any} told */
 function entitle({ parameters: { seed, radius } }) {
@@ -393,6 +423,9 @@ async function main() {
   }
 }
 
+if (hasText) {
+  connectLesson((request) => JSON.parse(ask(JSON.stringify(request))));
+}
 window.addEventListener("keydown", takeKey, { capture: true });
 if (embed) {
   document.documentElement.setAttribute("data-embed", embed);

@@ -105,17 +105,18 @@ pub fn played(arguments: &LessonArguments) -> Option<Result<Played>> {
     let LessonCommand::Play { lesson } = &arguments.command else {
         return None;
     };
-    if let Some(shipped) = shipped::LESSONS
-        .iter()
-        .find(|shipped| shipped.name == lesson)
-    {
-        return Some(Ok(Played::Shipped(shipped.name)));
+    let lessons = shipped::lessons();
+    if lessons.iter().any(|shipped| shipped.name == *lesson) {
+        return Some(Ok(Played::Shipped(lesson.clone())));
     }
     let file = PathBuf::from(lesson);
     if file.is_file() {
         return Some(Ok(Played::File(file)));
     }
-    let names = shipped::LESSONS.map(|shipped| shipped.name);
+    let names: Vec<&str> = lessons
+        .iter()
+        .map(|shipped| shipped.name.as_ref())
+        .collect();
     Some(Err(anyhow::anyhow!(
         "\"{lesson}\" is no file, and no lesson that comes with the program: {}",
         names.join(", ")
@@ -126,7 +127,7 @@ pub fn played(arguments: &LessonArguments) -> Option<Result<Played>> {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Played {
     /// One that comes with the program.
-    Shipped(&'static str),
+    Shipped(String),
     /// A file.
     File(PathBuf),
 }
@@ -142,12 +143,13 @@ struct Source {
 
 fn sources(files: &[PathBuf]) -> Result<Vec<Source>> {
     if files.is_empty() {
-        let all = shipped::LESSONS.iter().map(|shipped| Source {
+        let lessons = shipped::lessons();
+        let all = lessons.iter().map(|shipped| Source {
             name: format!("{}.md", shipped.name),
-            lesson: Lesson::read(shipped.name, shipped.text),
+            lesson: Lesson::read(&shipped.name, &shipped.text),
             translations: vec![(
                 format!("{}.de.md", shipped.name),
-                Translation::read(shipped.german),
+                Translation::read(&shipped.german),
             )],
         });
         return Ok(all.collect());
@@ -325,8 +327,8 @@ fn write(file: &Path, text: &str) -> Result<()> {
 
 fn list() -> Result<u8> {
     let mut text = String::new();
-    for shipped in &shipped::LESSONS {
-        let lesson = Lesson::read(shipped.name, shipped.text);
+    for shipped in shipped::lessons() {
+        let lesson = Lesson::read(&shipped.name, &shipped.text);
         let lesson = lesson.map_err(|error| anyhow::anyhow!("{}: {error}", shipped.name))?;
         let _ = writeln!(
             text,

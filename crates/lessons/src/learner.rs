@@ -155,6 +155,16 @@ impl Learner {
         true
     }
 
+    /// Begins to practise the question with the run of a seed, if that is one of its seeds.
+    pub fn practise_seed(&mut self, seed: u64) -> bool {
+        let gate = self.step().gate.as_ref();
+        let seeds = gate.and_then(|gate| gate.practice.clone());
+        let Some(seeds) = seeds.filter(|seeds| seeds.contains(&seed)) else {
+            return false;
+        };
+        self.practise(seed - seeds.start())
+    }
+
     /// Returns the seed of practice, if the step is practised.
     #[must_use]
     pub const fn practised(&self) -> Option<u64> {

@@ -10,7 +10,7 @@ use crate::moment::Moment;
 pub const LAYERS: [&str; 16] = [
     "pattern",
     "blocks",
-    "tree",
+    "kd-tree",
     "seams",
     "samples",
     "disks",

@@ -111,6 +111,13 @@ impl Results {
         self.entries.drain(..over);
     }
 
+    /// Returns the mean score, from 0 to 1; 0 if there are no entries.
+    #[must_use]
+    pub fn share(&self) -> f64 {
+        let sum: f64 = self.entries.iter().map(|entry| entry.score).sum();
+        sum / (self.entries.len().max(1)) as f64
+    }
+
     /// Returns the best score of each question of a lesson, unpractised or not, with how often it was done.
     #[must_use]
     pub fn of_gate(&self, lesson: &str, gate: &str) -> Option<(f64, usize)> {

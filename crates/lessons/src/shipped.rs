@@ -1,31 +1,58 @@
-//! The lessons that come with the program.
+//! The lessons that come with the program. In a browser they are loaded when they are asked for.
+
+use std::borrow::Cow;
+
+use serde::{Deserialize, Serialize};
 
 /// A lesson that comes with the program, with its translation.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Shipped {
     /// Its name.
-    pub name: &'static str,
+    pub name: Cow<'static, str>,
     /// Its file.
-    pub text: &'static str,
+    pub text: Cow<'static, str>,
     /// Its German translation.
-    pub german: &'static str,
-    /// Its pinned keys.
+    pub german: Cow<'static, str>,
+    /// Its pinned keys; empty in a browser.
+    #[serde(skip)]
     pub keys: &'static str,
 }
 
+#[cfg(not(target_arch = "wasm32"))]
 macro_rules! shipped {
     ($($name:literal),* $(,)?) => {
-        [$(Shipped {
-            name: $name,
-            text: include_str!(concat!("../../../assets/lessons/", $name, ".md")),
-            german: include_str!(concat!("../../../assets/lessons/", $name, ".de.md")),
+        vec![$(Shipped {
+            name: Cow::Borrowed($name),
+            text: Cow::Borrowed(include_str!(concat!("../../../assets/lessons/", $name, ".md"))),
+            german: Cow::Borrowed(include_str!(concat!("../../../assets/lessons/", $name, ".de.md"))),
             keys: include_str!(concat!("../../../assets/lessons/", $name, ".keys")),
         }),*]
     };
 }
 
-/// The lessons, in their order.
-pub const LESSONS: [Shipped; 0] = shipped![];
+/// Returns the lessons, in their order. In a browser there are none: the page loads what [`to_json`] wrote.
+#[must_use]
+pub fn lessons() -> Vec<Shipped> {
+    #[cfg(target_arch = "wasm32")]
+    return Vec::new();
+    #[cfg(not(target_arch = "wasm32"))]
+    shipped![]
+}
+
+/// Returns lessons as JSON.
+#[must_use]
+pub fn to_json(lessons: &[Shipped]) -> String {
+    serde_json::to_string(lessons).unwrap_or_default()
+}
+
+/// Reads what [`to_json`] wrote.
+///
+/// # Errors
+///
+/// A text that is not such JSON.
+pub fn from_json(text: &str) -> Result<Vec<Shipped>, serde_json::Error> {
+    serde_json::from_str(text)
+}
 
 /// The lesson that `tilescope lesson new` writes.
 pub const TEMPLATE: &str = include_str!("../../../assets/lessons/template.md");

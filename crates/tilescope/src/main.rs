@@ -37,7 +37,7 @@ fn main() -> ExitCode {
     let options = WindowOptions {
         link: arguments.link,
         lesson: played.map(|played| match played {
-            Played::Shipped(name) => LessonCommand::Open(name.to_owned()),
+            Played::Shipped(name) => LessonCommand::Open(name),
             Played::File(file) => LessonCommand::File(file),
         }),
         ..WindowOptions::default()

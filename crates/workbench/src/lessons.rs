@@ -56,6 +56,8 @@ pub enum LessonCommand {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum DraftCommand {
+    /// Begins anew.
+    Clear,
     /// Selects the option, sample, place or cut of this index in the list; of several samples, adds or removes it. Of items
     /// to be sorted, appends it to the order or removes it.
     Choose(usize),
@@ -93,6 +95,7 @@ pub struct AnswerDraft {
 impl AnswerDraft {
     pub(crate) fn apply(&mut self, command: DraftCommand, question: &Question) {
         match (command, &question.form) {
+            (DraftCommand::Clear, _) => *self = Self::default(),
             (DraftCommand::Choose(index), Form::Pick { candidates, .. }) => {
                 if let Some(&sample) = candidates.get(index) {
                     self.toggle(sample, question);
@@ -243,9 +246,50 @@ pub struct OpenLesson {
     pub(crate) hid_sides: bool,
 }
 
+/// A lesson that comes with the program, as links and pages ask for it.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct WantedLesson {
+    /// Its name.
+    pub name: String,
+    /// The step's name; the first one if there is none.
+    pub step: Option<String>,
+    /// The seed of the run with which the step's question is practised.
+    pub practice: Option<u64>,
+}
+
+/// An answer, for pages around the window.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct GivenAnswer {
+    /// How many answers were given since the start, with this one.
+    pub number: u64,
+    /// The lesson.
+    pub lesson: String,
+    /// The step.
+    pub step: String,
+    /// The question's name.
+    pub gate: String,
+    /// The seed of its run.
+    pub seed: u64,
+    /// The score, from 0 to 1.
+    pub score: f64,
+    /// How many answers to the question were given.
+    pub tries: u32,
+    /// Whether the question is done.
+    pub done: bool,
+    /// Whether the learner gave up.
+    pub given_up: bool,
+}
+
 /// Lessons in the state of the window.
-#[derive(Default)]
 pub struct Lessons {
+    /// The lessons that come with the program; in a browser empty until they are loaded.
+    pub shelf: Vec<shipped::Shipped>,
+    /// The lesson to be opened once the shelf is there.
+    pub wanted: Option<WantedLesson>,
+    /// Whether the page around the canvas shows the texts.
+    pub on_page: bool,
+    /// The answer that was given last.
+    pub last: Option<GivenAnswer>,
     /// The lesson that is open.
     pub open: Option<Box<OpenLesson>>,
     /// Whether the list of lessons is open.
@@ -258,7 +302,35 @@ pub struct Lessons {
     pub now: f64,
 }
 
+impl Default for Lessons {
+    fn default() -> Self {
+        Self {
+            shelf: shipped::lessons(),
+            wanted: None,
+            on_page: false,
+            last: None,
+            open: None,
+            lists: false,
+            language: String::new(),
+            results: Results::default(),
+            now: 0.0,
+        }
+    }
+}
+
 impl Lessons {
+    /// Returns whether a page has to load the lessons that come with the program.
+    #[must_use]
+    pub fn wants_shelf(&self) -> bool {
+        self.shelf.is_empty() && (self.lists || self.wanted.is_some())
+    }
+
+    /// Returns the lesson of a name that comes with the program.
+    #[must_use]
+    pub fn shipped(&self, name: &str) -> Option<&shipped::Shipped> {
+        self.shelf.iter().find(|lesson| lesson.name == name)
+    }
+
     /// Returns the veil: while a question is open, nothing after this cursor is shown.
     #[must_use]
     pub fn veil(&self) -> Option<usize> {
@@ -271,12 +343,6 @@ impl Lessons {
         let open = self.open.as_ref()?;
         open.learner.question().filter(|_| open.learner.is_open())
     }
-}
-
-/// Returns the lesson of a name that comes with the program.
-#[must_use]
-pub fn shipped_named(name: &str) -> Option<&'static shipped::Shipped> {
-    shipped::LESSONS.iter().find(|lesson| lesson.name == name)
 }
 
 /// A mark of a lesson on the canvas.

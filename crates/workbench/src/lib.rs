@@ -29,6 +29,7 @@ pub mod files;
 pub mod finder;
 pub mod help;
 pub mod layout;
+pub mod lesson_labels;
 pub mod lessons;
 pub mod link;
 pub mod passes;

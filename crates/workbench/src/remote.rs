@@ -13,6 +13,7 @@ use tilescope_session::look::Look;
 use tilescope_session::words::grouped;
 
 use crate::clock::{Clock, SPEEDS};
+use crate::lessons::{DraftCommand, WantedLesson};
 use crate::link::{
     COLOURINGS, MAX_PATTERN_SIDE, MAX_SAMPLES, choice_name, choice_named, layer_name, quoted,
 };
@@ -23,7 +24,7 @@ use tilescope_drawing::camera::{Camera, MAX_SCALE, MIN_SCALE};
 pub const MAX_BYTES: usize = 65_536;
 
 /// The requests and their fields.
-const REQUESTS: [(&str, &[&str]); 7] = [
+const REQUESTS: [(&str, &[&str]); 9] = [
     ("state", &[]),
     ("load", &["parameters", "link"]),
     ("step", &["by", "unit"]),
@@ -31,6 +32,13 @@ const REQUESTS: [(&str, &[&str]); 7] = [
     ("view", &["camera", "layers", "colouring", "look"]),
     ("play", &["speed"]),
     ("pause", &[]),
+    (
+        "lesson",
+        &[
+            "open", "step", "practice", "text", "name", "go", "language", "act", "save", "learner",
+        ],
+    ),
+    ("answer", &["value", "draft"]),
 ];
 
 /// The targets that can be sought, by name.
@@ -89,7 +97,56 @@ pub enum Request {
     Play(Option<f32>),
     /// Stops playing.
     Pause,
+    /// Does something in a lesson.
+    Lesson(LessonRequest),
 }
+
+/// What a page asks of lessons.
+#[derive(Clone, Debug, PartialEq)]
+pub enum LessonRequest {
+    /// Opens a lesson that comes with the program.
+    Open(WantedLesson),
+    /// Opens a lesson from its text.
+    Text {
+        /// The name for it.
+        name: String,
+        /// The text.
+        text: String,
+    },
+    /// Opens the list of lessons, or closes it.
+    List,
+    /// Starts the tour of the window.
+    Tour,
+    /// Changes the language.
+    Language(String),
+    /// Goes to the next step or the one before.
+    Step(Direction),
+    /// Goes to the step of this name.
+    Go(String),
+    /// Closes the lesson.
+    Leave,
+    /// Shows the hint.
+    Hint,
+    /// Gives up; the first time, asks whether to.
+    GiveUp,
+    /// Asks the question again of another run, drawn by this number.
+    Practise(u64),
+    /// Changes the answer that is being put together.
+    Draft(DraftCommand),
+    /// Gives an answer, or the one that was put together.
+    Answer(Option<Value>),
+    /// Names the learner in saved results.
+    Name(String),
+    /// Saves the results in this format.
+    Save(String),
+    /// Removes the results.
+    Clear,
+}
+
+/// What `act` may be in a request about a lesson.
+const ACTS: [&str; 7] = ["list", "tour", "leave", "hint", "give-up", "again", "clear"];
+/// The formats in which results are saved.
+const RESULT_FORMATS: [&str; 3] = ["json", "csv", "xapi"];
 
 /// Why a request is refused.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -169,6 +226,8 @@ pub fn read(text: &str) -> Result<Request, RequestError> {
         "view" => view(&fields),
         "play" => Ok(Request::Play(fields.get("speed").map(speed).transpose()?)),
         "pause" => Ok(Request::Pause),
+        "lesson" => lesson(&fields).map(Request::Lesson),
+        "answer" => answer(&fields).map(Request::Lesson),
         _ => Ok(Request::State),
     }
 }
@@ -273,6 +332,89 @@ fn seek(fields: &Map<String, Value>) -> Result<Request, RequestError> {
         _ => Err(RequestError::OneOf {
             action: "seek",
             fields: "\"event\", \"stage\", \"part\", \"next\" and \"previous\"",
+        }),
+    }
+}
+
+fn lesson(fields: &Map<String, Value>) -> Result<LessonRequest, RequestError> {
+    let text = |field: &str| match fields.get(field) {
+        None => Ok(None),
+        Some(Value::String(text)) => Ok(Some(text.clone())),
+        Some(value) => Err(wrong(field, value, "a text")),
+    };
+    let seed = |field: &str| match fields.get(field) {
+        None => Ok(None),
+        Some(value) => match value.as_u64() {
+            Some(seed) => Ok(Some(seed)),
+            None => Err(wrong(field, value, "a whole number from 0 on")),
+        },
+    };
+    let chosen = ["open", "text", "go", "language", "act", "save", "learner"];
+    let mut chosen = chosen
+        .into_iter()
+        .filter(|field| fields.contains_key(*field));
+    let (Some(field), None) = (chosen.next(), chosen.next()) else {
+        let fields = "\"open\", \"text\", \"go\", \"language\", \"act\", \"save\" and \"learner\"";
+        return Err(RequestError::OneOf {
+            action: "lesson",
+            fields,
+        });
+    };
+    let value = text(field)?.unwrap_or_default();
+    Ok(match field {
+        "open" => LessonRequest::Open(WantedLesson {
+            name: value,
+            step: text("step")?,
+            practice: seed("practice")?,
+        }),
+        "text" => LessonRequest::Text {
+            name: text("name")?.unwrap_or_else(|| "lesson".to_owned()),
+            text: value,
+        },
+        "go" => match value.as_str() {
+            "next" => LessonRequest::Step(Direction::Forwards),
+            "back" => LessonRequest::Step(Direction::Backwards),
+            _ => LessonRequest::Go(value),
+        },
+        "language" => LessonRequest::Language(value),
+        "learner" => LessonRequest::Name(value),
+        "save" if RESULT_FORMATS.contains(&value.as_str()) => LessonRequest::Save(value),
+        "save" => {
+            let formats = format!("one of {}", choices(RESULT_FORMATS));
+            return Err(wrong("save", &fields["save"], formats));
+        }
+        _ => match value.as_str() {
+            "list" => LessonRequest::List,
+            "tour" => LessonRequest::Tour,
+            "leave" => LessonRequest::Leave,
+            "hint" => LessonRequest::Hint,
+            "give-up" => LessonRequest::GiveUp,
+            "clear" => LessonRequest::Clear,
+            "again" => LessonRequest::Practise(seed("practice")?.unwrap_or(0)),
+            _ => {
+                return Err(wrong(
+                    "act",
+                    &fields["act"],
+                    format!("one of {}", choices(ACTS)),
+                ));
+            }
+        },
+    })
+}
+
+fn answer(fields: &Map<String, Value>) -> Result<LessonRequest, RequestError> {
+    match (fields.get("value"), fields.get("draft")) {
+        (value, None) => Ok(LessonRequest::Answer(value.cloned())),
+        (None, Some(draft)) => {
+            let command = serde_json::from_value(draft.clone());
+            let wanted = "a change of the answer, such as {\"choose\": 0}";
+            command
+                .map(LessonRequest::Draft)
+                .map_err(|_| wrong("draft", draft, wanted))
+        }
+        _ => Err(RequestError::OneOf {
+            action: "answer",
+            fields: "\"value\" and \"draft\"",
         }),
     }
 }

@@ -391,6 +391,7 @@ pub mod export;
 mod files;
 mod form;
 mod gpu;
+mod lesson_told;
 mod lessons;
 mod link;
 mod page;

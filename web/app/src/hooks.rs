@@ -61,6 +61,11 @@ pub fn state(json: &str) {
     let _ = call("state", json);
 }
 
+/// Asks the page to load the lessons.
+pub fn lessons() {
+    let _ = call("lessons", "");
+}
+
 /// Reports that the first frame is on the screen.
 pub fn drawn() {
     let _ = call("drawn", "");

@@ -196,6 +196,23 @@ impl Tilescope {
         page.is_some_and(|page| focus::leave(&page.ctx, end))
     }
 
+    /// Takes the lessons that the page has loaded.
+    pub fn take_lessons(&self, json: &str) {
+        self.take_loaded(Ok(json));
+    }
+
+    /// Takes the reason why the page could not load the lessons.
+    pub fn lessons_failed(&self, error: &str) {
+        self.take_loaded(Err(error));
+    }
+
+    fn take_loaded(&self, loaded: Result<&str, &str>) {
+        if let Some(mut page) = self.runner.app_mut::<Page>() {
+            page.app.state.take_lessons(loaded);
+            page.ctx.request_repaint();
+        }
+    }
+
     /// Shows a notice that copying failed.
     pub fn copy_failed(&self) {
         if let Some(mut page) = self.runner.app_mut::<Page>() {
@@ -277,6 +294,8 @@ struct Page {
     frames: u8,
     told_secs: f64,
     announcement: Option<String>,
+    /// Whether the page was asked to load the lessons.
+    asked_for_lessons: bool,
     /// `None` if it must be reported in any case.
     link: Option<String>,
     state: String,
@@ -300,6 +319,7 @@ impl Page {
                 .set_device_lost_callback(|_, reason| hooks::lost(&reason));
         }
         app.state.links.base = address();
+        app.state.lessons.on_page = true;
         app.copy_with(hooks::copy);
         App::speak_to(&creation.egui_ctx, |spoken| {
             hooks::field(&spoken.field);
@@ -340,6 +360,7 @@ impl Page {
             frames: 0,
             told_secs: 0.0,
             announcement: None,
+            asked_for_lessons: false,
             link: None,
             state: String::new(),
         }
@@ -353,6 +374,12 @@ impl Page {
             hooks::announce(announcement.as_deref().unwrap_or_default());
             self.announcement = announcement;
         }
+        let wants = self.app.state.lessons.wants_shelf();
+        if wants && !self.asked_for_lessons {
+            hooks::lessons();
+        }
+        self.asked_for_lessons = wants;
+        let state = &self.app.state;
         let due_secs = self.told_secs + TELLS_SECS - now_secs;
         if due_secs > 0.0 {
             self.ctx

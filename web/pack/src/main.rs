@@ -14,6 +14,7 @@ use std::process::ExitCode;
 
 use anyhow::{Context, Result};
 use clap::Parser;
+use tilescope_lessons::shipped;
 
 /// Packs the page and a wasm module into a folder for any static server.
 #[derive(Debug, Parser)]
@@ -67,6 +68,11 @@ fn pack(arguments: &Arguments) -> Result<()> {
     for (name, bytes) in binding::bind(module)? {
         sources.insert(name, page::Source::made(bytes));
     }
+    let lessons = shipped::to_json(&shipped::lessons());
+    sources.insert(
+        names::LESSONS.to_owned(),
+        page::Source::made(lessons.into_bytes()),
+    );
     let mut files = page::assemble(&sources, arguments.address.as_deref().unwrap_or_default())?;
     files.extend(page::example(&arguments.example)?);
     let packed = compress::all(files, &arguments.out);

@@ -33,6 +33,14 @@ pub fn is_picture(name: &str) -> bool {
     PICTURES.contains(&ending(name))
 }
 
+/// Whether a file is loaded only when it is asked for, though other files name it.
+pub fn is_later(name: &str) -> bool {
+    is_picture(name) || name.ends_with(".webmanifest") || name == LESSONS
+}
+
+/// The lessons.
+pub const LESSONS: &str = "lessons.json";
+
 /// Whether compressed copies of a file are made.
 pub fn is_compressed(name: &str) -> bool {
     is_text(name) || ending(name) == "wasm"
@@ -85,5 +93,6 @@ mod tests {
         assert!(is_text("a.b.js") && !is_text("a.png") && !is_text("js"));
         assert!(is_compressed("a_bg.wasm") && !is_compressed("still.png"));
         assert!(is_picture("still.webp") && !is_picture("main.js"));
+        assert!(is_later(LESSONS) && is_compressed(LESSONS) && !is_later("main.js"));
     }
 }

@@ -109,9 +109,8 @@ pub fn assemble(sources: &BTreeMap<String, Source>, address: &str) -> Result<Vec
     }
     let mut files: Vec<File> = Vec::new();
     for (name, (path, bytes)) in assembly.done {
-        let light = names::is_picture(&name) || name.ends_with(".webmanifest");
         files.push(File {
-            to_start: to_start.contains(&name) && !light,
+            to_start: to_start.contains(&name) && !names::is_later(&name),
             hashed: !names::is_stable(&name),
             path,
             bytes,

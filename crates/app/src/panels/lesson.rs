@@ -15,6 +15,7 @@ use tilescope_ui::focus;
 use tilescope_ui::theme::semibold;
 use tilescope_ui::widgets::{Icon, Known, icon_button, primary_button};
 use tilescope_workbench::command::Command;
+use tilescope_workbench::lesson_labels::{LessonLabels, lesson_labels};
 use tilescope_workbench::lessons::{LessonCommand, OpenLesson};
 use tilescope_workbench::state::State;
 
@@ -31,7 +32,8 @@ const SIZES: [f32; 2] = [14.5, 17.0];
 
 /// Shows the panel, if a lesson or the list is open, at the edge of the window.
 pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    if state.lessons.open.is_none() && !state.lessons.lists {
+    let is_here = state.lessons.open.is_some() || state.lessons.lists;
+    if !is_here || state.lessons.on_page {
         return;
     }
     let palette = Palette::of(state.appearance.look);
@@ -65,6 +67,11 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     });
 }
 
+/// Returns the words of the learner's language.
+fn labels(state: &State) -> &'static LessonLabels {
+    lesson_labels(&state.lessons.language)
+}
+
 fn issue(commands: &mut Vec<Command>, command: LessonCommand) {
     commands.push(Command::Lesson(command));
 }
@@ -84,7 +91,7 @@ fn show_lesson(
         ui.add(Label::new(title).truncate())
             .known_as("lesson-title");
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            if icon_button(ui, Icon::Close, "Close the lesson", None, palette)
+            if icon_button(ui, Icon::Close, labels(state).close, None, palette)
                 .known_as("lesson-close")
                 .clicked()
             {
@@ -92,7 +99,7 @@ fn show_lesson(
             }
             language(ui, state, commands);
             if ui
-                .add(Button::new("Lessons").small())
+                .add(Button::new(labels(state).lessons).small())
                 .known_as("lesson-list")
                 .clicked()
             {
@@ -109,11 +116,11 @@ fn show_lesson(
     ui.add_space(4.0);
     text::show(ui, open, &step.text, size, palette);
     if let Some(fault) = &open.fault {
-        let text =
-            RichText::new(format!("This step cannot be shown: {fault}.")).color(palette.conflict);
+        let text = RichText::new(format!("{} {fault}.", labels(state).cannot_show))
+            .color(palette.conflict);
         ui.add(Label::new(text).wrap()).known_as("lesson-fault");
     } else if learner.scene().is_none() {
-        ui.label(RichText::new("The run is being made\u{2026}").color(palette.muted))
+        ui.label(RichText::new(labels(state).makes_run).color(palette.muted))
             .known_as("lesson-waits");
     }
     if learner.question().is_some() {
@@ -121,15 +128,16 @@ fn show_lesson(
         question(ui, state, open, size, palette, commands);
     }
     divide(ui, palette);
-    walk(ui, open, commands);
+    walk(ui, state, open, commands);
 }
 
 /// Shows the button that changes the language.
 fn language(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    let (name, id, hint) = match state.lessons.language.as_str() {
-        "de" => ("EN", "en", "English"),
-        _ => ("DE", "de", "Deutsch"),
+    let (name, id) = match state.lessons.language.as_str() {
+        "de" => ("EN", "en"),
+        _ => ("DE", "de"),
     };
+    let hint = labels(state).other_language;
     let button = ui
         .add(Button::new(name).small())
         .known_as("lesson-language")
@@ -192,26 +200,32 @@ fn question(
     let Some(question) = learner.question() else {
         return;
     };
-    let (tries, traced) = learner.tries();
+    let (_, traced) = learner.tries();
     if let Form::Trace { steps, .. } = &question.form {
         let number = (traced + 1).min(*steps);
-        ui.label(RichText::new(format!("{number} of {steps}")).color(palette.muted))
+        let text = format!(
+            "{} {number} {} {steps}",
+            labels(state).step,
+            labels(state).of
+        );
+        ui.label(RichText::new(text).color(palette.muted))
             .known_as("lesson-traced");
     }
     let ask = ui.add(Label::new(text::job(ui, question.ask(traced), size, palette.text)).wrap());
     read_out(ui, &ask);
     ask.known_as("lesson-ask");
     ui.add_space(6.0);
-    answers::show(ui, open, question, size, palette, commands);
+    answers::show(ui, open, (question, labels(state)), size, palette, commands);
     if let Some(lacking) = &open.lacking {
         let label = ui.add(Label::new(RichText::new(lacking).color(palette.candidate)).wrap());
         read_out(ui, &label);
         label.known_as("lesson-lacking");
     }
-    feedback(ui, open, tries, size, palette);
+    feedback(ui, state, open, size, palette);
     if learner.is_open() {
         ui.add_space(8.0);
-        if primary_button(ui, "Answer (Enter)", None, palette)
+        let name = format!("{} (Enter)", labels(state).answer);
+        if primary_button(ui, &name, None, palette)
             .known_as("lesson-answer")
             .clicked()
         {
@@ -219,19 +233,24 @@ fn question(
         }
         ui.add_space(4.0);
         ui.horizontal(|ui| {
-            if question.hint.is_some() && ui.button("Hint").known_as("lesson-hint").clicked() {
+            if question.hint.is_some()
+                && ui
+                    .button(labels(state).hint)
+                    .known_as("lesson-hint")
+                    .clicked()
+            {
                 issue(commands, LessonCommand::Hint);
             }
             let give_up = if learner.is_asked_to_give_up() {
-                "Give up: show the answer"
+                labels(state).show_answer
             } else {
-                "Give up"
+                labels(state).give_up
             };
             if ui.button(give_up).known_as("lesson-give-up").clicked() {
                 issue(commands, LessonCommand::GiveUp);
             }
             if learner.is_asked_to_give_up() {
-                ui.label(RichText::new("Sure? A guess teaches more.").color(palette.muted));
+                ui.label(RichText::new(labels(state).sure).color(palette.muted));
             }
         });
         if let Some(hint) = &open.hint {
@@ -245,19 +264,15 @@ fn question(
 }
 
 /// Shows what is said to the last answer.
-fn feedback(ui: &mut Ui, open: &OpenLesson, tries: u32, size: f32, palette: &Palette) {
-    let Some(feedback) = &open.feedback else {
+fn feedback(ui: &mut Ui, state: &State, open: &OpenLesson, size: f32, palette: &Palette) {
+    let (Some(feedback), Some(verdict)) = (&open.feedback, open.verdict(&state.lessons.language))
+    else {
         return;
     };
-    let is_right = feedback.score > 0.999;
-    let (verdict, color) = match (is_right, feedback.score > 0.0) {
-        (true, _) if tries <= 1 => ("Right.".to_owned(), palette.inserted),
-        (true, _) => ("Right now.".to_owned(), palette.inserted),
-        (false, true) => (
-            format!("Not quite ({:.0}%). Try again.", 100.0 * feedback.score),
-            palette.candidate,
-        ),
-        (false, false) => ("Not so. Try again.".to_owned(), palette.conflict),
+    let color = match feedback.score {
+        score if score > 0.999 => palette.inserted,
+        score if score > 0.0 => palette.candidate,
+        _ => palette.conflict,
     };
     ui.add_space(6.0);
     let label = ui.label(
@@ -276,7 +291,7 @@ fn feedback(ui: &mut Ui, open: &OpenLesson, tries: u32, size: f32, palette: &Pal
 /// Shows what is known once the question is closed: the answer, why, and the lesson's words.
 fn revealed(
     ui: &mut Ui,
-    _: &State,
+    state: &State,
     open: &OpenLesson,
     size: f32,
     palette: &Palette,
@@ -286,7 +301,7 @@ fn revealed(
     if learner.progress() == Progress::GivenUp
         && let Some(answer) = learner.right_answer()
     {
-        let text = format!("The answer: {answer}");
+        let text = format!("{} {answer}", labels(state).the_answer);
         ui.add(Label::new(RichText::new(text).size(size)).wrap())
             .known_as("lesson-key");
     }
@@ -294,7 +309,7 @@ fn revealed(
     text::show(ui, open, &learner.step().after, size, palette);
     let reasons = open.reasons();
     if !reasons.is_empty() {
-        egui::CollapsingHeader::new("Why: the events")
+        egui::CollapsingHeader::new(labels(state).why)
             .id_salt("lesson-why")
             .show(ui, |ui| {
                 for reason in &reasons {
@@ -316,7 +331,7 @@ fn revealed(
         .is_some_and(|gate| gate.practice.is_some());
     if can_practise
         && ui
-            .button("Again, with another run")
+            .button(labels(state).again)
             .known_as("lesson-practise")
             .clicked()
     {
@@ -327,26 +342,27 @@ fn revealed(
 }
 
 /// Shows the buttons that go back and on.
-fn walk(ui: &mut Ui, open: &OpenLesson, commands: &mut Vec<Command>) {
+fn walk(ui: &mut Ui, state: &State, open: &OpenLesson, commands: &mut Vec<Command>) {
+    let labels = labels(state);
     let learner = &open.learner;
     let (index, len) = (learner.index(), learner.lesson().steps.len());
     ui.horizontal(|ui| {
-        let back = ui.add_enabled(index > 0, Button::new("Back (PageUp)"));
+        let back = ui.add_enabled(index > 0, Button::new(format!("{} (PageUp)", labels.back)));
         if back.known_as("lesson-back").clicked() {
             issue(commands, LessonCommand::Step(Direction::Backwards));
         }
         let is_last = index + 1 == len;
         if is_last {
-            if ui.button("More lessons").known_as("lesson-more").clicked() {
+            if ui.button(labels.more).known_as("lesson-more").clicked() {
                 issue(commands, LessonCommand::ToggleList);
             }
         } else {
-            let next = ui.add_enabled(learner.may_go_on(), Button::new("Next (PageDown)"));
+            let next = ui.add_enabled(
+                learner.may_go_on(),
+                Button::new(format!("{} (PageDown)", labels.next)),
+            );
             next.known_as("lesson-next");
-            if next
-                .on_disabled_hover_text("The question is open: answer it, or give up.")
-                .clicked()
-            {
+            if next.on_disabled_hover_text(labels.waits).clicked() {
                 issue(commands, LessonCommand::Step(Direction::Forwards));
             }
         }

@@ -4,6 +4,7 @@ use tilescope_core::Parameters;
 use tilescope_core::combine::file::Layout as Combination;
 use tilescope_debugger::{SavedBreakpoint, SavedScene};
 
+use crate::lessons::WantedLesson;
 use crate::view::SavedView;
 
 /// How a link names a moment of a run.
@@ -35,4 +36,6 @@ pub struct LinkContent {
     pub watches: Vec<String>,
     /// The scenes.
     pub scenes: Vec<SavedScene>,
+    /// The lesson that is opened instead of a run.
+    pub lesson: Option<WantedLesson>,
 }

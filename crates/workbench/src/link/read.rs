@@ -24,9 +24,10 @@ use super::write::{LINKS, NINE_SETS};
 use super::{MAX_BYTES, MAX_COMBINATION, MAX_SAMPLES, MAX_SCENES, MAX_STOPS, MAX_TEXT, VERSION};
 use crate::clock::Clock;
 use crate::layout;
+use crate::lessons::WantedLesson;
 use crate::view::{sound_camera, speed, whole_run};
 
-const OTHERS: [&str; 19] = [
+const OTHERS: [&str; 22] = [
     "v",
     "combine",
     "at",
@@ -46,6 +47,9 @@ const OTHERS: [&str; 19] = [
     "mark",
     "mark-view",
     "layout",
+    "lesson",
+    "step",
+    "practice",
 ];
 
 /// Every colouring, in the sequence of their numbers in links.
@@ -63,6 +67,7 @@ pub fn read(text: &str) -> (LinkContent, LinkWarnings) {
     reader.split(text);
     reader.version();
     let mut content = LinkContent::default();
+    reader.lesson(&mut content);
     reader.run(&mut content);
     reader.look(&mut content);
     reader.selection(&mut content);
@@ -123,6 +128,19 @@ impl LinkReader {
         }
         let start = &text[..end];
         start.rfind('&').map_or("", |end| &start[..end])
+    }
+
+    fn lesson(&mut self, content: &mut LinkContent) {
+        let name =
+            |text: &str| (!text.is_empty() && text.len() <= MAX_TEXT).then(|| text.to_owned());
+        let Some(lesson) = self.take("lesson", name) else {
+            return;
+        };
+        content.lesson = Some(WantedLesson {
+            name: lesson,
+            step: self.take("step", name),
+            practice: self.take("practice", |text| text.parse().ok()),
+        });
     }
 
     fn version(&mut self) {

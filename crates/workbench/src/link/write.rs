@@ -15,6 +15,7 @@ use super::text::{base64, escaped, item, name, rounded, slug};
 use super::view::{layers_text, scene_view_text, selection_text};
 use super::{MAX_CHARACTERS, MAX_COMBINATION, MAX_SCENES, MAX_STOPS, MAX_TEXT, VERSION};
 use crate::layout;
+use crate::lessons::WantedLesson;
 use tilescope_drawing::camera::Camera;
 
 /// A permalink.
@@ -43,6 +44,13 @@ pub(super) const NINE_SETS: &str = "nine";
 pub fn write(content: &LinkContent) -> Link {
     let mut writer = Writer::default();
     writer.put("v", VERSION.to_string());
+    if let Some(lesson) = &content.lesson {
+        writer.lesson(lesson);
+        return Link {
+            fragment: writer.text,
+            left_out: Vec::new(),
+        };
+    }
     writer.run(content);
     writer.look(content);
     writer.second(content);
@@ -73,6 +81,16 @@ impl Writer {
     /// Returns the number of characters left for the value of a key.
     fn room(&self, key: &str) -> usize {
         MAX_CHARACTERS.saturating_sub(self.text.len() + key.len() + 2)
+    }
+
+    fn lesson(&mut self, lesson: &WantedLesson) {
+        self.put("lesson", escaped(&lesson.name));
+        if let Some(step) = &lesson.step {
+            self.put("step", escaped(step));
+        }
+        if let Some(seed) = lesson.practice {
+            self.put("practice", seed.to_string());
+        }
     }
 
     fn run(&mut self, content: &LinkContent) {

@@ -19,7 +19,7 @@ use crate::command::{Command, ViewCommand, WindowCommand};
 use crate::device::EngineChoice;
 use crate::files::{FileCommand, Purpose};
 use crate::lessons::{
-    AnswerDraft, DraftCommand, LessonCommand, LessonSource, OpenLesson, shipped_named,
+    AnswerDraft, DraftCommand, GivenAnswer, LessonCommand, LessonSource, OpenLesson, WantedLesson,
 };
 use crate::link::layer_name;
 use crate::scenes::SceneCommand;
@@ -67,19 +67,15 @@ impl State {
             Selection::Place(place) => DraftCommand::Place(place.into()),
             Selection::Nothing => return,
         };
-        let has_place = matches!(draft, DraftCommand::Place(_));
         self.change_draft(draft);
         // A place on a sample is a place, too.
-        if !has_place && let Selection::Sample(sample) = *selection {
-            let at = self
-                .runs
-                .first
-                .session
-                .as_ref()
-                .map(|session| session.position(sample));
-            if let Some(at) = at {
-                self.change_draft(DraftCommand::Place(at.into()));
-            }
+        if let Selection::Sample(sample) = *selection
+            && self.lessons.open_question().is_some()
+            && let Some(session) = &self.runs.first.session
+            && (sample as usize) < session.run().samples.points.len()
+        {
+            let at = session.position(sample);
+            self.change_draft(DraftCommand::Place(at.into()));
         }
     }
 
@@ -96,9 +92,15 @@ impl State {
     pub(super) fn apply_to_lessons(&mut self, command: LessonCommand) {
         match command {
             LessonCommand::ToggleList => self.lessons.lists = !self.lessons.lists,
-            LessonCommand::Open(name) => match shipped_named(&name) {
+            LessonCommand::Open(name) => match self.lessons.shipped(&name).cloned() {
                 Some(shipped) => {
-                    self.open_lesson(shipped.name, shipped.text, LessonSource::Shipped)
+                    self.open_lesson(&shipped.name, &shipped.text, LessonSource::Shipped);
+                }
+                None if self.lessons.shelf.is_empty() => {
+                    self.lessons.wanted = Some(WantedLesson {
+                        name,
+                        ..WantedLesson::default()
+                    });
                 }
                 None => self.tell(format!("There is no lesson \"{name}\"."), true),
             },
@@ -131,6 +133,7 @@ impl State {
                     .as_mut()
                     .is_some_and(|open| open.learner.give_up(now))
                 {
+                    self.note_answer(0.0, true);
                     self.reveal();
                 }
             }
@@ -255,8 +258,16 @@ impl State {
         if self.files.in_browser() {
             let file = NamedBytes::new(format!("tilescope-results.{extension}"), text);
             self.files.downloads.push(file);
-            return;
+        } else {
+            self.write_results(&text, extension);
         }
+    }
+
+    #[cfg(target_arch = "wasm32")]
+    fn write_results(&mut self, _: &str, _: &str) {}
+
+    #[cfg(not(target_arch = "wasm32"))]
+    fn write_results(&mut self, text: &str, extension: &str) {
         let named = |number: usize| match number {
             0 => format!("tilescope-results.{extension}"),
             _ => format!("tilescope-results-{number}.{extension}"),
@@ -315,9 +326,12 @@ impl State {
     }
 
     fn translation(&self, name: &str, source: &LessonSource) -> Arc<Translation> {
-        let shipped = shipped_named(name).filter(|_| *source == LessonSource::Shipped);
+        let shipped = self
+            .lessons
+            .shipped(name)
+            .filter(|_| *source == LessonSource::Shipped);
         let german = shipped.filter(|_| self.lessons.language == "de");
-        let read = german.and_then(|shipped| Translation::read(shipped.german).ok());
+        let read = german.and_then(|shipped| Translation::read(&shipped.german).ok());
         Arc::new(read.unwrap_or_default())
     }
 
@@ -335,15 +349,19 @@ impl State {
         self.enter_step(index);
     }
 
-    fn leave_lesson(&mut self) {
-        let Some(open) = self.lessons.open.take() else {
-            return;
-        };
+    /// Closes the lesson and the list; what it showed stays. Returns the run that it showed.
+    pub(super) fn close_lesson(&mut self) -> Option<Arc<Recording>> {
+        (self.lessons.wanted, self.lessons.lists) = (None, false);
+        let open = self.lessons.open.take()?;
         if open.hid_sides && !self.window.shows_sides() {
             self.window.apply(WindowCommand::ToggleSides);
         }
         self.appearance.chosen_layers = None;
-        if let Some(run) = open.run {
+        open.run
+    }
+
+    fn leave_lesson(&mut self) {
+        if let Some(run) = self.close_lesson() {
             self.show_run_of_lesson(&run, None);
             self.on(Which::First, |run, context| run.verify(context));
         }
@@ -374,7 +392,7 @@ impl State {
     }
 
     /// Shows the step, once its run is there; otherwise starts making it.
-    fn show_step(&mut self) {
+    pub(super) fn show_step(&mut self) {
         let Some(open) = &mut self.lessons.open else {
             return;
         };
@@ -522,16 +540,40 @@ impl State {
         match given {
             Ok(feedback) => {
                 let goes_on = feedback.is_done || feedback.score > 0.999;
+                let score = feedback.score;
                 (open.lacking, open.feedback) = (None, Some(feedback));
-                if goes_on {
-                    open.draft = AnswerDraft {
-                        ..AnswerDraft::default()
-                    };
+                self.note_answer(score, false);
+                let Some(open) = self.lessons.open.as_mut().filter(|_| goes_on) else {
+                    return;
+                };
+                {
+                    open.draft = AnswerDraft::default();
                     self.reveal();
                 }
             }
             Err(error) => open.lacking = Some(sentence(&error.message)),
         }
+    }
+
+    /// Keeps what pages around the window are told of an answer.
+    fn note_answer(&mut self, score: f64, given_up: bool) {
+        let Some(open) = &self.lessons.open else {
+            return;
+        };
+        let (learner, last) = (&open.learner, &self.lessons.last);
+        let step = learner.step();
+        let gate = step.gate.as_ref();
+        self.lessons.last = Some(GivenAnswer {
+            number: last.as_ref().map_or(0, |last| last.number) + 1,
+            lesson: learner.lesson().name.clone(),
+            step: step.name.clone(),
+            gate: gate.map_or_else(String::new, |gate| gate.name.clone()),
+            seed: learner.parameters().seed,
+            score,
+            tries: learner.tries().0,
+            done: !learner.is_open(),
+            given_up,
+        });
     }
 
     /// Shows what an answer has revealed: the event that decides, or the next moment of a trace.
@@ -707,8 +749,12 @@ mod tests {
             state.apply(Command::Time(command));
             state.advance(5.0);
             state.settle();
-            assert_eq!(state.cursor(), Some(cursor));
+            // Playing from the end begins at the start, and ends at the question.
+            let (at, len) = state.cursor().unwrap();
+            assert!(at <= len && len == cursor.1);
         }
+        state.apply(Command::Time(TimeCommand::Jump(usize::MAX)));
+        assert_eq!(state.cursor(), Some(cursor));
         let run = &state.runs.first;
         let debugger = run.debugger.as_ref().unwrap();
         let next_names = ["kind", "a", "b", "line", "verdict"];
@@ -774,12 +820,17 @@ mod tests {
         let (cursor, _) = state.cursor().unwrap();
         state.apply(Command::Link(LinkCommand::Copy));
         let link = state.links.copied.clone().unwrap();
-        assert!(
-            link.contains("lesson=template")
-                || !link.contains("at=")
-                || link.contains(&format!("at={cursor}")),
-            "{link}"
-        );
+        let names_run = |link: &str| {
+            ["at=", "seed=", "radius=", "leaf="]
+                .iter()
+                .any(|key| link.contains(key))
+        };
+        assert!(!names_run(&link), "{link}");
+        lesson(&mut state, LessonCommand::Leave);
+        state.apply(Command::Time(TimeCommand::Jump(cursor)));
+        state.apply(Command::Link(LinkCommand::Copy));
+        let link = state.links.copied.clone().unwrap();
+        assert!(names_run(&link), "{link}");
     }
 
     #[test]

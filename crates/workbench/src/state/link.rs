@@ -12,6 +12,7 @@ use super::State;
 use super::undo::UndoPart;
 use crate::command::Which;
 use crate::draft::Draft;
+use crate::lessons::{LessonSource, WantedLesson};
 use crate::link::{self, Link, LinkContent, LinkWarnings, NamedMoment, slug};
 
 /// A link whose run is being made.
@@ -28,11 +29,40 @@ impl State {
         if let Some(arriving) = &self.links.arriving {
             return link::write(&arriving.content);
         }
+        if let Some(link) = self.lesson_link() {
+            return link;
+        }
         let mut left_out = Vec::new();
         let content = self.content(&mut left_out);
         let mut link = link::write(&content);
         left_out.append(&mut link.left_out);
         Link { left_out, ..link }
+    }
+
+    /// Returns the link to the step of the lesson that is open: it names no run, so that it tells nothing of what follows.
+    fn lesson_link(&self) -> Option<Link> {
+        let lessons = &self.lessons;
+        let lesson = match (&lessons.wanted, &lessons.open) {
+            (Some(wanted), _) => wanted.clone(),
+            (None, Some(open)) if open.source == LessonSource::Shipped => WantedLesson {
+                name: open.learner.lesson().name.clone(),
+                step: Some(open.learner.step().name.clone()),
+                practice: open.learner.practised(),
+            },
+            (None, Some(_)) => {
+                let left_out = vec!["the lesson, which comes from a file".to_owned()];
+                return Some(Link {
+                    fragment: String::new(),
+                    left_out,
+                });
+            }
+            (None, None) => return None,
+        };
+        let lesson = Some(lesson);
+        Some(link::write(&LinkContent {
+            lesson,
+            ..LinkContent::default()
+        }))
     }
 
     fn content(&self, left_out: &mut Vec<String>) -> LinkContent {
@@ -172,6 +202,12 @@ impl State {
             self.files.exports.sheet,
             self.window.finder,
         ) = (None, None, None);
+        self.close_lesson();
+        if let Some(wanted) = content.lesson {
+            self.tell_of_link(&warnings);
+            self.open_wanted(wanted);
+            return;
+        }
         let before = self.memento();
         let is_made = self.is_made_from(&content);
         if !is_made {

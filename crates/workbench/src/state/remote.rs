@@ -17,6 +17,7 @@ use crate::remote::{self, Request, RequestError, Wanted};
 use crate::view::AUTOMATIC;
 use tilescope_drawing::camera::Camera;
 
+const VEILED: &str = "a question of the lesson is open; answer it, or close the lesson";
 const NO_EVENTS: &str = "this session has no events; seek a stage";
 
 impl State {
@@ -33,7 +34,15 @@ impl State {
 
     fn answer(&mut self, request: Request) -> Result<Value, RequestError> {
         let mut dropped = None;
+        let is_other_run = matches!(request, Request::Link(_) | Request::Parameters(_));
+        if is_other_run && self.lessons.veil().is_some() {
+            return Err(RequestError::Refused(VEILED.to_owned()));
+        }
         match request {
+            Request::Lesson(request) => {
+                let told = self.answer_of_lesson(request)?;
+                return Ok(json!({"ok": true, "lesson": told}));
+            }
             Request::State => return Ok(json!({"ok": true, "state": self.to_json()})),
             Request::Link(link) => {
                 let (content, warnings) = crate::link::read(&link);
@@ -61,6 +70,7 @@ impl State {
 
     /// Starts a run with other parameters; the view stays as it is.
     fn load(&mut self, parameters: Parameters) {
+        self.close_lesson();
         self.files.stop_reading();
         (
             self.messages.notice,
@@ -213,6 +223,8 @@ impl State {
             "chosen": self.gpu.chosen(self.form.draft.parameters.variant),
             "notice": self.messages.notice.as_ref().map(|notice| notice.text.as_str()),
             "view": self.view_json(),
+            "lesson": self.lesson_json(),
+            "answered": self.lessons.last,
             "link": self.link().fragment,
         })
     }

@@ -5,6 +5,7 @@ use tilescope_drawing::palette::Palette;
 use tilescope_lessons::{Change, CutAxis, Form, Question, letter};
 use tilescope_ui::widgets::Known;
 use tilescope_workbench::command::Command;
+use tilescope_workbench::lesson_labels::LessonLabels;
 use tilescope_workbench::lessons::{DraftCommand, LessonCommand, OpenLesson};
 
 use super::{curves, issue, text};
@@ -13,7 +14,7 @@ use super::{curves, issue, text};
 pub fn show(
     ui: &mut Ui,
     open: &OpenLesson,
-    question: &Question,
+    (question, labels): (&Question, &'static LessonLabels),
     size: f32,
     palette: &Palette,
     commands: &mut Vec<Command>,
@@ -22,6 +23,7 @@ pub fn show(
     ui.add_enabled_ui(is_open, |ui| {
         let mut answers = Answers {
             open,
+            labels,
             size,
             palette,
             commands,
@@ -44,6 +46,7 @@ pub fn show(
 
 struct Answers<'a> {
     open: &'a OpenLesson,
+    labels: &'static LessonLabels,
     size: f32,
     palette: &'a Palette,
     commands: &'a mut Vec<Command>,
@@ -94,9 +97,9 @@ impl Answers<'_> {
 
     fn samples(&mut self, ui: &mut Ui, candidates: &[u32], several: bool) {
         let hint = if several {
-            "Click the samples on the canvas, or choose numbers here."
+            self.labels.pick_several
         } else {
-            "Click the sample on the canvas, or choose its number here."
+            self.labels.pick_one
         };
         self.muted(ui, hint);
         ui.horizontal_wrapped(|ui| {
@@ -116,7 +119,7 @@ impl Answers<'_> {
     }
 
     fn places(&mut self, ui: &mut Ui, count: usize) {
-        self.muted(ui, "Click the place on the canvas, or choose a letter.");
+        self.muted(ui, self.labels.place);
         ui.horizontal_wrapped(|ui| {
             for index in 0..count {
                 let response = ui
@@ -131,7 +134,10 @@ impl Answers<'_> {
             }
         });
         if let Some([x, y]) = self.open.draft.place {
-            self.muted(ui, &format!("Your point: ({x:.2} r, {y:.2} r)"));
+            self.muted(
+                ui,
+                &format!("{} ({x:.2} r, {y:.2} r)", self.labels.your_point),
+            );
         }
     }
 
@@ -141,7 +147,7 @@ impl Answers<'_> {
             let field = ui.add(
                 TextEdit::singleline(&mut text)
                     .desired_width(110.0)
-                    .hint_text("number"),
+                    .hint_text(self.labels.number),
             );
             field.known_as("lesson-number");
             if field.changed() {
@@ -155,10 +161,7 @@ impl Answers<'_> {
     }
 
     fn order(&mut self, ui: &mut Ui, items: &[String]) {
-        self.muted(
-            ui,
-            "Choose what comes first, then what comes next. A second click takes it back.",
-        );
+        self.muted(ui, self.labels.order);
         for (index, item) in items.iter().enumerate() {
             let place = self
                 .open
@@ -191,14 +194,11 @@ impl Answers<'_> {
     }
 
     fn cut(&mut self, ui: &mut Ui, candidates: &[(CutAxis, f64)]) {
-        self.muted(
-            ui,
-            "Choose the direction, then click where the cut goes; or choose one of the list.",
-        );
+        self.muted(ui, self.labels.cut);
         ui.horizontal(|ui| {
             for (axis, name, id) in [
-                (CutAxis::X, "Vertical", "x"),
-                (CutAxis::Y, "Horizontal", "y"),
+                (CutAxis::X, self.labels.vertical, "x"),
+                (CutAxis::Y, self.labels.horizontal, "y"),
             ] {
                 let response = ui.selectable_label(self.open.draft.axis == Some(axis), name);
                 if response
@@ -211,8 +211,8 @@ impl Answers<'_> {
         });
         for (index, (axis, at)) in candidates.iter().enumerate() {
             let (name, of) = match axis {
-                CutAxis::X => ("vertical, at x", 0),
-                CutAxis::Y => ("horizontal, at y", 1),
+                CutAxis::X => (format!("{}, x", self.labels.vertical), 0),
+                CutAxis::Y => (format!("{}, y", self.labels.horizontal), 1),
             };
             let is_chosen = self.open.draft.axis == Some(*axis)
                 && self
@@ -250,9 +250,9 @@ impl Answers<'_> {
                 let chosen = self.open.draft.bands.get(index).copied().flatten();
                 for change in Change::ALL {
                     let name = match change {
-                        Change::Up => "\u{2191} up",
-                        Change::Same => "= same",
-                        Change::Down => "\u{2193} down",
+                        Change::Up => format!("\u{2191} {}", self.labels.up),
+                        Change::Same => format!("= {}", self.labels.same),
+                        Change::Down => format!("\u{2193} {}", self.labels.down),
                     };
                     let response = ui.selectable_label(chosen == Some(change), name);
                     if response

@@ -10,14 +10,14 @@ use tilescope_workbench::scenes::SceneCommand;
 use tilescope_workbench::state::State;
 
 use super::super::common::divide;
-use super::issue;
+use super::{issue, labels};
 
 /// Shows the list.
 pub fn show(ui: &mut Ui, state: &State, palette: &Palette, commands: &mut Vec<Command>) {
     ui.horizontal(|ui| {
-        heading(ui, "Lessons").known_as("lessons");
+        heading(ui, labels(state).lessons).known_as("lessons");
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            if icon_button(ui, Icon::Close, "Close the list", None, palette)
+            if icon_button(ui, Icon::Close, labels(state).close_list, None, palette)
                 .known_as("lessons-close")
                 .clicked()
             {
@@ -26,23 +26,28 @@ pub fn show(ui: &mut Ui, state: &State, palette: &Palette, commands: &mut Vec<Co
             super::language(ui, state, commands);
         });
     });
-    let intro = "New here? Begin with the first one: five steps, no jargon. Every lesson stops a run and asks what happens next.";
-    ui.add(Label::new(RichText::new(intro).color(palette.muted)).wrap());
+    ui.add(Label::new(RichText::new(labels(state).intro).color(palette.muted)).wrap());
     ui.add_space(6.0);
-    for (index, shipped) in shipped::LESSONS.iter().enumerate() {
+    for (index, shipped) in state.lessons.shelf.iter().enumerate() {
         entry(ui, state, (index, shipped), palette, commands);
     }
     ui.add_space(4.0);
     if ui
-        .button("The tour of the window")
+        .button(labels(state).tour)
         .known_as("lessons-tour")
         .clicked()
     {
         issue(commands, LessonCommand::ToggleList);
         commands.push(Command::Scene(SceneCommand::Tour));
     }
-    let hint = "A lesson of your own is a text file: drop it on the window.";
-    ui.add(Label::new(RichText::new(hint).small().color(palette.muted)).wrap());
+    ui.add(
+        Label::new(
+            RichText::new(labels(state).own)
+                .small()
+                .color(palette.muted),
+        )
+        .wrap(),
+    );
     divide(ui, palette);
     results(ui, state, palette, commands);
 }
@@ -50,15 +55,15 @@ pub fn show(ui: &mut Ui, state: &State, palette: &Palette, commands: &mut Vec<Co
 fn entry(
     ui: &mut Ui,
     state: &State,
-    (index, shipped): (usize, &'static shipped::Shipped),
+    (index, shipped): (usize, &shipped::Shipped),
     palette: &Palette,
     commands: &mut Vec<Command>,
 ) {
     // Shipped lessons are read in the tests, too.
-    let Ok(lesson) = Lesson::read(shipped.name, shipped.text) else {
+    let Ok(lesson) = Lesson::read(&shipped.name, &shipped.text) else {
         return;
     };
-    let german = tilescope_lessons::Translation::read(shipped.german)
+    let german = tilescope_lessons::Translation::read(&shipped.german)
         .ok()
         .filter(|_| state.lessons.language == "de");
     let words = |text: &str| {
@@ -73,7 +78,7 @@ fn entry(
             state
                 .lessons
                 .results
-                .of_gate(shipped.name, &gate.name)
+                .of_gate(&shipped.name, &gate.name)
                 .is_some()
         })
         .count();
@@ -88,7 +93,7 @@ fn entry(
         .known_as(format_args!("lesson-{}", shipped.name))
         .clicked()
     {
-        issue(commands, LessonCommand::Open(shipped.name.to_owned()));
+        issue(commands, LessonCommand::Open(shipped.name.to_string()));
     }
     ui.horizontal_wrapped(|ui| {
         ui.add_space(8.0);
@@ -101,9 +106,13 @@ fn entry(
                 palette.candidate
             };
             ui.label(
-                RichText::new(format!("{done} of {gates} answered"))
-                    .small()
-                    .color(color),
+                RichText::new(format!(
+                    "{done} {} {gates} {}",
+                    labels(state).of,
+                    labels(state).answered
+                ))
+                .small()
+                .color(color),
             );
         }
     });
@@ -113,16 +122,15 @@ fn entry(
 /// Shows how much of the learner's results is kept, and what can be done with them.
 fn results(ui: &mut Ui, state: &State, palette: &Palette, commands: &mut Vec<Command>) {
     let results = &state.lessons.results;
-    heading(ui, "Your results");
+    let labels = labels(state);
+    heading(ui, labels.results);
     let count = results.entries.len();
     let text = match count {
-        0 => "None yet. They are kept on this machine and nowhere else.".to_owned(),
+        0 => labels.no_results.to_owned(),
         _ => {
-            let mean = results.entries.iter().map(|entry| entry.score).sum::<f64>() / count as f64;
-            format!(
-                "{count} questions answered, {:.0}% right at the first try. They are kept on this machine and nowhere else.",
-                100.0 * mean
-            )
+            let share = format!("{:.0}%", 100.0 * results.share());
+            let text = labels.some_results.replace("{count}", &count.to_string());
+            text.replace("{share}", &share)
         }
     };
     ui.add(Label::new(RichText::new(text).color(palette.muted)).wrap())
@@ -131,7 +139,7 @@ fn results(ui: &mut Ui, state: &State, palette: &Palette, commands: &mut Vec<Com
         return;
     }
     ui.horizontal(|ui| {
-        ui.label("Name in saved files");
+        ui.label(labels.name);
         let mut name = results.learner.clone();
         if ui
             .add(TextEdit::singleline(&mut name).desired_width(130.0))
@@ -143,9 +151,9 @@ fn results(ui: &mut Ui, state: &State, palette: &Palette, commands: &mut Vec<Com
     });
     ui.horizontal(|ui| {
         for (name, id, format) in [
-            ("Save as JSON", "json", "json"),
-            ("CSV", "csv", "csv"),
-            ("xAPI", "xapi", "xapi"),
+            (format!("{} JSON", labels.save), "json", "json"),
+            ("CSV".to_owned(), "csv", "csv"),
+            ("xAPI".to_owned(), "xapi", "xapi"),
         ] {
             if ui
                 .button(name)
@@ -155,7 +163,7 @@ fn results(ui: &mut Ui, state: &State, palette: &Palette, commands: &mut Vec<Com
                 issue(commands, LessonCommand::SaveResults(format.to_owned()));
             }
         }
-        if ui.button("Clear").known_as("lesson-clear").clicked() {
+        if ui.button(labels.clear).known_as("lesson-clear").clicked() {
             issue(commands, LessonCommand::ClearResults);
         }
     });

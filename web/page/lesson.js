@@ -1,0 +1,422 @@
+// @ts-check
+// The lesson beside the canvas, as elements of the page: headings, buttons, a live region. All texts are set as text. The
+// program holds the lesson; this shows what it says (`lesson` of the state) and sends what the learner does.
+
+import { element } from "./{{asset:sheets.js}}";
+
+const SVG = "http://www.w3.org/2000/svg";
+/** The highest frequency in 1/r and the highest power that plots show, and their size. */
+const REACH = { frequency: 2.5, power: 3, width: 320, height: 80 };
+/** The elements of styles in texts. */
+const STYLES = { plain: "span", emphasis: "em", strong: "strong", code: "code" };
+
+/** @typedef {{ text: string, style: keyof typeof STYLES }[]} Spans */
+
+/** @type {(request: object) => void} */
+let send = () => {};
+/** What each part shows, as JSON, so that only what has changed is made again. @type {Map<string, string>} */
+const shown = new Map();
+/** @type {Record<string, string>} */
+let words = {};
+
+/**
+ * Makes an element. `id` lets the focus return to it when it is made again.
+ * @param {string} tag
+ * @param {Record<string, any>} settings
+ * @param {(Node | string)[]} children
+ */
+function make(tag, settings = {}, ...children) {
+  const made = document.createElement(tag);
+  for (const [name, value] of Object.entries(settings)) {
+    if (name === "onclick" || name === "oninput" || name === "onkeydown" || name === "onchange") {
+      made.addEventListener(name.slice(2), value);
+    } else if (value !== undefined && value !== null && value !== false) {
+      made.setAttribute(name, value === true ? "" : String(value));
+    }
+  }
+  made.append(...children);
+  return made;
+}
+
+/** @param {Spans} spans @returns {Node[]} */
+function set(spans) {
+  return spans.map(({ text, style }) => (style === "plain" ? document.createTextNode(text) : make(STYLES[style], {}, text)));
+}
+
+/** @param {string} id @param {string | Node[]} name @param {() => void} onclick @param {Record<string, any>} more */
+function button(id, name, onclick, more = {}) {
+  return make("button", { type: "button", id, onclick, ...more }, ...(typeof name === "string" ? [name] : name));
+}
+
+/** Paragraphs; those that begin with a dash are items of lists. @param {Spans[]} paragraphs */
+function paragraphs(paragraphs) {
+  /** @type {HTMLElement[]} */
+  const made = [];
+  for (const spans of paragraphs) {
+    if (!spans[0]?.text.startsWith("- ")) {
+      made.push(make("p", {}, ...set(spans)));
+      continue;
+    }
+    let list = made.at(-1);
+    if (list?.tagName !== "UL") {
+      list = make("ul");
+      made.push(list);
+    }
+    list.append(make("li", {}, ...set([{ ...spans[0], text: spans[0].text.slice(2) }, ...spans.slice(1)])));
+  }
+  return made;
+}
+
+/** A plot of spectra. @param {[number, number][][]} curves */
+function plot(curves) {
+  const { frequency, power, width, height } = REACH;
+  const svg = document.createElementNS(SVG, "svg");
+  svg.setAttribute("viewBox", `0 0 ${width} ${height + 14}`);
+  svg.setAttribute("aria-hidden", "true");
+  const place = (/** @type {number} */ x, /** @type {number} */ y) =>
+    `${((x / frequency) * width).toFixed(1)},${(height * (1 - Math.min(y / power, 1))).toFixed(1)}`;
+  const line = (/** @type {string} */ points, /** @type {string} */ name) => {
+    const made = document.createElementNS(SVG, "polyline");
+    made.setAttribute("points", points);
+    made.setAttribute("class", name);
+    svg.append(made);
+  };
+  line(`${place(0, 0)} ${place(frequency, 0)}`, "axis");
+  line(`${place(0, 1)} ${place(frequency, 1)}`, "axis");
+  for (const tick of [0.5, 1, 1.5, 2]) {
+    const label = document.createElementNS(SVG, "text");
+    label.setAttribute("x", String((tick / frequency) * width));
+    label.setAttribute("y", String(height + 12));
+    label.textContent = tick === 2 ? "2 / r" : String(tick);
+    svg.append(label);
+  }
+  curves.forEach((curve, index) => {
+    const inside = curve.filter(([x]) => x <= frequency);
+    line(inside.map(([x, y]) => place(x, y)).join(" "), `curve-${index}`);
+  });
+  return svg;
+}
+
+/** Gives up to nine elements the keys 1 to 9. @param {HTMLElement[]} elements */
+function keyed(elements) {
+  elements.slice(0, 9).forEach((made, index) => made.setAttribute("data-key", String(index + 1)));
+  return elements;
+}
+
+const draft = (/** @type {object} */ change) => send({ do: "answer", draft: change });
+const choose = (/** @type {number} */ index) => draft({ choose: index });
+
+/** What a learner answers with, by the type of the question. @param {any} question @returns {(HTMLElement | SVGElement)[]} */
+function answers(question) {
+  const disabled = !question.open;
+  const muted = (/** @type {string} */ text) => make("p", { class: "small" }, text);
+  const pressed = (/** @type {boolean} */ is) => ({ disabled, "aria-pressed": String(is) });
+  switch (question.type) {
+    case "choice":
+    case "trace": {
+      const options = question.options.map((/** @type {Spans} */ option, /** @type {number} */ index) =>
+        button(`lesson-option-${index}`, [make("b", {}, `${String.fromCharCode(65 + index)} `), ...set(option)], () => choose(index), {
+          class: "option",
+          ...pressed(question.chosen === index),
+        }),
+      );
+      keyed(options);
+      const curves = question.curves ?? [];
+      return options.flatMap((/** @type {HTMLElement} */ option, /** @type {number} */ index) => (curves[index] ? [option, plot([curves[index]])] : [option]));
+    }
+    case "pick": {
+      const samples = question.samples.map((/** @type {number} */ sample, /** @type {number} */ index) =>
+        button(`lesson-sample-${sample}`, String(sample), () => choose(index), { class: "chip", ...pressed(question.chosen.includes(sample)) }),
+      );
+      return [muted(question.several ? words.pick_several : words.pick_one), make("div", { class: "chips" }, ...keyed(samples))];
+    }
+    case "place": {
+      const is = (/** @type {[number, number]} */ place) => question.chosen !== null && place.every((x, k) => Math.abs(x - question.chosen[k]) < 1e-9);
+      const places = question.letters.map((/** @type {string} */ letter, /** @type {number} */ index) =>
+        button(`lesson-place-${index}`, letter, () => choose(index), { class: "chip", ...pressed(is(question.places[index])) }),
+      );
+      const made = [muted(words.place), make("div", { class: "chips" }, ...keyed(places))];
+      if (question.chosen) {
+        const [x, y] = question.chosen;
+        made.push(muted(`${words.your_point} (${x.toFixed(2)} r, ${y.toFixed(2)} r)`));
+      }
+      return made;
+    }
+    case "number": {
+      const field = make("input", {
+        id: "lesson-number",
+        type: "text",
+        inputmode: "decimal",
+        autocomplete: "off",
+        maxlength: 40,
+        disabled,
+        "aria-label": question.unit ? `${words.number} (${question.unit})` : words.number,
+        oninput: (/** @type {any} */ event) => draft({ type: event.target.value }),
+        onkeydown: (/** @type {KeyboardEvent} */ event) => event.key === "Enter" && send({ do: "answer" }),
+      });
+      /** @type {HTMLInputElement} */ (field).value = question.text;
+      return [make("div", { class: "row" }, field, make("span", {}, question.unit))];
+    }
+    case "order": {
+      const items = question.items.map((/** @type {Spans} */ item, /** @type {number} */ index) => {
+        const place = question.order.indexOf(index);
+        const mark = make("b", {}, place < 0 ? "\u2013 " : `${place + 1} `);
+        return button(`lesson-item-${index}`, [mark, ...set(item)], () => choose(index), { class: "option", ...pressed(place >= 0) });
+      });
+      return [muted(words.order), ...keyed(items)];
+    }
+    case "cut": {
+      const names = { x: words.vertical, y: words.horizontal };
+      const axes = /** @type {const} */ (["x", "y"]).map((axis) =>
+        button(`lesson-axis-${axis}`, names[axis], () => draft({ axis }), { class: "chip", ...pressed(question.axis === axis) }),
+      );
+      const cuts = question.cuts.map((/** @type {{ axis: "x" | "y", at: number }} */ { axis, at }, /** @type {number} */ index) => {
+        const where = question.place?.[axis === "x" ? 0 : 1];
+        const is = question.axis === axis && Math.abs(where - at) < 1e-9;
+        return button(`lesson-cut-${index}`, `${names[axis]}, ${axis} = ${at.toFixed(1)} r`, () => choose(index), { class: "option", ...pressed(is) });
+      });
+      return [muted(words.cut), make("div", { class: "chips" }, ...axes), ...keyed(cuts)];
+    }
+    case "bands": {
+      const rows = question.bands.map((/** @type {[number, number]} */ [low, high], /** @type {number} */ band) => {
+        const changes = /** @type {const} */ (["up", "same", "down"]).map((change) =>
+          button(`lesson-band-${band}-${change}`, words[change], () => draft({ band: [band, change] }), {
+            class: "chip",
+            ...pressed(question.changes[band] === change),
+          }),
+        );
+        const name = `${low.toFixed(2)} \u2013 ${high.toFixed(2)} / r`;
+        return make("div", { class: "row", role: "group", "aria-label": name }, make("span", { class: "band" }, name), ...changes);
+      });
+      return [plot(question.curves), ...rows];
+    }
+    default:
+      return [];
+  }
+}
+
+/** The list of lessons and the learner's results. @param {any} list */
+function listed(list) {
+  const entries = list.lessons.map((/** @type {any} */ lesson, /** @type {number} */ index) => {
+    const number = index === 0 ? "" : `${index}. `;
+    const done = lesson.done > 0 ? ` \u2013 ${lesson.done} ${words.of} ${lesson.gates} ${words.answered}` : "";
+    return make(
+      "li",
+      {},
+      button(`lesson-open-${lesson.name}`, `${number}${lesson.title}`, () => send({ do: "lesson", open: lesson.name }), { class: "link" }),
+      make("p", { class: "small" }, `${lesson.objective} (${lesson.minutes} min)${done}`),
+    );
+  });
+  const share = `${Math.round(100 * list.share)}%`;
+  const results = list.answered === 0 ? words.no_results : words.some_results.replace("{count}", list.answered).replace("{share}", share);
+  const made = [
+    make("p", {}, words.intro),
+    ...(entries.length ? [make("ol", { class: "lessons" }, ...entries)] : [make("p", {}, "\u2026")]),
+    button("lesson-tour", words.tour, () => send({ do: "lesson", act: "tour" }), { class: "quiet" }),
+    make("p", { class: "small" }, words.own),
+    make("h3", {}, words.results),
+    make("p", { class: "small" }, results),
+  ];
+  if (list.answered > 0) {
+    const field = make("input", {
+      id: "lesson-learner",
+      type: "text",
+      maxlength: 80,
+      onchange: (/** @type {any} */ event) => send({ do: "lesson", learner: event.target.value }),
+    });
+    /** @type {HTMLInputElement} */ (field).value = list.learner;
+    const save = (/** @type {string} */ format, /** @type {string} */ name) =>
+      button(`lesson-save-${format}`, name, () => send({ do: "lesson", save: format }), { class: "quiet" });
+    made.push(
+      make("label", { class: "row" }, `${words.name} `, field),
+      make(
+        "div",
+        { class: "row" },
+        save("json", `${words.save} JSON`),
+        save("csv", "CSV"),
+        save("xapi", "xAPI"),
+        button("lesson-clear", words.clear, () => send({ do: "lesson", act: "clear" }), { class: "quiet" }),
+      ),
+    );
+  }
+  return made;
+}
+
+/** Makes a part again if what it shows has changed. @param {string} part @param {any} value @param {() => Node[]} content */
+function renew(part, value, content) {
+  const json = JSON.stringify(value ?? null);
+  if (shown.get(part) === json) {
+    return;
+  }
+  shown.set(part, json);
+  const place = element(`lesson-${part}`);
+  const focused = document.activeElement instanceof HTMLElement && place.contains(document.activeElement) ? document.activeElement.id : "";
+  place.replaceChildren(...content());
+  if (focused) {
+    const again = document.getElementById(focused);
+    // What had the focus may be gone, as "Answer" is once the question is answered; the focus then stays in the part.
+    (again && !again.hasAttribute("disabled") ? again : place).focus({ preventScroll: true });
+  }
+}
+
+/** Shows what the program says of its lesson: null if none is open. @param {any} lesson */
+export function showLesson(lesson) {
+  const panel = element("lesson");
+  const root = document.documentElement;
+  panel.hidden = !lesson;
+  root.toggleAttribute("data-lesson", Boolean(lesson));
+  if (!lesson) {
+    shown.clear();
+    return;
+  }
+  words = lesson.labels;
+  panel.lang = lesson.language || "en";
+  const { list, question } = lesson;
+  renew("head", [list ? 0 : lesson.title, lesson.language], () => head(lesson));
+  renew("steps", [lesson.steps, lesson.index], () => (list ? [] : steps(lesson)));
+  renew("text", list ? [list] : [lesson.heading, lesson.text, lesson.fault, lesson.waits], () => (list ? listed(list) : text(lesson)));
+  const { text: _, ...asked } = question ?? {};
+  renew("question", [lesson.step, list ? 0 : question && asked], () => (list || !question ? [] : asks(question)));
+  renew("feedback", [lesson.lacking, lesson.verdict, lesson.sentence, lesson.answers, list ? 0 : 1], () => (list ? [] : feedback(lesson)));
+  const { tries: __, chosen: ___, ...state } = asked;
+  renew("actions", [lesson.step, lesson.hint, lesson.asked_to_give_up, lesson.after, list ? 0 : state], () => (list || !question ? [] : actions(lesson)));
+  renew("walk", [lesson.index, lesson.may_go_on, list ? 0 : 1], () => (list ? [] : walk(lesson)));
+}
+
+/** @param {any} lesson */
+function head(lesson) {
+  const other = lesson.language === "de" ? ["en", "EN"] : ["de", "DE"];
+  const list = make("div", { class: "row" });
+  if (!lesson.list) {
+    list.append(button("lesson-list", words.lessons, () => send({ do: "lesson", act: "list" }), { class: "quiet" }));
+  }
+  list.append(
+    button("lesson-language", other[1], () => send({ do: "lesson", language: other[0] }), { class: "quiet", "aria-label": words.other_language }),
+    button("lesson-close", "\u00d7", () => send({ do: "lesson", act: lesson.list ? "list" : "leave" }), {
+      class: "quiet",
+      "aria-label": lesson.list ? words.close_list : words.close,
+    }),
+  );
+  return [make("span", { class: "small" }, lesson.list ? words.lessons : lesson.title), list];
+}
+
+/** @param {any} lesson */
+function steps(lesson) {
+  return lesson.steps.map((/** @type {any} */ step, /** @type {number} */ index) =>
+    button(`lesson-step-${index}`, String(index + 1), () => send({ do: "lesson", go: step.name }), {
+      class: "step",
+      "aria-label": `${words.step} ${index + 1}: ${step.title}`,
+      "aria-current": index === lesson.index ? "step" : null,
+      "data-score": step.score === null ? null : step.score > 0.999 ? "right" : "partly",
+      title: step.title,
+    }),
+  );
+}
+
+/** @param {any} lesson */
+function text(lesson) {
+  const made = [make("h2", { id: "lesson-heading", tabindex: -1 }, lesson.heading), ...paragraphs(lesson.text)];
+  if (lesson.fault) {
+    made.push(make("p", { class: "fault" }, `${words.cannot_show} ${lesson.fault}`));
+  } else if (lesson.waits) {
+    made.push(make("p", { class: "small" }, words.makes_run));
+  }
+  return made;
+}
+
+/** @param {any} question */
+function asks(question) {
+  const at = question.type === "trace" ? [make("p", { class: "small" }, `${words.step} ${question.at} ${words.of} ${question.steps}`)] : [];
+  return [...at, make("h3", { id: "lesson-ask" }, ...set(question.ask)), make("div", { role: "group", "aria-labelledby": "lesson-ask" }, ...answers(question))];
+}
+
+/** @param {any} lesson */
+function feedback({ lacking, verdict, sentence }) {
+  const made = [];
+  if (lacking) {
+    made.push(make("p", {}, lacking));
+  }
+  if (verdict) {
+    made.push(make("p", {}, make("strong", {}, verdict)));
+  }
+  if (sentence) {
+    made.push(make("p", {}, ...set(sentence)));
+  }
+  return made;
+}
+
+/** @param {any} lesson */
+function actions({ question, hint, asked_to_give_up, after, reasons }) {
+  if (question.open) {
+    const row = make("div", { class: "row" });
+    if (question.hint) {
+      row.append(button("lesson-hint", words.hint, () => send({ do: "lesson", act: "hint" }), { class: "quiet" }));
+    }
+    const give_up = asked_to_give_up ? words.show_answer : words.give_up;
+    row.append(button("lesson-give-up", give_up, () => send({ do: "lesson", act: "give-up" }), { class: "quiet" }));
+    if (asked_to_give_up) {
+      row.append(make("span", { class: "small" }, words.sure));
+    }
+    const said = hint ? [make("p", { class: "small", role: "status" }, ...set(hint))] : [];
+    return [button("lesson-answer", words.answer, () => send({ do: "answer" }), { class: "whole" }), row, ...said];
+  }
+  const made = [];
+  if (question.key) {
+    made.push(make("p", {}, `${words.the_answer} ${question.key}`));
+  }
+  made.push(...paragraphs(after ?? []));
+  if (reasons.length) {
+    made.push(make("details", {}, make("summary", {}, words.why), make("ul", {}, ...reasons.map((/** @type {string} */ reason) => make("li", { class: "small" }, reason)))));
+  }
+  if (question.practice) {
+    const again = () => send({ do: "lesson", act: "again", practice: Math.floor(Math.random() * 100_003) });
+    made.push(button("lesson-again", words.again, again, { class: "quiet" }));
+  }
+  return made;
+}
+
+/** @param {any} lesson */
+function walk(lesson) {
+  const isLast = lesson.index + 1 === lesson.steps.length;
+  const next = isLast
+    ? button("lesson-more", words.more, () => send({ do: "lesson", act: "list" }), { class: "quiet" })
+    : button("lesson-next", words.next, () => send({ do: "lesson", go: "next" }), {
+        class: lesson.may_go_on ? null : "quiet",
+        disabled: !lesson.may_go_on,
+        title: lesson.may_go_on ? null : words.waits,
+      });
+  return [button("lesson-back", words.back, () => send({ do: "lesson", go: "back" }), { class: "quiet", disabled: lesson.index === 0 }), next];
+}
+
+/**
+ * Connects the panel to the program. Digits choose answers; PageDown and PageUp go on and back.
+ * @param {(request: object) => any} ask
+ */
+export function connectLesson(ask) {
+  send = (request) => {
+    const step = shown.get("walk");
+    const { ok, lesson, error } = ask(request);
+    if (!ok) {
+      element("lesson-feedback").replaceChildren(make("p", {}, error));
+      return;
+    }
+    showLesson(lesson);
+    // A new step begins at its heading, for the eye and for screen readers.
+    if (lesson && shown.get("walk") !== step && "go" in request) {
+      element("lesson").scrollTop = 0;
+      document.getElementById("lesson-heading")?.focus({ preventScroll: true });
+    }
+  };
+  element("lesson").addEventListener("keydown", (event) => {
+    const isText = event.target instanceof HTMLInputElement;
+    if (event.ctrlKey || event.metaKey || event.altKey || (isText && event.key.length === 1)) {
+      return;
+    }
+    const to = { PageDown: "lesson-next", PageUp: "lesson-back" }[event.key];
+    const chosen = to ? document.getElementById(to) : element("lesson-question").querySelector(`[data-key="${CSS.escape(event.key)}"]`);
+    if (chosen instanceof HTMLElement) {
+      event.preventDefault();
+      chosen.click();
+    }
+  });
+}
