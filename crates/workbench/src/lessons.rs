@@ -44,7 +44,8 @@ pub enum LessonCommand {
     Language(String),
     /// Opens a lesson from a file, which is read again whenever it changes.
     File(PathBuf),
-    /// Saves the results: `json`, `csv`, or `xapi`.
+    /// Saves the results: `json`, `csv` or `xapi` beside where the program runs, or a file whose name ends in `.json`, `.csv`
+    /// or `.xapi.json`.
     SaveResults(String),
     /// Removes the results that are kept.
     ClearResults,

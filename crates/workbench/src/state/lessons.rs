@@ -14,7 +14,7 @@ use tilescope_session::selection::Selection;
 use tilescope_session::session::Session;
 use tilescope_session::words::sentence;
 
-use super::{Notice, State, Verification, Which};
+use super::{State, Verification, Which};
 use crate::command::{Command, ViewCommand, WindowCommand};
 use crate::device::EngineChoice;
 use crate::files::{FileCommand, Purpose};
@@ -24,6 +24,8 @@ use crate::lessons::{
 use crate::link::layer_name;
 use crate::scenes::SceneCommand;
 
+/// The name of files of results.
+const RESULTS: &str = "tilescope-results";
 /// The most seeds of practice that are tried for a moment.
 const MAX_MISSED: u64 = 50;
 
@@ -241,46 +243,43 @@ impl State {
         }
     }
 
-    /// Writes the results beside the program's other files, under a name that is free; on a page, downloads them.
-    fn save_results(&mut self, format: &str) {
+    /// Writes the results; on a page, downloads them.
+    fn save_results(&mut self, wanted: &str) {
         let results = &self.lessons.results;
-        let (text, extension) = match format {
-            "csv" => (
-                results::csv(std::slice::from_ref(results)).unwrap_or_default(),
-                "csv",
-            ),
-            "xapi" => (
-                serde_json::to_string_pretty(&results.xapi()).unwrap_or_default(),
-                "xapi.json",
-            ),
+        let (text, extension) = match wanted {
+            name if name.ends_with("csv") => (results::csv(std::slice::from_ref(results)).unwrap_or_default(), "csv"),
+            name if name.ends_with("xapi") || name.ends_with(".xapi.json") => {
+                (serde_json::to_string_pretty(&results.xapi()).unwrap_or_default(), "xapi.json")
+            }
             _ => (results.to_json(), "json"),
         };
         if self.files.in_browser() {
-            let file = NamedBytes::new(format!("tilescope-results.{extension}"), text);
+            let file = NamedBytes::new(format!("{RESULTS}.{extension}"), text);
             self.files.downloads.push(file);
-        } else {
-            self.write_results(&text, extension);
+            return;
         }
+        let named = |number: usize| match number {
+            0 => PathBuf::from(format!("{RESULTS}.{extension}")),
+            _ => PathBuf::from(format!("{RESULTS}-{number}.{extension}")),
+        };
+        let path = if wanted.contains('.') {
+            Some(PathBuf::from(wanted))
+        } else {
+            (0..).map(named).find(|path| !path.exists())
+        };
+        self.write_results(&path.unwrap_or_default(), &text);
     }
 
     #[cfg(target_arch = "wasm32")]
-    fn write_results(&mut self, _: &str, _: &str) {}
+    fn write_results(&mut self, _: &Path, _: &str) {}
 
     #[cfg(not(target_arch = "wasm32"))]
-    fn write_results(&mut self, text: &str, extension: &str) {
-        let named = |number: usize| match number {
-            0 => format!("tilescope-results.{extension}"),
-            _ => format!("tilescope-results-{number}.{extension}"),
-        };
-        let free = (0..)
-            .map(|number| PathBuf::from(named(number)))
-            .find(|path| !path.exists());
-        let path = free.unwrap_or_default();
-        match tilescope_formats::write_whole(&path, text.as_bytes()) {
+    fn write_results(&mut self, path: &Path, text: &str) {
+        match tilescope_formats::write_whole(path, text.as_bytes()) {
             Ok(()) => {
-                let path = std::path::absolute(&path).unwrap_or(path);
-                let mut notice =
-                    Notice::new(format!("The results are in {}.", path.display()), false);
+                let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+                let text = format!("The results are in {}.", path.display());
+                let mut notice = super::Notice::new(text, false);
                 notice.folder = path.parent().map(Path::to_owned);
                 self.messages.notice = Some(notice);
             }

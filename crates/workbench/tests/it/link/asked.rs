@@ -50,7 +50,7 @@ fn the_state_is_described() {
     assert_eq!(answer["link"], json!("v=1&seed=7&radius=0.03&leaf=12"));
     assert!(answer["sentence"].as_str().unwrap().starts_with("Finish: "));
     let keys: Vec<&String> = answer.as_object().unwrap().keys().collect();
-    assert_eq!(keys.len(), 19, "{keys:?}");
+    assert_eq!(keys.len(), 21, "{keys:?}");
     let positions = tilescope_formats::positions_digest(&session.run().positions());
     assert_eq!(answer["positions_digest"], json!(positions));
     // These fields are set on a page only.
