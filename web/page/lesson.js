@@ -10,7 +10,7 @@ const REACH = { frequency: 2.5, power: 3, width: 320, height: 80 };
 /** The elements of styles in texts. */
 const STYLES = { plain: "span", emphasis: "em", strong: "strong", code: "code" };
 
-/** @typedef {{ text: string, style: keyof typeof STYLES }[]} Spans */
+/** @typedef {Array<{ text: string, style: keyof typeof STYLES }>} Spans */
 
 /** @type {(request: object) => void} */
 let send = () => {};
@@ -170,7 +170,7 @@ function answers(question) {
       const axes = /** @type {const} */ (["x", "y"]).map((axis) =>
         button(`lesson-axis-${axis}`, names[axis], () => draft({ axis }), { class: "chip", ...pressed(question.axis === axis) }),
       );
-      const cuts = question.cuts.map((/** @type {{ axis: "x" | "y", at: number }} */ { axis, at }, /** @type {number} */ index) => {
+      const cuts = question.cuts.map((/** @type {any} */ { axis, at }, /** @type {number} */ index) => {
         const where = question.place?.[axis === "x" ? 0 : 1];
         const is = question.axis === axis && Math.abs(where - at) < 1e-9;
         return button(`lesson-cut-${index}`, `${names[axis]}, ${axis} = ${at.toFixed(1)} r`, () => choose(index), { class: "option", ...pressed(is) });

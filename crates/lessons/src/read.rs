@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 use serde_json::Value;
 use tilescope_core::{MAXIMAL_DENSITY, Parameters};
 
-use crate::error::{LessonError, shortened};
+use crate::error::{LessonError, nearest, shortened};
 use crate::fields::{Field, Fields};
 use crate::lesson::{
     Camera, ChoiceOption, Gate, GateKind, LAYERS, Lesson, SceneSpec, Step, Text, Wrong,
@@ -428,6 +428,11 @@ const OF_GATE: [&str; 6] = ["type", "ask", "hint", "decided", "shows", "practice
 
 fn gate(name: String, line: usize, lines: &[&str]) -> Result<Gate, LessonError> {
     let mut fields = Fields::read("a gate", line, lines)?;
+    // The other fields are known only once the type is.
+    let is_alike = |field: &&Field| nearest(&field.key, &["type"]).is_some();
+    if let (None, Some(field)) = (fields.get("type"), fields.all.iter().find(is_alike)) {
+        return Err(LessonError::unknown(field.line, "field of a gate", &field.key, &["type"]));
+    }
     let named = fields.need("type")?;
     if !GateKind::NAMES.contains(&named.value.as_str()) {
         return Err(LessonError::unknown(

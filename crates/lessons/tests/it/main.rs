@@ -1,3 +1,5 @@
 //! Integration tests of `tilescope-lessons`.
 
+mod faults;
 mod guide;
+mod shipped;
