@@ -6,7 +6,7 @@ import { element } from "./{{asset:sheets.js}}";
 
 const SVG = "http://www.w3.org/2000/svg";
 /** The highest frequency in 1/r and the highest power that plots show, and their size. */
-const REACH = { frequency: 2.5, power: 3, width: 320, height: 80 };
+const REACH = { frequency: 3, power: 3, width: 320, height: 80 };
 /** The elements of styles in texts. */
 const STYLES = { plain: "span", emphasis: "em", strong: "strong", code: "code" };
 
@@ -83,11 +83,11 @@ function plot(curves) {
   };
   line(`${place(0, 0)} ${place(frequency, 0)}`, "axis");
   line(`${place(0, 1)} ${place(frequency, 1)}`, "axis");
-  for (const tick of [0.5, 1, 1.5, 2]) {
+  for (const tick of [0.5, 1, 1.5, 2, 2.5]) {
     const label = document.createElementNS(SVG, "text");
     label.setAttribute("x", String((tick / frequency) * width));
     label.setAttribute("y", String(height + 12));
-    label.textContent = tick === 2 ? "2 / r" : String(tick);
+    label.textContent = tick === 2.5 ? "2.5 / r" : String(tick);
     svg.append(label);
   }
   curves.forEach((curve, index) => {

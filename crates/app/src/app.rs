@@ -19,6 +19,7 @@ use crate::{actions, panels, tiles};
 use tilescope_canvas::touch::release_cancelled;
 use tilescope_workbench::arrangement::{Arrangement, DrawerCommand};
 use tilescope_workbench::command::{Command, WindowCommand};
+use tilescope_workbench::embedding::Embedding;
 use tilescope_workbench::files::FileCommand;
 use tilescope_workbench::layout::{Layout, OldLayout, Panel};
 use tilescope_workbench::scenes::SceneCommand;
@@ -119,7 +120,7 @@ impl App {
         if actions::press_keys(ui.ctx(), &mut self.state) {
             self.follow_commands(ui.ctx());
         }
-        if let Some(embedding) = self.state.window.embedding {
+        if let Some(embedding) = self.embedding() {
             self.commands.retain(Command::works_in_frame);
             panels::show_embedded(
                 ui,
@@ -156,6 +157,15 @@ impl App {
         self.download();
         #[cfg(not(target_arch = "wasm32"))]
         self.open_folder();
+    }
+
+    /// Returns the part of the window that is shown, if not all of it: as embedded in another page, and beside a lesson
+    /// where there is no room for panels.
+    fn embedding(&self) -> Option<Embedding> {
+        let is_small = self.state.window.drawer.arrangement.is_compact() || self.state.lessons.on_page;
+        let is_lesson = self.state.lessons.open.is_some() && is_small;
+        let player = is_lesson.then_some(Embedding::Player);
+        self.state.window.embedding.or(player)
     }
 
     /// Requests another frame when the focus has moved: a page accepts text only then.

@@ -9,7 +9,10 @@ use rhai::{Dynamic, Engine, EvalAltResult, Map};
 use tilescope_analysis::Tessellation;
 use tilescope_core::stages::blocks::Axis;
 use tilescope_core::stages::detect::Sites;
-use tilescope_core::{Fate, Origin, R, RunEvent, Sweep, Unobserved, sample};
+use tilescope_core::stages::order::Ranking;
+use tilescope_core::{
+    Fate, Key as DrawKey, Origin, R, RunEvent, Sweep, Unobserved, sample,
+};
 use tilescope_debugger::{
     DEFAULT_BUDGET, Divergence, Event, EventKind, NONE, Query, Recording, Status, first_divergence,
     query,
@@ -20,7 +23,7 @@ use crate::read::with_parameter;
 use crate::sets::{Measure, PointSet};
 
 /// The functions, each with its meaning.
-pub const FUNCTIONS: [(&str, &str); 32] = [
+pub const FUNCTIONS: [(&str, &str); 37] = [
     (
         "next(query)",
         "the next event that matches a query, as a map, or () if there is none",
@@ -55,6 +58,10 @@ pub const FUNCTIONS: [(&str, &str); 32] = [
         "unsure(s)",
         "whether a sample's fate is open when every sample has only looked at its own conflicts",
     ),
+    (
+        "first_unsure()",
+        "the valid sample with the smallest number whose fate is open then, or ()",
+    ),
     ("samples()", "how many samples are valid"),
     (
         "conflicts()",
@@ -63,6 +70,10 @@ pub const FUNCTIONS: [(&str, &str); 32] = [
     (
         "conflicts_of(s)",
         "how many valid samples are closer than r to a sample",
+    ),
+    (
+        "conflict(s, k)",
+        "the k-th valid sample closer than r to a sample, from 0 and by number, or ()",
     ),
     (
         "covered(x, y)",
@@ -94,6 +105,15 @@ pub const FUNCTIONS: [(&str, &str); 32] = [
     (
         "on_seam(x, y)",
         "the place on the nearest edge of a block, [x, y]",
+    ),
+    ("position(s)", "the place of a sample, [x, y]"),
+    (
+        "within(x, y, d)",
+        "how many valid samples are closer than d to a place",
+    ),
+    (
+        "seam_of(s)",
+        "how far a sample is from the nearest edge of a block",
     ),
     ("block_size(b)", "the sides of a block, [width, height]"),
     ("parameter(name)", "a parameter of the run"),
@@ -402,14 +422,25 @@ impl Now {
     }
 
     fn conflicts_of(&self, s: i64) -> i64 {
-        let near = |point| self.recording.valid_near(point, R, self.cursor());
+        self.conflicts_with(s).len() as i64
+    }
+
+    /// Returns the valid samples closer than r to a sample, by number.
+    fn conflicts_with(&self, s: i64) -> Vec<u32> {
         let Some(point) = self.recording.point(id(s)) else {
-            return 0;
+            return Vec::new();
         };
-        let others = near(point).into_iter().filter(|&other| other != id(s));
+        let near = self.recording.valid_near(point, R, self.cursor());
+        let mut others: Vec<u32> = near.into_iter().filter(|&other| other != id(s)).collect();
+        others.retain(|&other| self.distance(id(s), other) < 1.0);
+        others.sort_unstable();
         others
-            .filter(|&other| self.distance(id(s), other) < 1.0)
-            .count() as i64
+    }
+
+    fn conflict(&self, s: i64, k: i64) -> Dynamic {
+        let index = usize::try_from(k).unwrap_or(usize::MAX);
+        let other = self.conflicts_with(s).get(index).copied();
+        other.map_or(Dynamic::UNIT, |other| i64::from(other).into())
     }
 
     fn fate(&self, s: i64) -> Option<Fate> {
@@ -450,6 +481,22 @@ impl Now {
         Ok(self.set()?.distance(read(a)?, read(b)?))
     }
 
+    fn position(&self, s: i64) -> Dynamic {
+        let point = self.recording.point(id(s));
+        point.map_or(Dynamic::UNIT, |point| place([radii(point.x), radii(point.y)]))
+    }
+
+    fn within(&self, x: f64, y: f64, d: f64) -> Found<i64> {
+        let set = self.set()?;
+        let is_near = |point: &&[f64; 2]| set.distance(**point, [x, y]) < d;
+        Ok(set.points.iter().filter(is_near).count() as i64)
+    }
+
+    fn seam_of(&self, s: i64) -> f64 {
+        let point = self.recording.point(id(s));
+        point.map_or(f64::NAN, |point| self.seam(radii(point.x), radii(point.y)).1)
+    }
+
     fn block_size(&self, b: i64) -> Dynamic {
         let leaf = self.recording.run().blocks.leaves.get(id(b) as usize);
         leaf.map_or(Dynamic::UNIT, |leaf| {
@@ -482,6 +529,15 @@ impl Now {
     /// Returns whether the fate of a sample is open after a first round in which each sample is kept if all its
     /// conflicts have later turns, and lost if one of them is kept.
     fn unsure(&self, s: i64) -> bool {
+        let run = self.recording.run();
+        let key = DrawKey::from_seed(run.parameters.seed);
+        let ranking = Ranking::new(run.parameters.order, &run.domain, key);
+        // Earlier turns come first; the ids of samples decide between equal ranks.
+        let turn = |s: u32| {
+            let own = matches!(run.samples.origins.get(s as usize), Some(Origin::Tiled { own: true, .. }));
+            let point = self.recording.point(s).unwrap_or_default();
+            (ranking.rank(point, own), s)
+        };
         let earlier = |s: u32| -> Vec<u32> {
             let Some(point) = self.recording.point(s) else {
                 return Vec::new();
@@ -491,12 +547,18 @@ impl Now {
                 .valid_near(point, R, self.cursor())
                 .into_iter();
             near.filter(|&t| {
-                t != s && self.distance(s, t) < 1.0 && self.turn_of(t) < self.turn_of(s)
+                t != s && self.distance(s, t) < 1.0 && turn(t) < turn(s)
             })
             .collect()
         };
         let before = earlier(id(s));
         !before.is_empty() && !before.iter().any(|&t| earlier(t).is_empty())
+    }
+
+    fn first_unsure(&self) -> Found<Dynamic> {
+        let set = self.set()?;
+        let found = set.ids.iter().copied().filter(|&s| self.unsure(s.into())).min();
+        Ok(maybe(found))
     }
 
     fn turn_of(&self, s: u32) -> usize {
@@ -602,12 +664,14 @@ pub(crate) fn register(engine: &mut Engine, now: &Arc<Now>) {
         .is_some_and(|life| life.marked != NONE));
     function!("turn", |now, s: i64| now.turn_of(id(s)).saturating_add(1)
         as i64);
+    function!("first_unsure", |now| now.first_unsure());
     function!("unsure", |now, s: i64| now.unsure(s));
     function!("samples", |now| now
         .set()
         .map(|set| set.points.len() as i64));
     function!("conflicts", |now| now.conflicts());
     function!("conflicts_of", |now, s: i64| now.conflicts_of(s));
+    function!("conflict", |now, s: i64, k: i64| now.conflict(s, k));
     function!("covered", |now, x: f64, y: f64| {
         now.set().map(|set| {
             set.nearest([x, y])
@@ -628,6 +692,9 @@ pub(crate) fn register(engine: &mut Engine, now: &Arc<Now>) {
     function!("deepest_near", |now, x: f64, y: f64| now.deepest_near(x, y));
     function!("seam", |now, x: f64, y: f64| now.seam(x, y).1);
     function!("on_seam", |now, x: f64, y: f64| place(now.seam(x, y).0));
+    function!("position", |now, s: i64| now.position(s));
+    function!("within", |now, x: f64, y: f64, d: f64| now.within(x, y, d));
+    function!("seam_of", |now, s: i64| now.seam_of(s));
     function!("block_size", |now, b: i64| now.block_size(b));
     function!("parameter", |now, name: &str| now.parameter(name));
     function!("measure", |now, name: &str| now.measure(name, None));

@@ -88,15 +88,24 @@ pub fn filled(
         } else if brace == "}" {
             return Err("a closing brace without an opening one; write }} for a brace".to_owned());
         } else {
-            let end = after
-                .find('}')
-                .ok_or("an expression in braces is not closed")?;
+            let end = closing(after).ok_or("an expression in braces is not closed")?;
             filled.push_str(&value(after[..end].trim())?);
             rest = &after[end + 1..];
         }
     }
     filled.push_str(rest);
     Ok(filled)
+}
+
+/// Returns where the expression at the start of a text ends; it may have braces of its own.
+fn closing(text: &str) -> Option<usize> {
+    let mut open = 1;
+    let mut braces = text.char_indices().filter(|(_, brace)| matches!(brace, '{' | '}'));
+    let (end, _) = braces.find(|(_, brace)| {
+        open += if *brace == '{' { 1 } else { -1 };
+        open == 0
+    })?;
+    Some(end)
 }
 
 /// Returns the expressions in the braces of a text.
@@ -134,6 +143,7 @@ mod tests {
             filled("a {x + 1} b {{c}}", value).unwrap(),
             "a <x + 1> b {c}"
         );
+        assert_eq!(filled("{if x { 1 } else { 2 }}!", value).unwrap(), "<if x { 1 } else { 2 }>!");
         assert!(filled("a {x", value).is_err() && filled("a } b", value).is_err());
         assert_eq!(expressions("{a} and {b}").unwrap(), ["a", "b"]);
     }

@@ -36,7 +36,10 @@ pub fn lessons() -> Vec<Shipped> {
     #[cfg(target_arch = "wasm32")]
     return Vec::new();
     #[cfg(not(target_arch = "wasm32"))]
-    shipped![]
+    shipped![
+        "welcome", "maximal", "spectrum", "cuts", "clips", "survivors", "losses", "gaps", "rounds", "reach", "tiling",
+        "parallel", "gluing",
+    ]
 }
 
 /// Returns lessons as JSON.

@@ -25,6 +25,9 @@ pub fn chip(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
     // As wide as the longest verdict, so that nothing moves when it arrives.
     let width = (galley.size().x + 46.0).max(150.0);
     let (rect, response) = ui.allocate_exact_size(vec2(width, 30.0), Sense::click());
+    if matches!(context.run.verification, Verification::Nothing) {
+        return;
+    }
     response.widget_info(|| WidgetInfo::labeled(Role::Button, true, format!("Verdict: {text}")));
     response.known_as("verdict");
     let painter = ui.painter();

@@ -542,11 +542,11 @@ impl State {
                 let score = feedback.score;
                 (open.lacking, open.feedback) = (None, Some(feedback));
                 self.note_answer(score, false);
-                let Some(open) = self.lessons.open.as_mut().filter(|_| goes_on) else {
-                    return;
-                };
-                {
-                    open.draft = AnswerDraft::default();
+                if let Some(open) = self.lessons.open.as_mut().filter(|_| goes_on) {
+                    // The next event of a trace is answered anew; any other answer stays to be seen.
+                    if open.learner.is_open() {
+                        open.draft = AnswerDraft::default();
+                    }
                     self.reveal();
                 }
             }

@@ -7,7 +7,7 @@ use tilescope_lessons::Curve;
 /// Height of a plot, in screen points.
 const HEIGHT: f32 = 86.0;
 /// The highest frequency, in 1/r, and the highest power that are shown.
-const REACH: [f64; 2] = [2.5, 3.0];
+const REACH: [f64; 2] = [3.0, 3.0];
 
 /// Shows curves in one plot; the second one is that after the change.
 pub fn show(ui: &mut Ui, curves: &[&Curve], palette: &Palette) {
@@ -27,7 +27,7 @@ pub fn show(ui: &mut Ui, curves: &[&Curve], palette: &Palette) {
     let thin = Stroke::new(1.0, palette.line);
     painter.line_segment([place([0.0, 0.0]), place([REACH[0], 0.0])], thin);
     painter.line_segment([place([0.0, 1.0]), place([REACH[0], 1.0])], thin);
-    for tick in [0.5, 1.0, 1.5, 2.0] {
+    for tick in [0.5, 1.0, 1.5, 2.0, 2.5] {
         let at = place([tick, 0.0]);
         painter.text(
             at + vec2(0.0, 2.0),
