@@ -162,7 +162,8 @@ impl App {
     /// Returns the part of the window that is shown, if not all of it: as embedded in another page, and beside a lesson
     /// where there is no room for panels.
     fn embedding(&self) -> Option<Embedding> {
-        let is_small = self.state.window.drawer.arrangement.is_compact() || self.state.lessons.on_page;
+        let is_small =
+            self.state.window.drawer.arrangement.is_compact() || self.state.lessons.on_page;
         let is_lesson = self.state.lessons.open.is_some() && is_small;
         let player = is_lesson.then_some(Embedding::Player);
         self.state.window.embedding.or(player)

@@ -10,9 +10,7 @@ use tilescope_analysis::Tessellation;
 use tilescope_core::stages::blocks::Axis;
 use tilescope_core::stages::detect::Sites;
 use tilescope_core::stages::order::Ranking;
-use tilescope_core::{
-    Fate, Key as DrawKey, Origin, R, RunEvent, Sweep, Unobserved, sample,
-};
+use tilescope_core::{Fate, Key as DrawKey, Origin, R, RunEvent, Sweep, Unobserved, sample};
 use tilescope_debugger::{
     DEFAULT_BUDGET, Divergence, Event, EventKind, NONE, Query, Recording, Status, first_divergence,
     query,
@@ -483,7 +481,9 @@ impl Now {
 
     fn position(&self, s: i64) -> Dynamic {
         let point = self.recording.point(id(s));
-        point.map_or(Dynamic::UNIT, |point| place([radii(point.x), radii(point.y)]))
+        point.map_or(Dynamic::UNIT, |point| {
+            place([radii(point.x), radii(point.y)])
+        })
     }
 
     fn within(&self, x: f64, y: f64, d: f64) -> Found<i64> {
@@ -494,7 +494,9 @@ impl Now {
 
     fn seam_of(&self, s: i64) -> f64 {
         let point = self.recording.point(id(s));
-        point.map_or(f64::NAN, |point| self.seam(radii(point.x), radii(point.y)).1)
+        point.map_or(f64::NAN, |point| {
+            self.seam(radii(point.x), radii(point.y)).1
+        })
     }
 
     fn block_size(&self, b: i64) -> Dynamic {
@@ -534,7 +536,10 @@ impl Now {
         let ranking = Ranking::new(run.parameters.order, &run.domain, key);
         // Earlier turns come first; the ids of samples decide between equal ranks.
         let turn = |s: u32| {
-            let own = matches!(run.samples.origins.get(s as usize), Some(Origin::Tiled { own: true, .. }));
+            let own = matches!(
+                run.samples.origins.get(s as usize),
+                Some(Origin::Tiled { own: true, .. })
+            );
             let point = self.recording.point(s).unwrap_or_default();
             (ranking.rank(point, own), s)
         };
@@ -546,10 +551,8 @@ impl Now {
                 .recording
                 .valid_near(point, R, self.cursor())
                 .into_iter();
-            near.filter(|&t| {
-                t != s && self.distance(s, t) < 1.0 && turn(t) < turn(s)
-            })
-            .collect()
+            near.filter(|&t| t != s && self.distance(s, t) < 1.0 && turn(t) < turn(s))
+                .collect()
         };
         let before = earlier(id(s));
         !before.is_empty() && !before.iter().any(|&t| earlier(t).is_empty())
@@ -557,7 +560,12 @@ impl Now {
 
     fn first_unsure(&self) -> Found<Dynamic> {
         let set = self.set()?;
-        let found = set.ids.iter().copied().filter(|&s| self.unsure(s.into())).min();
+        let found = set
+            .ids
+            .iter()
+            .copied()
+            .filter(|&s| self.unsure(s.into()))
+            .min();
         Ok(maybe(found))
     }
 

@@ -100,7 +100,9 @@ pub fn filled(
 /// Returns where the expression at the start of a text ends; it may have braces of its own.
 fn closing(text: &str) -> Option<usize> {
     let mut open = 1;
-    let mut braces = text.char_indices().filter(|(_, brace)| matches!(brace, '{' | '}'));
+    let mut braces = text
+        .char_indices()
+        .filter(|(_, brace)| matches!(brace, '{' | '}'));
     let (end, _) = braces.find(|(_, brace)| {
         open += if *brace == '{' { 1 } else { -1 };
         open == 0
@@ -143,7 +145,10 @@ mod tests {
             filled("a {x + 1} b {{c}}", value).unwrap(),
             "a <x + 1> b {c}"
         );
-        assert_eq!(filled("{if x { 1 } else { 2 }}!", value).unwrap(), "<if x { 1 } else { 2 }>!");
+        assert_eq!(
+            filled("{if x { 1 } else { 2 }}!", value).unwrap(),
+            "<if x { 1 } else { 2 }>!"
+        );
         assert!(filled("a {x", value).is_err() && filled("a } b", value).is_err());
         assert_eq!(expressions("{a} and {b}").unwrap(), ["a", "b"]);
     }

@@ -540,6 +540,12 @@ impl Question {
     /// Returns an answer that is right; of a trace, its first event's.
     #[must_use]
     pub fn right_answer(&self) -> Answer {
+        self.right_answer_at(0)
+    }
+
+    /// Returns an answer that is right; of a trace, at the event of this index.
+    #[must_use]
+    pub fn right_answer_at(&self, event: usize) -> Answer {
         match (&self.key, &self.form) {
             (Key::Pick(right), Form::Pick { several: false, .. }) => {
                 Answer::Pick(right[..1].to_vec())
@@ -559,7 +565,7 @@ impl Question {
             },
             (Key::Bands(changes), _) => Answer::Bands(changes.clone()),
             (Key::Trace(options), _) => {
-                Answer::Choice(options.first().copied().unwrap_or_default())
+                Answer::Choice(options.get(event).copied().unwrap_or_default())
             }
         }
     }

@@ -431,7 +431,12 @@ fn gate(name: String, line: usize, lines: &[&str]) -> Result<Gate, LessonError> 
     // The other fields are known only once the type is.
     let is_alike = |field: &&Field| nearest(&field.key, &["type"]).is_some();
     if let (None, Some(field)) = (fields.get("type"), fields.all.iter().find(is_alike)) {
-        return Err(LessonError::unknown(field.line, "field of a gate", &field.key, &["type"]));
+        return Err(LessonError::unknown(
+            field.line,
+            "field of a gate",
+            &field.key,
+            &["type"],
+        ));
     }
     let named = fields.need("type")?;
     if !GateKind::NAMES.contains(&named.value.as_str()) {

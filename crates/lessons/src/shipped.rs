@@ -37,8 +37,19 @@ pub fn lessons() -> Vec<Shipped> {
     return Vec::new();
     #[cfg(not(target_arch = "wasm32"))]
     shipped![
-        "welcome", "maximal", "spectrum", "cuts", "clips", "survivors", "losses", "gaps", "rounds", "reach", "tiling",
-        "parallel", "gluing",
+        "welcome",
+        "maximal",
+        "spectrum",
+        "cuts",
+        "clips",
+        "survivors",
+        "losses",
+        "gaps",
+        "rounds",
+        "reach",
+        "tiling",
+        "parallel",
+        "gluing",
     ]
 }
 

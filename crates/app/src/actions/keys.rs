@@ -59,7 +59,6 @@ pub fn takes_key(state: &State, name: &str, modifiers: Modifiers) -> bool {
 /// whether there were any.
 pub fn press_keys(ctx: &egui::Context, state: &mut State) -> bool {
     let typing = ctx.text_edit_focused();
-    // A focused button uses the space key itself, the canvas does not.
     let pointed = ctx.memory(|memory| memory.focused().is_some());
     let on_canvas = crate::panes::has_focus(ctx);
     let has_popup = Popup::is_any_open(ctx);
@@ -78,11 +77,9 @@ pub fn press_keys(ctx: &egui::Context, state: &mut State) -> bool {
         let is_meant_for_popup = key == Key::Escape && has_popup;
         let is_tick = matches!(key, Key::ArrowLeft | Key::ArrowRight) && pressed.is_none();
         let is_taken = pointed && !on_canvas;
-        if !free
-            || is_meant_for_popup
-            || (matches!(key, Key::Space | Key::Enter) && is_taken)
-            || (is_tick && on_canvas)
-        {
+        // A focused button uses these itself.
+        let is_button = matches!(key, Key::Space) || (key == Key::Enter && pressed.is_none());
+        if !free || is_meant_for_popup || (is_button && is_taken) || (is_tick && on_canvas) {
             continue;
         }
         // The topmost surface comes first: Escape closes it, and letters go to it.

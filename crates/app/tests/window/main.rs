@@ -13,6 +13,7 @@ mod fit;
 mod hostile;
 mod instanced;
 mod keyboard;
+mod lesson;
 mod link;
 mod marks;
 mod menus;

@@ -17,7 +17,14 @@ fn fault(text: &str) -> Option<LessonError> {
         Ok(lesson) => lesson,
         Err(error) => return Some(error),
     };
-    let found = check(&lesson, 3, &mut Runs::default(), &mut Unobserved, &mut |_| true).unwrap();
+    let found = check(
+        &lesson,
+        3,
+        &mut Runs::default(),
+        &mut Unobserved,
+        &mut |_| true,
+    )
+    .unwrap();
     found.faults.into_iter().next()
 }
 
@@ -41,9 +48,16 @@ fn every_misspelt_field_is_named_with_its_line_and_the_nearest_right_one() {
             if line.starts_with("```") {
                 is_inside = !is_inside;
             }
-            let is_front = number > 0 && lines[..number].iter().filter(|line| **line == "---").count() == 1;
+            let is_front = number > 0
+                && lines[..number]
+                    .iter()
+                    .filter(|line| **line == "---")
+                    .count()
+                    == 1;
             let (name, changed) = match line.split_once(':') {
-                Some((key, rest)) if (is_inside || is_front) && !line.starts_with([' ', '#', '`']) => {
+                Some((key, rest))
+                    if (is_inside || is_front) && !line.starts_with([' ', '#', '`']) =>
+                {
                     (key, format!("{}:{rest}", misspelt(key)))
                 }
                 _ if is_inside && line.starts_with("```") => {
@@ -66,26 +80,49 @@ fn every_misspelt_field_is_named_with_its_line_and_the_nearest_right_one() {
 #[test]
 fn every_misspelt_value_is_a_fault_at_its_line() {
     let words = [
-        "type", "moment", "layers", "camera", "decided", "events", "answer", "right", "from", "to", "shows", "practice",
-        "boundary", "candidates", "where",
+        "type",
+        "moment",
+        "layers",
+        "camera",
+        "decided",
+        "events",
+        "answer",
+        "right",
+        "from",
+        "to",
+        "shows",
+        "practice",
+        "boundary",
+        "candidates",
+        "where",
     ];
     let mut tried = 0;
     for text in texts() {
         let lines: Vec<&str> = text.lines().collect();
         for (number, line) in lines.iter().enumerate() {
-            let Some((key, value)) = line.split_once(": ").filter(|(key, _)| words.contains(key)) else {
+            let Some((key, value)) = line.split_once(": ").filter(|(key, _)| words.contains(key))
+            else {
                 continue;
             };
             // Numbers and texts in quotation marks have no letters that could be swapped.
-            let Some(at) = value.find(|letter: char| letter.is_alphabetic()).filter(|_| !value.contains('"')) else {
+            let Some(at) = value
+                .find(|letter: char| letter.is_alphabetic())
+                .filter(|_| !value.contains('"'))
+            else {
                 continue;
             };
-            let end = value[at..].find(|letter: char| !letter.is_alphanumeric() && letter != '_' && letter != '-');
+            let end = value[at..]
+                .find(|letter: char| !letter.is_alphanumeric() && letter != '_' && letter != '-');
             let end = end.map_or(value.len(), |end| at + end);
             if end - at < 3 {
                 continue;
             }
-            let changed = format!("{key}: {}{}{}", &value[..at], misspelt(&value[at..end]), &value[end..]);
+            let changed = format!(
+                "{key}: {}{}{}",
+                &value[..at],
+                misspelt(&value[at..end]),
+                &value[end..]
+            );
             let mut all = lines.clone();
             all[number] = &changed;
             let error = fault(&all.join("\n")).unwrap_or_else(|| panic!("{changed}: no fault"));
@@ -98,7 +135,9 @@ fn every_misspelt_value_is_a_fault_at_its_line() {
 
 /// A lesson with one question of this kind.
 fn asking(gate: &str) -> String {
-    format!("---\ntitle: T\nobjective: O\n---\n# S\n```run\nradius: 0.06\nleaf: 6\nmoment: end of tile\n```\n```gate g\n{gate}\n```\n")
+    format!(
+        "---\ntitle: T\nobjective: O\n---\n# S\n```run\nradius: 0.06\nleaf: 6\nmoment: end of tile\n```\n```gate g\n{gate}\n```\n"
+    )
 }
 
 #[test]
@@ -108,31 +147,85 @@ fn hostile_files_are_refused() {
     assert!(error.message.contains(&MAX_BYTES.to_string()), "{error}");
     let number = |answer: &str| asking(&format!("type: number\nask: How many?\nanswer: {answer}"));
     for (what, text) in [
-        ("nested parentheses", number(&format!("{}1{}", "(".repeat(300), ")".repeat(300)))),
-        ("nested calls", number(&format!("{}1{}", "abs(".repeat(200), ")".repeat(200)))),
+        (
+            "nested parentheses",
+            number(&format!("{}1{}", "(".repeat(300), ")".repeat(300))),
+        ),
+        (
+            "nested calls",
+            number(&format!("{}1{}", "abs(".repeat(200), ")".repeat(200))),
+        ),
         ("a loop", number("loop { }")),
         ("another loop", number("while true { 1 }")),
         ("a function", number("fn f(x) { f(x) } f(1)")),
-        ("a long array", number("[1, 2, 3].len() * range(0, 1000000000)")),
-        ("many practice seeds", number("1\npractice: seeds 1..1000000000")),
+        (
+            "a long array",
+            number("[1, 2, 3].len() * range(0, 1000000000)"),
+        ),
+        (
+            "many practice seeds",
+            number("1\npractice: seeds 1..1000000000"),
+        ),
         ("backwards seeds", number("1\npractice: seeds 9..1")),
-        ("a huge run", shipped::TEMPLATE.replace("radius: 0.04", "radius: 0.00001")),
-        ("no number", shipped::TEMPLATE.replace("radius: 0.04", "radius: NaN")),
-        ("a negative number", shipped::TEMPLATE.replace("radius: 0.04", "radius: -1")),
-        ("no end of a directive", shipped::TEMPLATE.replace("practice: seeds 1..40\n```", "practice: seeds 1..40\n")),
+        (
+            "a huge run",
+            shipped::TEMPLATE.replace("radius: 0.04", "radius: 0.00001"),
+        ),
+        (
+            "no number",
+            shipped::TEMPLATE.replace("radius: 0.04", "radius: NaN"),
+        ),
+        (
+            "a negative number",
+            shipped::TEMPLATE.replace("radius: 0.04", "radius: -1"),
+        ),
+        (
+            "no end of a directive",
+            shipped::TEMPLATE.replace("practice: seeds 1..40\n```", "practice: seeds 1..40\n"),
+        ),
         ("no front matter", "# Only a step\n".to_owned()),
         ("nothing", String::new()),
         ("bytes", "\u{0}\u{1}\u{fffd}".to_owned()),
-        ("many steps", format!("---\ntitle: T\nobjective: O\n---\n{}", "# S\nText.\n".repeat(10_000))),
-        ("many options", asking(&format!("type: choice\nask: What?\n{}", "option: A when: true\n".repeat(1_000)))),
-        ("deep emphasis", format!("---\ntitle: T\nobjective: O\n---\n# S\n{}x\n", "*a ".repeat(30_000))),
-        ("open braces", format!("---\ntitle: T\nobjective: O\n---\n# S\n{}\n", "{".repeat(10_001))),
+        (
+            "many steps",
+            format!(
+                "---\ntitle: T\nobjective: O\n---\n{}",
+                "# S\nText.\n".repeat(10_000)
+            ),
+        ),
+        (
+            "many options",
+            asking(&format!(
+                "type: choice\nask: What?\n{}",
+                "option: A when: true\n".repeat(1_000)
+            )),
+        ),
+        (
+            "deep emphasis",
+            format!(
+                "---\ntitle: T\nobjective: O\n---\n# S\n{}x\n",
+                "*a ".repeat(30_000)
+            ),
+        ),
+        (
+            "open braces",
+            format!(
+                "---\ntitle: T\nobjective: O\n---\n# S\n{}\n",
+                "{".repeat(10_001)
+            ),
+        ),
     ] {
         let error = fault(&text).unwrap_or_else(|| panic!("{what}: no fault"));
-        assert!(!error.message.is_empty() && error.message.chars().count() < 1_000, "{what}: {error}");
+        assert!(
+            !error.message.is_empty() && error.message.chars().count() < 1_000,
+            "{what}: {error}"
+        );
     }
     // Marks that lessons do not have, however deep, are left out.
-    let quoted = format!("---\ntitle: T\nobjective: O\n---\n# S\n{}x\n", "> ".repeat(50_000));
+    let quoted = format!(
+        "---\ntitle: T\nobjective: O\n---\n# S\n{}x\n",
+        "> ".repeat(50_000)
+    );
     let lesson = Lesson::read("quoted", &quoted).unwrap();
     assert_eq!(tilescope_lessons::plain(&lesson.steps[0].text[0]), "x");
     // The controls.

@@ -15,20 +15,48 @@ fn every_lesson_is_sound_translated_and_has_its_pinned_keys() {
         let lesson = Lesson::read(&shipped.name, &shipped.text);
         let lesson = lesson.unwrap_or_else(|error| panic!("{}.md: {error}", shipped.name));
         let gates = lesson.gates().count();
-        assert!((2..=5).contains(&gates) && (4..=8).contains(&lesson.steps.len()), "{}", shipped.name);
+        assert!(
+            (2..=5).contains(&gates) && (4..=8).contains(&lesson.steps.len()),
+            "{}",
+            shipped.name
+        );
         let found = check(&lesson, SEEDS, &mut runs, &mut Unobserved, &mut |_| true).unwrap();
-        faults.extend(found.faults.iter().map(|fault| format!("{}.md: {fault}", shipped.name)));
-        assert!(found.perfect > 0.999 && found.guessing < 0.75, "{}: {found:?}", shipped.name);
+        faults.extend(
+            found
+                .faults
+                .iter()
+                .map(|fault| format!("{}.md: {fault}", shipped.name)),
+        );
+        assert!(
+            found.perfect > 0.999 && found.guessing < 0.75,
+            "{}: {found:?}",
+            shipped.name
+        );
         let translation = Translation::read(&shipped.german).unwrap();
         let (missing, stale) = translation.compared(&lesson);
-        faults.extend(missing.iter().map(|text| format!("{}.de.md lacks \"{text}\"", shipped.name)));
-        faults.extend(stale.iter().map(|text| format!("{}.de.md: stale \"{text}\"", shipped.name)));
+        faults.extend(
+            missing
+                .iter()
+                .map(|text| format!("{}.de.md lacks \"{text}\"", shipped.name)),
+        );
+        faults.extend(
+            stale
+                .iter()
+                .map(|text| format!("{}.de.md: stale \"{text}\"", shipped.name)),
+        );
         let lines = shipped.keys.lines().zip(found.keys.lines()).enumerate();
         for (line, (pinned, now)) in lines.filter(|(_, (pinned, now))| pinned != now).take(3) {
-            faults.push(format!("{}.keys, line {}: {now}, pinned {pinned}", shipped.name, line + 1));
+            faults.push(format!(
+                "{}.keys, line {}: {now}, pinned {pinned}",
+                shipped.name,
+                line + 1
+            ));
         }
         if shipped.keys.lines().count() != found.keys.lines().count() {
-            faults.push(format!("{}.keys: tilescope lesson keys writes it", shipped.name));
+            faults.push(format!(
+                "{}.keys: tilescope lesson keys writes it",
+                shipped.name
+            ));
         }
         runs.clear();
     }
@@ -40,6 +68,11 @@ fn lessons_travel_as_json() {
     let lessons = shipped::lessons();
     let again = shipped::from_json(&shipped::to_json(&lessons)).unwrap();
     assert_eq!(again.len(), lessons.len());
-    assert!(again.iter().zip(&lessons).all(|(a, b)| (&a.name, &a.text, &a.german) == (&b.name, &b.text, &b.german)));
+    assert!(
+        again
+            .iter()
+            .zip(&lessons)
+            .all(|(a, b)| (&a.name, &a.text, &a.german) == (&b.name, &b.text, &b.german))
+    );
     assert!(shipped::from_json("{}").is_err());
 }

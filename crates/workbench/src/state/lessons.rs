@@ -247,10 +247,14 @@ impl State {
     fn save_results(&mut self, wanted: &str) {
         let results = &self.lessons.results;
         let (text, extension) = match wanted {
-            name if name.ends_with("csv") => (results::csv(std::slice::from_ref(results)).unwrap_or_default(), "csv"),
-            name if name.ends_with("xapi") || name.ends_with(".xapi.json") => {
-                (serde_json::to_string_pretty(&results.xapi()).unwrap_or_default(), "xapi.json")
-            }
+            name if name.ends_with("csv") => (
+                results::csv(std::slice::from_ref(results)).unwrap_or_default(),
+                "csv",
+            ),
+            name if name.ends_with("xapi") || name.ends_with(".xapi.json") => (
+                serde_json::to_string_pretty(&results.xapi()).unwrap_or_default(),
+                "xapi.json",
+            ),
             _ => (results.to_json(), "json"),
         };
         if self.files.in_browser() {

@@ -142,7 +142,12 @@ fn every_command_can_be_scripted() {
     let text = text.replace("FOLDER", folder.path().to_str().unwrap());
     let Ok(state) = apply_all(read(&text).unwrap(), |_| Ok::<_, Infallible>(()));
     assert!(state.shows_combination());
-    for file in ["session.json", "set.csv", "set.csv.certificate.json", "results.csv"] {
+    for file in [
+        "session.json",
+        "set.csv",
+        "set.csv.certificate.json",
+        "results.csv",
+    ] {
         assert!(folder.path().join(file).exists(), "{file}");
     }
 }

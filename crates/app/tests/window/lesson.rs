@@ -1,0 +1,122 @@
+//! A whole lesson by keyboard alone, with the answers that its keys say.
+
+use egui::{Event, Key, Modifiers};
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable;
+use tilescope_app::App;
+use tilescope_lessons::{Answer, Form};
+use tilescope_workbench::Command;
+use tilescope_workbench::lessons::LessonCommand;
+
+use crate::support::{opened, settle};
+
+fn press(harness: &mut Harness<'_, App>, key: Key) {
+    harness.key_press_modifiers(Modifiers::NONE, key);
+    harness.run();
+    settle(harness);
+}
+
+const DIGITS: [Key; 9] = [
+    Key::Num1,
+    Key::Num2,
+    Key::Num3,
+    Key::Num4,
+    Key::Num5,
+    Key::Num6,
+    Key::Num7,
+    Key::Num8,
+    Key::Num9,
+];
+
+/// The indices of the right answer in the question's list.
+fn right(harness: &Harness<'_, App>) -> Vec<usize> {
+    let question = harness
+        .state()
+        .state
+        .lessons
+        .open_question()
+        .expect("a question");
+    let open = harness
+        .state()
+        .state
+        .lessons
+        .open
+        .as_ref()
+        .expect("a lesson");
+    let (_, traced) = open.learner.tries();
+    match (question.right_answer_at(traced), &question.form) {
+        (Answer::Choice(option), _) => vec![option],
+        (Answer::Pick(samples), Form::Pick { candidates, .. }) => {
+            let place = |sample: &u32| candidates.iter().position(|other| other == sample);
+            samples.iter().filter_map(place).collect()
+        }
+        (answer, _) => panic!("{answer:?}"),
+    }
+}
+
+#[test]
+fn a_lesson_is_done_by_keys_alone() {
+    let mut harness = opened();
+    let command = LessonCommand::Open("survivors".to_owned());
+    harness.state_mut().state.apply(Command::Lesson(command));
+    settle(&mut harness);
+    let steps = harness
+        .state()
+        .state
+        .lessons
+        .open
+        .as_ref()
+        .expect("it")
+        .learner
+        .lesson()
+        .steps
+        .len();
+    for step in 0..steps {
+        // Keys that would go on do not, as long as the question is open.
+        while harness.state().state.lessons.open_question().is_some() {
+            press(&mut harness, Key::PageDown);
+            let index = harness
+                .state()
+                .state
+                .lessons
+                .open
+                .as_ref()
+                .expect("it")
+                .learner
+                .index();
+            assert_eq!(index, step);
+            for index in right(&harness) {
+                press(&mut harness, DIGITS[index]);
+            }
+            press(&mut harness, Key::Enter);
+        }
+        press(&mut harness, Key::PageDown);
+    }
+    let results = &harness.state().state.lessons.results;
+    assert_eq!(results.entries.len(), 4);
+    assert!(
+        (results.share() - 1.0).abs() < 1e-9,
+        "{:?}",
+        results.entries
+    );
+    assert!(
+        harness
+            .query_by_label_contains("That is all of elimination")
+            .is_some()
+    );
+}
+
+#[test]
+fn texts_typed_into_a_number_are_not_answers_to_choose() {
+    let mut harness = opened();
+    let text = "---\ntitle: T\nobjective: O\n---\n# S\n```run\nradius: 0.06\nleaf: 6\nmoment: end of tile\n```\n```gate g\ntype: number\nask: How many?\nanswer: 0.5\n```\n";
+    let command = LessonCommand::Read("t".to_owned(), text.to_owned());
+    harness.state_mut().state.apply(Command::Lesson(command));
+    settle(&mut harness);
+    crate::support::node(&harness, "lesson-number").click();
+    harness.run();
+    harness.event(Event::Text("0,5".to_owned()));
+    harness.run();
+    press(&mut harness, Key::Enter);
+    assert!(harness.state().state.lessons.open_question().is_none());
+}
