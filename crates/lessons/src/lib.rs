@@ -7,7 +7,7 @@
 //!
 //! Architecture invariant: this crate has no window, no files and no clock.
 //!
-//! ```
+//! ~~~
 //! use tilescope_core::{Pattern, Unobserved};
 //! use tilescope_lessons::{Lesson, Question, Scene, record};
 //!
@@ -37,7 +37,7 @@
 //! let lost = recording.event(question.cursor).expect("an event").samples()[0];
 //! assert_eq!(question.key().to_string(), lost.to_string());
 //! # Ok::<(), Box<dyn std::error::Error>>(())
-//! ```
+//! ~~~
 
 mod answer;
 mod check;
