@@ -101,6 +101,7 @@ pub fn run(arguments: &LessonArguments) -> Result<u8> {
 /// # Errors
 ///
 /// Neither a file nor such a name.
+#[must_use]
 pub fn played(arguments: &LessonArguments) -> Option<Result<Played>> {
     let LessonCommand::Play { lesson } = &arguments.command else {
         return None;
@@ -367,10 +368,11 @@ fn translate(file: &Path, language: &str) -> Result<u8> {
     let lesson = Lesson::read(&name, &read(file)?)
         .map_err(|error| anyhow::anyhow!("{}: {error}", file.display()))?;
     let target = file.with_file_name(format!("{name}.{language}.md"));
-    let old = match target.exists() {
-        true => Translation::read(&read(&target)?)
-            .map_err(|error| anyhow::anyhow!("{}: {error}", target.display()))?,
-        false => Translation::default(),
+    let old = if target.exists() {
+        Translation::read(&read(&target)?)
+            .map_err(|error| anyhow::anyhow!("{}: {error}", target.display()))?
+    } else {
+        Translation::default()
     };
     let (missing, stale) = old.compared(&lesson);
     write(&target, &old.renewed(&lesson))?;

@@ -72,13 +72,12 @@ impl Runs {
             return Ok(Arc::clone(recording));
         }
         let spec = format!("{:?}", parameters.pattern);
-        let pattern = match self.patterns.get(&spec) {
-            Some(pattern) => Arc::clone(pattern),
-            None => {
-                let made = Pattern::of_spec(&parameters.pattern, observer)?;
-                self.patterns.insert(spec, Arc::clone(&made));
-                made
-            }
+        let pattern = if let Some(pattern) = self.patterns.get(&spec) {
+            Arc::clone(pattern)
+        } else {
+            let made = Pattern::of_spec(&parameters.pattern, observer)?;
+            self.patterns.insert(spec, Arc::clone(&made));
+            made
         };
         let recording = record(parameters, &pattern, observer)?;
         self.recordings.insert(name, Arc::clone(&recording));
@@ -117,6 +116,20 @@ struct OfGate {
     faults: Vec<LessonError>,
 }
 
+/// Returns the seeds and steps that are asked, with no seed for that of the lesson: by seed, so that the steps of a seed
+/// share its runs.
+fn runs_asked(lesson: &Lesson, seeds: usize) -> Vec<(Option<u64>, usize)> {
+    let mut asked: Vec<(Option<u64>, usize)> =
+        (0..lesson.steps.len()).map(|step| (None, step)).collect();
+    for (index, step) in lesson.steps.iter().enumerate() {
+        let practice = step.gate.as_ref().and_then(|gate| gate.practice.clone());
+        let practice = practice.into_iter().flatten().take(seeds);
+        asked.extend(practice.map(|seed| (Some(seed), index)));
+    }
+    asked.sort_unstable();
+    asked
+}
+
 /// Checks a lesson over at most `seeds` seeds of each question. `go_on` is called before each run, with the share that is
 /// done; if it returns false the check ends.
 ///
@@ -135,20 +148,7 @@ pub fn check(
         ..Checked::default()
     };
     let mut scores = Scores::default();
-    // By seed, so that the steps of a seed share its runs.
-    let mut asked: Vec<(Option<u64>, usize)> =
-        (0..lesson.steps.len()).map(|step| (None, step)).collect();
-    for (index, step) in lesson.steps.iter().enumerate() {
-        let practice = step.gate.as_ref().and_then(|gate| gate.practice.clone());
-        asked.extend(
-            practice
-                .into_iter()
-                .flatten()
-                .take(seeds)
-                .map(|seed| (Some(seed), index)),
-        );
-    }
-    asked.sort_unstable();
+    let asked = runs_asked(lesson, seeds);
     let mut found: BTreeMap<usize, OfGate> = BTreeMap::new();
     let mut last = None;
     for (done, &(seed, index)) in asked.iter().enumerate() {
@@ -338,16 +338,15 @@ fn ask(
                 break;
             }
         }
-        let score = match learner.take_entries().pop() {
-            Some(entry) => entry.score,
-            None => {
-                learner.give_up(1.0);
-                learner.give_up(1.0);
-                learner
-                    .take_entries()
-                    .pop()
-                    .map_or(0.0, |entry| entry.score)
-            }
+        let score = if let Some(entry) = learner.take_entries().pop() {
+            entry.score
+        } else {
+            learner.give_up(1.0);
+            learner.give_up(1.0);
+            learner
+                .take_entries()
+                .pop()
+                .map_or(0.0, |entry| entry.score)
         };
         add(sum(scores), score);
         Ok(())

@@ -163,6 +163,7 @@ fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
+#[allow(clippy::unnecessary_box_returns)] // rhai's functions return boxed errors.
 fn wrong(message: impl Into<String>) -> Box<EvalAltResult> {
     message.into().into()
 }

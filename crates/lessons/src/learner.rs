@@ -285,9 +285,7 @@ impl Learner {
         attempt.tries += 1;
         attempt.asked_to_give_up = false;
         if let Key::Trace(events) = question.key() {
-            if !grade.is_right() {
-                attempt.missed = true;
-            } else {
+            if grade.is_right() {
                 attempt.traced.0 += 1;
                 attempt.traced.1 += usize::from(!attempt.missed);
                 attempt.missed = false;
@@ -297,6 +295,8 @@ impl Learner {
                         Some((format!("{} of {}", attempt.traced.1, events.len()), share));
                     attempt.state = Progress::Right;
                 }
+            } else {
+                attempt.missed = true;
             }
         } else {
             attempt

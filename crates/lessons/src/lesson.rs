@@ -274,7 +274,7 @@ impl Gate {
                 }
             }
             GateKind::Order { items } => {
-                texts.extend(items.iter().map(|(text, _)| text.text.as_str()))
+                texts.extend(items.iter().map(|(text, _)| text.text.as_str()));
             }
             GateKind::Number { unit, .. } => texts.push(unit),
             _ => {}

@@ -210,7 +210,7 @@ impl Question {
                 question.key = Key::Number(scene.number(answer)?);
             }
             GateKind::Choice { options, curves } => {
-                question.choice(scene, options, curves, seed)?
+                question.choice(scene, options, curves, seed)?;
             }
             GateKind::Order { items } => {
                 let mut ranked = Vec::new();
@@ -768,8 +768,8 @@ impl Question {
     }
 }
 
-fn curve(power: &[sets::Power]) -> Curve {
-    power.iter().map(|at| [at.frequency, at.power]).collect()
+fn curve(power: &[sets::MeanPower]) -> Curve {
+    power.iter().map(|at| [at.frequency, at.mean]).collect()
 }
 
 /// Returns the moment after the event that decides.

@@ -559,22 +559,7 @@ fn kind(named: &str, fields: &Fields) -> Result<GateKind, LessonError> {
                 .get("unit")
                 .map_or(String::new(), |field| field.value.clone()),
         },
-        "choice" => {
-            let curves = fields
-                .many("curve")
-                .map(|f| expression(&f.value, f.line, &[]));
-            let curves = limited(curves, 0, fields)?;
-            let options = options(fields, 2)?;
-            if !curves.is_empty() && curves.len() != options.len() {
-                let message = format!(
-                    "there are {} curves and {} options; each option has one",
-                    curves.len(),
-                    options.len()
-                );
-                return Err(LessonError::new(fields.line, message));
-            }
-            GateKind::Choice { options, curves }
-        }
+        "choice" => choice(fields)?,
         "order" => {
             let items = fields.many("item").map(|field| match field.split(" by: ") {
                 (text, Some(by)) => Ok((
@@ -590,29 +575,11 @@ fn kind(named: &str, fields: &Fields) -> Result<GateKind, LessonError> {
                 items: limited(items, 3, fields)?,
             }
         }
-        "bands" => {
-            let bands = fields.many("band").map(|field| {
-                let part = |text: &str| {
-                    Field {
-                        value: text.to_owned(),
-                        ..field.clone()
-                    }
-                    .number([0.0, 3.0])
-                };
-                match field.split("..") {
-                    (low, Some(high)) => Ok([part(low)?, part(high)?]),
-                    _ => Err(LessonError::new(
-                        field.line,
-                        "a band is of the form \"band: 0.2..0.5\", in 1/r",
-                    )),
-                }
-            });
-            GateKind::Bands {
-                from: need("from", &[])?,
-                to: need("to", &[])?,
-                bands: limited(bands, 2, fields)?,
-            }
-        }
+        "bands" => GateKind::Bands {
+            from: need("from", &[])?,
+            to: need("to", &[])?,
+            bands: bands(fields)?,
+        },
         "trace" => {
             let events = fields.need("events")?;
             syntax::check_text(&events.value, events.line)?;
@@ -630,6 +597,42 @@ fn kind(named: &str, fields: &Fields) -> Result<GateKind, LessonError> {
         }
         _ => GateKind::Cut,
     })
+}
+
+fn choice(fields: &Fields) -> Result<GateKind, LessonError> {
+    let curves = fields.many("curve");
+    let curves = limited(curves.map(|f| expression(&f.value, f.line, &[])), 0, fields)?;
+    let options = options(fields, 2)?;
+    if !curves.is_empty() && curves.len() != options.len() {
+        let message = format!(
+            "there are {} curves and {} options; each option has one",
+            curves.len(),
+            options.len()
+        );
+        return Err(LessonError::new(fields.line, message));
+    }
+    Ok(GateKind::Choice { options, curves })
+}
+
+fn bands(fields: &Fields) -> Result<Vec<[f64; 2]>, LessonError> {
+    let bands = fields.many("band").map(|field| {
+        let part = |text: &str| {
+            let value = text.to_owned();
+            Field {
+                value,
+                ..field.clone()
+            }
+            .number([0.0, 3.0])
+        };
+        match field.split("..") {
+            (low, Some(high)) => Ok([part(low)?, part(high)?]),
+            _ => Err(LessonError::new(
+                field.line,
+                "a band is of the form \"band: 0.2..0.5\", in 1/r",
+            )),
+        }
+    });
+    limited(bands, 2, fields)
 }
 
 /// Returns the options `TEXT when: EXPRESSION => SENTENCE`; the sentence may be missing.

@@ -185,7 +185,7 @@ impl PointSet {
     }
 
     /// Returns the mean power by frequency in 1/r, with the number of frequencies behind each mean.
-    pub fn power(&self) -> Result<Vec<Power>, String> {
+    pub fn power(&self) -> Result<Vec<MeanPower>, String> {
         let profile = self.profile()?;
         let unit = self.cycles_per_r();
         let annuli = profile
@@ -193,9 +193,9 @@ impl PointSet {
             .into_iter()
             .zip(&profile.annuli);
         Ok(annuli
-            .map(|(nu, annulus)| Power {
+            .map(|(nu, annulus)| MeanPower {
                 frequency: nu * unit,
-                power: annulus.power,
+                mean: annulus.power,
                 count: annulus.count,
                 anisotropy_db: annulus.anisotropy_db,
             })
@@ -224,7 +224,7 @@ impl PointSet {
             }
             Measure::Peak => {
                 let power = self.power()?;
-                let peak = power.iter().max_by(|a, b| a.power.total_cmp(&b.power));
+                let peak = power.iter().max_by(|a, b| a.mean.total_cmp(&b.mean));
                 peak.map_or(f64::NAN, |at| at.frequency)
             }
             Measure::LowPower => mean(&self.power()?, [0.0, 0.3]).0,
@@ -242,10 +242,10 @@ impl PointSet {
 
 /// The mean power at a frequency.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Power {
+pub(crate) struct MeanPower {
     /// In 1/r.
     pub frequency: f64,
-    pub power: f64,
+    pub mean: f64,
     /// How many frequencies it is the mean of.
     pub count: u64,
     pub anisotropy_db: f64,
@@ -253,13 +253,13 @@ pub(crate) struct Power {
 
 /// Returns the mean power over a band of frequencies in 1/r, and its standard error: half of the frequencies are
 /// independent, and each power varies as much as its mean.
-pub(crate) fn mean(power: &[Power], [low, high]: [f64; 2]) -> (f64, f64) {
+pub(crate) fn mean(power: &[MeanPower], [low, high]: [f64; 2]) -> (f64, f64) {
     let band = power
         .iter()
         .filter(|at| (low..high).contains(&at.frequency));
     let (mut sum, mut count) = (0.0, 0.0);
     for at in band {
-        sum += at.power * at.count as f64;
+        sum += at.mean * at.count as f64;
         count += at.count as f64;
     }
     let mean = sum / f64::max(count, 1.0);
@@ -267,7 +267,7 @@ pub(crate) fn mean(power: &[Power], [low, high]: [f64; 2]) -> (f64, f64) {
 }
 
 /// Returns the root of the mean squared difference of two curves, at the frequencies of the first.
-pub(crate) fn rms(a: &[Power], b: &[Power]) -> f64 {
+pub(crate) fn rms(a: &[MeanPower], b: &[MeanPower]) -> f64 {
     let value = |at: f64| {
         b.iter().min_by(|p, q| {
             (p.frequency - at)
@@ -277,7 +277,7 @@ pub(crate) fn rms(a: &[Power], b: &[Power]) -> f64 {
     };
     let squares = a
         .iter()
-        .filter_map(|p| Some((p.power - value(p.frequency)?.power).powi(2)));
+        .filter_map(|p| Some((p.mean - value(p.frequency)?.mean).powi(2)));
     let (sum, count) = squares.fold((0.0, 0.0), |(sum, count), square| {
         (sum + square, count + 1.0)
     });

@@ -49,7 +49,7 @@ pub(crate) fn check(text: &str, line: usize, more: &[&str]) -> Result<(), Lesson
         .map(|(form, _)| form.split('(').next().unwrap_or(form));
     let functions: Vec<&str> = functions.chain(BUILT_IN).chain(OF_DEBUGGER).collect();
     for Word {
-        word,
+        name: word,
         before,
         after,
     } in words(text)
@@ -79,7 +79,7 @@ pub(crate) fn check_text(text: &str, line: usize) -> Result<(), LessonError> {
 
 /// A name in an expression, with the characters around it that are not spaces.
 struct Word<'a> {
-    word: &'a str,
+    name: &'a str,
     before: Option<char>,
     after: Option<char>,
 }
@@ -107,7 +107,7 @@ fn words(text: &str) -> Vec<Word<'_>> {
                 let before = text[..from].trim_end().chars().next_back();
                 let after = text[at..].trim_start().chars().next();
                 words.push(Word {
-                    word,
+                    name: word,
                     before,
                     after,
                 });

@@ -2,6 +2,7 @@
 //! expressions come from the original alone.
 
 use std::collections::HashMap;
+use std::fmt::Write as _;
 
 use crate::error::{LessonError, shortened};
 use crate::lesson::Lesson;
@@ -136,7 +137,7 @@ impl Translation {
                     .texts
                     .get(text)
                     .map_or("TODO", |(translated, _)| translated);
-                file.push_str(&format!("> {text}\n\n{translated}\n\n"));
+                let _ = write!(file, "> {text}\n\n{translated}\n\n");
             }
         }
         file

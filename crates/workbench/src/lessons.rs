@@ -102,10 +102,10 @@ impl AnswerDraft {
                     self.toggle(sample, question);
                 }
             }
-            (DraftCommand::Pick(sample), Form::Pick { candidates, .. }) => {
-                if candidates.contains(&sample) {
-                    self.toggle(sample, question);
-                }
+            (DraftCommand::Pick(sample), Form::Pick { candidates, .. })
+                if candidates.contains(&sample) =>
+            {
+                self.toggle(sample, question);
             }
             (DraftCommand::Choose(index), Form::Place { candidates }) => {
                 self.place = candidates.get(index).copied().or(self.place);
@@ -117,16 +117,14 @@ impl AnswerDraft {
                 }
             }
             (DraftCommand::Place(place), Form::Place { .. } | Form::Cut { .. }) => {
-                self.place = Some(place)
+                self.place = Some(place);
             }
             (DraftCommand::Axis(axis), Form::Cut { .. }) => self.axis = Some(axis),
             (
                 DraftCommand::Choose(index),
                 Form::Choice { options, .. } | Form::Trace { options, .. },
-            ) => {
-                if index < options.len() {
-                    self.option = Some(index);
-                }
+            ) if index < options.len() => {
+                self.option = Some(index);
             }
             (DraftCommand::Choose(index), Form::Order { items }) => {
                 if let Some(at) = self.order.iter().position(|&item| item == index) {
@@ -136,7 +134,7 @@ impl AnswerDraft {
                 }
             }
             (DraftCommand::Type(text), Form::Number { .. }) => {
-                self.text = text.chars().take(40).collect()
+                self.text = text.chars().take(40).collect();
             }
             (DraftCommand::Band(index, change), Form::Bands { bands, .. }) => {
                 self.bands.resize(bands.len(), None);

@@ -58,7 +58,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             ui.set_max_width(ui.available_width() - 10.0);
             match &state.lessons.open {
                 Some(open) if !state.lessons.lists => {
-                    show_lesson(ui, state, open, palette, commands)
+                    show_lesson(ui, state, open, palette, commands);
                 }
                 _ => list::show(ui, state, palette, commands),
             }

@@ -157,7 +157,7 @@ impl State {
             LessonCommand::SaveResults(format) => self.save_results(&format),
             LessonCommand::ClearResults => self.lessons.results.entries.clear(),
             LessonCommand::Name(name) => {
-                self.lessons.results.learner = name.chars().take(80).collect()
+                self.lessons.results.learner = name.chars().take(80).collect();
             }
         }
     }
@@ -269,7 +269,7 @@ impl State {
         let path = if wanted.contains('.') {
             Some(PathBuf::from(wanted))
         } else {
-            (0..).map(named).find(|path| !path.exists())
+            (0..1_000).map(named).find(|path| !path.exists())
         };
         self.write_results(&path.unwrap_or_default(), &text);
     }
@@ -406,14 +406,13 @@ impl State {
             .run
             .clone()
             .filter(|run| run.run().parameters == parameters);
-        match same {
-            Some(run) => self.arrive_at_step(run),
-            None => {
-                open.run = None;
-                self.links.arriving = None;
-                self.time.playback.stop();
-                self.start_sampling(Which::First, Recipe::from(parameters), EngineChoice::Cpu);
-            }
+        if let Some(run) = same {
+            self.arrive_at_step(&run)
+        } else {
+            open.run = None;
+            self.links.arriving = None;
+            self.time.playback.stop();
+            self.start_sampling(Which::First, Recipe::from(parameters), EngineChoice::Cpu);
         }
     }
 
@@ -431,17 +430,17 @@ impl State {
             return Some(session);
         };
         drop(session);
-        self.arrive_at_step(recording);
+        self.arrive_at_step(&recording);
         None
     }
 
-    fn arrive_at_step(&mut self, run: Arc<Recording>) {
+    fn arrive_at_step(&mut self, run: &Arc<Recording>) {
         let now = self.lessons.now;
         let Some(open) = &mut self.lessons.open else {
             return;
         };
-        open.run = Some(Arc::clone(&run));
-        match open.learner.arrive(&run, now) {
+        open.run = Some(Arc::clone(run));
+        match open.learner.arrive(run, now) {
             Ok(Arrival::Here) => self.show_moment(),
             Ok(Arrival::NoMoment)
                 if open.learner.practised().is_some() && open.missed < MAX_MISSED =>

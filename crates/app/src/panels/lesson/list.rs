@@ -125,13 +125,12 @@ fn results(ui: &mut Ui, state: &State, palette: &Palette, commands: &mut Vec<Com
     let labels = labels(state);
     heading(ui, labels.results);
     let count = results.entries.len();
-    let text = match count {
-        0 => labels.no_results.to_owned(),
-        _ => {
-            let share = format!("{:.0}%", 100.0 * results.share());
-            let text = labels.some_results.replace("{count}", &count.to_string());
-            text.replace("{share}", &share)
-        }
+    let text = if count == 0 {
+        labels.no_results.to_owned()
+    } else {
+        let share = format!("{:.0}%", 100.0 * results.share());
+        let text = labels.some_results.replace("{count}", &count.to_string());
+        text.replace("{share}", &share)
     };
     ui.add(Label::new(RichText::new(text).color(palette.muted)).wrap())
         .known_as("lesson-results");
