@@ -400,6 +400,12 @@ impl Question {
                 .map_err(|error| LessonError::new(text.line, error))
         };
         let (before, after) = (power(from)?, power(to)?);
+        let end = |power: &[sets::MeanPower]| power.last().map_or(0.0, |at| at.frequency);
+        let last = end(&before).min(end(&after));
+        if let Some([_, high]) = bands.iter().find(|[_, high]| *high > last) {
+            let message = format!("a band ends at {high}, and the spectra at {last:.2} / r");
+            return Err(self.wrong(message));
+        }
         let change = |band: &[f64; 2]| {
             let ((a, a_error), (b, b_error)) =
                 (sets::mean(&before, *band), sets::mean(&after, *band));

@@ -280,6 +280,7 @@ impl Scene {
             };
             let value = self.value(&text, |_| {}).map_err(|error| error.message)?;
             Ok(match value.as_float() {
+                Ok(number) if number.fract() == 0.0 => format!("{number:.0}"),
                 Ok(number) => format!("{number:.2}"),
                 Err(_) => tilescope_debugger::shown(&value),
             })

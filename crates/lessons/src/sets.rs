@@ -46,6 +46,9 @@ const MEASURES: [(&str, Measure); 7] = [
     ("anisotropy", Measure::Anisotropy),
 ];
 
+/// The highest relative frequency of spectra: 3 / r for maximal sets.
+const REACH_NU: f64 = 3.7;
+
 fn go_on(_: Progress) -> ControlFlow<()> {
     ControlFlow::Continue(())
 }
@@ -171,8 +174,8 @@ impl PointSet {
     }
 
     fn profile(&self) -> Result<RadialProfile, String> {
-        let window = Spectrum::window(self.points.len() as f64, self.region);
         let read = || {
+            let window = Spectrum::window_to(REACH_NU, self.points.len() as f64, self.region)?;
             let periodogram = Periodogram::of(&self.points, self.region, &window, &go_on)?;
             Ok(Spectrum::of(&periodogram)?.profile)
         };
