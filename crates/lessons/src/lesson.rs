@@ -6,6 +6,9 @@ use tilescope_core::Parameters;
 
 use crate::moment::Moment;
 
+/// The most bytes of a lesson file.
+pub const MAX_BYTES: usize = 200_000;
+
 /// The names of the layers of the canvas, as lessons name them.
 pub const LAYERS: [&str; 16] = [
     "pattern",

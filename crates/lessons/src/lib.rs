@@ -47,6 +47,8 @@ mod functions;
 mod learner;
 mod lesson;
 mod moment;
+mod names;
+mod parameters;
 mod prose;
 mod question;
 mod read;
@@ -60,14 +62,15 @@ mod translation;
 pub use answer::{Answer, Change, CutAxis, Key, letter};
 pub use check::{Checked, Runs, check};
 pub use error::{LessonError, nearest};
-pub use functions::{FUNCTIONS, PROPERTIES};
 pub use learner::{Arrival, Feedback, Learner, Progress};
 pub use lesson::{
-    Camera, ChoiceOption, Gate, GateKind, LAYERS, Lesson, SceneSpec, Step, Text, Wrong,
+    Camera, ChoiceOption, Gate, GateKind, LAYERS, Lesson, MAX_BYTES, SceneSpec, Step, Text, Wrong,
 };
 pub use moment::Moment;
+pub use names::{FUNCTIONS, PROPERTIES};
+pub use parameters::MAX_SAMPLES;
 pub use prose::{Span, Style, plain, spans, words};
 pub use question::{Curve, Form, Grade, MAX_CANDIDATES, Question, WrongAnswer};
-pub use read::{MAX_BYTES, MAX_OPTIONS, MAX_SAMPLES, MAX_STEPS};
+pub use read::{MAX_OPTIONS, MAX_STEPS};
 pub use scene::{Scene, record};
 pub use translation::Translation;

@@ -3,26 +3,22 @@
 
 use std::fmt::Write as _;
 
-use serde_json::Value;
 use tilescope_core::{MAXIMAL_DENSITY, Parameters};
 
-use crate::error::{LessonError, nearest, shortened};
+use crate::error::{LessonError, nearest};
 use crate::fields::{Field, Fields};
 use crate::lesson::{
-    Camera, ChoiceOption, Gate, GateKind, LAYERS, Lesson, SceneSpec, Step, Text, Wrong,
+    Camera, ChoiceOption, Gate, GateKind, LAYERS, Lesson, MAX_BYTES, SceneSpec, Step, Text, Wrong,
 };
 use crate::moment::Moment;
+use crate::parameters::{MAX_SAMPLES, with_parameter};
 use crate::prose;
 use crate::syntax;
 
-/// The most bytes of a lesson file.
-pub const MAX_BYTES: usize = 200_000;
 /// The most steps of a lesson.
 pub const MAX_STEPS: usize = 40;
 /// The most options, items or candidates of a question.
 pub const MAX_OPTIONS: usize = 8;
-/// The most samples of a lesson's run, by estimate.
-pub const MAX_SAMPLES: f64 = 20_000.0;
 /// The most steps of a `trace`.
 const MAX_TRACED: usize = 12;
 
@@ -352,40 +348,6 @@ fn run(scene: &mut SceneSpec, fields: &Fields) -> Result<(), LessonError> {
         return Err(LessonError::new(line, message));
     }
     Ok(())
-}
-
-/// Returns parameters with one of them changed.
-pub(crate) fn with_parameter(
-    parameters: &Parameters,
-    field: &Field,
-) -> Result<Parameters, LessonError> {
-    let Field { key, value, line } = field;
-    let json = match value.as_str() {
-        "yes" | "true" => Value::Bool(true),
-        "no" | "false" => Value::Bool(false),
-        text if *key == "seed" => match text.parse::<u64>() {
-            Ok(seed) => seed.into(),
-            Err(_) => text.into(),
-        },
-        text => text
-            .replace(',', ".")
-            .parse::<f64>()
-            .map_or_else(|_| text.into(), Value::from),
-    };
-    let read = || {
-        let mut all = serde_json::to_value(parameters)?;
-        match key.strip_prefix("pattern-") {
-            Some(part) => all["pattern"][part] = json,
-            None => all[key] = json,
-        }
-        serde_json::from_value(all)
-    };
-    read().map_err(|error: serde_json::Error| {
-        LessonError::new(
-            *line,
-            format!("\"{key}\" cannot be {}: {error}", shortened(value)),
-        )
-    })
 }
 
 fn layers(field: &Field) -> Result<Vec<String>, LessonError> {

@@ -8,7 +8,7 @@ use tilescope_core::{Observer, Parameters, Pattern, R, SampleError};
 use tilescope_debugger::{DEFAULT_BUDGET, Evaluator, Recording, State};
 
 use crate::error::LessonError;
-use crate::functions::{self, Now};
+use crate::functions::{self, Now, place_of};
 use crate::lesson::{Camera, SceneSpec, Text};
 use crate::prose;
 use crate::sets::PointSet;
@@ -310,30 +310,6 @@ fn as_truth(value: &Dynamic) -> Result<bool, String> {
         )
     };
     value.as_bool().map_err(|_| shown())
-}
-
-/// Returns the place of a value [x, y].
-pub(crate) fn place_of(value: &Dynamic) -> Result<[f64; 2], String> {
-    let number = |value: &Dynamic| {
-        value
-            .as_float()
-            .or_else(|_| value.as_int().map(|whole| whole as f64))
-            .ok()
-    };
-    let read = || {
-        let array = value.read_lock::<rhai::Array>()?;
-        match &array[..] {
-            [x, y] => Some([number(x)?, number(y)?]),
-            _ => None,
-        }
-    };
-    let place = read().filter(|place| place.iter().all(|number| number.is_finite()));
-    place.ok_or_else(|| {
-        format!(
-            "this must give a place [x, y], not {}",
-            tilescope_debugger::shown(value)
-        )
-    })
 }
 
 /// Returns a fault without the line and position within the expression, which would be taken for those of the file.

@@ -6,7 +6,7 @@ use rhai::Engine;
 use tilescope_debugger::{MAX_LENGTH, NAMES};
 
 use crate::error::LessonError;
-use crate::functions::{FUNCTIONS, PROPERTIES};
+use crate::names::{FUNCTIONS, PROPERTIES};
 use crate::prose;
 
 /// Words of the language.

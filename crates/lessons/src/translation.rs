@@ -5,9 +5,8 @@ use std::collections::HashMap;
 use std::fmt::Write as _;
 
 use crate::error::{LessonError, shortened};
-use crate::lesson::Lesson;
+use crate::lesson::{Lesson, MAX_BYTES};
 use crate::prose;
-use crate::read::MAX_BYTES;
 
 /// A translation of a lesson's texts.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
