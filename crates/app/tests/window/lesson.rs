@@ -2,7 +2,7 @@
 
 use egui::{Event, Key, Modifiers};
 use egui_kittest::Harness;
-use egui_kittest::kittest::Queryable;
+use egui_kittest::kittest::{NodeT, Queryable};
 use tilescope_app::App;
 use tilescope_lessons::{Answer, Form};
 use tilescope_workbench::Command;
@@ -119,4 +119,44 @@ fn texts_typed_into_a_number_are_not_answers_to_choose() {
     harness.run();
     press(&mut harness, Key::Enter);
     assert!(harness.state().state.lessons.open_question().is_none());
+}
+
+/// Everything that the accessibility tree says.
+fn said(harness: &Harness<'_, App>) -> Vec<String> {
+    let nodes = harness.query_all_by(|node| node.bounding_box().is_some());
+    let texts = nodes.flat_map(|node| {
+        let node = node.accesskit_node();
+        [node.label(), node.value()]
+    });
+    texts.flatten().map(|text| text.to_string()).collect()
+}
+
+#[test]
+fn the_accessibility_tree_says_nothing_of_what_follows_the_question() {
+    // Up to the end of elimination, runs with the two searches are the same; afterwards they are not.
+    let asked = |search: &str| {
+        let run = "radius: 0.03\nleaf: 8\nmoment: end of eliminate\n";
+        let gate = "type: number\nask: How many?\nanswer: count(\"insert\")\n";
+        let text = format!(
+            "---\ntitle: T\nobjective: O\n---\n# S\n```run\nsearch: {search}\n{run}```\n```gate g\n{gate}```\n"
+        );
+        let mut harness = opened();
+        let command = LessonCommand::Read("t".to_owned(), text);
+        harness.state_mut().state.apply(Command::Lesson(command));
+        settle(&mut harness);
+        harness.run();
+        harness
+    };
+    let (mut a, mut b) = (asked("complete"), asked("two-radii"));
+    assert!(said(&a).len() > 30);
+    assert_eq!(said(&a), said(&b));
+    // The control: once both have given up, they say different things.
+    for harness in [&mut a, &mut b] {
+        for _ in 0..2 {
+            harness.state_mut().state.apply(Command::Lesson(LessonCommand::GiveUp));
+        }
+        settle(harness);
+        harness.run();
+    }
+    assert_ne!(said(&a), said(&b));
 }

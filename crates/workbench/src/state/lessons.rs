@@ -692,8 +692,13 @@ mod tests {
         let recording = debugger.recording();
         let events =
             (0..recording.len()).map(|event| tilescope_debugger::sentence(recording, event));
+        // What pages are sent, but what the run was made from.
+        let mut sent = state.to_json();
+        sent["parameters"] = serde_json::Value::Null;
         format!(
-            "{:?} {:?} {:?} {:?} {:?}",
+            "{sent} {:?} {:?} {:?} {:?} {:?} {:?} {:?}",
+            state.announcement(),
+            state.link(),
             session.summary,
             session.stages,
             run.moment_texts(),
