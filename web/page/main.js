@@ -214,6 +214,7 @@ const hooks = {
   state: (json) => {
     const told = JSON.parse(json);
     if (hasText) {
+      element("lesson").dataset.look = told.view.look;
       showLesson(told.lesson);
     }
     frame ? frame.state(told) : entitle(told);

@@ -133,6 +133,24 @@ async function reused(t) {
   return made;
 }
 
+test("a page of another origin opens a lesson, answers, and is told of the answer", async (t) => {
+  const { page, frame, origin, told, done } = await reused(t);
+  await done({ do: "lesson", open: "survivors", step: "one-of-two" });
+  const asked = await told((state) => state.lesson?.question);
+  assert.equal(asked.lesson.question.options.length, 3);
+  const [a, b] = asked.lesson.question.options.map((option) => Number(option[0].text.match(/\d+/)));
+  // The larger number is eliminated.
+  await done({ do: "answer", value: a < b ? 0 : 1 });
+  const wrong = await heard(page, ({ event }) => event === "answered");
+  assert.deepEqual([wrong.lesson, wrong.gate, wrong.score, wrong.done], ["survivors", "one-of-two", 0, false]);
+  await done({ do: "answer", value: a < b ? 1 : 0 });
+  const right = await heard(page, ({ event, tries }) => event === "answered" && tries === 2);
+  assert.deepEqual([right.score, right.done], [1, true]);
+  // The page around may bring its own text.
+  assert.equal(await frame.evaluate(() => document.getElementById("lesson").hidden), false);
+  await done({ do: "lesson", act: "leave" });
+});
+
 test("a page of another origin loads, steps, seeks and asks", async (t) => {
   const { page, origin, told, done } = await reused(t);
   await done({ do: "load", parameters: { seed: 21, radius: 0.03 } });

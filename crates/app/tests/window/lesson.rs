@@ -4,9 +4,10 @@ use egui::{Event, Key, Modifiers};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use tilescope_app::App;
+use tilescope_debugger::Direction;
 use tilescope_lessons::{Answer, Form};
 use tilescope_workbench::Command;
-use tilescope_workbench::lessons::LessonCommand;
+use tilescope_workbench::lessons::{DraftCommand, LessonCommand};
 
 use crate::support::{opened, settle};
 
@@ -153,10 +154,94 @@ fn the_accessibility_tree_says_nothing_of_what_follows_the_question() {
     // The control: once both have given up, they say different things.
     for harness in [&mut a, &mut b] {
         for _ in 0..2 {
-            harness.state_mut().state.apply(Command::Lesson(LessonCommand::GiveUp));
+            harness
+                .state_mut()
+                .state
+                .apply(Command::Lesson(LessonCommand::GiveUp));
         }
         settle(harness);
         harness.run();
     }
     assert_ne!(said(&a), said(&b));
+}
+
+/// The commands that put together the right answer to the open question.
+fn drafts(harness: &Harness<'_, App>) -> Vec<DraftCommand> {
+    let lessons = &harness.state().state.lessons;
+    let question = lessons.open_question().expect("a question");
+    let (_, traced) = lessons.open.as_ref().expect("a lesson").learner.tries();
+    let chosen = |all: Vec<usize>| all.into_iter().map(DraftCommand::Choose).collect();
+    match question.right_answer_at(traced) {
+        Answer::Choice(option) => chosen(vec![option]),
+        Answer::Pick(samples) => samples.into_iter().map(DraftCommand::Pick).collect(),
+        Answer::Place(place) => vec![DraftCommand::Place(place)],
+        Answer::Number(number) => vec![DraftCommand::Type(number.to_string())],
+        Answer::Order(order) => chosen(order),
+        Answer::Cut { axis, at } => vec![DraftCommand::Axis(axis), DraftCommand::Place([at, at])],
+        Answer::Bands(changes) => {
+            let bands = changes.into_iter().enumerate();
+            bands
+                .map(|(band, change)| DraftCommand::Band(band, change))
+                .collect()
+        }
+    }
+}
+
+#[test]
+fn every_lesson_can_be_played_to_its_end() {
+    let mut harness = opened();
+    let names: Vec<String> = harness
+        .state()
+        .state
+        .lessons
+        .shelf
+        .iter()
+        .map(|lesson| lesson.name.to_string())
+        .collect();
+    assert_eq!(names.len(), 13);
+    for (index, name) in names.iter().enumerate() {
+        let language = if index % 2 == 0 { "en" } else { "de" };
+        let send = |harness: &mut Harness<'_, App>, command| {
+            harness.state_mut().state.apply(Command::Lesson(command));
+            settle(harness);
+        };
+        send(&mut harness, LessonCommand::Language(language.to_owned()));
+        send(&mut harness, LessonCommand::Open(name.clone()));
+        let open = |harness: &Harness<'_, App>| {
+            let open = harness
+                .state()
+                .state
+                .lessons
+                .open
+                .as_ref()
+                .expect("a lesson");
+            let fault = open.fault.as_ref().map(ToString::to_string);
+            (
+                open.learner.index(),
+                open.learner.lesson().steps.len(),
+                fault,
+            )
+        };
+        let (_, steps, _) = open(&harness);
+        for step in 0..steps {
+            harness.run();
+            let (index, _, fault) = open(&harness);
+            assert_eq!((index, fault), (step, None), "{name}");
+            while harness.state().state.lessons.open_question().is_some() {
+                for command in drafts(&harness) {
+                    send(&mut harness, LessonCommand::Draft(command));
+                }
+                harness.run();
+                send(&mut harness, LessonCommand::Answer);
+            }
+            send(&mut harness, LessonCommand::Step(Direction::Forwards));
+        }
+        harness.run();
+    }
+    let results = &harness.state().state.lessons.results;
+    assert!(
+        results.entries.len() > 40 && results.share() > 0.999,
+        "{}",
+        results.share()
+    );
 }

@@ -105,7 +105,8 @@ pub fn browse(form: &FileForm, wake: &Wake) -> Job<Option<PathBuf>> {
         dialog = dialog.set_directory(folder);
     }
     match form.purpose {
-        Purpose::Save | Purpose::Open => dialog = dialog.add_filter("Sessions", &["json"]),
+        Purpose::Save => dialog = dialog.add_filter("Sessions", &["json"]),
+        Purpose::Open => dialog = dialog.add_filter("Sessions and lessons", &["json", "md"]),
         Purpose::Combination => dialog = dialog.add_filter("Layouts", &["json"]),
         Purpose::Pattern | Purpose::Against => {}
     }
