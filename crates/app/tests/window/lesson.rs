@@ -129,7 +129,7 @@ fn said(harness: &Harness<'_, App>) -> Vec<String> {
         let node = node.accesskit_node();
         [node.label(), node.value()]
     });
-    texts.flatten().map(|text| text.to_string()).collect()
+    texts.flatten().collect()
 }
 
 #[test]

@@ -407,7 +407,7 @@ impl State {
             .clone()
             .filter(|run| run.run().parameters == parameters);
         if let Some(run) = same {
-            self.arrive_at_step(&run)
+            self.arrive_at_step(&run);
         } else {
             open.run = None;
             self.links.arriving = None;
