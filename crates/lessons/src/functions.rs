@@ -38,6 +38,7 @@ pub(crate) struct Now {
     sets: Mutex<HashMap<usize, Arc<PointSet>>>,
     runs: Mutex<HashMap<String, Arc<PointSet>>>,
     gaps: Mutex<HashMap<usize, Arc<Tessellation>>>,
+    unsure: Mutex<HashMap<usize, Option<u32>>>,
 }
 
 fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
@@ -72,6 +73,7 @@ impl Now {
             sets: Mutex::default(),
             runs: Mutex::default(),
             gaps: Mutex::default(),
+            unsure: Mutex::default(),
         }
     }
 
@@ -440,13 +442,16 @@ impl Now {
     }
 
     fn first_unsure(&self) -> Found<Dynamic> {
+        let cursor = self.cursor();
+        if let Some(found) = lock(&self.unsure).get(&cursor) {
+            return Ok(maybe(*found));
+        }
         let set = self.set()?;
-        let found = set
-            .ids
-            .iter()
-            .copied()
-            .filter(|&s| self.unsure(s.into()))
-            .min();
+        self.spend(SET)?;
+        let mut ids = set.ids.clone();
+        ids.sort_unstable();
+        let found = ids.into_iter().find(|&s| self.unsure(s.into()));
+        lock(&self.unsure).insert(cursor, found);
         Ok(maybe(found))
     }
 

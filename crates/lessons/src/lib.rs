@@ -16,7 +16,7 @@
 //! objective: Say who is lost.
 //! ---
 //!
-//! # The first loss
+//! ## The first loss
 //!
 //! ```run
 //! moment: before eliminate
