@@ -8,6 +8,7 @@ mod file;
 mod go;
 mod keys;
 mod lessons;
+mod talk;
 
 use std::sync::LazyLock;
 
@@ -197,9 +198,11 @@ pub fn actions(state: &State) -> Vec<Action> {
     analyze::add(&mut list, state);
     compare::compare(&mut list, state);
     lessons::add(&mut list, state);
+    talk::add(&mut list, state);
     help(&mut list);
     lessons::lead(&mut list, state);
     list.escape(state);
+    talk::lead(&mut list, state);
     list.actions
 }
 

@@ -8,7 +8,6 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use thiserror::Error;
 
 use tilescope_workbench::command::Command;
-use tilescope_workbench::lessons::LessonCommand;
 
 use crate::app::App;
 
@@ -92,8 +91,8 @@ impl<A: eframe::App> eframe::App for Counted<A> {
 pub struct WindowOptions {
     /// A link to open: an address, or its fragment.
     pub link: Option<String>,
-    /// A lesson to open.
-    pub lesson: Option<LessonCommand>,
+    /// Commands to begin with, such as those that open a lesson.
+    pub commands: Vec<Command>,
     /// Its inner size in screen points.
     pub size: [f32; 2],
     /// Whether it opens in the light theme.
@@ -104,7 +103,7 @@ impl Default for WindowOptions {
     fn default() -> Self {
         Self {
             link: None,
-            lesson: None,
+            commands: Vec::new(),
             size: [1440.0, 900.0],
             light: false,
         }
@@ -139,7 +138,7 @@ pub fn run_native(options: &WindowOptions) -> Result<(), AppError> {
         ..eframe::NativeOptions::default()
     };
     let (light, link) = (options.light, options.link.clone());
-    let lesson = options.lesson.clone();
+    let commands = options.commands.clone();
     let frames = Arc::new(Frames::default());
     let counter = Arc::clone(&frames);
     let run = || {
@@ -152,7 +151,7 @@ pub fn run_native(options: &WindowOptions) -> Result<(), AppError> {
                     app.draw_with(render_state);
                 }
                 if let Some(storage) = creation.storage {
-                    app.remember(storage, link.is_none() && lesson.is_none());
+                    app.remember(storage, link.is_none() && commands.is_empty());
                 }
                 if light {
                     app.state.apply(tilescope_workbench::Command::Appearance(
@@ -164,8 +163,8 @@ pub fn run_native(options: &WindowOptions) -> Result<(), AppError> {
                         tilescope_workbench::command::LinkCommand::Open(link),
                     ));
                 }
-                if let Some(lesson) = lesson {
-                    app.state.apply(Command::Lesson(lesson));
+                for command in commands {
+                    app.state.apply(command);
                 }
                 let frames = counter;
                 Ok(Box::new(Counted { app, frames }))

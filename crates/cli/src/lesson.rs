@@ -12,7 +12,7 @@ use tilescope_lessons::results::{self, Results};
 use tilescope_lessons::{Checked, Lesson, LessonError, Runs, Translation, check, shipped};
 
 use crate::progress::Bar;
-use crate::{EXIT_FINE, EXIT_NEGATIVE, interrupt, output};
+use crate::{EXIT_FINE, EXIT_NEGATIVE, FromWindow, interrupt, output};
 
 /// Arguments of `tilescope lesson`.
 #[derive(Debug, Args)]
@@ -35,8 +35,22 @@ pub enum LessonCommand {
     },
     /// Open the window on a lesson
     Play {
-        /// A file, which is read again whenever it is saved, or the name of a lesson that comes with the program
+        /// A file, which is read again whenever it is saved, the name of a lesson that comes with the program, or
+        /// "lecture": the lecture of fifty minutes, in presenter mode
         lesson: String,
+        /// Begin in presenter mode: for a projector, led by a clicker, with notes in a second window
+        #[arg(long)]
+        present: bool,
+    },
+    /// Make a handout: one HTML file with a picture of each step, the questions and space to write
+    Handout(HandoutArguments),
+    /// Make a lesson of the scenes of a session, to be presented or given questions
+    From {
+        /// The session, NAME.tilescope
+        session: PathBuf,
+        /// The lesson, NAME.md; beside the session if not given
+        #[arg(long, value_name = "FILE")]
+        out: Option<PathBuf>,
     },
     /// List the lessons that come with the program
     List,
@@ -73,22 +87,60 @@ pub struct CheckArguments {
     json: bool,
 }
 
+/// What a handout holds.
+#[derive(Debug, Args)]
+pub struct HandoutArguments {
+    /// A file, or the name of a lesson that comes with the program
+    lesson: String,
+    /// The file to write
+    #[arg(long, value_name = "FILE.html")]
+    out: PathBuf,
+    /// Print the answers
+    #[arg(long)]
+    answers: bool,
+    /// Print the speaker's notes
+    #[arg(long)]
+    notes: bool,
+    /// The language: that of NAME.LANGUAGE.md
+    #[arg(long, value_name = "LANGUAGE", default_value = "en")]
+    language: String,
+}
+
+/// A handout to be made.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Handout {
+    /// The lesson's name and text.
+    pub lesson: (String, String),
+    /// The language, and the translation's text, if it is not that of the lesson.
+    pub language: (String, Option<String>),
+    /// Whether the answers are printed.
+    pub answers: bool,
+    /// Whether the speaker's notes are printed.
+    pub notes: bool,
+}
+
 const EXAMPLES: &str = "\
 Examples:
   tilescope lesson play gaps            the window, with a lesson that comes with the program
+  tilescope lesson play gaps --present  the same, for a projector and a clicker
+  tilescope lesson play lecture         the lecture of fifty minutes
+  tilescope lesson handout gaps --out gaps.html --answers
+  tilescope lesson from talk.tilescope  a lesson of a session's scenes
   tilescope lesson new mine.md          a lesson to begin with
   tilescope lesson check mine.md        every question, for 40 runs; exit code 1 if anything is wrong
   tilescope lesson translate mine.md de
   tilescope lesson results *.json --out class.csv";
 
 /// Runs `tilescope lesson`. Returns the exit code.
-pub fn run(arguments: &LessonArguments) -> Result<u8> {
+pub fn run(arguments: &LessonArguments, window: FromWindow) -> Result<u8> {
     interrupt::listen();
     match &arguments.command {
         LessonCommand::Check(arguments) => check_all(arguments),
         LessonCommand::New { file } => new(file),
         // The program opens the window before commands are run.
-        LessonCommand::Play { lesson } => bail!("there is no display to play {lesson} on"),
+        LessonCommand::Play { lesson, .. } => bail!("there is no display to play {lesson} on"),
+        LessonCommand::Handout(arguments) => handout(arguments, window),
+        LessonCommand::From { session, out } => from(session, out.as_deref(), window),
         LessonCommand::List => list(),
         LessonCommand::Keys(arguments) => keys(arguments),
         LessonCommand::Translate { file, language } => translate(file, language),
@@ -103,23 +155,27 @@ pub fn run(arguments: &LessonArguments) -> Result<u8> {
 /// Neither a file nor such a name.
 #[must_use]
 pub fn played(arguments: &LessonArguments) -> Option<Result<Played>> {
-    let LessonCommand::Play { lesson } = &arguments.command else {
+    let LessonCommand::Play { lesson, present } = &arguments.command else {
         return None;
     };
     let lessons = shipped::lessons();
+    if lesson == "lecture" {
+        return Some(Ok(Played::Lecture));
+    }
+    let presented = *present;
     if lessons.iter().any(|shipped| shipped.name == *lesson) {
-        return Some(Ok(Played::Shipped(lesson.clone())));
+        return Some(Ok(Played::Shipped(lesson.clone(), presented)));
     }
     let file = PathBuf::from(lesson);
     if file.is_file() {
-        return Some(Ok(Played::File(file)));
+        return Some(Ok(Played::File(file, presented)));
     }
     let names: Vec<&str> = lessons
         .iter()
         .map(|shipped| shipped.name.as_ref())
         .collect();
     Some(Err(anyhow::anyhow!(
-        "\"{lesson}\" is no file, and no lesson that comes with the program: {}",
+        "\"{lesson}\" is no file, and no lesson that comes with the program: lecture, {}",
         names.join(", ")
     )))
 }
@@ -127,10 +183,12 @@ pub fn played(arguments: &LessonArguments) -> Option<Result<Played>> {
 /// A lesson that is to be played.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Played {
-    /// One that comes with the program.
-    Shipped(String),
-    /// A file.
-    File(PathBuf),
+    /// One that comes with the program, and whether in presenter mode.
+    Shipped(String, bool),
+    /// A file, and whether in presenter mode.
+    File(PathBuf, bool),
+    /// The lecture of fifty minutes, in presenter mode.
+    Lecture,
 }
 
 /// A lesson file and its translations, as they are read.
@@ -339,6 +397,76 @@ fn list() -> Result<u8> {
     }
     output::emit(&text)?;
     Ok(EXIT_FINE)
+}
+
+/// Returns the name and the text of a lesson, and the text of its translation into a language.
+fn lesson_named(name: &str, language: &str) -> Result<(String, String, Option<String>)> {
+    let is_other = language != "en";
+    if let Some(shipped) = shipped::lessons().iter().find(|shipped| shipped.name == name) {
+        ensure!(
+            !is_other || language == "de",
+            "--language {language}: {name} comes in en and de"
+        );
+        let translation = is_other.then(|| shipped.german.to_string());
+        return Ok((name.to_owned(), shipped.text.to_string(), translation));
+    }
+    let file = Path::new(name);
+    ensure!(
+        file.is_file(),
+        "\"{name}\" is no file, and no lesson that comes with the program"
+    );
+    let name = name_of(file)?;
+    let translation = file.with_file_name(format!("{name}.{language}.md"));
+    let translation = is_other.then(|| read(&translation)).transpose()?;
+    Ok((name, read(file)?, translation))
+}
+
+fn handout(arguments: &HandoutArguments, window: FromWindow) -> Result<u8> {
+    let is_html = arguments.out.extension().is_some_and(|extension| extension == "html");
+    ensure!(is_html, "--out {}: the file is .html", arguments.out.display());
+    let (name, text, translation) = lesson_named(&arguments.lesson, &arguments.language)?;
+    let made = (window.handout)(Handout {
+        lesson: (name, text),
+        language: (arguments.language.clone(), translation),
+        answers: arguments.answers,
+        notes: arguments.notes,
+    });
+    let html = made.map_err(|fault| anyhow::anyhow!("{}: {fault}", arguments.lesson))?;
+    write(&arguments.out, &html)?;
+    output::emit(&format!("{}: {} bytes\n", arguments.out.display(), html.len()))?;
+    Ok(EXIT_FINE)
+}
+
+fn from(session: &Path, out: Option<&Path>, window: FromWindow) -> Result<u8> {
+    let out = out.map_or_else(|| session.with_extension("md"), Path::to_path_buf);
+    name_of(&out)?;
+    ensure!(
+        !out.exists(),
+        "{}: the file exists; it is not overwritten",
+        out.display()
+    );
+    let made = (window.lesson_of_session)(&read_session(session)?);
+    let text = made.map_err(|fault| anyhow::anyhow!("{}: {fault}", session.display()))?;
+    write(&out, &text)?;
+    output::emit(&format!(
+        "{0}\npresent it:  tilescope lesson play {0} --present\nprint it:    tilescope lesson handout {0} --out {1}\n",
+        out.display(),
+        out.with_extension("html").display()
+    ))?;
+    Ok(EXIT_FINE)
+}
+
+/// Larger sessions are not read.
+const MAX_SESSION: u64 = 16 << 20;
+
+fn read_session(file: &Path) -> Result<String> {
+    let length = fs::metadata(file).with_context(|| file.display().to_string())?.len();
+    ensure!(
+        length <= MAX_SESSION,
+        "{}: {length} bytes; at most {MAX_SESSION} are read",
+        file.display()
+    );
+    fs::read_to_string(file).with_context(|| file.display().to_string())
 }
 
 fn keys(arguments: &CheckArguments) -> Result<u8> {

@@ -149,9 +149,20 @@ fn plain(word: OsString) -> OsString {
     number.map_or(word, |number| number.to_string().into())
 }
 
-/// Runs a command and returns the process's exit code; errors go to standard error. `carry_out` runs the window's scripts.
+/// What the commands need of the window's crates, on which this one does not depend.
+#[derive(Clone, Copy)]
+pub struct FromWindow {
+    /// Carries out scripts.
+    pub script: script::CarryOut,
+    /// Makes a handout of a lesson, or says why there is none.
+    pub handout: fn(lesson::Handout) -> Result<String, String>,
+    /// Makes a lesson of the scenes of a saved session, or says why there is none.
+    pub lesson_of_session: fn(&str) -> Result<String, String>,
+}
+
+/// Runs a command and returns the process's exit code; errors go to standard error.
 #[must_use]
-pub fn run(command: &Command, carry_out: script::CarryOut) -> ExitCode {
+pub fn run(command: &Command, window: FromWindow) -> ExitCode {
     let outcome = match command {
         Command::Sample(arguments) => sample::run(arguments),
         Command::Verify(arguments) => verify::run(arguments),
@@ -164,9 +175,9 @@ pub fn run(command: &Command, carry_out: script::CarryOut) -> ExitCode {
         Command::Headless(arguments) => headless::run(arguments),
         Command::Gpu(arguments) => gpu::run(arguments),
         Command::Reproduce(arguments) => reproduce::run(arguments),
-        Command::Lesson(arguments) => lesson::run(arguments),
+        Command::Lesson(arguments) => lesson::run(arguments, window),
         Command::Web(arguments) => web::run(arguments),
-        Command::Script(arguments) => script::run(arguments, carry_out),
+        Command::Script(arguments) => script::run(arguments, window.script),
         Command::Completions { shell } => completions(*shell),
     };
     exit_code(outcome)

@@ -339,6 +339,16 @@ impl Learner {
         true
     }
 
+    /// Reveals the answer without recording anything, as a lecturer does who has let a class vote. Returns whether a
+    /// question was open.
+    pub fn reveal(&mut self) -> bool {
+        let is_open = self.is_open() && self.question.is_some();
+        if is_open {
+            self.attempt.state = Progress::GivenUp;
+        }
+        is_open
+    }
+
     /// Returns whether giving up was asked for once.
     #[must_use]
     pub const fn is_asked_to_give_up(&self) -> bool {

@@ -58,6 +58,7 @@ mod sets;
 pub mod shipped;
 mod syntax;
 mod translation;
+mod votes;
 
 pub use answer::{Answer, Change, CutAxis, Key, letter};
 pub use check::{Checked, Runs, check};
@@ -74,3 +75,4 @@ pub use question::{Curve, Form, Grade, MAX_CANDIDATES, Question, WrongAnswer};
 pub use read::{MAX_OPTIONS, MAX_STEPS};
 pub use scene::{Scene, record};
 pub use translation::Translation;
+pub use votes::{Advice, MAX_VOTES, RightShare, Vote, advice};

@@ -53,6 +53,18 @@ pub fn lessons() -> Vec<Shipped> {
     ]
 }
 
+/// A lecture of fifty minutes: its lessons, and the minutes of each.
+pub const LECTURE: [(&str, u32); 8] = [
+    ("welcome", 4),
+    ("maximal", 6),
+    ("spectrum", 7),
+    ("cuts", 5),
+    ("clips", 6),
+    ("losses", 8),
+    ("gaps", 8),
+    ("rounds", 6),
+];
+
 /// Returns lessons as JSON.
 #[must_use]
 pub fn to_json(lessons: &[Shipped]) -> String {

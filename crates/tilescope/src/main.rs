@@ -5,9 +5,43 @@ use std::io::Write;
 use std::process::ExitCode;
 
 use tilescope_app::WindowOptions;
-use tilescope_cli::lesson::Played;
-use tilescope_cli::{Arguments, HeadlessReason};
+use tilescope_cli::lesson::{Handout, Played};
+use tilescope_cli::{Arguments, FromWindow, HeadlessReason};
+use tilescope_workbench::Command;
+use tilescope_workbench::handout::{HandoutTask, handout};
 use tilescope_workbench::lessons::LessonCommand;
+use tilescope_workbench::scene_lesson::lesson_of_session;
+use tilescope_workbench::talk::TalkCommand;
+
+/// What the command line needs of the window's crates.
+const WINDOW: FromWindow = FromWindow {
+    script: tilescope_workbench::script::run,
+    handout: made_handout,
+    lesson_of_session,
+};
+
+fn made_handout(asked: Handout) -> Result<String, String> {
+    handout(HandoutTask {
+        lesson: asked.lesson,
+        language: asked.language,
+        answers: asked.answers,
+        notes: asked.notes,
+        record: None,
+    })
+}
+
+/// Returns the commands that open a lesson.
+fn opening(played: Played) -> Vec<Command> {
+    let (open, is_presented) = match played {
+        Played::Shipped(name, is_presented) => (LessonCommand::Open(name), is_presented),
+        Played::File(file, is_presented) => (LessonCommand::File(file), is_presented),
+        Played::Lecture => return vec![Command::Talk(TalkCommand::Lecture)],
+    };
+    let present = Command::Talk(TalkCommand::Lesson { from_start: true });
+    let mut commands = vec![Command::Lesson(open)];
+    commands.extend(is_presented.then_some(present));
+    commands
+}
 
 fn main() -> ExitCode {
     let arguments = Arguments::read();
@@ -21,7 +55,7 @@ fn main() -> ExitCode {
     };
     let can_play = played.is_some() && tilescope_app::display_available();
     if let (Some(command), false) = (&arguments.command, can_play) {
-        return tilescope_cli::run(command, tilescope_workbench::script::run);
+        return tilescope_cli::run(command, WINDOW);
     }
     let has_link = arguments.link.is_some();
     let without_window = |reason: &HeadlessReason| {
@@ -36,10 +70,7 @@ fn main() -> ExitCode {
     }
     let options = WindowOptions {
         link: arguments.link,
-        lesson: played.map(|played| match played {
-            Played::Shipped(name) => LessonCommand::Open(name),
-            Played::File(file) => LessonCommand::File(file),
-        }),
+        commands: played.map_or_else(Vec::new, opening),
         ..WindowOptions::default()
     };
     match tilescope_app::run_native(&options) {

@@ -24,6 +24,7 @@ use crate::layout::Panel;
 use crate::lessons::LessonCommand;
 use crate::passes::PassCommand;
 use crate::scenes::SceneCommand;
+use crate::talk::TalkCommand;
 
 /// A move in time.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -252,6 +253,8 @@ pub enum Command {
     Scene(SceneCommand),
     /// Opens lessons, and answers their questions.
     Lesson(LessonCommand),
+    /// Does something in presenter mode.
+    Talk(TalkCommand),
     /// Changes breakpoints, watches or the event browser.
     Debug(DebugCommand),
     /// Changes the view of a run.
@@ -322,6 +325,7 @@ impl Command {
                         | W::ResetLayout
                 )
                 | Self::OpenPasses
+                | Self::Talk(_)
                 | Self::Run
                 | Self::Undo
                 | Self::Redo

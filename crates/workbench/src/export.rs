@@ -10,7 +10,7 @@ pub mod frames;
 pub mod picture;
 mod provenance;
 pub mod refusal;
-mod surface;
+pub(crate) mod surface;
 pub mod write;
 
 use std::path::{Path, PathBuf};

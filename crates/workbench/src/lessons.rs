@@ -11,6 +11,9 @@ use tilescope_lessons::results::Results;
 use tilescope_lessons::{
     Answer, Change, CutAxis, Feedback, Form, Key, Learner, LessonError, Question, letter, shipped,
 };
+use tilescope_session::layers::{Layer, Layers};
+
+use crate::link::layer_name;
 
 /// An action in a lesson, or on the list of lessons.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -225,6 +228,8 @@ pub struct OpenLesson {
     pub learner: Learner,
     /// Where it comes from.
     pub source: LessonSource,
+    /// Its text.
+    pub(crate) text: String,
     /// The answer that is being put together.
     pub draft: AnswerDraft,
     /// What was said to the last answer.
@@ -368,10 +373,57 @@ pub enum MarkKind {
     Right,
 }
 
+/// Returns the layers of these names; names of no layer are left out.
+pub(crate) fn layers_named(names: &[String]) -> Layers {
+    let mut chosen = Layers::none();
+    for name in names {
+        let named = Layer::ALL.into_iter().find(|&layer| layer_name(layer) == *name);
+        if let Some(layer) = named.filter(|&layer| !chosen.has(layer)) {
+            chosen.toggle(layer);
+        }
+    }
+    chosen
+}
+
 /// A line or a box of a lesson on the canvas, by two corners in r.
 pub type MarkedBox = [DVec2; 2];
 
 impl OpenLesson {
+    /// Returns a lesson in which nothing was done yet.
+    pub(crate) fn new(learner: Learner, source: LessonSource) -> Self {
+        Self {
+            learner,
+            source,
+            text: String::new(),
+            draft: AnswerDraft::default(),
+            feedback: None,
+            lacking: None,
+            fault: None,
+            hint: None,
+            run: None,
+            missed: 0,
+            changed: None,
+            hid_sides: false,
+        }
+    }
+
+    /// Returns the layers of the step, by name: after the answer also those that the question shows then. None for those of
+    /// the stage.
+    pub(crate) fn layers(&self) -> Option<Vec<String>> {
+        let step = self.learner.step();
+        let mut layers = step.scene.layers.clone()?;
+        if let (Some(gate), false) = (&step.gate, self.learner.is_open()) {
+            layers.extend(gate.shows.iter().cloned());
+        }
+        Some(layers)
+    }
+
+    /// Returns the place that the camera shows and how many r around it; None for the whole domain.
+    pub(crate) fn camera(&self) -> Option<([f64; 2], f64)> {
+        let camera = &self.learner.step().scene.camera;
+        self.learner.scene()?.camera(camera).ok().flatten()
+    }
+
     /// Returns the marks of the step.
     #[must_use]
     pub fn marks(&self) -> Vec<Mark> {

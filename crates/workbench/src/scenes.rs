@@ -37,6 +37,19 @@ pub enum SceneList {
     Tour,
 }
 
+/// Returns the caption that is shown, and the speaker's note, which follows a line of three hyphens.
+#[must_use]
+pub fn split_caption(caption: &str) -> (&str, &str) {
+    let mut at = 0;
+    for line in caption.split_inclusive('\n') {
+        if line.trim() == "---" {
+            return (caption[..at].trim_end(), caption[at + line.len()..].trim());
+        }
+        at += line.len();
+    }
+    (caption, "")
+}
+
 /// The scene that is shown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ShownScene {

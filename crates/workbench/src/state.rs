@@ -11,6 +11,7 @@ use crate::export::ExportCommand;
 use crate::layout::Panel;
 use crate::lessons::Lessons;
 use crate::scenes::ShownScene;
+use crate::talk::Talks;
 use crate::thumbnails::Thumbnails;
 use effects::{Context, Effect};
 pub use export::{ExportSource, Exports};
@@ -108,12 +109,16 @@ pub struct State {
     pub scene: Option<ShownScene>,
     /// Lessons: the one that is open, the list, the results.
     pub lessons: Lessons,
+    /// Presenter mode.
+    pub talks: Talks,
     /// The scenes' pictures.
     pub thumbnails: Thumbnails,
     /// Links.
     pub links: Links,
     /// Messages to the user.
     pub messages: Messages,
+    /// The run that was shown before scenes were presented.
+    set_aside: Option<Box<RunView>>,
     history: undo::History,
     jobs: JobContext,
 }
@@ -133,9 +138,11 @@ impl State {
             analysis: Analysis::default(),
             scene: None,
             lessons: Lessons::default(),
+            talks: Talks::default(),
             thumbnails: Thumbnails::default(),
             links: Links::default(),
             messages: Messages::default(),
+            set_aside: None,
             history: undo::History::default(),
             jobs: JobContext {
                 wake,
@@ -264,6 +271,7 @@ impl State {
             }
             Command::Scene(command) => self.apply_to_scenes(command),
             Command::Lesson(command) => self.apply_to_lessons(command),
+            Command::Talk(command) => self.apply_to_talk(command),
             Command::Debug(command) => {
                 self.on(Which::First, |run, context| {
                     run.apply_to_debugger(command, context);
@@ -399,6 +407,7 @@ mod parts;
 mod remote;
 pub mod run_view;
 mod scenes;
+mod talk;
 #[cfg(test)]
 mod tests;
 mod time;

@@ -41,6 +41,8 @@ tasks! {
     crate::files::ReadTask,
     crate::state::export::ExportTask,
     crate::thumbnails::ThumbnailTask,
+    crate::lesson_picture::StepPictureTask,
+    crate::handout::HandoutTask,
 }
 
 #[cfg(test)]

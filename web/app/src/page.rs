@@ -374,7 +374,7 @@ impl Page {
             hooks::announce(announcement.as_deref().unwrap_or_default());
             self.announcement = announcement;
         }
-        let wants = self.app.state.lessons.wants_shelf();
+        let wants = self.app.state.wants_lessons();
         if wants && !self.asked_for_lessons {
             hooks::lessons();
         }

@@ -6,7 +6,7 @@ use tilescope_drawing::palette::Palette;
 use tilescope_ui::theme::{is_for_fingers, semibold};
 use tilescope_ui::widgets::{Known, primary_button};
 use tilescope_workbench::command::Command;
-use tilescope_workbench::scenes::{SceneCommand, SceneList, ShownScene};
+use tilescope_workbench::scenes::{SceneCommand, SceneList, ShownScene, split_caption};
 use tilescope_workbench::state::State;
 use tilescope_workbench::tour::tour;
 
@@ -64,7 +64,7 @@ pub fn show(ui: &Ui, state: &State, commands: &mut Vec<Command>) {
                         ui.label(RichText::new(&of_tour.title).font(FontId::new(size, semibold())))
                             .known_as("caption-title");
                     }
-                    let text = RichText::new(&scene.caption).size(size);
+                    let text = RichText::new(split_caption(&scene.caption).0).size(size);
                     let response = ui.add(Label::new(text).wrap());
                     read_out(ui, &response);
                     response.known_as("caption");

@@ -16,7 +16,7 @@ const LINE_HEIGHT: f32 = 1.27;
 const ARC_ERROR: f32 = 0.02;
 
 /// Returns a colour of the window for a picture.
-pub(super) fn color(color: Color32) -> Color {
+pub(crate) fn color(color: Color32) -> Color {
     let [red, green, blue, alpha] = color.to_srgba_unmultiplied();
     with_alpha([red, green, blue, 255], alpha)
 }

@@ -326,6 +326,9 @@ impl State {
         );
         let mut saved = debugger.session();
         saved.view = self.view().to_json();
+        if let (Some(record), Some(view)) = (self.saved_record(), saved.view.as_object_mut()) {
+            view.insert("talk".to_owned(), serde_json::json!(record));
+        }
         saved.pattern = session.own.as_ref().map(|own| own.file.clone());
         Some(saved)
     }

@@ -407,6 +407,7 @@ impl State {
         match read {
             Ok(lessons) => {
                 self.lessons.shelf = lessons;
+                self.begin_wanted_talk();
                 if let Some(wanted) = self.lessons.wanted.take() {
                     self.open_wanted(wanted);
                 }

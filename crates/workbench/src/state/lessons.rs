@@ -8,7 +8,6 @@ use std::sync::Arc;
 use tilescope_debugger::{Direction, Recording};
 use tilescope_lessons::{Arrival, Learner, Lesson, LessonError, MAX_BYTES, Translation, results};
 use tilescope_session::incoming::NamedBytes;
-use tilescope_session::layers::{Layer, Layers};
 use tilescope_session::recipe::Recipe;
 use tilescope_session::selection::Selection;
 use tilescope_session::session::Session;
@@ -20,8 +19,8 @@ use crate::device::EngineChoice;
 use crate::files::{FileCommand, Purpose};
 use crate::lessons::{
     AnswerDraft, DraftCommand, GivenAnswer, LessonCommand, LessonSource, OpenLesson, WantedLesson,
+    layers_named,
 };
-use crate::link::layer_name;
 use crate::scenes::SceneCommand;
 
 /// The name of files of results.
@@ -185,18 +184,11 @@ impl State {
             hid_sides = true;
         }
         (self.lessons.lists, self.scene, self.messages.notice) = (false, None, None);
+        let learner = Learner::new(Arc::new(lesson), translation);
         self.lessons.open = Some(Box::new(OpenLesson {
-            learner: Learner::new(Arc::new(lesson), translation),
-            source,
-            draft: AnswerDraft::default(),
-            feedback: None,
-            lacking: None,
-            fault: None,
-            hint: None,
-            run: None,
-            missed: 0,
-            changed: None,
             hid_sides,
+            text: text.to_owned(),
+            ..OpenLesson::new(learner, source)
         }));
         self.enter_step(step);
     }
@@ -257,33 +249,40 @@ impl State {
             ),
             _ => (results.to_json(), "json"),
         };
+        let path = wanted.contains('.').then(|| PathBuf::from(wanted));
+        self.save_text(RESULTS, extension, path, &text);
+    }
+
+    /// Writes a text to a file, by default to a new one beside where the program runs; on a page, downloads it.
+    pub(super) fn save_text(
+        &mut self,
+        stem: &str,
+        extension: &str,
+        path: Option<PathBuf>,
+        text: &str,
+    ) {
         if self.files.in_browser() {
-            let file = NamedBytes::new(format!("{RESULTS}.{extension}"), text);
+            let file = NamedBytes::new(format!("{stem}.{extension}"), text.to_owned());
             self.files.downloads.push(file);
             return;
         }
         let named = |number: usize| match number {
-            0 => PathBuf::from(format!("{RESULTS}.{extension}")),
-            _ => PathBuf::from(format!("{RESULTS}-{number}.{extension}")),
+            0 => PathBuf::from(format!("{stem}.{extension}")),
+            _ => PathBuf::from(format!("{stem}-{number}.{extension}")),
         };
-        let path = if wanted.contains('.') {
-            Some(PathBuf::from(wanted))
-        } else {
-            (0..1_000).map(named).find(|path| !path.exists())
-        };
-        self.write_results(&path.unwrap_or_default(), &text);
+        let path = path.or_else(|| (0..1_000).map(named).find(|path| !path.exists()));
+        self.write_text(&path.unwrap_or_default(), text);
     }
 
     #[cfg(target_arch = "wasm32")]
-    fn write_results(&mut self, _: &Path, _: &str) {}
+    fn write_text(&mut self, _: &Path, _: &str) {}
 
     #[cfg(not(target_arch = "wasm32"))]
-    fn write_results(&mut self, path: &Path, text: &str) {
+    fn write_text(&mut self, path: &Path, text: &str) {
         match tilescope_formats::write_whole(path, text.as_bytes()) {
             Ok(()) => {
                 let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
-                let text = format!("The results are in {}.", path.display());
-                let mut notice = super::Notice::new(text, false);
+                let mut notice = super::Notice::new(format!("Saved as {}.", path.display()), false);
                 notice.folder = path.parent().map(Path::to_owned);
                 self.messages.notice = Some(notice);
             }
@@ -386,7 +385,7 @@ impl State {
         }
     }
 
-    fn enter_step(&mut self, index: usize) {
+    pub(super) fn enter_step(&mut self, index: usize) {
         if let Some(open) = &mut self.lessons.open {
             open.learner.go(index);
             open.missed = 0;
@@ -470,7 +469,7 @@ impl State {
     }
 
     /// Shows the moment of the step: up to it if a question is open, otherwise in the whole run.
-    fn show_moment(&mut self) {
+    pub(super) fn show_moment(&mut self) {
         let Some(open) = &self.lessons.open else {
             return;
         };
@@ -481,25 +480,8 @@ impl State {
         let Some(open) = &self.lessons.open else {
             return;
         };
-        let step = open.learner.step();
-        let mut layers = step.scene.layers.clone();
-        let is_open = open.learner.is_open();
-        if let (Some(layers), Some(gate), false) = (&mut layers, &step.gate, is_open) {
-            layers.extend(gate.shows.iter().cloned());
-        }
-        let camera = open
-            .learner
-            .scene()
-            .and_then(|scene| scene.camera(&step.scene.camera).ok().flatten());
-        self.appearance.chosen_layers = layers.map(|names| {
-            let mut chosen = Layers::none();
-            for layer in names.iter().filter_map(|name| layer_named(name)) {
-                if !chosen.has(layer) {
-                    chosen.toggle(layer);
-                }
-            }
-            chosen
-        });
+        let camera = open.camera();
+        self.appearance.chosen_layers = open.layers().map(|names| layers_named(&names));
         self.on(Which::First, |run, context| {
             let before = run.stage;
             run.jump(cursor);
@@ -586,13 +568,6 @@ impl State {
         }
         self.show_moment();
     }
-}
-
-/// Returns the layer of a name in links and lessons.
-fn layer_named(name: &str) -> Option<Layer> {
-    Layer::ALL
-        .into_iter()
-        .find(|&layer| layer_name(layer) == name)
 }
 
 #[cfg(test)]

@@ -7,7 +7,7 @@ use tilescope_session::selection::Selection;
 use super::{RunView, State};
 use crate::command::{Command, FormCommand, Which};
 use crate::layout::Panel;
-use crate::scenes::{SceneCommand, SceneList, ShownScene};
+use crate::scenes::{SceneCommand, SceneList, ShownScene, split_caption};
 use crate::tour::tour;
 use crate::view::{SavedView, SceneCamera};
 
@@ -21,7 +21,7 @@ pub(super) fn caption_of(run: &RunView, shown: Option<ShownScene>) -> Option<&st
         SceneList::Tour => &tour().get(index)?.scene,
         SceneList::Own => run.debugger.as_ref()?.scenes.get(index)?,
     };
-    Some(&scene.caption)
+    Some(split_caption(&scene.caption).0)
 }
 
 impl State {

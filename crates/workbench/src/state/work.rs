@@ -85,6 +85,8 @@ impl State {
         });
         self.want_analysis();
         self.follow_thumbnails();
+        self.follow_talk();
+        self.follow_handout();
         self.in_exports(|exports, source, _, _| exports.count_frames(source));
         let flies = self.advance_second(dt_secs);
         self.follow_passes();
@@ -198,6 +200,7 @@ impl State {
             run.hits.settle();
         });
         self.settle_thumbnails();
+        self.settle_talk();
         self.in_exports(|exports, _, _, context| exports.settle(context));
     }
 
