@@ -1,0 +1,359 @@
+//! Handouts of lessons: one HTML file with a picture of each step, the questions, and space to write, which prints on A4
+//! and on Letter.
+
+use std::fmt::Write as _;
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+use tilescope_figures::{escape, to_svg};
+use tilescope_lessons::{
+    Change, Curve, CutAxis, Form, Lesson, Question, Style, Translation, letter, spans,
+};
+use tilescope_session::jobs::Monitor;
+use tilescope_session::task::Task;
+
+use crate::lesson_labels::{LessonLabels, lesson_labels};
+use crate::lesson_picture::{PictureStyle, picture, step_at};
+use crate::lessons::OpenLesson;
+use crate::talk::TalkRecord;
+
+/// Width and height of a picture, in points.
+const PICTURE: [f64; 2] = [420.0, 330.0];
+/// Width and height of a plot, and the highest frequency and power in it.
+const PLOT: [f64; 2] = [320.0, 90.0];
+const REACH: [f64; 2] = [3.0, 3.0];
+
+/// The task of making a handout. Its outcome is the file, or a sentence that says why there is none.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct HandoutTask {
+    /// The lesson's name and text.
+    pub lesson: (String, String),
+    /// The language of the words around it, and the translation's text, if it has one.
+    pub language: (String, Option<String>),
+    /// Whether the answers are printed.
+    pub answers: bool,
+    /// Whether the speaker's notes are printed.
+    pub notes: bool,
+    /// Drawings and votes of a talk.
+    pub record: Option<TalkRecord>,
+}
+
+/// Makes a handout; returns the file.
+///
+/// # Errors
+///
+/// A sentence: a fault of the lesson, or a step whose run has no such moment.
+pub fn handout(task: HandoutTask) -> Result<String, String> {
+    task.run(&Monitor::reporting(|_, _| {}))
+}
+
+impl Task for HandoutTask {
+    type Outcome = Result<String, String>;
+    const NAME: &'static str = "handout";
+
+    fn run(self, monitor: &Monitor) -> Self::Outcome {
+        let (name, text) = &self.lesson;
+        let lesson = Lesson::read(name, text).map_err(|error| error.to_string())?;
+        let translation = match &self.language.1 {
+            Some(text) => Translation::read(text).map_err(|error| error.to_string())?,
+            None => Translation::default(),
+        };
+        self.html(&Arc::new(lesson), &Arc::new(translation), monitor)
+    }
+}
+
+impl HandoutTask {
+    fn html(
+        &self,
+        lesson: &Arc<Lesson>,
+        translation: &Arc<Translation>,
+        monitor: &Monitor,
+    ) -> Result<String, String> {
+        let language = &self.language.0;
+        let labels = lesson_labels(language);
+        let title = escape(translation.of(&lesson.title));
+        let mut html = format!(
+            "<!doctype html>\n<html lang=\"{}\">\n<head>\n<meta charset=\"utf-8\">\n\
+             <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
+             <title>{title}</title>\n<style>{CSS}</style>\n</head>\n<body>\n<h1>{title}</h1>\n<p class=\"objective\">{}</p>\n",
+            if language.is_empty() { "en" } else { language },
+            escape(translation.of(&lesson.objective)),
+        );
+        let mut last = None;
+        for index in 0..lesson.steps.len() {
+            monitor.set_fraction(index as f32 / lesson.steps.len() as f32);
+            if monitor.is_cancelled() {
+                return Err("The handout was cancelled.".to_owned());
+            }
+            let step = step_at(lesson, translation, index, false, &mut last);
+            let mut step = step.map_err(|fault| format!("Step {}: {fault}.", index + 1))?;
+            self.section(&mut html, index, &mut step, labels)?;
+        }
+        html.push_str("</body>\n</html>\n");
+        Ok(html)
+    }
+
+    fn section(
+        &self,
+        html: &mut String,
+        index: usize,
+        open: &mut OpenLesson,
+        labels: &LessonLabels,
+    ) -> Result<(), String> {
+        let step = open.learner.step().clone();
+        let key = format!("{}/{}", open.learner.lesson().name, step.name);
+        let strokes = self.record.as_ref().map_or(&[][..], |record| record.strokes_in(&key));
+        let style = PictureStyle {
+            size: PICTURE,
+            dark: false,
+        };
+        let svg = to_svg(&picture(open, style, strokes)).map_err(|error| error.to_string())?;
+        let heading = escape(&open.learner.words(&step.title));
+        let _ = write!(
+            html,
+            "<section>\n<h2>{}. {heading}</h2>\n<div class=\"step\">\n<img alt=\"{heading}\" width=\"{}\" height=\"{}\" src=\"{}\">\n<div>\n",
+            index + 1,
+            PICTURE[0],
+            PICTURE[1],
+            data_url(&svg),
+        );
+        for paragraph in &step.text {
+            put(html, &open.learner.words(paragraph));
+        }
+        html.push_str("</div>\n</div>\n");
+        if let Some(question) = open.learner.question() {
+            ask(html, question, labels);
+            if self.answers {
+                open.learner.reveal();
+                let answer = open.learner.right_answer().unwrap_or_default();
+                let _ = write!(
+                    html,
+                    "<div class=\"answer\"><p><strong>{}</strong> {}</p>",
+                    labels.the_answer,
+                    inline(&answer)
+                );
+                for paragraph in &step.after {
+                    put(html, &open.learner.words(paragraph));
+                }
+                html.push_str("</div>\n");
+            } else {
+                html.push_str("<div class=\"lines\"></div>\n");
+            }
+        }
+        if self.notes {
+            for note in &step.notes {
+                let _ = writeln!(html, "<p class=\"note\">{}</p>", inline(note));
+            }
+        }
+        html.push_str("</section>\n");
+        Ok(())
+    }
+}
+
+/// Writes a question and what there is to choose from.
+fn ask(html: &mut String, question: &Question, labels: &LessonLabels) {
+    let _ = writeln!(html, "<p class=\"ask\">{}</p>", inline(question.ask(0)));
+    let list = |html: &mut String, items: &mut dyn Iterator<Item = String>| {
+        html.push_str("<ol class=\"options\" type=\"A\">\n");
+        for item in items {
+            let _ = writeln!(html, "<li>{item}</li>");
+        }
+        html.push_str("</ol>\n");
+    };
+    match &question.form {
+        Form::Choice { options, curves } => {
+            let plots = |index: usize| curves.get(index).map_or_else(String::new, |curve| plot(&[curve]));
+            let options = options.iter().enumerate();
+            list(html, &mut options.map(|(index, text)| inline(text) + plots(index).as_str()));
+        }
+        Form::Trace { options, .. } => list(html, &mut options.iter().map(|text| inline(text))),
+        Form::Order { items } => list(html, &mut items.iter().map(|text| inline(text))),
+        Form::Pick { candidates, .. } => {
+            let numbers: Vec<String> = candidates.iter().map(u32::to_string).collect();
+            let _ = writeln!(html, "<p class=\"choices\">{}</p>", numbers.join(" &#160; "));
+        }
+        Form::Place { candidates } => {
+            let letters: Vec<String> = (0..candidates.len()).map(|k| letter(k).to_string()).collect();
+            let _ = writeln!(html, "<p class=\"choices\">{}</p>", letters.join(" &#160; "));
+        }
+        Form::Number { unit } => {
+            let _ = writeln!(html, "<p class=\"choices\">_______ {}</p>", escape(unit));
+        }
+        Form::Cut { candidates, .. } => {
+            let cuts = candidates.iter().map(|(axis, at)| match axis {
+                CutAxis::X => format!("{}, x = {at:.1} r", labels.vertical),
+                CutAxis::Y => format!("{}, y = {at:.1} r", labels.horizontal),
+            });
+            list(html, &mut { cuts });
+        }
+        Form::Bands { bands, curves } => {
+            html.push_str(&plot(&[&curves[0]]));
+            let rows = bands.iter().map(|[low, high]| {
+                let changes = Change::ALL.map(|change| match change {
+                    Change::Up => labels.up,
+                    Change::Same => labels.same,
+                    Change::Down => labels.down,
+                });
+                format!("{low:.2} \u{2013} {high:.2} / r: {}", changes.join(" / "))
+            });
+            list(html, &mut { rows });
+        }
+    }
+}
+
+/// Returns a plot of spectra: power by frequency in 1/r.
+fn plot(curves: &[&Curve]) -> String {
+    let [width, height] = PLOT;
+    let place = |[x, y]: [f64; 2]| {
+        let at = [x / REACH[0] * width, height * (1.0 - (y / REACH[1]).min(1.0))];
+        format!("{:.1},{:.1}", at[0], at[1])
+    };
+    let line = |points: &str, style: &str| {
+        format!("<polyline points=\"{points}\" fill=\"none\" stroke=\"{style}\"/>")
+    };
+    let mut svg = format!(
+        "<svg class=\"plot\" viewBox=\"0 0 {width} {}\" width=\"{width}\" role=\"img\">",
+        height + 16.0
+    );
+    for level in [0.0, 1.0] {
+        let ends = [place([0.0, level]), place([REACH[0], level])].join(" ");
+        svg.push_str(&line(&ends, "#999"));
+    }
+    for tick in ["0.5", "1", "1.5", "2", "2.5"] {
+        let at = tick.parse::<f64>().unwrap_or_default() / REACH[0] * width;
+        let _ = write!(
+            svg,
+            "<text x=\"{at:.1}\" y=\"{}\" font-size=\"11\" text-anchor=\"middle\">{tick}</text>",
+            height + 13.0
+        );
+    }
+    for curve in curves {
+        let inside = curve.iter().filter(|[x, _]| *x <= REACH[0]);
+        let points: Vec<String> = inside.map(|&at| place(at)).collect();
+        svg.push_str(&line(&points.join(" "), "#1f5fd0"));
+    }
+    svg.push_str("</svg>");
+    svg
+}
+
+/// Writes a paragraph, or an item of a list.
+fn put(html: &mut String, paragraph: &str) {
+    let (class, text) = match paragraph.strip_prefix("- ") {
+        Some(item) => (" class=\"item\"", format!("\u{2022} {item}")),
+        None => ("", paragraph.to_owned()),
+    };
+    let _ = writeln!(html, "<p{class}>{}</p>", inline(&text));
+}
+
+/// Returns a paragraph of a lesson as HTML; nothing of it is read as HTML.
+fn inline(paragraph: &str) -> String {
+    let parts = spans(paragraph).into_iter().map(|span| {
+        let text = escape(&span.text);
+        match span.style {
+            Style::Plain => text,
+            Style::Emphasis => format!("<em>{text}</em>"),
+            Style::Strong => format!("<strong>{text}</strong>"),
+            Style::Code => format!("<code>{text}</code>"),
+        }
+    });
+    parts.collect()
+}
+
+/// Returns a picture as an address. Several pictures within one document would share the names of their parts.
+fn data_url(svg: &str) -> String {
+    let mut url = "data:image/svg+xml,".to_owned();
+    for c in svg.chars() {
+        match c {
+            '%' => url.push_str("%25"),
+            '#' => url.push_str("%23"),
+            '<' => url.push_str("%3C"),
+            '>' => url.push_str("%3E"),
+            '"' => url.push_str("%22"),
+            '\n' => url.push_str("%0A"),
+            c => url.push(c),
+        }
+    }
+    url
+}
+
+const CSS: &str = "
+@page { margin: 15mm; }
+body { font: 11pt/1.45 'Segoe UI', 'Helvetica Neue', Helvetica, Arial, sans-serif; color: #111; max-width: 180mm; margin: 0 auto; padding: 4mm; }
+h1 { font-size: 20pt; margin: 0 0 2mm; }
+h2 { font-size: 13pt; margin: 0 0 2mm; }
+p { margin: 0 0 2mm; }
+.objective { color: #444; margin-bottom: 6mm; }
+section { break-inside: avoid; border-top: 0.3mm solid #bbb; padding: 4mm 0 3mm; }
+.step { display: grid; grid-template-columns: 78mm 1fr; gap: 5mm; align-items: start; }
+.step img { width: 78mm; height: auto; border: 0.2mm solid #ccc; }
+.ask { font-weight: 600; margin-top: 2mm; }
+.options { margin: 0 0 2mm; padding-left: 7mm; }
+.options li { margin-bottom: 1mm; }
+.choices { letter-spacing: 0.03em; }
+.item { padding-left: 4mm; }
+.plot { display: block; max-width: 90mm; margin: 1mm 0 2mm; }
+.lines { height: 21mm; background: repeating-linear-gradient(#fff 0 6.8mm, #aaa 6.8mm 7mm); print-color-adjust: exact; }
+.answer { border-left: 1mm solid #2a7d3f; padding-left: 3mm; }
+.note { border-left: 1mm solid #888; padding-left: 3mm; color: #444; font-style: italic; }
+code { font-family: 'DejaVu Sans Mono', Consolas, monospace; font-size: 0.92em; }
+@media (max-width: 600px) { .step { grid-template-columns: 1fr; } .step img { width: 100%; } }
+";
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use tilescope_lessons::shipped;
+
+    fn made(task: HandoutTask) -> String {
+        handout(task).unwrap()
+    }
+
+    fn survivors() -> HandoutTask {
+        let all = shipped::lessons();
+        let lesson = all.iter().find(|lesson| lesson.name == "survivors").unwrap();
+        HandoutTask {
+            lesson: (lesson.name.to_string(), lesson.text.to_string()),
+            ..HandoutTask::default()
+        }
+    }
+
+    #[test]
+    fn a_handout_has_a_picture_a_step_and_tells_answers_and_notes_on_request_only() {
+        let task = survivors();
+        let lesson = Lesson::read("survivors", &task.lesson.1).unwrap();
+        let plain = made(task.clone());
+        assert_eq!(plain.matches("data:image/svg+xml,").count(), lesson.steps.len());
+        assert!(plain.contains("class=\"lines\""));
+        let note = inline(&lesson.steps.iter().flat_map(|step| &step.notes).next().unwrap().clone());
+        let after = lesson.gates().next().unwrap().0.after[0].split(['{', '*', '`']).next().unwrap().trim().to_owned();
+        assert!(!plain.contains("The answer:") && !plain.contains(&note) && !plain.contains(&after));
+        let full = made(HandoutTask {
+            answers: true,
+            notes: true,
+            ..task
+        });
+        assert!(full.contains("The answer:") && full.contains(&note) && full.contains(&after));
+    }
+
+    #[test]
+    fn nothing_of_a_lesson_is_read_as_html() {
+        let text = "---\ntitle: <script>alert(1)</script>\nobjective: a & b\n---\n# One <b>bold</b>\n```run\nradius: 0.06\nleaf: 6\nmoment: end of tile\n```\nText <img src=x>.\n";
+        let html = made(HandoutTask {
+            lesson: ("x".to_owned(), text.to_owned()),
+            ..HandoutTask::default()
+        });
+        assert!(!html.contains("<script") && !html.contains("<b>") && !html.contains("<img src=x"));
+        assert!(html.contains("a &amp; b"));
+    }
+
+    #[test]
+    fn a_fault_names_its_step() {
+        let text = "---\ntitle: T\nobjective: O\n---\n# S\n```run\nradius: 0.06\nleaf: 6\nmoment: end of iterate-40\n```\n";
+        let task = HandoutTask {
+            lesson: ("x".to_owned(), text.to_owned()),
+            ..HandoutTask::default()
+        };
+        let error = handout(task).unwrap_err();
+        assert!(error.contains("Step 1") && error.contains("no such moment"), "{error}");
+    }
+}

@@ -1,0 +1,223 @@
+//! Pictures of a lesson's steps: for the lecturer, who sees the next step before the class does, and for handouts.
+
+use std::sync::Arc;
+
+use emath::{Pos2, Rect};
+use glam::DVec2;
+use serde::{Deserialize, Serialize};
+use tilescope_core::{Pattern, SampleError, Unobserved};
+use tilescope_debugger::Recording;
+use tilescope_drawing::camera::Camera;
+use tilescope_figures::{Group, Scene, Shape, Stroke, Style, Text, to_pixels, to_svg};
+use tilescope_lessons::{Arrival, Learner, Lesson, Translation, record};
+use tilescope_session::jobs::Monitor;
+use tilescope_session::layers::Colouring;
+use tilescope_session::moment::Moment;
+use tilescope_session::selection::Selection;
+use tilescope_session::session::Session;
+use tilescope_session::task::Task;
+
+use crate::export::picture::thumbnail;
+use crate::export::surface::color;
+use crate::export::{MomentView, PictureView};
+use crate::pen::PenStroke;
+use crate::lessons::{LessonSource, MarkKind, OpenLesson, layers_named};
+use crate::thumbnails::Thumbnail;
+
+/// How a picture of a step is drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PictureStyle {
+    /// Width and height in points.
+    pub size: [f64; 2],
+    /// Whether it is light on dark.
+    pub dark: bool,
+}
+
+/// Returns a lesson's step at its moment, with its question, or revealed. `last` is the run of another step, which is used
+/// again if it is the same.
+///
+/// # Errors
+///
+/// A sentence, if the run cannot be made, has no such moment, or the lesson has a fault.
+pub fn step_at(
+    lesson: &Arc<Lesson>,
+    translation: &Arc<Translation>,
+    index: usize,
+    is_revealed: bool,
+    last: &mut Option<Arc<Recording>>,
+) -> Result<OpenLesson, String> {
+    let mut learner = Learner::new(Arc::clone(lesson), Arc::clone(translation));
+    learner.go(index);
+    let parameters = learner.parameters();
+    let run = match last.take() {
+        Some(run) if run.run().parameters == parameters => run,
+        _ => {
+            let made = Pattern::of_spec(&parameters.pattern, &mut Unobserved)
+                .and_then(|pattern| record(&parameters, &pattern, &mut Unobserved));
+            made.map_err(|error: SampleError| error.to_string())?
+        }
+    };
+    let arrival = learner.arrive(&run, 0.0).map_err(|error| error.to_string())?;
+    if arrival == Arrival::NoMoment {
+        let line = learner.step().scene.line;
+        return Err(format!("line {line}: the run has no such moment"));
+    }
+    if is_revealed {
+        learner.reveal();
+    }
+    *last = Some(Arc::clone(&run));
+    let mut open = OpenLesson::new(learner, LessonSource::Text);
+    open.run = Some(run);
+    Ok(open)
+}
+
+/// Draws a step that [`step_at`] returned, with the lecturer's strokes over it.
+#[must_use]
+pub fn picture(open: &OpenLesson, style: PictureStyle, strokes: &[PenStroke]) -> Scene {
+    let [width, height] = style.size;
+    let frame = Rect::from_min_size(Pos2::ZERO, style.size.map(|side| side as f32).into());
+    let palette = if style.dark {
+        &tilescope_drawing::palette::DARK
+    } else {
+        &tilescope_drawing::palette::LIGHT
+    };
+    let Some((run, cursor)) = open.run.as_ref().zip(open.learner.cursor()) else {
+        return Scene::new(width, height, color(palette.outside));
+    };
+    // Nothing after the moment is in the session, so that none of it is drawn.
+    let session = Session::from_recording(Arc::new(run.until(cursor)), 0);
+    let size = session.size_radii();
+    let camera = open.camera().map_or_else(
+        || Camera::fitting(size, frame),
+        |(center, radii)| Camera {
+            center: center.into(),
+            scale: width.min(height) / radii,
+        },
+    );
+    let view = PictureView {
+        camera,
+        size: style.size,
+        chosen_layers: open.layers().map(|names| layers_named(&names)),
+        colouring: Colouring::default(),
+        selection: Selection::Nothing,
+        dark: style.dark,
+        print: false,
+        caption: String::new(),
+        legend: None,
+    };
+    let moment = Moment::at(&session, cursor);
+    let mut scene = thumbnail(&session, &MomentView { moment, view });
+    let is_periodic = session.run().domain.is_periodic();
+    let place = |at: DVec2| {
+        let turns = if is_periodic {
+            ((at - camera.center) / size).round()
+        } else {
+            DVec2::ZERO
+        };
+        let at = camera.screen_from_domain(frame, at - turns * size);
+        [f64::from(at.x), f64::from(at.y)]
+    };
+    let mut marks = Group::new("marks");
+    if let Some(([low, high], _)) = open.cut() {
+        let [low, high] = [low, high].map(place);
+        let corners = [low, [high[0], low[1]], high, [low[0], high[1]], low];
+        let stroke = Stroke::new(color(palette.accent), 2.0);
+        let sides = corners.windows(2);
+        marks.shapes.extend(sides.map(|side| Shape::line(side[0], side[1], stroke)));
+    }
+    for mark in open.marks() {
+        let ink = color(match mark.kind {
+            MarkKind::Named => palette.halo,
+            MarkKind::Listed => palette.accent,
+            MarkKind::Chosen => palette.candidate,
+            MarkKind::Right => palette.inserted,
+        });
+        let at = place(mark.at);
+        marks.shapes.push(Shape::circle(at, 7.0, Style::stroked(ink, 1.6)));
+        if !mark.label.is_empty() {
+            let corner = [at[0] + 9.0, at[1] - 5.0];
+            marks.shapes.push(Shape::Text(Text::new(corner, mark.label, 12.0, ink)));
+        }
+    }
+    scene.groups.push(marks);
+    let mut drawn = Group::new("pen");
+    for stroke in strokes {
+        let ink = Stroke::new(color(stroke.color(style.dark)), 3.0);
+        let ends = stroke.points.windows(2);
+        let ends = ends.map(|ends| Shape::line(place(ends[0].into()), place(ends[1].into()), ink));
+        drawn.shapes.extend(ends);
+    }
+    scene.groups.push(drawn);
+    scene
+}
+
+/// A picture of a step: as text for pages, as pixels for windows.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct StepPicture {
+    /// The picture in SVG, if it was asked for.
+    pub svg: Option<String>,
+    /// Its pixels, if they were asked for.
+    pub pixels: Option<Arc<Thumbnail>>,
+    /// Why there is no picture, if there is none.
+    pub fault: Option<String>,
+}
+
+/// The task of drawing a picture of a step with its question open.
+#[derive(Clone, PartialEq, Serialize, Deserialize)]
+pub struct StepPictureTask {
+    /// The lesson's name and text.
+    pub lesson: (String, String),
+    /// The index of the step.
+    pub index: usize,
+    /// How it is drawn.
+    pub style: PictureStyle,
+    /// Whether SVG is made instead of pixels.
+    pub as_svg: bool,
+}
+
+/// Pixels in a point of a picture for windows.
+const SHARPNESS: f64 = 2.0;
+
+impl Task for StepPictureTask {
+    type Outcome = StepPicture;
+    const NAME: &'static str = "picture of a step";
+
+    fn run(self, _: &Monitor) -> StepPicture {
+        let failed = |fault: String| StepPicture {
+            fault: Some(fault),
+            ..StepPicture::default()
+        };
+        let (name, text) = &self.lesson;
+        let lesson = match Lesson::read(name, text) {
+            Ok(lesson) => Arc::new(lesson),
+            Err(error) => return failed(error.to_string()),
+        };
+        if self.index >= lesson.steps.len() {
+            return failed(format!("the lesson has {} steps", lesson.steps.len()));
+        }
+        let open = match step_at(&lesson, &Arc::default(), self.index, false, &mut None) {
+            Ok(open) => open,
+            Err(fault) => return failed(fault),
+        };
+        let scene = picture(&open, self.style, &[]);
+        if self.as_svg {
+            return match to_svg(&scene) {
+                Ok(svg) => StepPicture {
+                    svg: Some(svg),
+                    ..StepPicture::default()
+                },
+                Err(error) => failed(error.to_string()),
+            };
+        }
+        match to_pixels(&scene, SHARPNESS) {
+            Ok(pixels) => StepPicture {
+                pixels: Some(Arc::new(Thumbnail {
+                    size: [pixels.width as usize, pixels.height as usize],
+                    rgba: pixels.rgba,
+                })),
+                ..StepPicture::default()
+            },
+            Err(error) => failed(error.to_string()),
+        }
+    }
+}

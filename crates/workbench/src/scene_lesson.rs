@@ -1,0 +1,205 @@
+//! A lesson made from the scenes of a session: a step for each scene, to be presented, printed, or given questions.
+
+use std::fmt::Write as _;
+
+use serde_json::{Value, json};
+use tilescope_core::{Parameters, PatternSpec, Stage};
+use tilescope_debugger::{SavedScene, Session};
+
+use crate::link::layer_name;
+use crate::scenes::split_caption;
+use crate::view::{SavedView, SceneCamera};
+
+/// The parameters by which lessons name a run.
+const PARAMETERS: [&str; 11] = [
+    "width", "height", "radius", "boundary", "seed", "leaf", "dihedral", "order", "insertion", "search", "variant",
+];
+/// The longest title, in characters.
+const TITLE: usize = 70;
+
+/// Returns the text of a lesson with a step for each scene: the first sentence of its caption as title, the rest as text,
+/// and what follows a line of three hyphens as the speaker's note.
+///
+/// # Errors
+///
+/// A sentence: no scenes, or a run that a lesson cannot name.
+pub fn lesson_of(
+    scenes: &[SavedScene],
+    parameters: &Parameters,
+    has_own_pattern: bool,
+) -> Result<String, String> {
+    if scenes.is_empty() {
+        return Err("There are no scenes: add some, with captions, and present them then.".to_owned());
+    }
+    let generated = PatternSpec {
+        side: parameters.pattern.side,
+        ..PatternSpec::default()
+    };
+    if has_own_pattern || parameters.pattern != generated {
+        return Err(
+            "The run has a pattern of its own, which a lesson cannot name: only its side can be chosen there."
+                .to_owned(),
+        );
+    }
+    let mut text = "---\ntitle: Scenes\nobjective: You have seen the scenes of this session.\n".to_owned();
+    let _ = writeln!(text, "minutes: {}\n---", scenes.len().clamp(1, 120));
+    let mut titles: Vec<String> = Vec::new();
+    for (index, scene) in scenes.iter().enumerate() {
+        let (caption, note) = split_caption(&scene.caption);
+        let (title, rest) = titled(caption);
+        let is_new = !titles.iter().any(|other| other.eq_ignore_ascii_case(&title));
+        let has_letters = title.chars().any(|c| c.is_ascii_alphanumeric());
+        let title = if is_new && has_letters {
+            title
+        } else {
+            format!("Scene {}", index + 1)
+        };
+        let _ = write!(text, "\n# {title}\n\n```run\n");
+        if index == 0 {
+            run(&mut text, parameters);
+        }
+        moment(&mut text, scene);
+        text.push_str("```\n");
+        for paragraph in paragraphs(&rest) {
+            let _ = write!(text, "\n{paragraph}\n");
+        }
+        let notes: Vec<String> = paragraphs(note).collect();
+        if !notes.is_empty() {
+            let _ = write!(text, "\n```note\n{}\n```\n", notes.join("\n\n"));
+        }
+        titles.push(title);
+    }
+    Ok(text)
+}
+
+/// Returns the lesson of a saved session's scenes; `text` is the session's file.
+///
+/// # Errors
+///
+/// Those of the session's file, and those of [`lesson_of`].
+pub fn lesson_of_session(text: &str) -> Result<String, String> {
+    let saved = Session::from_json(text).map_err(|error| error.to_string())?;
+    lesson_of(&saved.scenes, &saved.parameters, saved.pattern.is_some())
+}
+
+/// Returns the first sentence of a caption without its full stop, and the rest.
+fn titled(caption: &str) -> (String, String) {
+    let caption = plain(caption);
+    let ends = caption.match_indices(['.', '!', '?', '\n']);
+    let end = ends
+        .map(|(at, mark)| at + mark.len())
+        .find(|&at| caption[at..].chars().next().is_none_or(char::is_whitespace));
+    let (first, rest) = caption.split_at(end.unwrap_or(caption.len()));
+    let first = first.trim().trim_end_matches('.');
+    if first.chars().count() > TITLE {
+        return (String::new(), caption);
+    }
+    (first.to_owned(), rest.trim().to_owned())
+}
+
+/// Returns a text without the marks that mean something in lessons.
+fn plain(text: &str) -> String {
+    let lines = text.trim().lines().map(|line| {
+        let line = line.trim_start_matches(['#', '`', ' ', '\t']);
+        line.replace('{', "(").replace('}', ")")
+    });
+    lines.collect::<Vec<_>>().join("\n")
+}
+
+fn paragraphs(text: &str) -> impl Iterator<Item = String> {
+    let text = plain(text);
+    let parts: Vec<String> = text
+        .split("\n\n")
+        .map(|part| part.trim().to_owned())
+        .filter(|part| !part.is_empty())
+        .collect();
+    parts.into_iter()
+}
+
+/// Writes the parameters of a run.
+fn run(text: &mut String, parameters: &Parameters) {
+    let all = json!(parameters);
+    for name in PARAMETERS {
+        let value = match &all[name] {
+            Value::String(value) => value.clone(),
+            Value::Bool(true) => "yes".to_owned(),
+            Value::Bool(false) => "no".to_owned(),
+            value => value.to_string(),
+        };
+        let _ = writeln!(text, "{name}: {value}");
+    }
+    let _ = writeln!(text, "pattern-side: {}", parameters.pattern.side);
+}
+
+/// Writes the moment, the layers and the camera of a scene.
+fn moment(text: &mut String, scene: &SavedScene) {
+    let moment = match (&scene.ends, &scene.anchor) {
+        (Some(Stage::Pattern), _) | (None, None) => "start".to_owned(),
+        (Some(stage), _) if *stage != Stage::Regions => {
+            format!("end of {}", stage.to_string().replace(' ', "-"))
+        }
+        (_, Some(anchor)) => anchor.to_string(),
+        (Some(_), None) => "start".to_owned(),
+    };
+    let _ = writeln!(text, "moment: {moment}");
+    let (saved, _) = SavedView::from_json(&scene.view, &SavedView::default());
+    let layers = saved.appearance.chosen_layers.map(|layers| {
+        let names: Vec<String> = layers.iter().map(layer_name).collect();
+        names.join(" ")
+    });
+    let layers = layers.filter(|names| !names.is_empty());
+    let _ = writeln!(text, "layers: {}", layers.as_deref().unwrap_or("automatic"));
+    let camera = SceneCamera::of(&scene.view);
+    let placed = camera.and_then(|camera| Some((camera.placed(camera.event, true)?, camera.radii)));
+    if let Some((center, radii)) = placed {
+        let radii = radii.clamp(2.0, 1_000.0);
+        let _ = writeln!(text, "camera: [{:.4}, {:.4}] radii {radii:.3}", center.x, center.y);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use tilescope_lessons::Lesson;
+
+    fn scene(caption: &str, ends: Option<Stage>) -> SavedScene {
+        SavedScene {
+            caption: caption.to_owned(),
+            ends,
+            ..SavedScene::default()
+        }
+    }
+
+    #[test]
+    fn each_scene_becomes_a_step_with_its_note() {
+        let scenes = [
+            scene("The empty domain. Nothing has {happened}.\n---\nAsk for guesses.", None),
+            scene("# After tiling", Some(Stage::Tile)),
+            scene("", Some(Stage::Iterate(1))),
+            scene("after tiling", Some(Stage::Finish)),
+        ];
+        let parameters = Parameters {
+            radius: 0.03,
+            ..Parameters::default()
+        };
+        let text = lesson_of(&scenes, &parameters, false).unwrap();
+        let lesson = Lesson::read("scenes", &text).unwrap_or_else(|error| panic!("{error}\n{text}"));
+        let titles: Vec<&str> = lesson.steps.iter().map(|step| step.title.as_str()).collect();
+        assert_eq!(titles, ["The empty domain", "After tiling", "Scene 3", "Scene 4"]);
+        assert_eq!(lesson.steps[0].text, ["Nothing has (happened)."]);
+        assert_eq!(lesson.steps[0].notes, ["Ask for guesses."]);
+        assert_eq!(lesson.steps[3].scene.parameters, parameters);
+    }
+
+    #[test]
+    fn what_a_lesson_cannot_name_is_refused() {
+        let fine = Parameters::default();
+        assert!(lesson_of(&[], &fine, false).unwrap_err().contains("no scenes"));
+        let scenes = [scene("A", None)];
+        assert!(lesson_of(&scenes, &fine, true).unwrap_err().contains("pattern"));
+        let mut other = fine;
+        other.pattern.seed = 7;
+        assert!(lesson_of(&scenes, &other, false).unwrap_err().contains("pattern"));
+        assert!(lesson_of(&scenes, &fine, false).is_ok());
+    }
+}

@@ -1,0 +1,464 @@
+//! Presenter mode in the state: starting a talk, going on and back, votes, drawings, and the picture of the next step.
+
+use tilescope_lessons::{Form, Lesson, Vote, shipped};
+use tilescope_session::task;
+
+use super::State;
+use crate::handout::HandoutTask;
+use crate::lesson_picture::{PictureStyle, StepPicture, StepPictureTask};
+use crate::lessons::{LessonCommand, LessonSource};
+use crate::pen::PenStroke;
+use crate::scene_lesson::lesson_of;
+use crate::talk::{Kept, Talk, TalkCommand, TalkPart, TalkRecord, Tool};
+
+/// Width and height of the picture of the next step, in points.
+const NEXT: [f64; 2] = [440.0, 330.0];
+
+impl State {
+    /// Returns the key of the step that is shown, for votes and drawings.
+    #[must_use]
+    pub fn talk_key(&self) -> String {
+        let Some(open) = &self.lessons.open else {
+            return String::new();
+        };
+        let (lesson, step) = (&open.learner.lesson().name, &open.learner.step().name);
+        format!("{lesson}/{step}")
+    }
+
+    pub(super) fn apply_to_talk(&mut self, command: TalkCommand) {
+        let now = self.lessons.now;
+        match command {
+            TalkCommand::Lesson { from_start } => self.present_lesson(from_start),
+            TalkCommand::First => {
+                if self.talks.open.as_ref().is_some_and(|talk| talk.part > 0) {
+                    self.go_to_part(0, false);
+                } else {
+                    self.go_in_talk(0);
+                }
+            }
+            TalkCommand::Handout { answers, notes } => self.make_handout(answers, notes),
+            TalkCommand::Lecture => self.present_lecture(),
+            TalkCommand::Scenes => self.present_scenes(),
+            TalkCommand::Address(address) => {
+                self.talks.address = address.trim().chars().take(200).collect();
+            }
+            TalkCommand::Keep(is_kept) => self.talks.is_kept = is_kept,
+            TalkCommand::End => self.end_talk(),
+            TalkCommand::Next => self.next_in_talk(),
+            TalkCommand::Previous => self.previous_in_talk(),
+            TalkCommand::Vote(text) => self.vote(&text),
+            TalkCommand::Restore(kept) => self.restore_talk(&kept),
+            TalkCommand::Draw(at) => {
+                let key = self.talk_key();
+                if let Some(talk) = &mut self.talks.open {
+                    let (begins, color) = (!talk.is_drawing, talk.color);
+                    talk.is_drawing = true;
+                    self.talks.record.draw(&key, at, color, begins);
+                }
+            }
+            TalkCommand::UndoStroke => {
+                let key = self.talk_key();
+                self.talks.record.undo(&key);
+            }
+            TalkCommand::ClearStrokes => {
+                let key = self.talk_key();
+                self.talks.record.strokes.remove(&key);
+            }
+            TalkCommand::Unvote => {
+                let key = self.talk_key();
+                if let Some(votes) = self.talks.record.votes.get_mut(&key) {
+                    votes.pop();
+                }
+            }
+            _ => {
+                if let Some(talk) = &mut self.talks.open {
+                    talk.apply(command);
+                    if !(talk.has_stage || talk.has_notes) {
+                        self.end_talk();
+                    }
+                }
+            }
+        }
+        let begun = self.talks.open.as_ref().map(|talk| talk.begun);
+        if begun == Some(0.0)
+            && let Some(talk) = &mut self.talks.open
+        {
+            (talk.begun, talk.step_begun) = (now, now);
+        }
+    }
+
+    fn present_lesson(&mut self, from_start: bool) {
+        let Some(open) = &self.lessons.open else {
+            return self.tell("Open a lesson first.".to_owned(), false);
+        };
+        let part = TalkPart::of(open.learner.lesson(), None);
+        self.begin_talk(vec![part]);
+        if from_start {
+            self.enter_step(0);
+        }
+    }
+
+    fn present_lecture(&mut self) {
+        if self.lessons.shelf.is_empty() {
+            self.talks.wanted = Some(TalkCommand::Lecture);
+            return;
+        }
+        let parts = shipped::LECTURE.iter().filter_map(|&(name, minutes)| {
+            let shipped = self.lessons.shipped(name)?;
+            let lesson = Lesson::read(name, &shipped.text).ok()?;
+            Some(TalkPart::of(&lesson, Some(minutes)))
+        });
+        let parts: Vec<TalkPart> = parts.collect();
+        if let Some(first) = parts.first().map(|part| part.name.clone()) {
+            self.apply_to_lessons(LessonCommand::Open(first));
+            self.begin_talk(parts);
+        }
+    }
+
+    /// Presents the scenes: a lesson is made of them, and the session comes back when the talk ends.
+    fn present_scenes(&mut self) {
+        let text = self.lesson_of_scenes();
+        let read = text.and_then(|text| {
+            let lesson = Lesson::read("scenes", &text);
+            Ok((lesson.map_err(|error| error.to_string())?, text))
+        });
+        match read {
+            Ok((lesson, text)) => {
+                let set_aside = std::mem::take(&mut self.runs.first);
+                self.runs.first.viewport = set_aside.viewport;
+                self.set_aside = Some(Box::new(set_aside));
+                self.open_lesson("scenes", &text, LessonSource::Text);
+                self.begin_talk(vec![TalkPart::of(&lesson, None)]);
+            }
+            Err(why) => self.tell(format!("The scenes cannot be presented. {why}"), true),
+        }
+    }
+
+    /// Returns a lesson with a step for each scene.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`lesson_of`].
+    pub fn lesson_of_scenes(&self) -> Result<String, String> {
+        let (Some(session), Some(debugger)) =
+            (&self.runs.first.session, &self.runs.first.debugger)
+        else {
+            return Err("There is no session with events.".to_owned());
+        };
+        lesson_of(&debugger.scenes, &session.run().parameters, session.own.is_some())
+    }
+
+    fn begin_talk(&mut self, parts: Vec<TalkPart>) {
+        self.talks.open = Some(Box::new(Talk::new(parts, self.lessons.now)));
+        self.window.finder = None;
+        self.window.help = None;
+        self.lessons.lists = false;
+    }
+
+    /// Ends the talk; the lesson stays open, except for one that was made of scenes.
+    pub(super) fn end_talk(&mut self) {
+        self.talks.open = None;
+        if let Some(set_aside) = self.set_aside.take() {
+            self.close_lesson();
+            let viewport = self.runs.first.viewport;
+            self.runs.first = *set_aside;
+            self.runs.first.viewport = viewport;
+            self.time.playback.stop();
+        }
+    }
+
+    fn next_in_talk(&mut self) {
+        let (Some(talk), Some(open)) = (&mut self.talks.open, &mut self.lessons.open) else {
+            return;
+        };
+        if talk.is_blank {
+            talk.is_blank = false;
+            return;
+        }
+        let learner = &mut open.learner;
+        let is_last = learner.index() + 1 == learner.lesson().steps.len();
+        if learner.is_open() && open.fault.is_none() {
+            if learner.question().is_none() {
+                // The run is being made.
+                return;
+            }
+            if !talk.is_voting {
+                talk.is_voting = true;
+                return;
+            }
+            learner.reveal();
+            (open.lacking, open.hint) = (None, None);
+            talk.is_voting = false;
+            return self.show_moment();
+        }
+        if !is_last {
+            let index = learner.index() + 1;
+            return self.go_in_talk(index);
+        }
+        let part = talk.part + 1;
+        if part < talk.parts.len() {
+            return self.go_to_part(part, false);
+        }
+        talk.is_over = true;
+    }
+
+    fn previous_in_talk(&mut self) {
+        let (Some(talk), Some(open)) = (&mut self.talks.open, &self.lessons.open) else {
+            return;
+        };
+        if talk.is_blank || talk.is_over {
+            (talk.is_blank, talk.is_over) = (false, false);
+            return;
+        }
+        if talk.is_voting {
+            talk.is_voting = false;
+            return;
+        }
+        match (open.learner.index(), talk.part) {
+            (0, 0) => {}
+            (0, part) => self.go_to_part(part - 1, true),
+            (index, _) => self.go_in_talk(index - 1),
+        }
+    }
+
+    fn go_in_talk(&mut self, index: usize) {
+        self.enter_step(index);
+        self.begin_step();
+    }
+
+    fn begin_step(&mut self) {
+        let now = self.lessons.now;
+        if let Some(talk) = &mut self.talks.open {
+            (talk.is_voting, talk.is_drawing, talk.is_over) = (false, false, false);
+            (talk.pointer, talk.vote_fault, talk.shows_code) = (None, None, false);
+            talk.step_begun = now;
+        }
+    }
+
+    /// Opens another lesson of the talk, at its first or last step.
+    fn go_to_part(&mut self, part: usize, at_end: bool) {
+        let Some(talk) = &mut self.talks.open else {
+            return;
+        };
+        talk.part = part;
+        let name = talk.parts[part].name.clone();
+        self.apply_to_lessons(LessonCommand::Open(name));
+        let len = self
+            .lessons
+            .open
+            .as_ref()
+            .map_or(1, |open| open.learner.lesson().steps.len());
+        if at_end {
+            self.enter_step(len - 1);
+        }
+        self.begin_step();
+    }
+
+    fn vote(&mut self, text: &str) {
+        let key = self.talk_key();
+        let options = match self.lessons.open.as_ref().and_then(|open| open.learner.question()) {
+            Some(question) => match &question.form {
+                Form::Choice { options, .. } | Form::Trace { options, .. } => options.len(),
+                Form::Place { candidates } => candidates.len(),
+                Form::Order { items } => items.len(),
+                _ => 0,
+            },
+            None => 0,
+        };
+        let vote = Vote::read(text, options);
+        if let Some(talk) = &mut self.talks.open {
+            talk.vote_fault = vote.as_ref().err().cloned();
+        }
+        if let Ok(vote) = vote {
+            self.talks.record.vote(&key, vote);
+        }
+    }
+
+    /// Returns what another window of the same talk needs to go on with it.
+    #[must_use]
+    pub fn kept_of_talk(&self) -> Kept {
+        let (Some(talk), Some(open)) = (&self.talks.open, &self.lessons.open) else {
+            return Kept::default();
+        };
+        Kept {
+            begun: talk.begun,
+            part: talk.part,
+            step: open.learner.step().name.clone(),
+            record: self.talks.record.clone(),
+        }
+    }
+
+    fn restore_talk(&mut self, kept: &str) {
+        let Ok(kept) = serde_json::from_str::<Kept>(kept) else {
+            return self.tell("What the notes kept of the talk cannot be read.".to_owned(), true);
+        };
+        let Some(talk) = &mut self.talks.open else {
+            return;
+        };
+        talk.begun = kept.begun;
+        let part = kept.part.min(talk.parts.len().saturating_sub(1));
+        if part != talk.part {
+            self.go_to_part(part, false);
+        }
+        self.talks.record = kept.record;
+        let open = self.lessons.open.as_ref();
+        let index = open.and_then(|open| open.learner.lesson().step_named(&kept.step));
+        if let Some(index) = index {
+            self.go_in_talk(index);
+        }
+    }
+
+    /// Ends the talk when its lesson was closed, and draws the picture of the next step.
+    pub(super) fn follow_talk(&mut self) {
+        let Some(talk) = &mut self.talks.open else {
+            return;
+        };
+        let Some(open) = &self.lessons.open else {
+            return self.end_talk();
+        };
+        let learner = &open.learner;
+        let index = learner.index() + 1;
+        let is_last = index == learner.lesson().steps.len();
+        let name = match (is_last, talk.parts.get(talk.part + 1)) {
+            (false, _) => learner.lesson().name.clone(),
+            (true, Some(part)) => part.name.clone(),
+            (true, None) => {
+                talk.next = None;
+                return;
+            }
+        };
+        let text = match self.lessons.shelf.iter().find(|shipped| shipped.name == name) {
+            Some(shipped) if is_last || open.source == LessonSource::Shipped => shipped.text.to_string(),
+            _ => open.text.clone(),
+        };
+        let wanted = StepPictureTask {
+            lesson: (name, text),
+            index: if is_last { 0 } else { index },
+            style: PictureStyle {
+                size: NEXT,
+                dark: self.appearance.look.is_dark(),
+            },
+            as_svg: self.lessons.on_page,
+        };
+        if let Some(outcome) = self.talks.drawing.as_ref().and_then(|(_, job)| job.poll())
+            && let Some((task, _)) = self.talks.drawing.take()
+        {
+            let drawn = outcome.unwrap_or_else(|fault| StepPicture {
+                fault: Some(fault),
+                ..StepPicture::default()
+            });
+            talk.next = Some((task, Some(drawn)));
+        }
+        let has = |task: &StepPictureTask| *task == wanted;
+        let is_drawn = talk.next.as_ref().is_some_and(|(task, _)| has(task));
+        let is_pending = self.talks.drawing.as_ref().is_some_and(|(task, _)| has(task));
+        if !is_drawn && !is_pending {
+            talk.next = None;
+            let job = task::start(&self.jobs.wake, wanted.clone());
+            self.talks.drawing = Some((wanted, job));
+        }
+    }
+
+    fn make_handout(&mut self, answers: bool, notes: bool) {
+        let Some(open) = &self.lessons.open else {
+            return self.tell("Open a lesson first.".to_owned(), false);
+        };
+        let name = open.learner.lesson().name.clone();
+        let german = self.lessons.shipped(&name).map(|shipped| shipped.german.to_string());
+        let is_german = self.lessons.language == "de" && open.source == LessonSource::Shipped;
+        let task = HandoutTask {
+            lesson: (name.clone(), open.text.clone()),
+            language: (self.lessons.language.clone(), german.filter(|_| is_german)),
+            answers,
+            notes,
+            // The drawings of a talk are printed if they are kept.
+            record: self.saved_record().cloned(),
+        };
+        self.talks.handout = Some((name, task::start(&self.jobs.wake, task)));
+    }
+
+    /// Saves the handout once it is made.
+    pub(super) fn follow_handout(&mut self) {
+        let outcome = self.talks.handout.as_ref().and_then(|(_, job)| job.poll());
+        if let Some(outcome) = outcome
+            && let Some((name, _)) = self.talks.handout.take()
+        {
+            self.take_handout(&name, outcome.and_then(|made| made));
+        }
+    }
+
+    fn take_handout(&mut self, name: &str, made: Result<String, String>) {
+        match made {
+            Ok(html) => self.save_text(&format!("{name}-handout"), "html", None, &html),
+            Err(why) => self.tell(format!("There is no handout. {why}"), true),
+        }
+    }
+
+    /// Waits for the picture of the next step, and for the handout.
+    #[cfg(not(target_arch = "wasm32"))]
+    pub(super) fn settle_talk(&mut self) {
+        if let Some((name, job)) = self.talks.handout.take() {
+            let made = job.wait().and_then(|made| made);
+            self.take_handout(&name, made);
+        }
+        self.follow_talk();
+        if let (Some(talk), Some((task, job))) = (&mut self.talks.open, self.talks.drawing.take()) {
+            talk.next = Some((task, job.wait().ok()));
+        }
+    }
+
+    /// Begins the talk that waited for the lessons.
+    pub(super) fn begin_wanted_talk(&mut self) {
+        if let Some(command) = self.talks.wanted.take() {
+            self.apply_to_talk(command);
+        }
+    }
+
+    /// Returns whether a page has to load the lessons that come with the program.
+    #[must_use]
+    pub fn wants_lessons(&self) -> bool {
+        let wanted = self.talks.wanted.is_some() && self.lessons.shelf.is_empty();
+        wanted || self.lessons.wants_shelf()
+    }
+
+    /// Returns what was drawn in the step that is shown.
+    #[must_use]
+    pub fn strokes(&self) -> &[PenStroke] {
+        self.talks.record.strokes_in(&self.talk_key())
+    }
+
+    /// Returns what a session keeps of talks: nothing unless it is to be kept.
+    pub(super) fn saved_record(&self) -> Option<&TalkRecord> {
+        let record = &self.talks.record;
+        (self.talks.is_kept && *record != TalkRecord::default()).then_some(record)
+    }
+
+    /// Takes what a session kept of talks.
+    pub(super) fn take_record(&mut self, view: &serde_json::Value) {
+        if let Some(record) = view.get("talk").and_then(|talk| serde_json::from_value(talk.clone()).ok()) {
+            (self.talks.record, self.talks.is_kept) = (record, true);
+        }
+    }
+}
+
+impl Talk {
+    fn apply(&mut self, command: TalkCommand) {
+        match command {
+            TalkCommand::Blank => self.is_blank = !self.is_blank,
+            TalkCommand::ToggleNotes => self.has_notes = !self.has_notes,
+            TalkCommand::NotesClosed => self.has_notes = false,
+            TalkCommand::StageClosed => self.has_stage = false,
+            TalkCommand::OpenStage => self.has_stage = true,
+            TalkCommand::Swap => self.is_swapped = !self.is_swapped,
+            TalkCommand::Tool(tool) => {
+                self.tool = if self.tool == tool { Tool::Hand } else { tool };
+                (self.pointer, self.is_drawing) = (None, false);
+            }
+            TalkCommand::NextColor => self.color = (self.color + 1) % PenStroke::COLORS,
+            TalkCommand::Point(at) => self.pointer = at,
+            TalkCommand::Lift => self.is_drawing = false,
+            TalkCommand::ToggleCode => self.shows_code = !self.shows_code,
+            _ => {}
+        }
+    }
+}

@@ -1,0 +1,287 @@
+//! Presenter mode: a lesson on a projector, led by a clicker, with the lecturer's notes on another screen. Begin with
+//! [`Talk`]; `state/talk.rs` carries out its commands.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+use tilescope_lessons::{Advice, Key, Lesson, Vote, advice};
+
+use tilescope_session::jobs::Job;
+
+use crate::lesson_picture::{StepPicture, StepPictureTask};
+use crate::pen::{MAX_POINTS, PenStroke};
+
+/// What a lecturer does.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum TalkCommand {
+    /// Presents the lesson that is open, from its first step or from the one that is shown.
+    Lesson {
+        /// Whether from its first step.
+        from_start: bool,
+    },
+    /// Presents the lecture of fifty minutes.
+    Lecture,
+    /// Presents the scenes of the session.
+    Scenes,
+    /// Goes to the first step.
+    First,
+    /// Makes a handout of the lesson that is open.
+    Handout {
+        /// Whether with the answers.
+        answers: bool,
+        /// Whether with the speaker's notes.
+        notes: bool,
+    },
+    /// Ends the talk.
+    End,
+    /// Goes on: shows the canvas again after a blank, asks for votes, reveals, or shows the next step.
+    Next,
+    /// Goes back.
+    Previous,
+    /// Blanks the projector, or shows it again.
+    Blank,
+    /// Opens the window with the notes, or closes it.
+    ToggleNotes,
+    /// Exchanges the screens of stage and notes.
+    Swap,
+    /// Opens the window of the stage again.
+    OpenStage,
+    /// The window of the stage was closed.
+    StageClosed,
+    /// The window of the notes was closed.
+    NotesClosed,
+    /// Takes a tool, or puts it away.
+    Tool(Tool),
+    /// Takes the pen's next colour.
+    NextColor,
+    /// Points at a place, in r, or at none.
+    Point(Option<[f64; 2]>),
+    /// Draws to a place, in r.
+    Draw([f64; 2]),
+    /// Lifts the pen.
+    Lift,
+    /// Removes the last line.
+    UndoStroke,
+    /// Removes all lines of the step.
+    ClearStrokes,
+    /// Keeps a vote, as it was typed: `A 12 B 30`, or `none`, `few`, `half`, `most`.
+    Vote(String),
+    /// Removes the last vote.
+    Unvote,
+    /// Shows the code of the link for phones, or hides it.
+    ToggleCode,
+    /// Sets the address of the page that the code leads to.
+    Address(String),
+    /// Keeps drawings and votes with the session, or does not.
+    Keep(bool),
+    /// Takes back what an earlier window of the same talk had, as [`Kept`] in JSON.
+    Restore(String),
+}
+
+/// What the pointer does on the stage.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Tool {
+    /// Moves the canvas.
+    #[default]
+    Hand,
+    /// Points at places.
+    Laser,
+    /// Draws.
+    Pen,
+}
+
+/// A lesson of a talk.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TalkPart {
+    /// The lesson's name.
+    pub name: String,
+    /// Its title.
+    pub title: String,
+    /// The planned seconds of each step.
+    pub secs: Vec<f64>,
+}
+
+impl TalkPart {
+    /// Returns a part of so many minutes; of the lesson's own if none are given.
+    #[must_use]
+    pub fn of(lesson: &Lesson, minutes: Option<u32>) -> Self {
+        let scale = minutes.map_or(1.0, |minutes| f64::from(minutes) / f64::from(lesson.minutes));
+        Self {
+            name: lesson.name.clone(),
+            title: lesson.title.clone(),
+            secs: lesson.planned_secs().iter().map(|secs| secs * scale).collect(),
+        }
+    }
+}
+
+/// The votes and drawings of a talk, by step: `lesson/step`.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct TalkRecord {
+    /// The votes, at most two for a question.
+    pub votes: BTreeMap<String, Vec<Vote>>,
+    /// What was drawn.
+    pub strokes: BTreeMap<String, Vec<PenStroke>>,
+}
+
+/// What outlives the windows of a talk.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Kept {
+    /// When the talk began, in seconds since 1970.
+    pub begun: f64,
+    /// Which lesson of the talk is shown.
+    pub part: usize,
+    /// The step that is shown.
+    pub step: String,
+    /// Votes and drawings.
+    pub record: TalkRecord,
+}
+
+/// A talk.
+pub struct Talk {
+    /// Its lessons.
+    pub parts: Vec<TalkPart>,
+    /// The index of the one that is shown.
+    pub part: usize,
+    /// When it began, in seconds since 1970.
+    pub begun: f64,
+    /// When the step was first shown.
+    pub step_begun: f64,
+    /// Whether "next" was pressed at the open question: the class votes, and another press reveals.
+    pub is_voting: bool,
+    /// Whether the stage is black.
+    pub is_blank: bool,
+    /// Whether the last step is behind.
+    pub is_over: bool,
+    /// Whether the windows of stage and notes are open.
+    pub has_stage: bool,
+    /// Whether the window of the notes is open.
+    pub has_notes: bool,
+    /// Whether stage and notes have exchanged their screens.
+    pub is_swapped: bool,
+    /// Whether the code for phones is shown.
+    pub shows_code: bool,
+    /// The tool.
+    pub tool: Tool,
+    /// The index of the pen's colour.
+    pub color: usize,
+    /// Whether the pen is down.
+    pub is_drawing: bool,
+    /// Where the laser points, in r.
+    pub pointer: Option<[f64; 2]>,
+    /// What is wrong with the vote that was typed, if anything is.
+    pub vote_fault: Option<String>,
+    /// What the picture of the next step shows, and the picture once it is drawn.
+    pub next: Option<(StepPictureTask, Option<StepPicture>)>,
+}
+
+impl Talk {
+    pub(crate) fn new(parts: Vec<TalkPart>, now: f64) -> Self {
+        Self {
+            parts,
+            part: 0,
+            begun: now,
+            step_begun: now,
+            is_voting: false,
+            is_blank: false,
+            is_over: false,
+            has_stage: true,
+            has_notes: true,
+            is_swapped: false,
+            shows_code: false,
+            tool: Tool::Hand,
+            color: 0,
+            is_drawing: false,
+            pointer: None,
+            vote_fault: None,
+            next: None,
+        }
+    }
+
+    /// Returns the planned seconds before a step of the shown lesson, of the step, and of the whole talk.
+    #[must_use]
+    pub fn planned_secs(&self, step: usize) -> [f64; 3] {
+        let of = |part: &TalkPart| part.secs.iter().sum::<f64>();
+        let earlier: f64 = self.parts.iter().take(self.part).map(of).sum();
+        let here = self.parts.get(self.part).map_or(&[][..], |part| &part.secs);
+        let before: f64 = here.iter().take(step).sum();
+        let all = self.parts.iter().map(of).sum();
+        [earlier + before, here.get(step).copied().unwrap_or(0.0), all]
+    }
+}
+
+impl TalkRecord {
+    /// Returns the votes on the question of a step.
+    #[must_use]
+    pub fn votes_on(&self, key: &str) -> &[Vote] {
+        self.votes.get(key).map_or(&[], Vec::as_slice)
+    }
+
+    /// Returns what was drawn in a step.
+    #[must_use]
+    pub fn strokes_in(&self, key: &str) -> &[PenStroke] {
+        self.strokes.get(key).map_or(&[], Vec::as_slice)
+    }
+
+    /// Draws to a place; `begins` a line of this colour or goes on with the last one. Beyond [`MAX_POINTS`] nothing is drawn.
+    pub(crate) fn draw(&mut self, key: &str, at: [f64; 2], color: usize, begins: bool) {
+        let strokes = self.strokes.entry(key.to_owned()).or_default();
+        let points: usize = strokes.iter().map(|stroke| stroke.points.len()).sum();
+        if points >= MAX_POINTS || !at.iter().all(|x| x.is_finite()) {
+            return;
+        }
+        match strokes.last_mut().filter(|_| !begins) {
+            Some(stroke) => stroke.points.push(at),
+            None => strokes.push(PenStroke {
+                color,
+                points: vec![at],
+            }),
+        }
+    }
+
+    /// Removes the last line of a step.
+    pub(crate) fn undo(&mut self, key: &str) {
+        if let Some(strokes) = self.strokes.get_mut(key) {
+            strokes.pop();
+        }
+    }
+
+    /// Keeps a vote; a third one replaces the second.
+    pub(crate) fn vote(&mut self, key: &str, vote: Vote) {
+        let votes = self.votes.entry(key.to_owned()).or_default();
+        votes.truncate(1);
+        votes.push(vote);
+    }
+}
+
+/// Returns what the last of some votes suggests doing; `key` is that of the question.
+#[must_use]
+pub fn advised(votes: &[Vote], key: Option<&Key>) -> Option<Advice> {
+    let right = match key {
+        Some(Key::Choice(option)) => Some(*option),
+        _ => None,
+    };
+    Some(advice(votes.last()?.right_share(right)?))
+}
+
+/// Presenter mode in the state of the window.
+#[derive(Default)]
+pub struct Talks {
+    /// The handout that is being made, and the name of its lesson.
+    pub(crate) handout: Option<(String, Job<Result<String, String>>)>,
+    /// The picture of the next step that is being drawn.
+    pub(crate) drawing: Option<(StepPictureTask, Job<StepPicture>)>,
+    /// The talk that is given.
+    pub open: Option<Box<Talk>>,
+    /// Votes and drawings.
+    pub record: TalkRecord,
+    /// Whether they are kept with the session.
+    pub is_kept: bool,
+    /// The address of the page that the code for phones leads to.
+    pub address: String,
+    /// The talk to be given once the lessons are loaded.
+    pub(crate) wanted: Option<TalkCommand>,
+}
