@@ -15,6 +15,7 @@ use tilescope_ui::theme::{self, InputStyle};
 use tilescope_ui::widgets::{Kebab, Known};
 
 use crate::panes::Canvas;
+use crate::stage::Stage;
 use crate::{actions, panels, tiles};
 use tilescope_canvas::touch::release_cancelled;
 use tilescope_workbench::arrangement::{Arrangement, DrawerCommand};
@@ -29,12 +30,14 @@ use tilescope_workbench::state::{FullScreen, State};
 pub struct App {
     /// The state of the workbench.
     pub state: State,
-    canvas: Canvas,
-    commands: Vec<Command>,
+    pub(crate) canvas: Canvas,
+    pub(crate) commands: Vec<Command>,
     shown_look: Look,
     shown_input_style: InputStyle,
     /// The widget that had the focus in the previous frame.
     focused: Option<egui::Id>,
+    /// The windows of a talk.
+    pub(crate) stage: Stage,
     /// Copies a text to the clipboard and returns true, or returns false to leave it to egui.
     copier: fn(&str) -> bool,
     /// Toggles full screen and returns true, or returns false to leave it to egui.
@@ -59,6 +62,7 @@ impl App {
             canvas: Canvas::default(),
             commands: Vec::new(),
             focused: None,
+            stage: Stage::default(),
             copier: |_| false,
             screener: || false,
             #[cfg(target_arch = "wasm32")]
@@ -99,7 +103,7 @@ impl App {
     /// Shows one frame.
     pub fn show(&mut self, ui: &mut Ui) {
         self.state.lessons.now = now();
-        if self.state.window.embedding.is_none() {
+        if self.state.window.embedding.is_none() && self.state.talks.open.is_none() {
             panels::lesson::show(ui, &self.state, &mut self.commands);
         }
         self.arrange(ui);
@@ -110,6 +114,10 @@ impl App {
         if self.state.advance(dt) {
             ui.ctx().request_repaint();
         }
+        if self.state.talks.open.is_some() {
+            return self.show_talk(ui);
+        }
+        self.leave_stage(ui.ctx());
         if self.state.window.embedding.is_none() {
             self.take_dropped(ui);
         }
@@ -292,7 +300,7 @@ impl App {
         }
     }
 
-    fn apply_commands(&mut self, ctx: &Context) {
+    pub(crate) fn apply_commands(&mut self, ctx: &Context) {
         if self.commands.is_empty() {
             return;
         }
@@ -303,7 +311,7 @@ impl App {
     }
 
     /// Carries out commands that concern the window itself.
-    fn follow_commands(&mut self, ctx: &Context) {
+    pub(crate) fn follow_commands(&mut self, ctx: &Context) {
         self.copy(ctx);
         self.turn_full_screen(ctx);
         self.follow_look(ctx);
@@ -408,7 +416,11 @@ const LOOK_KEY: &str = "look";
 const RESULTS_KEY: &str = "lessons";
 
 impl eframe::App for App {
-    fn ui(&mut self, ui: &mut Ui, _: &mut eframe::Frame) {
+    fn ui(&mut self, ui: &mut Ui, frame: &mut eframe::Frame) {
+        #[cfg(not(target_arch = "wasm32"))]
+        self.find_other_screen(ui.ctx(), frame);
+        #[cfg(target_arch = "wasm32")]
+        let _ = frame;
         self.show(ui);
     }
 

@@ -11,6 +11,7 @@ mod app;
 mod native;
 mod panels;
 pub mod panes;
+mod stage;
 pub mod tiles;
 
 pub use app::App;

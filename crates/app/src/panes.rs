@@ -33,6 +33,8 @@ pub struct CanvasContext<'a> {
     rows: Option<OnCanvas<'a>>,
     /// Whether the window is embedded in another page.
     is_embedded: bool,
+    /// Whether it is the stage of a talk, which shows the picture and nothing about it.
+    is_stage: bool,
     /// Whether panels take a part of the canvas when they open.
     is_compact: bool,
 }
@@ -48,6 +50,7 @@ impl<'a> CanvasContext<'a> {
             subjects: [state.subject(), state.second_subject()],
             rows: state.buffers_on_canvas(),
             is_embedded: state.window.embedding.is_some(),
+            is_stage: state.talks.open.is_some(),
             is_compact: state.window.drawer.arrangement.is_compact(),
         }
     }
@@ -157,7 +160,7 @@ impl PaneSide<'_> {
         let pointer = input::handle(ui, &response, subject, context, &mut moves);
         let moves = moves.into_iter();
         commands.extend(moves.map(|command| Command::View(self.which, command)));
-        if !context.is_embedded {
+        if !context.is_embedded && !context.is_stage {
             menu::show(ui, &response, subject, self.which, commands);
         }
         let note = pane.paint(ui, rect, subject, palette);
@@ -170,6 +173,9 @@ impl PaneSide<'_> {
             None => note,
         };
         overlay::scale_bar(&painter, rect, subject, palette);
+        if context.is_stage {
+            return response;
+        }
         overlay::cursor(&painter, rect, subject, pointer, palette);
         overlay::note(&painter, rect, subject, note.as_deref(), palette);
         hint::show(&painter, rect, palette);

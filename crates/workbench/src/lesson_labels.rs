@@ -50,6 +50,14 @@ pub struct LessonLabels {
     pub down: &'static str,
     pub step: &'static str,
     pub of: &'static str,
+    pub vote_now: &'static str,
+    pub first_vote: &'static str,
+    pub second_vote: &'static str,
+    pub none_right: &'static str,
+    pub few_right: &'static str,
+    pub half_right: &'static str,
+    pub most_right: &'static str,
+    pub no_address: &'static str,
 }
 
 const ENGLISH: LessonLabels = LessonLabels {
@@ -99,6 +107,14 @@ const ENGLISH: LessonLabels = LessonLabels {
     down: "down",
     step: "Step",
     of: "of",
+    vote_now: "Vote now.",
+    first_vote: "First vote",
+    second_vote: "Second vote",
+    none_right: "nobody is right",
+    few_right: "few are right",
+    half_right: "about half are right",
+    most_right: "most are right",
+    no_address: "The notes have a field for the page's address.",
 };
 
 const GERMAN: LessonLabels = LessonLabels {
@@ -148,6 +164,14 @@ const GERMAN: LessonLabels = LessonLabels {
     down: "weniger",
     step: "Schritt",
     of: "von",
+    vote_now: "Jetzt abstimmen.",
+    first_vote: "Erste Abstimmung",
+    second_vote: "Zweite Abstimmung",
+    none_right: "niemand hat recht",
+    few_right: "wenige haben recht",
+    half_right: "etwa die Hälfte hat recht",
+    most_right: "die meisten haben recht",
+    no_address: "In den Notizen ist ein Feld für die Adresse der Seite.",
 };
 
 /// Returns the words of a language; English for those that have none.

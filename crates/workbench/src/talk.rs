@@ -257,6 +257,14 @@ impl TalkRecord {
     }
 }
 
+/// Returns the QR code of a text, row by row, true where it is dark; None for an empty text or one that is too long.
+#[must_use]
+pub fn code(text: &str) -> Option<Vec<Vec<bool>>> {
+    let code = fast_qr::QRBuilder::new(text).build().ok().filter(|_| !text.is_empty())?;
+    let row = |y: usize| (0..code.size).map(|x| code[y][x].value()).collect();
+    Some((0..code.size).map(row).collect())
+}
+
 /// Returns what the last of some votes suggests doing; `key` is that of the question.
 #[must_use]
 pub fn advised(votes: &[Vote], key: Option<&Key>) -> Option<Advice> {

@@ -5,6 +5,8 @@ mod answers;
 mod curves;
 mod list;
 mod marks;
+pub mod notes;
+pub mod stage;
 mod text;
 
 use egui::{Button, FontId, Frame, Label, Margin, RichText, ScrollArea, Ui};

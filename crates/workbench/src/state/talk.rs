@@ -414,6 +414,23 @@ impl State {
         }
     }
 
+    /// Returns the address that leads a phone to the step, or to the voting card for a step with a question; empty if the
+    /// page's address is not known.
+    #[must_use]
+    pub fn talk_address(&self) -> String {
+        let base = match (&self.links.base, self.talks.address.as_str()) {
+            (Some(base), "") => base.as_str(),
+            (_, address) => address,
+        };
+        let base = base.split('#').next().unwrap_or_default();
+        let fragment = self.link().fragment;
+        match (base, self.lessons.open_question()) {
+            ("", _) => String::new(),
+            (base, Some(_)) => format!("{base}#card"),
+            (base, None) => format!("{base}#{fragment}"),
+        }
+    }
+
     /// Returns whether a page has to load the lessons that come with the program.
     #[must_use]
     pub fn wants_lessons(&self) -> bool {

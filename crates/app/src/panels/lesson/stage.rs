@@ -1,0 +1,337 @@
+//! The stage of a talk: canvas, question, options and votes, for a projector. It holds no note, no control, and nothing of
+//! what follows.
+
+use egui::{
+    CentralPanel, Color32, CornerRadius, CursorIcon, FontId, Frame, Id, Label, LayerId, Margin,
+    Order, Pos2, Rect, RichText, ScrollArea, Sense, Shape, Stroke, Ui, pos2, vec2,
+};
+use glam::DVec2;
+use tilescope_drawing::palette::Palette;
+use tilescope_lessons::{Form, Progress, Question, RightShare, Vote, letter};
+use tilescope_ui::theme::semibold;
+use tilescope_ui::widgets::Known;
+use tilescope_workbench::command::Command;
+use tilescope_workbench::lessons::OpenLesson;
+use tilescope_workbench::pen::pen_color;
+use tilescope_workbench::state::State;
+use tilescope_workbench::talk::{Talk, TalkCommand, Tool};
+
+use super::{answers, labels, text};
+use crate::panes::{Canvas, CanvasContext};
+
+/// The height of the stage in points, whatever its pixels: 12 points are then 24 pixels of a projector with 1080 rows.
+pub const HEIGHT: f32 = 540.0;
+/// Sizes of text: paragraphs and headings.
+const SIZE: f32 = 14.5;
+const HEADING: f32 = 19.0;
+/// The width of the texts beside the canvas, and the narrowest stage that has them there.
+const WIDTH: f32 = 392.0;
+const BESIDE: f32 = 760.0;
+/// The share of the height of a narrow stage that texts take.
+const BELOW: f32 = 0.5;
+/// The pointer is hidden after so many seconds of rest.
+const REST_SECS: f64 = 2.0;
+/// The laser's radius in points, and that of its glow.
+const LASER: [f32; 2] = [5.0, 11.0];
+
+/// Returns the palette of a projector: text has a contrast of at least 7 to what it stands on.
+#[must_use]
+pub fn palette_of(state: &State) -> Palette {
+    let palette = *Palette::of(state.appearance.look);
+    let accent = if palette.dark {
+        palette.accent
+    } else {
+        Color32::from_rgb(0x12, 0x44, 0x9c)
+    };
+    Palette {
+        muted: palette.text,
+        accent,
+        ..palette
+    }
+}
+
+/// Shows the stage.
+pub fn show(ui: &mut Ui, state: &State, canvas: &mut Canvas, commands: &mut Vec<Command>) {
+    let (Some(talk), Some(open)) = (&state.talks.open, &state.lessons.open) else {
+        return;
+    };
+    hide_pointer(ui, talk);
+    if talk.is_blank || talk.is_over {
+        let rect = ui.available_rect_before_wrap();
+        let response = ui.interact(rect, Id::unique("blank stage"), Sense::hover());
+        response.known_as("stage-blank");
+        ui.painter().rect_filled(rect, 0.0, Color32::BLACK);
+        return;
+    }
+    let palette = palette_of(state);
+    let frame = Frame::new()
+        .fill(palette.panel)
+        .inner_margin(Margin::symmetric(16, 14));
+    let room = ui.available_size();
+    let panel = if room.x >= BESIDE {
+        egui::Panel::right("stage").exact_size(WIDTH)
+    } else {
+        egui::Panel::bottom("stage below").exact_size((BELOW * room.y).round())
+    };
+    panel.frame(frame).show(ui, |ui| {
+        use egui::scroll_area::ScrollBarVisibility;
+        let scroll = ScrollArea::vertical()
+            .id_salt(("stage", open.learner.index(), open.learner.is_open()))
+            .scroll_bar_visibility(ScrollBarVisibility::AlwaysHidden)
+            .auto_shrink([false, false]);
+        scroll.show(ui, |ui| {
+            texts(ui, state, talk, open, &palette, commands);
+        });
+    });
+    CentralPanel::no_frame().frame(Frame::new()).show(ui, |ui| {
+        canvas.show(ui, &CanvasContext::of(state), commands);
+        let rect = state.runs.first.viewport;
+        point(ui, state, talk, rect, commands);
+        draw(ui, state, talk, rect);
+    });
+    super::show_marks(ui, state);
+    if talk.shows_code {
+        code(ui, state);
+    }
+}
+
+/// Hides the mouse pointer after a rest; the laser and the pen have their own.
+fn hide_pointer(ui: &Ui, talk: &Talk) {
+    let since = ui.input(|input| input.pointer.time_since_last_movement());
+    if talk.tool != Tool::Hand || f64::from(since) > REST_SECS {
+        ui.ctx().set_cursor_icon(CursorIcon::None);
+    } else {
+        let rest = std::time::Duration::from_secs_f64(REST_SECS - f64::from(since) + 0.05);
+        ui.ctx().request_repaint_after(rest);
+    }
+}
+
+fn texts(
+    ui: &mut Ui,
+    state: &State,
+    talk: &Talk,
+    open: &OpenLesson,
+    palette: &Palette,
+    commands: &mut Vec<Command>,
+) {
+    let learner = &open.learner;
+    let step = learner.step();
+    let heading = RichText::new(learner.words(&step.title)).font(FontId::new(HEADING, semibold()));
+    ui.add(Label::new(heading).wrap()).known_as("stage-title");
+    ui.add_space(4.0);
+    // After the answer its explanation takes the place of the introduction.
+    let is_revealed = step.gate.is_some() && !learner.is_open();
+    if !is_revealed {
+        text::show(ui, open, &step.text, SIZE, palette);
+    }
+    if let Some(fault) = &open.fault {
+        let text = RichText::new(format!("{} {fault}.", labels(state).cannot_show)).size(SIZE);
+        ui.add(Label::new(text).wrap()).known_as("stage-fault");
+    }
+    let Some(question) = learner.question() else {
+        return;
+    };
+    ui.add_space(6.0);
+    let (_, traced) = learner.tries();
+    let ask = text::job(ui, question.ask(traced), SIZE, palette.text);
+    ui.add(Label::new(ask).wrap()).known_as("stage-ask");
+    ui.add_space(6.0);
+    answers::show(ui, open, (question, labels(state)), SIZE, palette, commands);
+    ui.add_space(6.0);
+    let bold = |text: String| RichText::new(text).font(FontId::new(SIZE + 1.0, semibold()));
+    if talk.is_voting && learner.is_open() {
+        ui.label(bold(labels(state).vote_now.to_owned())).known_as("stage-vote");
+    }
+    let key = state.talk_key();
+    if let [first, second] = state.talks.record.votes_on(&key) {
+        votes(ui, state, question, [first, second], palette);
+    }
+    if is_revealed {
+        let verdict = match (learner.progress(), learner.right_answer()) {
+            (Progress::GivenUp, Some(answer)) => format!("{} {answer}", labels(state).the_answer),
+            _ => labels(state).right.to_owned(),
+        };
+        ui.add(Label::new(bold(verdict)).wrap()).known_as("stage-answer");
+        ui.add_space(4.0);
+        text::show(ui, open, &step.after, SIZE, palette);
+    } else if let Some(sentence) = open.feedback.as_ref().and_then(|said| said.sentence.as_deref()) {
+        let job = text::job(ui, sentence, SIZE, palette.text);
+        ui.add(Label::new(job).wrap()).known_as("stage-sentence");
+    }
+}
+
+/// Shows both votes side by side.
+fn votes(ui: &mut Ui, state: &State, question: &Question, both: [&Vote; 2], palette: &Palette) {
+    let labels = labels(state);
+    let names = [labels.first_vote, labels.second_vote];
+    let inks = [palette.border, palette.accent];
+    ui.horizontal(|ui| {
+        for (name, ink) in names.into_iter().zip(inks) {
+            let (rect, _) = ui.allocate_exact_size(vec2(14.0, 14.0), Sense::hover());
+            ui.painter().rect_filled(rect, 3.0, ink);
+            ui.label(RichText::new(name).size(SIZE - 1.0));
+            ui.add_space(8.0);
+        }
+    })
+    .response
+    .known_as("stage-votes");
+    if let [Vote::Counts(first), Vote::Counts(second)] = both {
+        let most = first.iter().chain(second).copied().max().unwrap_or(0).max(1);
+        let rows = match &question.form {
+            Form::Order { items } => items.len(),
+            _ => first.len(),
+        };
+        for option in 0..rows {
+            let counts = [first, second].map(|counts| counts.get(option).copied().unwrap_or(0));
+            let (row, _) = ui.allocate_exact_size(vec2(ui.available_width(), 34.0), Sense::hover());
+            let name = letter(option).to_string();
+            let font = FontId::new(SIZE, semibold());
+            let left = row.left_center();
+            let painter = ui.painter();
+            painter.text(left, egui::Align2::LEFT_CENTER, name, font.clone(), palette.text);
+            let room = row.width() - 64.0;
+            for (k, (count, ink)) in counts.into_iter().zip(inks).enumerate() {
+                let top = row.top() + 1.0 + 16.0 * k as f32;
+                let width = (room * count as f32 / most as f32).max(2.0);
+                let bar = Rect::from_min_size(pos2(row.left() + 22.0, top), vec2(width, 14.0));
+                painter.rect_filled(bar, CornerRadius::same(3), ink);
+                let at = pos2(bar.right() + 5.0, bar.center().y);
+                let font = FontId::new(12.5, semibold());
+                painter.text(at, egui::Align2::LEFT_CENTER, count.to_string(), font, palette.text);
+            }
+        }
+        return;
+    }
+    for (name, vote) in names.into_iter().zip(both) {
+        let said = match vote {
+            Vote::Right(share) => share_name(state, *share).to_owned(),
+            Vote::Counts(counts) => {
+                let counts = counts.iter().enumerate();
+                let counts: Vec<String> = counts
+                    .map(|(option, count)| format!("{} {count}", letter(option)))
+                    .collect();
+                counts.join(", ")
+            }
+        };
+        ui.label(RichText::new(format!("{name}: {said}")).size(SIZE));
+    }
+}
+
+fn share_name(state: &State, share: RightShare) -> &'static str {
+    let labels = labels(state);
+    match share {
+        RightShare::None => labels.none_right,
+        RightShare::Few => labels.few_right,
+        RightShare::Half => labels.half_right,
+        RightShare::Most => labels.most_right,
+    }
+}
+
+/// Follows the pointer with the laser or the pen.
+fn point(ui: &Ui, state: &State, talk: &Talk, rect: Rect, commands: &mut Vec<Command>) {
+    if talk.tool == Tool::Hand || !rect.is_positive() {
+        return;
+    }
+    // It lies over the canvas, which would be moved otherwise.
+    let response = ui.interact(rect, Id::unique("laser and pen"), Sense::click_and_drag());
+    let camera = &state.runs.first.camera;
+    let place = |pos: Pos2| -> [f64; 2] { camera.domain_from_screen(rect, pos).into() };
+    let at = response.interact_pointer_pos().or(response.hover_pos());
+    let at = at.filter(|pos| rect.contains(*pos));
+    let mut issue = |command| commands.push(Command::Talk(command));
+    match talk.tool {
+        Tool::Laser => {
+            let at = at.map(place);
+            if at != talk.pointer {
+                issue(TalkCommand::Point(at));
+            }
+        }
+        Tool::Pen => {
+            let is_down = response.is_pointer_button_down_on();
+            if let Some(pos) = at.filter(|_| is_down) {
+                let last = talk.is_drawing.then(|| state.strokes().last()).flatten();
+                let last = last.and_then(|stroke| stroke.points.last());
+                let from = last.map(|&at| camera.screen_from_domain(rect, DVec2::from(at)));
+                if from.is_none_or(|from| from.distance(pos) >= 1.5) {
+                    issue(TalkCommand::Draw(place(pos)));
+                }
+            } else if talk.is_drawing {
+                issue(TalkCommand::Lift);
+            }
+        }
+        Tool::Hand => {}
+    }
+}
+
+/// Draws the lines of the step, the laser, and the tip of the pen.
+fn draw(ui: &Ui, state: &State, talk: &Talk, rect: Rect) {
+    let camera = &state.runs.first.camera;
+    let dark = state.appearance.look.is_dark();
+    let layer = LayerId::new(Order::Middle, Id::unique("lines of the talk"));
+    let painter = ui.ctx().layer_painter(layer).with_clip_rect(rect);
+    let screen = |at: [f64; 2]| camera.screen_from_domain(rect, DVec2::from(at));
+    for stroke in state.strokes() {
+        let points: Vec<Pos2> = stroke.points.iter().map(|&at| screen(at)).collect();
+        let ink = stroke.color(dark);
+        if let [only] = points[..] {
+            painter.circle_filled(only, 2.5, ink);
+        }
+        painter.add(Shape::line(points, Stroke::new(3.0, ink)));
+    }
+    if let Some(at) = talk.pointer {
+        let at = screen(at);
+        let [radius, glow] = LASER;
+        let red = Color32::from_rgb(0xff, 0x28, 0x28);
+        painter.circle_filled(at, glow, red.gamma_multiply(0.25));
+        painter.circle(at, radius, red, Stroke::new(1.5, Color32::WHITE));
+    }
+    let hovered = ui.input(|input| input.pointer.hover_pos());
+    if talk.tool == Tool::Pen
+        && let Some(at) = hovered.filter(|at| rect.contains(*at))
+    {
+        let ring = Stroke::new(1.5, pen_color(talk.color, dark));
+        painter.circle_stroke(at, 4.0, ring);
+    }
+}
+
+/// Shows the code of the link to the step, with its address in letters.
+fn code(ui: &Ui, state: &State) {
+    let address = state.talk_address();
+    let rect = state.runs.first.viewport;
+    let modules = tilescope_workbench::talk::code(&address);
+    egui::Area::new(Id::unique("code for phones"))
+        .order(Order::Foreground)
+        .pivot(egui::Align2::CENTER_CENTER)
+        .fixed_pos(rect.center())
+        .show(ui.ctx(), |ui| {
+            Frame::new()
+                .fill(Color32::WHITE)
+                .corner_radius(8)
+                .inner_margin(Margin::same(18))
+                .show(ui, |ui| {
+                    ui.vertical_centered(|ui| {
+                        let side = (rect.size().min_elem() - 130.0).clamp(120.0, 330.0);
+                        ui.set_width(side.max(300.0));
+                        if let Some(rows) = &modules {
+                            let (square, _) = ui.allocate_exact_size(vec2(side, side), Sense::hover());
+                            let size = side / rows.len() as f32;
+                            for (y, row) in rows.iter().enumerate() {
+                                for (x, _) in row.iter().enumerate().filter(|(_, dark)| **dark) {
+                                    let at = square.min + vec2(x as f32, y as f32) * size;
+                                    let cell = Rect::from_min_size(at, vec2(size + 0.3, size + 0.3));
+                                    ui.painter().rect_filled(cell, 0.0, Color32::BLACK);
+                                }
+                            }
+                            ui.add_space(8.0);
+                        }
+                        let shown = if address.is_empty() {
+                            labels(state).no_address
+                        } else {
+                            &address
+                        };
+                        let text = RichText::new(shown).size(SIZE).color(Color32::BLACK);
+                        ui.add(Label::new(text).wrap()).known_as("stage-address");
+                    });
+                });
+        });
+}

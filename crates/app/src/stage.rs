@@ -1,0 +1,184 @@
+//! The windows of a talk: the stage on one screen, the notes on the other. Either may be closed and opened again, and they
+//! exchange their screens; what they show is in `panels/lesson`.
+
+use egui::{Context, Rect, Ui, ViewportBuilder, ViewportClass, ViewportCommand, ViewportId};
+use tilescope_workbench::command::Command;
+use tilescope_workbench::talk::TalkCommand;
+
+use crate::actions;
+use crate::app::App;
+use crate::panels::lesson::{notes, stage};
+
+/// The windows of a talk between frames.
+#[derive(Default)]
+pub struct Stage {
+    /// The zoom before the talk.
+    zoom_before: Option<f32>,
+    /// Whether the window had full screen before.
+    was_full: bool,
+    /// The screen that the window is not on, in points, if there are several.
+    pub other_screen: Option<Rect>,
+}
+
+/// What a window shows.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Role {
+    Stage,
+    Notes,
+}
+
+impl App {
+    /// Shows the windows of the talk.
+    pub(crate) fn show_talk(&mut self, ui: &mut Ui) {
+        let ctx = ui.ctx().clone();
+        self.begin_stage(&ctx);
+        let Some(talk) = &self.state.talks.open else {
+            return;
+        };
+        // Of two windows the first one stays: what the other one showed moves there.
+        let roles = match (talk.has_stage, talk.has_notes, talk.is_swapped) {
+            (true, true, true) | (false, true, _) => [Role::Notes, Role::Stage],
+            _ => [Role::Stage, Role::Notes],
+        };
+        let open = |role: Role| match role {
+            Role::Stage => talk.has_stage,
+            Role::Notes => talk.has_notes,
+        };
+        let [root, other] = roles;
+        let other = Some(other).filter(|role| open(*role) && !ctx.embed_viewports());
+        if ui.input(|input| input.viewport().close_requested()) && other.is_some() {
+            // The other window takes this one's place, so that the talk goes on.
+            ctx.send_viewport_cmd(ViewportCommand::CancelClose);
+            ctx.send_viewport_cmd(ViewportCommand::Fullscreen(false));
+            self.commands.push(Command::Talk(close_command(root)));
+        }
+        self.show_role(ui, root);
+        if let Some(role) = other {
+            let builder = self.window_of(role);
+            let id = ViewportId::from_hash_of("the other window of a talk");
+            ctx.show_viewport_immediate(id, builder, |ui, class| {
+                if class == ViewportClass::EmbeddedWindow {
+                    return;
+                }
+                if ui.input(|input| input.viewport().close_requested()) {
+                    self.commands.push(Command::Talk(close_command(role)));
+                }
+                self.show_role(ui, role);
+            });
+        }
+        self.apply_commands(&ctx);
+    }
+
+    fn show_role(&mut self, ui: &mut Ui, role: Role) {
+        if actions::press_keys(ui.ctx(), &mut self.state) {
+            self.follow_commands(ui.ctx());
+        }
+        match role {
+            Role::Stage => {
+                self.fit_stage(ui);
+                stage::show(ui, &self.state, &mut self.canvas, &mut self.commands);
+            }
+            Role::Notes => {
+                // The clock goes on.
+                let second = std::time::Duration::from_secs(1);
+                ui.ctx().request_repaint_after(second);
+                notes::show(ui, &self.state, &mut self.commands);
+            }
+        }
+    }
+
+    /// Makes the stage as many points high as it always is, whatever its pixels.
+    fn fit_stage(&self, ui: &Ui) {
+        let ctx = ui.ctx();
+        let pixels = ui.available_height() * ctx.pixels_per_point();
+        let native = ctx.native_pixels_per_point().unwrap_or(1.0);
+        let zoom = pixels / (stage::HEIGHT * native);
+        if (zoom / ctx.zoom_factor() - 1.0).abs() > 0.002 && zoom > 0.05 {
+            ctx.set_zoom_factor(zoom);
+            ctx.request_repaint();
+        }
+    }
+
+    /// Finds the screen for the second window when a talk begins.
+    #[cfg(not(target_arch = "wasm32"))]
+    pub(crate) fn find_other_screen(&mut self, ctx: &Context, frame: &eframe::Frame) {
+        let is_beginning = self.state.talks.open.is_some() && self.stage.zoom_before.is_none();
+        let Some(window) = frame.winit_window().filter(|_| is_beginning) else {
+            return;
+        };
+        let pixels_per_point = ctx.pixels_per_point();
+        let screens = window.available_monitors().map(|monitor| {
+            let (at, size) = (monitor.position(), monitor.size());
+            let corner = egui::pos2(at.x as f32, at.y as f32);
+            Rect::from_min_size(corner, egui::vec2(size.width as f32, size.height as f32))
+        });
+        let screens: Vec<Rect> = screens.collect();
+        let here = window.outer_position().unwrap_or_default();
+        let here = egui::pos2(here.x as f32 + 1.0, here.y as f32 + 1.0);
+        let other = other_screen(&screens, here);
+        self.stage.other_screen = other.map(|screen| screen / pixels_per_point);
+    }
+
+    fn begin_stage(&mut self, ctx: &Context) {
+        if self.stage.zoom_before.is_none() {
+            self.stage.zoom_before = Some(ctx.zoom_factor());
+            self.stage.was_full = ctx.input(|input| input.viewport().fullscreen == Some(true));
+            ctx.send_viewport_cmd(ViewportCommand::Fullscreen(true));
+        }
+    }
+
+    /// Returns zoom and full screen to what they were before the talk, once it is over.
+    pub(crate) fn leave_stage(&mut self, ctx: &Context) {
+        if let Some(zoom) = self.stage.zoom_before.take() {
+            ctx.set_zoom_factor(zoom);
+            ctx.send_viewport_cmd(ViewportCommand::Fullscreen(self.stage.was_full));
+            ctx.request_repaint();
+        }
+    }
+
+    /// Returns how the second window opens: on the other screen, if there is one.
+    fn window_of(&self, role: Role) -> ViewportBuilder {
+        let title = match role {
+            Role::Stage => "Tilescope: the stage",
+            Role::Notes => "Tilescope: notes",
+        };
+        let builder = ViewportBuilder::default()
+            .with_title(title)
+            .with_min_inner_size([320.0, 240.0]);
+        match self.stage.other_screen {
+            Some(screen) => builder
+                .with_position(screen.min)
+                .with_inner_size(screen.size()),
+            None => builder.with_inner_size([640.0, 420.0]),
+        }
+    }
+}
+
+const fn close_command(role: Role) -> TalkCommand {
+    match role {
+        Role::Stage => TalkCommand::StageClosed,
+        Role::Notes => TalkCommand::NotesClosed,
+    }
+}
+
+/// Returns the first of some screens that does not hold a point, each in pixels.
+#[must_use]
+pub fn other_screen(screens: &[Rect], here: egui::Pos2) -> Option<Rect> {
+    screens.iter().copied().find(|screen| !screen.contains(here))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use egui::{pos2, vec2};
+
+    #[test]
+    fn the_other_screen_is_one_where_the_window_is_not() {
+        let laptop = Rect::from_min_size(pos2(0.0, 0.0), vec2(1280.0, 800.0));
+        let projector = Rect::from_min_size(pos2(1280.0, 0.0), vec2(1920.0, 1080.0));
+        let both = [laptop, projector];
+        assert_eq!(other_screen(&both, pos2(100.0, 100.0)), Some(projector));
+        assert_eq!(other_screen(&both, pos2(2000.0, 100.0)), Some(laptop));
+        assert_eq!(other_screen(&[laptop], pos2(100.0, 100.0)), None);
+    }
+}
