@@ -219,6 +219,8 @@ const hooks = {
     }
     frame ? frame.state(told) : entitle(told);
   },
+  /** @param {string} json */
+  talk: (json) => followTalk(JSON.parse(json)),
   // Deferred, as in `lost`.
   lessons: () => setTimeout(loadLessons),
   // The program calls this while its state is borrowed, so it is ended a moment later.
@@ -228,6 +230,46 @@ const hooks = {
   drawn: () => performance.mark("tilescope: first frame"),
   failed: fail,
 };
+
+/** The channel to the lecturer's notes, from the first talk on. @type {BroadcastChannel | undefined} */
+let channel;
+/** The talk that is given. @type {any} */
+let talk = null;
+
+/** Opens the channel to the notes. Its name is random, so that no other window knows it. @param {string} name */
+function openChannel(name) {
+  channel = new BroadcastChannel(name);
+  channel.addEventListener("message", ({ data }) => {
+    if (data.command !== undefined) {
+      app?.talk(JSON.stringify(data.command));
+    }
+    if (data.hello) {
+      channel?.postMessage({ talk });
+    } else if (data.ping) {
+      channel?.postMessage({ here: true });
+    }
+  });
+  return name;
+}
+
+/** Opens the window with the notes when a talk wants them, and tells it of the talk. @param {any} told */
+function followTalk(told) {
+  const wants = Boolean(told?.wants_notes) && !talk?.wants_notes;
+  talk = told;
+  if (wants && !asked.get("talk")) {
+    const name = channel?.name ?? openChannel(`tilescope-${crypto.randomUUID()}`);
+    if (!window.open(`./#notes=${name}`, `notes-${name}`, "popup,width=1100,height=760")) {
+      announce("The browser did not open the window with the notes. Allow this page to open windows, then press N twice.");
+    }
+  }
+  channel?.postMessage({ talk });
+}
+
+/** Goes on with the talk that the notes have. @param {string} name */
+function rejoin(name) {
+  openChannel(name);
+  channel?.postMessage({ stage: true });
+}
 
 /** Loads the lessons that come with the program, when they are first asked for. */
 async function loadLessons() {
@@ -308,6 +350,10 @@ async function begin(display, reason) {
     canvas.focus();
   }
   frame?.ready();
+  const name = asked.get("talk");
+  if (name?.startsWith("tilescope-") && !channel) {
+    rejoin(name);
+  }
 }
 
 /** Restarts after the display's device was lost, with the other kind of display. @param {string} reason */
@@ -395,7 +441,29 @@ async function beginAnyhow(display) {
   }
 }
 
+/** Shows what the address asks for instead of the program: the voting card, or the notes of a talk. Returns whether it does. */
+async function isOther() {
+  const notes = fragment().match(/^notes=(tilescope-[\w-]+)$/)?.[1];
+  if (fragment() !== "card" && !notes) {
+    return false;
+  }
+  document.documentElement.setAttribute("data-runs", "");
+  element("loading").hidden = true;
+  if (notes) {
+    const { showNotes } = await import("./{{asset:notes.js}}");
+    showNotes(notes);
+  } else {
+    const { showCard } = await import("./{{asset:card.js}}");
+    showCard();
+    keepOffline();
+  }
+  return true;
+}
+
 async function main() {
+  if (!embed && (await isOther())) {
+    return;
+  }
   document.documentElement.setAttribute("data-runs", "");
   if (embed) {
     await comesIntoView();
@@ -437,6 +505,9 @@ if (embed) {
   }
 }
 window.addEventListener("hashchange", () => {
+  if (fragment() === "card") {
+    location.reload();
+  }
   nextLink = null;
   app?.open_link(fragment());
 });

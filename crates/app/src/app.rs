@@ -52,7 +52,8 @@ impl App {
     #[must_use]
     pub fn new(ctx: &Context) -> Self {
         let waker = ctx.clone();
-        let state = State::new(Arc::new(move || waker.request_repaint()));
+        let mut state = State::new(Arc::new(move || waker.request_repaint()));
+        state.lessons.now = now();
         theme::install(ctx, theme::theme_of(state.appearance.look));
         ctx.add_plugin(Presses::default());
         Self {

@@ -408,6 +408,7 @@ mod remote;
 pub mod run_view;
 mod scenes;
 mod talk;
+mod talk_told;
 #[cfg(test)]
 mod tests;
 mod time;

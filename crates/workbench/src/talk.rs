@@ -130,6 +130,10 @@ pub struct TalkRecord {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Kept {
+    /// The lesson that is shown, and its text if it does not come with the program.
+    pub lesson: (String, Option<String>),
+    /// Whether it is the lecture of fifty minutes.
+    pub is_lecture: bool,
     /// When the talk began, in seconds since 1970.
     pub begun: f64,
     /// Which lesson of the talk is shown.

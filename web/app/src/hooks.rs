@@ -61,6 +61,11 @@ pub fn state(json: &str) {
     let _ = call("state", json);
 }
 
+/// Reports the talk, for the lecturer's notes.
+pub fn talk(json: &str) {
+    let _ = call("talk", json);
+}
+
 /// Asks the page to load the lessons.
 pub fn lessons() {
     let _ = call("lessons", "");

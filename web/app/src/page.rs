@@ -213,6 +213,21 @@ impl Tilescope {
         }
     }
 
+    /// Does what the lecturer's notes ask: a `TalkCommand` in JSON. Returns what is wrong with it, or nothing.
+    pub fn talk(&self, command: &str) -> String {
+        let Some(mut page) = self.runner.app_mut::<Page>() else {
+            return String::new();
+        };
+        match serde_json::from_str(command) {
+            Ok(command) => {
+                page.app.state.apply(Command::Talk(command));
+                page.ctx.request_repaint();
+                String::new()
+            }
+            Err(error) => error.to_string(),
+        }
+    }
+
     /// Shows a notice that copying failed.
     pub fn copy_failed(&self) {
         if let Some(mut page) = self.runner.app_mut::<Page>() {
@@ -299,6 +314,7 @@ struct Page {
     /// `None` if it must be reported in any case.
     link: Option<String>,
     state: String,
+    talk: String,
 }
 
 impl Page {
@@ -363,6 +379,7 @@ impl Page {
             asked_for_lessons: false,
             link: None,
             state: String::new(),
+            talk: String::new(),
         }
     }
 
@@ -387,6 +404,11 @@ impl Page {
             return;
         }
         self.told_secs = now_secs;
+        let talk = state.talk_json().to_string();
+        if talk != self.talk && self.stores {
+            hooks::talk(&talk);
+            self.talk = talk;
+        }
         let told = state.to_json();
         let link = told["link"].as_str().unwrap_or_default();
         if self.link.as_deref() != Some(link) {

@@ -35,8 +35,11 @@ pub fn is_picture(name: &str) -> bool {
 
 /// Whether a file is loaded only when it is asked for, though other files name it.
 pub fn is_later(name: &str) -> bool {
-    is_picture(name) || name.ends_with(".webmanifest") || name == LESSONS
+    is_picture(name) || name.ends_with(".webmanifest") || LATER.contains(&name)
 }
+
+/// The lessons, the voting card, and the notes of a talk.
+const LATER: [&str; 3] = [LESSONS, "card.js", "notes.js"];
 
 /// The lessons.
 pub const LESSONS: &str = "lessons.json";

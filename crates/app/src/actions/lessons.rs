@@ -102,7 +102,7 @@ pub(super) fn add(list: &mut List, state: &State) {
 
 /// Takes keys of the lesson from other actions, and says why those that would show what comes next are refused.
 pub(super) fn lead(list: &mut List, state: &State) {
-    if state.lessons.open.is_none() {
+    if state.lessons.open.is_none() || state.talks.open.is_some() {
         return;
     }
     let is_lesson = |command: &Command| matches!(command, Command::Lesson(_));

@@ -223,7 +223,7 @@ impl State {
             "chosen": self.gpu.chosen(self.form.draft.parameters.variant),
             "notice": self.messages.notice.as_ref().map(|notice| notice.text.as_str()),
             "view": self.view_json(),
-            "lesson": self.lesson_json(),
+            "lesson": self.talks.open.is_none().then(|| self.lesson_json()),
             "answered": self.lessons.last,
             "link": self.link().fragment,
         })

@@ -26,7 +26,6 @@ impl State {
     }
 
     pub(super) fn apply_to_talk(&mut self, command: TalkCommand) {
-        let now = self.lessons.now;
         match command {
             TalkCommand::Lesson { from_start } => self.present_lesson(from_start),
             TalkCommand::First => {
@@ -78,12 +77,6 @@ impl State {
                     }
                 }
             }
-        }
-        let begun = self.talks.open.as_ref().map(|talk| talk.begun);
-        if begun == Some(0.0)
-            && let Some(talk) = &mut self.talks.open
-        {
-            (talk.begun, talk.step_begun) = (now, now);
         }
     }
 
@@ -280,7 +273,11 @@ impl State {
         let (Some(talk), Some(open)) = (&self.talks.open, &self.lessons.open) else {
             return Kept::default();
         };
+        let name = open.learner.lesson().name.clone();
+        let text = (open.source != LessonSource::Shipped).then(|| open.text.clone());
         Kept {
+            lesson: (name, text),
+            is_lecture: talk.parts.len() > 1,
             begun: talk.begun,
             part: talk.part,
             step: open.learner.step().name.clone(),
@@ -288,14 +285,34 @@ impl State {
         }
     }
 
-    fn restore_talk(&mut self, kept: &str) {
-        let Ok(kept) = serde_json::from_str::<Kept>(kept) else {
-            return self.tell("What the notes kept of the talk cannot be read.".to_owned(), true);
+    fn restore_talk(&mut self, text: &str) {
+        let Ok(kept) = serde_json::from_str::<Kept>(text) else {
+            let text = "What the notes kept of the talk cannot be read.";
+            return self.tell(text.to_owned(), true);
         };
+        if self.lessons.shelf.is_empty() {
+            self.talks.wanted = Some(TalkCommand::Restore(text.to_owned()));
+            return;
+        }
+        if self.talks.open.is_none() {
+            match &kept.lesson {
+                _ if kept.is_lecture => self.present_lecture(),
+                (name, Some(text)) => {
+                    self.open_lesson(name, text, LessonSource::Text);
+                    self.present_lesson(false);
+                }
+                (name, None) => {
+                    self.apply_to_lessons(LessonCommand::Open(name.clone()));
+                    self.present_lesson(false);
+                }
+            }
+        }
         let Some(talk) = &mut self.talks.open else {
             return;
         };
-        talk.begun = kept.begun;
+        if kept.begun > 0.0 {
+            talk.begun = kept.begun;
+        }
         let part = kept.part.min(talk.parts.len().saturating_sub(1));
         if part != talk.part {
             self.go_to_part(part, false);
@@ -477,5 +494,226 @@ impl Talk {
             TalkCommand::ToggleCode => self.shows_code = !self.shows_code,
             _ => {}
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::settled;
+    use super::*;
+    use crate::command::{Command, TimeCommand};
+    use crate::scenes::{SceneCommand, SceneList};
+    use crate::talk::advised;
+    use tilescope_lessons::{Advice, RightShare};
+
+    fn talk(state: &mut State, command: TalkCommand) {
+        state.apply(Command::Talk(command));
+        state.settle();
+    }
+
+    fn presented(name: &str) -> State {
+        let mut state = settled();
+        state.lessons.now = 1_000.0;
+        state.apply(Command::Lesson(LessonCommand::Open(name.to_owned())));
+        state.settle();
+        talk(&mut state, TalkCommand::Lesson { from_start: true });
+        state
+    }
+
+    fn step(state: &State) -> usize {
+        state.lessons.open.as_ref().unwrap().learner.index()
+    }
+
+    fn open(state: &State) -> &Talk {
+        state.talks.open.as_ref().unwrap()
+    }
+
+    fn to_question(state: &mut State) {
+        while state.lessons.open_question().is_none() {
+            talk(state, TalkCommand::Next);
+        }
+    }
+
+    #[test]
+    fn next_asks_for_votes_then_reveals_then_goes_on_and_records_nothing() {
+        let mut state = presented("survivors");
+        to_question(&mut state);
+        let at = step(&state);
+        talk(&mut state, TalkCommand::Next);
+        assert!(open(&state).is_voting && state.lessons.open_question().is_some());
+        assert_eq!(state.lessons.veil(), state.cursor().map(|(_, len)| len));
+        talk(&mut state, TalkCommand::Next);
+        assert!(state.lessons.open_question().is_none() && step(&state) == at);
+        talk(&mut state, TalkCommand::Next);
+        assert_eq!(step(&state), at + 1);
+        talk(&mut state, TalkCommand::Previous);
+        assert_eq!(step(&state), at);
+        assert!(state.lessons.results.entries.is_empty());
+    }
+
+    #[test]
+    fn a_blank_stage_is_shown_again_by_next() {
+        let mut state = presented("survivors");
+        talk(&mut state, TalkCommand::Blank);
+        talk(&mut state, TalkCommand::Next);
+        assert!(!open(&state).is_blank && step(&state) == 0);
+    }
+
+    #[test]
+    fn votes_are_two_for_a_question_and_advise() {
+        let mut state = presented("survivors");
+        to_question(&mut state);
+        let key = state.talk_key();
+        for text in ["A 3 B 1", "half", "1 30 2"] {
+            talk(&mut state, TalkCommand::Vote(text.to_owned()));
+        }
+        let votes = state.talks.record.votes_on(&key);
+        assert_eq!(votes, [Vote::Counts(vec![3, 1, 0]), Vote::Counts(vec![1, 30, 2])]);
+        let question = state.lessons.open_question().map(tilescope_lessons::Question::key);
+        assert!(advised(votes, question).is_some());
+        talk(&mut state, TalkCommand::Unvote);
+        talk(&mut state, TalkCommand::Vote("Z 4".to_owned()));
+        assert!(open(&state).vote_fault.as_ref().unwrap().contains("A to C"));
+        let few = [Vote::Right(RightShare::Few)];
+        assert_eq!(advised(&few, None), Some(Advice::Explain));
+        assert_eq!(advised(&[], None), None);
+    }
+
+    #[test]
+    fn the_lecture_is_fifty_minutes_and_goes_from_lesson_to_lesson_and_back() {
+        let mut state = settled();
+        talk(&mut state, TalkCommand::Lecture);
+        let [_, _, all] = open(&state).planned_secs(0);
+        assert!((all - 3_000.0).abs() < 1e-6, "{all}");
+        assert_eq!(open(&state).parts.len(), shipped::LECTURE.len());
+        while open(&state).part == 0 {
+            talk(&mut state, TalkCommand::Next);
+        }
+        let [before, ..] = open(&state).planned_secs(0);
+        assert!((before - 240.0).abs() < 1e-6);
+        talk(&mut state, TalkCommand::Previous);
+        assert_eq!(open(&state).part, 0);
+        let last = state.lessons.open.as_ref().unwrap().learner.lesson().steps.len() - 1;
+        assert_eq!(step(&state), last);
+        talk(&mut state, TalkCommand::First);
+        assert_eq!((open(&state).part, step(&state)), (0, 0));
+    }
+
+    #[test]
+    fn lines_belong_to_their_step_and_are_kept_only_on_request() {
+        let mut state = presented("survivors");
+        for at in [[1.0, 1.0], [2.0, 2.0]] {
+            talk(&mut state, TalkCommand::Draw(at));
+        }
+        talk(&mut state, TalkCommand::Lift);
+        talk(&mut state, TalkCommand::NextColor);
+        talk(&mut state, TalkCommand::Draw([3.0, 3.0]));
+        talk(&mut state, TalkCommand::Draw([f64::NAN, 3.0]));
+        let colors: Vec<usize> = state.strokes().iter().map(|stroke| stroke.color).collect();
+        assert_eq!(colors, [0, 1]);
+        assert_eq!(state.strokes()[0].points, [[1.0, 1.0], [2.0, 2.0]]);
+        talk(&mut state, TalkCommand::UndoStroke);
+        assert_eq!(state.strokes().len(), 1);
+        talk(&mut state, TalkCommand::Next);
+        assert!(state.strokes().is_empty());
+        let saved = |state: &State| state.saved().unwrap().view.get("talk").cloned();
+        assert_eq!(saved(&state), None);
+        talk(&mut state, TalkCommand::Keep(true));
+        let view = serde_json::json!({ "talk": saved(&state).unwrap() });
+        let mut other = settled();
+        other.take_record(&view);
+        assert_eq!(other.talks.record, state.talks.record);
+        other.take_record(&serde_json::json!({ "talk": 7 }));
+        assert_eq!(other.talks.record, state.talks.record);
+    }
+
+    #[test]
+    fn scenes_are_presented_and_the_session_comes_back() {
+        let mut state = settled();
+        for (event, caption) in [(5_000, "Tiling. It is half done.\n---\nSay why."), (12_000, "")] {
+            state.apply(Command::Time(TimeCommand::Jump(event)));
+            state.apply(Command::Scene(SceneCommand::Add));
+            let last = state.scenes(SceneList::Own).len() - 1;
+            state.apply(Command::Scene(SceneCommand::Caption(last, caption.to_owned())));
+        }
+        let before = (state.cursor(), state.runs.first.camera);
+        talk(&mut state, TalkCommand::Scenes);
+        let learner = &state.lessons.open.as_ref().expect("a lesson").learner;
+        assert_eq!(learner.step().title, "Tiling");
+        assert_eq!(learner.step().notes, ["Say why."]);
+        assert_eq!(state.cursor().map(|(at, _)| at), Some(5_000));
+        talk(&mut state, TalkCommand::Next);
+        assert_eq!(state.cursor().map(|(at, _)| at), Some(12_000));
+        talk(&mut state, TalkCommand::End);
+        assert!(state.lessons.open.is_none());
+        assert_eq!((state.cursor(), state.runs.first.camera), before);
+        assert_eq!(state.scenes(SceneList::Own).len(), 2);
+        assert!(state.verdict().is_some());
+    }
+
+    #[test]
+    fn scenes_that_are_none_are_refused() {
+        let mut state = settled();
+        talk(&mut state, TalkCommand::Scenes);
+        assert!(state.talks.open.is_none());
+        let notice = &state.messages.notice.as_ref().expect("a notice").text;
+        assert!(notice.contains("no scenes"), "{notice}");
+    }
+
+    /// The notes get notes and answers; what pages and scripts are told holds neither.
+    #[test]
+    fn what_pages_are_told_holds_no_note_and_no_answer() {
+        let mut state = presented("survivors");
+        to_question(&mut state);
+        let learner = &state.lessons.open.as_ref().unwrap().learner;
+        let (note, answer) = (learner.step().notes[0].clone(), learner.right_answer().unwrap());
+        let words: Vec<&str> = note.split(' ').take(3).collect();
+        let told = state.talk_json();
+        assert!(told["notes"].to_string().contains(&words.join(" ")));
+        assert_eq!(told["answer"], answer);
+        let state_told = state.to_json();
+        assert_eq!(state_told["lesson"], serde_json::Value::Null);
+        assert!(!state_told.to_string().contains(&words.join(" ")));
+        assert!(state.link().fragment.contains("lesson=survivors"));
+    }
+
+    #[test]
+    fn another_window_goes_on_where_the_first_one_was() {
+        let mut state = presented("survivors");
+        to_question(&mut state);
+        talk(&mut state, TalkCommand::Vote("few".to_owned()));
+        talk(&mut state, TalkCommand::Draw([1.0, 2.0]));
+        let kept = serde_json::to_string(&state.kept_of_talk()).unwrap();
+        let mut other = settled();
+        other.lessons.now = 2_000.0;
+        talk(&mut other, TalkCommand::Restore(kept));
+        assert_eq!(other.talk_key(), state.talk_key());
+        assert_eq!(other.talks.record, state.talks.record);
+        assert!((open(&other).begun - 1_000.0).abs() < 1e-9);
+        talk(&mut other, TalkCommand::Restore("nonsense".to_owned()));
+        assert!(other.messages.notice.is_some_and(|notice| notice.is_error));
+    }
+
+    #[test]
+    fn the_picture_of_the_next_step_is_drawn_and_ends_with_the_last() {
+        let mut state = presented("survivors");
+        let (task, picture) = open(&state).next.clone().expect("a picture");
+        assert_eq!(task.index, 1);
+        let pixels = picture.and_then(|picture| picture.pixels).expect("pixels");
+        let first = &pixels.rgba[..4];
+        assert!(pixels.rgba.chunks(4).any(|pixel| pixel != first));
+        while !open(&state).is_over {
+            talk(&mut state, TalkCommand::Next);
+        }
+        assert!(open(&state).next.is_none());
+    }
+
+    #[test]
+    fn closing_both_windows_ends_the_talk() {
+        let mut state = presented("survivors");
+        talk(&mut state, TalkCommand::StageClosed);
+        assert!(state.talks.open.is_some());
+        talk(&mut state, TalkCommand::NotesClosed);
+        assert!(state.talks.open.is_none() && state.lessons.open.is_some());
     }
 }

@@ -22,7 +22,9 @@ use crate::compare::{CompareCommand, ComparePreset};
 use crate::export::{ExportCommand, ExportKind};
 use crate::files::{Delivery, FileCommand};
 use crate::layout::Panel;
+use crate::lessons::LessonCommand;
 use crate::scenes::SceneCommand;
+use crate::talk::TalkCommand;
 use crate::state::{State, Verification};
 
 type Reply = Result<Vec<u8>, TaskError>;
@@ -169,6 +171,7 @@ fn visit() -> Vec<String> {
     ];
     found.push(picture_of_a_scene(&mut state));
     found.extend(hand_over(&mut state));
+    found.extend(present(&mut state));
     found
 }
 
@@ -213,6 +216,24 @@ fn hand_over(state: &mut State) -> Vec<String> {
         digest(session.run()),
         format!("{combination:?}"),
     ]
+}
+
+/// Presents a lesson; returns the picture of its next step, and its handout.
+fn present(state: &mut State) -> [String; 2] {
+    state.apply(Command::Lesson(LessonCommand::Open("survivors".to_owned())));
+    state.settle();
+    let present = TalkCommand::Lesson { from_start: true };
+    state.apply(Command::Talk(present));
+    state.settle();
+    let talk = state.talks.open.as_ref().expect("a talk");
+    let next = format!("{:?}", talk.next);
+    let handout = TalkCommand::Handout {
+        answers: true,
+        notes: true,
+    };
+    state.apply(Command::Talk(handout));
+    state.settle();
+    [next, format!("{:?}", state.files.take_downloads())]
 }
 
 #[test]

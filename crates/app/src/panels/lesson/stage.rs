@@ -136,6 +136,8 @@ fn texts(
     let ask = text::job(ui, question.ask(traced), SIZE, palette.text);
     ui.add(Label::new(ask).wrap()).known_as("stage-ask");
     ui.add_space(6.0);
+    // After the answer the options stay as legible as before.
+    ui.visuals_mut().disabled_alpha = 1.0;
     answers::show(ui, open, (question, labels(state)), SIZE, palette, commands);
     ui.add_space(6.0);
     let bold = |text: String| RichText::new(text).font(FontId::new(SIZE + 1.0, semibold()));

@@ -1,0 +1,65 @@
+//! What a page is told of a talk, for the window with the notes. The stage's own page is told nothing of it.
+
+use serde_json::{Value, json};
+use tilescope_lessons::{Form, spans};
+
+use super::State;
+use crate::talk::advised;
+
+impl State {
+    /// Returns the talk for the lecturer's notes; null if none is given. It holds notes and answers, so that it goes to the
+    /// notes alone.
+    #[must_use]
+    pub fn talk_json(&self) -> Value {
+        let (Some(talk), Some(open)) = (&self.talks.open, &self.lessons.open) else {
+            return Value::Null;
+        };
+        let learner = &open.learner;
+        let step = learner.step();
+        let lesson = learner.lesson();
+        let question = learner.question();
+        let (_, traced) = learner.tries();
+        let options = question.map_or(0, |question| match &question.form {
+            Form::Choice { options, .. } | Form::Trace { options, .. } => options.len(),
+            _ => 0,
+        });
+        let key = self.talk_key();
+        let votes = self.talks.record.votes_on(&key);
+        let [before, this, all] = talk.planned_secs(learner.index());
+        let later = talk.parts.get(talk.part + 1);
+        let next = match (lesson.steps.get(learner.index() + 1), later) {
+            (Some(step), _) => Some(step.title.clone()),
+            (None, Some(part)) => Some(part.title.clone()),
+            (None, None) => None,
+        };
+        let picture = talk.next.as_ref().and_then(|(_, picture)| picture.as_ref());
+        let waits = learner.is_open() && open.fault.is_none();
+        json!({
+            "title": learner.words(&step.title),
+            "notes": step.notes.iter().map(|note| spans(note)).collect::<Vec<_>>(),
+            "ask": question.map(|question| spans(question.ask(traced))),
+            "answer": learner.right_answer(),
+            "hint": question.and_then(|question| question.hint.as_deref()).map(spans),
+            "options": options,
+            "votes": votes,
+            "vote_fault": talk.vote_fault,
+            "advice": advised(votes, question.map(tilescope_lessons::Question::key)),
+            "next": next,
+            "picture": picture.and_then(|picture| picture.svg.as_deref()),
+            "step": learner.index() + 1,
+            "steps": lesson.steps.len(),
+            "part": talk.part + 1,
+            "parts": talk.parts.len(),
+            "begun": talk.begun,
+            "step_begun": talk.step_begun,
+            "planned": {"before": before, "this": this, "all": all},
+            "waits": waits,
+            "voting": talk.is_voting,
+            "blank": talk.is_blank,
+            "over": talk.is_over,
+            "tool": talk.tool,
+            "wants_notes": talk.has_notes,
+            "kept": self.kept_of_talk(),
+        })
+    }
+}
