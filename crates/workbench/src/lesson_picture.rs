@@ -163,7 +163,7 @@ pub struct StepPicture {
 }
 
 /// The task of drawing a picture of a step with its question open.
-#[derive(Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct StepPictureTask {
     /// The lesson's name and text.
     pub lesson: (String, String),

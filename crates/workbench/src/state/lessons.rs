@@ -502,8 +502,9 @@ impl State {
             None => Arc::clone(run),
         };
         let session = Session::from_recording(shown, self.jobs.generation);
-        self.show_in(Which::First, session);
-        self.runs.first.verification = Verification::Nothing;
+        let same_run = self.runs.first.is_same_run(&session);
+        self.time.rest(same_run);
+        self.on(Which::First, |run, context| run.show_unverified(session, context));
     }
 
     fn answer_question(&mut self) {

@@ -16,6 +16,12 @@ use crate::state::effects::Context;
 impl RunView {
     /// Shows a session at its last stage and has it verified. Breakpoints, watches and scenes stay.
     pub(in crate::state) fn show(&mut self, session: Session, context: &mut Context) {
+        self.show_unverified(session, context);
+        self.verify(context);
+    }
+
+    /// Shows a session at its last stage.
+    pub(in crate::state) fn show_unverified(&mut self, session: Session, context: &mut Context) {
         let same_domain = self.session.as_ref().is_some_and(|old| {
             old.run().domain.width() == session.run().domain.width()
                 && old.run().domain.height() == session.run().domain.height()
@@ -37,7 +43,7 @@ impl RunView {
         self.pick(selection, context);
         // The file of the former session is not that of this one.
         self.session_path = None;
-        self.verify(context);
+        self.verification = Verification::Nothing;
         let from_pattern = self.before_pattern.take().is_some();
         if !same_domain || from_pattern {
             self.fitted = true;
