@@ -18,3 +18,4 @@ pub use app::App;
 #[cfg(not(target_arch = "wasm32"))]
 pub use native::{AppError, WindowOptions, display_available, run_native};
 pub use panels::show_passes;
+pub use stage::stage_accent;

@@ -3,6 +3,7 @@
 
 use egui::{Context, Rect, Ui, ViewportBuilder, ViewportClass, ViewportCommand, ViewportId};
 use tilescope_workbench::command::Command;
+use tilescope_workbench::state::State;
 use tilescope_workbench::talk::TalkCommand;
 
 use crate::actions;
@@ -161,10 +162,19 @@ const fn close_command(role: Role) -> TalkCommand {
     }
 }
 
+/// Returns the colour of what is chosen on the stage.
+#[must_use]
+pub fn stage_accent(state: &State) -> egui::Color32 {
+    stage::palette_of(state).accent
+}
+
 /// Returns the first of some screens that does not hold a point, each in pixels.
 #[must_use]
 pub fn other_screen(screens: &[Rect], here: egui::Pos2) -> Option<Rect> {
-    screens.iter().copied().find(|screen| !screen.contains(here))
+    screens
+        .iter()
+        .copied()
+        .find(|screen| !screen.contains(here))
 }
 
 #[cfg(test)]

@@ -402,7 +402,10 @@ fn list() -> Result<u8> {
 /// Returns the name and the text of a lesson, and the text of its translation into a language.
 fn lesson_named(name: &str, language: &str) -> Result<(String, String, Option<String>)> {
     let is_other = language != "en";
-    if let Some(shipped) = shipped::lessons().iter().find(|shipped| shipped.name == name) {
+    if let Some(shipped) = shipped::lessons()
+        .iter()
+        .find(|shipped| shipped.name == name)
+    {
         ensure!(
             !is_other || language == "de",
             "--language {language}: {name} comes in en and de"
@@ -422,8 +425,15 @@ fn lesson_named(name: &str, language: &str) -> Result<(String, String, Option<St
 }
 
 fn handout(arguments: &HandoutArguments, window: FromWindow) -> Result<u8> {
-    let is_html = arguments.out.extension().is_some_and(|extension| extension == "html");
-    ensure!(is_html, "--out {}: the file is .html", arguments.out.display());
+    let is_html = arguments
+        .out
+        .extension()
+        .is_some_and(|extension| extension == "html");
+    ensure!(
+        is_html,
+        "--out {}: the file is .html",
+        arguments.out.display()
+    );
     let (name, text, translation) = lesson_named(&arguments.lesson, &arguments.language)?;
     let made = (window.handout)(Handout {
         lesson: (name, text),
@@ -433,7 +443,11 @@ fn handout(arguments: &HandoutArguments, window: FromWindow) -> Result<u8> {
     });
     let html = made.map_err(|fault| anyhow::anyhow!("{}: {fault}", arguments.lesson))?;
     write(&arguments.out, &html)?;
-    output::emit(&format!("{}: {} bytes\n", arguments.out.display(), html.len()))?;
+    output::emit(&format!(
+        "{}: {} bytes\n",
+        arguments.out.display(),
+        html.len()
+    ))?;
     Ok(EXIT_FINE)
 }
 
@@ -460,7 +474,9 @@ fn from(session: &Path, out: Option<&Path>, window: FromWindow) -> Result<u8> {
 const MAX_SESSION: u64 = 16 << 20;
 
 fn read_session(file: &Path) -> Result<String> {
-    let length = fs::metadata(file).with_context(|| file.display().to_string())?.len();
+    let length = fs::metadata(file)
+        .with_context(|| file.display().to_string())?
+        .len();
     ensure!(
         length <= MAX_SESSION,
         "{}: {length} bytes; at most {MAX_SESSION} are read",

@@ -74,7 +74,10 @@ impl Vote {
         let [first, ..] = words.as_slice() else {
             return Err("Type counts such as A 12 B 30, or none, few, half or most.".to_owned());
         };
-        if let Some(share) = RightShare::ALL.into_iter().find(|share| share.name() == *first) {
+        if let Some(share) = RightShare::ALL
+            .into_iter()
+            .find(|share| share.name() == *first)
+        {
             return match words.len() {
                 1 => Ok(Self::Right(share)),
                 _ => Err(format!("\"{first}\" stands alone.")),
@@ -94,7 +97,8 @@ impl Vote {
                 word.chars().skip_while(|c| c.is_alphabetic()).collect(),
             );
             if !letters.is_empty() {
-                let option = (0..options).find(|&option| letter(option).to_lowercase().eq(letters.chars()));
+                let option =
+                    (0..options).find(|&option| letter(option).to_lowercase().eq(letters.chars()));
                 let last = letter(options - 1);
                 at = option.ok_or_else(|| wrong_word(&letters, last))?;
                 named = Some(());
@@ -102,12 +106,17 @@ impl Vote {
             if digits.is_empty() {
                 continue;
             }
-            let count = digits.parse::<u32>().ok().filter(|count| *count <= MAX_VOTES);
+            let count = digits
+                .parse::<u32>()
+                .ok()
+                .filter(|count| *count <= MAX_VOTES);
             let count = count.ok_or_else(|| {
                 format!("\"{digits}\" is not a count: whole numbers up to {MAX_VOTES}.")
             })?;
             let Some(slot) = counts.get_mut(at) else {
-                return Err(format!("There are {options} options, and more counts than that."));
+                return Err(format!(
+                    "There are {options} options, and more counts than that."
+                ));
             };
             *slot = count;
             at += 1;
@@ -205,7 +214,12 @@ mod tests {
         });
         assert_eq!(
             advised,
-            [Advice::Explain, Advice::Explain, Advice::Discuss, Advice::GoOn]
+            [
+                Advice::Explain,
+                Advice::Explain,
+                Advice::Discuss,
+                Advice::GoOn
+            ]
         );
     }
 }

@@ -102,7 +102,10 @@ impl HandoutTask {
     ) -> Result<(), String> {
         let step = open.learner.step().clone();
         let key = format!("{}/{}", open.learner.lesson().name, step.name);
-        let strokes = self.record.as_ref().map_or(&[][..], |record| record.strokes_in(&key));
+        let strokes = self
+            .record
+            .as_ref()
+            .map_or(&[][..], |record| record.strokes_in(&key));
         let style = PictureStyle {
             size: PICTURE,
             dark: false,
@@ -162,19 +165,36 @@ fn ask(html: &mut String, question: &Question, labels: &LessonLabels) {
     };
     match &question.form {
         Form::Choice { options, curves } => {
-            let plots = |index: usize| curves.get(index).map_or_else(String::new, |curve| plot(&[curve]));
+            let plots = |index: usize| {
+                curves
+                    .get(index)
+                    .map_or_else(String::new, |curve| plot(&[curve]))
+            };
             let options = options.iter().enumerate();
-            list(html, &mut options.map(|(index, text)| inline(text) + plots(index).as_str()));
+            list(
+                html,
+                &mut options.map(|(index, text)| inline(text) + plots(index).as_str()),
+            );
         }
         Form::Trace { options, .. } => list(html, &mut options.iter().map(|text| inline(text))),
         Form::Order { items } => list(html, &mut items.iter().map(|text| inline(text))),
         Form::Pick { candidates, .. } => {
             let numbers: Vec<String> = candidates.iter().map(u32::to_string).collect();
-            let _ = writeln!(html, "<p class=\"choices\">{}</p>", numbers.join(" &#160; "));
+            let _ = writeln!(
+                html,
+                "<p class=\"choices\">{}</p>",
+                numbers.join(" &#160; ")
+            );
         }
         Form::Place { candidates } => {
-            let letters: Vec<String> = (0..candidates.len()).map(|k| letter(k).to_string()).collect();
-            let _ = writeln!(html, "<p class=\"choices\">{}</p>", letters.join(" &#160; "));
+            let letters: Vec<String> = (0..candidates.len())
+                .map(|k| letter(k).to_string())
+                .collect();
+            let _ = writeln!(
+                html,
+                "<p class=\"choices\">{}</p>",
+                letters.join(" &#160; ")
+            );
         }
         Form::Number { unit } => {
             let _ = writeln!(html, "<p class=\"choices\">_______ {}</p>", escape(unit));
@@ -205,7 +225,10 @@ fn ask(html: &mut String, question: &Question, labels: &LessonLabels) {
 fn plot(curves: &[&Curve]) -> String {
     let [width, height] = PLOT;
     let place = |[x, y]: [f64; 2]| {
-        let at = [x / REACH[0] * width, height * (1.0 - (y / REACH[1]).min(1.0))];
+        let at = [
+            x / REACH[0] * width,
+            height * (1.0 - (y / REACH[1]).min(1.0)),
+        ];
         format!("{:.1},{:.1}", at[0], at[1])
     };
     let line = |points: &str, style: &str| {
@@ -310,7 +333,10 @@ mod tests {
 
     fn survivors() -> HandoutTask {
         let all = shipped::lessons();
-        let lesson = all.iter().find(|lesson| lesson.name == "survivors").unwrap();
+        let lesson = all
+            .iter()
+            .find(|lesson| lesson.name == "survivors")
+            .unwrap();
         HandoutTask {
             lesson: (lesson.name.to_string(), lesson.text.to_string()),
             ..HandoutTask::default()
@@ -322,11 +348,29 @@ mod tests {
         let task = survivors();
         let lesson = Lesson::read("survivors", &task.lesson.1).unwrap();
         let plain = made(task.clone());
-        assert_eq!(plain.matches("data:image/svg+xml,").count(), lesson.steps.len());
+        assert_eq!(
+            plain.matches("data:image/svg+xml,").count(),
+            lesson.steps.len()
+        );
         assert!(plain.contains("class=\"lines\""));
-        let note = inline(&lesson.steps.iter().flat_map(|step| &step.notes).next().unwrap().clone());
-        let after = lesson.gates().next().unwrap().0.after[0].split(['{', '*', '`']).next().unwrap().trim().to_owned();
-        assert!(!plain.contains("The answer:") && !plain.contains(&note) && !plain.contains(&after));
+        let note = inline(
+            &lesson
+                .steps
+                .iter()
+                .flat_map(|step| &step.notes)
+                .next()
+                .unwrap()
+                .clone(),
+        );
+        let after = lesson.gates().next().unwrap().0.after[0]
+            .split(['{', '*', '`'])
+            .next()
+            .unwrap()
+            .trim()
+            .to_owned();
+        assert!(
+            !plain.contains("The answer:") && !plain.contains(&note) && !plain.contains(&after)
+        );
         let full = made(HandoutTask {
             answers: true,
             notes: true,
@@ -354,6 +398,9 @@ mod tests {
             ..HandoutTask::default()
         };
         let error = handout(task).unwrap_err();
-        assert!(error.contains("Step 1") && error.contains("no such moment"), "{error}");
+        assert!(
+            error.contains("Step 1") && error.contains("no such moment"),
+            "{error}"
+        );
     }
 }

@@ -20,8 +20,8 @@ use tilescope_session::task::Task;
 use crate::export::picture::thumbnail;
 use crate::export::surface::color;
 use crate::export::{MomentView, PictureView};
-use crate::pen::PenStroke;
 use crate::lessons::{LessonSource, MarkKind, OpenLesson, layers_named};
+use crate::pen::PenStroke;
 use crate::thumbnails::Thumbnail;
 
 /// How a picture of a step is drawn.
@@ -57,7 +57,9 @@ pub fn step_at(
             made.map_err(|error: SampleError| error.to_string())?
         }
     };
-    let arrival = learner.arrive(&run, 0.0).map_err(|error| error.to_string())?;
+    let arrival = learner
+        .arrive(&run, 0.0)
+        .map_err(|error| error.to_string())?;
     if arrival == Arrival::NoMoment {
         let line = learner.step().scene.line;
         return Err(format!("line {line}: the run has no such moment"));
@@ -123,7 +125,9 @@ pub fn picture(open: &OpenLesson, style: PictureStyle, strokes: &[PenStroke]) ->
         let corners = [low, [high[0], low[1]], high, [low[0], high[1]], low];
         let stroke = Stroke::new(color(palette.accent), 2.0);
         let sides = corners.windows(2);
-        marks.shapes.extend(sides.map(|side| Shape::line(side[0], side[1], stroke)));
+        marks
+            .shapes
+            .extend(sides.map(|side| Shape::line(side[0], side[1], stroke)));
     }
     for mark in open.marks() {
         let ink = color(match mark.kind {
@@ -133,10 +137,14 @@ pub fn picture(open: &OpenLesson, style: PictureStyle, strokes: &[PenStroke]) ->
             MarkKind::Right => palette.inserted,
         });
         let at = place(mark.at);
-        marks.shapes.push(Shape::circle(at, 7.0, Style::stroked(ink, 1.6)));
+        marks
+            .shapes
+            .push(Shape::circle(at, 7.0, Style::stroked(ink, 1.6)));
         if !mark.label.is_empty() {
             let corner = [at[0] + 9.0, at[1] - 5.0];
-            marks.shapes.push(Shape::Text(Text::new(corner, mark.label, 12.0, ink)));
+            marks
+                .shapes
+                .push(Shape::Text(Text::new(corner, mark.label, 12.0, ink)));
         }
     }
     scene.groups.push(marks);

@@ -377,7 +377,9 @@ pub enum MarkKind {
 pub(crate) fn layers_named(names: &[String]) -> Layers {
     let mut chosen = Layers::none();
     for name in names {
-        let named = Layer::ALL.into_iter().find(|&layer| layer_name(layer) == *name);
+        let named = Layer::ALL
+            .into_iter()
+            .find(|&layer| layer_name(layer) == *name);
         if let Some(layer) = named.filter(|&layer| !chosen.has(layer)) {
             chosen.toggle(layer);
         }

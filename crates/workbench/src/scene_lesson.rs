@@ -12,7 +12,17 @@ use crate::view::{SavedView, SceneCamera};
 
 /// The parameters by which lessons name a run.
 const PARAMETERS: [&str; 11] = [
-    "width", "height", "radius", "boundary", "seed", "leaf", "dihedral", "order", "insertion", "search", "variant",
+    "width",
+    "height",
+    "radius",
+    "boundary",
+    "seed",
+    "leaf",
+    "dihedral",
+    "order",
+    "insertion",
+    "search",
+    "variant",
 ];
 /// The longest title, in characters.
 const TITLE: usize = 70;
@@ -29,7 +39,9 @@ pub fn lesson_of(
     has_own_pattern: bool,
 ) -> Result<String, String> {
     if scenes.is_empty() {
-        return Err("There are no scenes: add some, with captions, and present them then.".to_owned());
+        return Err(
+            "There are no scenes: add some, with captions, and present them then.".to_owned(),
+        );
     }
     let generated = PatternSpec {
         side: parameters.pattern.side,
@@ -41,13 +53,16 @@ pub fn lesson_of(
                 .to_owned(),
         );
     }
-    let mut text = "---\ntitle: Scenes\nobjective: You have seen the scenes of this session.\n".to_owned();
+    let mut text =
+        "---\ntitle: Scenes\nobjective: You have seen the scenes of this session.\n".to_owned();
     let _ = writeln!(text, "minutes: {}\n---", scenes.len().clamp(1, 120));
     let mut titles: Vec<String> = Vec::new();
     for (index, scene) in scenes.iter().enumerate() {
         let (caption, note) = split_caption(&scene.caption);
         let (title, rest) = titled(caption);
-        let is_new = !titles.iter().any(|other| other.eq_ignore_ascii_case(&title));
+        let is_new = !titles
+            .iter()
+            .any(|other| other.eq_ignore_ascii_case(&title));
         let has_letters = title.chars().any(|c| c.is_ascii_alphanumeric());
         let title = if is_new && has_letters {
             title
@@ -153,7 +168,11 @@ fn moment(text: &mut String, scene: &SavedScene) {
     let placed = camera.and_then(|camera| Some((camera.placed(camera.event, true)?, camera.radii)));
     if let Some((center, radii)) = placed {
         let radii = radii.clamp(2.0, 1_000.0);
-        let _ = writeln!(text, "camera: [{:.4}, {:.4}] radii {radii:.3}", center.x, center.y);
+        let _ = writeln!(
+            text,
+            "camera: [{:.4}, {:.4}] radii {radii:.3}",
+            center.x, center.y
+        );
     }
 }
 
@@ -173,7 +192,10 @@ mod tests {
     #[test]
     fn each_scene_becomes_a_step_with_its_note() {
         let scenes = [
-            scene("The empty domain. Nothing has {happened}.\n---\nAsk for guesses.", None),
+            scene(
+                "The empty domain. Nothing has {happened}.\n---\nAsk for guesses.",
+                None,
+            ),
             scene("# After tiling", Some(Stage::Tile)),
             scene("", Some(Stage::Iterate(1))),
             scene("after tiling", Some(Stage::Finish)),
@@ -183,9 +205,17 @@ mod tests {
             ..Parameters::default()
         };
         let text = lesson_of(&scenes, &parameters, false).unwrap();
-        let lesson = Lesson::read("scenes", &text).unwrap_or_else(|error| panic!("{error}\n{text}"));
-        let titles: Vec<&str> = lesson.steps.iter().map(|step| step.title.as_str()).collect();
-        assert_eq!(titles, ["The empty domain", "After tiling", "Scene 3", "Scene 4"]);
+        let lesson =
+            Lesson::read("scenes", &text).unwrap_or_else(|error| panic!("{error}\n{text}"));
+        let titles: Vec<&str> = lesson
+            .steps
+            .iter()
+            .map(|step| step.title.as_str())
+            .collect();
+        assert_eq!(
+            titles,
+            ["The empty domain", "After tiling", "Scene 3", "Scene 4"]
+        );
         assert_eq!(lesson.steps[0].text, ["Nothing has (happened)."]);
         assert_eq!(lesson.steps[0].notes, ["Ask for guesses."]);
         assert_eq!(lesson.steps[3].scene.parameters, parameters);
@@ -194,12 +224,24 @@ mod tests {
     #[test]
     fn what_a_lesson_cannot_name_is_refused() {
         let fine = Parameters::default();
-        assert!(lesson_of(&[], &fine, false).unwrap_err().contains("no scenes"));
+        assert!(
+            lesson_of(&[], &fine, false)
+                .unwrap_err()
+                .contains("no scenes")
+        );
         let scenes = [scene("A", None)];
-        assert!(lesson_of(&scenes, &fine, true).unwrap_err().contains("pattern"));
+        assert!(
+            lesson_of(&scenes, &fine, true)
+                .unwrap_err()
+                .contains("pattern")
+        );
         let mut other = fine;
         other.pattern.seed = 7;
-        assert!(lesson_of(&scenes, &other, false).unwrap_err().contains("pattern"));
+        assert!(
+            lesson_of(&scenes, &other, false)
+                .unwrap_err()
+                .contains("pattern")
+        );
         assert!(lesson_of(&scenes, &fine, false).is_ok());
     }
 }

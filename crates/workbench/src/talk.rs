@@ -107,11 +107,17 @@ impl TalkPart {
     /// Returns a part of so many minutes; of the lesson's own if none are given.
     #[must_use]
     pub fn of(lesson: &Lesson, minutes: Option<u32>) -> Self {
-        let scale = minutes.map_or(1.0, |minutes| f64::from(minutes) / f64::from(lesson.minutes));
+        let scale = minutes.map_or(1.0, |minutes| {
+            f64::from(minutes) / f64::from(lesson.minutes)
+        });
         Self {
             name: lesson.name.clone(),
             title: lesson.title.clone(),
-            secs: lesson.planned_secs().iter().map(|secs| secs * scale).collect(),
+            secs: lesson
+                .planned_secs()
+                .iter()
+                .map(|secs| secs * scale)
+                .collect(),
         }
     }
 }
@@ -213,7 +219,11 @@ impl Talk {
         let here = self.parts.get(self.part).map_or(&[][..], |part| &part.secs);
         let before: f64 = here.iter().take(step).sum();
         let all = self.parts.iter().map(of).sum();
-        [earlier + before, here.get(step).copied().unwrap_or(0.0), all]
+        [
+            earlier + before,
+            here.get(step).copied().unwrap_or(0.0),
+            all,
+        ]
     }
 }
 
@@ -264,7 +274,10 @@ impl TalkRecord {
 /// Returns the QR code of a text, row by row, true where it is dark; None for an empty text or one that is too long.
 #[must_use]
 pub fn code(text: &str) -> Option<Vec<Vec<bool>>> {
-    let code = fast_qr::QRBuilder::new(text).build().ok().filter(|_| !text.is_empty())?;
+    let code = fast_qr::QRBuilder::new(text)
+        .build()
+        .ok()
+        .filter(|_| !text.is_empty())?;
     let row = |y: usize| (0..code.size).map(|x| code[y][x].value()).collect();
     Some((0..code.size).map(row).collect())
 }

@@ -105,7 +105,7 @@ pub(super) fn lead(list: &mut List, state: &State) {
     if state.lessons.open.is_none() || state.talks.open.is_some() {
         return;
     }
-    let is_lesson = |command: &Command| matches!(command, Command::Lesson(_));
+    let is_lesson = |command: &Command| matches!(command, Command::Lesson(_) | Command::Talk(_));
     let mine: Vec<KeyboardShortcut> = list
         .actions
         .iter()

@@ -20,8 +20,18 @@ pub(super) fn add(list: &mut List, state: &State) {
         let keys = |modifiers| no_lesson.is_none().then_some((modifiers, Key::F5));
         let present = |from_start| TalkCommand::Lesson { from_start };
         add("Present the lesson", keys(NONE), present(true), no_lesson);
-        add("Present the lesson from this step", keys(SHIFT), present(false), no_lesson);
-        add("Present the lecture of 50 minutes", None, TalkCommand::Lecture, None);
+        add(
+            "Present the lesson from this step",
+            keys(SHIFT),
+            present(false),
+            no_lesson,
+        );
+        add(
+            "Present the lecture of 50 minutes",
+            None,
+            TalkCommand::Lecture,
+            None,
+        );
         let no_scenes = state.scenes(SceneList::Own).is_empty();
         let no_scenes = no_scenes.then_some("There are no scenes: add some in the panel Scenes.");
         add("Present the scenes", None, TalkCommand::Scenes, no_scenes);
@@ -30,7 +40,12 @@ pub(super) fn add(list: &mut List, state: &State) {
             notes: answers,
         };
         add("Handout of the lesson", None, handout(false), no_lesson);
-        add("Handout with answers and notes", None, handout(true), no_lesson);
+        add(
+            "Handout with answers and notes",
+            None,
+            handout(true),
+            no_lesson,
+        );
         list.group();
         return;
     };
@@ -40,9 +55,24 @@ pub(super) fn add(list: &mut List, state: &State) {
             action.also = also.map(|key| KeyboardShortcut::new(NONE, key));
         }
     };
-    add("Next", (NONE, Key::PageDown), Some(Key::ArrowRight), TalkCommand::Next);
-    add("Back", (NONE, Key::PageUp), Some(Key::ArrowLeft), TalkCommand::Previous);
-    add("Blank", (NONE, Key::B), Some(Key::Period), TalkCommand::Blank);
+    add(
+        "Next",
+        (NONE, Key::PageDown),
+        Some(Key::ArrowRight),
+        TalkCommand::Next,
+    );
+    add(
+        "Back",
+        (NONE, Key::PageUp),
+        Some(Key::ArrowLeft),
+        TalkCommand::Previous,
+    );
+    add(
+        "Blank",
+        (NONE, Key::B),
+        Some(Key::Period),
+        TalkCommand::Blank,
+    );
     add("End the talk", (NONE, Key::Escape), None, TalkCommand::End);
     let begin = if talk.has_stage {
         TalkCommand::First
@@ -50,15 +80,50 @@ pub(super) fn add(list: &mut List, state: &State) {
         TalkCommand::OpenStage
     };
     add("From the first step", (NONE, Key::F5), None, begin);
-    add("The stage again", (SHIFT, Key::F5), None, TalkCommand::OpenStage);
+    add(
+        "The stage again",
+        (SHIFT, Key::F5),
+        None,
+        TalkCommand::OpenStage,
+    );
     add("Notes", (NONE, Key::N), None, TalkCommand::ToggleNotes);
-    add("Exchange the screens", (NONE, Key::S), None, TalkCommand::Swap);
-    add("Laser", (NONE, Key::L), None, TalkCommand::Tool(Tool::Laser));
+    add(
+        "Exchange the screens",
+        (NONE, Key::S),
+        None,
+        TalkCommand::Swap,
+    );
+    add(
+        "Laser",
+        (NONE, Key::L),
+        None,
+        TalkCommand::Tool(Tool::Laser),
+    );
     add("Pen", (NONE, Key::P), None, TalkCommand::Tool(Tool::Pen));
-    add("Pen's next colour", (NONE, Key::C), None, TalkCommand::NextColor);
-    add("Remove the last line", (NONE, Key::U), None, TalkCommand::UndoStroke);
-    add("Remove all lines", (NONE, Key::X), None, TalkCommand::ClearStrokes);
-    add("Code for phones", (NONE, Key::Q), None, TalkCommand::ToggleCode);
+    add(
+        "Pen's next colour",
+        (NONE, Key::C),
+        None,
+        TalkCommand::NextColor,
+    );
+    add(
+        "Remove the last line",
+        (NONE, Key::U),
+        None,
+        TalkCommand::UndoStroke,
+    );
+    add(
+        "Remove all lines",
+        (NONE, Key::X),
+        None,
+        TalkCommand::ClearStrokes,
+    );
+    add(
+        "Code for phones",
+        (NONE, Key::Q),
+        None,
+        TalkCommand::ToggleCode,
+    );
     // Ctrl+Z removes a line, too.
     if let Some(undo) = list
         .actions

@@ -29,6 +29,8 @@ const WIDTH: f32 = 372.0;
 const BESIDE: f32 = 800.0;
 /// The share of a narrow window's height that the panel takes.
 const BELOW: f32 = 0.46;
+/// Height of plots, in screen points.
+const PLOT: f32 = 86.0;
 /// Sizes of text: in the window, and for a projector.
 const SIZES: [f32; 2] = [14.5, 17.0];
 
@@ -217,7 +219,15 @@ fn question(
     read_out(ui, &ask);
     ask.known_as("lesson-ask");
     ui.add_space(6.0);
-    answers::show(ui, open, (question, labels(state)), size, palette, commands);
+    let sizes = [size, PLOT];
+    answers::show(
+        ui,
+        open,
+        (question, labels(state)),
+        sizes,
+        palette,
+        commands,
+    );
     if let Some(lacking) = &open.lacking {
         let label = ui.add(Label::new(RichText::new(lacking).color(palette.candidate)).wrap());
         read_out(ui, &label);

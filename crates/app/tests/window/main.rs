@@ -28,5 +28,6 @@ mod sessions;
 mod snapshots;
 #[path = "../support/mod.rs"]
 mod support;
+mod talk;
 mod touch;
 mod window;

@@ -13,7 +13,7 @@ use tilescope_session::selection::Selection;
 use tilescope_session::session::Session;
 use tilescope_session::words::sentence;
 
-use super::{State, Verification, Which};
+use super::{State, Which};
 use crate::command::{Command, ViewCommand, WindowCommand};
 use crate::device::EngineChoice;
 use crate::files::{FileCommand, Purpose};
@@ -504,7 +504,9 @@ impl State {
         let session = Session::from_recording(shown, self.jobs.generation);
         let same_run = self.runs.first.is_same_run(&session);
         self.time.rest(same_run);
-        self.on(Which::First, |run, context| run.show_unverified(session, context));
+        self.on(Which::First, |run, context| {
+            run.show_unverified(session, context)
+        });
     }
 
     fn answer_question(&mut self) {
@@ -573,6 +575,7 @@ impl State {
 
 #[cfg(test)]
 mod tests {
+    use super::super::Verification;
     use super::super::tests::settled;
     use super::*;
     use crate::command::{DebugCommand, FormCommand, LinkCommand, TimeCommand};

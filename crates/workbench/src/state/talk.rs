@@ -133,12 +133,15 @@ impl State {
     ///
     /// Those of [`lesson_of`].
     pub fn lesson_of_scenes(&self) -> Result<String, String> {
-        let (Some(session), Some(debugger)) =
-            (&self.runs.first.session, &self.runs.first.debugger)
+        let (Some(session), Some(debugger)) = (&self.runs.first.session, &self.runs.first.debugger)
         else {
             return Err("There is no session with events.".to_owned());
         };
-        lesson_of(&debugger.scenes, &session.run().parameters, session.own.is_some())
+        lesson_of(
+            &debugger.scenes,
+            &session.run().parameters,
+            session.own.is_some(),
+        )
     }
 
     fn begin_talk(&mut self, parts: Vec<TalkPart>) {
@@ -249,7 +252,12 @@ impl State {
 
     fn vote(&mut self, text: &str) {
         let key = self.talk_key();
-        let options = match self.lessons.open.as_ref().and_then(|open| open.learner.question()) {
+        let options = match self
+            .lessons
+            .open
+            .as_ref()
+            .and_then(|open| open.learner.question())
+        {
             Some(question) => match &question.form {
                 Form::Choice { options, .. } | Form::Trace { options, .. } => options.len(),
                 Form::Place { candidates } => candidates.len(),
@@ -344,8 +352,15 @@ impl State {
                 return;
             }
         };
-        let text = match self.lessons.shelf.iter().find(|shipped| shipped.name == name) {
-            Some(shipped) if is_last || open.source == LessonSource::Shipped => shipped.text.to_string(),
+        let text = match self
+            .lessons
+            .shelf
+            .iter()
+            .find(|shipped| shipped.name == name)
+        {
+            Some(shipped) if is_last || open.source == LessonSource::Shipped => {
+                shipped.text.to_string()
+            }
             _ => open.text.clone(),
         };
         let wanted = StepPictureTask {
@@ -368,7 +383,11 @@ impl State {
         }
         let has = |task: &StepPictureTask| *task == wanted;
         let is_drawn = talk.next.as_ref().is_some_and(|(task, _)| has(task));
-        let is_pending = self.talks.drawing.as_ref().is_some_and(|(task, _)| has(task));
+        let is_pending = self
+            .talks
+            .drawing
+            .as_ref()
+            .is_some_and(|(task, _)| has(task));
         if !is_drawn && !is_pending {
             talk.next = None;
             let job = task::start(&self.jobs.wake, wanted.clone());
@@ -381,7 +400,10 @@ impl State {
             return self.tell("Open a lesson first.".to_owned(), false);
         };
         let name = open.learner.lesson().name.clone();
-        let german = self.lessons.shipped(&name).map(|shipped| shipped.german.to_string());
+        let german = self
+            .lessons
+            .shipped(&name)
+            .map(|shipped| shipped.german.to_string());
         let is_german = self.lessons.language == "de" && open.source == LessonSource::Shipped;
         let task = HandoutTask {
             lesson: (name.clone(), open.text.clone()),
@@ -469,7 +491,10 @@ impl State {
 
     /// Takes what a session kept of talks.
     pub(super) fn take_record(&mut self, view: &serde_json::Value) {
-        if let Some(record) = view.get("talk").and_then(|talk| serde_json::from_value(talk.clone()).ok()) {
+        if let Some(record) = view
+            .get("talk")
+            .and_then(|talk| serde_json::from_value(talk.clone()).ok())
+        {
             (self.talks.record, self.talks.is_kept) = (record, true);
         }
     }
@@ -568,8 +593,14 @@ mod tests {
             talk(&mut state, TalkCommand::Vote(text.to_owned()));
         }
         let votes = state.talks.record.votes_on(&key);
-        assert_eq!(votes, [Vote::Counts(vec![3, 1, 0]), Vote::Counts(vec![1, 30, 2])]);
-        let question = state.lessons.open_question().map(tilescope_lessons::Question::key);
+        assert_eq!(
+            votes,
+            [Vote::Counts(vec![3, 1, 0]), Vote::Counts(vec![1, 30, 2])]
+        );
+        let question = state
+            .lessons
+            .open_question()
+            .map(tilescope_lessons::Question::key);
         assert!(advised(votes, question).is_some());
         talk(&mut state, TalkCommand::Unvote);
         talk(&mut state, TalkCommand::Vote("Z 4".to_owned()));
@@ -593,7 +624,16 @@ mod tests {
         assert!((before - 240.0).abs() < 1e-6);
         talk(&mut state, TalkCommand::Previous);
         assert_eq!(open(&state).part, 0);
-        let last = state.lessons.open.as_ref().unwrap().learner.lesson().steps.len() - 1;
+        let last = state
+            .lessons
+            .open
+            .as_ref()
+            .unwrap()
+            .learner
+            .lesson()
+            .steps
+            .len()
+            - 1;
         assert_eq!(step(&state), last);
         talk(&mut state, TalkCommand::First);
         assert_eq!((open(&state).part, step(&state)), (0, 0));
@@ -630,11 +670,17 @@ mod tests {
     #[test]
     fn scenes_are_presented_and_the_session_comes_back() {
         let mut state = settled();
-        for (event, caption) in [(5_000, "Tiling. It is half done.\n---\nSay why."), (12_000, "")] {
+        for (event, caption) in [
+            (5_000, "Tiling. It is half done.\n---\nSay why."),
+            (12_000, ""),
+        ] {
             state.apply(Command::Time(TimeCommand::Jump(event)));
             state.apply(Command::Scene(SceneCommand::Add));
             let last = state.scenes(SceneList::Own).len() - 1;
-            state.apply(Command::Scene(SceneCommand::Caption(last, caption.to_owned())));
+            state.apply(Command::Scene(SceneCommand::Caption(
+                last,
+                caption.to_owned(),
+            )));
         }
         let before = (state.cursor(), state.runs.first.camera);
         talk(&mut state, TalkCommand::Scenes);
@@ -666,7 +712,10 @@ mod tests {
         let mut state = presented("survivors");
         to_question(&mut state);
         let learner = &state.lessons.open.as_ref().unwrap().learner;
-        let (note, answer) = (learner.step().notes[0].clone(), learner.right_answer().unwrap());
+        let (note, answer) = (
+            learner.step().notes[0].clone(),
+            learner.right_answer().unwrap(),
+        );
         let words: Vec<&str> = note.split(' ').take(3).collect();
         let told = state.talk_json();
         assert!(told["notes"].to_string().contains(&words.join(" ")));

@@ -24,8 +24,8 @@ use crate::files::{Delivery, FileCommand};
 use crate::layout::Panel;
 use crate::lessons::LessonCommand;
 use crate::scenes::SceneCommand;
-use crate::talk::TalkCommand;
 use crate::state::{State, Verification};
+use crate::talk::TalkCommand;
 
 type Reply = Result<Vec<u8>, TaskError>;
 

@@ -15,7 +15,7 @@ pub fn show(
     ui: &mut Ui,
     open: &OpenLesson,
     (question, labels): (&Question, &'static LessonLabels),
-    size: f32,
+    [size, plot]: [f32; 2],
     palette: &Palette,
     commands: &mut Vec<Command>,
 ) {
@@ -25,6 +25,7 @@ pub fn show(
             open,
             labels,
             size,
+            plot,
             palette,
             commands,
         };
@@ -48,6 +49,8 @@ struct Answers<'a> {
     open: &'a OpenLesson,
     labels: &'static LessonLabels,
     size: f32,
+    /// Height of plots.
+    plot: f32,
     palette: &'a Palette,
     commands: &'a mut Vec<Command>,
 }
@@ -90,7 +93,7 @@ impl Answers<'_> {
                 self.draft(DraftCommand::Choose(index));
             }
             if let Some(curve) = curves.get(index) {
-                curves::show(ui, &[curve], self.palette);
+                curves::show(ui, &[curve], self.plot, self.palette);
             }
         }
     }
@@ -243,7 +246,7 @@ impl Answers<'_> {
         } else {
             curves.iter().collect()
         };
-        curves::show(ui, &shown, self.palette);
+        curves::show(ui, &shown, self.plot, self.palette);
         for (index, [low, high]) in bands.iter().enumerate() {
             ui.horizontal(|ui| {
                 ui.label(format!("{low:.2} \u{2013} {high:.2} / r"));

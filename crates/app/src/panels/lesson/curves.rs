@@ -4,14 +4,12 @@ use egui::{Align2, FontId, Sense, Stroke, Ui, pos2, vec2};
 use tilescope_drawing::palette::Palette;
 use tilescope_lessons::Curve;
 
-/// Height of a plot, in screen points.
-const HEIGHT: f32 = 86.0;
 /// The highest frequency, in 1/r, and the highest power that are shown.
 const REACH: [f64; 2] = [3.0, 3.0];
 
-/// Shows curves in one plot; the second one is that after the change.
-pub fn show(ui: &mut Ui, curves: &[&Curve], palette: &Palette) {
-    let (rect, _) = ui.allocate_exact_size(vec2(ui.available_width(), HEIGHT), Sense::hover());
+/// Shows curves in one plot, `height` points high; the second one is that after the change.
+pub fn show(ui: &mut Ui, curves: &[&Curve], height: f32, palette: &Palette) {
+    let (rect, _) = ui.allocate_exact_size(vec2(ui.available_width(), height), Sense::hover());
     let plot = rect
         .shrink2(vec2(10.0, 4.0))
         .with_max_y(rect.bottom() - 16.0);
@@ -33,7 +31,7 @@ pub fn show(ui: &mut Ui, curves: &[&Curve], palette: &Palette) {
             at + vec2(0.0, 2.0),
             Align2::CENTER_TOP,
             format!("{tick}"),
-            FontId::proportional(10.5),
+            FontId::proportional(11.0),
             palette.muted,
         );
     }
@@ -42,7 +40,7 @@ pub fn show(ui: &mut Ui, curves: &[&Curve], palette: &Palette) {
         unit,
         Align2::RIGHT_TOP,
         "1/r",
-        FontId::proportional(10.5),
+        FontId::proportional(11.0),
         palette.muted,
     );
     for (curve, color) in curves.iter().zip([palette.sample, palette.inserted]) {

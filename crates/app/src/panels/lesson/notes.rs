@@ -2,8 +2,8 @@
 //! and what they suggest.
 
 use egui::{
-    Button, CentralPanel, ColorImage, FontId, Frame, Id, Label, Margin, RichText, ScrollArea, Sense,
-    TextEdit, TextureHandle, TextureOptions, Ui, vec2,
+    Button, CentralPanel, ColorImage, FontId, Frame, Id, Label, Margin, RichText, ScrollArea,
+    Sense, TextEdit, TextureHandle, TextureOptions, Ui, vec2,
 };
 use tilescope_drawing::palette::Palette;
 use tilescope_lessons::{Advice, Vote, letter};
@@ -128,13 +128,20 @@ impl Notes<'_> {
             ui.label(large(text)).known_as("notes-elapsed");
             ui.add_space(16.0 * self.k);
             let (text, color) = if late > 0.0 {
-                (format!("{} behind the plan", minutes(late)), self.palette.conflict)
+                (
+                    format!("{} behind the plan", minutes(late)),
+                    self.palette.conflict,
+                )
             } else if early > 0.0 {
-                (format!("{} ahead of the plan", minutes(early)), self.palette.inserted)
+                (
+                    format!("{} ahead of the plan", minutes(early)),
+                    self.palette.inserted,
+                )
             } else {
                 ("as planned".to_owned(), self.palette.text)
             };
-            ui.label(RichText::new(text).color(color)).known_as("notes-plan");
+            ui.label(RichText::new(text).color(color))
+                .known_as("notes-plan");
             ui.add_space(16.0 * self.k);
             let parts = self.talk.parts.len();
             let part = if parts > 1 {
@@ -149,7 +156,8 @@ impl Notes<'_> {
                 minutes(now - self.talk.step_begun),
                 minutes(this)
             );
-            ui.label(RichText::new(text).color(self.palette.muted)).known_as("notes-place");
+            ui.label(RichText::new(text).color(self.palette.muted))
+                .known_as("notes-place");
             self.button(ui, "End (Esc)", "notes-end", TalkCommand::End, commands);
         });
     }
@@ -171,7 +179,13 @@ impl Notes<'_> {
     fn tools(&self, ui: &mut Ui, commands: &mut Vec<Command>) {
         let talk = self.talk;
         ui.horizontal_wrapped(|ui| {
-            self.button(ui, "Back (PageUp)", "notes-back", TalkCommand::Previous, commands);
+            self.button(
+                ui,
+                "Back (PageUp)",
+                "notes-back",
+                TalkCommand::Previous,
+                commands,
+            );
             let waits = self.open.learner.is_open() && self.open.fault.is_none();
             let next = match (talk.is_blank, waits, talk.is_voting) {
                 (true, _, _) => "Show again (PageDown)",
@@ -183,7 +197,13 @@ impl Notes<'_> {
             self.button(ui, "Blank (B)", "notes-blank", TalkCommand::Blank, commands);
             let mut tool = |ui: &mut Ui, name: &str, tool: Tool| {
                 let button = ui.selectable_label(talk.tool == tool, name);
-                if button.known_as(format_args!("notes-tool-{}", name.chars().next().unwrap_or('x'))).clicked() {
+                if button
+                    .known_as(format_args!(
+                        "notes-tool-{}",
+                        name.chars().next().unwrap_or('x')
+                    ))
+                    .clicked()
+                {
                     commands.push(Command::Talk(TalkCommand::Tool(tool)));
                 }
             };
@@ -192,16 +212,47 @@ impl Notes<'_> {
             let side = 16.0 * self.k;
             let (rect, swatch) = ui.allocate_exact_size(vec2(side, side), Sense::click());
             let dark = self.state.appearance.look.is_dark();
-            ui.painter().rect_filled(rect, 3.0 * self.k, pen_color(talk.color, dark));
+            ui.painter()
+                .rect_filled(rect, 3.0 * self.k, pen_color(talk.color, dark));
             if swatch.on_hover_text("The pen's colour (C)").clicked() {
                 commands.push(Command::Talk(TalkCommand::NextColor));
             }
-            self.button(ui, "Undo line (U)", "notes-undo", TalkCommand::UndoStroke, commands);
-            self.button(ui, "Clear (X)", "notes-clear", TalkCommand::ClearStrokes, commands);
-            self.button(ui, "Code (Q)", "notes-code", TalkCommand::ToggleCode, commands);
-            self.button(ui, "Exchange screens (S)", "notes-swap", TalkCommand::Swap, commands);
+            self.button(
+                ui,
+                "Undo line (U)",
+                "notes-undo",
+                TalkCommand::UndoStroke,
+                commands,
+            );
+            self.button(
+                ui,
+                "Clear (X)",
+                "notes-clear",
+                TalkCommand::ClearStrokes,
+                commands,
+            );
+            self.button(
+                ui,
+                "Code (Q)",
+                "notes-code",
+                TalkCommand::ToggleCode,
+                commands,
+            );
+            self.button(
+                ui,
+                "Exchange screens (S)",
+                "notes-swap",
+                TalkCommand::Swap,
+                commands,
+            );
             if !talk.has_stage {
-                self.button(ui, "Open the stage (F5)", "notes-stage", TalkCommand::OpenStage, commands);
+                self.button(
+                    ui,
+                    "Open the stage (F5)",
+                    "notes-stage",
+                    TalkCommand::OpenStage,
+                    commands,
+                );
             }
             let mut is_kept = self.state.talks.is_kept;
             let kept = ui.checkbox(&mut is_kept, "Keep drawings and votes");
@@ -226,56 +277,73 @@ impl Notes<'_> {
     fn this(&self, ui: &mut Ui, commands: &mut Vec<Command>) {
         let learner = &self.open.learner;
         let step = learner.step();
-        ScrollArea::vertical().id_salt("notes of this step").show(ui, |ui| {
-            if self.talk.is_over {
-                self.heading(ui, "The talk is over.");
-                return;
-            }
-            self.heading(ui, &learner.words(&step.title));
-            for note in &step.notes {
-                let job = text::job(ui, note, self.size(0), self.palette.text);
-                ui.add(Label::new(job).wrap()).known_as("notes-note");
-                ui.add_space(4.0 * self.k);
-            }
-            let Some(question) = learner.question() else {
-                return;
-            };
-            ui.separator();
-            let (_, traced) = learner.tries();
-            let ask = text::job(ui, question.ask(traced), self.size(0), self.palette.text);
-            ui.add(Label::new(ask).wrap());
-            if let Some(answer) = learner.right_answer() {
-                let text = format!("The answer: {answer}");
-                let text = RichText::new(text).size(self.size(0)).color(self.palette.inserted);
-                ui.add(Label::new(text).wrap()).known_as("notes-answer");
-            }
-            if let Some(hint) = &question.hint {
-                self.muted(ui, format!("Hint: {hint}"));
-            }
-            ui.separator();
-            self.votes(ui, commands);
-        });
+        ScrollArea::vertical()
+            .id_salt("notes of this step")
+            .show(ui, |ui| {
+                if self.talk.is_over {
+                    self.heading(ui, "The talk is over.");
+                    return;
+                }
+                self.heading(ui, &learner.words(&step.title));
+                for note in &step.notes {
+                    let job = text::job(ui, note, self.size(0), self.palette.text);
+                    ui.add(Label::new(job).wrap()).known_as("notes-note");
+                    ui.add_space(4.0 * self.k);
+                }
+                let Some(question) = learner.question() else {
+                    return;
+                };
+                ui.separator();
+                let (_, traced) = learner.tries();
+                let ask = text::job(ui, question.ask(traced), self.size(0), self.palette.text);
+                ui.add(Label::new(ask).wrap());
+                if let Some(answer) = learner.right_answer() {
+                    let text = format!("The answer: {answer}");
+                    let text = RichText::new(text)
+                        .size(self.size(0))
+                        .color(self.palette.inserted);
+                    ui.add(Label::new(text).wrap()).known_as("notes-answer");
+                }
+                if let Some(hint) = &question.hint {
+                    self.muted(ui, format!("Hint: {hint}"));
+                }
+                ui.separator();
+                self.votes(ui, commands);
+            });
     }
 
     fn votes(&self, ui: &mut Ui, commands: &mut Vec<Command>) {
         let key = self.state.talk_key();
         let votes = self.state.talks.record.votes_on(&key);
         let id = Id::unique("vote that is typed").with(&key);
-        let mut typed = ui.data(|data| data.get_temp::<String>(id)).unwrap_or_default();
+        let mut typed = ui
+            .data(|data| data.get_temp::<String>(id))
+            .unwrap_or_default();
         ui.horizontal(|ui| {
-            let name = if votes.is_empty() { "First vote:" } else { "Second vote:" };
+            let name = if votes.is_empty() {
+                "First vote:"
+            } else {
+                "Second vote:"
+            };
             ui.label(name);
             let field = TextEdit::singleline(&mut typed)
                 .hint_text("A 12 B 30, or none, few, half, most")
                 .desired_width(280.0 * self.k);
             let field = ui.add(field);
             field.known_as("notes-votes");
-            let is_entered = field.lost_focus() && ui.input(|input| input.key_pressed(egui::Key::Enter));
+            let is_entered =
+                field.lost_focus() && ui.input(|input| input.key_pressed(egui::Key::Enter));
             if is_entered && !typed.trim().is_empty() {
                 commands.push(Command::Talk(TalkCommand::Vote(std::mem::take(&mut typed))));
             }
             if !votes.is_empty() {
-                self.button(ui, "Take back", "notes-unvote", TalkCommand::Unvote, commands);
+                self.button(
+                    ui,
+                    "Take back",
+                    "notes-unvote",
+                    TalkCommand::Unvote,
+                    commands,
+                );
             }
         });
         ui.data_mut(|data| data.insert_temp(id, typed));
@@ -288,7 +356,8 @@ impl Notes<'_> {
                 Vote::Right(share) => format!("{} right", share.name()),
                 Vote::Counts(counts) => {
                     let counts = counts.iter().enumerate();
-                    let counts = counts.map(|(option, count)| format!("{} {count}", letter(option)));
+                    let counts =
+                        counts.map(|(option, count)| format!("{} {count}", letter(option)));
                     counts.collect::<Vec<_>>().join(", ")
                 }
             };
@@ -297,14 +366,22 @@ impl Notes<'_> {
         if votes.len() == 1 {
             self.muted(ui, "The class sees both votes after the second one.");
         }
-        let key = self.open.learner.question().map(tilescope_lessons::Question::key);
+        let key = self
+            .open
+            .learner
+            .question()
+            .map(tilescope_lessons::Question::key);
         if let Some(advice) = advised(votes, key) {
             let text = match advice {
                 Advice::Explain => "Few are right: give the hint or explain, then vote again.",
-                Advice::Discuss => "Between 30% and 70% are right: let neighbours convince each other, then vote again.",
+                Advice::Discuss => {
+                    "Between 30% and 70% are right: let neighbours convince each other, then vote again."
+                }
                 Advice::GoOn => "Most are right: reveal, and go on.",
             };
-            let text = RichText::new(text).size(self.size(0)).color(self.palette.accent);
+            let text = RichText::new(text)
+                .size(self.size(0))
+                .color(self.palette.accent);
             ui.add(Label::new(text).wrap()).known_as("notes-advice");
         }
     }
@@ -330,7 +407,8 @@ impl Notes<'_> {
 
     fn picture(&self, ui: &mut Ui, picture: &StepPicture) {
         if let Some(fault) = &picture.fault {
-            let text = RichText::new(format!("It cannot be shown: {fault}.")).color(self.palette.conflict);
+            let text =
+                RichText::new(format!("It cannot be shown: {fault}.")).color(self.palette.conflict);
             ui.add(Label::new(text).wrap());
         }
         let Some(pixels) = &picture.pixels else {
@@ -343,13 +421,16 @@ impl Notes<'_> {
             Some((_, texture)) => texture,
             None => {
                 let image = ColorImage::from_rgba_unmultiplied(pixels.size, &pixels.rgba);
-                let texture = ui.ctx().load_texture("next step", image, TextureOptions::LINEAR);
+                let texture = ui
+                    .ctx()
+                    .load_texture("next step", image, TextureOptions::LINEAR);
                 ui.data_mut(|data| data.insert_temp(id, (key, texture.clone())));
                 texture
             }
         };
         let width = ui.available_width();
         let size = texture.size_vec2();
-        ui.image((texture.id(), size * (width / size.x))).known_as("notes-next");
+        ui.image((texture.id(), size * (width / size.x)))
+            .known_as("notes-next");
     }
 }

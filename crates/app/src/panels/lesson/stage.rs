@@ -19,14 +19,17 @@ use tilescope_workbench::talk::{Talk, TalkCommand, Tool};
 use super::{answers, labels, text};
 use crate::panes::{Canvas, CanvasContext};
 
-/// The height of the stage in points, whatever its pixels: 12 points are then 24 pixels of a projector with 1080 rows.
-pub const HEIGHT: f32 = 540.0;
+/// The height of the stage in points, whatever its pixels: 11 points, the smallest text of the canvas, are then 24 pixels of a
+/// projector with 1080 rows.
+pub const HEIGHT: f32 = 495.0;
 /// Sizes of text: paragraphs and headings.
-const SIZE: f32 = 14.5;
-const HEADING: f32 = 19.0;
+const SIZE: f32 = 13.5;
+const HEADING: f32 = 18.0;
+/// Height of plots.
+const PLOT: f32 = 54.0;
 /// The width of the texts beside the canvas, and the narrowest stage that has them there.
-const WIDTH: f32 = 392.0;
-const BESIDE: f32 = 760.0;
+const WIDTH: f32 = 364.0;
+const BESIDE: f32 = 700.0;
 /// The share of the height of a narrow stage that texts take.
 const BELOW: f32 = 0.5;
 /// The pointer is hidden after so many seconds of rest.
@@ -121,7 +124,14 @@ fn texts(
     ui.add_space(4.0);
     // After the answer its explanation takes the place of the introduction.
     let is_revealed = step.gate.is_some() && !learner.is_open();
-    if !is_revealed {
+    // Beside plots there is no room for it once the class votes.
+    let has_plots = learner
+        .question()
+        .is_some_and(|question| match &question.form {
+            Form::Choice { curves, .. } => !curves.is_empty(),
+            form => matches!(form, Form::Bands { .. }),
+        });
+    if !is_revealed && !(talk.is_voting && has_plots) {
         text::show(ui, open, &step.text, SIZE, palette);
     }
     if let Some(fault) = &open.fault {
@@ -138,11 +148,20 @@ fn texts(
     ui.add_space(6.0);
     // After the answer the options stay as legible as before.
     ui.visuals_mut().disabled_alpha = 1.0;
-    answers::show(ui, open, (question, labels(state)), SIZE, palette, commands);
+    let sizes = [SIZE, PLOT];
+    answers::show(
+        ui,
+        open,
+        (question, labels(state)),
+        sizes,
+        palette,
+        commands,
+    );
     ui.add_space(6.0);
     let bold = |text: String| RichText::new(text).font(FontId::new(SIZE + 1.0, semibold()));
     if talk.is_voting && learner.is_open() {
-        ui.label(bold(labels(state).vote_now.to_owned())).known_as("stage-vote");
+        ui.label(bold(labels(state).vote_now.to_owned()))
+            .known_as("stage-vote");
     }
     let key = state.talk_key();
     if let [first, second] = state.talks.record.votes_on(&key) {
@@ -153,10 +172,15 @@ fn texts(
             (Progress::GivenUp, Some(answer)) => format!("{} {answer}", labels(state).the_answer),
             _ => labels(state).right.to_owned(),
         };
-        ui.add(Label::new(bold(verdict)).wrap()).known_as("stage-answer");
+        ui.add(Label::new(bold(verdict)).wrap())
+            .known_as("stage-answer");
         ui.add_space(4.0);
         text::show(ui, open, &step.after, SIZE, palette);
-    } else if let Some(sentence) = open.feedback.as_ref().and_then(|said| said.sentence.as_deref()) {
+    } else if let Some(sentence) = open
+        .feedback
+        .as_ref()
+        .and_then(|said| said.sentence.as_deref())
+    {
         let job = text::job(ui, sentence, SIZE, palette.text);
         ui.add(Label::new(job).wrap()).known_as("stage-sentence");
     }
@@ -178,7 +202,13 @@ fn votes(ui: &mut Ui, state: &State, question: &Question, both: [&Vote; 2], pale
     .response
     .known_as("stage-votes");
     if let [Vote::Counts(first), Vote::Counts(second)] = both {
-        let most = first.iter().chain(second).copied().max().unwrap_or(0).max(1);
+        let most = first
+            .iter()
+            .chain(second)
+            .copied()
+            .max()
+            .unwrap_or(0)
+            .max(1);
         let rows = match &question.form {
             Form::Order { items } => items.len(),
             _ => first.len(),
@@ -190,7 +220,13 @@ fn votes(ui: &mut Ui, state: &State, question: &Question, both: [&Vote; 2], pale
             let font = FontId::new(SIZE, semibold());
             let left = row.left_center();
             let painter = ui.painter();
-            painter.text(left, egui::Align2::LEFT_CENTER, name, font.clone(), palette.text);
+            painter.text(
+                left,
+                egui::Align2::LEFT_CENTER,
+                name,
+                font.clone(),
+                palette.text,
+            );
             let room = row.width() - 64.0;
             for (k, (count, ink)) in counts.into_iter().zip(inks).enumerate() {
                 let top = row.top() + 1.0 + 16.0 * k as f32;
@@ -199,7 +235,13 @@ fn votes(ui: &mut Ui, state: &State, question: &Question, both: [&Vote; 2], pale
                 painter.rect_filled(bar, CornerRadius::same(3), ink);
                 let at = pos2(bar.right() + 5.0, bar.center().y);
                 let font = FontId::new(12.5, semibold());
-                painter.text(at, egui::Align2::LEFT_CENTER, count.to_string(), font, palette.text);
+                painter.text(
+                    at,
+                    egui::Align2::LEFT_CENTER,
+                    count.to_string(),
+                    font,
+                    palette.text,
+                );
             }
         }
         return;
@@ -315,12 +357,14 @@ fn code(ui: &Ui, state: &State) {
                         let side = (rect.size().min_elem() - 130.0).clamp(120.0, 330.0);
                         ui.set_width(side.max(300.0));
                         if let Some(rows) = &modules {
-                            let (square, _) = ui.allocate_exact_size(vec2(side, side), Sense::hover());
+                            let (square, _) =
+                                ui.allocate_exact_size(vec2(side, side), Sense::hover());
                             let size = side / rows.len() as f32;
                             for (y, row) in rows.iter().enumerate() {
                                 for (x, _) in row.iter().enumerate().filter(|(_, dark)| **dark) {
                                     let at = square.min + vec2(x as f32, y as f32) * size;
-                                    let cell = Rect::from_min_size(at, vec2(size + 0.3, size + 0.3));
+                                    let cell =
+                                        Rect::from_min_size(at, vec2(size + 0.3, size + 0.3));
                                     ui.painter().rect_filled(cell, 0.0, Color32::BLACK);
                                 }
                             }
