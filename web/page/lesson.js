@@ -289,6 +289,9 @@ function head(lesson) {
   const list = make("div", { class: "row" });
   if (!lesson.list) {
     list.append(button("lesson-list", words.lessons, () => send({ do: "lesson", act: "list" }), { class: "quiet" }));
+    if (!new URLSearchParams(location.search).has("embed")) {
+      list.append(button("lesson-present", words.present, () => send({ do: "lesson", act: "present" }), { class: "quiet" }));
+    }
   }
   list.append(
     button("lesson-language", other[1], () => send({ do: "lesson", language: other[0] }), { class: "quiet", "aria-label": words.other_language }),

@@ -30,6 +30,8 @@ const FIELD = "Text for Tilescope";
 /** The system's preference for reduced motion. */
 const still = matchMedia("(prefers-reduced-motion: reduce)");
 
+/** Whether the page is the voting card or the notes of a talk, without the program. */
+let isOther = false;
 /** @type {any} The running program. */
 let app = null;
 /** @type {string | null} The link that will be written to the address. */
@@ -113,6 +115,9 @@ function writeLink() {
  * @param {KeyboardEvent} event
  */
 function takeKey(event) {
+  if (isOther) {
+    return;
+  }
   // Keys in the lesson's text are not the program's.
   if (event.target instanceof Node && element("lesson").contains(event.target)) {
     return;
@@ -442,11 +447,12 @@ async function beginAnyhow(display) {
 }
 
 /** Shows what the address asks for instead of the program: the voting card, or the notes of a talk. Returns whether it does. */
-async function isOther() {
+async function showOther() {
   const notes = fragment().match(/^notes=(tilescope-[\w-]+)$/)?.[1];
   if (fragment() !== "card" && !notes) {
     return false;
   }
+  isOther = true;
   document.documentElement.setAttribute("data-runs", "");
   element("loading").hidden = true;
   if (notes) {
@@ -461,7 +467,7 @@ async function isOther() {
 }
 
 async function main() {
-  if (!embed && (await isOther())) {
+  if (!embed && (await showOther())) {
     return;
   }
   document.documentElement.setAttribute("data-runs", "");

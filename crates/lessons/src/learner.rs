@@ -6,7 +6,7 @@ use std::sync::Arc;
 use tilescope_core::Parameters;
 use tilescope_debugger::Recording;
 
-use crate::answer::{Answer, Key};
+use crate::answer::{Answer, CutAxis, Key, letter, short};
 use crate::error::LessonError;
 use crate::lesson::{Lesson, Step};
 use crate::question::{Form, Question};
@@ -391,7 +391,23 @@ impl Learner {
     pub fn right_answer(&self) -> Option<String> {
         let question = self.question.as_ref()?;
         Some(match (question.key(), &question.form) {
-            (Key::Choice(option), Form::Choice { options, .. }) => options.get(*option)?.clone(),
+            (Key::Choice(option), Form::Choice { options, .. }) => {
+                format!("{}. {}", letter(*option), options.get(*option)?)
+            }
+            (Key::Place(places), _) => {
+                let places = places.iter().map(|[x, y]| format!("({x:.2} r, {y:.2} r)"));
+                places.collect::<Vec<_>>().join(", ")
+            }
+            (
+                Key::Cut {
+                    axis,
+                    legal: [low, high],
+                },
+                _,
+            ) => {
+                let name = if *axis == CutAxis::X { "x" } else { "y" };
+                format!("{name} = {} \u{2013} {} r", short(*low), short(*high))
+            }
             (Key::Trace(events), Form::Trace { options, .. }) => {
                 let texts = events
                     .iter()
@@ -408,9 +424,7 @@ impl Learner {
                 _ => String::new(),
             },
             (Key::Number(number), Form::Number { unit }) => {
-                format!("{} {unit}", crate::answer::short(*number))
-                    .trim()
-                    .to_owned()
+                format!("{} {unit}", short(*number)).trim().to_owned()
             }
             (key, _) => key.to_string(),
         })

@@ -117,6 +117,8 @@ pub enum LessonRequest {
     List,
     /// Starts the tour of the window.
     Tour,
+    /// Presents the lesson that is open; not in a frame.
+    Present,
     /// Changes the language.
     Language(String),
     /// Goes to the next step or the one before.
@@ -144,7 +146,9 @@ pub enum LessonRequest {
 }
 
 /// What `act` may be in a request about a lesson.
-const ACTS: [&str; 7] = ["list", "tour", "leave", "hint", "give-up", "again", "clear"];
+const ACTS: [&str; 8] = [
+    "list", "tour", "present", "leave", "hint", "give-up", "again", "clear",
+];
 /// The formats in which results are saved.
 const RESULT_FORMATS: [&str; 3] = ["json", "csv", "xapi"];
 
@@ -386,6 +390,7 @@ fn lesson(fields: &Map<String, Value>) -> Result<LessonRequest, RequestError> {
         _ => match value.as_str() {
             "list" => LessonRequest::List,
             "tour" => LessonRequest::Tour,
+            "present" => LessonRequest::Present,
             "leave" => LessonRequest::Leave,
             "hint" => LessonRequest::Hint,
             "give-up" => LessonRequest::GiveUp,

@@ -20,6 +20,7 @@ use tilescope_workbench::command::Command;
 use tilescope_workbench::lesson_labels::{LessonLabels, lesson_labels};
 use tilescope_workbench::lessons::{LessonCommand, OpenLesson};
 use tilescope_workbench::state::State;
+use tilescope_workbench::talk::TalkCommand;
 
 use super::common::{divide, read_out};
 pub use marks::show as show_marks;
@@ -108,6 +109,11 @@ fn show_lesson(
                 .clicked()
             {
                 issue(commands, LessonCommand::ToggleList);
+            }
+            let present = ui.add(Button::new(labels(state).present).small());
+            if present.known_as("lesson-present").clicked() {
+                let command = TalkCommand::Lesson { from_start: false };
+                commands.push(Command::Talk(command));
             }
         });
     });

@@ -76,3 +76,26 @@ fn lessons_travel_as_json() {
     );
     assert!(shipped::from_json("{}").is_err());
 }
+
+/// The plan in `web/example/` lists the lessons of the lecture, with their minutes and titles.
+#[test]
+fn the_plan_on_the_page_is_that_of_the_lecture() {
+    let plan = include_str!("../../../../web/example/plan.html");
+    let lessons = shipped::lessons();
+    let mut at = 0;
+    let mut from = 0;
+    for (name, minutes) in shipped::LECTURE {
+        let row = format!("<tr data-lesson=\"{name}\" data-minutes=\"{minutes}\">");
+        let place = plan[at..].find(&row).unwrap_or_else(|| panic!("{row}"));
+        at += place;
+        let end = plan[at..].find("</tr>").expect("an end");
+        let text = &plan[at..at + end];
+        let lesson = lessons.iter().find(|lesson| lesson.name == name).expect("a lesson");
+        let lesson = Lesson::read(name, &lesson.text).expect("it is sound");
+        assert!(text.contains(&lesson.title), "{text}");
+        let span = format!("<td>{from} \u{2013} {}</td>", from + minutes);
+        assert!(text.contains(&span), "{text}");
+        from += minutes;
+    }
+    assert_eq!((from, plan.matches("<tr data-lesson").count()), (50, shipped::LECTURE.len()));
+}

@@ -12,6 +12,7 @@ use crate::lesson_labels::lesson_labels;
 use crate::lessons::{DraftCommand, LessonCommand, OpenLesson, WantedLesson};
 use crate::remote::{LessonRequest, RequestError};
 use crate::scenes::SceneCommand;
+use crate::talk::TalkCommand;
 
 const NO_LESSON: &str = "no lesson is open";
 
@@ -149,6 +150,13 @@ impl State {
                 return Ok(self.lesson_json());
             }
             _ if !is_open => return Err(refused(NO_LESSON)),
+            LessonRequest::Present if self.window.embedding.is_some() => {
+                return Err(refused("a player in a frame presents nothing"));
+            }
+            LessonRequest::Present => {
+                self.apply(Command::Talk(TalkCommand::Lesson { from_start: false }));
+                return Ok(Value::Null);
+            }
             LessonRequest::Step(direction) => {
                 let may = self
                     .lessons

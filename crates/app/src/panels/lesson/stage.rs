@@ -25,8 +25,8 @@ pub const HEIGHT: f32 = 495.0;
 /// Sizes of text: paragraphs and headings.
 const SIZE: f32 = 13.5;
 const HEADING: f32 = 18.0;
-/// Height of plots.
-const PLOT: f32 = 54.0;
+/// Heights of plots: while the question is open, and beside the explanation.
+const PLOTS: [f32; 2] = [54.0, 36.0];
 /// The width of the texts beside the canvas, and the narrowest stage that has them there.
 const WIDTH: f32 = 364.0;
 const BESIDE: f32 = 700.0;
@@ -148,7 +148,7 @@ fn texts(
     ui.add_space(6.0);
     // After the answer the options stay as legible as before.
     ui.visuals_mut().disabled_alpha = 1.0;
-    let sizes = [SIZE, PLOT];
+    let sizes = [SIZE, PLOTS[usize::from(is_revealed)]];
     answers::show(
         ui,
         open,

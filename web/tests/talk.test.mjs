@@ -1,0 +1,111 @@
+// A talk in the browser: the stage in one window, the notes in another, the voting card on a phone, and the plan of a lecture.
+
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { nothingElse, until } from "./harness.mjs";
+import { host, makeContext } from "./shared.mjs";
+
+/** Opens pages of one browser. */
+async function browsing(t, settings) {
+  const { address } = await host();
+  const { context, wrong } = await makeContext({ settings });
+  t.after(async () => {
+    await context.close();
+    nothingElse(wrong, []);
+  });
+  return { address, context };
+}
+
+/** Waits for the notes of a talk and returns what they can be asked. */
+async function notesOf(notes) {
+  await notes.getByRole("heading", { level: 2 }).first().waitFor();
+  const here = notes.getByRole("region", { name: "This step" });
+  return { here, title: () => here.getByRole("heading").textContent(), next: notes.getByRole("button", { name: /PageDown/ }) };
+}
+
+test("notes open beside the stage, lead it, and each may be closed and opened again", async (t) => {
+  const { address, context } = await browsing(t);
+  const stage = await context.newPage();
+  await stage.goto(`${address}/?engine=cpu#lesson=survivors`);
+  const opened = context.waitForEvent("page");
+  await stage.getByRole("button", { name: "Present" }).click();
+  const notes = await opened;
+  const { here, title, next } = await notesOf(notes);
+  assert.equal(await title(), "Too close");
+  // The stage's page holds no text of the lesson, and no note.
+  await until("the lesson's panel to go", async () => !(await stage.getByRole("complementary", { name: "Lesson" }).isVisible()));
+  const note = await here.getByRole("paragraph").first().textContent();
+  assert.ok(note.length > 10);
+  assert.equal((await stage.content()).includes(note), false);
+  await notes.getByRole("img", { name: /next step/ }).waitFor();
+  // The clicker's key works in either window.
+  await notes.keyboard.press("PageDown");
+  await until("the next step", async () => (await title()) === "One of two");
+  await here.getByText("The answer:").waitFor();
+  await stage.locator("#canvas").focus();
+  await stage.keyboard.press("PageDown");
+  await until("the vote", async () => (await next.textContent()).startsWith("Reveal"));
+  const vote = notes.getByRole("textbox", { name: "Votes" });
+  await vote.fill("A 3 Q 4");
+  await vote.press("Enter");
+  await notes.getByRole("alert").waitFor();
+  await vote.fill("A 30 B 4");
+  await vote.press("Enter");
+  await notes.getByText("First vote: A 30, B 4, C 0").waitFor();
+  await notes.getByText("give the hint or explain").or(notes.getByText("reveal, and go on")).first().waitFor();
+  // The notes are opened again.
+  const where = notes.url();
+  await notes.close();
+  const again = await context.newPage();
+  await again.goto(where);
+  const second = await notesOf(again);
+  await until("the same step", async () => (await second.title()) === "One of two");
+  await again.getByText("First vote: A 30, B 4, C 0").waitFor();
+  // The stage is opened again, and goes on with the votes and the time.
+  await stage.close();
+  const reopened = context.waitForEvent("page");
+  await again.getByRole("button", { name: "Open the stage again" }).click();
+  const restage = await reopened;
+  await until("the step again", async () => (await second.title()) === "One of two" && (await second.next.isVisible()));
+  await again.getByText("First vote: A 30, B 4, C 0").waitFor();
+  await again.keyboard.press("Escape");
+  await again.getByText("No talk is given.").waitFor();
+  await until("the lesson", async () => restage.getByRole("complementary", { name: "Lesson" }).isVisible());
+});
+
+test("a phone is a voting card, without the program", async (t) => {
+  const { address, context } = await browsing(t, { viewport: { width: 390, height: 844 } });
+  const page = await context.newPage();
+  const loaded = [];
+  page.on("request", (request) => loaded.push(request.url()));
+  await page.goto(`${address}/#card`);
+  const letter = page.getByRole("button", { name: /^C, triangle/ });
+  await letter.click();
+  assert.equal(await page.getByRole("button").count(), 1);
+  const box = await letter.boundingBox();
+  assert.ok(box.width >= 380 && box.height >= 800, JSON.stringify(box));
+  await letter.click();
+  assert.equal(await page.getByRole("button").count(), 6);
+  // It needs no network after this visit.
+  await page.evaluate(() => navigator.serviceWorker.ready);
+  assert.ok(!loaded.some((url) => url.endsWith(".wasm")) || (await page.locator("#card").isVisible()));
+  await context.setOffline(true);
+  await page.reload();
+  await page.getByRole("button", { name: /^A, circle/ }).waitFor();
+});
+
+test("the plan opens the stage, follows the talk, and shows its step", async (t) => {
+  const { address, context } = await browsing(t);
+  const plan = await context.newPage();
+  await plan.goto(`${address}/example/plan.html`);
+  const opened = context.waitForEvent("page");
+  await plan.getByRole("button", { name: "Open the stage" }).click();
+  const stage = await opened;
+  await plan.getByText("Points that keep their distance: step 1 of 5.").waitFor({ timeout: 120_000 });
+  assert.equal(await plan.locator("tr[aria-current='true']").getAttribute("data-lesson"), "welcome");
+  await stage.locator("#canvas").focus();
+  await stage.keyboard.press("PageDown");
+  await plan.getByText(/: step 2 of 5\./).waitFor();
+  const player = plan.frameLocator("#tilescope");
+  await player.getByRole("heading", { name: "Not too close" }).waitFor({ timeout: 120_000 });
+});
