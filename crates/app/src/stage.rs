@@ -37,13 +37,14 @@ impl App {
             return;
         };
         // Of two windows the first one stays: what the other one showed moves there.
-        let roles = match (talk.has_stage, talk.has_notes, talk.is_swapped) {
+        let windows = talk.windows;
+        let roles = match (windows.stage, windows.notes, windows.are_swapped) {
             (true, true, true) | (false, true, _) => [Role::Notes, Role::Stage],
             _ => [Role::Stage, Role::Notes],
         };
         let open = |role: Role| match role {
-            Role::Stage => talk.has_stage,
-            Role::Notes => talk.has_notes,
+            Role::Stage => windows.stage,
+            Role::Notes => windows.notes,
         };
         let [root, other] = roles;
         let other = Some(other).filter(|role| open(*role) && !ctx.embed_viewports());
@@ -76,7 +77,7 @@ impl App {
         }
         match role {
             Role::Stage => {
-                self.fit_stage(ui);
+                fit_stage(ui);
                 stage::show(ui, &self.state, &mut self.canvas, &mut self.commands);
             }
             Role::Notes => {
@@ -85,18 +86,6 @@ impl App {
                 ui.ctx().request_repaint_after(second);
                 notes::show(ui, &self.state, &mut self.commands);
             }
-        }
-    }
-
-    /// Makes the stage as many points high as it always is, whatever its pixels.
-    fn fit_stage(&self, ui: &Ui) {
-        let ctx = ui.ctx();
-        let pixels = ui.available_height() * ctx.pixels_per_point();
-        let native = ctx.native_pixels_per_point().unwrap_or(1.0);
-        let zoom = pixels / (stage::HEIGHT * native);
-        if (zoom / ctx.zoom_factor() - 1.0).abs() > 0.002 && zoom > 0.05 {
-            ctx.set_zoom_factor(zoom);
-            ctx.request_repaint();
         }
     }
 
@@ -152,6 +141,18 @@ impl App {
                 .with_inner_size(screen.size()),
             None => builder.with_inner_size([640.0, 420.0]),
         }
+    }
+}
+
+/// Makes the stage as many points high as it always is, whatever its pixels.
+fn fit_stage(ui: &Ui) {
+    let ctx = ui.ctx();
+    let pixels = ui.available_height() * ctx.pixels_per_point();
+    let native = ctx.native_pixels_per_point().unwrap_or(1.0);
+    let zoom = pixels / (stage::HEIGHT * native);
+    if (zoom / ctx.zoom_factor() - 1.0).abs() > 0.002 && zoom > 0.05 {
+        ctx.set_zoom_factor(zoom);
+        ctx.request_repaint();
     }
 }
 

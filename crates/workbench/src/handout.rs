@@ -140,7 +140,7 @@ impl HandoutTask {
                 }
                 html.push_str("</div>\n");
             } else {
-                html.push_str("<div class=\"lines\"></div>\n");
+                html.push_str("<div class=\"lines\"><p></p><p></p><p></p></div>\n");
             }
         }
         if self.notes {
@@ -315,7 +315,7 @@ section { break-inside: avoid; border-top: 0.3mm solid #bbb; padding: 4mm 0 3mm;
 .choices { letter-spacing: 0.03em; }
 .item { padding-left: 4mm; }
 .plot { display: block; max-width: 90mm; margin: 1mm 0 2mm; }
-.lines { height: 21mm; background: repeating-linear-gradient(#fff 0 6.8mm, #aaa 6.8mm 7mm); print-color-adjust: exact; }
+.lines p { height: 7mm; margin: 0; border-bottom: 0.2mm solid #999; }
 .answer { border-left: 1mm solid #2a7d3f; padding-left: 3mm; }
 .note { border-left: 1mm solid #888; padding-left: 3mm; color: #444; font-style: italic; }
 code { font-family: 'DejaVu Sans Mono', Consolas, monospace; font-size: 0.92em; }

@@ -150,6 +150,28 @@ pub struct Kept {
     pub record: TalkRecord,
 }
 
+/// What covers the stage.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Cover {
+    /// The code of the link for phones.
+    Code,
+    /// Black, until the lecturer goes on.
+    Blank,
+    /// Black: the last step is behind.
+    Over,
+}
+
+/// The windows of a talk.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct TalkWindows {
+    /// Whether that of the stage is open.
+    pub stage: bool,
+    /// Whether that of the notes is open.
+    pub notes: bool,
+    /// Whether they have exchanged their screens.
+    pub are_swapped: bool,
+}
+
 /// A talk.
 pub struct Talk {
     /// Its lessons.
@@ -162,18 +184,10 @@ pub struct Talk {
     pub step_begun: f64,
     /// Whether "next" was pressed at the open question: the class votes, and another press reveals.
     pub is_voting: bool,
-    /// Whether the stage is black.
-    pub is_blank: bool,
-    /// Whether the last step is behind.
-    pub is_over: bool,
-    /// Whether the windows of stage and notes are open.
-    pub has_stage: bool,
-    /// Whether the window of the notes is open.
-    pub has_notes: bool,
-    /// Whether stage and notes have exchanged their screens.
-    pub is_swapped: bool,
-    /// Whether the code for phones is shown.
-    pub shows_code: bool,
+    /// What covers the stage, if anything does.
+    pub cover: Option<Cover>,
+    /// The windows.
+    pub windows: TalkWindows,
     /// The tool.
     pub tool: Tool,
     /// The index of the pen's colour.
@@ -196,12 +210,12 @@ impl Talk {
             begun: now,
             step_begun: now,
             is_voting: false,
-            is_blank: false,
-            is_over: false,
-            has_stage: true,
-            has_notes: true,
-            is_swapped: false,
-            shows_code: false,
+            cover: None,
+            windows: TalkWindows {
+                stage: true,
+                notes: true,
+                are_swapped: false,
+            },
             tool: Tool::Hand,
             color: 0,
             is_drawing: false,

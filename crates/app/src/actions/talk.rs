@@ -6,49 +6,58 @@ use tilescope_workbench::command::{AppearanceCommand, Command, ViewCommand, Wind
 use tilescope_workbench::lessons::LessonCommand;
 use tilescope_workbench::scenes::SceneList;
 use tilescope_workbench::state::State;
-use tilescope_workbench::talk::{TalkCommand, Tool};
+use tilescope_workbench::talk::{Talk, TalkCommand, Tool};
 
 use super::{COMMAND, List, Menu, NONE, SHIFT};
 
 pub(super) fn add(list: &mut List, state: &State) {
+    match &state.talks.open {
+        Some(talk) => given(list, talk),
+        None => begin(list, state),
+    }
+}
+
+/// Adds what begins a talk, and handouts.
+fn begin(list: &mut List, state: &State) {
     let no_lesson = (state.lessons.open.is_none()).then_some("No lesson is open.");
-    let Some(talk) = &state.talks.open else {
-        let mut add = |name: &str, keys: Option<(Modifiers, Key)>, command, refusal| {
-            list.add(Menu::Help, name, keys, Command::Talk(command), refusal);
-        };
-        // Without a lesson these keys are the debugger's.
-        let keys = |modifiers| no_lesson.is_none().then_some((modifiers, Key::F5));
-        let present = |from_start| TalkCommand::Lesson { from_start };
-        add("Present the lesson", keys(NONE), present(true), no_lesson);
-        add(
-            "Present the lesson from this step",
-            keys(SHIFT),
-            present(false),
-            no_lesson,
-        );
-        add(
-            "Present the lecture of 50 minutes",
-            None,
-            TalkCommand::Lecture,
-            None,
-        );
-        let no_scenes = state.scenes(SceneList::Own).is_empty();
-        let no_scenes = no_scenes.then_some("There are no scenes: add some in the panel Scenes.");
-        add("Present the scenes", None, TalkCommand::Scenes, no_scenes);
-        let handout = |answers| TalkCommand::Handout {
-            answers,
-            notes: answers,
-        };
-        add("Handout of the lesson", None, handout(false), no_lesson);
-        add(
-            "Handout with answers and notes",
-            None,
-            handout(true),
-            no_lesson,
-        );
-        list.group();
-        return;
+    let mut add = |name: &str, keys: Option<(Modifiers, Key)>, command, refusal| {
+        list.add(Menu::Help, name, keys, Command::Talk(command), refusal);
     };
+    // Without a lesson these keys are the debugger's.
+    let keys = |modifiers| no_lesson.is_none().then_some((modifiers, Key::F5));
+    let present = |from_start| TalkCommand::Lesson { from_start };
+    add("Present the lesson", keys(NONE), present(true), no_lesson);
+    add(
+        "Present the lesson from this step",
+        keys(SHIFT),
+        present(false),
+        no_lesson,
+    );
+    add(
+        "Present the lecture of 50 minutes",
+        None,
+        TalkCommand::Lecture,
+        None,
+    );
+    let no_scenes = state.scenes(SceneList::Own).is_empty();
+    let no_scenes = no_scenes.then_some("There are no scenes: add some in the panel Scenes.");
+    add("Present the scenes", None, TalkCommand::Scenes, no_scenes);
+    let handout = |answers| TalkCommand::Handout {
+        answers,
+        notes: answers,
+    };
+    add("Handout of the lesson", None, handout(false), no_lesson);
+    add(
+        "Handout with answers and notes",
+        None,
+        handout(true),
+        no_lesson,
+    );
+    list.group();
+}
+
+/// Adds what a lecturer does while the talk is given.
+fn given(list: &mut List, talk: &Talk) {
     let mut add = |name: &str, keys: (Modifiers, Key), also: Option<Key>, command| {
         list.add(Menu::Help, name, Some(keys), Command::Talk(command), None);
         if let Some(action) = list.actions.last_mut() {
@@ -74,7 +83,7 @@ pub(super) fn add(list: &mut List, state: &State) {
         TalkCommand::Blank,
     );
     add("End the talk", (NONE, Key::Escape), None, TalkCommand::End);
-    let begin = if talk.has_stage {
+    let begin = if talk.windows.stage {
         TalkCommand::First
     } else {
         TalkCommand::OpenStage

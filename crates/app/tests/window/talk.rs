@@ -9,7 +9,7 @@ use tilescope_lessons::{plain, shipped};
 use tilescope_workbench::Command;
 use tilescope_workbench::command::AppearanceCommand;
 use tilescope_workbench::lessons::LessonCommand;
-use tilescope_workbench::talk::TalkCommand;
+use tilescope_workbench::talk::{Cover, TalkCommand};
 
 use crate::support::{find, node, opened_at, settle, text};
 
@@ -171,7 +171,7 @@ fn a_clicker_plays_the_whole_lecture_and_the_stage_is_legible_and_holds_no_note(
         press(&mut harness, Key::PageDown);
         presses += 1;
         let talk = harness.state().state.talks.open.as_ref().expect("the talk");
-        if talk.is_over {
+        if talk.cover == Some(Cover::Over) {
             break;
         }
         assert!(presses < 400);
@@ -214,7 +214,7 @@ fn all_of_a_steps_text_is_on_the_stage_at_once() {
                 .talks
                 .open
                 .as_ref()
-                .is_none_or(|talk| talk.is_over)
+                .is_none_or(|talk| talk.cover == Some(Cover::Over))
             {
                 break;
             }

@@ -90,12 +90,18 @@ fn the_plan_on_the_page_is_that_of_the_lecture() {
         at += place;
         let end = plan[at..].find("</tr>").expect("an end");
         let text = &plan[at..at + end];
-        let lesson = lessons.iter().find(|lesson| lesson.name == name).expect("a lesson");
+        let lesson = lessons
+            .iter()
+            .find(|lesson| lesson.name == name)
+            .expect("a lesson");
         let lesson = Lesson::read(name, &lesson.text).expect("it is sound");
         assert!(text.contains(&lesson.title), "{text}");
         let span = format!("<td>{from} \u{2013} {}</td>", from + minutes);
         assert!(text.contains(&span), "{text}");
         from += minutes;
     }
-    assert_eq!((from, plan.matches("<tr data-lesson").count()), (50, shipped::LECTURE.len()));
+    assert_eq!(
+        (from, plan.matches("<tr data-lesson").count()),
+        (50, shipped::LECTURE.len())
+    );
 }

@@ -505,7 +505,7 @@ impl State {
         let same_run = self.runs.first.is_same_run(&session);
         self.time.rest(same_run);
         self.on(Which::First, |run, context| {
-            run.show_unverified(session, context)
+            run.show_unverified(session, context);
         });
     }
 

@@ -9,7 +9,7 @@ use crate::lesson_picture::{PictureStyle, StepPicture, StepPictureTask};
 use crate::lessons::{LessonCommand, LessonSource};
 use crate::pen::PenStroke;
 use crate::scene_lesson::lesson_of;
-use crate::talk::{Kept, Talk, TalkCommand, TalkPart, TalkRecord, Tool};
+use crate::talk::{Cover, Kept, Talk, TalkCommand, TalkPart, TalkRecord, Tool};
 
 /// Width and height of the picture of the next step, in points.
 const NEXT: [f64; 2] = [440.0, 330.0];
@@ -71,8 +71,8 @@ impl State {
             }
             _ => {
                 if let Some(talk) = &mut self.talks.open {
-                    talk.apply(command);
-                    if !(talk.has_stage || talk.has_notes) {
+                    talk.apply(&command);
+                    if !(talk.windows.stage || talk.windows.notes) {
                         self.end_talk();
                     }
                 }
@@ -167,8 +167,8 @@ impl State {
         let (Some(talk), Some(open)) = (&mut self.talks.open, &mut self.lessons.open) else {
             return;
         };
-        if talk.is_blank {
-            talk.is_blank = false;
+        if talk.cover == Some(Cover::Blank) {
+            talk.cover = None;
             return;
         }
         let learner = &mut open.learner;
@@ -195,15 +195,15 @@ impl State {
         if part < talk.parts.len() {
             return self.go_to_part(part, false);
         }
-        talk.is_over = true;
+        talk.cover = Some(Cover::Over);
     }
 
     fn previous_in_talk(&mut self) {
         let (Some(talk), Some(open)) = (&mut self.talks.open, &self.lessons.open) else {
             return;
         };
-        if talk.is_blank || talk.is_over {
-            (talk.is_blank, talk.is_over) = (false, false);
+        if matches!(talk.cover, Some(Cover::Blank | Cover::Over)) {
+            talk.cover = None;
             return;
         }
         if talk.is_voting {
@@ -225,8 +225,8 @@ impl State {
     fn begin_step(&mut self) {
         let now = self.lessons.now;
         if let Some(talk) = &mut self.talks.open {
-            (talk.is_voting, talk.is_drawing, talk.is_over) = (false, false, false);
-            (talk.pointer, talk.vote_fault, talk.shows_code) = (None, None, false);
+            (talk.is_voting, talk.is_drawing, talk.cover) = (false, false, None);
+            (talk.pointer, talk.vote_fault) = (None, None);
             talk.step_begun = now;
         }
     }
@@ -501,14 +501,18 @@ impl State {
 }
 
 impl Talk {
-    fn apply(&mut self, command: TalkCommand) {
-        match command {
-            TalkCommand::Blank => self.is_blank = !self.is_blank,
-            TalkCommand::ToggleNotes => self.has_notes = !self.has_notes,
-            TalkCommand::NotesClosed => self.has_notes = false,
-            TalkCommand::StageClosed => self.has_stage = false,
-            TalkCommand::OpenStage => self.has_stage = true,
-            TalkCommand::Swap => self.is_swapped = !self.is_swapped,
+    fn toggle_cover(&mut self, cover: Cover) {
+        self.cover = Some(cover).filter(|_| self.cover != Some(cover));
+    }
+
+    fn apply(&mut self, command: &TalkCommand) {
+        match *command {
+            TalkCommand::Blank => self.toggle_cover(Cover::Blank),
+            TalkCommand::ToggleNotes => self.windows.notes = !self.windows.notes,
+            TalkCommand::NotesClosed => self.windows.notes = false,
+            TalkCommand::StageClosed => self.windows.stage = false,
+            TalkCommand::OpenStage => self.windows.stage = true,
+            TalkCommand::Swap => self.windows.are_swapped = !self.windows.are_swapped,
             TalkCommand::Tool(tool) => {
                 self.tool = if self.tool == tool { Tool::Hand } else { tool };
                 (self.pointer, self.is_drawing) = (None, false);
@@ -516,7 +520,7 @@ impl Talk {
             TalkCommand::NextColor => self.color = (self.color + 1) % PenStroke::COLORS,
             TalkCommand::Point(at) => self.pointer = at,
             TalkCommand::Lift => self.is_drawing = false,
-            TalkCommand::ToggleCode => self.shows_code = !self.shows_code,
+            TalkCommand::ToggleCode => self.toggle_cover(Cover::Code),
             _ => {}
         }
     }
@@ -581,7 +585,7 @@ mod tests {
         let mut state = presented("survivors");
         talk(&mut state, TalkCommand::Blank);
         talk(&mut state, TalkCommand::Next);
-        assert!(!open(&state).is_blank && step(&state) == 0);
+        assert!(open(&state).cover.is_none() && step(&state) == 0);
     }
 
     #[test]
@@ -751,7 +755,7 @@ mod tests {
         let pixels = picture.and_then(|picture| picture.pixels).expect("pixels");
         let first = &pixels.rgba[..4];
         assert!(pixels.rgba.chunks(4).any(|pixel| pixel != first));
-        while !open(&state).is_over {
+        while open(&state).cover != Some(Cover::Over) {
             talk(&mut state, TalkCommand::Next);
         }
         assert!(open(&state).next.is_none());

@@ -4,7 +4,7 @@ use serde_json::{Value, json};
 use tilescope_lessons::{Form, spans};
 
 use super::State;
-use crate::talk::advised;
+use crate::talk::{Cover, advised};
 
 impl State {
     /// Returns the talk for the lecturer's notes; null if none is given. It holds notes and answers, so that it goes to the
@@ -55,10 +55,10 @@ impl State {
             "planned": {"before": before, "this": this, "all": all},
             "waits": waits,
             "voting": talk.is_voting,
-            "blank": talk.is_blank,
-            "over": talk.is_over,
+            "blank": talk.cover == Some(Cover::Blank),
+            "over": talk.cover == Some(Cover::Over),
             "tool": talk.tool,
-            "wants_notes": talk.has_notes,
+            "wants_notes": talk.windows.notes,
             "kept": self.kept_of_talk(),
         })
     }

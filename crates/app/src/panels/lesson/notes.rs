@@ -14,7 +14,7 @@ use tilescope_workbench::lesson_picture::StepPicture;
 use tilescope_workbench::lessons::OpenLesson;
 use tilescope_workbench::pen::pen_color;
 use tilescope_workbench::state::State;
-use tilescope_workbench::talk::{Talk, TalkCommand, Tool, advised};
+use tilescope_workbench::talk::{Cover, Talk, TalkCommand, Tool, advised};
 
 use super::text;
 
@@ -97,6 +97,12 @@ struct Notes<'a> {
     k: f32,
 }
 
+fn button(ui: &mut Ui, name: &str, id: &str, command: TalkCommand, commands: &mut Vec<Command>) {
+    if ui.add(Button::new(name)).known_as(id).clicked() {
+        commands.push(Command::Talk(command));
+    }
+}
+
 impl Notes<'_> {
     fn size(&self, which: usize) -> f32 {
         SIZES[which] * self.k
@@ -158,28 +164,15 @@ impl Notes<'_> {
             );
             ui.label(RichText::new(text).color(self.palette.muted))
                 .known_as("notes-place");
-            self.button(ui, "End (Esc)", "notes-end", TalkCommand::End, commands);
+            button(ui, "End (Esc)", "notes-end", TalkCommand::End, commands);
         });
-    }
-
-    fn button(
-        &self,
-        ui: &mut Ui,
-        name: &str,
-        id: &str,
-        command: TalkCommand,
-        commands: &mut Vec<Command>,
-    ) {
-        if ui.add(Button::new(name)).known_as(id).clicked() {
-            commands.push(Command::Talk(command));
-        }
     }
 
     /// Shows what the clicker, the laser and the pen do.
     fn tools(&self, ui: &mut Ui, commands: &mut Vec<Command>) {
         let talk = self.talk;
         ui.horizontal_wrapped(|ui| {
-            self.button(
+            button(
                 ui,
                 "Back (PageUp)",
                 "notes-back",
@@ -187,14 +180,14 @@ impl Notes<'_> {
                 commands,
             );
             let waits = self.open.learner.is_open() && self.open.fault.is_none();
-            let next = match (talk.is_blank, waits, talk.is_voting) {
+            let next = match (talk.cover == Some(Cover::Blank), waits, talk.is_voting) {
                 (true, _, _) => "Show again (PageDown)",
                 (_, true, false) => "Vote (PageDown)",
                 (_, true, true) => "Reveal (PageDown)",
                 _ => "Next (PageDown)",
             };
-            self.button(ui, next, "notes-next", TalkCommand::Next, commands);
-            self.button(ui, "Blank (B)", "notes-blank", TalkCommand::Blank, commands);
+            button(ui, next, "notes-next", TalkCommand::Next, commands);
+            button(ui, "Blank (B)", "notes-blank", TalkCommand::Blank, commands);
             let mut tool = |ui: &mut Ui, name: &str, tool: Tool| {
                 let button = ui.selectable_label(talk.tool == tool, name);
                 if button
@@ -217,36 +210,36 @@ impl Notes<'_> {
             if swatch.on_hover_text("The pen's colour (C)").clicked() {
                 commands.push(Command::Talk(TalkCommand::NextColor));
             }
-            self.button(
+            button(
                 ui,
                 "Undo line (U)",
                 "notes-undo",
                 TalkCommand::UndoStroke,
                 commands,
             );
-            self.button(
+            button(
                 ui,
                 "Clear (X)",
                 "notes-clear",
                 TalkCommand::ClearStrokes,
                 commands,
             );
-            self.button(
+            button(
                 ui,
                 "Code (Q)",
                 "notes-code",
                 TalkCommand::ToggleCode,
                 commands,
             );
-            self.button(
+            button(
                 ui,
                 "Exchange screens (S)",
                 "notes-swap",
                 TalkCommand::Swap,
                 commands,
             );
-            if !talk.has_stage {
-                self.button(
+            if !talk.windows.stage {
+                button(
                     ui,
                     "Open the stage (F5)",
                     "notes-stage",
@@ -280,7 +273,7 @@ impl Notes<'_> {
         ScrollArea::vertical()
             .id_salt("notes of this step")
             .show(ui, |ui| {
-                if self.talk.is_over {
+                if self.talk.cover == Some(Cover::Over) {
                     self.heading(ui, "The talk is over.");
                     return;
                 }
@@ -337,7 +330,7 @@ impl Notes<'_> {
                 commands.push(Command::Talk(TalkCommand::Vote(std::mem::take(&mut typed))));
             }
             if !votes.is_empty() {
-                self.button(
+                button(
                     ui,
                     "Take back",
                     "notes-unvote",
@@ -417,17 +410,16 @@ impl Notes<'_> {
         let id = Id::unique("picture of the next step");
         let key = std::sync::Arc::as_ptr(pixels) as usize;
         let kept = ui.data(|data| data.get_temp::<(usize, TextureHandle)>(id));
-        let texture = match kept.filter(|(other, _)| *other == key) {
-            Some((_, texture)) => texture,
-            None => {
-                let image = ColorImage::from_rgba_unmultiplied(pixels.size, &pixels.rgba);
-                let texture = ui
-                    .ctx()
-                    .load_texture("next step", image, TextureOptions::LINEAR);
-                ui.data_mut(|data| data.insert_temp(id, (key, texture.clone())));
-                texture
-            }
-        };
+        let drawn = kept.filter(|(other, _)| *other == key);
+        let texture = drawn.map(|(_, texture)| texture);
+        let texture = texture.unwrap_or_else(|| {
+            let image = ColorImage::from_rgba_unmultiplied(pixels.size, &pixels.rgba);
+            let texture = ui
+                .ctx()
+                .load_texture("next step", image, TextureOptions::LINEAR);
+            ui.data_mut(|data| data.insert_temp(id, (key, texture.clone())));
+            texture
+        });
         let width = ui.available_width();
         let size = texture.size_vec2();
         ui.image((texture.id(), size * (width / size.x)))

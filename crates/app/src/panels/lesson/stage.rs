@@ -14,7 +14,7 @@ use tilescope_workbench::command::Command;
 use tilescope_workbench::lessons::OpenLesson;
 use tilescope_workbench::pen::pen_color;
 use tilescope_workbench::state::State;
-use tilescope_workbench::talk::{Talk, TalkCommand, Tool};
+use tilescope_workbench::talk::{Cover, Talk, TalkCommand, Tool};
 
 use super::{answers, labels, text};
 use crate::panes::{Canvas, CanvasContext};
@@ -59,7 +59,7 @@ pub fn show(ui: &mut Ui, state: &State, canvas: &mut Canvas, commands: &mut Vec<
         return;
     };
     hide_pointer(ui, talk);
-    if talk.is_blank || talk.is_over {
+    if matches!(talk.cover, Some(Cover::Blank | Cover::Over)) {
         let rect = ui.available_rect_before_wrap();
         let response = ui.interact(rect, Id::unique("blank stage"), Sense::hover());
         response.known_as("stage-blank");
@@ -93,7 +93,7 @@ pub fn show(ui: &mut Ui, state: &State, canvas: &mut Canvas, commands: &mut Vec<
         draw(ui, state, talk, rect);
     });
     super::show_marks(ui, state);
-    if talk.shows_code {
+    if talk.cover == Some(Cover::Code) {
         code(ui, state);
     }
 }
@@ -131,7 +131,7 @@ fn texts(
             Form::Choice { curves, .. } => !curves.is_empty(),
             form => matches!(form, Form::Bands { .. }),
         });
-    if !is_revealed && !(talk.is_voting && has_plots) {
+    if !(is_revealed || talk.is_voting && has_plots) {
         text::show(ui, open, &step.text, SIZE, palette);
     }
     if let Some(fault) = &open.fault {

@@ -236,7 +236,12 @@ fn what_is_no_layout_is_refused() {
     assert!(message(&vec![b'['; 100_000]).contains("this is not a layout of pieces"));
     assert!(describe(&glue(folder.path()).err().unwrap()).contains("this is not a file"));
     let command = crate::Command::Combine(arguments(&["missing.json"]));
-    let code = crate::run(&command, |_, _, _| Ok(None));
+    let window = crate::FromWindow {
+        script: |_, _, _| Ok(None),
+        handout: |_| Err(String::new()),
+        lesson_of_session: |_| Err(String::new()),
+    };
+    let code = crate::run(&command, window);
     assert_eq!(code, std::process::ExitCode::from(crate::EXIT_BAD_INPUT));
     let missing = run(&arguments(&["missing.json"])).unwrap_err();
     assert!(describe(&missing).contains("missing.json"));
