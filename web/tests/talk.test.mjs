@@ -66,6 +66,7 @@ test("notes open beside the stage, lead it, and each may be closed and opened ag
   const reopened = context.waitForEvent("page");
   await again.getByRole("button", { name: "Open the stage again" }).click();
   const restage = await reopened;
+  await until("the step on the stage", () => restage.url().includes("step=one-of-two"));
   await until("the step again", async () => (await second.title()) === "One of two" && (await second.next.isVisible()));
   await again.getByText("First vote: A 30, B 4, C 0").waitFor();
   await again.keyboard.press("Escape");

@@ -15,7 +15,6 @@ use tilescope_ui::theme::{self, InputStyle};
 use tilescope_ui::widgets::{Kebab, Known};
 
 use crate::panes::Canvas;
-use crate::stage::Stage;
 use crate::{actions, panels, tiles};
 use tilescope_canvas::touch::release_cancelled;
 use tilescope_workbench::arrangement::{Arrangement, DrawerCommand};
@@ -26,18 +25,22 @@ use tilescope_workbench::layout::{Layout, OldLayout, Panel};
 use tilescope_workbench::scenes::SceneCommand;
 use tilescope_workbench::state::{FullScreen, State};
 
+pub use stage::stage_accent;
+
+use stage::Stage;
+
 /// The application.
 pub struct App {
     /// The state of the workbench.
     pub state: State,
-    pub(crate) canvas: Canvas,
-    pub(crate) commands: Vec<Command>,
+    canvas: Canvas,
+    commands: Vec<Command>,
     shown_look: Look,
     shown_input_style: InputStyle,
     /// The widget that had the focus in the previous frame.
     focused: Option<egui::Id>,
     /// The windows of a talk.
-    pub(crate) stage: Stage,
+    stage: Stage,
     /// Copies a text to the clipboard and returns true, or returns false to leave it to egui.
     copier: fn(&str) -> bool,
     /// Toggles full screen and returns true, or returns false to leave it to egui.
@@ -301,7 +304,7 @@ impl App {
         }
     }
 
-    pub(crate) fn apply_commands(&mut self, ctx: &Context) {
+    fn apply_commands(&mut self, ctx: &Context) {
         if self.commands.is_empty() {
             return;
         }
@@ -312,7 +315,7 @@ impl App {
     }
 
     /// Carries out commands that concern the window itself.
-    pub(crate) fn follow_commands(&mut self, ctx: &Context) {
+    fn follow_commands(&mut self, ctx: &Context) {
         self.copy(ctx);
         self.turn_full_screen(ctx);
         self.follow_look(ctx);
@@ -544,5 +547,6 @@ impl Behavior<Panel> for Shower<'_> {
     }
 }
 
+mod stage;
 #[cfg(test)]
 mod tests;

@@ -11,11 +11,9 @@ mod app;
 mod native;
 mod panels;
 pub mod panes;
-mod stage;
 pub mod tiles;
 
-pub use app::App;
+pub use app::{App, stage_accent};
 #[cfg(not(target_arch = "wasm32"))]
 pub use native::{AppError, WindowOptions, display_available, run_native};
 pub use panels::show_passes;
-pub use stage::stage_accent;

@@ -10,17 +10,18 @@ use tilescope_debugger::Recording;
 use tilescope_drawing::camera::Camera;
 use tilescope_figures::{Group, Scene, Shape, Stroke, Style, Text, to_pixels, to_svg};
 use tilescope_lessons::{Arrival, Learner, Lesson, Translation, record};
-use tilescope_session::jobs::Monitor;
-use tilescope_session::layers::Colouring;
+use tilescope_session::jobs::{Job, Monitor, Wake};
+use tilescope_session::layers::{Colouring, Layer, Layers};
 use tilescope_session::moment::Moment;
 use tilescope_session::selection::Selection;
 use tilescope_session::session::Session;
-use tilescope_session::task::Task;
+use tilescope_session::task::{self, Task};
 
 use crate::export::picture::thumbnail;
 use crate::export::surface::color;
 use crate::export::{MomentView, PictureView};
-use crate::lessons::{LessonSource, MarkKind, OpenLesson, layers_named};
+use crate::lessons::{LessonSource, MarkKind, OpenLesson};
+use crate::link::layer_name;
 use crate::pen::PenStroke;
 use crate::thumbnails::Thumbnail;
 
@@ -159,6 +160,20 @@ pub fn picture(open: &OpenLesson, style: PictureStyle, strokes: &[PenStroke]) ->
     scene
 }
 
+/// Returns the layers of these names; names of no layer are left out.
+pub(crate) fn layers_named(names: &[String]) -> Layers {
+    let mut chosen = Layers::none();
+    for name in names {
+        let named = Layer::ALL
+            .into_iter()
+            .find(|&layer| layer_name(layer) == *name);
+        if let Some(layer) = named.filter(|&layer| !chosen.has(layer)) {
+            chosen.toggle(layer);
+        }
+    }
+    chosen
+}
+
 /// A picture of a step: as text for pages, as pixels for windows.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct StepPicture {
@@ -181,6 +196,59 @@ pub struct StepPictureTask {
     pub style: PictureStyle,
     /// Whether SVG is made instead of pixels.
     pub as_svg: bool,
+}
+
+/// The picture of the step that follows in a talk.
+#[derive(Default)]
+pub struct NextPicture {
+    drawn: Option<(StepPictureTask, StepPicture)>,
+    drawing: Option<(StepPictureTask, Job<StepPicture>)>,
+}
+
+impl NextPicture {
+    /// Returns the picture, once it is drawn.
+    #[must_use]
+    pub fn drawn(&self) -> Option<&StepPicture> {
+        self.drawn.as_ref().map(|(_, picture)| picture)
+    }
+
+    /// Takes what was drawn and starts drawing what is wanted, unless it is there or nothing is wanted.
+    pub(crate) fn follow(&mut self, wanted: Option<StepPictureTask>, wake: &Wake) {
+        if let Some(outcome) = self.drawing.as_ref().and_then(|(_, job)| job.poll()) {
+            self.take(outcome);
+        }
+        let Some(wanted) = wanted else {
+            (self.drawn, self.drawing) = (None, None);
+            return;
+        };
+        let is_drawn = self.drawn.as_ref().is_some_and(|(task, _)| *task == wanted);
+        let is_pending = self
+            .drawing
+            .as_ref()
+            .is_some_and(|(task, _)| *task == wanted);
+        if !is_drawn && !is_pending {
+            self.drawn = None;
+            let job = task::start(wake, wanted.clone());
+            self.drawing = Some((wanted, job));
+        }
+    }
+
+    fn take(&mut self, outcome: Result<StepPicture, String>) {
+        let drawn = outcome.unwrap_or_else(|fault| StepPicture {
+            fault: Some(fault),
+            ..StepPicture::default()
+        });
+        self.drawn = self.drawing.take().map(|(task, _)| (task, drawn));
+    }
+
+    /// Waits for the picture that is being drawn.
+    #[cfg(not(target_arch = "wasm32"))]
+    pub(crate) fn settle(&mut self) {
+        if let Some((_, job)) = &self.drawing {
+            let outcome = job.wait();
+            self.take(outcome);
+        }
+    }
 }
 
 /// Pixels in a point of a picture for windows.

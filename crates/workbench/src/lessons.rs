@@ -11,9 +11,6 @@ use tilescope_lessons::results::Results;
 use tilescope_lessons::{
     Answer, Change, CutAxis, Feedback, Form, Key, Learner, LessonError, Question, letter, shipped,
 };
-use tilescope_session::layers::{Layer, Layers};
-
-use crate::link::layer_name;
 
 /// An action in a lesson, or on the list of lessons.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -371,20 +368,6 @@ pub enum MarkKind {
     Chosen,
     /// What is right, once it is known.
     Right,
-}
-
-/// Returns the layers of these names; names of no layer are left out.
-pub(crate) fn layers_named(names: &[String]) -> Layers {
-    let mut chosen = Layers::none();
-    for name in names {
-        let named = Layer::ALL
-            .into_iter()
-            .find(|&layer| layer_name(layer) == *name);
-        if let Some(layer) = named.filter(|&layer| !chosen.has(layer)) {
-            chosen.toggle(layer);
-        }
-    }
-    chosen
 }
 
 /// A line or a box of a lesson on the canvas, by two corners in r.

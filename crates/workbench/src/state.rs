@@ -9,6 +9,7 @@ pub use crate::appearance::Appearance;
 use crate::command::{AppearanceCommand, Command, LinkCommand, ViewCommand, Which};
 use crate::export::ExportCommand;
 use crate::layout::Panel;
+use crate::lesson_picture::NextPicture;
 use crate::lessons::Lessons;
 use crate::scenes::ShownScene;
 use crate::talk::Talks;
@@ -111,6 +112,8 @@ pub struct State {
     pub lessons: Lessons,
     /// Presenter mode.
     pub talks: Talks,
+    /// The picture of the next step of a talk.
+    pub next_picture: NextPicture,
     /// The scenes' pictures.
     pub thumbnails: Thumbnails,
     /// Links.
@@ -139,6 +142,7 @@ impl State {
             scene: None,
             lessons: Lessons::default(),
             talks: Talks::default(),
+            next_picture: NextPicture::default(),
             thumbnails: Thumbnails::default(),
             links: Links::default(),
             messages: Messages::default(),

@@ -2,13 +2,13 @@
 //! [`Talk`]; `state/talk.rs` carries out its commands.
 
 use std::collections::BTreeMap;
+use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
 use tilescope_lessons::{Advice, Key, Lesson, Vote, advice};
 
 use tilescope_session::jobs::Job;
 
-use crate::lesson_picture::{StepPicture, StepPictureTask};
 use crate::pen::{MAX_POINTS, PenStroke};
 
 /// What a lecturer does.
@@ -32,6 +32,9 @@ pub enum TalkCommand {
         answers: bool,
         /// Whether with the speaker's notes.
         notes: bool,
+        /// The file; a new one beside where the program runs, if none is given.
+        #[serde(default)]
+        path: Option<PathBuf>,
     },
     /// Ends the talk.
     End,
@@ -198,8 +201,6 @@ pub struct Talk {
     pub pointer: Option<[f64; 2]>,
     /// What is wrong with the vote that was typed, if anything is.
     pub vote_fault: Option<String>,
-    /// What the picture of the next step shows, and the picture once it is drawn.
-    pub next: Option<(StepPictureTask, Option<StepPicture>)>,
 }
 
 impl Talk {
@@ -221,7 +222,6 @@ impl Talk {
             is_drawing: false,
             pointer: None,
             vote_fault: None,
-            next: None,
         }
     }
 
@@ -306,13 +306,14 @@ pub fn advised(votes: &[Vote], key: Option<&Key>) -> Option<Advice> {
     Some(advice(votes.last()?.right_share(right)?))
 }
 
+/// The file of a handout: the stem of its name, and its path if one was given.
+pub(crate) type HandoutFile = (String, Option<PathBuf>);
+
 /// Presenter mode in the state of the window.
 #[derive(Default)]
 pub struct Talks {
-    /// The handout that is being made, and the name of its lesson.
-    pub(crate) handout: Option<(String, Job<Result<String, String>>)>,
-    /// The picture of the next step that is being drawn.
-    pub(crate) drawing: Option<(StepPictureTask, Job<StepPicture>)>,
+    /// The handout that is being made, and its file.
+    pub(crate) handout: Option<(HandoutFile, Job<Result<String, String>>)>,
     /// The talk that is given.
     pub open: Option<Box<Talk>>,
     /// Votes and drawings.

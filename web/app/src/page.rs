@@ -379,7 +379,8 @@ impl Page {
             asked_for_lessons: false,
             link: None,
             state: String::new(),
-            talk: String::new(),
+            // None is given.
+            talk: "null".to_owned(),
         }
     }
 

@@ -45,6 +45,7 @@ fn begin(list: &mut List, state: &State) {
     let handout = |answers| TalkCommand::Handout {
         answers,
         notes: answers,
+        path: None,
     };
     add("Handout of the lesson", None, handout(false), no_lesson);
     add(

@@ -17,9 +17,9 @@ use super::{State, Which};
 use crate::command::{Command, ViewCommand, WindowCommand};
 use crate::device::EngineChoice;
 use crate::files::{FileCommand, Purpose};
+use crate::lesson_picture::layers_named;
 use crate::lessons::{
     AnswerDraft, DraftCommand, GivenAnswer, LessonCommand, LessonSource, OpenLesson, WantedLesson,
-    layers_named,
 };
 use crate::scenes::SceneCommand;
 

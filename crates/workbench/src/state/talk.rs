@@ -1,15 +1,17 @@
 //! Presenter mode in the state: starting a talk, going on and back, votes, drawings, and the picture of the next step.
 
+use std::path::PathBuf;
+
 use tilescope_lessons::{Form, Lesson, Vote, shipped};
 use tilescope_session::task;
 
 use super::State;
 use crate::handout::HandoutTask;
-use crate::lesson_picture::{PictureStyle, StepPicture, StepPictureTask};
+use crate::lesson_picture::{PictureStyle, StepPictureTask};
 use crate::lessons::{LessonCommand, LessonSource};
 use crate::pen::PenStroke;
 use crate::scene_lesson::lesson_of;
-use crate::talk::{Cover, Kept, Talk, TalkCommand, TalkPart, TalkRecord, Tool};
+use crate::talk::{Cover, HandoutFile, Kept, Talk, TalkCommand, TalkPart, TalkRecord, Tool};
 
 /// Width and height of the picture of the next step, in points.
 const NEXT: [f64; 2] = [440.0, 330.0];
@@ -35,7 +37,11 @@ impl State {
                     self.go_in_talk(0);
                 }
             }
-            TalkCommand::Handout { answers, notes } => self.make_handout(answers, notes),
+            TalkCommand::Handout {
+                answers,
+                notes,
+                path,
+            } => self.make_handout(answers, notes, path),
             TalkCommand::Lecture => self.present_lecture(),
             TalkCommand::Scenes => self.present_scenes(),
             TalkCommand::Address(address) => {
@@ -335,67 +341,42 @@ impl State {
 
     /// Ends the talk when its lesson was closed, and draws the picture of the next step.
     pub(super) fn follow_talk(&mut self) {
-        let Some(talk) = &mut self.talks.open else {
-            return;
+        if self.talks.open.is_some() && self.lessons.open.is_none() {
+            self.end_talk();
+        }
+        let wanted = self.next_in_picture();
+        self.next_picture.follow(wanted, &self.jobs.wake);
+    }
+
+    /// Returns what the picture of the next step shows; None in the last step and without a talk.
+    fn next_in_picture(&self) -> Option<StepPictureTask> {
+        let (talk, open) = (self.talks.open.as_ref()?, self.lessons.open.as_ref()?);
+        let lesson = open.learner.lesson();
+        let index = open.learner.index() + 1;
+        let is_last = index == lesson.steps.len();
+        let (name, index) = if is_last {
+            (talk.parts.get(talk.part + 1)?.name.clone(), 0)
+        } else {
+            (lesson.name.clone(), index)
         };
-        let Some(open) = &self.lessons.open else {
-            return self.end_talk();
-        };
-        let learner = &open.learner;
-        let index = learner.index() + 1;
-        let is_last = index == learner.lesson().steps.len();
-        let name = match (is_last, talk.parts.get(talk.part + 1)) {
-            (false, _) => learner.lesson().name.clone(),
-            (true, Some(part)) => part.name.clone(),
-            (true, None) => {
-                talk.next = None;
-                return;
-            }
-        };
-        let text = match self
-            .lessons
-            .shelf
-            .iter()
-            .find(|shipped| shipped.name == name)
-        {
+        let text = match self.lessons.shipped(&name) {
             Some(shipped) if is_last || open.source == LessonSource::Shipped => {
                 shipped.text.to_string()
             }
             _ => open.text.clone(),
         };
-        let wanted = StepPictureTask {
+        Some(StepPictureTask {
             lesson: (name, text),
-            index: if is_last { 0 } else { index },
+            index,
             style: PictureStyle {
                 size: NEXT,
                 dark: self.appearance.look.is_dark(),
             },
             as_svg: self.lessons.on_page,
-        };
-        if let Some(outcome) = self.talks.drawing.as_ref().and_then(|(_, job)| job.poll())
-            && let Some((task, _)) = self.talks.drawing.take()
-        {
-            let drawn = outcome.unwrap_or_else(|fault| StepPicture {
-                fault: Some(fault),
-                ..StepPicture::default()
-            });
-            talk.next = Some((task, Some(drawn)));
-        }
-        let has = |task: &StepPictureTask| *task == wanted;
-        let is_drawn = talk.next.as_ref().is_some_and(|(task, _)| has(task));
-        let is_pending = self
-            .talks
-            .drawing
-            .as_ref()
-            .is_some_and(|(task, _)| has(task));
-        if !is_drawn && !is_pending {
-            talk.next = None;
-            let job = task::start(&self.jobs.wake, wanted.clone());
-            self.talks.drawing = Some((wanted, job));
-        }
+        })
     }
 
-    fn make_handout(&mut self, answers: bool, notes: bool) {
+    fn make_handout(&mut self, answers: bool, notes: bool, path: Option<PathBuf>) {
         let Some(open) = &self.lessons.open else {
             return self.tell("Open a lesson first.".to_owned(), false);
         };
@@ -413,22 +394,23 @@ impl State {
             // The drawings of a talk are printed if they are kept.
             record: self.saved_record().cloned(),
         };
-        self.talks.handout = Some((name, task::start(&self.jobs.wake, task)));
+        let file = (format!("{name}-handout"), path);
+        self.talks.handout = Some((file, task::start(&self.jobs.wake, task)));
     }
 
     /// Saves the handout once it is made.
     pub(super) fn follow_handout(&mut self) {
         let outcome = self.talks.handout.as_ref().and_then(|(_, job)| job.poll());
         if let Some(outcome) = outcome
-            && let Some((name, _)) = self.talks.handout.take()
+            && let Some((file, _)) = self.talks.handout.take()
         {
-            self.take_handout(&name, outcome.and_then(|made| made));
+            self.take_handout(file, outcome.and_then(|made| made));
         }
     }
 
-    fn take_handout(&mut self, name: &str, made: Result<String, String>) {
+    fn take_handout(&mut self, (stem, path): HandoutFile, made: Result<String, String>) {
         match made {
-            Ok(html) => self.save_text(&format!("{name}-handout"), "html", None, &html),
+            Ok(html) => self.save_text(&stem, "html", path, &html),
             Err(why) => self.tell(format!("There is no handout. {why}"), true),
         }
     }
@@ -436,14 +418,12 @@ impl State {
     /// Waits for the picture of the next step, and for the handout.
     #[cfg(not(target_arch = "wasm32"))]
     pub(super) fn settle_talk(&mut self) {
-        if let Some((name, job)) = self.talks.handout.take() {
+        if let Some((file, job)) = self.talks.handout.take() {
             let made = job.wait().and_then(|made| made);
-            self.take_handout(&name, made);
+            self.take_handout(file, made);
         }
         self.follow_talk();
-        if let (Some(talk), Some((task, job))) = (&mut self.talks.open, self.talks.drawing.take()) {
-            talk.next = Some((task, job.wait().ok()));
-        }
+        self.next_picture.settle();
     }
 
     /// Begins the talk that waited for the lessons.
@@ -750,15 +730,14 @@ mod tests {
     #[test]
     fn the_picture_of_the_next_step_is_drawn_and_ends_with_the_last() {
         let mut state = presented("survivors");
-        let (task, picture) = open(&state).next.clone().expect("a picture");
-        assert_eq!(task.index, 1);
-        let pixels = picture.and_then(|picture| picture.pixels).expect("pixels");
+        let picture = state.next_picture.drawn().expect("a picture");
+        let pixels = picture.pixels.as_ref().expect("pixels");
         let first = &pixels.rgba[..4];
         assert!(pixels.rgba.chunks(4).any(|pixel| pixel != first));
         while open(&state).cover != Some(Cover::Over) {
             talk(&mut state, TalkCommand::Next);
         }
-        assert!(open(&state).next.is_none());
+        assert!(state.next_picture.drawn().is_none());
     }
 
     #[test]

@@ -32,7 +32,7 @@ impl State {
             (None, Some(part)) => Some(part.title.clone()),
             (None, None) => None,
         };
-        let picture = talk.next.as_ref().and_then(|(_, picture)| picture.as_ref());
+        let picture = self.next_picture.drawn();
         let waits = learner.is_open() && open.fault.is_none();
         json!({
             "title": learner.words(&step.title),

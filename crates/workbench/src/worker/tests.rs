@@ -228,11 +228,11 @@ fn present() -> [String; 2] {
     let present = TalkCommand::Lesson { from_start: true };
     state.apply(Command::Talk(present));
     state.settle();
-    let talk = state.talks.open.as_ref().expect("a talk");
-    let next = format!("{:?}", talk.next);
+    let next = format!("{:?}", state.next_picture.drawn());
     let handout = TalkCommand::Handout {
         answers: true,
         notes: true,
+        path: None,
     };
     state.apply(Command::Talk(handout));
     state.settle();

@@ -147,6 +147,7 @@ fn every_command_can_be_scripted() {
         "set.csv",
         "set.csv.certificate.json",
         "results.csv",
+        "handout.html",
     ] {
         assert!(folder.path().join(file).exists(), "{file}");
     }

@@ -391,8 +391,8 @@ impl Notes<'_> {
         };
         self.muted(ui, "Next");
         self.heading(ui, &title);
-        match &self.talk.next {
-            Some((_, Some(picture))) => self.picture(ui, picture),
+        match self.state.next_picture.drawn() {
+            Some(picture) => self.picture(ui, picture),
             None if later.is_none() && learner.index() + 1 == lesson.steps.len() => {}
             _ => self.muted(ui, "Its picture is being drawn\u{2026}"),
         }

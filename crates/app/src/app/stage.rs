@@ -6,8 +6,8 @@ use tilescope_workbench::command::Command;
 use tilescope_workbench::state::State;
 use tilescope_workbench::talk::TalkCommand;
 
+use super::App;
 use crate::actions;
-use crate::app::App;
 use crate::panels::lesson::{notes, stage};
 
 /// The windows of a talk between frames.
@@ -30,7 +30,7 @@ enum Role {
 
 impl App {
     /// Shows the windows of the talk.
-    pub(crate) fn show_talk(&mut self, ui: &mut Ui) {
+    pub(super) fn show_talk(&mut self, ui: &mut Ui) {
         let ctx = ui.ctx().clone();
         self.begin_stage(&ctx);
         let Some(talk) = &self.state.talks.open else {
@@ -91,7 +91,7 @@ impl App {
 
     /// Finds the screen for the second window when a talk begins.
     #[cfg(not(target_arch = "wasm32"))]
-    pub(crate) fn find_other_screen(&mut self, ctx: &Context, frame: &eframe::Frame) {
+    pub(super) fn find_other_screen(&mut self, ctx: &Context, frame: &eframe::Frame) {
         let is_beginning = self.state.talks.open.is_some() && self.stage.zoom_before.is_none();
         let Some(window) = frame.winit_window().filter(|_| is_beginning) else {
             return;
@@ -118,7 +118,7 @@ impl App {
     }
 
     /// Returns zoom and full screen to what they were before the talk, once it is over.
-    pub(crate) fn leave_stage(&mut self, ctx: &Context) {
+    pub(super) fn leave_stage(&mut self, ctx: &Context) {
         if let Some(zoom) = self.stage.zoom_before.take() {
             ctx.set_zoom_factor(zoom);
             ctx.send_viewport_cmd(ViewportCommand::Fullscreen(self.stage.was_full));
