@@ -1,8 +1,10 @@
 // A talk in the browser: the stage in one window, the notes in another, the voting card on a phone, and the plan of a lecture.
 
 import assert from "node:assert/strict";
+import { readFile } from "node:fs/promises";
+import path from "node:path";
 import { test } from "node:test";
-import { nothingElse, until } from "./harness.mjs";
+import { folder, native, nothingElse, until } from "./harness.mjs";
 import { host, makeContext } from "./shared.mjs";
 
 /** Opens pages of one browser. */
@@ -109,4 +111,32 @@ test("the plan opens the stage, follows the talk, and shows its step", async (t)
   await plan.getByText(/: step 2 of 5\./).waitFor();
   const player = plan.frameLocator("#tilescope");
   await player.getByRole("heading", { name: "Not too close" }).waitFor({ timeout: 120_000 });
+});
+
+test("handouts print on A4 and on Letter without a step that is cut", async (t) => {
+  const { context } = await browsing(t);
+  const made = path.join(await folder(t), "handout.html");
+  for (const lesson of ["survivors", "spectrum", "tiling"]) {
+    await native("lesson", "handout", lesson, "--out", made, "--answers", "--notes");
+    const page = await context.newPage();
+    // Millimetres of the paper without its margins of 15 mm, in CSS pixels.
+    for (const [format, width, height] of [["A4", 210, 297], ["Letter", 215.9, 279.4]]) {
+      const px = (mm) => Math.floor(((mm - 30) * 96) / 25.4);
+      await page.setViewportSize({ width: px(width), height: px(height) });
+      await page.emulateMedia({ media: "print" });
+      await page.setContent(await readFile(made, "utf8"));
+      const sections = await page.locator("section").evaluateAll((all) => all.map((one) => [one.getBoundingClientRect().height, getComputedStyle(one).breakInside]));
+      assert.ok(sections.length >= 4);
+      for (const [tall, breaks] of sections) {
+        assert.ok(tall <= px(height), `${lesson}, ${format}: a step of ${tall} pixels on a page of ${px(height)}`);
+        assert.equal(breaks, "avoid");
+      }
+      const pictures = await page.locator("img").evaluateAll((all) => all.map((one) => one.complete && one.naturalWidth > 0 && one.getBoundingClientRect().right <= innerWidth));
+      assert.ok(pictures.length === sections.length && pictures.every(Boolean), `${pictures}`);
+      const printed = await page.pdf({ format });
+      const pages = printed.toString("latin1").match(/\/Type \/Page\b/g).length;
+      assert.ok(pages >= 2 && pages <= sections.length, `${pages} pages`);
+    }
+    await page.close();
+  }
 });

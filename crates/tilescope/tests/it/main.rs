@@ -7,6 +7,7 @@ mod command_line;
 mod device;
 mod judging;
 mod large_sets;
+mod lessons;
 #[cfg(unix)]
 mod places;
 mod reproduce;
