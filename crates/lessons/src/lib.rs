@@ -72,7 +72,7 @@ pub use names::{FUNCTIONS, PROPERTIES};
 pub use parameters::MAX_SAMPLES;
 pub use prose::{Span, Style, plain, spans, words};
 pub use question::{Curve, Form, Grade, MAX_CANDIDATES, Question, WrongAnswer};
-pub use read::{MAX_OPTIONS, MAX_STEPS};
+pub use read::{MAX_OPTIONS, MAX_STEPS, PARAMETERS};
 pub use scene::{Scene, record};
 pub use translation::Translation;
 pub use votes::{Advice, MAX_VOTES, RightShare, Vote, advice};

@@ -25,7 +25,8 @@ const MAX_TRACED: usize = 12;
 const DIRECTIVES: [&str; 3] = ["run", "gate", "note"];
 const FRONT_MATTER: [&str; 3] = ["title", "objective", "minutes"];
 const OF_RUN: [&str; 5] = ["moment", "where", "layers", "camera", "seeds"];
-const PARAMETERS: [&str; 12] = [
+/// The parameters of a run that lessons name; `pattern-side` is the side of the pattern.
+pub const PARAMETERS: [&str; 12] = [
     "width",
     "height",
     "radius",

@@ -5,25 +5,12 @@ use std::fmt::Write as _;
 use serde_json::{Value, json};
 use tilescope_core::{Parameters, PatternSpec, Stage};
 use tilescope_debugger::{SavedScene, Session};
+use tilescope_lessons::PARAMETERS;
 
 use crate::link::layer_name;
 use crate::scenes::split_caption;
 use crate::view::{SavedView, SceneCamera};
 
-/// The parameters by which lessons name a run.
-const PARAMETERS: [&str; 11] = [
-    "width",
-    "height",
-    "radius",
-    "boundary",
-    "seed",
-    "leaf",
-    "dihedral",
-    "order",
-    "insertion",
-    "search",
-    "variant",
-];
 /// The longest title, in characters.
 const TITLE: usize = 70;
 
@@ -135,7 +122,11 @@ fn paragraphs(text: &str) -> impl Iterator<Item = String> {
 fn run(text: &mut String, parameters: &Parameters) {
     let all = json!(parameters);
     for name in PARAMETERS {
-        let value = match &all[name] {
+        let value = match name {
+            "pattern-side" => &all["pattern"]["side"],
+            name => &all[name],
+        };
+        let value = match value {
             Value::String(value) => value.clone(),
             Value::Bool(true) => "yes".to_owned(),
             Value::Bool(false) => "no".to_owned(),
@@ -143,7 +134,6 @@ fn run(text: &mut String, parameters: &Parameters) {
         };
         let _ = writeln!(text, "{name}: {value}");
     }
-    let _ = writeln!(text, "pattern-side: {}", parameters.pattern.side);
 }
 
 /// Writes the moment, the layers and the camera of a scene.

@@ -190,7 +190,7 @@ impl State {
             }
             learner.reveal();
             (open.lacking, open.hint) = (None, None);
-            talk.is_voting = false;
+            (talk.is_voting, talk.cover) = (false, None);
             return self.show_moment();
         }
         if !is_last {
@@ -688,6 +688,22 @@ mod tests {
         assert!(state.talks.open.is_none());
         let notice = &state.messages.notice.as_ref().expect("a notice").text;
         assert!(notice.contains("no scenes"), "{notice}");
+    }
+
+    #[test]
+    fn a_code_is_gone_when_the_answer_comes_and_a_frame_presents_nothing() {
+        let mut state = presented("survivors");
+        to_question(&mut state);
+        talk(&mut state, TalkCommand::Next);
+        talk(&mut state, TalkCommand::ToggleCode);
+        assert_eq!(open(&state).cover, Some(Cover::Code));
+        talk(&mut state, TalkCommand::Next);
+        assert_eq!(open(&state).cover, None);
+        talk(&mut state, TalkCommand::End);
+        state.window.embedding = Some(crate::embedding::Embedding::Player);
+        let answer = state.ask(r#"{"do": "lesson", "act": "present"}"#);
+        assert!(answer.contains("presents nothing"), "{answer}");
+        assert!(state.talks.open.is_none());
     }
 
     /// The notes get notes and answers; what pages and scripts are told holds neither.
