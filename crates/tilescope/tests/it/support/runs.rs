@@ -29,10 +29,7 @@ pub fn read(folder: &TempDir, name: &str) -> Vec<u8> {
 /// for its end.
 pub fn started(folder: &TempDir, arguments: &[&str], name: &str) -> Child {
     let binary = assert_cmd::cargo::cargo_bin("tilescope");
-    // With the lowest priority: on a busy machine it must not end before this process sees the checkpoint.
-    let mut child = Process::new("nice")
-        .args(["-n", "19"])
-        .arg(binary)
+    let mut child = Process::new(binary)
         .current_dir(folder.path())
         .args(arguments)
         .args(["--threads", "1", "--checkpoint", "0", "--out", name])
