@@ -85,7 +85,7 @@ impl HandoutTask {
             if monitor.is_cancelled() {
                 return Err("The handout was cancelled.".to_owned());
             }
-            let step = step_at(lesson, translation, index, false, &mut last);
+            let step = step_at(lesson, translation, index, &mut last);
             let mut step = step.map_err(|fault| format!("Step {}: {fault}.", index + 1))?;
             self.section(&mut html, index, &mut step, labels)?;
         }

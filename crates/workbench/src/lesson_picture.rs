@@ -10,12 +10,12 @@ use tilescope_debugger::Recording;
 use tilescope_drawing::camera::Camera;
 use tilescope_figures::{Group, Scene, Shape, Stroke, Style, Text, to_pixels, to_svg};
 use tilescope_lessons::{Arrival, Learner, Lesson, Translation, record};
-use tilescope_session::jobs::{Job, Monitor, Wake};
+use tilescope_session::jobs::{Job, Monitor};
 use tilescope_session::layers::{Colouring, Layer, Layers};
 use tilescope_session::moment::Moment;
 use tilescope_session::selection::Selection;
 use tilescope_session::session::Session;
-use tilescope_session::task::{self, Task};
+use tilescope_session::task::Task;
 
 use crate::export::picture::thumbnail;
 use crate::export::surface::color;
@@ -34,8 +34,8 @@ pub struct PictureStyle {
     pub dark: bool,
 }
 
-/// Returns a lesson's step at its moment, with its question, or revealed. `last` is the run of another step, which is used
-/// again if it is the same.
+/// Returns a lesson's step at its moment, with its question open. `last` is the run of another step, which is used again if it
+/// is the same.
 ///
 /// # Errors
 ///
@@ -44,7 +44,6 @@ pub fn step_at(
     lesson: &Arc<Lesson>,
     translation: &Arc<Translation>,
     index: usize,
-    is_revealed: bool,
     last: &mut Option<Arc<Recording>>,
 ) -> Result<OpenLesson, String> {
     let mut learner = Learner::new(Arc::clone(lesson), Arc::clone(translation));
@@ -64,9 +63,6 @@ pub fn step_at(
     if arrival == Arrival::NoMoment {
         let line = learner.step().scene.line;
         return Err(format!("line {line}: the run has no such moment"));
-    }
-    if is_revealed {
-        learner.reveal();
     }
     *last = Some(Arc::clone(&run));
     let mut open = OpenLesson::new(learner, LessonSource::Text);
@@ -198,39 +194,39 @@ pub struct StepPictureTask {
     pub as_svg: bool,
 }
 
+/// What a picture of a step depends on: the lesson's name, the hash of the lesson that is open, the index of the step, and how
+/// it is drawn.
+pub(crate) type PictureKey = (String, String, usize, PictureStyle);
+
 /// The picture of the step that follows in a talk.
 #[derive(Default)]
 pub struct NextPicture {
-    drawn: Option<(StepPictureTask, StepPicture)>,
-    drawing: Option<(StepPictureTask, Job<StepPicture>)>,
+    key: Option<PictureKey>,
+    drawing: Option<Job<StepPicture>>,
+    drawn: Option<StepPicture>,
 }
 
 impl NextPicture {
     /// Returns the picture, once it is drawn.
     #[must_use]
-    pub fn drawn(&self) -> Option<&StepPicture> {
-        self.drawn.as_ref().map(|(_, picture)| picture)
+    pub const fn drawn(&self) -> Option<&StepPicture> {
+        self.drawn.as_ref()
     }
 
-    /// Takes what was drawn and starts drawing what is wanted, unless it is there or nothing is wanted.
-    pub(crate) fn follow(&mut self, wanted: Option<StepPictureTask>, wake: &Wake) {
-        if let Some(outcome) = self.drawing.as_ref().and_then(|(_, job)| job.poll()) {
+    /// Takes what was drawn. Returns whether another picture is wanted; if none is, drops the old one.
+    pub(crate) fn wants(&mut self, wanted: Option<&PictureKey>) -> bool {
+        if let Some(outcome) = self.drawing.as_ref().and_then(Job::poll) {
             self.take(outcome);
         }
-        let Some(wanted) = wanted else {
-            (self.drawn, self.drawing) = (None, None);
-            return;
-        };
-        let is_drawn = self.drawn.as_ref().is_some_and(|(task, _)| *task == wanted);
-        let is_pending = self
-            .drawing
-            .as_ref()
-            .is_some_and(|(task, _)| *task == wanted);
-        if !is_drawn && !is_pending {
-            self.drawn = None;
-            let job = task::start(wake, wanted.clone());
-            self.drawing = Some((wanted, job));
+        if wanted.is_none() {
+            *self = Self::default();
         }
+        self.key.as_ref() != wanted
+    }
+
+    /// Waits for another picture from now on.
+    pub(crate) fn draw(&mut self, key: Option<PictureKey>, job: Job<StepPicture>) {
+        (self.key, self.drawing, self.drawn) = (key, Some(job), None);
     }
 
     fn take(&mut self, outcome: Result<StepPicture, String>) {
@@ -238,13 +234,13 @@ impl NextPicture {
             fault: Some(fault),
             ..StepPicture::default()
         });
-        self.drawn = self.drawing.take().map(|(task, _)| (task, drawn));
+        (self.drawing, self.drawn) = (None, Some(drawn));
     }
 
     /// Waits for the picture that is being drawn.
     #[cfg(not(target_arch = "wasm32"))]
     pub(crate) fn settle(&mut self) {
-        if let Some((_, job)) = &self.drawing {
+        if let Some(job) = &self.drawing {
             let outcome = job.wait();
             self.take(outcome);
         }
@@ -271,7 +267,7 @@ impl Task for StepPictureTask {
         if self.index >= lesson.steps.len() {
             return failed(format!("the lesson has {} steps", lesson.steps.len()));
         }
-        let open = match step_at(&lesson, &Arc::default(), self.index, false, &mut None) {
+        let open = match step_at(&lesson, &Arc::default(), self.index, &mut None) {
             Ok(open) => open,
             Err(fault) => return failed(fault),
         };

@@ -243,6 +243,8 @@ pub struct OpenLesson {
     pub(crate) missed: u64,
     /// When its file was changed last, if it is from one.
     pub(crate) changed: Option<std::time::SystemTime>,
+    /// Whether it was presented since it was opened; its results do not count then.
+    pub(crate) was_presented: bool,
     /// Whether the panels beside the canvas were hidden for the lesson.
     pub(crate) hid_sides: bool,
 }
@@ -388,6 +390,7 @@ impl OpenLesson {
             run: None,
             missed: 0,
             changed: None,
+            was_presented: false,
             hid_sides: false,
         }
     }

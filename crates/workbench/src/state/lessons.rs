@@ -22,6 +22,7 @@ use crate::lessons::{
     AnswerDraft, DraftCommand, GivenAnswer, LessonCommand, LessonSource, OpenLesson, WantedLesson,
 };
 use crate::scenes::SceneCommand;
+use crate::talk::TalkCommand;
 
 /// The name of files of results.
 const RESULTS: &str = "tilescope-results";
@@ -44,6 +45,10 @@ pub const fn veiled(command: &Command) -> bool {
             | Command::File(_)
             | Command::Export(_)
             | Command::Scene(SceneCommand::Tour)
+            | Command::Talk(
+                TalkCommand::Handout { answers: true, .. }
+                    | TalkCommand::Handout { notes: true, .. }
+            )
     )
 }
 
@@ -567,7 +572,10 @@ impl State {
     fn reveal(&mut self) {
         if let Some(open) = &mut self.lessons.open {
             let entries = open.learner.take_entries();
-            self.lessons.results.add(entries);
+            // The notes of a talk show the answers.
+            if !open.was_presented {
+                self.lessons.results.add(entries);
+            }
         }
         self.show_moment();
     }

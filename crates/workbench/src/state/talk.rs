@@ -7,7 +7,7 @@ use tilescope_session::task;
 
 use super::State;
 use crate::handout::HandoutTask;
-use crate::lesson_picture::{PictureStyle, StepPictureTask};
+use crate::lesson_picture::{PictureKey, PictureStyle, StepPictureTask};
 use crate::lessons::{LessonCommand, LessonSource};
 use crate::pen::PenStroke;
 use crate::scene_lesson::lesson_of;
@@ -116,6 +116,7 @@ impl State {
 
     /// Presents the scenes: a lesson is made of them, and the session comes back when the talk ends.
     fn present_scenes(&mut self) {
+        self.end_talk();
         let text = self.lesson_of_scenes();
         let read = text.and_then(|text| {
             let lesson = Lesson::read("scenes", &text);
@@ -152,6 +153,7 @@ impl State {
 
     fn begin_talk(&mut self, parts: Vec<TalkPart>) {
         self.talks.open = Some(Box::new(Talk::new(parts, self.lessons.now)));
+        self.begin_step();
         self.window.finder = None;
         self.window.help = None;
         self.lessons.lists = false;
@@ -230,6 +232,9 @@ impl State {
 
     fn begin_step(&mut self) {
         let now = self.lessons.now;
+        if let Some(open) = &mut self.lessons.open {
+            open.was_presented = true;
+        }
         if let Some(talk) = &mut self.talks.open {
             (talk.is_voting, talk.is_drawing, talk.cover) = (false, false, None);
             (talk.pointer, talk.vote_fault) = (None, None);
@@ -345,11 +350,22 @@ impl State {
             self.end_talk();
         }
         let wanted = self.next_in_picture();
-        self.next_picture.follow(wanted, &self.jobs.wake);
+        if self.next_picture.wants(wanted.as_ref())
+            && let Some((name, _, index, style)) = &wanted
+        {
+            let task = StepPictureTask {
+                lesson: (name.clone(), self.text_of(name)),
+                index: *index,
+                style: *style,
+                as_svg: self.lessons.on_page,
+            };
+            let job = task::start(&self.jobs.wake, task);
+            self.next_picture.draw(wanted, job);
+        }
     }
 
     /// Returns what the picture of the next step shows; None in the last step and without a talk.
-    fn next_in_picture(&self) -> Option<StepPictureTask> {
+    fn next_in_picture(&self) -> Option<PictureKey> {
         let (talk, open) = (self.talks.open.as_ref()?, self.lessons.open.as_ref()?);
         let lesson = open.learner.lesson();
         let index = open.learner.index() + 1;
@@ -359,21 +375,21 @@ impl State {
         } else {
             (lesson.name.clone(), index)
         };
-        let text = match self.lessons.shipped(&name) {
-            Some(shipped) if is_last || open.source == LessonSource::Shipped => {
-                shipped.text.to_string()
-            }
-            _ => open.text.clone(),
+        let style = PictureStyle {
+            size: NEXT,
+            dark: self.appearance.look.is_dark(),
         };
-        Some(StepPictureTask {
-            lesson: (name, text),
-            index,
-            style: PictureStyle {
-                size: NEXT,
-                dark: self.appearance.look.is_dark(),
-            },
-            as_svg: self.lessons.on_page,
-        })
+        // A lesson's file may change while it is presented.
+        Some((name, lesson.hash.clone(), index, style))
+    }
+
+    /// Returns the text of a lesson of the talk.
+    fn text_of(&self, name: &str) -> String {
+        match (&self.lessons.open, self.lessons.shipped(name)) {
+            (Some(open), _) if open.learner.lesson().name == name => open.text.clone(),
+            (_, Some(shipped)) => shipped.text.to_string(),
+            _ => String::new(),
+        }
     }
 
     fn make_handout(&mut self, answers: bool, notes: bool, path: Option<PathBuf>) {
@@ -511,6 +527,7 @@ mod tests {
     use super::super::tests::settled;
     use super::*;
     use crate::command::{Command, TimeCommand};
+    use crate::lessons::DraftCommand;
     use crate::scenes::{SceneCommand, SceneList};
     use crate::talk::advised;
     use tilescope_lessons::{Advice, RightShare};
@@ -704,6 +721,47 @@ mod tests {
         let answer = state.ask(r#"{"do": "lesson", "act": "present"}"#);
         assert!(answer.contains("presents nothing"), "{answer}");
         assert!(state.talks.open.is_none());
+    }
+
+    #[test]
+    fn answers_in_and_after_a_talk_do_not_count() {
+        let mut state = presented("survivors");
+        to_question(&mut state);
+        for _ in 0..2 {
+            let question = state.lessons.open_question().expect("a question");
+            let tilescope_lessons::Key::Choice(right) = *question.key() else {
+                panic!("a choice");
+            };
+            for command in [
+                LessonCommand::Draft(DraftCommand::Choose(right)),
+                LessonCommand::Answer,
+            ] {
+                state.apply(Command::Lesson(command));
+            }
+            assert!(state.lessons.open_question().is_none());
+            assert!(state.lessons.results.entries.is_empty());
+            talk(&mut state, TalkCommand::End);
+            state.apply(Command::Lesson(LessonCommand::Go("one-of-two".to_owned())));
+            state.settle();
+        }
+    }
+
+    #[test]
+    fn a_handout_with_answers_or_notes_is_refused_while_a_question_is_open() {
+        let mut state = presented("survivors");
+        to_question(&mut state);
+        talk(&mut state, TalkCommand::End);
+        for (answers, notes) in [(true, false), (false, true)] {
+            let handout = TalkCommand::Handout {
+                answers,
+                notes,
+                path: None,
+            };
+            state.apply(Command::Talk(handout));
+            assert!(state.talks.handout.is_none());
+        }
+        let notice = &state.messages.notice.as_ref().expect("a notice").text;
+        assert!(notice.contains("what comes next"), "{notice}");
     }
 
     /// The notes get notes and answers; what pages and scripts are told holds neither.

@@ -423,6 +423,6 @@ impl Notes<'_> {
         let width = ui.available_width();
         let size = texture.size_vec2();
         ui.image((texture.id(), size * (width / size.x)))
-            .known_as("notes-next");
+            .known_as("notes-picture");
     }
 }
