@@ -51,11 +51,16 @@ impl Region {
     /// Whether `point` lies in the region, with no tolerance; false for NaN.
     #[must_use]
     pub fn contains(&self, point: [f64; 2]) -> bool {
-        let inside = |value: f64, extent: f64| match self.boundary {
-            Boundary::Periodic => value >= 0.0 && value < extent,
-            Boundary::Bounded => value >= 0.0 && value <= extent,
-        };
-        inside(point[0], self.width) && inside(point[1], self.height)
+        let last = self.last_place();
+        (0..2).all(|axis| point[axis] >= 0.0 && point[axis] <= last[axis])
+    }
+
+    /// The largest coordinates of a place of the region.
+    pub(crate) fn last_place(&self) -> [f64; 2] {
+        [self.width, self.height].map(|extent| match self.boundary {
+            Boundary::Periodic => extent.next_down(),
+            Boundary::Bounded => extent,
+        })
     }
 
     /// Whether both extents and their ratio are within the limits above.

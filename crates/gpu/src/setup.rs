@@ -107,8 +107,8 @@ fn pattern_words(variants: &[CellPattern]) -> Vec<u32> {
         let starts_at = words.len() as u32;
         words.extend(&variant.starts);
         let points_at = words.len() as u32;
-        for (point, id) in variant.points.iter().zip(&variant.ids) {
-            words.extend([point.x as u32, point.y as u32, *id]);
+        for ((x, y), id) in variant.xs.iter().zip(&variant.ys).zip(&variant.ids) {
+            words.extend([x, y, id]);
         }
         let form = &variant.shape;
         let described = [

@@ -9,7 +9,7 @@ use crate::parameters::Order;
 use crate::stages::order::Ranking;
 
 use super::clip::{Clipper, PlacedBlock, Rect64};
-use super::region::{Loss, Region, flag};
+use super::region::{Loss, Region, flag, push};
 
 /// A sample near a border, compared by its place in the order of elimination.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -65,9 +65,16 @@ impl<const TAGS: bool> Region<TAGS> {
         let (depth, target) = (i64::from(depth), self.frame.tiled());
         for block in &blocks {
             let interior = block.rect.grown(-depth - 1, -depth);
-            clipper.clip(block, &interior, &target, |x, y, id| {
-                self.insert(x, y, tiled_tag(block.index, id));
-            });
+            if TAGS {
+                clipper.clip(block, &interior, &target, |x, y, id| {
+                    self.insert(x, y, tiled_tag(block.index, id));
+                });
+            } else {
+                let slots = &mut self.slots;
+                clipper.clip_slots(simd, block, &interior, &self.frame, |cell, slot| {
+                    push(&mut slots[cell], slot);
+                });
+            }
         }
         match turns {
             Turns::Index => {

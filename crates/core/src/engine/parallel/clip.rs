@@ -1,5 +1,8 @@
 //! Finds the blocks that reach into a region, and the pattern's samples in any rectangle of a block.
 
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, u32x8};
+
 use crate::error::SampleError;
 use crate::lattice::{Domain, Point, R, Rect};
 use crate::pattern::{Pattern, PatternVariant, Symmetry};
@@ -7,7 +10,10 @@ use crate::random::{Key, Stream, below};
 use crate::stages::blocks::{Block, Node};
 use crate::stages::tile::clip_start;
 
-use super::frame::{CELL_BITS, Frame};
+use super::frame::{CELL_BITS, Frame, PAD};
+
+/// Samples of a pattern that are computed at once.
+const LANES: usize = 8;
 
 /// The pattern under one symmetry, by cells: rows of cells, then columns.
 pub struct CellPattern {
@@ -17,8 +23,10 @@ pub struct CellPattern {
     pub columns: usize,
     /// Index of each cell's first sample; one more at the end.
     pub starts: Vec<u32>,
-    /// Positions, cell by cell.
-    pub points: Vec<Point>,
+    /// Abscissas, cell by cell, and eight more, so that eight can be read from any of them on.
+    pub xs: Vec<u32>,
+    /// Ordinates, as many.
+    pub ys: Vec<u32>,
     /// The samples' indices in the pattern.
     pub ids: Vec<u32>,
 }
@@ -43,7 +51,12 @@ impl CellPattern {
             shape,
             columns,
             starts,
-            points: samples.iter().map(|s| s.0).collect(),
+            xs: (samples.iter().map(|s| s.0.x as u32))
+                .chain([0; LANES])
+                .collect(),
+            ys: (samples.iter().map(|s| s.0.y as u32))
+                .chain([0; LANES])
+                .collect(),
             ids: samples.iter().map(|s| s.1).collect(),
         }
     }
@@ -54,9 +67,23 @@ impl CellPattern {
     fn clip(
         &self,
         start: [i64; 2],
-        [width, height]: [i32; 2],
+        size: [i32; 2],
         corner: Point,
         mut place: impl FnMut(i32, i32, u32),
+    ) {
+        self.pieces(start, size, corner, |piece, corner| {
+            self.piece(piece, corner, &mut place);
+        });
+    }
+
+    /// Calls `visit` with the parts of such a rectangle that do not cross the pattern's edge, and their lowest corners.
+    #[inline(always)]
+    fn pieces(
+        &self,
+        start: [i64; 2],
+        [width, height]: [i32; 2],
+        corner: Point,
+        mut visit: impl FnMut(&Rect, Point),
     ) {
         let (period_x, period_y) = (self.shape.width, self.shape.height);
         let mut from_y = start[1].rem_euclid(i64::from(period_y)) as i32;
@@ -71,11 +98,7 @@ impl CellPattern {
                     min: Point::new(from_x, from_y),
                     max: Point::new(from_x + columns, from_y + rows),
                 };
-                self.piece(
-                    &piece,
-                    Point::new(corner.x + right, corner.y + up),
-                    &mut place,
-                );
+                visit(&piece, Point::new(corner.x + right, corner.y + up));
                 right += columns;
                 from_x = 0;
             }
@@ -90,13 +113,70 @@ impl CellPattern {
         let cell = |x: i32| (x >> CELL_BITS) as usize;
         let (first, last) = (cell(piece.min.x), cell(piece.max.x - 1));
         let (width, height) = (piece.width() as u32, piece.height() as u32);
+        let (left, bottom) = (piece.min.x as u32, piece.min.y as u32);
         for row in cell(piece.min.y)..=cell(piece.max.y - 1) {
             let start = row * self.columns;
             let range = self.starts[start + first] as usize..self.starts[start + last + 1] as usize;
-            for (p, &id) in self.points[range.clone()].iter().zip(&self.ids[range]) {
-                let (x, y) = (p.x - piece.min.x, p.y - piece.min.y);
-                if (x as u32) < width && (y as u32) < height {
-                    place(corner.x + x, corner.y + y, id);
+            let points = self.xs[range.clone()].iter().zip(&self.ys[range.clone()]);
+            for ((x, y), &id) in points.zip(&self.ids[range]) {
+                let (x, y) = (x.wrapping_sub(left), y.wrapping_sub(bottom));
+                if x < width && y < height {
+                    place(corner.x + x as i32, corner.y + y as i32, id);
+                }
+            }
+        }
+    }
+
+    /// Calls `place` with the cell and the slot of every sample of `piece`, which is laid at `corner` of `frame`. Eight
+    /// samples are computed at once.
+    #[inline(always)]
+    fn slots<S: Simd>(
+        &self,
+        simd: S,
+        frame: &Frame,
+        (piece, corner): (&Rect, Point),
+        place: &mut impl FnMut(usize, u32),
+    ) {
+        let cell = |x: i32| (x >> CELL_BITS) as usize;
+        let (first, last) = (cell(piece.min.x), cell(piece.max.x - 1));
+        let width = u32x8::splat(simd, piece.width() as u32);
+        let height = u32x8::splat(simd, piece.height() as u32);
+        let low = R as u32 - 1;
+        // Beyond the padding, so that no coordinate is negative.
+        let (right, up) = (corner.x + (PAD << CELL_BITS), corner.y + (PAD << CELL_BITS));
+        let stride = u32x8::splat(simd, frame.stride() as u32);
+        for row in cell(piece.min.y)..=cell(piece.max.y - 1) {
+            let start = row * self.columns;
+            let (from, to) = (
+                self.starts[start + first] as usize,
+                self.starts[start + last + 1] as usize,
+            );
+            let (xs, ys) = (&self.xs[from..to + LANES], &self.ys[from..to + LANES]);
+            for k in (0..to - from).step_by(LANES) {
+                let x = u32x8::from_slice(simd, &xs[k..k + LANES]) - piece.min.x as u32;
+                let y = u32x8::from_slice(simd, &ys[k..k + LANES]) - piece.min.y as u32;
+                let inside = (x.simd_lt(width) & y.simd_lt(height)).to_bitmask() as u32;
+                let rest = to - from - k;
+                let inside = if rest < LANES {
+                    inside & ((1 << rest) - 1)
+                } else {
+                    inside
+                };
+                let (x, y) = (x + right as u32, y + up as u32);
+                let cells = (y >> CELL_BITS) * stride + (x >> CELL_BITS);
+                let slots = ((y & low) << CELL_BITS) | (x & low);
+                let (cells, slots): ([u32; LANES], [u32; LANES]) = (cells.into(), slots.into());
+                if inside == (1 << LANES) - 1 {
+                    for (cell, slot) in cells.into_iter().zip(slots) {
+                        place(cell as usize, slot);
+                    }
+                } else {
+                    let mut inside = inside;
+                    while inside != 0 {
+                        let k = inside.trailing_zeros() as usize % LANES;
+                        inside &= inside - 1;
+                        place(cells[k] as usize, slots[k]);
+                    }
                 }
             }
         }
@@ -260,13 +340,37 @@ impl Clipper {
         let Some(rect) = part.within(target) else {
             return;
         };
-        let start = [
-            i64::from(block.start.x) + i64::from(rect.min.x) - (block.rect.min[0] - i64::from(R)),
-            i64::from(block.start.y) + i64::from(rect.min.y) - (block.rect.min[1] - i64::from(R)),
-        ];
         let size = [rect.width(), rect.height()];
-        self.variants[block.symmetry as usize].clip(start, size, rect.min, place);
+        self.variants[block.symmetry as usize].clip(start_of(block, &rect), size, rect.min, place);
     }
+
+    /// Calls `place` with the cell of `frame` and the slot of the same samples.
+    #[inline(always)]
+    pub fn clip_slots<S: Simd>(
+        &self,
+        simd: S,
+        block: &PlacedBlock,
+        part: &Rect64,
+        frame: &Frame,
+        mut place: impl FnMut(usize, u32),
+    ) {
+        let Some(rect) = part.within(&frame.tiled()) else {
+            return;
+        };
+        let size = [rect.width(), rect.height()];
+        let pattern = &self.variants[block.symmetry as usize];
+        pattern.pieces(start_of(block, &rect), size, rect.min, |piece, corner| {
+            pattern.slots(simd, frame, (piece, corner), &mut place);
+        });
+    }
+}
+
+/// Returns the point of the pattern at the lowest corner of `rect`, a part of a block.
+fn start_of(block: &PlacedBlock, rect: &Rect) -> [i64; 2] {
+    [
+        i64::from(block.start.x) + i64::from(rect.min.x) - (block.rect.min[0] - i64::from(R)),
+        i64::from(block.start.y) + i64::from(rect.min.y) - (block.rect.min[1] - i64::from(R)),
+    ]
 }
 
 /// Appends, for every split at or below `node` in order, the number of leaves of its lower side. Returns the number of

@@ -117,13 +117,9 @@ impl<const TAGS: bool> Region<TAGS> {
     #[inline(always)]
     pub(crate) fn insert(&mut self, x: i32, y: i32, tag: u64) {
         let cell = self.frame.cell_at(x, y);
-        let slots = &mut self.slots[cell];
-        let count = !slots[3] as usize & 3;
-        debug_assert!(count < 3, "the survivors are conflict-free");
-        slots[count] = pack(x, y);
-        slots[3] = !(count as u32 + 1);
+        let index = push(&mut self.slots[cell], pack(x, y));
         if TAGS {
-            self.tags[cell][count.min(2)] = tag;
+            self.tags[cell][index.min(2)] = tag;
         }
     }
 
@@ -224,7 +220,7 @@ impl<const TAGS: bool> Region<TAGS> {
         let cells = self.frame.window_cells();
         let width = (cells.max.x - cells.min.x) as usize;
         let window = self.frame.window;
-        // If a window ends inside its cells, every sample must be tested.
+        // If a window ends inside its cells, samples of its outermost cells must be tested.
         let aligned = |v: i32| v & (R - 1) == 0;
         let whole =
             [window.min.x, window.min.y, window.max.x, window.max.y].map(aligned) == [true; 4];
@@ -255,10 +251,16 @@ impl<const TAGS: bool> Region<TAGS> {
                 self.emit_tags(start, width, tags);
             }
             let line = &line[..count];
+            let is_outermost = row == cells.min.y || row == cells.max.y - 1 || width < 2;
             if whole {
                 out.extend_from_slice(line);
-            } else {
+            } else if TAGS || is_outermost {
                 self.emit_inside(line, out, tags);
+            } else {
+                let [first, last] = [start, start + width - 1].map(|cell| held(&self.slots[cell]));
+                self.emit_inside(&line[..first], out, tags);
+                out.extend_from_slice(&line[first..count - last]);
+                self.emit_inside(&line[count - last..], out, tags);
             }
             rows.push(out.len() as u32);
         }
@@ -323,6 +325,22 @@ fn set(flags: &mut [u8], flag: u8) {
 fn refill<T: Copy>(buffer: &mut Vec<T>, count: usize, value: T) {
     buffer.clear();
     buffer.resize(count, value);
+}
+
+/// Adds a sample to a cell, and returns its index there.
+#[inline(always)]
+pub(crate) fn push(slots: &mut Slots, slot: u32) -> usize {
+    let count = held(slots);
+    debug_assert!(count < 3, "the survivors are conflict-free");
+    slots[count] = slot;
+    slots[3] = !(count as u32 + 1);
+    count
+}
+
+/// Returns how many samples a cell has.
+#[inline(always)]
+const fn held(slots: &Slots) -> usize {
+    !slots[3] as usize & 3
 }
 
 /// Returns a place in its cell as a slot holds it.
