@@ -15,7 +15,7 @@ pub fn cases(all: u32) -> u32 {
     all.div_ceil(share)
 }
 
-/// Returns the first of a test's cases, as many as [`cases`] gives. Callers list the most different ones first.
+/// Returns the first of a test's cases, as many as [`cases`] gives. Callers list the cases that differ most first.
 pub fn some<T, const N: usize>(all: [T; N]) -> impl Iterator<Item = T> {
     let count = cases(N as u32) as usize;
     all.into_iter().take(count)

@@ -1,6 +1,5 @@
-//! Why a set could not be judged; an invalid but readable set is a report, not an error.
-//! One variant per cause, each naming the value and the limit or the place.
-//! It never wraps a foreign error type.
+//! Why a set could not be judged; an invalid but readable set is a report, not an error. One variant per cause, each
+//! naming the value and the limit or the place. Errors of other libraries are not wrapped.
 
 use crate::number::Number;
 use crate::region::{Boundary, Region};
@@ -74,7 +73,7 @@ pub enum VerifyError {
     Triangulation {
         /// Lower corner of the tile, in region coordinates.
         corner: [f64; 2],
-        /// What the triangulation said.
+        /// The message of the triangulation.
         cause: String,
     },
     /// A sample of a stream lies too far below one before it.
@@ -99,7 +98,7 @@ pub enum VerifyError {
     HoleTooWide {
         /// Lower corner of the tile that sees it, in region coordinates.
         corner: [f64; 2],
-        /// How far the tile wants to see.
+        /// How far the tile's window reaches.
         reach: f64,
     },
     /// A stream would have to hold more than it is allowed.
@@ -169,7 +168,7 @@ impl VerifyError {
     }
 }
 
-/// Says what is wrong with a place on the side of a torus that is the opposite side.
+/// Returns a hint for a sample on the upper or right side of a torus, which is the opposite side.
 fn on_far_side(point: [f64; 2], region: Region) -> &'static str {
     let closed = Region {
         boundary: Boundary::Bounded,

@@ -4,7 +4,7 @@ use crate::error::VerifyError;
 use crate::grid::Grid;
 use crate::region::Region;
 
-/// Samples that are looked at together.
+/// Samples that are checked together, without a branch for each.
 const CHUNK: usize = 1024;
 
 pub(crate) fn check_tolerance(tolerance: f64) -> Result<(), VerifyError> {
@@ -27,13 +27,13 @@ pub(crate) fn check_points(points: &[[f64; 2]], region: Region) -> Result<(), Ve
     Ok(())
 }
 
-/// Whether all samples are places of the region, found without a branch for each.
+/// Whether all samples lie in the region, found without a branch for each.
 pub(crate) fn all_are_in(points: &[[f64; 2]], region: Region) -> bool {
     let both = |all, &point| all & region.contains(point);
     points.iter().fold(true, both)
 }
 
-/// Refuses a sample that is no place of the region.
+/// Refuses a sample that does not lie in the region.
 pub(crate) fn check_point(
     index: usize,
     point: [f64; 2],

@@ -1,6 +1,5 @@
-//! Progress and cancellation: the one channel from a running verification to its caller.
-//! Counts work in samples and asks the caller's function whether to go on.
-//! It never measures time.
+//! Progress and cancellation: the one channel from a running verification to its caller. Counts work in samples and
+//! asks the caller's function whether to go on. No time is measured.
 
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicU64, Ordering};

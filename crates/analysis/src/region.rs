@@ -1,6 +1,5 @@
-//! The rectangle that a point set lives in and what its border means.
-//! Plain data with the limits that the verifier accepts, each with its reason.
-//! It never looks at points other than one at a time.
+//! The rectangle that a point set lives in and what its border means. Plain data with the limits that the verifier
+//! accepts, each with its reason.
 
 use std::fmt;
 

@@ -1,6 +1,5 @@
-//! Keeps the few worst of many witnesses in bounded memory.
-//! The order is total, so the same witnesses remain however the work was divided.
-//! It never counts: counting is the caller's.
+//! Keeps the few worst of many witnesses in bounded memory. The order is total, so the same witnesses remain however
+//! the work was divided. Counting is left to the caller.
 
 use std::cmp::Ordering;
 

@@ -1,6 +1,6 @@
-//! Looks at one tile through its window: the largest value of the distance field, and its gaps.
-//! Every place claimed is a Voronoi vertex, a border crossing or a corner of the window's samples.
-//! It never judges whether the window was wide enough; its caller compares `side_reach` with the halo.
+//! The result for one tile and its window: the largest distance of a place from the samples, and the gaps. Every place
+//! claimed is a Voronoi vertex, a border crossing or a corner of the window's samples. Whether the window was wide
+//! enough is for the caller to decide, who compares `side_reach` with the halo.
 
 use glam::DVec2;
 use spade::{Point2, Triangulation};
@@ -13,7 +13,7 @@ use crate::delaunay::delaunay;
 use crate::error::VerifyError;
 use crate::witness::{Gap, GapKind};
 
-/// What a tile shows through a window.
+/// The result for a tile and a window.
 pub(crate) struct Survey {
     /// Maximum, over the sides of the tile, of the distance to the window's samples. The rest
     /// holds for the whole set if the halo is at least that.
@@ -25,7 +25,7 @@ pub(crate) struct Survey {
 }
 
 impl Survey {
-    /// Looks along the sides.
+    /// Examines the sides.
     pub fn of_sides(task: &CoverSearch<'_>, tile: &Tile, window: &TileWindow) -> Self {
         let mut survey = Self {
             side_reach: 0.0,
@@ -99,7 +99,7 @@ impl Survey {
         }
     }
 
-    /// Looks inside, at the circumcentres of the window's triangles.
+    /// Examines the inside: the circumcentres of the window's triangles.
     pub fn add_vertices(
         &mut self,
         task: &CoverSearch<'_>,

@@ -1,6 +1,5 @@
-//! The pairs of samples whose distance lies in a range: what a bin of the pair correlation is made of.
-//! Distances go around the torus when periodic.
-//! It never holds more pairs than were asked for; it counts all of them.
+//! The pairs of samples whose distance lies in a range: those that a bin of the pair correlation counts. Distances go
+//! around the torus when periodic. All pairs are counted; only as many are held as were asked for.
 
 use std::ops::ControlFlow;
 
@@ -54,9 +53,9 @@ pub struct DistantPairs {
 ///
 /// # Errors
 ///
-/// No sample or one that is no place of the region; a distance that is negative, not a number or beyond half the
-/// shorter side ([`MeasureError::OutOfRange`]: up to there two samples have one pair of nearest images); a largest
-/// distance that does not exceed the least ([`MeasureError::NotRising`]); a limit of 0 or beyond [`MAX_PAIRS`].
+/// No sample or one outside the region; a distance that is negative, not a number or beyond half the shorter side
+/// ([`MeasureError::OutOfRange`]: up to there two samples have one pair of nearest images); a largest distance that
+/// does not exceed the least ([`MeasureError::NotRising`]); a limit of 0 or beyond [`MAX_PAIRS`].
 pub fn pairs_between(
     points: &[[f64; 2]],
     region: Region,

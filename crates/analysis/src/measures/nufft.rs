@@ -1,6 +1,6 @@
-//! A type-1 non-uniform Fourier transform: samples with weights to integer frequencies of the unit torus.
-//! Samples are spread onto a fine grid, the grid is transformed, the kernel divided out.
-//! It knows no region and no power; the result does not depend on the number of threads.
+//! A type-1 non-uniform Fourier transform: samples with weights to integer frequencies of the unit torus. Samples are
+//! spread onto a fine grid, the grid is transformed, the kernel divided out. The result does not depend on the number
+//! of threads.
 
 use std::f64::consts::TAU;
 use std::sync::Arc;

@@ -1,6 +1,5 @@
-//! Averages of curves and periodograms with their errors and bands, on numbers done by hand and on noise.
-//! A band is tested by how often it holds the truth.
-//! It never averages over frequencies: `spectra.rs` does.
+//! Averages of curves and periodograms with their errors and bands, on numbers done by hand and on noise. A band is
+//! tested by how often it holds the truth. Averages over frequencies are tested in `spectra.rs`.
 
 use std::ops::ControlFlow;
 
@@ -51,7 +50,7 @@ fn averages_have_the_spread_of_their_sets() {
     ));
 }
 
-/// Both kinds of band hold the true power of noise, 1, about as often as they say.
+/// Both kinds of band hold the true power of noise, 1, with about their stated probability.
 #[test]
 fn bands_hold_the_truth_as_often_as_they_say() {
     let window = FrequencyWindow {

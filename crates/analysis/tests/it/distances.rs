@@ -1,6 +1,5 @@
-//! Distances and pair correlation against brute force and known answers.
-//! Noise is tested by its expectation with room for five standard deviations.
-//! It never uses the verifier's own searches as truth.
+//! Distances and pair correlation against brute force and known answers. Noise is tested by its expectation with room
+//! for five standard deviations. The verifier's own searches are not used as the truth.
 
 use std::ops::ControlFlow;
 

@@ -1,6 +1,5 @@
-//! The pairs of a range of distances, against a search through all pairs and all images.
-//! It shares nothing with the measure but the samples.
-//! It never times anything.
+//! The pairs of a range of distances, against a search through all pairs and all images. It shares nothing with the
+//! measure but the samples.
 
 use std::ops::ControlFlow;
 

@@ -1,5 +1,5 @@
 //! Both judges on the same sets: random ones, maximal and spoilt, and ones whose gaps are exactly as large as allowed.
-//! Each is asked alone, so that neither can hide behind the other.
+//! Each judges alone, so that an error of one cannot be hidden by the other.
 
 #![allow(clippy::float_cmp, reason = "both judges compute the same number")]
 

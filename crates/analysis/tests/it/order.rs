@@ -1,6 +1,5 @@
-//! Voronoi order and discrepancy against known answers, and what all measures of samples refuse.
-//! Noise is tested by its expectation with room for five standard deviations.
-//! It never tests the tessellation itself: `tessellation.rs` does.
+//! Voronoi order and discrepancy against known answers, and what all measures of samples refuse. Noise is tested by its
+//! expectation with room for five standard deviations. The tessellation itself is tested in `tessellation.rs`.
 
 use std::ops::ControlFlow;
 

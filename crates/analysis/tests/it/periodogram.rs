@@ -1,6 +1,5 @@
-//! The periodogram by the fast transform against the direct sum, and against what is known of sets.
-//! Every comparison has two sides that share nothing but the samples.
-//! It never times anything.
+//! The periodogram by the fast transform against the direct sum, and against what is known of sets. Every comparison
+//! has two sides that share nothing but the samples.
 
 use std::ops::{ControlFlow, Range};
 

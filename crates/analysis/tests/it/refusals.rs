@@ -1,4 +1,4 @@
-//! What cannot be judged is refused, with the place and the limit, and a judgement can be stopped.
+//! Input that cannot be judged is refused, with the sample and the limit, and a judgement can be stopped.
 
 use std::ops::ControlFlow;
 

@@ -1,6 +1,5 @@
-//! What samples contribute to a ring of frequencies, against the double sum over samples and frequencies.
-//! The sums here follow the definition and share nothing with the measure but the samples.
-//! It never times anything.
+//! The contributions of samples to a ring of frequencies, against the double sum over samples and frequencies. The sums
+//! here follow the definition and share nothing with the measure but the samples.
 
 use std::f64::consts::{PI, TAU};
 use std::ops::ControlFlow;

@@ -1,6 +1,5 @@
-//! Radial means, anisotropy, averages and what follows from them, against known answers.
-//! Noise is tested by its expectation with room for five standard deviations.
-//! It never looks inside the transform: `periodogram.rs` does.
+//! Radial means, anisotropy, averages and what follows from them, against known answers. Noise is tested by its
+//! expectation with room for five standard deviations. The transform is tested in `periodogram.rs`.
 
 use std::ops::ControlFlow;
 

@@ -1,4 +1,4 @@
-//! A stream's verdict against that of the verifier in memory, and what a stream refuses.
+//! A stream's verdict against that of the verifier in memory, and the sets that a stream refuses.
 
 #![allow(
     clippy::float_cmp,

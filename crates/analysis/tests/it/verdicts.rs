@@ -1,4 +1,4 @@
-//! Every verdict has its negative control here, and known answers stand beside them.
+//! Known answers, and a negative control for every verdict.
 
 #![allow(
     clippy::float_cmp,
@@ -296,7 +296,8 @@ fn samples_on_a_line_are_judged() {
     assert!((report.covering_radius - corner).abs() < 1e-12);
 }
 
-/// Sets that no sampler makes: a circle, lines, a cluster, one place. They end, and with the extremes that they are made with.
+/// Sets that no sampler makes: a circle, lines, a cluster, one place. Verification ends, and finds the extremes with
+/// which they were made.
 #[test]
 fn degenerate_sets_of_any_size_are_judged() {
     // What makes the samples, the radius, and the covering radius where it is known.

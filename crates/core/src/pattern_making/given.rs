@@ -59,7 +59,7 @@ impl Pattern {
     }
 }
 
-/// Refuses too few samples, before any memory is taken that grows with the domain.
+/// Refuses too few samples, before memory that grows with the domain is allocated.
 pub(crate) fn check_count(count: usize, domain: &Domain) -> Result<(), PatternError> {
     let area = domain.area_radii();
     if count == 0 {

@@ -3,7 +3,7 @@
 //! *Definition.* A candidate of a detector i is a lattice point c of the domain with |c - i| at
 //! most the [`Reach::radius`] that no sample covers and that is one of
 //! - the circumcentre, rounded half up, of i and two samples m, n within [`Reach::search`] of i,
-//! - in a bounded domain, the place of a border line as far from i as from such an m, rounded,
+//! - in a bounded domain, the point of a border line as far from i as from such an m, rounded,
 //! - in a bounded domain, a corner,
 //!
 //! such that no sample p has |p - c|^2 < min over those samples of |. - c|^2, less 12 R.

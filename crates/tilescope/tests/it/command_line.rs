@@ -168,7 +168,7 @@ fn a_spoiled_file_is_refused_and_the_difference_named() {
     assert!(!folder.path().join("set.npy").exists());
 }
 
-/// Arguments that are refused, and what the message says.
+/// Arguments that are refused, each with a part of the message.
 const BAD: &[(&[&str], &str)] = &[
     (&["sample"], "<--radius <R>|--count <N>>"),
     (
@@ -372,7 +372,7 @@ fn an_existing_file_survives_a_failed_export() {
     assert_eq!(names(folder.path()), before);
 }
 
-/// Whoever reads only the first lines ends the program quietly.
+/// If the reader of a pipe ends after the first lines, the program ends without an error.
 #[cfg(unix)]
 #[test]
 fn a_closed_pipe_is_no_error() {
@@ -605,7 +605,7 @@ fn bench_verifies_what_it_times() {
     }
 }
 
-/// Ctrl-C leaves no half file and no temporary one.
+/// Ctrl-C leaves no incomplete file and no temporary one.
 #[cfg(unix)]
 #[test]
 fn an_interrupt_leaves_nothing_behind() {

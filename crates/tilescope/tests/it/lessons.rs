@@ -1,4 +1,4 @@
-//! `tilescope lesson`: handouts, lessons made of a session's scenes, and what is refused.
+//! `tilescope lesson`: handouts, lessons made of a session's scenes, and refused arguments.
 
 use std::fs;
 

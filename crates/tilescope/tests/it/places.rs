@@ -1,4 +1,4 @@
-//! What commands read from and write to, end to end: links, pipes, devices, names that contradict.
+//! Inputs and outputs of commands, end to end: links, pipes, devices, contradictory names.
 
 use std::fs;
 use std::os::unix::fs::symlink;
@@ -236,7 +236,7 @@ fn an_output_that_takes_nothing_is_an_error_and_no_panic() {
             "{arguments:?}"
         );
     }
-    // What is wrong cannot be said, but the code says that something is.
+    // The error cannot be printed, but the exit code shows it.
     assert_eq!(
         on_full_device(&folder, &["verify", "missing.csv"], true),
         Some(2)

@@ -1,6 +1,6 @@
-//! Test sets and the slow truth: what the verifier is compared with.
-//! A maximal sampler after Ebeida et al. 2012 and brute-force searches over all triples.
-//! It never uses the verifier, nor any structure cleverer than a list and a plain grid.
+//! Test sets, and the truth about small sets by slow direct computation, with which the verifier is compared. A maximal
+//! sampler after Ebeida et al. 2012 and brute-force searches over all triples. The verifier is not used here, nor any
+//! structure beyond a list and a plain grid.
 
 #![allow(dead_code, missing_docs, reason = "the example uses a part of it")]
 

@@ -48,15 +48,15 @@ impl CellPattern {
         }
     }
 
-    /// Calls `place` with the place, counted from `corner`, and the pattern index of every sample of a
-    /// `width` x `height` rectangle whose lowest corner lies at `start` of the (repeated) pattern.
+    /// Calls `visit` with the position, counted from `corner`, and the pattern index of every sample of a `width` x
+    /// `height` rectangle whose lowest corner lies at `start` of the (repeated) pattern.
     #[inline(always)]
     fn clip(
         &self,
         start: [i64; 2],
         [width, height]: [i32; 2],
         corner: Point,
-        mut place: impl FnMut(i32, i32, u32),
+        mut visit: impl FnMut(i32, i32, u32),
     ) {
         let (period_x, period_y) = (self.shape.width, self.shape.height);
         let mut from_y = start[1].rem_euclid(i64::from(period_y)) as i32;
@@ -74,7 +74,7 @@ impl CellPattern {
                 self.piece(
                     &piece,
                     Point::new(corner.x + right, corner.y + up),
-                    &mut place,
+                    &mut visit,
                 );
                 right += columns;
                 from_x = 0;
@@ -86,7 +86,7 @@ impl CellPattern {
 
     /// The same for a rectangle of the pattern that does not cross its edge.
     #[inline(always)]
-    fn piece(&self, piece: &Rect, corner: Point, place: &mut impl FnMut(i32, i32, u32)) {
+    fn piece(&self, piece: &Rect, corner: Point, visit: &mut impl FnMut(i32, i32, u32)) {
         let cell = |x: i32| (x >> CELL_BITS) as usize;
         let (first, last) = (cell(piece.min.x), cell(piece.max.x - 1));
         let (width, height) = (piece.width() as u32, piece.height() as u32);
@@ -96,7 +96,7 @@ impl CellPattern {
             for (p, &id) in self.points[range.clone()].iter().zip(&self.ids[range]) {
                 let (x, y) = (p.x - piece.min.x, p.y - piece.min.y);
                 if (x as u32) < width && (y as u32) < height {
-                    place(corner.x + x, corner.y + y, id);
+                    visit(corner.x + x, corner.y + y, id);
                 }
             }
         }
@@ -114,7 +114,7 @@ pub struct PlacedBlock {
     pub index: u32,
     /// The symmetry under which it clips.
     pub symmetry: u8,
-    /// The place in the pattern of the lowest corner of the block enlarged by r.
+    /// The pattern's point on the lowest corner of the block enlarged by r.
     pub start: Point,
 }
 
@@ -217,14 +217,14 @@ impl Clipper {
                 stack.push((cut.upper, split + lower, leaf + lower));
                 stack.push((cut.lower, split + 1, leaf));
             } else {
-                self.place(&node.block, &images, sequence, leaf, out)?;
+                self.push_images(&node.block, &images, sequence, leaf, out)?;
                 sequence += 1;
             }
         }
         Ok(())
     }
 
-    fn place(
+    fn push_images(
         &self,
         block: &Block,
         images: &Images,
@@ -247,15 +247,15 @@ impl Clipper {
         Ok(())
     }
 
-    /// Calls `place` with the place in the frame and the pattern index of every sample that `block`
-    /// clips inside `part` (of the enlarged block) and `target`.
+    /// Calls `visit` with the position in the frame and the pattern index of every sample that `block` clips inside
+    /// `part` (of the enlarged block) and `target`.
     #[inline(always)]
     pub fn clip(
         &self,
         block: &PlacedBlock,
         part: &Rect64,
         target: &Rect,
-        place: impl FnMut(i32, i32, u32),
+        visit: impl FnMut(i32, i32, u32),
     ) {
         let Some(rect) = part.within(target) else {
             return;
@@ -265,7 +265,7 @@ impl Clipper {
             i64::from(block.start.y) + i64::from(rect.min.y) - (block.rect.min[1] - i64::from(R)),
         ];
         let size = [rect.width(), rect.height()];
-        self.variants[block.symmetry as usize].clip(start, size, rect.min, place);
+        self.variants[block.symmetry as usize].clip(start, size, rect.min, visit);
     }
 }
 

@@ -225,7 +225,7 @@ fn a_word_set_on_the_device_is_found_by_the_cpu_reference() {
     let starts = pollster::block_on(stepper.table(Name::Starts, u64::MAX)).unwrap();
     let tiled = starts.rows.iter().map(|row| row[0]).max().unwrap();
     let places = pollster::block_on(stepper.table(Name::Places, tiled as u64)).unwrap();
-    // Most places of the frame lie in the halo, which is not compared: one of these lies in the window.
+    // Most samples of the frame lie in the halo, which is not compared: one of these lies in the window.
     let found: Vec<_> = (0..places.rows.len())
         .step_by(places.rows.len() / 64)
         .filter_map(|place| {
