@@ -1,4 +1,9 @@
 //! The number of random cases that the tests of all crates try. Tests across the crates are in `tests/tests`.
+//!
+//! ```
+//! // At least one case is tried, the first one first.
+//! assert_eq!(tilescope_tests::some(["periodic", "bounded"]).next(), Some("periodic"));
+//! ```
 
 use std::env::var_os;
 

@@ -57,7 +57,9 @@ fn along_a_tree<V: HasPosition<Scalar = f64>>(sites: &mut [V]) {
     }
     let axis = (high - low).max_position();
     let middle = sites.len() / 2;
-    sites.select_nth_unstable_by(middle, |a, b| position(a)[axis].total_cmp(&position(b)[axis]));
+    sites.select_nth_unstable_by(middle, |a, b| {
+        position(a)[axis].total_cmp(&position(b)[axis])
+    });
     let (before, after) = sites.split_at_mut(middle);
     along_a_tree(before);
     along_a_tree(after);

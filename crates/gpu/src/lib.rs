@@ -6,6 +6,18 @@
 //! Architecture invariant: nothing here blocks, reads a clock or opens a file, so all of it works in a browser.
 //! Everything that waits is a future.
 //!
+//! Shaders are composed without a device, so the whole text of a pass can be read:
+//!
+//! ```
+//! use tilescope_gpu::{passes, shader};
+//!
+//! let pass = passes::ALL.iter().find(|pass| pass.name == "eliminate").expect("the pass");
+//! let wgsl = shader::compose(pass.shader, pass.bindings);
+//! assert!(wgsl.contains("fn covers_offset("));
+//! ```
+//!
+//! A run needs one:
+//!
 //! ```no_run
 //! use std::sync::Arc;
 //! use tilescope_core::{Parameters, Pattern, Unobserved};

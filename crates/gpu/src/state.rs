@@ -13,7 +13,9 @@ use tilescope_core::{
     Fate, Insertion, Iteration, Origin, Pattern, Point, R, Run, Samples, Stage, Symmetry,
 };
 
-use crate::constants::{FATE_KEPT, FATE_LOST, FATE_MASK, NO_SITE, POSITION_MASK, PROPOSAL_INSERTED};
+use crate::constants::{
+    FATE_KEPT, FATE_LOST, FATE_MASK, NO_SITE, POSITION_MASK, PROPOSAL_INSERTED,
+};
 use crate::error::GpuError;
 use crate::layout::{Name, Proposal, counter};
 use crate::window_run::{IterationBuffers, WindowRun};

@@ -40,11 +40,15 @@ impl Survey {
         survey
     }
 
-    /// A place whose empty circle counts for the region.
-    fn claim(&mut self, task: &CoverSearch<'_>, gap: Gap) {
-        self.covering_radius = self.covering_radius.max(gap.distance);
-        if gap.distance > task.limit {
-            self.gaps.push(gap);
+    /// Records a place whose empty circle counts for the region, and which is a gap if the circle exceeds the limit.
+    fn claim(&mut self, task: &CoverSearch<'_>, center: [f64; 2], distance: f64, kind: GapKind) {
+        self.covering_radius = self.covering_radius.max(distance);
+        if distance > task.limit {
+            self.gaps.push(Gap {
+                center,
+                distance,
+                kind,
+            });
         }
     }
 
@@ -68,15 +72,11 @@ impl Survey {
             }
             self.side_reach = self.side_reach.max(crossing.distance);
             if on_border && (0.0..=extent[side.axis]).contains(&at) {
-                let (center, distance) = (side.place(at, level), crossing.distance);
-                let kind = GapKind::Border;
                 self.claim(
                     task,
-                    Gap {
-                        center,
-                        distance,
-                        kind,
-                    },
+                    side.place(at, level),
+                    crossing.distance,
+                    GapKind::Border,
                 );
             }
         }
@@ -86,15 +86,7 @@ impl Survey {
             self.side_reach = self.side_reach.max(distance);
             // A corner of the region ends two sides: the sides along x report it.
             if on_border && side.axis == 0 && (at == 0.0 || at == extent[0]) {
-                let (center, kind) = (side.place(at, level), GapKind::Corner);
-                self.claim(
-                    task,
-                    Gap {
-                        center,
-                        distance,
-                        kind,
-                    },
-                );
+                self.claim(task, side.place(at, level), distance, GapKind::Corner);
             }
         }
     }
@@ -137,15 +129,7 @@ impl Survey {
             largest = largest.max(circle.square);
             if circle.square > limit {
                 let (center, distance) = (circle.center.to_array(), circle.square.sqrt());
-                let kind = GapKind::VoronoiVertex;
-                self.claim(
-                    task,
-                    Gap {
-                        center,
-                        distance,
-                        kind,
-                    },
-                );
+                self.claim(task, center, distance, GapKind::VoronoiVertex);
             }
         }
         self.covering_radius = self.covering_radius.max(largest.sqrt());

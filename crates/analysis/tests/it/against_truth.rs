@@ -1,9 +1,8 @@
 //! The verifier against definitions: random sets, both boundaries, any aspect ratio, radius and tile.
 
 use crate::support;
-use std::ops::ControlFlow;
 
-use crate::support::{Random, maximal_set, truth};
+use crate::support::{Random, go_on, maximal_set, truth};
 use proptest::prelude::*;
 use tilescope_analysis::{Boundary, Region, Report, VerifyOptions, verify};
 
@@ -13,7 +12,6 @@ fn judge(points: &[[f64; 2]], region: Region, radius: f64, tile_samples: usize) 
         covering_tolerance: 0.0,
         ..VerifyOptions::default()
     };
-    let go_on = |_| ControlFlow::Continue(());
     verify(points, region, radius, &options, &go_on).expect("a verdict")
 }
 

@@ -1,18 +1,12 @@
 //! Averages of curves and periodograms with their errors and bands, on numbers done by hand and on noise. A band is
 //! tested by how often it holds the truth. Averages over frequencies are tested in `spectra.rs`.
 
-use std::ops::ControlFlow;
-
-use crate::support::Random;
 use crate::support::sets::torus;
+use crate::support::{Random, go_on};
 use tilescope_analysis::measures::{
     Average, FrequencyWindow, MeanPeriodogram, MeasureError, Periodogram, power_band,
 };
 use tilescope_analysis::{Progress, Region};
-
-fn go_on(_: Progress) -> ControlFlow<()> {
-    ControlFlow::Continue(())
-}
 
 fn periodogram(points: &[[f64; 2]], region: Region, window: &FrequencyWindow) -> Periodogram {
     Periodogram::of(points, region, window, &go_on).expect("a periodogram")

@@ -5,15 +5,11 @@ use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 
 use crate::support::sets::torus;
-use crate::support::{Random, maximal_set};
+use crate::support::{Random, go_on, maximal_set};
 use tilescope_analysis::measures::{
     FrequencyWindow, MeasureError, PairCorrelation, Periodogram, PowerCurve, RadialProfile,
 };
 use tilescope_analysis::{Boundary, Progress, Region};
-
-fn go_on(_: Progress) -> ControlFlow<()> {
-    ControlFlow::Continue(())
-}
 
 fn curve(points: &[[f64; 2]], region: Region) -> PowerCurve {
     let found = PowerCurve::of_samples(points, region, &go_on).expect("a set");

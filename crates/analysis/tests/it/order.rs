@@ -3,16 +3,12 @@
 
 use std::ops::ControlFlow;
 
-use crate::support::Random;
 use crate::support::sets::{bounded, hexagonal, square, torus};
+use crate::support::{Random, go_on, on_threads};
 use tilescope_analysis::measures::{
     Discrepancy, MeasureError, NearestDistances, Order, PairCorrelation, density,
 };
 use tilescope_analysis::{Progress, Region};
-
-fn go_on(_: Progress) -> ControlFlow<()> {
-    ControlFlow::Continue(())
-}
 
 fn order(points: &[[f64; 2]], region: Region) -> Order {
     Order::of(points, region, &go_on).expect("an order")
@@ -63,13 +59,7 @@ fn noise_has_its_known_cells() {
 fn threads_change_no_bit() {
     let region = bounded(1.0, 1.0);
     let points = Random::new(55).points(12_000, region);
-    let with = |threads| {
-        let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(threads)
-            .build()
-            .expect("a pool");
-        pool.install(|| order(&points, region))
-    };
+    let with = |threads| on_threads(threads, || order(&points, region));
     assert!(with(1) == with(3));
 }
 

@@ -2,28 +2,13 @@
 //! here follow the definition and share nothing with the measure but the samples.
 
 use std::f64::consts::{PI, TAU};
-use std::ops::ControlFlow;
 
-use crate::support::{Random, check_reports};
+use crate::support::{BOTH, Random, check_reports, go_on, on_threads, region};
 use tilescope_analysis::measures::{
     FrequencyShares, FrequencyWindow, MAX_FREQUENCY, MeasureError, NUFFT_ERROR, Periodogram,
     frequency_shares,
 };
 use tilescope_analysis::{Boundary, Progress, Region};
-
-const BOTH: [Boundary; 2] = [Boundary::Periodic, Boundary::Bounded];
-
-fn go_on(_: Progress) -> ControlFlow<()> {
-    ControlFlow::Continue(())
-}
-
-fn region(width: f64, height: f64, boundary: Boundary) -> Region {
-    Region {
-        width,
-        height,
-        boundary,
-    }
-}
 
 fn shares(points: &[[f64; 2]], region: Region, ring: [f64; 2]) -> FrequencyShares {
     frequency_shares(points, region, ring, &go_on).expect("shares")
@@ -279,11 +264,7 @@ fn threads_change_no_bit() {
     for boundary in BOTH {
         let region = region(2.0, 1.0, boundary);
         let points = Random::new(4).points(20_000, region);
-        let with = |threads| {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
-            let pool = pool.build().expect("a pool");
-            pool.install(|| shares(&points, region, [30.0, 50.0]))
-        };
+        let with = |threads| on_threads(threads, || shares(&points, region, [30.0, 50.0]));
         assert_eq!(with(1), with(3));
     }
 }

@@ -8,14 +8,13 @@
 use crate::support;
 use std::ops::ControlFlow;
 
-use crate::support::{Random, maximal_set, repeated};
+use crate::support::{BOTH, Random, maximal_set, region, repeated};
 use proptest::prelude::*;
 use tilescope_analysis::{
     Boundary, Judge, JudgeChoice, Progress, Region, Report, StreamBand, StreamVerifier,
     VerifyError, VerifyOptions, verify,
 };
 
-const BOTH: [Boundary; 2] = [Boundary::Periodic, Boundary::Bounded];
 const GO: fn(Progress) -> ControlFlow<()> = |_| ControlFlow::Continue(());
 
 /// Bands as small as they get, so that small sets have many.
@@ -30,14 +29,6 @@ fn options() -> VerifyOptions {
         tile_samples: 150,
         judges: JudgeChoice::Both,
         ..VerifyOptions::default()
-    }
-}
-
-fn region(width: f64, height: f64, boundary: Boundary) -> Region {
-    Region {
-        width,
-        height,
-        boundary,
     }
 }
 

@@ -6,27 +6,11 @@
 )]
 
 use crate::support;
-use std::ops::ControlFlow;
 
-use crate::support::{maximal_set, nearest, repeated};
+use crate::support::{BOTH, go_on, judge, maximal_set, nearest, region, repeated};
 use tilescope_analysis::{
     Boundary, GapKind, MAX_CONFLICTS, Region, Report, VerifyError, VerifyOptions, verify,
 };
-
-const BOTH: [Boundary; 2] = [Boundary::Periodic, Boundary::Bounded];
-
-fn region(width: f64, height: f64, boundary: Boundary) -> Region {
-    Region {
-        width,
-        height,
-        boundary,
-    }
-}
-
-fn judge(points: &[[f64; 2]], region: Region, radius: f64) -> Result<Report, VerifyError> {
-    let go_on = |_| ControlFlow::Continue(());
-    verify(points, region, radius, &VerifyOptions::default(), &go_on)
-}
 
 fn report(points: &[[f64; 2]], region: Region, radius: f64) -> Report {
     judge(points, region, radius).expect("a verdict")
@@ -187,7 +171,6 @@ fn cocircular_samples_make_one_gap() {
                 tile_samples,
                 ..VerifyOptions::default()
             };
-            let go_on = |_| ControlFlow::Continue(());
             let square = region(1.0, 1.0, boundary);
             // A spacing of 1/20 is not representable, so the cocircularity is rounded.
             let report = verify(&centred_lattice(20), square, 0.03, &options, &go_on);
@@ -225,7 +208,6 @@ fn witnesses_are_the_worst_and_counts_are_complete() {
         witnesses,
         ..VerifyOptions::default()
     };
-    let go_on = |_| ControlFlow::Continue(());
     let judge = |witnesses| verify(&points, torus, 0.04, &options(witnesses), &go_on);
     let (all, few) = (
         judge(100_000).expect("a verdict"),
