@@ -276,7 +276,7 @@ function rejoin(name) {
   channel?.postMessage({ stage: true });
 }
 
-/** Loads the lessons that come with the program, when they are first asked for. */
+/** Loads the lessons that come with the program, when they are first needed. */
 async function loadLessons() {
   try {
     const response = await fetch(LESSONS);

@@ -171,7 +171,7 @@ export function showNotes(name) {
       show();
     }
     if (data.stage && kept) {
-      // A new stage asks for the state of the talk.
+      // A new stage requests the state of the talk.
       send({ restore: JSON.stringify(kept) });
     }
   });

@@ -35,7 +35,7 @@ test("the address follows the view without steps of history, and restores it", a
   await shows(page);
 });
 
-/** Follows a link while the program requests its display, and continues once the page has noticed. */
+/** Follows a link while the program requests its display, and continues once the page has handled it. */
 function followMeanwhile(link) {
   const original = GPUAdapter.prototype.requestDevice;
   GPUAdapter.prototype.requestDevice = async function (...options) {

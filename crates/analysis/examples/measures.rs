@@ -233,8 +233,8 @@ fn time(count: usize, frequencies: usize, threads: usize) {
     }
 }
 
-/// Times what a mark in a spectrum asks for: a ring that ends at a frequency `nu`, and the pairs up to a distance
-/// in units of the largest possible minimum distance.
+/// Times the measures behind a mark in a curve: the shares of a ring that ends at a frequency `nu`, and the pairs up to
+/// a distance in units of the largest possible minimum distance.
 fn brush(count: usize, nu: f64, distance: f64, threads: usize) {
     let (points, region) = noise(count);
     let outer = nu * (count as f64).sqrt();

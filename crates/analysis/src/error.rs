@@ -37,7 +37,7 @@ pub enum VerifyError {
         index: usize,
         /// Its position.
         point: [f64; 2],
-        /// The region asked for.
+        /// The region.
         region: Region,
     },
     /// The radius is not a positive number within 2^-100 to 2^100 times the longer extent.
@@ -96,7 +96,7 @@ pub enum VerifyError {
         .corner[0], .corner[1]
     )]
     HoleTooWide {
-        /// Lower corner of the tile that sees it, in region coordinates.
+        /// Lower corner of the tile beside it, in region coordinates.
         corner: [f64; 2],
         /// How far the tile's window reaches.
         reach: f64,
@@ -126,9 +126,9 @@ pub enum VerifyError {
          {limit} are sure to be seen; the set must be verified in memory"
     )]
     TooSparse {
-        /// The smallest distance seen.
+        /// The smallest distance found.
         min_distance: f64,
-        /// The distance up to which all pairs are seen.
+        /// The distance up to which all pairs are found.
         limit: f64,
     },
     /// The two judges differ on a set: one of them is wrong.
@@ -137,7 +137,7 @@ pub enum VerifyError {
         .reports[0].summary(), .reports[0].judges[0], .reports[1].summary(), .reports[1].judges[0]
     )]
     Disagreement {
-        /// On what they differ.
+        /// The name of the value on which they differ.
         difference: &'static str,
         /// The reports of both.
         reports: Box<[Report; 2]>,

@@ -60,7 +60,7 @@ impl<'a> Monitor<'a> {
         self.done.load(Ordering::Relaxed)
     }
 
-    /// Adds finished work and reports it; the error says that the caller wants to stop.
+    /// Adds finished work and reports it. Fails if the caller cancels.
     pub fn advance(&self, work: u64) -> Result<(), VerifyError> {
         let work = if self.counts { work } else { 0 };
         let done = self.done.fetch_add(work, Ordering::Relaxed) + work;

@@ -64,8 +64,8 @@ impl Pairs {
     }
 }
 
-/// The cell side that [`search`] wants: such that the closest pair of a large set is within one cell side (no packing has
-/// all distances above 1.0746 spacings).
+/// The cell side for [`search`]: such that the closest pair of a large set is within one cell side (no packing has all
+/// distances above 1.0746 spacings).
 pub(crate) fn cell_side(domain: &Domain, count: usize) -> f64 {
     1.1 * domain.spacing(count)
 }
@@ -184,7 +184,7 @@ struct Scan<'a> {
     grid: &'a Grid,
     periods: DVec2,
     radius: f64,
-    /// Larger distances cannot be the smallest: pairs beyond it are not all seen.
+    /// Larger distances cannot be the smallest: pairs beyond it are not all compared.
     reach: f64,
     /// Pairs with a larger squared distance change nothing.
     threshold: f64,

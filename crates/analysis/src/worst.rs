@@ -62,7 +62,7 @@ impl<T: Witness> Worst<T> {
         self.prune();
     }
 
-    /// The mildest of `limit` witnesses, once there are so many: what is not worse is not kept.
+    /// The mildest of `limit` witnesses, once there are so many: only worse ones are kept from then on.
     pub fn mildest(&self) -> Option<&T> {
         self.mildest.as_ref()
     }

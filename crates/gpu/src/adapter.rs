@@ -172,8 +172,8 @@ fn is_known_software(name: &str) -> bool {
 impl Gpu {
     /// Returns the device of the adapter that `choice` names.
     ///
-    /// Fails when there is no such adapter, when only software adapters exist and none was asked for, and when a limit
-    /// is too low for any run.
+    /// Fails when there is no such adapter, when only software adapters exist and none was named, and when a limit is
+    /// too low for any run.
     pub async fn open(choice: &Choice) -> Result<Self, GpuError> {
         let instance = instance();
         let adapter = choose(found(&instance).await, choice)?;

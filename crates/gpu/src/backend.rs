@@ -1,5 +1,5 @@
 //! The engine that computes a run, and the reason for the choice. If a device fails, the parallel engine takes over
-//! where it may. All engines give the same samples, bit for bit. How a user asks for an engine is up to the front ends.
+//! where it may. All engines give the same samples, bit for bit. The front ends turn a user's choice into a [`Choice`].
 
 use std::sync::Arc;
 

@@ -162,7 +162,7 @@ impl RowLocator {
         let value = |k: usize| values.get(k).copied().unwrap_or(-1);
         let in_list =
             |counter, place: Option<RowPlace>| place.filter(|_| self.is_listed(row, counter));
-        let first = match name {
+        let place = match name {
             Name::Images => self.rect([value(0), value(1)], [value(2), value(3)]),
             Name::Pieces => self.piece(value(1), value(2), value(3)),
             Name::TileImages => self.tile(row),

@@ -18,7 +18,7 @@ pub struct SelfTest {
     pub passed: bool,
     /// Samples compared.
     pub samples: usize,
-    /// A sentence that says what was compared, or the first difference.
+    /// A sentence with the extent of the comparison, or with the first difference.
     pub verdict: String,
 }
 

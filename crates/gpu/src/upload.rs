@@ -289,7 +289,7 @@ fn write_work(
         counters[counter::OPEN as usize] = all.len() as u32;
         return work.device.write(Name::List, bytes(&all));
     }
-    // The engine knows a level's cells only after running it.
+    // The engine has a level's cells only after running it.
     engine.step(&mut Unobserved)?;
     let Some(iteration) = engine.run().iterations.get(k as usize - 1) else {
         return Err(GpuError::FirstStage {

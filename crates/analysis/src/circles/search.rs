@@ -231,7 +231,8 @@ impl<'a> Search<'a> {
             || arcs::certainly_cover(arcs, margin)
     }
 
-    /// Lists what may cover a sample's circle: the disks near it and the sides of the region. Returns the circle's radius.
+    /// Lists the arcs that may cover a sample's circle: those of the disks near it and of the sides of the region.
+    /// Returns the circle's radius.
     fn arcs(&self, tile: &Tile, index: usize, arcs: &mut Vec<Arc>) -> f64 {
         let domain = &self.question.domain;
         let rho = self.rho();

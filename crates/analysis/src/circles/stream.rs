@@ -210,7 +210,7 @@ impl CircleBands {
         self.keep = keep;
     }
 
-    /// Judges what is left, the seam of a torus included.
+    /// Judges the remaining rows, those at the seam of a torus included.
     pub fn finish(
         mut self,
         question: &Question,
@@ -268,7 +268,7 @@ fn seam_rows(cells: &Cells) -> usize {
     (first(cells) + KEPT).max(KEPT + 1) + KEPT
 }
 
-/// The error that says why a stream cannot be judged.
+/// Returns the error for a stream that the judge declines.
 fn refused(declined: Declined, question: &Question, samples: usize) -> VerifyError {
     let scale = question.domain.scale;
     match declined {

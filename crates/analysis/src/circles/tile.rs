@@ -225,8 +225,8 @@ impl Tile {
         }
     }
 
-    /// Scans all pairs of neighbours once: marks in both circles what the other disk of radius `rho` covers, and counts the
-    /// conflicts of the tile's own samples.
+    /// Scans all pairs of neighbours once: marks in both circles the bins that the other disk of radius `rho` covers,
+    /// and counts the conflicts of the tile's own samples.
     ///
     /// A pair belongs to the tile of whichever sample comes first in the sequence of rows and columns, counted on across the
     /// seams, so it is counted in one tile.

@@ -93,7 +93,8 @@ mod tests {
         }
     }
 
-    /// Random triangles of all shapes: what is said to be below is, and what is not is hardly ever.
+    /// Random triangles of all shapes: the filter is never wrong when it says yes, and says no hardly more often than
+    /// it must.
     #[test]
     fn what_is_said_to_be_below_is_below() {
         let pseudo = |i: u32, step: f64| (f64::from(i) * step).fract();

@@ -20,7 +20,7 @@ const LOW_POWER: f64 = 0.1;
 /// Mean power that psa takes for the end of the low region.
 const HALF_POWER: f64 = 0.5;
 
-/// Where psa begins to look for that end, as `nu`.
+/// Where psa's search for that end begins, as `nu`.
 const SEARCH_FROM: f64 = 0.5;
 
 /// Power that psa takes for 1, where oscillations begin.

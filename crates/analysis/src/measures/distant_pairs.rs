@@ -1,5 +1,5 @@
 //! The pairs of samples whose distance lies in a range: those that a bin of the pair correlation counts. Distances go
-//! around the torus when periodic. All pairs are counted; only as many are held as were asked for.
+//! around the torus when periodic. All pairs are counted; at most the caller's limit of them is held.
 
 use std::ops::ControlFlow;
 
@@ -147,7 +147,7 @@ impl RangeSearch<'_> {
         Ok(pairs)
     }
 
-    /// Shows the pairs looked at from a row of cells, and whether each is one of those asked for.
+    /// Calls `see` with each compared pair of a row of cells, and with whether its distance is in the range.
     fn row(
         &self,
         row: usize,

@@ -59,7 +59,7 @@ pub enum MeasureError {
         "the frequency {frequency} is beyond {limit}, where rounded coordinates blur its phase"
     )]
     FrequencyTooHigh {
-        /// The frequency of largest magnitude asked for.
+        /// The frequency of largest magnitude in the window.
         frequency: i64,
         /// The largest magnitude allowed.
         limit: i64,

@@ -36,7 +36,7 @@ impl Neighbors<'_> {
         let reach =
             (sides.to_array()).map(|side| (distance / side + 2.0 * Grid::ROUNDING).ceil() as usize);
         let periodic = grid.domain.periodic;
-        // Cells that reach around the torus to each other cannot tell which of them is ahead.
+        // Of two cells that reach each other both ways around the torus none is ahead.
         let [all_columns, all_rows] = [0, 1].map(|axis| 2 * reach[axis] + 1 >= cells[axis]);
         let columns = near(column, reach[0], cells[0], periodic);
         let rows = if all_rows {

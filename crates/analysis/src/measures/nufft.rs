@@ -326,7 +326,7 @@ impl TransformPlan {
 }
 
 impl Transform {
-    /// The value at a frequency of the window asked for.
+    /// The value at a frequency of the window.
     pub fn at(&self, [kx, ky]: [i64; 2]) -> Complex<f64> {
         let [x, y] = self.axes;
         let (x_index, y_index) = (kx - x.middle + x.below, ky - y.middle);

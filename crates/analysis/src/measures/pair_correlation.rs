@@ -339,7 +339,7 @@ mod tests {
         }
     }
 
-    /// Clusters tighter than a bin, as wide as many, and both, against every pair looked at by itself.
+    /// Clusters tighter than a bin, as wide as many, and both, compared with a count of every single pair.
     #[test]
     fn clusters_are_counted_as_pair_by_pair() {
         let go_on = |_: Progress| ControlFlow::Continue(());

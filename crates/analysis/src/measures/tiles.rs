@@ -123,7 +123,7 @@ impl<'a> CellTile<'a> {
             let (all, margin) = (self.grid.cells[axis] as i64, margin as i64);
             let mut seen = [first - margin, end + margin];
             if domain.periodic {
-                // Not a whole period: a sample and its copy would both be seen.
+                // Not a whole period, or the view would hold both a sample and its copy.
                 if seen[1] - seen[0] >= all {
                     return None;
                 }
@@ -144,7 +144,7 @@ impl<'a> CellTile<'a> {
         Some(view)
     }
 
-    /// The cells of its samples from those in view; none if one depends on what is out of view.
+    /// The cells of its samples from those in view; none if one depends on samples out of view.
     fn seen(&self, view: &TileView) -> Result<Option<Vec<VoronoiCell>>, VerifyError> {
         let (positions, own) = self.positions(view);
         let size = view.high - view.low;

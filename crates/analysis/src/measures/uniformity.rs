@@ -307,8 +307,8 @@ pub struct Deviation {
     pub expected: f64,
     /// `observed / expected - 1`; NaN for a class without area and samples.
     pub relative: f64,
-    /// Where the true relative deviation is, with the confidence asked for. From the spread between runs, which is
-    /// right however the samples of one run depend on each other; of a single run, as if they were independent.
+    /// Where the true relative deviation is, with the given confidence. From the spread between runs, which is right
+    /// however the samples of one run depend on each other; of a single run, as if they were independent.
     pub interval: [f64; 2],
 }
 

@@ -1,6 +1,6 @@
 //! The pair search for crowded sets: a line moves along x, and each sample is compared with those behind it within
 //! reach, by y. The reach is the radius until [`MAX_CONFLICTS`] are counted, then the distance of the mildest witness.
-//! It gives what the scan of a grid gives, whatever the sequence of the samples.
+//! The result is that of the scan of a grid, for any order of the samples.
 //!
 //! # Why it takes `N log N`
 //!
@@ -22,7 +22,7 @@ use crate::monitor::Monitor;
 /// Samples between two reports.
 const CHUNK: usize = 4096;
 
-/// Pays for the rounding of a reach and of what is compared with it.
+/// Allows for the rounding of a reach and of the distances compared with it.
 const SLACK: f64 = 1.0 + 1e-9;
 
 struct Sweep<'a> {

@@ -291,7 +291,7 @@ impl Bands {
         })
     }
 
-    /// Judges what is left, the seam of a torus included.
+    /// Judges the remaining rows, those at the seam of a torus included.
     pub fn finish(
         &mut self,
         search: &StreamSearch,

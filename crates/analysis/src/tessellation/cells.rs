@@ -127,7 +127,7 @@ impl Cells {
             .map(|side| self.ends(side))
     }
 
-    /// The sides of cells that have many, by cell and what is beyond.
+    /// The sides of cells that have many, by the cell and the sample beyond.
     fn sides_of_many(&self) -> HashMap<(usize, Seen), usize> {
         let cells = (0..self.samples.len()).filter(|&cell| self.of(cell).len() > MANY_SIDES);
         let mut found = HashMap::new();

@@ -81,8 +81,8 @@ proptest! {
         prop_assert_eq!(report.conflict_free(), truth.min_distance >= radius);
     }
 
-    /// No place of a fine mesh is further from the samples than the covering radius, and the place
-    /// of the worst gap is as far as it says.
+    /// No place of a fine mesh is further from the samples than the covering radius, and the place of the worst gap is
+    /// at its stated distance.
     #[test]
     fn no_mesh_place_is_further_than_the_covering_radius(
         region in regions(), seed in 1..1_000_000_u64, count in 2..200_usize,
@@ -158,8 +158,8 @@ fn huge_holes_are_measured_exactly() {
     }
 }
 
-/// Most of a maximal set is cut away: the rest is seen across a hole from tiles of every size, while
-/// a single tile sees all of it and needs no halo.
+/// Most of a maximal set is cut away: tiles of every size reach the rest across a hole, while a single tile holds all
+/// of it and needs no halo.
 #[test]
 fn the_rim_of_a_large_hole_is_enough() {
     for boundary in [Boundary::Periodic, Boundary::Bounded] {

@@ -3,10 +3,10 @@
 
 use crate::support::sets::torus;
 use crate::support::{Random, go_on};
+use tilescope_analysis::Region;
 use tilescope_analysis::measures::{
     Average, FrequencyWindow, MeanPeriodogram, MeasureError, Periodogram, power_band,
 };
-use tilescope_analysis::{Progress, Region};
 
 fn periodogram(points: &[[f64; 2]], region: Region, window: &FrequencyWindow) -> Periodogram {
     Periodogram::of(points, region, window, &go_on).expect("a periodogram")

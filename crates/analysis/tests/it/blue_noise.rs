@@ -60,7 +60,7 @@ fn numbers_of_maximal_sets_depend_on_neither_seed_nor_count() {
     }
 }
 
-/// Noise has no low region, and what it seems to oscillate by falls with the square root of its number.
+/// Noise has no low region, and its apparent oscillation falls with the square root of its number of samples.
 #[test]
 fn noise_has_no_nyquist_frequency_and_hardly_oscillates() {
     let region = torus(1.0, 1.0);
@@ -128,7 +128,7 @@ fn narrow_regions_have_no_curve_and_bad_sets_are_refused() {
     );
 }
 
-/// The definition itself, on the mean power of many sets: what follows from g(r) lies a little below, as the documentation says.
+/// The definition itself, on the mean power of many sets: the frequency by g(r) lies a little below, as documented.
 #[test]
 fn the_frequency_of_one_set_lies_just_below_that_of_the_mean_power() {
     let region = torus(1.0, 1.0);

@@ -6,7 +6,7 @@ use crate::support::{Random, distance, go_on, on_threads};
 use tilescope_analysis::measures::{
     Discrepancy, NearestDistances, Order, PairCorrelation, density, largest_min_distance,
 };
-use tilescope_analysis::{Boundary, Progress, Region};
+use tilescope_analysis::{Boundary, Region};
 
 fn nearest(points: &[[f64; 2]], region: Region) -> NearestDistances {
     NearestDistances::of(points, region, &go_on).expect("distances")

@@ -5,7 +5,7 @@ use crate::support::{BOTH, Random, check_reports, distance, go_on, on_threads, r
 use tilescope_analysis::measures::{
     DistantPairs, MAX_PAIRS, MeasureError, PairCorrelation, pairs_between,
 };
-use tilescope_analysis::{Boundary, Progress, Region};
+use tilescope_analysis::{Boundary, Region};
 
 fn pairs(points: &[[f64; 2]], region: Region, distances: [f64; 2], limit: usize) -> DistantPairs {
     pairs_between(points, region, distances, limit, &go_on).expect("pairs")

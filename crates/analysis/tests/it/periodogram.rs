@@ -1,20 +1,20 @@
-//! The periodogram by the fast transform against the direct sum, and against what is known of sets. Every comparison
+//! The periodogram by the fast transform against the direct sum, and against known properties of sets. Every comparison
 //! has two sides that share nothing but the samples.
 
-use std::ops::{ControlFlow, Range};
+use std::ops::Range;
 
 use crate::support::{Random, check_reports, direct_power, go_on, on_threads, region};
 use tilescope_analysis::measures::{
     FrequencyWindow, MAX_FREQUENCY, MeasureError, Periodogram, Taper,
 };
-use tilescope_analysis::{Boundary, Progress, Region};
+use tilescope_analysis::{Boundary, Region};
 
 fn torus() -> Region {
     region(1.0, 1.0, Boundary::Periodic)
 }
 
-/// Largest error relative to the direct sum's power, beyond a floor of 1e-13 of the number of samples: where the
-/// direct sum itself is nothing but rounding, a ratio says nothing.
+/// Largest error relative to the direct sum's power, beyond a floor of 1e-13 of the number of samples: where the direct
+/// sum is only rounding, a ratio has no meaning.
 fn worst_error(points: &[[f64; 2]], region: Region, window: &FrequencyWindow) -> f64 {
     let found = Periodogram::of(points, region, window, &go_on).expect("a periodogram");
     assert_eq!(found.power.len(), window.columns() * window.rows());

@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 
 use crate::support::{BOTH, judge, maximal_set, region};
-use tilescope_analysis::{Boundary, Progress, Region, Report, VerifyError, VerifyOptions, verify};
+use tilescope_analysis::{Boundary, Progress, VerifyError, VerifyOptions, verify};
 
 #[test]
 fn unreadable_sets_are_refused_with_the_place() {

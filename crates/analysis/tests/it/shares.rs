@@ -8,7 +8,7 @@ use tilescope_analysis::measures::{
     FrequencyShares, FrequencyWindow, MAX_FREQUENCY, MeasureError, NUFFT_ERROR, Periodogram,
     frequency_shares,
 };
-use tilescope_analysis::{Boundary, Progress, Region};
+use tilescope_analysis::{Boundary, Region};
 
 fn shares(points: &[[f64; 2]], region: Region, ring: [f64; 2]) -> FrequencyShares {
     frequency_shares(points, region, ring, &go_on).expect("shares")
@@ -25,7 +25,7 @@ fn frequencies(region: Region, [inner, outer]: [f64; 2]) -> Vec<[i64; 2]> {
         .collect()
 }
 
-/// The weight of a sample, and what the mean density takes off its phase factor.
+/// The weight of a sample, and the part of the mean density in its phase factor.
 fn weight(point: [f64; 2], region: Region) -> f64 {
     let [x, y] = [point[0] / region.width, point[1] / region.height];
     match region.boundary {

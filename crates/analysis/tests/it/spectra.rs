@@ -3,11 +3,11 @@
 
 use crate::support::sets::{hexagonal, maximal, torus};
 use crate::support::{Random, direct_power, go_on};
+use tilescope_analysis::Region;
 use tilescope_analysis::measures::{
     FrequencyWindow, MeanPeriodogram, MeasureError, PairCorrelation, Periodogram, PowerCurve,
     RadialProfile, anisotropy_reference_db, power_band,
 };
-use tilescope_analysis::{Progress, Region};
 
 fn periodogram(points: &[[f64; 2]], region: Region, window: &FrequencyWindow) -> Periodogram {
     Periodogram::of(points, region, window, &go_on).expect("a periodogram")

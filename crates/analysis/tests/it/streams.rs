@@ -96,7 +96,7 @@ fn compared(
     report
 }
 
-/// The second judge alone finds in a stream what it finds in the whole.
+/// The second judge alone gives the same report for a stream as for the whole set.
 fn by_circles(points: &[[f64; 2]], region: Region, radius: f64, band: StreamBand, piece: usize) {
     let options = VerifyOptions {
         judges: JudgeChoice::Circles,

@@ -8,9 +8,7 @@
 use crate::support;
 
 use crate::support::{BOTH, go_on, judge, maximal_set, nearest, region, repeated};
-use tilescope_analysis::{
-    Boundary, GapKind, MAX_CONFLICTS, Region, Report, VerifyError, VerifyOptions, verify,
-};
+use tilescope_analysis::{Boundary, GapKind, MAX_CONFLICTS, Region, Report, VerifyOptions, verify};
 
 fn report(points: &[[f64; 2]], region: Region, radius: f64) -> Report {
     judge(points, region, radius).expect("a verdict")
@@ -75,7 +73,7 @@ fn the_gap_of_a_lattice_is_found_at_its_exact_place() {
         let region = region(1.0, 1.0, boundary);
         let mut points = centred_lattice(10);
         let removed = points.remove(34);
-        // The hole is as large as the spacing: a slightly smaller radius sees exactly it.
+        // The hole is as large as the spacing: a slightly smaller radius gives exactly this gap.
         let found = report(&points, region, 0.0999);
         assert_eq!((found.gaps, found.worst_gaps.len()), (1, 1));
         let gap = found.worst_gaps[0];

@@ -1,4 +1,4 @@
-//! The last few patterns that runs asked for, so that they are not generated again: equal specs have equal patterns.
+//! The last few patterns of runs, kept so that they are not generated again: equal specs have equal patterns.
 //! Generating the default pattern takes 12 ms, natively and as WebAssembly.
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -19,8 +19,8 @@ const MAX_BYTES: usize = 64 << 20;
 static KEPT: Mutex<Kept> = Mutex::new(Kept::new(MAX_PATTERNS, MAX_BYTES));
 
 impl Pattern {
-    /// Returns the pattern that `spec` describes: the same as [`Self::generate`], but made only if it
-    /// is not among the last few that were asked for.
+    /// Returns the pattern that `spec` describes: the same as [`Self::generate`], but made only if it is not among the
+    /// last few that were used.
     ///
     /// The observer is called for [`Stage::Pattern`] in any case and may stop it. Patterns are kept for the whole
     /// process, at most 8 and 64 MB; the least recently used go first.

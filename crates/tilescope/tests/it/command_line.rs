@@ -516,7 +516,7 @@ fn pictures_have_the_asked_size() {
     assert_eq!(u32::from_be_bytes(bytes[16..20].try_into().unwrap()), 320);
 }
 
-/// Where there is no display the program does the same session and says how to open the window.
+/// Without a display the program runs the same session and explains how to open the window.
 #[test]
 fn without_a_display_the_default_session_runs_headless() {
     let folder = tempdir().unwrap();

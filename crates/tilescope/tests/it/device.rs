@@ -18,7 +18,7 @@ const LARGE: [&str; 7] = [
     "sample", "--count", "1100000", "--leaf", "40", "--seed", "5",
 ];
 
-/// Fails with what is missing, if it is.
+/// Fails with a message if the adapter is missing.
 fn need_adapter(folder: &TempDir) {
     let mut command = tilescope(folder);
     let output = command

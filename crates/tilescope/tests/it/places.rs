@@ -199,7 +199,7 @@ fn a_pipe_is_read_once_whatever_is_given() {
     }
 }
 
-/// Runs the program in `folder` with a full device for what it prints, or for its errors. Returns its code.
+/// Runs the program in `folder` with a full device as its output, or for its errors. Returns its code.
 fn on_full_device(folder: &TempDir, arguments: &[&str], errors: bool) -> Option<i32> {
     let device = fs::OpenOptions::new()
         .write(true)

@@ -1,4 +1,4 @@
-//! Device failures become errors that say what failed, and nothing hangs or panics. Needs an adapter; a software one
+//! Device failures become errors that name the cause, and nothing hangs or panics. Needs an adapter; a software one
 //! will do.
 
 use std::sync::Arc;
