@@ -1,4 +1,9 @@
 //! The number of random cases that the tests of all crates try. Tests across the crates are in `tests/tests`.
+//!
+//! ```
+//! // At least one case is tried, the first one first.
+//! assert_eq!(tilescope_tests::some(["periodic", "bounded"]).next(), Some("periodic"));
+//! ```
 
 use std::env::var_os;
 
@@ -15,7 +20,7 @@ pub fn cases(all: u32) -> u32 {
     all.div_ceil(share)
 }
 
-/// Returns the first of a test's cases, as many as [`cases`] gives. Callers list the most different ones first.
+/// Returns the first of a test's cases, as many as [`cases`] gives. Callers list the cases that differ most first.
 pub fn some<T, const N: usize>(all: [T; N]) -> impl Iterator<Item = T> {
     let count = cases(N as u32) as usize;
     all.into_iter().take(count)

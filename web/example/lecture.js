@@ -10,7 +10,7 @@ player.searchParams.set("embed", "player");
 // The player answers its own origin and the one named here.
 player.searchParams.set("origin", location.origin);
 
-/** After so long without a message the page says that the player is silent. */
+/** After so long without a message the page reports that the player does not answer. */
 const SILENT_MS = 30_000;
 
 const frame = /** @type {HTMLIFrameElement} */ (document.getElementById("tilescope"));

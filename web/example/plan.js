@@ -5,7 +5,7 @@
 /** The address of Tilescope: on the origin of this page, since a channel joins windows of one origin. */
 const PLAYER = "../";
 
-/** The channel's name is random, so that no other page knows it; it stays in the address, so that a reload finds the talk. */
+/** The channel's name is random, so that no other page can guess it; it stays in the address, so that a reload finds the talk. */
 const name = /^#tilescope-[\w-]+$/.test(location.hash) ? location.hash.slice(1) : `tilescope-${crypto.randomUUID()}`;
 history.replaceState(null, "", `#${name}`);
 const channel = new BroadcastChannel(name);
@@ -19,7 +19,7 @@ const rows = [...document.querySelectorAll("#plan tr")];
 /** The step that the player shows, as `lesson/step`. */
 let shown = "";
 let isReady = false;
-/** @type {any} The talk, as its stage tells it. */
+/** @type {any} The talk, as its stage reported it last. */
 let talk = null;
 
 /** Shows the step of the talk in the player. */

@@ -1,5 +1,5 @@
-// @ts-check
-// A voting card: a phone shows one letter, in a colour and a shape that are told apart from the last row. It needs no network.
+// @ts-check A voting card: a phone shows one letter, in a colour and a shape that can be distinguished from the last
+// row. It needs no network.
 
 /** Letters with their colours, the ink on them, and their shapes. */
 const CARDS = /** @type {const} */ ([

@@ -126,7 +126,7 @@ export function bridge(origin, ask) {
     /** @param {any} told */
     state: (told) => {
       tell({ event: "state", state: told });
-      // The count begins anew when the program restarts.
+      // The number of answers begins at 0 when the program restarts.
       const { answered } = told;
       if (answered && answered.number !== answers) {
         tell({ event: "answered", ...answered });

@@ -1,6 +1,6 @@
-// @ts-check
-// The lesson beside the canvas, as elements of the page: headings, buttons, a live region. All texts are set as text. The
-// program holds the lesson; this shows what it says (`lesson` of the state) and sends what the learner does.
+// @ts-check The lesson beside the canvas, as elements of the page: headings, buttons, a live region. All texts are set
+// as text, never as HTML. The program holds the lesson; this module shows its state (`lesson`) and sends the learner's
+// actions.
 
 import { element } from "./{{asset:sheets.js}}";
 
@@ -14,7 +14,7 @@ const STYLES = { plain: "span", emphasis: "em", strong: "strong", code: "code" }
 
 /** @type {(request: object) => void} */
 let send = () => {};
-/** What each part shows, as JSON, so that only what has changed is made again. @type {Map<string, string>} */
+/** The content of each part, as JSON, so that only changed parts are made again. @type {Map<string, string>} */
 const shown = new Map();
 /** @type {Record<string, string>} */
 let words = {};
@@ -106,7 +106,7 @@ function keyed(elements) {
 const draft = (/** @type {object} */ change) => send({ do: "answer", draft: change });
 const choose = (/** @type {number} */ index) => draft({ choose: index });
 
-/** What a learner answers with, by the type of the question. @param {any} question @returns {(HTMLElement | SVGElement)[]} */
+/** The elements with which a learner answers, by the type of the question. @param {any} question @returns {(HTMLElement | SVGElement)[]} */
 function answers(question) {
   const disabled = !question.open;
   const muted = (/** @type {string} */ text) => make("p", { class: "small" }, text);
@@ -242,7 +242,7 @@ function listed(list) {
   return made;
 }
 
-/** Makes a part again if what it shows has changed. @param {string} part @param {any} value @param {() => Node[]} content */
+/** Makes a part again if its content has changed. @param {string} part @param {any} value @param {() => Node[]} content */
 function renew(part, value, content) {
   const json = JSON.stringify(value ?? null);
   if (shown.get(part) === json) {
@@ -254,12 +254,13 @@ function renew(part, value, content) {
   place.replaceChildren(...content());
   if (focused) {
     const again = document.getElementById(focused);
-    // What had the focus may be gone, as "Answer" is once the question is answered; the focus then stays in the part.
+    // The element with the focus may be gone, as "Answer" is once the question is answered; the focus then stays in the
+    // part.
     (again && !again.hasAttribute("disabled") ? again : place).focus({ preventScroll: true });
   }
 }
 
-/** Shows what the program says of its lesson: null if none is open. @param {any} lesson */
+/** Shows the state of the lesson, which is null if none is open. @param {any} lesson */
 export function showLesson(lesson) {
   const panel = element("lesson");
   const root = document.documentElement;
@@ -404,7 +405,7 @@ export function connectLesson(ask) {
       return;
     }
     showLesson(lesson);
-    // A new step begins at its heading, for the eye and for screen readers.
+    // A new step begins at its heading: it scrolls there and moves the focus.
     if (lesson && shown.get("walk") !== step && "go" in request) {
       element("lesson").scrollTop = 0;
       document.getElementById("lesson-heading")?.focus({ preventScroll: true });

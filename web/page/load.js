@@ -15,7 +15,8 @@ export async function load(progress) {
   if (!response.ok) {
     throw new Error(`the server answered ${response.status} when asked for the program`);
   }
-  // Browsers cache the compiled code only of an original response, so the bar counts a clone.
+  // Browsers cache the compiled code only of an original response, so the bytes for the progress bar are counted on a
+  // clone.
   const counted = count(response.clone(), progress);
   const [module] = await Promise.all([compile(response), counted]);
   return module;

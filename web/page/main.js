@@ -17,7 +17,7 @@ const BINDINGS = new URL("./{{asset:tilescope.js}}", import.meta.url).href;
 /** A display lost this soon after it was replaced is not replaced again. */
 const SOON_MS = 10_000;
 
-/** What the address asks for. */
+/** The parameters of the address. */
 const asked = new URLSearchParams(location.search);
 const embed = oneOf(asked.get("embed"), ["canvas", "player"]);
 
@@ -103,7 +103,7 @@ function writeLink() {
     history.replaceState(history.state, "", nextLink ? `#${nextLink}` : location.pathname + location.search);
     nextLink = null;
   } catch {
-    // The browser refused, because there were too many changes.
+    // The browser refused, since there were too many changes.
     wait = 10 * LINK_MS;
   }
   linkTimer = setTimeout(writeLink, wait);
@@ -118,7 +118,7 @@ function takeKey(event) {
   if (isOther) {
     return;
   }
-  // Keys in the lesson's text are not the program's.
+  // Keys in the lesson's text do not go to the program.
   if (event.target instanceof Node && element("lesson").contains(event.target)) {
     return;
   }
@@ -204,13 +204,13 @@ async function turnFullScreen() {
   }
 }
 
-/** The functions that the program calls. */
+/** The functions that the program calls (`hooks.rs` of `web/app`). */
 const hooks = {
   announce,
   // One element takes the text input of all fields, so it is labelled with the field's name.
   /** @param {string} name */
   field: (name) => textField()?.setAttribute("aria-label", name || FIELD),
-  // Deferred, as in `lost`, until the program has released its state.
+  // Deferred, as in `lost`: the program's state is still borrowed.
   /** @param {string} text */
   copy: (text) => setTimeout(() => copy(text)),
   full_screen: turnFullScreen,
@@ -241,7 +241,7 @@ let channel;
 /** The talk that is given. @type {any} */
 let talk = null;
 
-/** Opens the channel to the notes. Its name is random, so that no other window knows it. @param {string} name */
+/** Opens the channel to the notes. Its name is random, so that no other window can guess it. @param {string} name */
 function openChannel(name) {
   channel = new BroadcastChannel(name);
   channel.addEventListener("message", ({ data }) => {
@@ -257,7 +257,7 @@ function openChannel(name) {
   return name;
 }
 
-/** Opens the window with the notes when a talk wants them, and tells it of the talk. @param {any} told */
+/** Opens the window with the notes when the talk has them open, and sends it the talk. @param {any} told */
 function followTalk(told) {
   const wants = Boolean(told?.wants_notes) && !talk?.wants_notes;
   talk = told;
@@ -270,13 +270,13 @@ function followTalk(told) {
   channel?.postMessage({ talk });
 }
 
-/** Goes on with the talk that the notes have. @param {string} name */
+/** Continues the talk that the notes keep. @param {string} name */
 function rejoin(name) {
   openChannel(name);
   channel?.postMessage({ stage: true });
 }
 
-/** Loads the lessons that come with the program, when they are first asked for. */
+/** Loads the lessons that come with the program, when they are first needed. */
 async function loadLessons() {
   try {
     const response = await fetch(LESSONS);
@@ -337,7 +337,7 @@ async function begin(display, reason) {
   } finally {
     keepFocus(false);
   }
-  // A link was followed meanwhile.
+  // A link may have been followed meanwhile.
   if (fragment() !== link) {
     app.open_link(fragment());
   }
@@ -368,7 +368,8 @@ async function restart(reason) {
   if (hasFailed()) {
     return;
   }
-  // Out of view the browser may have taken it for other frames; in view it would take it again at once.
+  // Out of view the browser may have given the display to other frames, and the frame can wait; in view it would lose a
+  // new one at once.
   const isExpected = embed !== null && !inView();
   if (!ended || (!isExpected && performance.now() < restarted_ms + SOON_MS)) {
     fail(`The display was lost and could not be replaced: ${reason}`);
@@ -446,7 +447,7 @@ async function beginAnyhow(display) {
   }
 }
 
-/** Shows what the address asks for instead of the program: the voting card, or the notes of a talk. Returns whether it does. */
+/** Shows the voting card or the notes of a talk instead of the program, if the address names them. Returns whether it did. */
 async function showOther() {
   const notes = fragment().match(/^notes=(tilescope-[\w-]+)$/)?.[1];
   if (fragment() !== "card" && !notes) {

@@ -1,8 +1,7 @@
-// @ts-check
-// The lecturer's notes in a window of their own. The window with the stage sends what they show over a channel whose random
-// name only these two know; this sends back what the lecturer does. Both go on where either was closed and opened again.
+// @ts-check The lecturer's notes in a window of their own. The window with the stage sends their content over a channel
+// with a random name; this module sends back the lecturer's commands. Either window may be closed and opened again.
 
-/** The stage is taken for closed after so long without an answer. */
+/** The stage counts as closed after so long without an answer. */
 const SILENT_MS = 5_000;
 
 /** @param {string} tag @param {Record<string, string>} settings @param {(Node | string)[]} children */
@@ -58,7 +57,7 @@ export function showNotes(name) {
   const send = (/** @type {any} */ command) => channel.postMessage({ command });
   /** @type {any} */
   let talk = null;
-  /** @type {any} What the stage needs to go on, as long as there was a talk. */
+  /** @type {any} The state from which a stage can be opened again, once there was a talk. */
   let kept = null;
   let heard_ms = performance.now();
   let typed = "";
@@ -172,7 +171,7 @@ export function showNotes(name) {
       show();
     }
     if (data.stage && kept) {
-      // A stage was opened again.
+      // A new stage requests the state of the talk.
       send({ restore: JSON.stringify(kept) });
     }
   });

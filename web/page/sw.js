@@ -1,5 +1,5 @@
 // Caches one version of the page with all its files, which are then served without the network. A newer version waits
-// until the page that shows the old one asks for the change, so that files of two versions are never mixed.
+// until the page that shows the old one requests the change, so that files of two versions are never mixed.
 
 const VERSION = "{{version}}";
 const FILES = {{precache}};

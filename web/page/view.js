@@ -1,6 +1,5 @@
-// @ts-check
-// Detects whether a frame is in view. Browsers keep only some displays at a time (Chrome sixteen of WebGL), so on a
-// page with many frames those out of view must do without.
+// @ts-check Detects whether a frame is in view. Browsers keep only some displays at a time (Chrome sixteen of WebGL),
+// so on a page with many frames those out of view have no display.
 
 /** If the browser reports nothing for so long, the frame is hidden completely, as on a later slide. */
 const SILENT_MS = 500;

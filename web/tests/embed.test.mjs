@@ -19,7 +19,7 @@ async function lecture(html) {
   return { own: `http://127.0.0.1:${server.address().port}`, stop: () => server.close() };
 }
 
-/** A page that stores the messages it receives, and sends requests by `ask`. */
+/** The source of a page that stores the messages it receives, and sends requests by `ask`. */
 const PAGE = (frame) => `<!doctype html><title>Lecture</title><link rel="icon" href="data:,">
 <style>a { position: fixed; top: 650px; } #after { left: 200px; }</style>
 <a id="before" href="#">Before</a>
@@ -90,7 +90,7 @@ function speaking({ page, frame, origin }) {
 const focused = (page) => page.evaluate(() => document.activeElement?.id);
 const isMade = (state) => state?.ready && state.verified !== null;
 
-/** As `opened`, once the run is there; also returns functions to send requests and to wait for a state. */
+/** As `opened`, once the run is finished; also returns functions to send requests and to wait for a state. */
 async function asking(made) {
   const speaks = speaking(made);
   await heard(made.page, ({ event }) => event === "ready");
@@ -189,7 +189,7 @@ test("a page of another origin opens a link, plays and pauses", async (t) => {
   await done({ do: "pause" });
   const paused = await told((state) => !state.playing);
   assert.ok(paused.cursor < paused.events, "it played to the end");
-  // If it still played, the cursor would be past it.
+  // If the run still played, the cursor would be further on.
   await done({ do: "step", by: 1, unit: "event" });
   await told((state) => state.cursor === paused.cursor + 1);
 });
@@ -237,7 +237,7 @@ test("a window that does not hold the frame is not listened to", async (t) => {
       parent.frames[0].postMessage({ tilescope: 1, id: "other", do: "seek", event: 100 }, "${origin}");
     `);
   }, origin);
-  // The frame itself is not its parent either.
+  // Nor is the frame its own parent.
   await frame.evaluate((origin) => window.postMessage({ tilescope: 1, id: "own", do: "seek", event: 100 }, origin), origin);
   await flush(page, frame);
   assert.equal((await told(() => true)).cursor, cursor);
@@ -258,7 +258,7 @@ test("an id that cannot be sent back is left out of the answer", async (t) => {
   assert.match(refused.error, /3/);
 });
 
-test("while a lost display is replaced, requests are told to come again", async (t) => {
+test("while a lost display is replaced, requests are refused with the advice to ask again", async (t) => {
   const { page, frame, told } = await asking(await opened(t, (own) => `${named(own)}&display=webgl`));
   const own = new URL(page.url()).origin;
   await frame.evaluate((origin) => {
@@ -354,7 +354,7 @@ test("a frame may begin hidden, as on a slide that is not shown yet", async (t) 
     await slide.evaluate(post, [message, address]);
     return heard(slide, (message) => message.id === id);
   };
-  // A run is made there, too, although no frames are drawn.
+  // Runs are made although no frames are drawn.
   assert.equal((await asked({ do: "load", parameters: { seed: 9, radius: 0.02 } })).ok, true);
   await until("a run made out of sight", async () => {
     const { state } = await asked({ do: "state" });
@@ -373,7 +373,8 @@ test("Tab leads through a frame, with a ring, and out of it", async (t) => {
     const at = await focused(page);
     if (at === "frame") {
       await until("what has the focus now", async () => (await frame.textContent("#announcer")) !== said);
-      // Something else may have been announced: two presses in one frame would move the focus once.
+      // Wait for a frame, since the announcement may have been another one, and two presses in one frame would move the
+      // focus once.
       await frame.evaluate(() => new Promise((drawn) => requestAnimationFrame(() => requestAnimationFrame(drawn))));
     }
     return at;
@@ -448,7 +449,7 @@ test("the page around a frame scrolls by the wheel and by one finger; with Ctrl 
   ]);
   await until("a run that is nearer still", async () => (await scale()) > 1.5 * nearer);
   assert.equal(await scroll(), now);
-  // The line of time takes a finger.
+  // On the timeline one finger belongs to the program.
   const { y } = await page.locator("#frame").boundingBox();
   const { cursor } = await told(() => true);
   await fingers([[[700, y + 560], [-20, 0]]]);

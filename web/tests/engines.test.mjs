@@ -1,5 +1,5 @@
-// Same parameters, same points, bit for bit: compares both engines of the page with the native program. Also a GPU that
-// computes wrong points, and one that is lost.
+// Same parameters, same points, bit for bit: compares both engines of the page with the native program. Also tests a
+// GPU that computes wrong points, and one that is lost.
 
 import assert from "node:assert/strict";
 import { readFile } from "node:fs/promises";
@@ -152,7 +152,7 @@ test("one point of the GPU that is moved by one unit is found by the page", asyn
 });
 
 // This must be the last test of its page, since it destroys the device.
-test("a computing device that is lost leaves the run to the CPU, which says so", async (t) => {
+test("after the loss of a computing device the CPU makes the run, and a notice says so", async (t) => {
   const page = await sampling(t, "gpu");
   const by = await load(page, "v=1&radius=0.03&seed=9");
   assert.match(by.engine, /^GPU/);

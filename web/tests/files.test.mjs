@@ -80,7 +80,7 @@ test("a point set and its certificate are dropped as a pattern, and other bytes 
   assert.match(refused.notice, /^noise\.csv: .*no column is named x/);
 });
 
-test("what is dropped beside the canvas does not take the page away", async (t) => {
+test("a file dropped beside the canvas does not replace the page", async (t) => {
   const { page } = await reused(t);
   const goesOn = (type, at) =>
     page.evaluate(

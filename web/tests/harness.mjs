@@ -17,7 +17,7 @@ const run = promisify(execFile);
 const here = path.dirname(fileURLToPath(import.meta.url));
 /** The folder that web/build has made. */
 export const DIST = process.env.TILESCOPE_DIST ?? path.join(here, "../dist");
-/** The native program. */
+/** The native program's path. */
 export const PROGRAM = process.env.TILESCOPE ?? path.join(here, "../../target/release/tilescope");
 
 /** A timeout long enough for software renderers on a busy machine. */

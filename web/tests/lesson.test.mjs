@@ -57,7 +57,7 @@ test("lesson 5 is done, from its first step to its last, by roles and names alon
   }
   await button("Answer").click();
   await lesson.getByText("The first sample eliminates").waitFor();
-  // Six turns: whatever is wrong is answered again.
+  // Six samples take their turn; a wrong answer is given again, changed.
   await button("Next").click();
   const options = [/None$/, /One$/, /Two or more$/];
   const step = lesson.getByText(/^Step \d of 6$/);

@@ -8,7 +8,7 @@ import { reused, started } from "./shared.mjs";
 /** Follows a link on a page. */
 const follow = (page, link) => page.evaluate((link) => (location.hash = link), link);
 
-test("what is shown is in the address, without a step of history, and comes back from it", async (t) => {
+test("the address follows the view without steps of history, and restores it", async (t) => {
   const { server, context, page } = await reused(t);
   const before = await page.evaluate(() => history.length);
   await ask(page, { do: "load", parameters: { seed: 77, radius: 0.02 } });
@@ -35,7 +35,7 @@ test("what is shown is in the address, without a step of history, and comes back
   await shows(page);
 });
 
-/** Follows a link while the program requests its display, and continues once the page has noticed. */
+/** Follows a link while the program requests its display, and continues once the page has handled it. */
 function followMeanwhile(link) {
   const original = GPUAdapter.prototype.requestDevice;
   GPUAdapter.prototype.requestDevice = async function (...options) {
@@ -148,7 +148,7 @@ for (const [query, kept] of [
   });
 }
 
-test("a link that the browser does not let be copied is said not to be", async (t) => {
+test("a link that the browser does not copy gives a notice", async (t) => {
   const { page } = await reused(t);
   await copied(page, false);
   const { notice } = await state(page, (told) => told.notice?.includes("did not let"));

@@ -38,7 +38,7 @@ function slowClock() {
   performance.now = () => now() / 4;
 }
 
-test("a lost WebGL context is replaced, and one that is lost again at once is said", async (t) => {
+test("a lost WebGL context is replaced, and a second loss at once is reported", async (t) => {
   const { page } = await started(t, "?display=webgl&engine=cpu#v=1&seed=8&radius=0.02&at=999", {
     prepare: (context) => context.addInitScript(slowClock),
   });

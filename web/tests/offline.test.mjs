@@ -159,8 +159,8 @@ function update(page) {
 }
 
 for (const [servedBy, given, ways] of [
-  ["a server that says what it has not", (_, server) => server, Object.keys(BROKEN)],
-  ["a server that gives its page for all that it has not", pageForAll, ["lacks a file"]],
+  ["a server that reports missing files", (_, server) => server, Object.keys(BROKEN)],
+  ["a server that answers with its page for missing files", pageForAll, ["lacks a file"]],
 ]) {
   test(`a new version that is broken is refused, and the one at hand stays, with ${servedBy}`, async (t) => {
     const { copy, server } = await copied(t);

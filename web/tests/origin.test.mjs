@@ -6,7 +6,7 @@ import { test } from "node:test";
 globalThis.location = /** @type {any} */ ({ origin: "https://player.example" });
 const { namedOrigin } = await import("../page/embed.js");
 
-test("an origin is taken as browsers write it, and what is none is said", (t) => {
+test("an origin is read as browsers write it, and an invalid one is reported", (t) => {
   const said = t.mock.method(console, "warn", () => {});
   for (const [text, origin] of [
     [null, null],

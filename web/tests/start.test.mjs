@@ -1,4 +1,4 @@
-// The page starts: it shows the default session, verified, with either display, and says what is missing if it cannot.
+// The page starts: it shows the default session, verified, with either display, and names what is missing if it cannot.
 
 import assert from "node:assert/strict";
 import { once } from "node:events";
@@ -128,7 +128,7 @@ test("without scripts the page says that it needs them", async (t) => {
   await pictured(page, "noscript img");
 });
 
-test("a module that cannot be had is said", async (t) => {
+test("a module that cannot be loaded is reported", async (t) => {
   const { page } = await opened(t, "", {
     prepare: (context) => context.route(/sheets-/, (route) => route.abort()),
     expected: [/Failed to load resource/],
@@ -139,7 +139,7 @@ test("a module that cannot be had is said", async (t) => {
   await shows(page, await page.locator("#failure .card").boundingBox());
 });
 
-test("a worker that cannot be had is said", async (t) => {
+test("a worker that cannot be loaded is reported", async (t) => {
   const { page } = await opened(t, "?engine=cpu", {
     prepare: (context) => context.route(/worker-/, (route) => route.abort()),
   });
@@ -203,7 +203,7 @@ async function doled(t, server) {
   return { address: `http://127.0.0.1:${own.address().port}`, allow };
 }
 
-test("loading shows how much has come", async (t) => {
+test("loading shows its progress", async (t) => {
   const server = await doled(t, await host());
   const { page } = await opened(t, "", { server });
   const bar = page.locator("#loading-bar");
@@ -299,7 +299,7 @@ test("the camera jumps where motion is to be reduced from the start", async (t) 
   assert.ok(jump <= 2, `${jump} pictures`);
 });
 
-test("where the keyboard is can be seen", async (t) => {
+test("the focus of the keyboard is visible", async (t) => {
   const { page } = await reused(t);
   for (let k = 0; k < 3; k += 1) {
     const before = await rests(page);

@@ -18,7 +18,7 @@ async function browsing(t, settings) {
   return { address, context };
 }
 
-/** Waits for the notes of a talk and returns what they can be asked. */
+/** Waits for the notes of a talk and returns functions that read them. */
 async function notesOf(notes) {
   await notes.getByRole("heading", { level: 2 }).first().waitFor();
   const here = notes.getByRole("region", { name: "This step" });
@@ -40,7 +40,7 @@ test("notes open beside the stage, lead it, and each may be closed and opened ag
   assert.ok(note.length > 10);
   assert.equal((await stage.content()).includes(note), false);
   await notes.getByRole("img", { name: /next step/ }).waitFor();
-  // The clicker's key works in either window.
+  // The clicker's keys work in either window.
   await notes.keyboard.press("PageDown");
   await until("the next step", async () => (await title()) === "One of two");
   await here.getByText("The answer:").waitFor();

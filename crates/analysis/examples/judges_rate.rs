@@ -1,6 +1,5 @@
-//! Measures both judges on one set, in turns, so that what disturbs one disturbs the other.
-//! Usage: `judges_rate [samples] [threads] [rounds]`.
-//! It never asserts a time; it prints what it saw.
+//! Measures both judges on one set, in turns, so that other load of the machine slows both alike. Usage:
+//! `judges_rate [samples] [threads] [rounds]`. Times are printed, not asserted.
 
 #[path = "../tests/it/support/mod.rs"]
 mod support;

@@ -1,7 +1,6 @@
 //! Prints all measures of a file of `x,y` lines, or times the transform and brushing on noise:
 //! `measures FILE [width height [periodic|bounded [radius]]]`, `measures time [samples frequencies threads]`,
-//! `measures brush [samples nu distance threads]`.
-//! It never asserts a time; it prints what it saw.
+//! `measures brush [samples nu distance threads]`. Times are printed, not asserted.
 
 use std::ops::ControlFlow;
 use std::time::Instant;
@@ -55,7 +54,7 @@ fn main() {
     }
 }
 
-/// Lines of two numbers; others are passed over.
+/// Reads the lines of two numbers; others are skipped.
 fn read(path: &str) -> Vec<[f64; 2]> {
     let content = std::fs::read_to_string(path).expect("a readable file");
     let point = |line: &str| {
@@ -234,8 +233,8 @@ fn time(count: usize, frequencies: usize, threads: usize) {
     }
 }
 
-/// Times what a mark in a spectrum asks for: a ring that ends at a frequency `nu`, and the pairs up to a distance
-/// in units of the largest possible minimum distance.
+/// Times the measures behind a mark in a curve: the shares of a ring that ends at a frequency `nu`, and the pairs up to
+/// a distance in units of the largest possible minimum distance.
 fn brush(count: usize, nu: f64, distance: f64, threads: usize) {
     let (points, region) = noise(count);
     let outer = nu * (count as f64).sqrt();

@@ -1,7 +1,6 @@
-//! Measures the verifier: samples per second on a given number of threads, and peak memory.
-//! Usage: `verify_rate [samples] [threads] [tile samples] [percent emptied] [empty margin percent]
-//! [1 to stream]`.
-//! It never asserts a time; it prints what it saw.
+//! Measures the verifier: samples per second on a given number of threads, and peak memory. Usage:
+//! `verify_rate [samples] [threads] [tile samples] [percent emptied] [empty margin percent] [1 to stream]`. Times are
+//! printed, not asserted.
 
 #[path = "../tests/it/support/mod.rs"]
 mod support;

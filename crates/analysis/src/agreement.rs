@@ -1,4 +1,4 @@
-//! Whether both judges say the same of a set. It knows their reports, not their searches.
+//! Compares the reports of both judges on one set.
 
 use crate::error::VerifyError;
 use crate::judge::Judge;
@@ -7,7 +7,7 @@ use crate::report::Report;
 /// Relative difference of two lengths within which judges agree.
 const SAME_LENGTH: f64 = 1e-9;
 
-/// The first report, naming both judges, where the second says the same; an error otherwise.
+/// Returns the first report, naming both judges, if the second has the same result; otherwise an error.
 ///
 /// Covering radii may differ by rounding. Where one of them is within rounding of the limit, the judges may differ on
 /// maximality, and the second decides: it compares exactly.

@@ -1,6 +1,6 @@
-//! Maximality: the largest empty circles centred in the region, exactly, in bounded memory.
-//! The region is cut into tiles, each triangulated with a halo that is proven to be wide enough.
-//! It never looks for conflicts and never trusts the radius it is told.
+//! Maximality: the largest empty circles centred in the region, exactly, in bounded memory. The region is cut into
+//! tiles, each triangulated with a halo that is proven to be wide enough. Conflicts are searched in `pairs`. The result
+//! does not depend on the radius, which only suggests the first halo.
 //!
 //! # Where the largest empty circles are
 //!
@@ -28,9 +28,9 @@
 //! `f_W(s) >= f_W(c) - |c s| > |c q| - |c s| = |s q| > H`, against the assumption. With `f`, the
 //! Voronoi vertices in `T` are the same for `W` and for the whole set, too.
 //!
-//! If `m > H`, the halo grows towards `m`, which would do, because a wider window only lowers
-//! `f_W`. A hole of any size and a radius wrong by any factor are therefore found as what they are;
-//! the radius only suggests the first halo. Each tile is triangulated once, after the proof.
+//! If `m > H`, the halo grows towards `m`, which would do, because a wider window only lowers `f_W`. So holes of any
+//! size are measured exactly, even with a radius that is wrong by any factor. Each tile is triangulated once, after the
+//! proof.
 //!
 //! Around a large hole a halo would take in much of the set, though only the rim matters: there,
 //! samples that cannot be nearest to any place of the tile are left out ([`buried`]). They are never
@@ -142,13 +142,13 @@ pub(crate) fn search(
     Ok(places.finish(task.domain(), task.same))
 }
 
-/// A tile to be looked at.
+/// A tile with its window.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Visit {
     pub tile: Tile,
     /// The halo to begin with.
     pub halo: f64,
-    /// Rows that the window of that halo wants, counted on across the seams; empty where not asked yet.
+    /// Rows that the window of that halo needs, numbered on across the seams; empty until they are known.
     pub wants: Range<i64>,
 }
 
@@ -160,7 +160,7 @@ impl Visit {
     }
 }
 
-/// Looks at tiles. Returns those, too, whose windows want rows that the grid does not hold.
+/// Judges tiles. Also returns the tiles whose windows need rows that the grid does not hold.
 pub(crate) fn visit(
     task: &CoverSearch<'_>,
     visits: Vec<Visit>,
@@ -184,7 +184,7 @@ pub(crate) fn visit(
         })
 }
 
-/// Widens the window of a tile until its sides prove it sufficient, then looks inside.
+/// Widens the window of a tile until its sides prove it sufficient, then examines its inside.
 fn inspect(
     task: &CoverSearch<'_>,
     Visit { tile, halo, .. }: Visit,
@@ -202,7 +202,7 @@ fn inspect(
             return Ok(Ok(Places::of_tile(task, &tile, survey)));
         }
         monitor.advance(0)?;
-        // The reach is infinite while a side sees no sample at all.
+        // The reach is infinite while no sample is in the window of a side.
         halo = survey.side_reach.min(16.0 * halo);
     }
 }

@@ -1,7 +1,6 @@
-//! Delaunay triangulations in a time that no set can spoil.
-//! Sites are inserted in a biased randomised order (Amenta, Choi and Rote 2003): rounds of doubling size, each along a k-d tree. The
-//! expected work is then that of a random order whatever the set is like, and each site lies near the one before it.
-//! It knows nothing of circles and regions. The order is the same in every run.
+//! Delaunay triangulations in nearly linear time for any set. Sites are inserted in a biased randomised order (Amenta,
+//! Choi and Rote 2003): rounds of doubling size, each along a k-d tree. The expected work is then that of a random
+//! order for any set, and each site lies near the one before it. The order is the same in every run.
 
 use glam::DVec2;
 use spade::{DelaunayTriangulation, HasPosition, Point2, Triangulation, validate_vertex};
@@ -9,8 +8,8 @@ use spade::{DelaunayTriangulation, HasPosition, Point2, Triangulation, validate_
 /// Sites that are inserted before the rounds begin.
 const FIRST: usize = 64;
 
-/// Returns the triangulation; none of sites on one line, which have no triangle. The error is what was said about a coordinate
-/// that was refused.
+/// Returns the triangulation; none of sites on one line, which have no triangle. The error is spade's, for a coordinate
+/// that it refuses.
 pub(crate) fn delaunay<V: HasPosition<Scalar = f64>>(
     mut sites: Vec<V>,
 ) -> Result<Option<DelaunayTriangulation<V>>, String> {
@@ -52,13 +51,15 @@ fn along_a_tree<V: HasPosition<Scalar = f64>>(sites: &mut [V]) {
     }
     let (mut low, mut high) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
     for site in sites.iter() {
-        let at = place(site);
+        let at = position(site);
         low = at.min(low);
         high = at.max(high);
     }
     let axis = (high - low).max_position();
     let middle = sites.len() / 2;
-    sites.select_nth_unstable_by(middle, |a, b| place(a)[axis].total_cmp(&place(b)[axis]));
+    sites.select_nth_unstable_by(middle, |a, b| {
+        position(a)[axis].total_cmp(&position(b)[axis])
+    });
     let (before, after) = sites.split_at_mut(middle);
     along_a_tree(before);
     along_a_tree(after);
@@ -67,15 +68,15 @@ fn along_a_tree<V: HasPosition<Scalar = f64>>(sites: &mut [V]) {
 /// Brings three sites to the front that are not on one line; false if there are none. Along a line insertion takes a time that
 /// grows with the square of the sites.
 fn begin_with_a_triangle<V: HasPosition<Scalar = f64>>(sites: &mut [V]) -> bool {
-    let Some(first) = sites.first().map(place) else {
+    let Some(first) = sites.first().map(position) else {
         return false;
     };
-    let Some(second) = sites.iter().position(|site| place(site) != first) else {
+    let Some(second) = sites.iter().position(|site| position(site) != first) else {
         return false;
     };
     sites.swap(1, second);
-    let second = place(&sites[1]);
-    let Some(third) = (sites.iter()).position(|site| !on_a_line([first, second, place(site)]))
+    let second = position(&sites[1]);
+    let Some(third) = (sites.iter()).position(|site| !on_a_line([first, second, position(site)]))
     else {
         return false;
     };
@@ -83,7 +84,7 @@ fn begin_with_a_triangle<V: HasPosition<Scalar = f64>>(sites: &mut [V]) -> bool 
     true
 }
 
-fn place<V: HasPosition<Scalar = f64>>(site: &V) -> DVec2 {
+fn position<V: HasPosition<Scalar = f64>>(site: &V) -> DVec2 {
     let Point2 { x, y } = site.position();
     DVec2::new(x, y)
 }

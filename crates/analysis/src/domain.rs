@@ -1,6 +1,6 @@
-//! The region in the verifier's own unit: a power of two that makes the longer side 1 to 2.
-//! Scaling by a power of two is exact, so every comparison decides as it would in the caller's unit.
-//! It never holds samples.
+//! The region in the verifier's own unit: a power of two that makes the longer side 1 to 2. Scaling by a power of two
+//! is exact, so every comparison decides as it would in the caller's unit. The samples are in [`crate::grid`] and in
+//! `circles`.
 
 use glam::DVec2;
 

@@ -1,6 +1,5 @@
-//! Why a set could not be judged; an invalid but readable set is a report, not an error.
-//! One variant per cause, each naming the value and the limit or the place.
-//! It never wraps a foreign error type.
+//! Why a set could not be judged; an invalid but readable set is a report, not an error. One variant per cause, each
+//! naming the value and the limit or the place. Errors of other libraries are not wrapped.
 
 use crate::number::Number;
 use crate::region::{Boundary, Region};
@@ -38,7 +37,7 @@ pub enum VerifyError {
         index: usize,
         /// Its position.
         point: [f64; 2],
-        /// The region asked for.
+        /// The region.
         region: Region,
     },
     /// The radius is not a positive number within 2^-100 to 2^100 times the longer extent.
@@ -74,7 +73,7 @@ pub enum VerifyError {
     Triangulation {
         /// Lower corner of the tile, in region coordinates.
         corner: [f64; 2],
-        /// What the triangulation said.
+        /// The message of the triangulation.
         cause: String,
     },
     /// A sample of a stream lies too far below one before it.
@@ -97,9 +96,9 @@ pub enum VerifyError {
         .corner[0], .corner[1]
     )]
     HoleTooWide {
-        /// Lower corner of the tile that sees it, in region coordinates.
+        /// Lower corner of the tile beside it, in region coordinates.
         corner: [f64; 2],
-        /// How far the tile wants to see.
+        /// How far the tile's window reaches.
         reach: f64,
     },
     /// A stream would have to hold more than it is allowed.
@@ -127,9 +126,9 @@ pub enum VerifyError {
          {limit} are sure to be seen; the set must be verified in memory"
     )]
     TooSparse {
-        /// The smallest distance seen.
+        /// The smallest distance found.
         min_distance: f64,
-        /// The distance up to which all pairs are seen.
+        /// The distance up to which all pairs are found.
         limit: f64,
     },
     /// The two judges differ on a set: one of them is wrong.
@@ -138,7 +137,7 @@ pub enum VerifyError {
         .reports[0].summary(), .reports[0].judges[0], .reports[1].summary(), .reports[1].judges[0]
     )]
     Disagreement {
-        /// On what they differ.
+        /// The name of the value on which they differ.
         difference: &'static str,
         /// The reports of both.
         reports: Box<[Report; 2]>,
@@ -169,7 +168,7 @@ impl VerifyError {
     }
 }
 
-/// Says what is wrong with a place on the side of a torus that is the opposite side.
+/// Returns a hint for a sample on the upper or right side of a torus, which is the opposite side.
 fn on_far_side(point: [f64; 2], region: Region) -> &'static str {
     let closed = Region {
         boundary: Boundary::Bounded,

@@ -1,12 +1,11 @@
-//! What a judge hands over to the report.
-//! Plain data that both judges make, each from searches of its own.
+//! The result of a judge, from which the report is made. Both judges give it, each by searches of its own.
 
 use crate::judge::Judge;
 use crate::witness::{Conflict, Gap};
 use crate::worst::Worst;
 
-/// Pairs in conflict are counted up to so many: a set with more has been misread, or asked about with a wrong radius, and
-/// counting them all would take a time that grows with the square of its samples.
+/// Pairs in conflict are counted up to so many: a set with more was misread or has another radius, and counting them
+/// all would take a time that grows with the square of its samples.
 pub const MAX_CONFLICTS: u64 = 1_000_000;
 
 /// What a judge found, in the domain's unit.

@@ -1,6 +1,6 @@
-//! A uniform grid over the region, or over some of its rows, with the samples sorted by cell: the one
-//! index of the verifier. Cells of a row follow each other and each is sorted by x, so a row is, too.
-//! It never copies a sample across the border; the searches that need copies make them.
+//! A uniform grid over the region, or over some of its rows, with the samples sorted by cell: the one index of the
+//! verifier. Cells of a row follow each other and each is sorted by x, so a row is, too. Samples are not copied across
+//! the border; searches that need copies make them.
 
 use std::ops::Range;
 
@@ -35,7 +35,7 @@ pub(crate) struct Rows {
 }
 
 impl Rows {
-    /// The place of a row of the region in the stretch; none if it is not held.
+    /// The index of a row of the region in the stretch; none if it is not held.
     fn index(self, row: usize, all: usize) -> Option<usize> {
         let index = if row >= self.first {
             row - self.first
@@ -176,7 +176,7 @@ impl Grid {
     ///
     /// # Panics
     ///
-    /// If the row is not held: what is not there must not pass for empty.
+    /// If the row is not held, since it must not pass for an empty one.
     pub fn run_range(&self, row: usize, columns: &Range<usize>) -> Range<usize> {
         let index = self.rows.index(row, self.cells[1]);
         let first = index.expect("the row is held") * self.cells[0];
@@ -195,7 +195,7 @@ impl Grid {
             .sum()
     }
 
-    /// Whether so many samples share cells that to look at all pairs of touching cells is out of the question.
+    /// Whether so many samples share cells that comparing all pairs of touching cells would take too long.
     pub fn is_crowded(&self) -> bool {
         let pairs = |bounds: &[u32]| u64::from(bounds[1] - bounds[0]).pow(2);
         let all: u64 = self.starts.windows(2).map(pairs).sum();

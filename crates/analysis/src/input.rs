@@ -4,7 +4,7 @@ use crate::error::VerifyError;
 use crate::grid::Grid;
 use crate::region::Region;
 
-/// Samples that are looked at together.
+/// Samples that are checked together, without a branch for each.
 const CHUNK: usize = 1024;
 
 pub(crate) fn check_tolerance(tolerance: f64) -> Result<(), VerifyError> {
@@ -33,12 +33,12 @@ pub(crate) fn check_points(points: &[[f64; 2]], region: Region) -> Result<(), Ve
     reason = "without branches several samples are compared at once"
 )]
 pub(crate) fn all_are_in(points: &[[f64; 2]], region: Region) -> bool {
-    let [right, top] = region.last_place();
+    let [right, top] = region.last_point();
     let both = |all, &[x, y]: &[f64; 2]| all & (x >= 0.0) & (x <= right) & (y >= 0.0) & (y <= top);
     points.iter().fold(true, both)
 }
 
-/// Refuses a sample that is no place of the region.
+/// Refuses a sample that does not lie in the region.
 pub(crate) fn check_point(
     index: usize,
     point: [f64; 2],

@@ -1,4 +1,5 @@
-//! The two judges, and which of them are asked. It judges nothing itself.
+//! The names of the two judges, and which of them are asked. Their code is in `pairs` and `cover` (Delaunay
+//! triangulation) and in `circles` (covered circles); `verify` asks them.
 
 use std::fmt;
 
@@ -15,7 +16,7 @@ pub enum Judge {
 }
 
 impl Judge {
-    /// Returns the judge of reports and certificates from the time when there was one.
+    /// Returns the judge of reports and certificates that name none, because they are from before there were two.
     #[must_use]
     pub fn first() -> Vec<Self> {
         vec![Self::Delaunay]
@@ -67,7 +68,7 @@ impl JudgeChoice {
         }
     }
 
-    /// How many times all of so many samples are gone over: twice by the first judge, once by the second.
+    /// How many passes over the samples the judges make: two by the first judge, one by the second.
     pub(crate) fn passes(self, count: usize) -> u64 {
         let [by_delaunay, by_circles] = self.asked(count);
         2 * u64::from(by_delaunay) + u64::from(by_circles)

@@ -1,7 +1,6 @@
-//! The judge: decides whether a planar point set is conflict-free and maximal, and measures it.
-//! It works on plain `f64` positions, a region and a radius, whoever made them.
-//! Point sets and reports hold positions as `[f64; 2]`; all geometry between them is computed with [`glam::DVec2`].
-//! It never depends on the sampler, on a GPU, on files or on a clock.
+//! The judge: decides whether a planar point set is conflict-free and maximal, and measures it. It works on plain `f64`
+//! positions, a region and a radius, from any source. Point sets and reports hold positions as `[f64; 2]`; all geometry
+//! between them is computed with [`glam::DVec2`]. It does not depend on the sampler, on a GPU, on files or on a clock.
 //!
 //! [`verify`] gives the verdict with exact extremes (closest pair, largest empty circle) and
 //! witnesses; [`StreamVerifier`] gives the same in bounded memory;

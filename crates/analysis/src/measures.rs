@@ -1,6 +1,6 @@
-//! Measures of a point set: spectra, distances, order, discrepancy, uniformity, each from its formula.
-//! Positions, a region and plain numbers go in, plain numbers come out; long ones report progress.
-//! They never judge: [`verify`](crate::verify) does. They depend on no thread's timing.
+//! Measures of a point set: spectra, distances, order, discrepancy, uniformity, each from its formula. Positions, a
+//! region and plain numbers go in, plain numbers come out; long ones report progress. They do not judge a set
+//! ([`verify`](crate::verify) does), and they do not depend on the number of threads.
 //!
 //! ```
 //! use std::ops::ControlFlow;
@@ -72,7 +72,7 @@ use crate::grid::Grid;
 use crate::input::check_point;
 use crate::region::Region;
 
-/// Refuses sets that a measure has no use for.
+/// Refuses sets that cannot be measured.
 fn check_set(points: &[[f64; 2]], region: Region, least: usize) -> Result<(), MeasureError> {
     Domain::new(region)?;
     let count = points.len();

@@ -1,6 +1,5 @@
-//! Progress and cancellation: the one channel from a running verification to its caller.
-//! Counts work in samples and asks the caller's function whether to go on.
-//! It never measures time.
+//! Progress and cancellation: the one channel from a running verification to its caller. Counts work in samples and
+//! asks the caller's function whether to go on. No time is measured.
 
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -61,7 +60,7 @@ impl<'a> Monitor<'a> {
         self.done.load(Ordering::Relaxed)
     }
 
-    /// Adds finished work and reports it; the error says that the caller wants to stop.
+    /// Adds finished work and reports it. Fails if the caller cancels.
     pub fn advance(&self, work: u64) -> Result<(), VerifyError> {
         let work = if self.counts { work } else { 0 };
         let done = self.done.fetch_add(work, Ordering::Relaxed) + work;

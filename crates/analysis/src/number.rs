@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-/// A number as it is read best: with an exponent where digits alone would be very many.
+/// Displays a number, with an exponent where it would otherwise have very many digits.
 ///
 /// ```
 /// use tilescope_analysis::Number;

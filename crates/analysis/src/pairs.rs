@@ -1,7 +1,7 @@
-//! Conflicts and the smallest distance, by an own grid search.
-//! Distances go around the torus when periodic; each pair counts once, at its shortest. Crowded sets go another way
-//! ([`sweep`]) to the same result.
-//! It never uses the triangulation: the two halves of the verdict stay independent.
+//! The first judge's search for conflicts and the smallest distance, on a grid. A pair is compared with the radius in
+//! `Pairs::add`. Distances go around the torus when periodic; each pair counts once, at its shortest. Crowded sets go
+//! another way ([`sweep`]) to the same result. It does not use the triangulation, so that the two halves of the verdict
+//! are independent.
 
 mod sweep;
 
@@ -26,7 +26,7 @@ const CHUNK: usize = 4096;
 /// Runs of entries longer than this are narrowed by binary search before they are scanned.
 const LONG_RUN: usize = 32;
 
-/// What the pair search found, in the domain's unit.
+/// The result of the search, in the domain's unit.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Pairs {
     pub conflicts: u64,
@@ -44,7 +44,7 @@ impl Pairs {
         }
     }
 
-    /// Takes note of a pair.
+    /// Records a pair: it is in conflict if its distance is below the radius.
     fn add(&mut self, [one, other]: [&Entry; 2], distance: f64, radius: f64) {
         if distance < radius {
             self.conflicts += 1;
@@ -64,8 +64,8 @@ impl Pairs {
     }
 }
 
-/// The cell side that [`search`] wants: such that the closest pair of a large set is within one cell side (no packing has
-/// all distances above 1.0746 spacings).
+/// The cell side for [`search`]: such that the closest pair of a large set is within one cell side (no packing has all
+/// distances above 1.0746 spacings).
 pub(crate) fn cell_side(domain: &Domain, count: usize) -> f64 {
     1.1 * domain.spacing(count)
 }
@@ -129,7 +129,7 @@ pub(crate) fn certain_distance(grid: &Grid) -> f64 {
         .fold(f64::INFINITY, f64::min)
 }
 
-/// In the repeated plane each sample also neighbours its own copies.
+/// Records each sample with its own nearest copies in the repeated plane.
 fn add_own_copies(grid: &Grid, radius: f64, pairs: &mut Pairs) {
     let period = grid.domain.extent.min_element();
     pairs.min_distance = pairs.min_distance.min(period);
@@ -145,9 +145,9 @@ fn add_own_copies(grid: &Grid, radius: f64, pairs: &mut Pairs) {
     }
 }
 
-/// Looks at the pairs within the cells of `rows` and with the touching cells of higher index. All rows
-/// of a region, each once, see every pair of touching cells once. A row asks for the next to be held, the
-/// first row of a torus also for the last.
+/// Compares the samples within the cells of `rows`, and with those of the touching cells of higher index. Over all rows
+/// of a region every pair of touching cells is compared once. The row after each must be held, for the first row of a
+/// torus also the last.
 pub(crate) fn scan(
     grid: &Grid,
     rows: Range<usize>,
@@ -184,9 +184,9 @@ struct Scan<'a> {
     grid: &'a Grid,
     periods: DVec2,
     radius: f64,
-    /// Larger distances cannot be the smallest: pairs beyond it are not all seen.
+    /// Larger distances cannot be the smallest: pairs beyond it are not all compared.
     reach: f64,
-    /// Squared distances up to this are looked at closely.
+    /// Pairs with a larger squared distance change nothing.
     threshold: f64,
     pairs: Pairs,
 }
@@ -211,8 +211,8 @@ impl<'a> Scan<'a> {
         self
     }
 
-    /// Looks at the pairs within a cell and with the touching cells of higher index; returns the
-    /// number of samples in the cell.
+    /// Compares the samples within a cell, and with those of the touching cells of higher index; returns the number of
+    /// samples in the cell.
     fn cell(&mut self, cell: usize) -> usize {
         let grid = self.grid;
         let (column, row) = (cell % grid.cells[0], cell / grid.cells[0]);
@@ -243,7 +243,7 @@ impl<'a> Scan<'a> {
         let mut used = 0;
         let inside = column > 0 && column + 1 < columns;
         if inside && row + 1 < rows && row > 0 {
-            // The common case, in two stretches; the row below has seen this cell already.
+            // The common case, in two stretches; the row below was compared with this cell already.
             let ahead = self.grid.run_range(row, &(column + 1..column + 2));
             let above = self.grid.run_range(row + 1, &(column - 1..column + 2));
             for range in [ahead, above] {

@@ -1,6 +1,5 @@
-//! The rectangle that a point set lives in and what its border means.
-//! Plain data with the limits that the verifier accepts, each with its reason.
-//! It never looks at points other than one at a time.
+//! The rectangle that a point set lives in and what its border means. Plain data with the limits that the verifier
+//! accepts, each with its reason.
 
 use std::fmt;
 
@@ -51,12 +50,12 @@ impl Region {
     /// Whether `point` lies in the region, with no tolerance; false for NaN.
     #[must_use]
     pub fn contains(&self, point: [f64; 2]) -> bool {
-        let last = self.last_place();
+        let last = self.last_point();
         (0..2).all(|axis| point[axis] >= 0.0 && point[axis] <= last[axis])
     }
 
-    /// The largest coordinates of a place of the region.
-    pub(crate) fn last_place(&self) -> [f64; 2] {
+    /// The largest coordinates of a point of the region.
+    pub(crate) fn last_point(&self) -> [f64; 2] {
         [self.width, self.height].map(|extent| match self.boundary {
             Boundary::Periodic => extent.next_down(),
             Boundary::Bounded => extent,

@@ -1,6 +1,5 @@
-//! The verdict on a point set with its extremes and witnesses.
-//! Plain data that survives a round trip through serde.
-//! It never decides anything that its numbers do not state.
+//! The verdict on a point set with its extremes and witnesses. Plain data that survives a round trip through serde. The
+//! verdict follows from its numbers.
 
 use serde::{Deserialize, Serialize};
 
@@ -9,7 +8,7 @@ use crate::judge::Judge;
 use crate::region::Region;
 use crate::witness::{Conflict, Gap};
 
-/// What [`verify`](crate::verify) found out about a set. Lengths are in the unit of the samples.
+/// The result of [`verify`](crate::verify) for a set. Lengths are in the unit of the samples.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Report {
     /// Who judged. Where both did, they agree, and the numbers are those of the first.
@@ -127,7 +126,7 @@ impl Report {
     }
 }
 
-/// Writes an infinite number as null and reads it back: JSON knows no infinity.
+/// Writes an infinite number as null and reads it back: JSON has no infinity.
 mod finite_or_null {
     use serde::{Deserialize, Deserializer, Serialize, Serializer};
 

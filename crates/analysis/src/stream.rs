@@ -1,15 +1,14 @@
-//! The judge of sets too large for memory: the same verdict, while the samples pass by once.
-//! It takes positions in nearly row order, judges a band of rows as soon as it is complete and keeps
-//! only what later bands need. It never guesses: what it cannot judge exactly it refuses.
+//! The judge of sets too large for memory: the same verdict, while the samples pass by once. It takes positions in
+//! nearly row order, judges a band of rows as soon as it is complete and keeps only what later bands need. Sets that it
+//! cannot judge exactly are refused.
 //!
-//! # Why it says what [`verify`](crate::verify) says
+//! # Why its verdict is that of [`verify`](crate::verify)
 //!
-//! The grid of the whole region is fixed beforehand by the radius, and a band holds some of its rows
-//! under their places in the whole ([`Grid::of_rows`](crate::grid::Grid::of_rows)). Both searches work on
-//! it with the coordinates, and so with the bits, that they see in the whole set. Each row scans its
-//! pairs once, with the row above. A tile is looked at through a window that is proven wide
-//! enough; one that wants rows not there yet is postponed until they are. Gaps on the sides of tiles are
-//! settled at the end, all together, as for a set in memory.
+//! The grid of the whole region is fixed beforehand by the radius, and a band holds some of its rows under their
+//! indices in the whole ([`Grid::of_rows`](crate::grid::Grid::of_rows)). Both searches work on it with the coordinates,
+//! and so with the bits, that they see in the whole set. Each row scans its pairs once, with the row above. A tile is
+//! judged by a window that is proven wide enough; a tile that needs later rows is postponed. Gaps on the sides of tiles
+//! are settled at the end, all together, as for a set in memory.
 //!
 //! # The seams of a torus
 //!
@@ -37,8 +36,8 @@ use crate::report::Report;
 use crate::verify::{VerifyOptions, verify};
 use bands::{Bands, StreamSearch};
 
-/// How far, in radii, an ordinate may lie below the highest one before it. Our samplers' order is by
-/// rows of cells of one radius, up to one unit of their lattice in 2^15; the rest is room for rounding.
+/// How far, in radii, an ordinate may lie below the highest one before it. Tilescope's samplers write rows of cells of
+/// one radius, up to one unit of their lattice in 2^15; the rest is room for rounding.
 pub const STREAM_LAG: f64 = 1.0 + 1.0 / 16.0;
 
 /// How much of a stream is held at a time. It decides memory and speed, never the verdict.
@@ -48,7 +47,7 @@ pub struct StreamBand {
     pub samples: usize,
     /// Least rows of a band; a row is 1.3 radii high. Fewer than 30 make the overlaps costly.
     pub rows: usize,
-    /// Most samples held. A set that wants more is refused with [`VerifyError::BandTooLarge`].
+    /// Most samples held. A set that needs more is refused with [`VerifyError::BandTooLarge`].
     pub most_samples: usize,
 }
 
@@ -87,21 +86,21 @@ impl Default for StreamBand {
 #[derive(Clone, Debug)]
 pub struct StreamVerifier {
     search: StreamSearch,
-    /// What the first judge holds, if it is asked.
+    /// The samples and findings of the first judge, if it is asked.
     bands: Option<Bands>,
-    /// What the second judge holds, if it is asked.
+    /// The samples and findings of the second judge, if it is asked.
     circles: Option<CircleBands>,
     intake: Intake,
     /// Samples that the second judge holds when it looks for a complete band.
     next_circles: usize,
     /// Samples that the caller expects, for the progress alone.
     expected: u64,
-    /// What was wrong; there is no verdict after it.
+    /// The first error; there is no verdict after it.
     fault: Option<VerifyError>,
 }
 
 impl StreamVerifier {
-    /// A verifier of a set of which nothing has arrived.
+    /// Returns a verifier without samples.
     ///
     /// # Errors
     ///
@@ -170,9 +169,9 @@ impl StreamVerifier {
     ///
     /// # Errors
     ///
-    /// As [`verify`], with the index in the whole sequence, and what only a stream can suffer:
-    /// [`VerifyError::OutOfOrder`], [`VerifyError::HoleTooWide`], [`VerifyError::BandTooLarge`]; for these
-    /// [`VerifyError::needs_memory`] is true. The verifier then repeats its error and gives no verdict.
+    /// As [`verify`], with the index in the whole sequence, and the errors of streams: [`VerifyError::OutOfOrder`],
+    /// [`VerifyError::HoleTooWide`], [`VerifyError::BandTooLarge`]; for these [`VerifyError::needs_memory`] is true.
+    /// The verifier then repeats its error and gives no verdict.
     pub fn push(
         &mut self,
         points: &[[f64; 2]],
@@ -181,7 +180,7 @@ impl StreamVerifier {
         self.guarded(|this| this.take(points, control))
     }
 
-    /// The verdict on all that came.
+    /// Returns the verdict on all samples.
     ///
     /// # Errors
     ///
@@ -194,7 +193,7 @@ impl StreamVerifier {
         self.guarded(|this| this.report(control))
     }
 
-    /// Does some work unless something was wrong before, and remembers what goes wrong.
+    /// Does some work unless an earlier call failed, and keeps the error if it fails.
     fn guarded<T>(
         &mut self,
         work: impl FnOnce(&mut Self) -> Result<T, VerifyError>,
@@ -294,10 +293,10 @@ impl StreamVerifier {
 
 type Control<'a> = &'a (dyn Fn(Progress) -> ControlFlow<()> + Sync);
 
-/// Samples taken between two looks at whether a band is complete.
+/// Samples taken between two checks for a complete band.
 const PIECE: usize = 4096;
 
-/// What is known of the samples as they come.
+/// Number and order of the samples so far.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 struct Intake {
     count: usize,
@@ -315,7 +314,7 @@ impl Intake {
                 .iter()
                 .try_for_each(|&point| self.take_one(point, search));
         }
-        // Most pieces lie within a row: then their order need not be looked at.
+        // Most pieces lie within a row, where their order does not matter.
         let ordinates = points
             .iter()
             .map(|point| search.domain.scale_point(*point).y);

@@ -1,6 +1,6 @@
-//! Delaunay triangles, Voronoi edges and exact gaps of a set, to be drawn over it.
-//! Only Voronoi cells decide what is uncovered, so places and areas are exact up to rounding.
-//! It gives no verdict: [`verify`](crate::verify) does, in less memory and for larger sets.
+//! Delaunay triangles, Voronoi edges and exact gaps of a set, to be drawn over it. Gaps follow from Voronoi cells
+//! alone, so places and areas are exact up to rounding. It gives no verdict: [`verify`](crate::verify) does, in less
+//! memory and for larger sets.
 
 mod borders;
 mod cells;

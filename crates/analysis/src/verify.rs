@@ -1,6 +1,6 @@
-//! The entry of the judge: checks the input, runs both searches and writes the report.
-//! Conflicts come from a grid search, maximality from Delaunay triangulations of tiles.
-//! It never repairs an input and never stops at the first fault of a readable one.
+//! The entry of the judges: checks the input, asks one judge or both, and makes the report. Begin here. The first judge
+//! finds conflicts in [`crate::pairs`] and gaps in [`crate::cover`]; the second does both in [`crate::circles`]. Inputs
+//! are not repaired, and every readable set gets a whole report.
 
 use std::ops::ControlFlow;
 
@@ -29,7 +29,7 @@ pub struct VerifyOptions {
     pub covering_tolerance: f64,
     /// Most witnesses listed of each kind; the counts are always complete.
     pub witnesses: usize,
-    /// Who judges.
+    /// Which judges are asked.
     pub judges: JudgeChoice,
     /// Most samples per tile of the triangulation. It decides memory and speed, never the verdict;
     /// the default was the fastest measured (a tile then fits the second-level cache).
@@ -132,7 +132,7 @@ fn delaunay_findings(
     Ok(of_delaunay(pairs, cover))
 }
 
-/// What the first judge found, by both searches.
+/// Returns the findings of the first judge, from both searches.
 pub(crate) fn of_delaunay(pairs: Pairs, cover: Cover) -> Findings {
     Findings {
         judge: Judge::Delaunay,

@@ -1,5 +1,5 @@
-//! What shows that a set is not valid: two samples in conflict, the centre of a gap.
-//! Plain data that both searches make and the report shows. It never says how many there are.
+//! The proofs that a set is not valid: two samples in conflict, the centre of a gap. Both judges give them, and the
+//! report lists them. Their numbers are in the report.
 
 use serde::{Deserialize, Serialize};
 

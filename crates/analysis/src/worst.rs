@@ -1,6 +1,5 @@
-//! Keeps the few worst of many witnesses in bounded memory.
-//! The order is total, so the same witnesses remain however the work was divided.
-//! It never counts: counting is the caller's.
+//! Keeps the few worst of many witnesses in bounded memory. The order is total, so the same witnesses remain however
+//! the work was divided. Counting is left to the caller.
 
 use std::cmp::Ordering;
 
@@ -63,7 +62,7 @@ impl<T: Witness> Worst<T> {
         self.prune();
     }
 
-    /// The mildest of `limit` witnesses, once there are so many: what is not worse is not kept.
+    /// The mildest of `limit` witnesses, once there are so many: only worse ones are kept from then on.
     pub fn mildest(&self) -> Option<&T> {
         self.mildest.as_ref()
     }

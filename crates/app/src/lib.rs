@@ -4,6 +4,16 @@
 //! It holds no algorithm, and no state of its own but what egui needs. Panels read the
 //! [`State`](tilescope_workbench::State) of the workbench and push [`Command`](tilescope_workbench::Command)s, which the
 //! workbench alone carries out.
+//!
+//! ```
+//! use tilescope_app::actions::actions;
+//! use tilescope_workbench::State;
+//!
+//! // Every action of the menus, with the command that it gives and its keys.
+//! let state = State::new(std::sync::Arc::new(|| {}));
+//! let all = actions(&state);
+//! assert!(all.iter().any(|action| action.label() == "Copy link" && action.keys().count() > 0));
+//! ```
 
 pub mod actions;
 mod app;

@@ -2,6 +2,16 @@
 //! [`Subject`](tilescope_drawing::subject::Subject). It does not depend on the state of the window or its commands;
 //! between frames it keeps only caches. Begin with [`pane`]; what a moment consists of is in `tilescope-drawing`,
 //! pointer input in `tilescope-app`.
+//!
+//! ```
+//! use tilescope_canvas::sprites::{Sprite, Sprites};
+//!
+//! // Symbols are drawn once, as textures, and kept.
+//! let (ctx, mut sprites) = (egui::Context::default(), Sprites::default());
+//! let dot = sprites.stamp(&ctx, Sprite::Dot, 4.0);
+//! assert!(dot.half >= 4.0);
+//! assert_eq!(sprites.stamp(&ctx, Sprite::Dot, 4.0).texture, dot.texture);
+//! ```
 
 mod brushed;
 mod contrast;

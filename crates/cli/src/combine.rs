@@ -165,7 +165,7 @@ fn read(path: &Path) -> Result<Layout> {
 /// Returns the layout as a certificate states it: files without folders, with their digests.
 fn stated(layout: &Layout, placed: &PlacedLayout, folder: &Path) -> Result<Value> {
     let mut stated = serde_json::to_value(layout)?;
-    for (k, piece) in placed.places.iter().enumerate() {
+    for (k, piece) in placed.pieces.iter().enumerate() {
         if let PieceSource::File { path, .. } = &piece.source {
             let named = named_by_content(&folder.join(path))?;
             stated["pieces"][k]["file"] = named["file"].clone();

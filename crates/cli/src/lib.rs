@@ -1,5 +1,15 @@
 //! The command line of Tilescope: commands and their arguments, progress bars, exit codes.
-//! The work is done by the crates below; the window is `tilescope-app`.
+//! The work is done by the crates below; the window is `tilescope-app`. Begin with [`run`].
+//!
+//! ```
+//! use clap::Parser;
+//! use tilescope_cli::{Arguments, Command};
+//!
+//! let arguments = Arguments::try_parse_from(["tilescope", "verify", "set.csv"])?;
+//! assert!(matches!(arguments.command, Some(Command::Verify(_))));
+//! assert!(Arguments::try_parse_from(["tilescope", "verify"]).is_err());
+//! # Ok::<(), clap::Error>(())
+//! ```
 
 mod analyze;
 mod bench;

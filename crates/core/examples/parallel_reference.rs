@@ -78,7 +78,7 @@ fn shorter(best: [f64; 2], times: [f64; 2]) -> [f64; 2] {
     }
 }
 
-/// Makes and glues the pieces on the current threads; returns the seconds of each, too.
+/// Makes and glues the pieces on the threads of the current pool; also returns the seconds of gluing and making.
 fn glued(domain: Domain, along: u32, own: Boundary) -> Result<(Combined, [f64; 2]), CombineError> {
     let began = Instant::now();
     let pieces = made(&domain, along, own)?;
@@ -118,7 +118,7 @@ fn tell(combined: &Combined) -> Outcome<()> {
     if report.valid() {
         Ok(())
     } else {
-        Err("the verifier objects".into())
+        Err("the verifier finds a fault".into())
     }
 }
 

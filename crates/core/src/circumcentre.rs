@@ -1,8 +1,8 @@
-//! Exact lattice-rounded places that are equally far from two or three samples.
-//! Integers only: the exact rational is rounded half up, so every engine gets the same point.
-//! Offsets are relative to one of the samples and at most 7r long, so 64 bits hold everything.
+//! Points equally far from two or three samples, exact up to the last rounding to the lattice. Integers only: the exact
+//! rational is rounded half up, so every engine gets the same point. Offsets are relative to one of the samples and at
+//! most 7r long, so 64 bits hold everything.
 
-/// The offset of a place from a sample, in lattice units.
+/// The offset of a point from a sample, in lattice units.
 pub type Offset = (i64, i64);
 
 /// Returns the circumcentre of the triangle (0, a, b), rounded half up to the lattice, or `None`
@@ -21,9 +21,9 @@ pub const fn circumcentre(a: Offset, b: Offset) -> Option<Offset> {
     Some((round_half_up(x, d), round_half_up(y, d)))
 }
 
-/// Returns the second coordinate of the place on the line "first coordinate = `line`" that is as
-/// far from 0 as from `m`, rounded half up, or `None` when `m` has no extent along the line.
-/// For a horizontal line swap the coordinates of `m`.
+/// Returns the second coordinate of the point on the line "first coordinate = `line`" that is as far from 0 as from
+/// `m`, rounded half up, or `None` when `m` has no extent along the line. For a horizontal line swap the coordinates of
+/// `m`.
 #[must_use]
 pub const fn on_line(line: i64, m: Offset) -> Option<i64> {
     if m.1 == 0 {

@@ -50,7 +50,7 @@ pub struct Piece {
     pub set: Arc<Pattern>,
     /// Its rectangle in the result.
     pub rect: Rect,
-    /// The place of the set that comes to lie on the rectangle's lowest corner. A periodic set repeats.
+    /// The point of the set that comes to lie on the rectangle's lowest corner. A periodic set repeats.
     pub start: Point,
 }
 
@@ -98,7 +98,7 @@ pub struct Combined {
     pub domain: Domain,
     /// The samples in canonical order.
     pub points: Vec<Point>,
-    /// The source of each: a piece (in place of the block) and the index in its set, or an iteration.
+    /// The source of each: a piece (as the block) and the index in its set, or an iteration.
     pub sources: Vec<Source>,
     /// The eliminated samples, piece by piece and row by row.
     pub eliminated: Vec<EliminatedSample>,
@@ -222,7 +222,7 @@ fn in_order(glued: &Glued) -> (Vec<Point>, Vec<Source>) {
     all.into_iter().unzip()
 }
 
-/// Why pieces cannot be combined. Places are in the result's user units, pieces counted from 0.
+/// Why pieces cannot be combined. Positions are in the result's user units, pieces counted from 0.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum CombineError {
@@ -257,13 +257,13 @@ pub enum CombineError {
         first: usize,
         /// The other.
         second: usize,
-        /// A place in both.
+        /// A point in both.
         at: [f64; 2],
     },
-    /// A place is in no rectangle.
+    /// A point is in no rectangle.
     #[error("no piece covers ({}, {}): the rectangles must fill the domain", at[0], at[1])]
     Uncovered {
-        /// The place.
+        /// The point.
         at: [f64; 2],
     },
     /// A bounded set ends inside its rectangle.
@@ -282,7 +282,7 @@ pub enum CombineError {
     /// The result cannot be sampled.
     #[error(transparent)]
     Parameters(#[from] ParameterError),
-    /// It was cancelled.
+    /// The stages at the seams were cancelled or failed.
     #[error(transparent)]
     Sample(#[from] SampleError),
 }

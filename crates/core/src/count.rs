@@ -24,8 +24,8 @@ const STRAIGHT_TRIES: u32 = 4;
 /// Samples that a closed border adds, as a width in radii by which it widens the domain.
 const BORDER_WIDTH: f64 = 0.45;
 
-/// Returns about the radius of a set of `count` samples: from the density of a maximal set, the few
-/// more that seams make, and what a closed border adds.
+/// Returns about the radius of a set of `count` samples: from the density of a maximal set, the few samples that seams
+/// add, and those that a closed border adds.
 ///
 /// Fails when anything but the radius is wrong with the parameters, and when no radius within the
 /// limits gives so many samples.

@@ -1,4 +1,5 @@
-//! Engines schedule the stages. Whatever the schedule, equal parameters give equal bytes.
+//! Engines run the stages, in one sequence or region by region. All give the same points, byte for byte. Begin with
+//! `sequential`.
 
 mod as_printed;
 pub mod parallel;

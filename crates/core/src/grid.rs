@@ -1,12 +1,12 @@
-//! A uniform grid over the domain that finds the samples near a place. Callers apply the exact predicate to the samples
-//! found.
+//! A uniform grid over the domain that finds the samples near a point. Callers apply the exact predicate
+//! ([`crate::covers_offset`]) to the samples found.
 
 use crate::lattice::{Domain, Point};
 
 /// Cells have sides of 2^15 units, one radius.
 const CELL_BITS: u32 = 15;
 
-/// Stands for no entry.
+/// No entry.
 const NONE: u32 = u32::MAX;
 
 /// A sample found by the grid.
@@ -14,7 +14,7 @@ const NONE: u32 = u32::MAX;
 pub struct NearSample {
     /// The sample's id.
     pub id: u32,
-    /// Its offset from the query's place, the shortest way around.
+    /// Its offset from the query's point, the shortest way around.
     pub offset: (i32, i32),
 }
 

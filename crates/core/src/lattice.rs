@@ -1,6 +1,6 @@
 //! The integer lattice on which every decision is made, and the domain on it. This is the only file that converts
 //! between user space (`f64`) and lattice units (`i32`). It also has the one predicate of sampling: whether a sample
-//! covers a point.
+//! covers a point ([`covers_offset`]). Two samples are in conflict if one covers the other.
 
 use crate::error::ParameterError;
 
@@ -381,8 +381,8 @@ impl Domain {
     pub fn rect_from_user(&self, low: [f64; 2], high: [f64; 2]) -> Rect {
         let first = |position: f64, axis: usize| {
             let units = [self.width, self.height][axis];
-            let place = position / self.size[axis] * f64::from(units);
-            (place - EXACT_UNITS).ceil().clamp(0.0, units.into()) as i32
+            let units_along = position / self.size[axis] * f64::from(units);
+            (units_along - EXACT_UNITS).ceil().clamp(0.0, units.into()) as i32
         };
         let end = |position: f64, axis: usize| {
             let units = [self.width, self.height][axis];
@@ -423,8 +423,8 @@ impl Domain {
     }
 }
 
-/// Returns whether an offset of (dx, dy) units is within the radius. The first test keeps the sum
-/// of squares at most 2^31, exact in 32 bits on every device.
+/// Returns whether an offset of (dx, dy) units is within the radius: whether a sample covers a point, and whether two
+/// samples are in conflict. The first test keeps the sum of squares at most 2^31, exact in 32 bits on every device.
 #[inline]
 #[must_use]
 pub const fn covers_offset(dx: i32, dy: i32) -> bool {

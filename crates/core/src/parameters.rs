@@ -20,7 +20,7 @@ pub const MAX_PATTERN_SIDE_RADII: f64 = 2_000.0;
 /// which makes 21 GB.
 pub const MAX_SEQUENTIAL_SAMPLES: f64 = 2e8;
 
-/// Expected samples of a maximal set per squared radius of area (Ebeida et al. 2012; seen: 0.6960).
+/// Expected samples of a maximal set per squared radius of area (Ebeida et al. 2012; measured: 0.6960).
 pub const MAXIMAL_DENSITY: f64 = 0.696;
 
 /// The order in which tiled samples claim their disks; the survivors of elimination are the greedy

@@ -111,14 +111,14 @@ impl Pattern {
 }
 
 impl PatternVariant {
-    /// Calls `place` with the offset from the clip's corner and the pattern index of every sample
+    /// Calls `visit` with the offset from the clip's corner and the pattern index of every sample
     /// in the `width` x `height` rectangle that starts at `start`, repeating a periodic pattern.
     pub fn clip(
         &self,
         start: Point,
         width: i32,
         height: i32,
-        mut place: impl FnMut(i32, i32, u32),
+        mut visit: impl FnMut(i32, i32, u32),
     ) {
         // Segments of rows: [row, end) of the pattern lie at `up` in the clip. A clip as long as the
         // longest domain and a pattern's side together exceed 32 bits.
@@ -134,7 +134,7 @@ impl PatternVariant {
                     right += i64::from(self.width);
                 }
                 while (0..width).contains(&right) {
-                    place(right as i32, (up + i64::from(p.y) - row) as i32, index);
+                    visit(right as i32, (up + i64::from(p.y) - row) as i32, index);
                     if !self.periodic {
                         break;
                     }

@@ -12,7 +12,7 @@ pub struct Progress {
     pub stage: Stage,
     /// Pieces done; 0 when the stage begins, `total` when it has ended.
     pub done: u64,
-    /// Pieces in all; an estimate if the stage does not know.
+    /// Pieces in all; an estimate if the number is known only at the end.
     pub total: u64,
 }
 

@@ -1,6 +1,6 @@
-//! Counter-based random draws: Threefry2x32-20 (Salmon et al. 2011), keyed by what is drawn.
-//! No generator state exists, so no draw depends on the order in which draws are made: any block,
-//! cell or candidate can be visited alone, on any thread or device.
+//! Counter-based random draws: Threefry2x32-20 (Salmon et al. 2011), keyed by the purpose of the draw and the number or
+//! position that it is for. No generator state exists, so no draw depends on the order in which draws are made: any
+//! block, cell or candidate can be visited alone, on any thread or device.
 
 /// The purpose of a draw. The streams of a key are independent of each other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -55,15 +55,14 @@ impl Key {
         Self(self.draw(stream, index))
     }
 
-    /// Returns the two words drawn for a place. The key must be a derived one that is used for
-    /// nothing but places.
+    /// Returns the two words drawn for a lattice point. The key must be a derived one that is used for points only.
     #[inline]
     #[must_use]
     pub const fn draw_at(self, x: i32, y: i32) -> [u32; 2] {
         threefry2x32_20(self.0, [x as u32, y as u32])
     }
 
-    /// Returns the key derived for a place, as [`Self::draw_at`].
+    /// Returns the key derived for a lattice point, as [`Self::draw_at`].
     #[inline]
     #[must_use]
     pub const fn derive_at(self, x: i32, y: i32) -> Self {

@@ -21,7 +21,7 @@ use crate::stages::tile::Tile;
 pub struct Iteration {
     /// Ids of the gap detectors; empty with uniform insertion.
     pub detectors: Vec<u32>,
-    /// The candidates, by place; empty with uniform insertion and in Algorithm 4 as printed, which insert at once.
+    /// The candidates, by position; empty with uniform insertion and in Algorithm 4 as printed, which insert at once.
     pub candidates: Vec<Candidate>,
     /// The active cells of uniform insertion.
     pub cells: Vec<Cell>,

@@ -49,7 +49,7 @@ pub enum Fate {
     Undecided,
     /// It is in the result.
     Kept,
-    /// A kept sample that covers it claimed the place first.
+    /// A kept sample that covers it claimed its disk first.
     Eliminated {
         /// That sample's id.
         by: u32,

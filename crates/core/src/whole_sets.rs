@@ -14,7 +14,7 @@ use crate::reference::reference_sample;
 impl Pattern {
     /// Returns the pattern of given lattice points of `domain`, in any order.
     ///
-    /// Fails as [`Self::from_positions`], with places in the domain's user units.
+    /// Fails as [`Self::from_positions`], with positions in the domain's user units.
     pub fn from_points(domain: &Domain, points: Vec<Point>) -> Result<Self, PatternError> {
         check_count(points.len(), domain)?;
         if let Some(index) = points.iter().position(|&p| !domain.rect().contains(p)) {

@@ -20,7 +20,7 @@ fn main() {
     }
 }
 
-/// A row of a leaf size and a number of samples.
+/// The row for a leaf size and a number of samples.
 #[derive(Default)]
 struct Row {
     threads: Option<f64>,

@@ -16,10 +16,10 @@ fn run(index: u32) {
     let column = piece.y + local % columns;
     let row = piece.z + local / columns;
     let first = (row * frame.tile_columns + column) * TILE_WORDS;
-    let place = atomicAdd(&tile_images[first], 1u);
-    if place + 1u >= TILE_WORDS {
+    let slot = atomicAdd(&tile_images[first], 1u);
+    if slot + 1u >= TILE_WORDS {
         atomicStore(&counters[COUNTER_FAULT], FAULT_IMAGES);
         return;
     }
-    atomicStore(&tile_images[first + 1u + place], piece.x);
+    atomicStore(&tile_images[first + 1u + slot], piece.x);
 }

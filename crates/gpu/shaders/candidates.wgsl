@@ -12,21 +12,21 @@ fn is_near_border(p: vec2<i32>) -> bool {
     if frame.periodic != 0u {
         return false;
     }
-    let at = vec2<i32>(domain_place(p));
+    let at = vec2<i32>(domain_point(p));
     let away = min(at, vec2<i32>(i32(frame.side_x), i32(frame.side_y)) + 1 - at);
     return min(away.x, away.y) <= 9 * R / 2;
 }
 
-// Returns whether the site `k` is a detector that finds the place `c` with the sites `a` and `b`.
+// Returns whether the site `k` is a detector that finds the point `c` with the sites `a` and `b`.
 fn finds(k: u32, c: vec2<i32>, a: u32, b: u32) -> bool {
     if (site_keys[k] & SITE_DETECTOR) == 0u {
         return false;
     }
-    let p = site_places[k];
+    let p = site_points[k];
     let near = is_near_border(p);
     let radius = select(2 * R + 16, 7 * R / 2, near);
     let search = select(frame.search, frame.search_border, near);
-    return within(c - p, radius) && within(site_places[a] - p, search) && within(site_places[b] - p, search);
+    return within(c - p, radius) && within(site_points[a] - p, search) && within(site_points[b] - p, search);
 }
 
 // Returns whether no sample covers `c`, and none is much nearer to it than the nearest of its sites.
@@ -52,18 +52,18 @@ fn is_clear(c: vec2<i32>, at: vec2<i32>, nearest: vec2<u32>) -> bool {
     return true;
 }
 
-// Proposes the place `c` made by the sites `a`, `b` and `n`, which need not differ, if it is a candidate.
-fn try_place(c: vec2<i32>, low: vec2<i32>, a: u32, b: u32, n: u32) {
-    // Places in another pixel are handled there.
+// Proposes the point `c` made by the sites `a`, `b` and `n`, which need not differ, if it is a candidate.
+fn try_point(c: vec2<i32>, low: vec2<i32>, a: u32, b: u32, n: u32) {
+    // Points in another pixel are handled there.
     if any((c >> vec2<u32>(PIXEL_BITS)) != (low >> vec2<u32>(PIXEL_BITS))) || !holds(c) {
         return;
     }
     if !(finds(a, c, b, n) || finds(b, c, a, n) || finds(n, c, a, b)) {
         return;
     }
-    var nearest = wide_norm_squared(site_places[a] - c);
-    let second = wide_norm_squared(site_places[b] - c);
-    let third = wide_norm_squared(site_places[n] - c);
+    var nearest = wide_norm_squared(site_points[a] - c);
+    let second = wide_norm_squared(site_points[b] - c);
+    let third = wide_norm_squared(site_points[n] - c);
     if wide_less(second, nearest) {
         nearest = second;
     }
@@ -100,22 +100,22 @@ fn try_triples(low: vec2<i32>) {
                 if ((site_keys[a] | site_keys[b] | site_keys[n]) & SITE_DETECTOR) == 0u {
                     continue;
                 }
-                let origin = site_places[a];
-                let second = site_places[b] - origin;
-                let third = site_places[n] - origin;
+                let origin = site_points[a];
+                let second = site_points[b] - origin;
+                let third = site_points[n] - origin;
                 if !may_lie_in(second, third, low - origin) {
                     continue;
                 }
                 let centre = circumcentre(second, third);
                 if centre.exists {
-                    try_place(origin + centre.offset, low, a, b, n);
+                    try_point(origin + centre.offset, low, a, b, n);
                 }
             }
         }
     }
 }
 
-// Tries the places on a border line, given by its axis, that are equally far from two samples.
+// Tries the points on a border line, given by its axis, that are equally far from two samples.
 fn try_line(low: vec2<i32>, axis: u32, line: i32) {
     let other = 1u - axis;
     if line < low[axis] || line >= low[axis] + PIXEL_SIDE {
@@ -123,13 +123,13 @@ fn try_line(low: vec2<i32>, axis: u32, line: i32) {
     }
     for (var a = 0u; a + 1u < sites; a++) {
         for (var b = a + 1u; b < sites; b++) {
-            let origin = site_places[a];
-            let m = site_places[b] - origin;
-            let place = on_line(line - origin[axis], vec2<i32>(m[axis], m[other]));
-            if place.exists {
+            let origin = site_points[a];
+            let m = site_points[b] - origin;
+            let found = on_line(line - origin[axis], vec2<i32>(m[axis], m[other]));
+            if found.exists {
                 var c = vec2<i32>(line, line);
-                c[other] = origin[other] + place.value;
-                try_place(c, low, a, b, a);
+                c[other] = origin[other] + found.value;
+                try_point(c, low, a, b, a);
             }
         }
     }
@@ -143,10 +143,10 @@ fn try_borders(low: vec2<i32>) {
     try_line(low, 1u, first.y);
     try_line(low, 1u, last.y);
     for (var a = 0u; a < sites; a++) {
-        try_place(vec2<i32>(first.x, first.y), low, a, a, a);
-        try_place(vec2<i32>(last.x, first.y), low, a, a, a);
-        try_place(vec2<i32>(first.x, last.y), low, a, a, a);
-        try_place(vec2<i32>(last.x, last.y), low, a, a, a);
+        try_point(vec2<i32>(first.x, first.y), low, a, a, a);
+        try_point(vec2<i32>(last.x, first.y), low, a, a, a);
+        try_point(vec2<i32>(first.x, last.y), low, a, a, a);
+        try_point(vec2<i32>(last.x, last.y), low, a, a, a);
     }
 }
 

@@ -1,17 +1,17 @@
 // A round of insertion: decides each proposal whose earlier conflicting proposals are all decided. Of several proposals
-// at one place only the first can be kept.
+// at one point only the first can be kept.
 // import: proposal
 // import: rounds
 // import: lattice
 
-// Returns whether `a` comes before `b` in the order of insertion: by rank, then by place, row by row.
+// Returns whether `a` comes before `b` in the order of insertion: by rank, then by position, row by row.
 fn is_before(a: u32, p: vec2<i32>, b: u32, q: vec2<i32>) -> bool {
     let ranks = vec2<u32>(rank_of(a), rank_of(b));
     if ranks.x != ranks.y {
         return ranks.x < ranks.y;
     }
-    let here = domain_place(p);
-    let there = domain_place(q);
+    let here = domain_point(p);
+    let there = domain_point(q);
     if here.y != there.y {
         return here.y < there.y;
     }
@@ -41,7 +41,7 @@ fn run(index: u32) {
                     continue;
                 }
                 let state = state_of(other);
-                if state == PROPOSAL_KEPT || state == PROPOSAL_PLACED {
+                if state == PROPOSAL_KEPT || state == PROPOSAL_INSERTED {
                     set_state(index, PROPOSAL_REJECTED);
                     return;
                 }

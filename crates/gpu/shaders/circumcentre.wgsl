@@ -1,5 +1,5 @@
-// Exact places equally far from two or three samples, rounded half up to the lattice, as core's
-// circumcentre.rs. Floats estimate a quotient; the remainder, in 64 bits, decides it.
+// Exact points equally far from two or three samples, rounded half up to the lattice, as core's circumcentre.rs. Floats
+// estimate a quotient; the remainder, in 64 bits, decides it.
 // import: wide
 
 // A rounded quotient; `value` is 0 if it does not exist.
@@ -8,13 +8,13 @@ struct Rounded {
     value: i32,
 }
 
-// A place, as the offset from the sample at 0; `offset` is 0 if it does not exist.
+// A point, as the offset from the sample at 0; `offset` is 0 if it does not exist.
 struct Centre {
     exists: bool,
     offset: vec2<i32>,
 }
 
-// The largest magnitude of a rounded quotient that exists, 8 r. Places further from a sample are never needed.
+// The largest magnitude of a rounded quotient that exists, 8 r. Points farther from a sample are never needed.
 const ROUNDED_LIMIT: i32 = 262144;
 
 // numerator / denominator, rounded to the nearest integer, halves upwards. It exists where the
@@ -70,9 +70,9 @@ fn circumcentre(a: vec2<i32>, b: vec2<i32>) -> Centre {
     return Centre(true, vec2<i32>(x.value, y.value));
 }
 
-// The second coordinate of the place on the line "first coordinate = line" that is as far from 0 as
-// from m, where m has an extent along the line and the coordinate is at most 2^18 in magnitude. For a
-// horizontal line swap the coordinates of m. |line| and the components of m must be at most 2^18.
+// The second coordinate of the point on the line "first coordinate = line" that is as far from 0 as from m, where m has
+// an extent along the line and the coordinate is at most 2^18 in magnitude. For a horizontal line swap the coordinates
+// of m. |line| and the components of m must be at most 2^18.
 fn on_line(line: i32, m: vec2<i32>) -> Rounded {
     let numerator = wide_sub(wide_norm_squared(m), wide_multiply(2 * line, m.x));
     return round_half_up(numerator, wide_from(2 * m.y));

@@ -1,7 +1,7 @@
 // Clips the pattern for one cell: collects the samples that each image of a block puts into it.
 // import: frame
 
-var<private> found_places: array<u32, MAX_FOUND>;
+var<private> found_words: array<u32, MAX_FOUND>;
 var<private> found_images: array<u32, MAX_FOUND>;
 var<private> found_ids: array<u32, MAX_FOUND>;
 var<private> found: u32;
@@ -66,7 +66,7 @@ fn clip_piece(shape: u32, start: vec2<u32>, size: vec2<u32>, to: vec2<i32>, inde
             let offset = vec2<u32>(pattern[at], pattern[at + 1u]) - start;
             // Below the start the difference wraps to a large number.
             if offset.x < size.x && offset.y < size.y && found < MAX_FOUND {
-                found_places[found] = pack(to + vec2<i32>(offset));
+                found_words[found] = pack(to + vec2<i32>(offset));
                 found_images[found] = index;
                 found_ids[found] = pattern[at + 2u];
                 found++;
@@ -77,15 +77,15 @@ fn clip_piece(shape: u32, start: vec2<u32>, size: vec2<u32>, to: vec2<i32>, inde
 
 fn sort_found(first: u32) {
     for (var k = first + 1u; k < found; k++) {
-        let place = found_places[k];
+        let word = found_words[k];
         let id = found_ids[k];
         var to = k;
-        while to > first && found_places[to - 1u] > place {
-            found_places[to] = found_places[to - 1u];
+        while to > first && found_words[to - 1u] > word {
+            found_words[to] = found_words[to - 1u];
             found_ids[to] = found_ids[to - 1u];
             to--;
         }
-        found_places[to] = place;
+        found_words[to] = word;
         found_ids[to] = id;
     }
 }

@@ -10,10 +10,10 @@ fn domain_end() -> vec2<i32> {
 
 // Returns the extent of the part of a cell of side `side` that lies in the domain.
 fn extent_of(low: vec2<i32>, side: i32) -> vec2<i32> {
-    return min(vec2<i32>(side), domain_end() - vec2<i32>(domain_place(low))) - 1;
+    return min(vec2<i32>(side), domain_end() - vec2<i32>(domain_point(low))) - 1;
 }
 
-// Returns whether one sample covers every place from `low` to `low + extent`.
+// Returns whether one sample covers every point from `low` to `low + extent`.
 fn is_cell_covered(low: vec2<i32>, extent: vec2<i32>) -> bool {
     let first = cell_of(low - R);
     let last = cell_of(low + extent + R);

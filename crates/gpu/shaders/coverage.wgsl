@@ -54,7 +54,7 @@ fn open_pixels(at: vec2<i32>) -> OpenPixels {
     return OpenPixels(open.lower & inside.lower, open.upper & inside.upper);
 }
 
-// Returns the pixels of a cell that hold places of the domain.
+// Returns the pixels of a cell that hold points of the domain.
 fn pixels_inside(at: vec2<i32>) -> OpenPixels {
     let room = vec2<i32>(frame.end_x, frame.end_y) - (at << vec2<u32>(CELL_BITS)) + PIXEL_SIDE - 1;
     let ends = clamp(room >> vec2<u32>(PIXEL_BITS), vec2<i32>(0), vec2<i32>(8));
@@ -65,7 +65,7 @@ fn pixels_inside(at: vec2<i32>) -> OpenPixels {
     return OpenPixels(row & low, row & high);
 }
 
-// Returns whether the square of `side` units from `low`, near the cell `at`, holds places of the domain and no single
+// Returns whether the square of `side` units from `low`, near the cell `at`, holds points of the domain and no single
 // sample covers all of them.
 fn is_square_open(low: vec2<i32>, side: i32, at: vec2<i32>) -> bool {
     let high = min(low + side, vec2<i32>(frame.end_x, frame.end_y)) - 1;

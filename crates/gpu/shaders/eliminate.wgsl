@@ -1,5 +1,6 @@
 // A round of elimination: decides each sample whose earlier conflicting samples are all decided. Decisions never
-// change, so a round may use decisions of the same round.
+// change, so a round may use decisions of the same round. Two samples are in conflict by covers_offset (lattice.wgsl),
+// and is_before (turn.wgsl) gives their order.
 // import: turn
 // import: rounds
 // import: lattice
@@ -10,7 +11,7 @@ struct Before {
     unknown: bool,
 }
 
-// Collects the fates of the samples before `turn` that cover `p`.
+// Collects the fates of the samples before `turn` that are in conflict with the sample `me` at `p`.
 fn look_before(me: u32, p: vec2<i32>, turn: Turn, at: vec2<i32>) -> Before {
     var before = Before(false, false, false);
     for (var row = at.y - 1; row <= at.y + 1; row++) {

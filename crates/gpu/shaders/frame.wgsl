@@ -1,4 +1,4 @@
-// Cells and places of the frame.
+// Cells and points of the frame.
 
 // Returns the index of the cell (column, row), which may lie in the padding.
 fn cell_index(column: i32, row: i32) -> u32 {
@@ -10,7 +10,7 @@ fn column_row(cell: u32) -> vec2<i32> {
     return vec2<i32>(i32(cell % frame.stride), i32(cell / frame.stride)) - PAD;
 }
 
-// Returns the place of a packed sample of the cell (column, row).
+// Returns the point of a packed sample of the cell (column, row).
 fn unpack(packed: u32, at: vec2<i32>) -> vec2<i32> {
     return (at << vec2<u32>(CELL_BITS)) | vec2<i32>(i32(packed & LOW), i32((packed >> CELL_BITS) & LOW));
 }
@@ -23,8 +23,8 @@ fn cell_of(p: vec2<i32>) -> vec2<i32> {
     return p >> vec2<u32>(CELL_BITS);
 }
 
-// Returns the lattice point of the domain that a place of the frame stands for.
-fn domain_place(p: vec2<i32>) -> vec2<u32> {
+// Returns the lattice point of the domain at a point of the frame.
+fn domain_point(p: vec2<i32>) -> vec2<u32> {
     let sum = vec2<u32>(frame.origin_x, frame.origin_y) + vec2<u32>(p);
     if frame.periodic == 0u {
         return sum;
@@ -37,7 +37,7 @@ fn in_window(p: vec2<i32>) -> bool {
         && p.y >= frame.window_min_y && p.y < frame.window_max_y;
 }
 
-// Returns whether a place lies in the frame, and so inside a bounded domain.
+// Returns whether a point lies in the frame, and so inside a bounded domain.
 fn holds(p: vec2<i32>) -> bool {
     return p.x >= 0 && p.y >= 0 && p.x < frame.end_x && p.y < frame.end_y;
 }

@@ -38,18 +38,18 @@ fn run(index: u32) {
     let at = vec2<i32>(i32(index % u32(frame.columns)), i32(index / u32(frame.columns)));
     let corner = at << vec2<u32>(CELL_BITS);
     let end = vec2<u32>(domain_end());
-    var up = first_start(domain_place(corner).y, 1u);
+    var up = first_start(domain_point(corner).y, 1u);
     while up < u32(R) {
-        var right = first_start(domain_place(corner).x, 0u);
-        let row = domain_place(corner + vec2<i32>(0, i32(up))).y;
+        var right = first_start(domain_point(corner).x, 0u);
+        let row = domain_point(corner + vec2<i32>(0, i32(up))).y;
         while right < u32(R) {
             let low = corner + vec2<i32>(vec2<u32>(right, up));
-            let place = domain_place(low);
+            let point = domain_point(low);
             if !holds(low) {
                 break;
             }
             list_cell(low);
-            right += min(GAP_SIDE, end.x - place.x);
+            right += min(GAP_SIDE, end.x - point.x);
         }
         if row >= end.y {
             break;
@@ -61,9 +61,9 @@ fn run(index: u32) {
 fn list_cell(low: vec2<i32>) {
     let extent = extent_of(low, i32(GAP_SIDE));
     if is_touched(low, extent) && !is_cell_covered(low, extent) {
-        let place = atomicAdd(&counters[COUNTER_ACTIVE], 1u);
-        if place < frame.active_capacity {
-            active_cells[place] = low;
+        let slot = atomicAdd(&counters[COUNTER_ACTIVE], 1u);
+        if slot < frame.active_capacity {
+            active_cells[slot] = low;
         }
     }
 }

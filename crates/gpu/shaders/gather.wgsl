@@ -10,7 +10,7 @@ fn run(index: u32) {
     if count == 0u || !touches_window(at) {
         return;
     }
-    var slots = vec3<u32>(grid[4u * index], grid[4u * index + 1u], grid[4u * index + 2u]) & vec3<u32>(PLACE_MASK);
+    var slots = vec3<u32>(grid[4u * index], grid[4u * index + 1u], grid[4u * index + 2u]) & vec3<u32>(POSITION_MASK);
     slots = select(slots, vec3<u32>(FREE), vec3<u32>(0u, 1u, 2u) >= vec3<u32>(count));
     slots = vec3<u32>(min(slots.x, slots.y), max(slots.x, slots.y), slots.z);
     slots = vec3<u32>(slots.x, min(slots.y, slots.z), max(slots.y, slots.z));
@@ -20,7 +20,7 @@ fn run(index: u32) {
         let p = unpack(slots[k], at);
         if in_window(p) {
             if to < frame.result_capacity {
-                result[to] = domain_place(p);
+                result[to] = domain_point(p);
             }
             to++;
         }

@@ -1,4 +1,5 @@
-// The coverage test on which all decisions rest, as in core's lattice.rs.
+// The predicate on which all decisions rest, as in core's lattice.rs: whether a sample covers a point at this offset,
+// and so whether two samples are in conflict.
 
 fn covers_offset(offset: vec2<i32>) -> bool {
     // Compare with both ends, because the magnitude of -2^31 does not fit an i32.

@@ -35,9 +35,9 @@ fn run(index: u32) {
     if (flags & FLAG_REACHED) != 0u && may_be_uncovered(pixels, at) {
         make_hot(cell, at);
     } else {
-        let place = atomicAdd(&counters[COUNTER_OPEN], 1u);
-        if place < frame.list_capacity {
-            list[place] = cell;
+        let slot = atomicAdd(&counters[COUNTER_OPEN], 1u);
+        if slot < frame.list_capacity {
+            list[slot] = cell;
         }
     }
 }

@@ -28,7 +28,7 @@ fn run(index: u32) {
     if state != PROPOSAL_KEPT {
         return;
     }
-    set_state(index, PROPOSAL_PLACED);
+    set_state(index, PROPOSAL_INSERTED);
     let slot = atomicAdd(&grid[4u * cell + 3u], 1u) & COUNT_MASK;
     if slot == 3u {
         atomicStore(&counters[COUNTER_FAULT], FAULT_FULL);

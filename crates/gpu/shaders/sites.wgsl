@@ -2,7 +2,7 @@
 // import: grid
 // import: coverage
 
-var<private> site_places: array<vec2<i32>, MAX_SITES>;
+var<private> site_points: array<vec2<i32>, MAX_SITES>;
 // Cell times four plus slot, and the mark of a detector.
 var<private> site_keys: array<u32, MAX_SITES>;
 var<private> sites: u32;
@@ -37,14 +37,14 @@ fn gather_sites(centre: vec2<i32>, at: vec2<i32>, reach: i32, limit: f32) {
             let count = grid_word(first + 3u) & COUNT_MASK;
             for (var k = 0u; k < count; k++) {
                 let word = grid_word(first + k);
-                let place = unpack(word, vec2<i32>(column, row));
-                let d = vec2<f32>(place - centre);
+                let point = unpack(word, vec2<i32>(column, row));
+                let d = vec2<f32>(point - centre);
                 if dot(d, d) <= limit * limit {
                     if sites == MAX_SITES {
                         atomicStore(&counters[COUNTER_FAULT], FAULT_SITES);
                         return;
                     }
-                    site_places[sites] = place;
+                    site_points[sites] = point;
                     site_keys[sites] = (first + k) | ((word & DETECTOR) << 1u);
                     has_detector |= (word & DETECTOR) != 0u;
                     sites++;

@@ -8,11 +8,11 @@ fn run(index: u32) {
     let count = min(tile_images[index * TILE_WORDS], TILE_WORDS - 1u);
     for (var k = 1u; k < count; k++) {
         let image = tile_images[first + k];
-        var place = k;
-        while place > 0u && tile_images[first + place - 1u] > image {
-            tile_images[first + place] = tile_images[first + place - 1u];
-            place--;
+        var slot = k;
+        while slot > 0u && tile_images[first + slot - 1u] > image {
+            tile_images[first + slot] = tile_images[first + slot - 1u];
+            slot--;
         }
-        tile_images[first + place] = image;
+        tile_images[first + slot] = image;
     }
 }

@@ -1,16 +1,16 @@
 // Writes the source of each sample of the result: block and pattern index, or 0xffffffff and the iteration.
 // import: frame
 
-fn source_of(place: u32, index: u32, at: vec2<i32>) -> vec2<u32> {
+fn source_of(packed: u32, index: u32, at: vec2<i32>) -> vec2<u32> {
     let last = grid[4u * index + 3u];
     for (var k = 0u; k < (last & COUNT_MASK); k++) {
         let iteration = (last >> (8u + 8u * k)) & 255u;
-        if (grid[4u * index + k] & PLACE_MASK) == place && iteration > 0u {
+        if (grid[4u * index + k] & POSITION_MASK) == packed && iteration > 0u {
             return vec2<u32>(0xffffffffu, iteration);
         }
     }
     for (var k = starts[index]; k < starts[index + 1u]; k++) {
-        if places[k] == (place | FATE_KEPT) {
+        if places[k] == (packed | FATE_KEPT) {
             let origin = k * frame.origin_words;
             let image = min(origins[origin], arrayLength(&images) - 1u);
             return vec2<u32>(images[image].block, origins[origin + 1u]);
@@ -26,9 +26,9 @@ fn run(index: u32) {
     let at = column_row(index);
     let window_end = heads[index + 1u];
     for (var to = heads[index]; to < min(window_end, frame.result_capacity); to++) {
-        // The result holds places of the domain, whose cells are aligned with the frame's.
+        // The result holds points of the domain, whose cells are aligned with the frame's.
         let p = result[to];
-        let place = ((p.y & LOW) << CELL_BITS) | (p.x & LOW);
-        tags[to] = source_of(place, index, at);
+        let packed = ((p.y & LOW) << CELL_BITS) | (p.x & LOW);
+        tags[to] = source_of(packed, index, at);
     }
 }

@@ -4,11 +4,11 @@
 
 fn run(index: u32) {
     let known = min(atomicLoad(&counters[COUNTER_UNSURE]), frame.unsure_capacity);
-    let place = atomicLoad(&counters[COUNTER_SPREAD]) + index;
-    if place >= known {
+    let k = atomicLoad(&counters[COUNTER_SPREAD]) + index;
+    if k >= known {
         return;
     }
-    let at = column_row(unsure[place]);
+    let at = column_row(unsure[k]);
     let reach = i32(job.a);
     let low = max(at - max(reach, 1), vec2<i32>(0));
     let high = min(at + max(reach, 1), vec2<i32>(frame.columns, frame.rows) - 1);

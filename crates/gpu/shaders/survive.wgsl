@@ -17,7 +17,7 @@ fn run(index: u32) {
             if count == 3u {
                 atomicStore(&counters[COUNTER_FAULT], FAULT_FULL);
             } else {
-                slots[count] = word & PLACE_MASK;
+                slots[count] = word & POSITION_MASK;
                 count++;
             }
         } else if fate == FATE_LOST {
@@ -26,7 +26,7 @@ fn run(index: u32) {
             if holds(p) {
                 eliminated += u32(in_window(p));
             } else {
-                // Counted at the nearest place of the domain.
+                // Counted at the nearest point of the domain.
                 let nearest = clamp(p, vec2<i32>(0), vec2<i32>(frame.end_x, frame.end_y) - 1);
                 atomicAdd(&counters[COUNTER_DROPPED], u32(in_window(nearest)));
             }
@@ -46,9 +46,9 @@ fn run(index: u32) {
         atomicAdd(&counters[COUNTER_ELIMINATED], eliminated);
     }
     if (flags & FLAG_UNSURE) != 0u {
-        let place = atomicAdd(&counters[COUNTER_UNSURE], 1u);
-        if place < frame.unsure_capacity {
-            unsure[place] = index;
+        let slot = atomicAdd(&counters[COUNTER_UNSURE], 1u);
+        if slot < frame.unsure_capacity {
+            unsure[slot] = index;
         }
         if touches_window(at) {
             atomicAdd(&counters[COUNTER_UNSURE_IN_WINDOW], 1u);

@@ -21,16 +21,16 @@ fn run(index: u32) {
         return;
     }
     let low = active_cells[index];
-    let place = domain_place(low);
+    let point = domain_point(low);
     // The cell's sides are two to the power of job.c.
     let shift = 16u - job.c;
-    let key = threefry(vec2<u32>(job.a, job.b), place);
+    let key = threefry(vec2<u32>(job.a, job.b), point);
     let darts = select(poisson(key.x), 1u, job.c == 0u);
     for (var k = 0u; k < darts; k++) {
         let draw = threefry(key, vec2<u32>(STREAM_DART, k));
         let offset = vec2<u32>((draw.x >> 16u) >> shift, (draw.x & 0xffffu) >> shift);
         let p = low + vec2<i32>(offset);
-        let inside = all(vec2<i32>(place + offset) < domain_end()) && holds(p);
+        let inside = all(vec2<i32>(point + offset) < domain_end()) && holds(p);
         if !inside || is_covered(p) {
             continue;
         }

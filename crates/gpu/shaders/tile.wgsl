@@ -36,10 +36,10 @@ fn run(index: u32) {
     let contested = is_edge(at) || reaching(at) > 1u;
     for (var k = 0u; k < found; k++) {
         var fate = select(FATE_KEPT, FATE_UNDECIDED, contested);
-        if !holds(unpack(found_places[k], at)) {
+        if !holds(unpack(found_words[k], at)) {
             fate = FATE_LOST;
         }
-        places[first + k] = found_places[k] | fate;
+        places[first + k] = found_words[k] | fate;
         let origin = (first + k) * frame.origin_words;
         origins[origin] = found_images[k];
         if frame.origin_words > 1u {
@@ -47,9 +47,9 @@ fn run(index: u32) {
         }
     }
     if contested {
-        let place = atomicAdd(&counters[COUNTER_CONTESTED], 1u);
-        if place < frame.cells {
-            list[place] = index;
+        let slot = atomicAdd(&counters[COUNTER_CONTESTED], 1u);
+        if slot < frame.cells {
+            list[slot] = index;
         }
     }
 }

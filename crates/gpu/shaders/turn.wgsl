@@ -1,5 +1,5 @@
-// The position of a tiled sample in the order of elimination: rank, then id, which means block, then place in the clip,
-// row by row.
+// The position of a tiled sample in the order of elimination: rank, then id, which means block, then position in the
+// clip, row by row.
 // import: frame
 // import: random
 
@@ -15,16 +15,16 @@ fn turn_of(p: vec2<i32>, image_index: u32) -> Turn {
     let image = images[min(image_index, arrayLength(&images) - 1u)];
     var rank = 0u;
     if frame.order == ORDER_RANDOM {
-        rank = threefry(vec2<u32>(frame.order_key_x, frame.order_key_y), domain_place(p)).x;
+        rank = threefry(vec2<u32>(frame.order_key_x, frame.order_key_y), domain_point(p)).x;
     } else if frame.order == ORDER_OWN_BLOCK_FIRST {
         let own = p.x >= image.own_min_x && p.x < image.own_max_x && p.y >= image.own_min_y && p.y < image.own_max_y;
         rank = select(1u, 0u, own);
     } else if frame.order == ORDER_PHASE_GROUP {
         let count = vec2<i32>(frame.phase_count_x, frame.phase_count_y);
-        let cell = min(vec2<i32>(domain_place(p)) / vec2<i32>(frame.phase_cell_x, frame.phase_cell_y), count - 1) & vec2<i32>(1);
+        let cell = min(vec2<i32>(domain_point(p)) / vec2<i32>(frame.phase_cell_x, frame.phase_cell_y), count - 1) & vec2<i32>(1);
         rank = (frame.phase_sequence >> (4u * u32(cell.y * 2 + cell.x))) & 15u;
     }
-    // Exact modulo 2^32, since places in a clip are smaller.
+    // Exact modulo 2^32, since positions in a clip are smaller.
     return Turn(rank, image.sequence, u32(p.y) - image.corner_y, u32(p.x) - image.corner_x);
 }
 

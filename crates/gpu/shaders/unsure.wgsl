@@ -6,9 +6,9 @@ fn make_unsure(cell: u32, at: vec2<i32>) {
     if (before & FLAG_UNSURE) != 0u {
         return;
     }
-    let place = atomicAdd(&counters[COUNTER_UNSURE], 1u);
-    if place < frame.unsure_capacity {
-        unsure[place] = cell;
+    let slot = atomicAdd(&counters[COUNTER_UNSURE], 1u);
+    if slot < frame.unsure_capacity {
+        unsure[slot] = cell;
     }
     if touches_window(at) {
         atomicAdd(&counters[COUNTER_UNSURE_IN_WINDOW], 1u);

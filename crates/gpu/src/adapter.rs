@@ -27,7 +27,7 @@ pub struct AdapterReport {
     pub limits: Limits,
 }
 
-/// The limits that decide how large a run in one go may be.
+/// The limits that decide how large a window may be.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 pub struct Limits {
     /// The longest buffer, in bytes.
@@ -47,7 +47,7 @@ pub(crate) const MAX_STORAGE_BUFFERS: u32 = 8;
 /// open cells.
 const MAX_GROUP_ROWS: u64 = 32_769;
 
-/// Bytes read back at a time.
+/// The most bytes read back at once.
 const STAGING: u64 = 64 << 20;
 
 /// Which adapter to open.
@@ -69,7 +69,7 @@ pub struct Gpu {
     pub(crate) queue: wgpu::Queue,
     report: AdapterReport,
     trouble: Arc<Mutex<Option<Trouble>>>,
-    /// How shaders are compiled that no one interferes with.
+    /// How shaders are compiled, unless the stages of the run are recorded: those always have checks.
     pub(crate) checks: Checks,
     pub(crate) kernels: Kernels,
 }
@@ -117,14 +117,14 @@ async fn found(instance: &wgpu::Instance) -> Vec<wgpu::Adapter> {
         .collect();
     #[cfg(not(target_arch = "wasm32"))]
     let mut adapters = instance.enumerate_adapters(BACKENDS).await;
-    let place = |adapter: &wgpu::Adapter| match adapter.get_info().device_type {
+    let slowness = |adapter: &wgpu::Adapter| match adapter.get_info().device_type {
         wgpu::DeviceType::DiscreteGpu => 0,
         wgpu::DeviceType::IntegratedGpu => 1,
         wgpu::DeviceType::VirtualGpu => 2,
         wgpu::DeviceType::Other => 3,
         wgpu::DeviceType::Cpu => 4,
     };
-    adapters.sort_by_key(place);
+    adapters.sort_by_key(slowness);
     adapters
 }
 
@@ -172,8 +172,8 @@ fn is_known_software(name: &str) -> bool {
 impl Gpu {
     /// Returns the device of the adapter that `choice` names.
     ///
-    /// Fails when there is no such adapter, when only software adapters exist and none was asked for, and when a limit
-    /// is too low for any run.
+    /// Fails when there is no such adapter, when only software adapters exist and none was named, and when a limit is
+    /// too low for any run.
     pub async fn open(choice: &Choice) -> Result<Self, GpuError> {
         let instance = instance();
         let adapter = choose(found(&instance).await, choice)?;
@@ -434,7 +434,7 @@ fn choose(adapters: Vec<wgpu::Adapter>, choice: &Choice) -> Result<wgpu::Adapter
             reason: missing(cfg!(target_arch = "wasm32")).to_owned(),
         });
     };
-    let place = match &choice.name {
+    let index = match &choice.name {
         Some(wanted) => {
             let lower = wanted.to_lowercase();
             let is = |report: &AdapterReport| report.name.to_lowercase() == lower;
@@ -456,7 +456,7 @@ fn choose(adapters: Vec<wgpu::Adapter>, choice: &Choice) -> Result<wgpu::Adapter
     };
     adapters
         .into_iter()
-        .nth(place)
+        .nth(index)
         .ok_or_else(|| GpuError::NoAdapter {
             reason: "the adapter is gone".to_owned(),
         })

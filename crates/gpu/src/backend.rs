@@ -1,5 +1,5 @@
-//! Which engine computes a run, why that one, and what happens if a device fails: the threads take over where they may.
-//! All engines give the same samples, bit for bit. How a user asks for an engine is up to the front ends.
+//! The engine that computes a run, and the reason for the choice. If a device fails, the parallel engine takes over
+//! where it may. All engines give the same samples, bit for bit. The front ends turn a user's choice into a [`Choice`].
 
 use std::sync::Arc;
 
@@ -12,11 +12,11 @@ use crate::error::GpuError;
 use crate::sweep::{GpuSweep, Options};
 
 /// Expected samples from which a GPU is worth its start. Opening a driver and compiling the passes take about half a
-/// second whatever the set, and what was computed must be read back; two threads of the parallel engine make this many
-/// samples in that time, so that smaller sets gain nothing.
+/// second for any set, and the result must be read back. Two threads of the parallel engine make this many samples in
+/// that time, so that smaller sets gain nothing.
 pub const WORTH_A_GPU: f64 = 2e7;
 
-/// Why an engine runs that was asked for by its name.
+/// The reason for an engine that the user asked for by name.
 pub const ASKED_FOR: &str = "asked for";
 
 /// An engine that is ready.
@@ -47,7 +47,7 @@ impl Engine {
 pub struct Backend {
     /// The engine.
     pub engine: Engine,
-    /// Why this one, for people to read.
+    /// The reason for this engine, as a text for the user.
     pub reason: String,
     /// Whether the parallel engine may take over if a device fails.
     pub may_fall_back: bool,
@@ -63,7 +63,7 @@ impl Backend {
         }
     }
 
-    /// Opens the GPU that was asked for.
+    /// Opens the GPU that the user asked for.
     ///
     /// Fails as [`Gpu::open`].
     pub async fn gpu(choice: &Choice) -> Result<Self, GpuError> {
@@ -72,8 +72,8 @@ impl Backend {
         Ok(Self::new(Engine::Gpu(Arc::new(gpu)), reason))
     }
 
-    /// Returns the fastest engine for a run of `variant` with about `expected` samples. A GPU is opened only where it is
-    /// worth that.
+    /// Returns the fastest engine for a run of `variant` with about `expected` samples. A GPU is opened only for runs
+    /// of at least [`WORTH_A_GPU`] samples.
     pub async fn fastest(choice: &Choice, variant: Variant, expected: f64) -> Self {
         if variant == Variant::AsPrinted {
             let reason = "only this one runs Algorithm 4 as printed";
@@ -94,7 +94,7 @@ impl Backend {
         }
     }
 
-    /// Returns what computes the rest of a run after `error`: the parallel engine, if it may.
+    /// Returns the engine for the rest of a run after `error`: the parallel engine, if it may take over.
     ///
     /// Fails with `error` if there is no substitute, or if the run fails on any engine.
     pub fn after(&self, error: GpuError) -> Result<Self, GpuError> {
@@ -125,11 +125,11 @@ enum AnySweep {
 }
 
 impl Bands {
-    /// Returns a run at its beginning. With `sources` the samples say where they come from. `warn` is called when the
-    /// threads take over for a device.
+    /// Returns a run at its beginning. With `sources` the samples have their sources. `warn` is called when the
+    /// parallel engine takes over for a device.
     ///
-    /// Fails when `parameters` and `pattern` make no run, when the engine makes no bands, and when a device fails that
-    /// has no substitute.
+    /// Fails when `parameters` and `pattern` cannot be sampled, when the engine makes no bands, and when a device fails
+    /// that has no substitute.
     pub async fn new(
         parameters: &Parameters,
         pattern: &Arc<Pattern>,
@@ -155,13 +155,13 @@ impl Bands {
         })
     }
 
-    /// Returns the engine that computes by now, and why.
+    /// Returns the engine in use, and the reason for it.
     #[must_use]
     pub const fn backend(&self) -> &Backend {
         &self.backend
     }
 
-    /// Returns where the run is, to go on from there in another process, with any engine.
+    /// Returns the position of the run, from which another process can continue, with any engine.
     #[must_use]
     pub fn state(&self) -> SweepState {
         match &self.sweep {
@@ -170,7 +170,7 @@ impl Bands {
         }
     }
 
-    /// Goes on from a state of a run of the same parameters and pattern, by any engine.
+    /// Continues from the state of a run of the same parameters and pattern, by any engine.
     pub fn restore(&mut self, state: &SweepState) {
         match &mut self.sweep {
             AnySweep::Threads(sweep) => sweep.restore(state),
@@ -205,7 +205,7 @@ impl Bands {
         Box::pin(self.step(observer)).await
     }
 
-    /// Runs to the end and returns the samples of all bands that are left, the run's summary, and the engine that computed
+    /// Runs to the end and returns the samples of all remaining bands, the run's summary, and the engine that computed
     /// it. Takes memory for all of them at once. Fails as [`Self::step`].
     pub async fn finish(
         self,
@@ -261,7 +261,7 @@ async fn begin(
     Ok(AnySweep::Gpu(Box::new(sweep)))
 }
 
-/// Returns what takes over after `error`, with a warning.
+/// Returns the engine that takes over after `error`, with a warning.
 fn substitute(backend: &Backend, error: GpuError, warn: fn(&str)) -> Result<Backend, GpuError> {
     let backend = backend.after(error)?;
     let reason = &backend.reason;

@@ -3,7 +3,7 @@
 use tilescope_core::R;
 use tilescope_core::windows::CELL_BITS;
 
-use crate::constants::{COUNT_MASK, FATE_MASK, PLACE_MASK, TILE_WORDS};
+use crate::constants::{COUNT_MASK, FATE_MASK, POSITION_MASK, TILE_WORDS};
 use crate::error::GpuError;
 use crate::execute::Device;
 use crate::layout::{Frame, Image, Name, Proposal, counter};
@@ -96,13 +96,13 @@ fn columns(name: Name) -> Vec<String> {
 
 /// Decodes the words of a row.
 fn meaning(name: Name, row: &[u32]) -> Vec<i64> {
-    let place = |word: u32| {
-        let (x, y) = (word & (R as u32 - 1), (word & PLACE_MASK) >> CELL_BITS);
+    let position = |word: u32| {
+        let (x, y) = (word & (R as u32 - 1), (word & POSITION_MASK) >> CELL_BITS);
         [i64::from(x), i64::from(y)]
     };
     match name {
         Name::Places => {
-            let [x, y] = place(row[0]);
+            let [x, y] = position(row[0]);
             vec![x, y, i64::from((row[0] & FATE_MASK) >> 30)]
         }
         Name::Grid => {
@@ -111,7 +111,7 @@ fn meaning(name: Name, row: &[u32]) -> Vec<i64> {
             for slot in 0..3 {
                 if slot < count {
                     let word = row[slot as usize];
-                    let [x, y] = place(word);
+                    let [x, y] = position(word);
                     let iteration = i64::from((row[3] >> (8 + 8 * slot)) & 255);
                     cells.extend([iteration, x, y, i64::from(word >> 30 & 1)]);
                 } else {

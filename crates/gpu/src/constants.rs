@@ -40,7 +40,7 @@ pub const SCAN_PART: u32 = SCAN_EACH * WORKGROUP;
 /// Sides of a pixel, in units: an eighth of a cell.
 const PIXEL_BITS: u32 = CELL_BITS - 3;
 
-/// The largest distance of a place in a pixel from its centre: 2048 units on each axis.
+/// The largest distance of a point in a pixel from its centre: 2048 units on each axis.
 const HALF_DIAGONAL: f32 = 2_897.5;
 
 /// How much farther from a candidate its own samples may be than the nearest sample. Their squared distances differ by
@@ -66,14 +66,14 @@ pub const PREPARE_SPREAD: u32 = 1;
 pub const PREPARE_LEVEL: u32 = 2;
 
 /// The state of a proposal that was inserted.
-pub const PROPOSAL_PLACED: u32 = 4;
+pub const PROPOSAL_INSERTED: u32 = 4;
 
-/// Stands for no sample.
+/// No sample.
 pub const NO_SITE: u32 = 0x7fff_ffff;
 
 /// The bits of a tiled sample's word that hold its offset in the cell.
-pub const PLACE_MASK: u32 = 0x3fff_ffff;
-/// The bits that say what became of it.
+pub const POSITION_MASK: u32 = 0x3fff_ffff;
+/// The bits that hold its fate.
 pub const FATE_MASK: u32 = 0xc000_0000;
 /// The sample was kept and is in the grid.
 pub const FATE_KEPT: u32 = 0x4000_0000;
@@ -157,7 +157,7 @@ fn unsigned() -> Vec<(&'static str, u32)> {
         ("MAX_SITES", MAX_SITES),
         ("SCAN_EACH", SCAN_EACH),
         ("SCAN_PART", SCAN_PART),
-        ("PLACE_MASK", PLACE_MASK),
+        ("POSITION_MASK", POSITION_MASK),
         ("FATE_MASK", FATE_MASK),
         ("FATE_UNDECIDED", 0),
         ("FATE_KEPT", FATE_KEPT),
@@ -183,7 +183,7 @@ fn unsigned() -> Vec<(&'static str, u32)> {
         ("PROPOSAL_KEPT", 1),
         ("PROPOSAL_REJECTED", 2),
         ("PROPOSAL_UNKNOWN", 3),
-        ("PROPOSAL_PLACED", PROPOSAL_PLACED),
+        ("PROPOSAL_INSERTED", PROPOSAL_INSERTED),
         ("PROPOSAL_NOTED", 5),
     ];
     all.extend(FAULTS);

@@ -1,5 +1,5 @@
-//! The CPU reference of a run on a device: core's sequential engine, run to the same stage and compared with what lies
-//! on the device. Differences are reported, never repaired.
+//! The CPU reference of a run on a device: core's sequential engine, run to the same stage and compared with the
+//! device's data. Differences are reported, never repaired.
 
 use std::fmt::{self, Debug};
 use std::sync::Arc;
@@ -15,17 +15,17 @@ pub struct RunDifference {
     /// Which list: blocks, tiles, points, origins, fates, iterations or result.
     pub list: &'static str,
     /// The index in the list; `None` if the list has no indices.
-    pub place: Option<usize>,
-    /// What the device has there; empty past the end of its list.
+    pub index: Option<usize>,
+    /// The element on the device; empty past the end of its list.
     pub device: String,
-    /// What the CPU has there; empty past the end of its list.
+    /// The element on the CPU; empty past the end of its list.
     pub cpu: String,
 }
 
 impl fmt::Display for RunDifference {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(self.list)?;
-        let Some(place) = self.place else {
+        let Some(index) = self.index else {
             return Ok(());
         };
         let or_nothing = |text: &str| match text {
@@ -33,7 +33,7 @@ impl fmt::Display for RunDifference {
             text => text.to_owned(),
         };
         let (device, cpu) = (or_nothing(&self.device), or_nothing(&self.cpu));
-        write!(f, " at {place}: {device} on the device, {cpu} on the CPU")
+        write!(f, " at {index}: {device} on the device, {cpu} on the CPU")
     }
 }
 
@@ -105,7 +105,7 @@ fn first_difference(device: &Run, cpu: &Run, result: &[u32]) -> Option<RunDiffer
     if device.blocks != cpu.blocks {
         return Some(RunDifference {
             list: "blocks",
-            place: None,
+            index: None,
             device: String::new(),
             cpu: String::new(),
         });
@@ -128,12 +128,12 @@ fn in_list<T: PartialEq + Debug>(
         return None;
     }
     let shorter = device.len().min(cpu.len());
-    let place = device.iter().zip(cpu).position(|(a, b)| a != b);
-    let place = place.unwrap_or(shorter);
-    let quoted = |of: &[T]| of.get(place).map_or_else(String::new, quote);
+    let index = device.iter().zip(cpu).position(|(a, b)| a != b);
+    let index = index.unwrap_or(shorter);
+    let quoted = |of: &[T]| of.get(index).map_or_else(String::new, quote);
     Some(RunDifference {
         list,
-        place: Some(place),
+        index: Some(index),
         device: quoted(device),
         cpu: quoted(cpu),
     })

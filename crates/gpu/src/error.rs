@@ -16,7 +16,7 @@ pub enum GpuError {
     /// No adapter has the wanted name.
     #[error("no GPU adapter is called {wanted:?}; the adapters are: {}", found.join(", "))]
     NoSuchAdapter {
-        /// What was asked for.
+        /// The wanted name.
         wanted: String,
         /// The names of the existing adapters.
         found: Vec<String>,

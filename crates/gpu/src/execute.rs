@@ -168,13 +168,13 @@ impl Device {
     }
 
     /// Writes a word of a buffer.
-    pub(crate) fn set_word(&self, name: Name, place: u64, word: u32) {
+    pub(crate) fn set_word(&self, name: Name, index: u64, word: u32) {
         if let Some((buffer, length)) = self.buffers.get(&name)
-            && place < length / 4
+            && index < length / 4
         {
             self.gpu
                 .queue
-                .write_buffer(buffer, 4 * place, &word.to_le_bytes());
+                .write_buffer(buffer, 4 * index, &word.to_le_bytes());
         }
     }
 
@@ -217,14 +217,14 @@ impl Device {
         self.gpu.check()?;
         for part in commands.chunks(MAX_TIMED as usize / 2) {
             self.write_jobs(part);
-            // Without its job a pass would compute with that of another one.
+            // A pass without its own job would use the job of another pass.
             self.gpu.check()?;
             let mut encoder = self
                 .gpu
                 .device
                 .create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-            for (command, place) in part.iter().zip(0..) {
-                self.encode(&mut encoder, command, place, stage);
+            for (command, job) in part.iter().zip(0..) {
+                self.encode(&mut encoder, command, job, stage);
             }
             self.gpu.queue.submit([encoder.finish()]);
         }
@@ -245,7 +245,7 @@ impl Device {
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
         command: &Command,
-        place: u64,
+        job: u64,
         stage: Stage,
     ) {
         match *command {
@@ -267,7 +267,7 @@ impl Device {
                     .extend(next.map(|buffer| (Name::Active, buffer)));
             }
             Command::Dispatch { pass, size, .. } => {
-                self.dispatch(encoder, pass, size, place, stage);
+                self.dispatch(encoder, pass, size, job, stage);
             }
         }
     }
@@ -277,16 +277,16 @@ impl Device {
         encoder: &mut wgpu::CommandEncoder,
         pass: &'static Pass,
         size: Size,
-        place: u64,
+        job: u64,
         stage: Stage,
     ) {
-        // Whoever looks at the stages may also change the buffers between them.
+        // Buffers of recorded stages may be changed between passes, so their shaders are checked.
         let checks = match self.recording {
             Recording::Stages => Checks::Checked,
             Recording::Nothing | Recording::Passes => self.gpu.checks,
         };
         let kernel = self.gpu.kernels.get(&self.gpu.device, pass, checks);
-        let group = self.bind(&kernel.layout, pass, place);
+        let group = self.bind(&kernel.layout, pass, job);
         let times = self.times.as_mut().and_then(Times::next);
         self.report(pass, size, stage);
         let timestamp_writes = times.and_then(|first| {
@@ -314,7 +314,7 @@ impl Device {
         }
     }
 
-    fn bind(&self, layout: &wgpu::BindGroupLayout, pass: &Pass, place: u64) -> wgpu::BindGroup {
+    fn bind(&self, layout: &wgpu::BindGroupLayout, pass: &Pass, job: u64) -> wgpu::BindGroup {
         let entries: Vec<wgpu::BindGroupEntry<'_>> = pass
             .bindings
             .iter()
@@ -323,7 +323,7 @@ impl Device {
                 let resource = if binding.name == Name::Job {
                     wgpu::BindingResource::Buffer(wgpu::BufferBinding {
                         buffer: &self.jobs,
-                        offset: place * JOB_STRIDE,
+                        offset: job * JOB_STRIDE,
                         size: std::num::NonZeroU64::new(size_of::<Job>() as u64),
                     })
                 } else {
@@ -414,10 +414,10 @@ impl Device {
             .await?;
         let ticks: Vec<u64> = bytemuck::pod_collect_to_vec(&bytes);
         if let Some(reports) = &mut self.reports {
-            for (place, pair) in pending.iter().zip(ticks.chunks_exact(2)) {
+            for (index, pair) in pending.iter().zip(ticks.chunks_exact(2)) {
                 let elapsed = pair[1].saturating_sub(pair[0]) as f64;
                 // A device that does not measure leaves both at 0.
-                reports[*place].seconds = (pair[1] > 0).then_some(elapsed * times.period_ns * 1e-9);
+                reports[*index].seconds = (pair[1] > 0).then_some(elapsed * times.period_ns * 1e-9);
             }
         }
         Ok(())

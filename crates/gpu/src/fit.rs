@@ -59,7 +59,7 @@ pub(crate) fn plan(
             allowed,
         })
     };
-    // Check first what can be checked without memory that grows with the window.
+    // First the checks that need no memory that grows with the window.
     let (bytes, around) = (16, 2 * halo as u64);
     let binding = limits.max_storage_buffer_binding_size;
     check(

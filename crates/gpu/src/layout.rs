@@ -81,9 +81,9 @@ shared! {
         phase_sequence: u32,
         /// Words stored for a tiled sample's origin: 1 for the block's image alone, 2 with the pattern index.
         origin_words: u32,
-        /// How many cells away from a lost sample uncovered places may lie that must be found.
+        /// The largest distance, in cells, from a lost sample to an uncovered place that must be found.
         lost_reach: i32,
-        /// The farthest samples of a candidate from its detector, in units, far from closed borders.
+        /// The largest distance of a candidate's samples from its detector, in units, far from closed borders.
         search: i32,
         /// The same near closed borders.
         search_border: i32,
@@ -139,13 +139,13 @@ shared! {
         corner_x: u32,
         /// See `corner_x`.
         corner_y: u32,
-        /// The place in the pattern of the clip's lowest corner.
+        /// The pattern's point on the clip's lowest corner.
         start_x: i32,
         /// See `start_x`.
         start_y: i32,
         /// The word at which the variant's shape begins in the pattern buffer.
         shape: u32,
-        /// The block's place in the order of blocks, equal for its images.
+        /// A number that grows with the block's index and is equal for its images.
         sequence: u32,
         /// The block's index, if blocks were counted.
         block: u32,
@@ -155,7 +155,7 @@ shared! {
 }
 
 shared! {
-    /// A place at which a sample may be inserted: a candidate or a dart.
+    /// A point at which a sample may be inserted: a candidate or a dart.
     Proposal {
         /// In the frame.
         x: i32,
@@ -171,7 +171,7 @@ shared! {
         site_b: u32,
         /// See `site_a`.
         site_c: u32,
-        /// What became of it, as `PROPOSAL_*`.
+        /// Its fate, as `PROPOSAL_*`.
         state: u32,
     }
 }
@@ -194,22 +194,22 @@ pub fn structures() -> String {
     text
 }
 
-/// Numbers that passes count up and the host reads, by their place in the buffer of counters.
+/// Numbers that passes count up and the host reads, by their index in the buffer of counters.
 pub mod counter {
     macro_rules! counters {
         ($($(#[$attributes:meta])* $name:ident,)*) => {
             counters!(@ 0u32; $($(#[$attributes])* $name,)*);
-            /// All counters with their places, as shaders see them.
+            /// All counters with their indices, as shaders name them.
             pub const ALL: &[(&str, u32)] = &[$((concat!("COUNTER_", stringify!($name)), $name),)*];
         };
-        (@ $place:expr; $(#[$attributes:meta])* $name:ident, $($rest:tt)*) => {
+        (@ $index:expr; $(#[$attributes:meta])* $name:ident, $($rest:tt)*) => {
             $(#[$attributes])*
-            pub const $name: u32 = $place;
-            counters!(@ $place + 1; $($rest)*);
+            pub const $name: u32 = $index;
+            counters!(@ $index + 1; $($rest)*);
         };
-        (@ $place:expr;) => {
+        (@ $index:expr;) => {
             /// How many counters there are.
-            pub const COUNT: u32 = $place;
+            pub const COUNT: u32 = $index;
         };
     }
     counters! {
@@ -268,13 +268,13 @@ pub enum Name {
     TileImages,
     /// The pattern's variants by cells.
     Pattern,
-    /// For each cell the place of its first tiled sample.
+    /// For each cell the index of its first tiled sample.
     Starts,
     /// Sums of the parts of a list, in a prefix sum.
     Sums,
-    /// Tiled samples, cell by cell: place in the cell and fate.
+    /// Tiled samples, cell by cell: position in the cell and fate.
     Places,
-    /// Where tiled samples come from.
+    /// The origins of tiled samples: image of a block, pattern index.
     Origins,
     /// For each tiled sample the one that eliminated it.
     By,
@@ -348,7 +348,7 @@ impl Name {
     }
 }
 
-/// What a pass does with a buffer.
+/// How a pass uses a buffer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Access {
     /// It is a uniform.
@@ -378,7 +378,7 @@ pub struct Binding {
 #[must_use]
 pub fn declarations(bindings: &[Binding]) -> String {
     let mut text = String::new();
-    for (place, binding) in bindings.iter().enumerate() {
+    for (index, binding) in bindings.iter().enumerate() {
         let (space, kind) = match binding.access {
             Access::Uniform => ("uniform", binding.name.element().to_owned()),
             Access::Read => (
@@ -394,7 +394,7 @@ pub fn declarations(bindings: &[Binding]) -> String {
         let name = binding.alias.unwrap_or(binding.name.as_str());
         let _ = writeln!(
             text,
-            "@group(0) @binding({place}) var<{space}> {name}: {kind};"
+            "@group(0) @binding({index}) var<{space}> {name}: {kind};"
         );
     }
     text

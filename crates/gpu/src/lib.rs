@@ -1,9 +1,22 @@
-//! KDRT on a GPU: the stages of `tilescope_core` as wgpu compute passes, equal to the CPU engines
-//! bit for bit. Integers decide; floats only filter, with their error bounds beside them; no result
-//! depends on the order of atomics.
+//! KDRT on a GPU: the stages of `tilescope_core` as wgpu compute passes, equal to the CPU engines bit for bit. Integers
+//! decide; floats only filter, with their error bounds beside them; no result depends on the order of atomics. Begin
+//! with `window_run.rs`, the sequence of passes for one window; each pass is a row in `passes/` and a shader in
+//! `shaders/`.
 //!
 //! Architecture invariant: nothing here blocks, reads a clock or opens a file, so all of it works in a browser.
 //! Everything that waits is a future.
+//!
+//! Shaders are composed without a device, so the whole text of a pass can be read:
+//!
+//! ```
+//! use tilescope_gpu::{passes, shader};
+//!
+//! let pass = passes::ALL.iter().find(|pass| pass.name == "eliminate").expect("the pass");
+//! let wgsl = shader::compose(pass.shader, pass.bindings);
+//! assert!(wgsl.contains("fn covers_offset("));
+//! ```
+//!
+//! A run needs one:
 //!
 //! ```no_run
 //! use std::sync::Arc;

@@ -4,7 +4,7 @@ use tilescope_core::Stage;
 
 use crate::layout::{Access, Name};
 
-/// What a pass did.
+/// The report of one pass.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PassReport {
     /// The stage it belongs to.

@@ -93,7 +93,8 @@ pub const ALL: &[&Pass] = &[
     &finish::SOURCES,
 ];
 
-/// Returns what the pass of this name does: the head of its shader, as one text. `None` if there is no such pass.
+/// Returns the description of the pass of this name: the head of its shader, as one text. `None` if there is no such
+/// pass.
 #[must_use]
 pub fn meaning(name: &str) -> Option<String> {
     let pass = ALL.iter().find(|pass| pass.name == name)?;
@@ -228,10 +229,10 @@ pub(crate) fn alternating(
 ///
 /// When there is no argument of this name. A test that records all lists finds that.
 pub(crate) fn argument(name: &str) -> Size {
-    let place = crate::constants::ARGUMENTS
+    let index = crate::constants::ARGUMENTS
         .iter()
         .position(|argument| *argument == name);
-    Size::Indirect(place.expect("arguments are named in constants.rs") as u32)
+    Size::Indirect(index.expect("arguments are named in constants.rs") as u32)
 }
 
 #[cfg(test)]

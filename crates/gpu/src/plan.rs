@@ -206,7 +206,7 @@ fn enlarged(block: &PlacedBlock) -> tilescope_core::windows::Rect64 {
     block.rect.grown(R.into(), R.into())
 }
 
-/// Returns an image as shaders see it, or `None` where it does not reach the target.
+/// Returns an image in the layout of shaders, or `None` where it does not reach the target.
 fn image(setup: &Setup, block: &PlacedBlock, target: &Rect) -> Option<Image> {
     let clip = enlarged(block).within(target)?;
     let shape = &setup.clipper.variants()[usize::from(block.symmetry)].shape;

@@ -5,7 +5,7 @@ use tilescope_core::windows::{CELL_BITS, PAD};
 use tilescope_core::{Point, R, Rect, Stage};
 
 use crate::buffer_rows::BufferRows;
-use crate::constants::{PLACE_MASK, TILE_SIDE};
+use crate::constants::{POSITION_MASK, TILE_SIDE};
 use crate::error::GpuError;
 use crate::layout::{Access, Frame, Name, counter};
 use crate::row_places::{RowPlace, RowPlaces, Unplaced};
@@ -181,7 +181,7 @@ impl RowLocator {
                 None
             }
             Name::Places => self.tiled(row, [value(0), value(1)]),
-            Name::Origins => self.tiled(row, self.place(row)),
+            Name::Origins => self.tiled(row, self.offset(row)),
             Name::By => self.link(row, value(0)),
             Name::Proposals => in_list(counter::PROPOSALS, self.point([value(0), value(1)])),
             Name::Active => in_list(
@@ -206,12 +206,12 @@ impl RowLocator {
     fn shift(&self) -> [i64; 2] {
         let frame = &self.frame;
         let axis = |origin: u32, window: i32, side: u32| {
-            let place = origin.wrapping_add(window as u32);
-            let place = match (frame.periodic, side) {
-                (0, _) | (_, 0) => i64::from(place as i32),
-                _ => i64::from(place % side),
+            let first = origin.wrapping_add(window as u32);
+            let first = match (frame.periodic, side) {
+                (0, _) | (_, 0) => i64::from(first as i32),
+                _ => i64::from(first % side),
             };
-            place - i64::from(window)
+            first - i64::from(window)
         };
         [
             axis(frame.origin_x, frame.window_min_x, frame.side_x),
@@ -251,20 +251,20 @@ impl RowLocator {
     }
 
     /// Returns a sample by its cell and its offset in it.
-    fn sample(&self, cell: i64, place: [i64; 2]) -> Option<RowPlace> {
+    fn sample(&self, cell: i64, offset: [i64; 2]) -> Option<RowPlace> {
         let inside = |at: i64| (0..i64::from(R)).contains(&at);
         let [x, y] = self.corner(cell)?;
-        let is_there = inside(place[0]) && inside(place[1]);
-        is_there.then(|| self.point([x + place[0], y + place[1]]))?
+        let is_there = inside(offset[0]) && inside(offset[1]);
+        is_there.then(|| self.point([x + offset[0], y + offset[1]]))?
     }
 
-    fn tiled(&self, row: usize, place: [i64; 2]) -> Option<RowPlace> {
-        self.sample(i64::from(*self.cells.get(row)?), place)
+    fn tiled(&self, row: usize, offset: [i64; 2]) -> Option<RowPlace> {
+        self.sample(i64::from(*self.cells.get(row)?), offset)
     }
 
     /// Returns the offset of a tiled sample in its cell.
-    fn place(&self, row: usize) -> [i64; 2] {
-        let Some(word) = self.places.get(row).map(|word| word & PLACE_MASK) else {
+    fn offset(&self, row: usize) -> [i64; 2] {
+        let Some(word) = self.places.get(row).map(|word| word & POSITION_MASK) else {
             return [-1; 2];
         };
         [word & (R as u32 - 1), word >> CELL_BITS].map(i64::from)
@@ -273,7 +273,7 @@ impl RowLocator {
     /// Returns the link from a tiled sample to the one that eliminated it, or the sample alone if it was not
     /// eliminated.
     fn link(&self, row: usize, by: i64) -> Option<RowPlace> {
-        let sample = |row: usize| match self.tiled(row, self.place(row)) {
+        let sample = |row: usize| match self.tiled(row, self.offset(row)) {
             Some(RowPlace::Point(point)) => Some(point),
             _ => None,
         };

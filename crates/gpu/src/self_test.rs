@@ -18,7 +18,7 @@ pub struct SelfTest {
     pub passed: bool,
     /// Samples compared.
     pub samples: usize,
-    /// A sentence that says what was compared, or the first difference.
+    /// A sentence with the extent of the comparison, or with the first difference.
     pub verdict: String,
 }
 
@@ -45,7 +45,7 @@ pub async fn self_test(gpu: &Arc<Gpu>) -> Result<SelfTest, GpuError> {
             boundary: [Boundary::Periodic, Boundary::Bounded][k as usize % 2],
             insertion: [Insertion::Circumcentre, Insertion::Uniform][k as usize / 2],
             dihedral: k == 1 || k == 2,
-            // A short one, since the device stores it in each of its eight symmetries.
+            // A small pattern, since the device stores it in each of its eight symmetries.
             pattern: PatternSpec {
                 side: 30.0,
                 ..PatternSpec::default()
@@ -80,7 +80,7 @@ pub async fn self_test(gpu: &Arc<Gpu>) -> Result<SelfTest, GpuError> {
     })
 }
 
-/// Returns the sequential engine's set, which shares no code with the device's.
+/// Returns the set of the sequential engine, which computes independently of the device.
 fn sequential(parameters: &Parameters, pattern: Arc<Pattern>) -> Result<Sampled, GpuError> {
     let run = Sequential::new(parameters, pattern)?.finish(&mut Unobserved)?;
     let source = |&id: &u32| match run.samples.origins[id as usize] {
@@ -96,10 +96,10 @@ fn sequential(parameters: &Parameters, pattern: Arc<Pattern>) -> Result<Sampled,
 /// Returns the first difference between two sets, in a sentence.
 fn difference(gpu: &Sampled, cpu: &Sampled) -> Option<String> {
     let mut pairs = gpu.points.iter().zip(&cpu.points);
-    if let Some(place) = pairs.position(|(a, b)| a != b) {
-        let (a, b) = (gpu.points[place], cpu.points[place]);
+    if let Some(index) = pairs.position(|(a, b)| a != b) {
+        let (a, b) = (gpu.points[index], cpu.points[index]);
         return Some(format!(
-            "sample {place} is ({}, {}) on the device and ({}, {}) on the CPU, in lattice units",
+            "sample {index} is ({}, {}) on the device and ({}, {}) on the CPU, in lattice units",
             a.x, a.y, b.x, b.y
         ));
     }

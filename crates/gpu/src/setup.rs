@@ -18,7 +18,7 @@ pub(crate) struct Setup {
     pub key: Key,
     pub clipper: Clipper,
     pub ranks: RankNumbers,
-    /// How many cells away from a lost sample uncovered places may lie that must be found.
+    /// The largest distance, in cells, from a lost sample to an uncovered place that must be found.
     pub lost_reach: i32,
     /// The pattern's variants as words.
     pub pattern: Vec<u32>,

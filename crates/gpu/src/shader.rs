@@ -118,13 +118,13 @@ mod tests {
         (done, source)
     }
 
-    /// Returns the places of `parts` in `text`, each of which must be there exactly once.
-    fn places(text: &str, parts: &[&str]) -> Vec<usize> {
-        let place = |part: &&str| {
+    /// Returns the positions of `parts` in `text`, each of which must be there exactly once.
+    fn positions(text: &str, parts: &[&str]) -> Vec<usize> {
+        let position = |part: &&str| {
             assert_eq!(text.matches(*part).count(), 1, "{part} in {text}");
             text.find(*part).unwrap()
         };
-        parts.iter().map(place).collect()
+        parts.iter().map(position).collect()
     }
 
     #[test]
@@ -144,8 +144,8 @@ mod tests {
             ("other", "fn other"),
         ];
         let (_, source) = appended(&files, "top");
-        let places = places(&source, &["fn base", "fn left", "fn right", "fn top"]);
-        assert!(places.is_sorted(), "{source}");
+        let found = positions(&source, &["fn base", "fn left", "fn right", "fn top"]);
+        assert!(found.is_sorted(), "{source}");
         assert!(!source.contains("fn other"));
     }
 
@@ -154,7 +154,7 @@ mod tests {
         let files = [("a", "// import: b\nfn a"), ("b", "// import: a\nfn b")];
         let (done, source) = appended(&files, "a");
         assert_eq!(done, ["a", "b"]);
-        assert!(places(&source, &["fn b", "fn a"]).is_sorted());
+        assert!(positions(&source, &["fn b", "fn a"]).is_sorted());
     }
 
     #[test]
@@ -172,13 +172,13 @@ mod tests {
             "fn wide_multiply(",
             "fn circumcentre(",
         ];
-        assert!(places(&source, &parts).is_sorted(), "{source}");
+        assert!(positions(&source, &parts).is_sorted(), "{source}");
     }
 
     #[test]
     fn every_file_has_its_own_name_and_imports_only_what_exists() {
-        for (place, (name, text)) in FILES.iter().enumerate() {
-            assert!(FILES[..place].iter().all(|(other, _)| other != name));
+        for (index, (name, text)) in FILES.iter().enumerate() {
+            assert!(FILES[..index].iter().all(|(other, _)| other != name));
             for import in imports(text) {
                 assert_ne!(import, *name);
                 assert!(FILES.iter().any(|(other, _)| *other == import), "{import}");

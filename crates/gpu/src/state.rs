@@ -1,5 +1,5 @@
 //! Reads the state on the device back as a `Run` of core: samples with ids, origins and fates, iterations, the result.
-//! Ids follow from block and position, not from the order of buffers, which atomics leave open.
+//! Ids follow from block and position, not from the order in buffers, which depends on atomics.
 
 use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
@@ -13,7 +13,9 @@ use tilescope_core::{
     Fate, Insertion, Iteration, Origin, Pattern, Point, R, Run, Samples, Stage, Symmetry,
 };
 
-use crate::constants::{FATE_KEPT, FATE_LOST, FATE_MASK, NO_SITE, PLACE_MASK, PROPOSAL_PLACED};
+use crate::constants::{
+    FATE_KEPT, FATE_LOST, FATE_MASK, NO_SITE, POSITION_MASK, PROPOSAL_INSERTED,
+};
 use crate::error::GpuError;
 use crate::layout::{Name, Proposal, counter};
 use crate::window_run::{IterationBuffers, WindowRun};
@@ -40,7 +42,7 @@ struct Tiled {
     lies_inside: bool,
     word: u32,
     /// Its index in the list.
-    place: u32,
+    index: u32,
 }
 
 impl State {
@@ -131,7 +133,7 @@ impl State {
     fn tile(&self, work: &WindowRun, run: &mut Run) {
         let mut tiled = self.tiled(work);
         tiled.sort_unstable_by_key(|sample| sample.order);
-        let point_of: HashMap<u32, Point> = self.points_by_place(work);
+        let point_of: HashMap<u32, Point> = self.points_by_index(work);
         let mut ids = HashMap::new();
         for (sample, id) in tiled.iter().zip(0..) {
             let fate = self.fate(sample);
@@ -142,7 +144,7 @@ impl State {
         }
         for (sample, fate) in tiled.iter().zip(&mut run.samples.fates) {
             if let Fate::Eliminated { by } = fate {
-                let first = self.by[sample.place as usize].wrapping_sub(1);
+                let first = self.by[sample.index as usize].wrapping_sub(1);
                 *by = point_of
                     .get(&first)
                     .and_then(|point| ids.get(point))
@@ -163,13 +165,13 @@ impl State {
         }
     }
 
-    /// Returns the domain's point of every tiled sample of the frame, by its place in the list.
-    fn points_by_place(&self, work: &WindowRun) -> HashMap<u32, Point> {
+    /// Returns the domain's point of every tiled sample of the frame, by its index in the list.
+    fn points_by_index(&self, work: &WindowRun) -> HashMap<u32, Point> {
         let mut points = HashMap::new();
         for cell in 0..work.plan.cells() as usize {
-            for place in self.starts[cell]..self.starts[cell + 1] {
-                let [x, y] = unpack(work, cell, self.places[place as usize]);
-                points.insert(place, work.plan.frame.point(x, y));
+            for index in self.starts[cell]..self.starts[cell + 1] {
+                let [x, y] = unpack(work, cell, self.places[index as usize]);
+                points.insert(index, work.plan.frame.point(x, y));
             }
         }
         points
@@ -179,14 +181,14 @@ impl State {
     fn tiled(&self, work: &WindowRun) -> Vec<Tiled> {
         let (plan, mut tiled) = (&work.plan, Vec::new());
         for cell in 0..plan.cells() as usize {
-            for place in self.starts[cell]..self.starts[cell + 1] {
-                let word = self.places[place as usize];
+            for index in self.starts[cell]..self.starts[cell + 1] {
+                let word = self.places[index as usize];
                 let [x, y] = unpack(work, cell, word);
                 let inside = plan.frame.holds(x, y);
                 if inside && !plan.frame.window.contains(Point::new(x, y)) {
                     continue;
                 }
-                let image = &plan.images[self.origins[2 * place as usize] as usize];
+                let image = &plan.images[self.origins[2 * index as usize] as usize];
                 let own = (image.own_min_x..image.own_max_x).contains(&x)
                     && (image.own_min_y..image.own_max_y).contains(&y);
                 tiled.push(Tiled {
@@ -198,12 +200,12 @@ impl State {
                     point: plan.frame.point(x, y),
                     origin: Origin::Tiled {
                         block: image.block,
-                        pattern: self.origins[2 * place as usize + 1],
+                        pattern: self.origins[2 * index as usize + 1],
                         own,
                     },
                     lies_inside: inside,
                     word,
-                    place,
+                    index,
                 });
             }
         }
@@ -231,7 +233,7 @@ impl State {
         } else {
             self.candidates(work, &proposals, ids)
         };
-        proposals.retain(|(_, p)| p.state == PROPOSAL_PLACED);
+        proposals.retain(|(_, p)| p.state == PROPOSAL_INSERTED);
         proposals.sort_unstable_by_key(|(point, p)| (p.rank, point.row_major()));
         let cells = cells(work, k, &kept.active, run.iterations.last());
         if proposals.is_empty() && cells.is_empty() {
@@ -244,9 +246,9 @@ impl State {
         };
         let first = run.samples.len() as u32;
         for (point, _) in &proposals {
-            // Candidates are sorted by place.
+            // Candidates are sorted by position.
             let made = candidates.binary_search_by_key(&point.row_major(), |c| c.point.row_major());
-            let sites = made.map_or(Sites::Dart, |place| candidates[place].sites);
+            let sites = made.map_or(Sites::Dart, |index| candidates[index].sites);
             ids.insert(*point, run.samples.len() as u32);
             let origin = Origin::Inserted {
                 iteration: k,
@@ -262,7 +264,8 @@ impl State {
         });
     }
 
-    /// Returns the candidates sorted by place. If several triples of sites make the same candidate, the lowest is kept.
+    /// Returns the candidates sorted by position. If several triples of sites make the same candidate, the lowest is
+    /// kept.
     fn candidates(
         &self,
         work: &WindowRun,
@@ -297,7 +300,7 @@ impl State {
         for (cell, slots) in grid.chunks_exact(4).enumerate() {
             for &slot in &slots[..(slots[3] & 3) as usize] {
                 let [x, y] = unpack(work, cell, slot);
-                if slot & !PLACE_MASK != 0 && work.plan.frame.window.contains(Point::new(x, y)) {
+                if slot & !POSITION_MASK != 0 && work.plan.frame.window.contains(Point::new(x, y)) {
                     detectors.extend(ids.get(&work.plan.frame.point(x, y)));
                 }
             }
@@ -365,7 +368,7 @@ fn tiles(placed: &[PlacedBlock], tiled: &[Tiled]) -> Vec<Tile> {
         .collect()
 }
 
-/// Returns where a packed place of a cell lies in the frame.
+/// Returns the frame's point of a packed position of a cell.
 fn unpack(work: &WindowRun, cell: usize, word: u32) -> [i32; 2] {
     let (column, row) = work.plan.frame.column_row(cell);
     let low = R as u32 - 1;

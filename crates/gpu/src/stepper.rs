@@ -205,9 +205,9 @@ impl Stepper {
         RowLocator::read(&self.work, stage).await
     }
 
-    /// Overwrites a word of a buffer between two passes, to inject a fault. A place past the end is ignored.
-    pub fn set_word(&self, name: Name, place: u64, word: u32) {
-        self.work.device.set_word(name, place, word);
+    /// Overwrites a word of a buffer between two passes, to inject a fault. An index past the end is ignored.
+    pub fn set_word(&self, name: Name, index: u64, word: u32) {
+        self.work.device.set_word(name, index, word);
     }
 
     /// Returns the buffers of the run with their lengths in bytes.
@@ -241,7 +241,7 @@ async fn begin(
 ) -> Result<WindowRun, GpuError> {
     let mut plan = WindowPlan::new(setup, &whole(setup), halo, room)?;
     if room.is_none() {
-        // Inspected runs are small, and a restart in the middle would be confusing.
+        // Inspected runs are small, and a restart would discard the reports of the passes so far.
         plan.double_room();
     }
     let mut work = WindowRun::new(gpu, setup, plan, None, Recording::Stages).await?;

@@ -113,7 +113,7 @@ fn tiled(work: &WindowRun, run: &Run) -> Vec<TiledWords> {
     for (placed, index) in plan.placed.iter().zip(0..) {
         let enlarged = placed.rect.grown(R.into(), R.into());
         // The ids of a block follow its clip row by row.
-        let places = ids
+        let offsets = ids
             .entry(placed.index)
             .or_insert_with(|| clip_of(work, placed));
         let first = run.tiles[placed.index as usize].samples.start;
@@ -122,8 +122,8 @@ fn tiled(work: &WindowRun, run: &Run) -> Vec<TiledWords> {
                 i64::from(y) - enlarged.min[1],
                 i64::from(x) - enlarged.min[0],
             );
-            let place = places.partition_point(|p| *p < offset) as u32;
-            let fate = match run.samples.fates[(first + place) as usize] {
+            let k = offsets.partition_point(|p| *p < offset) as u32;
+            let fate = match run.samples.fates[(first + k) as usize] {
                 Fate::Undecided => 0,
                 Fate::Kept => FATE_KEPT,
                 Fate::Eliminated { .. } | Fate::Dropped => FATE_LOST,
@@ -242,7 +242,7 @@ fn rim(work: &WindowRun, column: i32, row: i32) -> i32 {
     open.map(|(_, away)| away).min().unwrap_or(i32::MAX)
 }
 
-/// Returns all places in the frame of a point in, or close to, the domain.
+/// Returns all points of the frame that repeat a point in, or close to, the domain.
 fn images(work: &WindowRun, point: Point) -> Vec<[i32; 2]> {
     let (frame, domain) = (&work.plan.frame, &work.setup.domain);
     let along = |axis: usize, at: i32| {
@@ -289,7 +289,7 @@ fn write_work(
         counters[counter::OPEN as usize] = all.len() as u32;
         return work.device.write(Name::List, bytes(&all));
     }
-    // The engine knows a level's cells only after running it.
+    // The engine has a level's cells only after running it.
     engine.step(&mut Unobserved)?;
     let Some(iteration) = engine.run().iterations.get(k as usize - 1) else {
         return Err(GpuError::FirstStage {

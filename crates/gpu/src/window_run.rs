@@ -1,5 +1,6 @@
-//! The computation of one window: its buffers, and the sequence of its stages. The host records the commands of a step,
-//! submits them, and reads counters back only where it must know whether a loop ends.
+//! The computation of one window: its buffers, and the sequence of its stages. Begin with [`WindowRun::run`] and
+//! `record`. The host records the commands of a step, submits them, and reads counters back only where it must know
+//! whether a loop ends.
 
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
@@ -32,7 +33,7 @@ enum Step {
     Iterate(u32),
     /// The first cells of uniform insertion.
     Start,
-    /// A level's darts.
+    /// The darts of a level.
     Level(u32),
     /// More rounds of an iteration's insertion.
     ChooseMore(u32),

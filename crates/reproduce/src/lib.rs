@@ -2,7 +2,16 @@
 //! says, in figures, tables and claims with verdicts.
 //!
 //! Every set that a verdict depends on is verified first. No number is written down by hand: a claim's verdict
-//! follows from what was measured in this run. Commands, progress bars and exit codes are in `tilescope-cli`.
+//! follows from the measurements of this run. Commands, progress bars and exit codes are in `tilescope-cli`.
+//!
+//! [`plan`] says what is to be done, [`reproduce`] does it:
+//!
+//! ```
+//! use tilescope_reproduce::{Experiment, Settings, plan};
+//!
+//! let planned = plan(&[Experiment::Eq4], &Settings::default(), None);
+//! assert!(planned[0].units > 0 && planned[0].kept == 0);
+//! ```
 //!
 //! ```no_run
 //! use std::ops::ControlFlow;

@@ -65,7 +65,7 @@ impl Combination {
         band: Vec<Rect>,
     ) -> Self {
         let domain = &placed.domain;
-        let sources = placed.places.iter().map(|piece| &piece.source);
+        let sources = placed.pieces.iter().map(|piece| &piece.source);
         let files = sources.filter(|source| is_file(source)).count();
         let area = |rect: &Rect| f64::from(rect.width()) * f64::from(rect.height());
         let length = |seam: &Seam| radii(seam.to.x - seam.from.x + seam.to.y - seam.from.y);

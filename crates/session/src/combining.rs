@@ -98,7 +98,7 @@ fn pieces(
     files: &Files<'_>,
     monitor: &Monitor,
 ) -> Result<Vec<Piece>, CombinationError> {
-    let sets = Sets::new(monitor, placed.places.len());
+    let sets = Sets::new(monitor, placed.pieces.len());
     let make = |source: &PieceSource| {
         let mut observer = OneSet::of(source, &sets);
         set(source, files, monitor, &mut observer)

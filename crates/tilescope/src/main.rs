@@ -13,7 +13,7 @@ use tilescope_workbench::lessons::LessonCommand;
 use tilescope_workbench::scene_lesson::lesson_of_session;
 use tilescope_workbench::talk::TalkCommand;
 
-/// What the command line needs of the window's crates.
+/// The functions of the window's crates that the command line calls.
 const WINDOW: FromWindow = FromWindow {
     script: tilescope_workbench::script::run,
     handout: made_handout,
@@ -75,7 +75,8 @@ fn main() -> ExitCode {
     };
     match tilescope_app::run_native(&options) {
         Ok(()) => ExitCode::SUCCESS,
-        // Nothing that was not asked for is written because a window is lost.
+        // A window that was open and is lost is an error; the headless session, which writes files, is only for
+        // machines without a display.
         Err(error) if error.was_open() => {
             let _ = writeln!(std::io::stderr(), "tilescope: {error}");
             ExitCode::FAILURE

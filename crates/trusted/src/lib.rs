@@ -1,26 +1,27 @@
-//! Compiles the GPU engine's own shaders without the checks that wgpu adds to the shaders of strangers. This crate holds the one
-//! `unsafe` of the programs and nothing else.
+//! Compiles the GPU engine's own shaders without the checks that wgpu adds to every shader, since it may come from
+//! anywhere. This crate holds the one `unsafe` of the programs and nothing else.
 //!
 //! # The argument
 //!
-//! wgpu adds to a shader a counter to each loop, so that none runs for ever, a check of each index, so that none reads or writes
-//! beyond its buffer or array, and a check of each divisor. A shader may go without them if all its loops end, all its indices are in
-//! range and all its divisors differ from 0 *for every input that it can be given*. The engine's shaders are part of the program, and
-//! so are the plans that size their buffers:
+//! wgpu adds to a shader a counter to each loop, so that it ends, a check of each index, so that none reads or writes
+//! beyond its buffer or array, and a check of each divisor. A shader may go without them if all its loops end, all its
+//! indices are in range and all its divisors differ from 0 *for every input that it can be given*. The engine's shaders
+//! are part of the program, and so are the plans that size their buffers:
 //!
 //! - **Elements.** A pass has one invocation for each element and those of the last workgroup beyond them, which return first.
 //! - **Cells.** A frame has four cells of padding around those that are computed, and no pass looks at neighbours farther away.
-//! - **Lists.** A list whose length is found as it is made counts on beyond its capacity but writes below it, and whoever reads it
-//!   reads the smaller of both. The host then makes it longer and repeats the window. The starts of cells in the list of tiled samples
-//!   end with that list; what a list too short holds is not of this window, so that an image's index from it is compared with the number of images.
+//! - **Lists.** A list whose length is found as it is made counts on beyond its capacity but writes below it, and
+//!   readers take the smaller of both. The host then makes it longer and repeats the window. The starts of cells in the
+//!   list of tiled samples end with that list; a list that was too short still holds indices of an earlier window, so
+//!   an image's index from it is compared with the number of images.
 //! - **Chains.** The proposals of a cell are chained by `heads` and `next`. `heads` is cleared before each iteration, and each proposal is
 //!   added once, so a chain ends.
 //! - **Loops** run over a range known before them, over the bits of a word that lose one each time, over such a chain, or on by one
 //!   or more up to an end.
 //! - **Divisors** are sides of the domain, of the frame and of the pattern, which the host has checked to be above 0.
 //!
-//! None of this holds for buffers that somebody changes. A run whose stages are looked at, and so may be changed, has checked shaders
-//! (`Recording::Stages` in the engine).
+//! None of this holds for buffers that are changed from outside. A run whose stages are inspected, and may be changed,
+//! has checked shaders (`Recording::Stages` in the engine).
 //!
 //! `tests/it/device/windows.rs` of the engine compares the results of trusted and of checked shaders with the CPU's, bit for bit. In a
 //! browser shaders are always checked, by the browser.

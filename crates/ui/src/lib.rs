@@ -1,5 +1,13 @@
 //! egui style and widgets of the window: colours, type, buttons, icons, the focus ring, and announcements for screen
 //! readers. It does not depend on the state of the window; panels are in `tilescope-app`.
+//!
+//! ```
+//! use tilescope_session::look::Look;
+//! use tilescope_ui::theme::theme_of;
+//!
+//! assert_eq!(theme_of(Look::Projector), egui::Theme::Light);
+//! assert_eq!(theme_of(Look::ProjectorDark), egui::Theme::Dark);
+//! ```
 
 pub mod focus;
 pub mod presses;

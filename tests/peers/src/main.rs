@@ -1,6 +1,7 @@
-//! Compares KDRT and the reference sampler with published crates, on one thread, in one run. A rate means nothing
-//! without the density, so every set is measured by the verifier: density, smallest distance and covering radius. Run
-//! with `cargo run --release -p tilescope-tests-peers`; the first number after `--` is the wanted count of samples.
+//! Compares KDRT and the reference sampler with published crates, on one thread, in one run. Rates of samplers with
+//! other densities cannot be compared alone, so every set is measured by the verifier: density, smallest distance and
+//! covering radius. Run with `cargo run --release -p tilescope-tests-peers`; the first argument is the wanted count of
+//! samples.
 
 use std::ops::ControlFlow;
 use std::sync::Arc;

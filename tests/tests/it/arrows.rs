@@ -1,4 +1,4 @@
-//! Checks that the crates depend on each other exactly as the map in `crates/README.md` says.
+//! Checks that the crates depend on each other exactly as in the map of `crates/README.md`.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -7,7 +7,7 @@ use cargo_metadata::{DependencyKind, Metadata, MetadataCommand};
 /// A crate, and the crates that it uses.
 pub type CrateMap = BTreeMap<String, BTreeSet<String>>;
 
-/// The rows of the map: a crate and what it may use, read from the README's table.
+/// The rows of the map: a crate and the crates that it may use, read from the README's table.
 pub fn map() -> CrateMap {
     let readme = include_str!("../../../crates/README.md");
     let rows = readme

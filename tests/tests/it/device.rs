@@ -1,6 +1,6 @@
 //! Compares the GPU engine with the sequential one over random runs of every kind: patterns of every origin, also those
 //! that leave lattice points uncovered; one window and many; halos that are too narrow. Every result is verified, too.
-//! Needs an adapter; a software one will do.
+//! Needs an adapter, at least a software one.
 
 use std::sync::{Arc, LazyLock};
 

@@ -1,6 +1,6 @@
-//! The documents say what is there: their paths exist, and what is generated in them is up to date.
+//! Checks the documents: the paths that they name exist, and their generated parts are up to date.
 //!
-//! `TILESCOPE_RENEW=1` writes what is generated anew.
+//! With `TILESCOPE_RENEW=1` the generated parts are written anew.
 
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
@@ -74,7 +74,7 @@ fn sources_of(line: &str) -> Option<PathBuf> {
     root().join(&sources).is_dir().then_some(sources)
 }
 
-/// Returns the texts between single backquotes of a line, each with what follows it.
+/// Returns the texts between single backquotes of a line, each with the text after it.
 fn quoted(line: &str) -> Vec<(&str, &str)> {
     let pieces: Vec<&str> = line.split('`').collect();
     let odd = pieces.iter().skip(1).step_by(2).copied();
@@ -82,8 +82,8 @@ fn quoted(line: &str) -> Vec<(&str, &str)> {
     odd.zip(even).collect()
 }
 
-/// Returns what a document names that does not exist: paths between backquotes, names in brackets behind a Rust file,
-/// links.
+/// Returns the paths between backquotes, the names in brackets behind a Rust file, and the links of a document that do
+/// not exist.
 fn missing(document: &Path, text: &str) -> Vec<String> {
     let mut missing = Vec::new();
     let mut code = false;
@@ -203,7 +203,7 @@ fn glossary() -> String {
     text
 }
 
-/// Replaces what stands between the marks of a generated part.
+/// Replaces the text between the marks of a generated part.
 fn replaced(document: &str, name: &str, part: &str) -> String {
     let begin = format!("<!-- generated: {name} -->\n");
     let (before, rest) = document.split_once(&begin).expect(name);

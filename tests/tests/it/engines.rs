@@ -50,7 +50,7 @@ fn compare_sweeps(case: &Case, pattern: &Arc<Pattern>, run: &Run) -> TestCaseRes
     Ok(())
 }
 
-/// A window given by its place and size in sides of the domain.
+/// A window given by its corner and size in sides of the domain.
 fn window_of(case: &Case, place: [f64; 2], size: [f64; 2]) -> ([f64; 2], [f64; 2]) {
     let sides = [case.parameters.width, case.parameters.height];
     let axis = |a: usize| {

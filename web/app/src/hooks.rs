@@ -25,7 +25,7 @@ pub fn given(name: &str) -> Option<JsValue> {
 fn call(name: &str, text: &str) -> bool {
     let hook = given(name).and_then(|value| value.dyn_into::<Function>().ok());
     if let Some(hook) = &hook {
-        // Errors in the page's function are not this program's.
+        // Errors in the page's function do not affect the program.
         let _ = hook.call1(&JsValue::NULL, &text.into());
     }
     hook.is_some()
@@ -41,12 +41,12 @@ pub fn field(name: &str) {
     let _ = call("field", name);
 }
 
-/// Asks the page to copy a text to the clipboard; returns whether it will.
+/// Asks the page to copy a text to the clipboard; returns whether the page has the function for it.
 pub fn copy(text: &str) -> bool {
     call("copy", text)
 }
 
-/// Asks the page to enter or leave full screen; returns whether it will.
+/// Asks the page to enter or leave full screen; returns whether the page has the function for it.
 pub fn full_screen() -> bool {
     call("full_screen", "")
 }

@@ -34,7 +34,7 @@ const MAX_WORKERS: usize = 2;
 #[derive(Default, Deserialize)]
 #[serde(default)]
 struct Options {
-    /// What to open: a link's fragment.
+    /// The fragment of a link to open.
     link: String,
     /// The part of the app to show when it is embedded in another page.
     embed: Option<String>,
@@ -63,8 +63,8 @@ pub struct Tilescope {
     shared: Rc<Shared>,
 }
 
-/// State that decides whether a touch or the wheel belongs to the app or to the page around. It is separate because it
-/// is read while the runner is borrowed.
+/// State by which a touch or the wheel goes to the app or to the page around. It is separate because it is read while
+/// the runner is borrowed.
 #[derive(Default)]
 struct Shared {
     /// Whether the current touch is left to the page around.
@@ -133,7 +133,7 @@ impl Tilescope {
         page.pool.tick();
         page.app.state.advance(0.0);
         let answer = page.app.state.ask(request);
-        // Asking for the state changes nothing.
+        // A request for the state changes nothing.
         let parsed = serde_json::from_str::<serde_json::Value>(request);
         if parsed.is_ok_and(|request| request["do"] != "state") {
             page.ctx.request_repaint();
@@ -213,7 +213,8 @@ impl Tilescope {
         }
     }
 
-    /// Does what the lecturer's notes ask: a `TalkCommand` in JSON. Returns what is wrong with it, or nothing.
+    /// Carries out a command of the lecturer's notes: a `TalkCommand` in JSON. Returns an error message, or an empty
+    /// text.
     pub fn talk(&self, command: &str) -> String {
         let Some(mut page) = self.runner.app_mut::<Page>() else {
             return String::new();
@@ -311,7 +312,7 @@ struct Page {
     announcement: Option<String>,
     /// Whether the page was asked to load the lessons.
     asked_for_lessons: bool,
-    /// `None` if it must be reported in any case.
+    /// The last reported link; `None` if the link must be reported in any case.
     link: Option<String>,
     state: String,
     talk: String,
@@ -379,7 +380,7 @@ impl Page {
             asked_for_lessons: false,
             link: None,
             state: String::new(),
-            // None is given.
+            // There is no talk.
             talk: "null".to_owned(),
         }
     }

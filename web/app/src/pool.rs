@@ -19,7 +19,7 @@ const GRACE_MS: i32 = 200;
 /// No more workers are started after so many in a row have broken before finishing a task.
 const MAX_BROKEN: u32 = 3;
 
-/// What is needed to start a worker.
+/// The data from which workers start.
 pub struct Program {
     /// The address of their script.
     pub worker: String,
@@ -198,7 +198,7 @@ impl Pool {
         });
         worker.set_onmessage(Some(on_message.as_ref().unchecked_ref()));
         let (pool, from) = (self.clone(), worker.clone());
-        // Where the script cannot be had the event has no message, whatever its type promises.
+        // If the script cannot be loaded, the event has no message, although its type has one.
         let on_error = Closure::<dyn FnMut(Event)>::new(move |event: Event| {
             let message = Reflect::get(&event, &"message".into());
             let message = message.ok().and_then(|message| message.as_string());
@@ -346,7 +346,7 @@ impl Pool {
 }
 
 impl Inner {
-    /// Counts a worker that broke before finishing a task; returns whether starting more is pointless.
+    /// Counts a worker that broke before finishing a task; returns whether so many broke that no more are started.
     fn note_broken(&mut self, slot: &Slot) -> bool {
         if !slot.has_worked {
             self.broken += 1;
@@ -376,7 +376,7 @@ impl Inner {
         Some(best.0)
     }
 
-    /// Sends the next task to a worker; where that fails, returns who to answer and the reason.
+    /// Sends the next task to a worker; if that fails, returns the receiver of the task's result and the reason.
     fn send_next(&mut self, place: usize) -> Option<(Answer, String)> {
         let task = self.waiting.pop_front()?;
         let id = self.next_id;

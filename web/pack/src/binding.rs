@@ -1,5 +1,5 @@
 //! Makes the JavaScript bindings of the module, and strips the names of functions. `wasm-opt` is not used: its output
-//! is smaller but compresses to more bytes, and the compressed file is what is downloaded.
+//! is smaller but compresses to more bytes, and the compressed file is downloaded.
 
 use anyhow::{Context, Result, ensure};
 use wasm_bindgen_cli_support::Bindgen;
@@ -15,7 +15,7 @@ pub fn bind(module: Vec<u8>) -> Result<[(String, Vec<u8>); 2]> {
         .typescript(false)
         .remove_name_section(true)
         .remove_producers_section(true)
-        // The page passes the module itself, since loading it by the bindings would bypass the progress bar.
+        // The page loads the module itself, since loading it by the bindings would bypass the progress bar.
         .omit_default_module_path(true)
         .generate_output()
         .context("the module cannot be bound to JavaScript")?;

@@ -33,7 +33,7 @@ pub fn is_picture(name: &str) -> bool {
     PICTURES.contains(&ending(name))
 }
 
-/// Whether a file is loaded only when it is asked for, though other files name it.
+/// Whether a file is loaded only on demand, though other files name it.
 pub fn is_later(name: &str) -> bool {
     is_picture(name) || name.ends_with(".webmanifest") || LATER.contains(&name)
 }

@@ -39,7 +39,7 @@ impl Source {
 pub struct File {
     /// Its path in the folder, with slashes.
     pub path: String,
-    /// What it holds.
+    /// Its content.
     pub bytes: Vec<u8>,
     /// Whether the program needs it to start.
     pub to_start: bool,

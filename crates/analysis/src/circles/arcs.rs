@@ -1,6 +1,6 @@
-//! Whether a circle is covered, by the ends of arcs.
-//! It computes with directions and a few square roots, without angles, and answers "certainly" or "perhaps not".
-//! It never finds where a circle is exposed.
+//! Whether a circle is covered, by the ends of arcs. It computes with directions and a few square roots, without
+//! angles, and answers "certainly" or "perhaps not". Where a circle is exposed is found elsewhere ([`super::cell`],
+//! [`super::exposed`]).
 //!
 //! Each neighbour, and each side of a bounded region, covers the directions `u` with `u . v > h`: an open arc. Their union is
 //! the whole circle when there is an arc at all and the anticlockwise end of each arc is inside another one: a union of open arcs
@@ -25,8 +25,8 @@ impl Arc {
         }
     }
 
-    /// The end of the arc, going anticlockwise; none if it is so short, or its direction so vague, that its end would be known
-    /// badly.
+    /// The end of the arc, going anticlockwise; none if the arc is so short, or its direction so imprecise, that the
+    /// end would be inaccurate.
     fn end(&self) -> Option<DVec2> {
         let length = self.toward.length();
         if length < 1e-9 || self.least > (1.0 - 1e-6) * length {
@@ -44,7 +44,7 @@ impl Arc {
 
 /// Whether the arcs certainly cover the circle. `margin` bounds the error of a direction's product with an arc's.
 ///
-/// Arcs whose end is known badly are not counted on.
+/// Arcs with inaccurate ends are ignored.
 pub(super) fn certainly_cover(arcs: &mut Vec<Arc>, margin: f64) -> bool {
     arcs.retain(|arc| arc.end().is_some());
     let ends_inside = |(index, arc): (usize, &Arc)| {

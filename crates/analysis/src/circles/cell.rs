@@ -14,10 +14,10 @@ use crate::witness::{Gap, GapKind};
 /// Radii this near to the limit are compared exactly; the error of one that is not nearly flat is far less.
 const DOUBT: f64 = 1e-9;
 
-/// What bounds a cell there.
+/// The line on which an edge of a cell lies.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Edge {
-    /// The end of what is known.
+    /// The border of the surroundings in which all samples are known.
     Unknown,
     /// A side of a bounded region: its axis, and whether it is the far one.
     Side(usize, bool),
@@ -32,7 +32,7 @@ struct Corner {
     edge: Edge,
 }
 
-/// Cuts out cells; one is used again and again.
+/// Cuts out cells. Its buffers are reused from cell to cell.
 #[derive(Debug, Default)]
 pub(super) struct CellCutter {
     corners: Vec<Corner>,
@@ -40,8 +40,8 @@ pub(super) struct CellCutter {
 }
 
 impl CellCutter {
-    /// The corners of the cell of a tile's sample, seen with so many cells `around` its own; none if farther samples may
-    /// matter.
+    /// Returns the corners of the cell of a tile's sample, cut by the samples within `around` grid cells; none if
+    /// farther samples may matter.
     pub fn cut(
         &mut self,
         samples: &Samples<'_>,
@@ -79,7 +79,7 @@ impl CellCutter {
         Some(reach)
     }
 
-    /// Begins with the square that is known, within a bounded region.
+    /// Begins with the square around the sample in which all samples are known, cut at the sides of a bounded region.
     fn begin(&mut self, samples: &Samples<'_>, position: DVec2, known: f64) {
         let domain = &samples.cells.domain;
         let (mut low, mut high) = (DVec2::splat(-known), DVec2::splat(known));
@@ -118,7 +118,7 @@ impl CellCutter {
         ]);
     }
 
-    /// Cuts off what is nearer to a neighbour at an offset.
+    /// Cuts off the part that is nearer to a neighbour at an offset.
     fn clip(&mut self, offset: DVec2, neighbour: usize) {
         let limit = 0.5 * offset.length_squared();
         let beyond = |corner: &Corner| corner.at.dot(offset) - limit;
@@ -259,8 +259,8 @@ impl Circles<'_> {
         (gap, exceeds)
     }
 
-    /// Samples with the periods that their copies are away, in a sequence that does not depend on which cell is cut: by index,
-    /// and the first of them at home.
+    /// Returns samples with the shifts of their copies, in periods, in an order that does not depend on which cell is
+    /// cut: by index, shifted so that the first one is no copy.
     fn in_sequence<const N: usize>(&self, indices: [usize; N]) -> [(u32, Site); N] {
         let mut sites = indices.map(|index| {
             let Sample { position, id } = self.samples.at(self.tile.source[index] as usize);
@@ -277,7 +277,7 @@ impl Circles<'_> {
         sites
     }
 
-    /// The offset of a site from one at home.
+    /// The offset of a site from one that is not shifted.
     fn between(&self, first: Site, site: Site) -> DVec2 {
         let periods = DVec2::from(site.periods.map(|count| count as f64));
         (site.position - first.position) + periods * self.extent()
@@ -287,7 +287,7 @@ impl Circles<'_> {
         self.samples.cells.domain.extent
     }
 
-    /// A place within the region: that of a torus, or the nearest of a bounded one.
+    /// The place within the region: wrapped around a torus, clamped to a bounded region.
     fn home(&self, place: DVec2) -> DVec2 {
         let extent = self.extent();
         if !self.samples.cells.domain.periodic {
@@ -298,7 +298,8 @@ impl Circles<'_> {
     }
 }
 
-/// Compares a radius with the limit, exactly where its error leaves a doubt. Flatness is by how much the error grows.
+/// Compares a radius with the limit, exactly where its error leaves a doubt. `flatness` is the factor by which a flat
+/// triangle enlarges the error.
 fn exceeds(distance: f64, limit: f64, flatness: f64, exact: impl FnOnce() -> bool) -> bool {
     let doubt = DOUBT * (1.0 + 1e-6 * flatness);
     if (distance / limit - 1.0).abs() < doubt {

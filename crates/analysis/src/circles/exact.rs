@@ -1,6 +1,6 @@
-//! Comparisons of an empty circle's radius with a limit, exactly, by integers of any length.
-//! Coordinates are binary fractions, so a squared radius is a fraction of two integers, and the comparison has no rounding.
-//! It never says how large a circle is.
+//! Comparisons of an empty circle's radius with a limit, exactly, by integers of any length. Coordinates are binary
+//! fractions, so a squared radius is a fraction of two integers, and the comparison has no rounding. Radii themselves
+//! are not computed here.
 
 use glam::DVec2;
 use num_bigint::BigInt;
@@ -9,7 +9,7 @@ use num_bigint::BigInt;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Site {
     pub position: DVec2,
-    /// Periods that the copy is away from the sample.
+    /// The shift of the copy from the sample, in periods.
     pub periods: [i64; 2],
 }
 

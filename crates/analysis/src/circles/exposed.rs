@@ -1,5 +1,5 @@
-//! The exposed arcs of all circles of one radius, to be looked at: a gap is seen as the ring of exposed arcs around it.
-//! Ends of arcs are rounded, so this decides no verdict.
+//! The exposed arcs of all circles of one radius, for display: a gap shows as the ring of exposed arcs around it. Ends
+//! of arcs are rounded, so no verdict uses them.
 
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
@@ -96,7 +96,8 @@ pub fn exposed_arcs(
     Ok(arcs)
 }
 
-/// What the covered arcs, each given as a direction and the cosine of its half, leave of the circle.
+/// Returns the arcs of the circle that no given arc covers. An arc is given by the direction of its middle and the
+/// cosine of half its angle.
 fn open(covered: &[(DVec2, f64)]) -> Vec<[f64; 2]> {
     let mut arcs: Vec<[f64; 2]> = covered
         .iter()

@@ -1,4 +1,4 @@
-//! The question to the second judge, its answer, and the reasons for which it gives none. Plain data.
+//! The question to the second judge, its result, and the reasons for which it gives none.
 
 use serde::{Deserialize, Serialize};
 
@@ -11,7 +11,7 @@ use crate::judge::Judge;
 use crate::witness::Conflict;
 use crate::worst::Worst;
 
-/// Why the judge leaves a set to the first one.
+/// Why this judge declines a set, which the first judge then judges.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Declined {
     /// The radius is many times the period or a tiny fraction of the extent.
@@ -34,7 +34,7 @@ pub(crate) struct Found {
     pub worst_conflicts: Worst<Conflict>,
     pub min_distance: f64,
     pub gaps: Gaps,
-    /// Squared distances up to this are looked at closely.
+    /// Pairs with a larger squared distance change nothing.
     pub nearby: f64,
     /// Samples whose cell reaches farther than the cells around them show.
     pub exposed: Vec<Sample>,
@@ -52,7 +52,7 @@ impl Found {
         }
     }
 
-    /// The same for the report, with so many of the largest gaps.
+    /// Returns the result for the report, with at most `witnesses` of the largest gaps.
     pub fn findings(self, witnesses: usize) -> Findings {
         let mut worst_gaps = Worst::new(witnesses);
         let gaps = self.gaps.len() as u64;
@@ -81,7 +81,7 @@ impl Found {
         self
     }
 
-    /// Counts a pair of samples.
+    /// Records a pair of samples: a conflict if it is closer than the radius, and the smallest distance.
     pub fn add_pair(&mut self, one: Sample, other: Sample, distance: f64, radius: f64) {
         if distance < radius {
             self.conflicts += 1;
@@ -98,7 +98,7 @@ impl Found {
         }
     }
 
-    /// On a torus each sample also neighbours its own copies.
+    /// Records each sample of a torus with its own nearest copies, a period away.
     pub fn add_own_copies(&mut self, count: usize, period: f64, radius: f64) {
         self.min_distance = self.min_distance.min(period);
         if period < radius {

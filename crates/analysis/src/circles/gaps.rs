@@ -1,5 +1,5 @@
-//! Gathers the corners of cells so that every gap counts once: three cells or more see it.
-//! It never drops a gap that no other stands for.
+//! Gathers the corners of cells so that every gap counts once: three cells or more see it. A gap is dropped only for
+//! another one at the same place.
 
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use crate::domain::Domain;
 use crate::witness::Gap;
 
-/// What the corners of a cell say.
+/// The corners of a cell as far as they matter to the verdict.
 #[derive(Debug, Default)]
 pub(crate) struct CellReach {
     /// The distance of the farthest corner.
@@ -16,7 +16,7 @@ pub(crate) struct CellReach {
     pub gaps: Vec<Gap>,
 }
 
-/// The gaps that some cells reach, and how far the farthest corner of any is.
+/// The gaps at the corners of some cells, and the distance of the farthest corner.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(crate) struct Gaps {
     pub covering_radius: f64,

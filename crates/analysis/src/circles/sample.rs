@@ -1,4 +1,4 @@
-//! A sample as the second judge sees it.
+//! A sample as the second judge stores it.
 
 use glam::DVec2;
 use serde::{Deserialize, Serialize};

@@ -1,5 +1,5 @@
 //! Samples in the sequence of cells, row by row, so that the neighbours of a sample are in the cells around its own.
-//! Some rows of the region or all of them. It decides nothing.
+//! Some rows of the region are held, or all of them.
 
 use std::ops::Range;
 
@@ -112,7 +112,7 @@ pub(crate) struct Samples<'a> {
 const NOT_HELD: u32 = u32::MAX;
 
 impl<'a> Samples<'a> {
-    /// Sorts the samples of the `held` rows from `first` on. Others are passed over.
+    /// Sorts the samples of the `held` rows from `first` on. Others are skipped.
     pub fn new(
         cells: Cells,
         first: usize,
@@ -140,8 +140,8 @@ impl<'a> Samples<'a> {
             }
         };
         let mut starts = vec![0_u32; all_cells + 2];
-        let places: Vec<u32> = given.points.iter().map(cell).collect();
-        for &cell in &places {
+        let cell_of: Vec<u32> = given.points.iter().map(cell).collect();
+        for &cell in &cell_of {
             if cell != NOT_HELD {
                 starts[cell as usize + 2] += 1;
             }
@@ -150,7 +150,7 @@ impl<'a> Samples<'a> {
             starts[index] += starts[index - 1];
         }
         let mut order = vec![0; starts[all_cells + 1] as usize];
-        for (index, cell) in places.into_iter().enumerate() {
+        for (index, cell) in cell_of.into_iter().enumerate() {
             if cell != NOT_HELD {
                 // Each start moves on to that of the next cell.
                 let next = &mut starts[cell as usize + 1];
@@ -173,18 +173,18 @@ impl<'a> Samples<'a> {
         self.order.len()
     }
 
-    /// A sample by its place in the sequence of cells.
-    pub fn at(&self, place: usize) -> Sample {
-        let index = self.order[place];
+    /// A sample by its rank in the sequence of cells.
+    pub fn at(&self, rank: usize) -> Sample {
+        let index = self.order[rank];
         Sample {
             position: self.position(index),
             id: self.given.ids.map_or(index, |ids| ids[index as usize]),
         }
     }
 
-    /// The positions of samples side by side in the sequence of cells.
-    pub fn positions(&self, places: Range<usize>) -> impl ExactSizeIterator<Item = DVec2> {
-        self.order[places].iter().map(|&index| self.position(index))
+    /// The positions of samples of consecutive ranks in the sequence of cells.
+    pub fn positions(&self, ranks: Range<usize>) -> impl ExactSizeIterator<Item = DVec2> {
+        self.order[ranks].iter().map(|&index| self.position(index))
     }
 
     fn position(&self, index: u32) -> DVec2 {

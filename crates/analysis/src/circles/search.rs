@@ -1,5 +1,5 @@
-//! The search for exposed circles: tiles of a set on all threads, and the cells that reach into holes.
-//! It decides the sequence of proofs; each proof has a module of its own.
+//! The search for exposed circles: tiles of a set on all threads, and the cells that reach into holes. The order of the
+//! proofs is here; each proof has a module of its own.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -19,7 +19,7 @@ use crate::monitor::Monitor;
 /// Columns and rows of a tile without its halo: its samples then fit the second-level cache.
 const TILE: [usize; 2] = [256, 32];
 
-/// Cells around a sample that are looked through for the rim of a hole, before the judge declines.
+/// Widths, in cells, of the surroundings in which the rim of a hole is searched before the judge declines.
 const HALOS: [usize; 4] = [4, 12, 32, 64];
 
 /// Most exposed circles; a set with more is far from maximal.
@@ -63,7 +63,7 @@ pub(super) struct Search<'a> {
     pub least: f64,
 }
 
-/// What a thread needs to look at tiles.
+/// The buffers of a thread.
 #[derive(Default)]
 pub(super) struct Scratch {
     pub tile: Tile,
@@ -76,7 +76,7 @@ impl<'a> Search<'a> {
         Self::resumed(question, samples, 0.0, 0.0)
     }
 
-    /// Goes on with what was known before.
+    /// Continues an earlier search with its largest distance and its first radius.
     pub fn resumed(
         question: &'a Question,
         samples: &'a Samples<'a>,
@@ -122,7 +122,7 @@ impl<'a> Search<'a> {
         all
     }
 
-    /// Looks at all samples of some tiles.
+    /// Judges all samples of some tiles.
     pub fn tiles(&self, tiles: &[Rectangle], monitor: &Monitor<'_>) -> Judged<Found> {
         let none = || Ok(Found::new(self.question.witnesses));
         tiles
@@ -231,7 +231,8 @@ impl<'a> Search<'a> {
             || arcs::certainly_cover(arcs, margin)
     }
 
-    /// Lists what may cover a sample's circle: the disks near it and the sides of the region. Returns the circle's radius.
+    /// Lists the arcs that may cover a sample's circle: those of the disks near it and of the sides of the region.
+    /// Returns the circle's radius.
     fn arcs(&self, tile: &Tile, index: usize, arcs: &mut Vec<Arc>) -> f64 {
         let domain = &self.question.domain;
         let rho = self.rho();
@@ -259,7 +260,7 @@ impl<'a> Search<'a> {
         rho
     }
 
-    /// Cuts out the cells that reach into holes, seen with more and more cells around them.
+    /// Cuts out the cells that reach into holes, with wider and wider surroundings.
     pub fn holes(&self, mut found: Found, halos: &[usize], monitor: &Monitor<'_>) -> Judged<Found> {
         let mut exposed = std::mem::take(&mut found.exposed);
         if exposed.len() > MAX_EXPOSED {
@@ -291,7 +292,7 @@ impl<'a> Search<'a> {
         let cells = &self.samples.cells;
         // Cells are twice as high as wide.
         let halo = [cells.reach[0].max(2 * around), cells.reach[1].max(around)];
-        // Samples of some cells of a row are looked at together.
+        // Samples in neighbouring cells of a row share a tile.
         let group = |sample: &Sample| {
             let (column, row) = (
                 cells.column(sample.position.x),
@@ -365,7 +366,7 @@ impl<'a> Search<'a> {
             }
             for index in 0..samples.len() {
                 for other in index + 1..samples.len() {
-                    let [one, other] = [index, other].map(|place| samples.at(place));
+                    let [one, other] = [index, other].map(|rank| samples.at(rank));
                     let distance = tile::distance(one, other, domain.periods());
                     found.min_distance = found.min_distance.min(distance);
                 }

@@ -1,7 +1,6 @@
-//! The second judge of a stream: bands of rows are judged as soon as they are complete, and only the rows that later ones want
-//! are kept.
-//! The first rows of a torus are kept to the end and judged with the last ones; the very first stays open for latecomers.
-//! It never skips a circle: one that reaches into a hole too wide for the rows kept is refused.
+//! The second judge of a stream: bands of rows are judged as soon as they are complete, and only the rows that later
+//! ones need are kept. The first rows of a torus are kept to the end and judged with the last ones; the very first
+//! stays open for latecomers. No circle is skipped: a set with a hole too wide for the kept rows is refused.
 
 use std::mem;
 use std::ops::Range;
@@ -15,10 +14,10 @@ use super::search::Search;
 use crate::error::VerifyError;
 use crate::monitor::Monitor;
 
-/// Rows kept below a band and above the exposed circles that are looked at, and so the halo for holes.
+/// Rows kept below a band, and complete above an exposed circle before it is judged: the halo for holes.
 const KEPT: usize = 8;
 
-/// Cells around a sample that are looked through for the rim of a hole.
+/// Widths, in cells, of the surroundings in which the rim of a hole is searched.
 const HALOS: [usize; 2] = [4, KEPT];
 
 /// Least rows of a band: with fewer, the overlaps are costly.
@@ -65,7 +64,7 @@ impl Held {
     }
 }
 
-/// What is held of a stream, and what was found out.
+/// The samples held of a stream, and the findings so far.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct CircleBands {
     /// Samples of the rows from `keep` on, as they came, and latecomers of the first row.
@@ -211,7 +210,7 @@ impl CircleBands {
         self.keep = keep;
     }
 
-    /// Judges what is left, the seam of a torus included.
+    /// Judges the remaining rows, those at the seam of a torus included.
     pub fn finish(
         mut self,
         question: &Question,
@@ -269,7 +268,7 @@ fn seam_rows(cells: &Cells) -> usize {
     (first(cells) + KEPT).max(KEPT + 1) + KEPT
 }
 
-/// The error that says why a stream cannot be judged.
+/// Returns the error for a stream that the judge declines.
 fn refused(declined: Declined, question: &Question, samples: usize) -> VerifyError {
     let scale = question.domain.scale;
     match declined {

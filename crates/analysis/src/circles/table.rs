@@ -1,7 +1,7 @@
-//! Which directions around a sample the disk of another one covers, looked up by their offset.
-//! The circle is cut into 128 bins, offsets into squares of a 128th of the radius; a mask has the bins that the disk covers
-//! wholly *for every offset of its square*, so a union of masks that is full proves the circle covered.
-//! It never proves a circle uncovered.
+//! Which directions around a sample the disk of another one covers, looked up by their offset. The circle is cut into
+//! 128 bins, offsets into squares of a 128th of the radius; a mask has the bins that the disk covers wholly *for every
+//! offset of its square*, so a union of masks that is full proves the circle covered. It cannot prove a circle
+//! uncovered.
 
 use std::f64::consts::TAU;
 use std::sync::OnceLock;

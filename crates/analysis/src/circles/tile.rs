@@ -1,5 +1,6 @@
-//! Some cells of the region with those around them, as coordinates in one frame: copies across the seams lie beyond them.
-//! It lists neighbours and scans pairs. It decides conflicts, exactly, and leaves coverage to [`super::cell`].
+//! Some cells of the region with those around them, as coordinates in one frame: copies across the seams lie beyond
+//! them. Its scan of pairs finds the conflicts, exactly, and proves most circles covered; the others are left to
+//! [`super::search`].
 
 use std::ops::Range;
 
@@ -15,7 +16,7 @@ use super::table::{FULL, HALF, Mask, PER_RADIUS, SQUARES, Table, opposite};
 /// Samples whose offsets are computed at once.
 const LANES: usize = 8;
 
-/// Squared distances, in squares, that the table is asked about: a little less than two radii.
+/// The largest squared distance, in squares, for which the table is used: a little less than two radii.
 const WIDEST: f32 = (HALF * HALF) as f32 * (1.0 - 1.0 / 1024.0);
 
 /// Most pairs of samples in one cell, per sample of a tile.
@@ -28,7 +29,7 @@ pub(super) struct Rectangle {
     pub rows: Range<i64>,
 }
 
-/// The samples of a rectangle of cells and of the cells around it. One is filled again and again.
+/// The samples of a rectangle of cells and of the cells around it. It is filled again for each rectangle.
 #[derive(Debug, Default)]
 pub(super) struct Tile {
     /// Cells with the halo.
@@ -48,7 +49,7 @@ pub(super) struct Tile {
     scan: Scan,
 }
 
-/// What the scan of pairs reads and writes.
+/// The buffers of the scan of pairs.
 #[derive(Debug, Default)]
 struct Scan {
     /// Positions from the corner of the tile, in squares of the table.
@@ -60,8 +61,8 @@ struct Scan {
     open: Vec<u32>,
 }
 
-/// Neighbours of a sample that were looked at. All of a sample's are marked in one loop: a loop for each group would end
-/// unforeseeably as often as there are groups.
+/// The neighbours found for one sample. One loop marks all of them: a loop for each group would cost a mispredicted
+/// branch at each end.
 #[derive(Default)]
 struct Looked {
     /// The first sample of each group, and the squares of the table that the offsets of its samples are in.
@@ -103,7 +104,7 @@ impl Looked {
 
 /// Why a tile could not be filled.
 pub(super) enum Unfilled {
-    /// Rows are wanted that are not held.
+    /// It needs rows that are not held.
     Rows,
     Declined(Declined),
 }
@@ -224,8 +225,8 @@ impl Tile {
         }
     }
 
-    /// Scans all pairs of neighbours once: marks in both circles what the other disk of radius `rho` covers, and counts the
-    /// conflicts of the tile's own samples.
+    /// Scans all pairs of neighbours once: marks in both circles the bins that the other disk of radius `rho` covers,
+    /// and counts the conflicts of the tile's own samples.
     ///
     /// A pair belongs to the tile of whichever sample comes first in the sequence of rows and columns, counted on across the
     /// seams, so it is counted in one tile.
@@ -339,7 +340,7 @@ impl Tile {
         }
     }
 
-    /// Looks closely at a pair: its distance is that of the samples, the shorter way around a torus, whatever copies are near.
+    /// Records a pair. Its distance is that of the samples, the shorter way around a torus, whatever copies are near.
     #[cold]
     fn pair(&self, samples: &Samples<'_>, pair: [usize; 2], radius: f64, found: &mut Found) {
         let [one, other] = pair.map(|index| samples.at(self.source[index] as usize));

@@ -1,6 +1,5 @@
-//! The distance to the nearest sample along a straight side, in one dimension.
-//! Its square is a lower envelope of parabolas of equal opening, found with a stack.
-//! It never needs a triangulation, so degenerate sets are no special case.
+//! The distance to the nearest sample along a straight side, in one dimension. Its square is a lower envelope of
+//! parabolas of equal opening, found with a stack. No triangulation is needed, so degenerate sets are no special case.
 
 /// A sample seen from a line: its foot on the line and its distance from it.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,6 +1,6 @@
-//! Samples so surrounded by others that no place far off can have them as its nearest.
-//! Leaving them out keeps the windows of large holes small: only the rim of a hole matters.
-//! It never changes a result, only which samples a window need not hold.
+//! Samples so surrounded by others that no place far off can have them as its nearest. Leaving them out keeps the
+//! windows of large holes small: only the rim of a hole matters. The result stays the same; windows only hold fewer
+//! samples.
 //!
 //! # Why they can be left out
 //!
@@ -64,8 +64,8 @@ fn occupied(grid: &Grid) -> Vec<bool> {
         .collect()
 }
 
-/// Keeps the cells that have only kept cells within `reach` along an axis. What lies beyond a closed
-/// border needs no keeping: no place to be nearest to is there.
+/// Keeps the cells that have only kept cells within `reach` along an axis. Cells beyond a closed border count as kept,
+/// since no place of the region lies there.
 fn eroded(grid: &Grid, kept: &[bool], axis: usize, reach: usize) -> Vec<bool> {
     let columns = grid.cells[0];
     let (cells, stride) = (grid.cells[axis], [1, columns][axis]);

@@ -1,6 +1,5 @@
-//! Circumcircles to nearly full precision.
-//! The result depends on the three points only, not on the order they come in.
-//! It never decides whether a circle is empty; the triangulation does.
+//! Circumcircles to nearly full precision. The result depends on the three points only, not on the order they come in.
+//! Whether a circle is empty follows from the triangulation.
 
 use glam::DVec2;
 
@@ -27,8 +26,8 @@ pub(crate) fn circumcircle(points: [DVec2; 3]) -> Circle {
     }
 }
 
-/// Whether the squared radius that [`circumcircle`] gives is certainly below `square`. It may say no where it is;
-/// it costs a fraction, having no division and no choice of a vertex.
+/// Whether the squared radius that [`circumcircle`] gives is certainly below `square`; `false` proves nothing. It is
+/// far cheaper, without a division and without the choice of a vertex.
 pub(crate) fn is_below(points: [DVec2; 3], square: f64) -> bool {
     let [p, q, r] = points;
     let (a, b) = (q - p, r - p);
@@ -94,7 +93,8 @@ mod tests {
         }
     }
 
-    /// Random triangles of all shapes: what is said to be below is, and what is not is hardly ever.
+    /// Random triangles of all shapes: the filter is never wrong when it says yes, and says no hardly more often than
+    /// it must.
     #[test]
     fn what_is_said_to_be_below_is_below() {
         let pseudo = |i: u32, step: f64| (f64::from(i) * step).fract();

@@ -1,6 +1,5 @@
-//! Gathers the gaps of all tiles so that every place counts once.
-//! Places within a tiny distance are one: cocircular samples, corners on sides, claims of two tiles.
-//! It never drops a gap that no other stands for.
+//! Gathers the gaps of all tiles so that every place counts once. Places within a tiny distance are one: cocircular
+//! samples, corners on sides, claims of two tiles. A gap is dropped only for another one at the same place.
 
 use glam::DVec2;
 
@@ -128,7 +127,7 @@ fn merge_same(gaps: &mut Vec<Gap>, same: f64) {
     });
 }
 
-/// One gap for two at the same place: the more special kind, where that is, and the larger circle.
+/// Returns one gap for two at the same place: kind and place of the more special one, and the larger circle.
 fn joined(a: &Gap, b: &Gap) -> Gap {
     let special = if b.kind.cmp(&a.kind).then_with(|| a.rank(b)).is_gt() {
         b

@@ -1,6 +1,6 @@
-//! Looks at one tile through its window: the largest value of the distance field, and its gaps.
-//! Every place claimed is a Voronoi vertex, a border crossing or a corner of the window's samples.
-//! It never judges whether the window was wide enough; its caller compares `side_reach` with the halo.
+//! The result for one tile and its window: the largest distance of a place from the samples, and the gaps. Every place
+//! claimed is a Voronoi vertex, a border crossing or a corner of the window's samples. Whether the window was wide
+//! enough is for the caller to decide, who compares `side_reach` with the halo.
 
 use glam::DVec2;
 use spade::{Point2, Triangulation};
@@ -13,7 +13,7 @@ use crate::delaunay::delaunay;
 use crate::error::VerifyError;
 use crate::witness::{Gap, GapKind};
 
-/// What a tile shows through a window.
+/// The result for a tile and a window.
 pub(crate) struct Survey {
     /// Maximum, over the sides of the tile, of the distance to the window's samples. The rest
     /// holds for the whole set if the halo is at least that.
@@ -25,7 +25,7 @@ pub(crate) struct Survey {
 }
 
 impl Survey {
-    /// Looks along the sides.
+    /// Examines the sides.
     pub fn of_sides(task: &CoverSearch<'_>, tile: &Tile, window: &TileWindow) -> Self {
         let mut survey = Self {
             side_reach: 0.0,
@@ -40,11 +40,15 @@ impl Survey {
         survey
     }
 
-    /// A place whose empty circle counts for the region.
-    fn claim(&mut self, task: &CoverSearch<'_>, gap: Gap) {
-        self.covering_radius = self.covering_radius.max(gap.distance);
-        if gap.distance > task.limit {
-            self.gaps.push(gap);
+    /// Records a place whose empty circle counts for the region, and which is a gap if the circle exceeds the limit.
+    fn claim(&mut self, task: &CoverSearch<'_>, center: [f64; 2], distance: f64, kind: GapKind) {
+        self.covering_radius = self.covering_radius.max(distance);
+        if distance > task.limit {
+            self.gaps.push(Gap {
+                center,
+                distance,
+                kind,
+            });
         }
     }
 
@@ -68,15 +72,11 @@ impl Survey {
             }
             self.side_reach = self.side_reach.max(crossing.distance);
             if on_border && (0.0..=extent[side.axis]).contains(&at) {
-                let (center, distance) = (side.place(at, level), crossing.distance);
-                let kind = GapKind::Border;
                 self.claim(
                     task,
-                    Gap {
-                        center,
-                        distance,
-                        kind,
-                    },
+                    side.place(at, level),
+                    crossing.distance,
+                    GapKind::Border,
                 );
             }
         }
@@ -86,20 +86,12 @@ impl Survey {
             self.side_reach = self.side_reach.max(distance);
             // A corner of the region ends two sides: the sides along x report it.
             if on_border && side.axis == 0 && (at == 0.0 || at == extent[0]) {
-                let (center, kind) = (side.place(at, level), GapKind::Corner);
-                self.claim(
-                    task,
-                    Gap {
-                        center,
-                        distance,
-                        kind,
-                    },
-                );
+                self.claim(task, side.place(at, level), distance, GapKind::Corner);
             }
         }
     }
 
-    /// Looks inside, at the circumcentres of the window's triangles.
+    /// Examines the inside: the circumcentres of the window's triangles.
     pub fn add_vertices(
         &mut self,
         task: &CoverSearch<'_>,
@@ -137,15 +129,7 @@ impl Survey {
             largest = largest.max(circle.square);
             if circle.square > limit {
                 let (center, distance) = (circle.center.to_array(), circle.square.sqrt());
-                let kind = GapKind::VoronoiVertex;
-                self.claim(
-                    task,
-                    Gap {
-                        center,
-                        distance,
-                        kind,
-                    },
-                );
+                self.claim(task, center, distance, GapKind::VoronoiVertex);
             }
         }
         self.covering_radius = self.covering_radius.max(largest.sqrt());

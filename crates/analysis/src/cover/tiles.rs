@@ -1,6 +1,5 @@
-//! Cuts the grid into tiles of bounded sample count and gathers the samples around a tile.
-//! Copies across the periods are made here, and only here.
-//! It never decides whether a halo was wide enough.
+//! Cuts the grid into tiles of bounded sample count and gathers the samples around a tile. Copies across the periods
+//! are made only here. Whether a halo was wide enough is decided in [`super`].
 
 use std::ops::Range;
 
@@ -106,8 +105,8 @@ pub(crate) struct TileWindow {
 }
 
 impl TileWindow {
-    /// The window of a tile, or the rows it wants of which the grid lacks some, counted on across
-    /// the seams.
+    /// Returns the window of a tile, or, if the grid lacks some of them, the rows it needs, numbered on across the
+    /// seams.
     pub fn gather(task: &CoverSearch<'_>, tile: &Tile, halo: f64) -> Result<Self, Range<i64>> {
         let grid = task.grid;
         // A little more than the halo pays for rounding and for places claimed beyond the tile.
@@ -120,7 +119,7 @@ impl TileWindow {
         let complete = columns.complete && rows.complete;
         let most = tile.columns.len().max(tile.rows.len()) as i64 + 2 * WIDE;
         let span = |span: &Span| span.cells.end - span.cells.start;
-        // What is buried shows only to who sees the whole set.
+        // Which samples are buried is known only if the grid holds the whole set.
         let is_wide = grid.is_whole() && (span(&columns) > most || span(&rows) > most);
         let points = if is_wide {
             rim(task, tile, [&columns.cells, &rows.cells])

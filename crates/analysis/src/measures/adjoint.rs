@@ -1,6 +1,6 @@
-//! A type-2 non-uniform Fourier transform, the adjoint of [`super::nufft`]: a plan's frequencies to samples.
-//! The kernel is divided out, the grid transformed back, and read with the kernel around each sample.
-//! It knows no region and no power; the result does not depend on the number of threads.
+//! A type-2 non-uniform Fourier transform, the adjoint of [`super::nufft`]: a plan's frequencies to samples. The kernel
+//! is divided out, the grid transformed back, and read with the kernel around each sample. The result does not depend
+//! on the number of threads.
 
 use std::f64::consts::TAU;
 
@@ -12,7 +12,7 @@ use rustfft::num_complex::Complex;
 use super::error::MeasureError;
 use super::kernel::{Kernel, WIDTH};
 use super::nufft::{Scratch, TOGETHER, TransformPlan};
-use super::spread::{Sample, Tiles, place};
+use super::spread::{Sample, Tiles, first_grid_point};
 use crate::monitor::Monitor;
 
 /// Samples that a thread reads between two reports.
@@ -27,9 +27,9 @@ pub(super) fn work(plan: &TransformPlan, samples: usize) -> u64 {
 /// Returns `sum over k of value(k) exp(2 pi i k.x)` at each sample, over the plan's frequencies and their opposites,
 /// whose values are the conjugates.
 ///
-/// `values` are in the sequence of the plan's transform: a real plan holds its frequencies from `ky = 0` up, with both of two
-/// opposite ones where `ky = 0`; another must hold no two opposite ones. Weights are not looked at.
-/// The kernel's error is at most [`super::NUFFT_ERROR`] of the sum of the magnitudes of the values.
+/// `values` are in the sequence of the plan's transform: a real plan holds its frequencies from `ky = 0` up, with both
+/// of two opposite ones where `ky = 0`; another must hold no two opposite ones. The samples' weights are ignored. The
+/// kernel's error is at most [`super::NUFFT_ERROR`] of the sum of the magnitudes of the values.
 pub(super) fn at_samples(
     plan: &TransformPlan,
     values: Vec<Complex<f64>>,
@@ -163,7 +163,7 @@ fn unpack(from: &[Complex<f64>], size: usize, cells: &mut [f64], stride: usize) 
     }
 }
 
-/// Reads the grid's components around each sample; `value` says what they make there.
+/// Reads the grid's components around each sample; `value` turns them into the sample's value.
 fn read<const C: usize>(
     plan: &TransformPlan,
     cells: &[f64],
@@ -174,7 +174,7 @@ fn read<const C: usize>(
     let (sizes, stride, kernel) = (plan.sizes(), stride(plan), Kernel::new());
     let order = Tiles::of(samples, sizes).order();
     let sums = |sample: &Sample| {
-        let (first, ahead) = place(sample.at, sizes);
+        let (first, ahead) = first_grid_point(sample.at, sizes);
         let [along_x, along_y] = ahead.map(|ahead| kernel.values(ahead));
         let mut columns = [[0.0; WIDTH]; C];
         for (factor, line) in along_x.iter().zip(first[0] as usize..) {

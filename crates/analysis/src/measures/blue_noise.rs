@@ -1,6 +1,5 @@
 //! Effective Nyquist frequency and oscillation of a radial power curve (Heck, Schloemer and Deussen 2013), and the
-//! curve that follows from g(r). Frequencies are `nu = |k| / sqrt(N)` throughout.
-//! It never looks at samples but through g(r).
+//! curve that follows from g(r). Frequencies are `nu = |k| / sqrt(N)` throughout. Samples enter only by g(r).
 
 use std::f64::consts::{PI, TAU};
 
@@ -21,19 +20,19 @@ const LOW_POWER: f64 = 0.1;
 /// Mean power that psa takes for the end of the low region.
 const HALF_POWER: f64 = 0.5;
 
-/// Where psa begins to look for that end, as `nu`.
+/// Where psa's search for that end begins, as `nu`.
 const SEARCH_FROM: f64 = 0.5;
 
 /// Power that psa takes for 1, where oscillations begin.
 const NEARLY_ONE: f64 = 0.98;
 
-/// How far oscillations are looked at, as `nu`: ten times half of `sqrt(N)`.
+/// The length of the range in which oscillations count, as `nu`: ten times half of `sqrt(N)`.
 const OSCILLATION_RANGE: f64 = 5.0;
 
 /// Pair correlations that curves follow from reach so far, in units of `r_max`, in so many bins each.
 const MAX_DISTANCE: f64 = 8.0;
 const BINS_EACH: f64 = 100.0;
-/// They must reach so far: a curve of less is smoothed beyond its features.
+/// The shortest reach that they may have: with less, the curve is smoothed until its features are lost.
 const NEAREST: f64 = 4.0;
 
 /// Power over frequency, without the zero frequency.

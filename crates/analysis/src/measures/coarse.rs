@@ -1,5 +1,5 @@
-//! A periodogram on a coarser grid, to be looked at: means over rectangles of frequencies.
-//! It never leaves a frequency of the window out of sight but zero and an incomplete rim.
+//! A periodogram on a coarser grid, for display: means over rectangles of frequencies. Every frequency of the window
+//! counts, except zero and those of an incomplete rim.
 
 use serde::Serialize;
 

@@ -1,6 +1,5 @@
 //! Differences of curves from a reference, with the band about zero that they keep to where both have one truth.
-//! Places are those of the first curve; the reference is interpolated between its own.
-//! It never says why two curves differ.
+//! Differences are taken at the first curve's values of x; the reference is interpolated between its own.
 
 use serde::Serialize;
 
@@ -26,10 +25,10 @@ pub struct MeanCurve {
 /// The difference of a curve from a reference.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct DifferenceCurve {
-    /// Places `[x, value less reference]` where both curves are known.
-    pub places: Vec<[f64; 2]>,
-    /// The interval of each difference that holds it with the level's probability where the truth is the same; none where
-    /// nothing tells the spread.
+    /// Points `[x, value less reference]`, where both curves are known.
+    pub points: Vec<[f64; 2]>,
+    /// The interval of each difference that holds it with the level's probability where the truth is the same; none
+    /// where the spread is not known.
     pub bands: Option<Vec<[f64; 2]>>,
 }
 
@@ -39,7 +38,7 @@ impl DifferenceCurve {
     ///
     /// # Errors
     ///
-    /// [`MeasureError::OutOfRange`] for a level that is none.
+    /// [`MeasureError::OutOfRange`] for a level outside 0.01 to 0.999999.
     pub fn of_powers(
         profile: &RadialProfile,
         reference: &RadialProfile,
@@ -50,7 +49,7 @@ impl DifferenceCurve {
             reference.relative_frequencies(),
         );
         let values = |annulus: &Annulus, sets: u64| 0.5 * annulus.count as f64 * sets as f64;
-        let (mut places, mut bands) = (Vec::new(), Vec::new());
+        let (mut points, mut bands) = (Vec::new(), Vec::new());
         for (x, annulus) in x.into_iter().zip(&profile.annuli) {
             let Some(between) = Between::of(x, &base) else {
                 continue;
@@ -61,7 +60,7 @@ impl DifferenceCurve {
             let [a, b] = [low, high].map(|annulus| 1.0 / values(annulus, reference.sets));
             let count = 1.0 / ((1.0 - between.part).powi(2) * a + between.part.powi(2) * b);
             let counts = [values(annulus, profile.sets), count];
-            places.push([x, annulus.power - power]);
+            points.push([x, annulus.power - power]);
             bands.push(power_difference_band(
                 [annulus.power, power],
                 counts,
@@ -69,7 +68,7 @@ impl DifferenceCurve {
             )?);
         }
         Ok(Self {
-            places,
+            points,
             bands: Some(bands),
         })
     }
@@ -79,7 +78,7 @@ impl DifferenceCurve {
     ///
     /// # Errors
     ///
-    /// [`MeasureError::OutOfRange`] for a level that is none.
+    /// [`MeasureError::OutOfRange`] for a level outside 0.01 to 0.999999.
     pub fn of_means(
         curve: &MeanCurve,
         reference: &MeanCurve,
@@ -89,14 +88,14 @@ impl DifferenceCurve {
         let sets = [curve.sets, reference.sets].map(|sets| sets as f64);
         let freedom = sets[0] + sets[1] - 2.0;
         let reach = (freedom > 0.0).then(|| student_quantile(1.0 - level, freedom));
-        let (mut places, mut bands) = (Vec::new(), Vec::new());
+        let (mut points, mut bands) = (Vec::new(), Vec::new());
         for (index, (x, y)) in curve.x.iter().zip(&curve.y).enumerate() {
             let Some(between) = Between::of(*x, &reference.x) else {
                 continue;
             };
             let at =
                 |values: &[f64]| between.mean(values[between.ends[0]], values[between.ends[1]]);
-            places.push([*x, y - at(&reference.y)]);
+            points.push([*x, y - at(&reference.y)]);
             let errors = [
                 curve.errors.as_ref().map_or(0.0, |errors| errors[index]),
                 reference.errors.as_deref().map_or(0.0, at),
@@ -109,30 +108,30 @@ impl DifferenceCurve {
         }
         Ok(Self {
             bands: (freedom > 0.0).then_some(bands),
-            places,
+            points,
         })
     }
 
-    /// Returns the root of the mean square of the differences; none where the curves have no place in common.
+    /// Returns the root of the mean square of the differences; none where the curves have no common range.
     #[must_use]
     pub fn rms(&self) -> Option<f64> {
-        let squares: f64 = self.places.iter().map(|place| place[1] * place[1]).sum();
-        (!self.places.is_empty()).then(|| (squares / self.places.len() as f64).sqrt())
+        let squares: f64 = self.points.iter().map(|point| point[1] * point[1]).sum();
+        (!self.points.is_empty()).then(|| (squares / self.points.len() as f64).sqrt())
     }
 
-    /// Returns the place of the difference of largest magnitude.
+    /// Returns the point with the difference of largest magnitude.
     #[must_use]
     pub fn largest(&self) -> Option<[f64; 2]> {
         let by_size = |a: &&[f64; 2], b: &&[f64; 2]| a[1].abs().total_cmp(&b[1].abs());
-        self.places.iter().max_by(by_size).copied()
+        self.points.iter().max_by(by_size).copied()
     }
 
     /// Returns the share of differences outside their band: about `1 - level` where both curves have one truth.
     #[must_use]
     pub fn outside(&self) -> Option<f64> {
         let bands = self.bands.as_ref().filter(|bands| !bands.is_empty())?;
-        let outside = (self.places.iter().zip(bands))
-            .filter(|(place, band)| !(band[0]..=band[1]).contains(&place[1]))
+        let outside = (self.points.iter().zip(bands))
+            .filter(|(point, band)| !(band[0]..=band[1]).contains(&point[1]))
             .count();
         Some(outside as f64 / bands.len() as f64)
     }
@@ -144,7 +143,7 @@ impl DifferenceCurve {
 ///
 /// # Errors
 ///
-/// [`MeasureError::OutOfRange`] for a level that is none or for numbers of powers below one or too large.
+/// [`MeasureError::OutOfRange`] for a level outside 0.01 to 0.999999, or for numbers of powers below one or too large.
 pub fn power_difference_band(
     powers: [f64; 2],
     values: [f64; 2],
@@ -234,7 +233,7 @@ mod tests {
 
     #[test]
     fn equal_powers_leave_the_band_as_often_as_it_says_and_others_more_often() {
-        // 4000 places: five standard deviations are 0.017.
+        // 4000 points: five standard deviations are 0.017.
         let equal = share_outside(1.0);
         assert!((equal - 0.05).abs() < 0.017, "{equal}");
         let other = share_outside(2.0);
@@ -274,7 +273,7 @@ mod tests {
     }
 
     #[test]
-    fn differences_are_taken_at_the_first_curves_places() {
+    fn differences_are_taken_at_the_first_curves_x() {
         let curve = |x: &[f64], y: &[f64]| MeanCurve {
             x: x.to_vec(),
             y: y.to_vec(),
@@ -284,7 +283,7 @@ mod tests {
         let first = curve(&[0.5, 1.0, 2.5, 3.0, 4.0], &[9.0, 5.0, 5.0, 5.0, 9.0]);
         let reference = curve(&[1.0, 2.0, 3.0], &[1.0, 2.0, 7.0]);
         let found = DifferenceCurve::of_means(&first, &reference, 0.95).unwrap();
-        assert_eq!(found.places, [[1.0, 4.0], [2.5, 0.5], [3.0, -2.0]]);
+        assert_eq!(found.points, [[1.0, 4.0], [2.5, 0.5], [3.0, -2.0]]);
         assert_eq!(found.largest(), Some([1.0, 4.0]));
         let rms = found.rms().unwrap();
         assert!((rms - (20.25f64 / 3.0).sqrt()).abs() < 1e-15);

@@ -1,6 +1,5 @@
-//! L2 discrepancies of the unit square by their closed forms, which take all pairs.
-//! The region is scaled to the unit square; its border counts, periodic or not.
-//! It never approximates, so the number of samples is limited.
+//! L2 discrepancies of the unit square by their closed forms, which take all pairs. The region is scaled to the unit
+//! square; its border counts, periodic or not. Nothing is approximated, so the number of samples is limited.
 
 use std::ops::ControlFlow;
 
@@ -37,7 +36,7 @@ impl Discrepancy {
     ///
     /// # Errors
     ///
-    /// No sample, more than [`Self::MAX_SAMPLES`], samples that are no places of the region.
+    /// No sample, more than [`Self::MAX_SAMPLES`], samples outside the region.
     pub fn of(
         points: &[[f64; 2]],
         region: Region,

@@ -1,6 +1,5 @@
-//! Distances to nearest neighbours, the relative radius and the density.
-//! Distances go around the torus when periodic.
-//! It never counts conflicts: [`verify`](crate::verify) does.
+//! Distances to nearest neighbours, the relative radius and the density. Distances go around the torus when periodic.
+//! Conflicts are counted by [`verify`](crate::verify).
 
 use std::ops::ControlFlow;
 
@@ -54,7 +53,7 @@ pub fn density(count: usize, radius: f64, region: Region) -> Result<f64, Measure
 pub struct NearestDistances {
     /// In the sequence of the samples.
     pub distances: Vec<f64>,
-    /// What they are like.
+    /// Their mean, deviation and quartiles.
     pub summary: Summary,
     /// [`largest_min_distance`] of so many samples.
     pub r_max: f64,
@@ -65,7 +64,7 @@ impl NearestDistances {
     ///
     /// # Errors
     ///
-    /// Fewer than 3 samples, all at one place, samples that are no places of the region.
+    /// Fewer than 3 samples, all at one place, samples outside the region.
     pub fn of(
         points: &[[f64; 2]],
         region: Region,

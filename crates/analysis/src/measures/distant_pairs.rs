@@ -1,6 +1,5 @@
-//! The pairs of samples whose distance lies in a range: what a bin of the pair correlation is made of.
-//! Distances go around the torus when periodic.
-//! It never holds more pairs than were asked for; it counts all of them.
+//! The pairs of samples whose distance lies in a range: those that a bin of the pair correlation counts. Distances go
+//! around the torus when periodic. All pairs are counted; at most the caller's limit of them is held.
 
 use std::ops::ControlFlow;
 
@@ -54,9 +53,9 @@ pub struct DistantPairs {
 ///
 /// # Errors
 ///
-/// No sample or one that is no place of the region; a distance that is negative, not a number or beyond half the
-/// shorter side ([`MeasureError::OutOfRange`]: up to there two samples have one pair of nearest images); a largest
-/// distance that does not exceed the least ([`MeasureError::NotRising`]); a limit of 0 or beyond [`MAX_PAIRS`].
+/// No sample or one outside the region; a distance that is negative, not a number or beyond half the shorter side
+/// ([`MeasureError::OutOfRange`]: up to there two samples have one pair of nearest images); a largest distance that
+/// does not exceed the least ([`MeasureError::NotRising`]); a limit of 0 or beyond [`MAX_PAIRS`].
 pub fn pairs_between(
     points: &[[f64; 2]],
     region: Region,
@@ -148,7 +147,7 @@ impl RangeSearch<'_> {
         Ok(pairs)
     }
 
-    /// Shows the pairs looked at from a row of cells, and whether each is one of those asked for.
+    /// Calls `see` with each compared pair of a row of cells, and with whether its distance is in the range.
     fn row(
         &self,
         row: usize,

@@ -1,6 +1,5 @@
-//! Tails and quantiles of the distributions that confidence bands and tests need.
-//! Incomplete gamma and beta functions by series and continued fractions, quantiles by bisection.
-//! It knows no samples.
+//! Tails and quantiles of the distributions that confidence bands and tests need. Incomplete gamma and beta functions
+//! by series and continued fractions, quantiles by bisection.
 
 /// Returns the probability that a chi-square value of `freedom` degrees of freedom is at least `value`.
 ///

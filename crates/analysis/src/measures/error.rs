@@ -1,13 +1,12 @@
-//! Why a measure could not be taken: one variant per cause, each naming the value and the limit.
-//! A strange but readable set is measured, not refused.
-//! It never wraps an error of another crate.
+//! Why a measure could not be taken: one variant per cause, each naming the value and the limit. A strange but readable
+//! set is measured, not refused. Errors of other libraries are not wrapped.
 
 use crate::error::VerifyError;
 
 /// Why a measure was refused or not finished.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum MeasureError {
-    /// The samples or the region are no input: a coordinate is not finite or outside, the region is not
+    /// The samples or the region cannot be measured: a coordinate is not finite or outside, the region is not
     /// supported, or the triangulation failed.
     #[error(transparent)]
     Set(VerifyError),
@@ -60,7 +59,7 @@ pub enum MeasureError {
         "the frequency {frequency} is beyond {limit}, where rounded coordinates blur its phase"
     )]
     FrequencyTooHigh {
-        /// The frequency of largest magnitude asked for.
+        /// The frequency of largest magnitude in the window.
         frequency: i64,
         /// The largest magnitude allowed.
         limit: i64,
@@ -97,7 +96,7 @@ pub enum MeasureError {
         /// Values needed.
         expected: usize,
     },
-    /// Something that is averaged or compared was taken otherwise than what came before.
+    /// A value to be averaged or compared differs in kind from the earlier ones.
     #[error("{name} differs from that of what was added before")]
     Differs {
         /// What differs.

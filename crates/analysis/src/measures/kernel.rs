@@ -1,6 +1,5 @@
-//! The gridding kernel of the non-uniform transform: Kaiser-Bessel of 12 grid points on a grid twice as
-//! fine as the frequencies need, evaluated by polynomials. Its transform is known in closed form.
-//! It never touches a grid.
+//! The gridding kernel of the non-uniform transform: Kaiser-Bessel of 12 grid points on a grid twice as fine as the
+//! frequencies need, evaluated by polynomials. Its transform is known in closed form. The grid is in [`super::spread`].
 
 use std::f64::consts::PI;
 

@@ -1,6 +1,6 @@
-//! Searches around samples on the verifier's grid: all samples within a distance, and the nearest one.
-//! Distances go around the torus when periodic.
-//! It never sees a place twice from one sample: distances asked for are at most half a period.
+//! Searches around samples on the verifier's grid: all samples within a distance, and the nearest one. Distances go
+//! around the torus when periodic. Distances are at most half a period, so that only one copy of a sample is within
+//! reach of another.
 
 use std::ops::Range;
 
@@ -24,8 +24,8 @@ impl Neighbors<'_> {
         }
     }
 
-    /// Calls `see` with runs of samples such that over all cells every pair of samples within `distance` is met:
-    /// once where `see` is told true, and otherwise twice, from both sides, or with itself.
+    /// Calls `see` with runs of samples such that over all cells every pair of samples within `distance` is met: once
+    /// where the argument of `see` is true, and otherwise twice, from both sides, or with itself.
     pub fn partners(
         &self,
         [column, row]: [usize; 2],
@@ -36,7 +36,7 @@ impl Neighbors<'_> {
         let reach =
             (sides.to_array()).map(|side| (distance / side + 2.0 * Grid::ROUNDING).ceil() as usize);
         let periodic = grid.domain.periodic;
-        // Cells that reach around the torus to each other cannot tell which of them is ahead.
+        // Of two cells that reach each other both ways around the torus none is ahead.
         let [all_columns, all_rows] = [0, 1].map(|axis| 2 * reach[axis] + 1 >= cells[axis]);
         let columns = near(column, reach[0], cells[0], periodic);
         let rows = if all_rows {

@@ -1,6 +1,6 @@
-//! A type-1 non-uniform Fourier transform: samples with weights to integer frequencies of the unit torus.
-//! Samples are spread onto a fine grid, the grid is transformed, the kernel divided out.
-//! It knows no region and no power; the result does not depend on the number of threads.
+//! A type-1 non-uniform Fourier transform: samples with weights to integer frequencies of the unit torus. Samples are
+//! spread onto a fine grid, the grid is transformed, the kernel divided out. The result does not depend on the number
+//! of threads.
 
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -326,7 +326,7 @@ impl TransformPlan {
 }
 
 impl Transform {
-    /// The value at a frequency of the window asked for.
+    /// The value at a frequency of the window.
     pub fn at(&self, [kx, ky]: [i64; 2]) -> Complex<f64> {
         let [x, y] = self.axes;
         let (x_index, y_index) = (kx - x.middle + x.below, ky - y.middle);

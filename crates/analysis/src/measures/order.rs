@@ -1,6 +1,5 @@
-//! Order of a set as its Voronoi cells show it: areas, numbers of sides, bond-orientational order.
-//! Cells at a bounded region's border count for nothing: their shape is the border's.
-//! It never triangulates: `tiles` has it done.
+//! Order of a set as its Voronoi cells show it: areas, numbers of sides, bond-orientational order. Cells at a bounded
+//! region's border count for nothing: their shape is the border's. The cells come from [`super::tiles`].
 
 use std::ops::ControlFlow;
 
@@ -14,7 +13,7 @@ use crate::monitor::{Monitor, Progress};
 use crate::region::Region;
 use crate::tessellation::VoronoiCell;
 
-/// What one cell contributes.
+/// The measures of one cell.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct CellOrder {
     /// Area over the mean area, `region area / N`.
@@ -51,8 +50,8 @@ impl Order {
     ///
     /// # Errors
     ///
-    /// Fewer than 3 samples, all at one place, no cell away from the border
-    /// ([`MeasureError::TooFew`]), samples that are no places of the region.
+    /// Fewer than 3 samples, all at one place, no cell away from the border ([`MeasureError::TooFew`]), samples outside
+    /// the region.
     pub fn of(
         points: &[[f64; 2]],
         region: Region,

@@ -1,6 +1,6 @@
-//! The pair correlation g(r), also called radial distribution: pairs at a distance, over those of noise.
-//! Distances go around the torus when periodic; bounded sets get the translation correction.
-//! It never smooths; counts are exact.
+//! The pair correlation g(r), also called radial distribution: pairs at a distance, over those of noise. Distances go
+//! around the torus when periodic; bounded sets get the translation correction. Nothing is smoothed, and counts are
+//! exact.
 
 use std::ops::{ControlFlow, Range};
 
@@ -24,10 +24,10 @@ const MAX_BINS: usize = 1 << 16;
 /// Parts that are counted apart and added in sequence, so that sums do not depend on threads.
 const PARTS: usize = 64;
 
-/// A cell with more samples than this is looked at on several threads.
+/// The pairs of a cell with more samples than this are counted on several threads.
 const CROWD: usize = 1 << 10;
 
-/// Cells along the largest distance: more look at fewer samples in vain but at more cells.
+/// Cells along the largest distance: with more, fewer samples are compared in vain, but more cells are visited.
 const CELLS_ALONG: f64 = 5.0;
 
 /// The pair correlation of a set.
@@ -46,7 +46,7 @@ pub struct PairCorrelation {
 }
 
 impl PairCorrelation {
-    /// Bins in a unit of one's own reach at most so many `r_max`.
+    /// The longest reach, in units of `r_max`, of bins in a unit of the caller's choice.
     pub const MAX_DISTANCE: f64 = 8.0;
 
     /// Returns `g(r)` for `r` up to `most`, in units of `r_max`, in bins of equal width.
@@ -58,9 +58,8 @@ impl PairCorrelation {
     ///
     /// # Errors
     ///
-    /// Fewer than 3 samples, all at one place, a distance beyond half the shorter side
-    /// ([`MeasureError::OutOfRange`], in units of `r_max`), no bins or more than 65,536, samples
-    /// that are no places of the region.
+    /// Fewer than 3 samples, all at one place, a distance beyond half the shorter side ([`MeasureError::OutOfRange`],
+    /// in units of `r_max`), no bins or more than 65,536, samples outside the region.
     pub fn of(
         points: &[[f64; 2]],
         region: Region,
@@ -139,9 +138,9 @@ impl PairCorrelation {
         Self::of(points, region, most, bins as usize, control)
     }
 
-    /// Returns the middles of the bins in units of `r_max`, and `g` there.
+    /// Returns the curve: for each bin its middle in units of `r_max`, and `g`.
     #[must_use]
-    pub fn places(&self) -> Vec<[f64; 2]> {
+    pub fn points(&self) -> Vec<[f64; 2]> {
         let each = self.g.iter().enumerate();
         each.map(|(bin, g)| [self.distance(bin), *g]).collect()
     }
@@ -159,7 +158,7 @@ struct PairSearch<'a> {
     bins: usize,
 }
 
-/// Pairs and their weights, by bin; beyond the last bin the other pairs looked at, until they are dropped.
+/// Pairs and their weights, by bin; one more bin takes the farther pairs that were compared, and is dropped.
 struct PairSums {
     counts: Vec<u64>,
     weights: Vec<f64>,
@@ -258,8 +257,8 @@ impl PairSearch<'_> {
         }
     }
 
-    /// Counts the pairs of a sample with those of a run. Pairs beyond the distance go into a bin of their own: half of those
-    /// looked at are, and a branch would guess wrong as often.
+    /// Counts the pairs of a sample with those of a run. Pairs beyond the distance go into a bin of their own: half of
+    /// the compared pairs are, and a branch would be mispredicted as often.
     fn pairs(&self, a: &Entry, run: &[Entry], once: bool, found: &mut PairSums) {
         let domain = &self.neighbors.grid.domain;
         let per_length = self.bins as f64 / self.distance;
@@ -276,8 +275,8 @@ impl PairSearch<'_> {
         }
     }
 
-    /// Returns whether all pairs of two runs are certainly in the first bin, which a tight cluster fills with as many pairs
-    /// as the square of its samples. Where pairs are weighed each must be looked at.
+    /// Returns whether all pairs of two runs are certainly in the first bin, which a tight cluster fills with as many
+    /// pairs as the square of its samples. Where pairs are weighed, each must be computed.
     fn is_one_bin(&self, runs: [&[Entry]; 2]) -> bool {
         let is_crowd = runs[0].len() * runs[1].len() > CROWD;
         if !is_crowd || !self.neighbors.grid.domain.periodic {
@@ -340,7 +339,7 @@ mod tests {
         }
     }
 
-    /// Clusters tighter than a bin, as wide as many, and both, against every pair looked at by itself.
+    /// Clusters tighter than a bin, as wide as many, and both, compared with a count of every single pair.
     #[test]
     fn clusters_are_counted_as_pair_by_pair() {
         let go_on = |_: Progress| ControlFlow::Continue(());

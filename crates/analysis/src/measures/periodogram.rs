@@ -1,6 +1,6 @@
-//! The periodogram of a set on any window of integer frequencies, by the non-uniform transform.
-//! Bounded sets are tapered, so that their border does not drown their structure.
-//! It never averages over frequencies; the zero frequency is kept here and left out of what is derived.
+//! The periodogram of a set on any window of integer frequencies, by the non-uniform transform. Bounded sets are
+//! tapered, so that their border does not drown their structure. Averages over frequencies are in [`super::radial`] and
+//! [`super::coarse`]. The zero frequency is kept here and left out there.
 
 use std::ops::ControlFlow;
 
@@ -87,7 +87,7 @@ impl Weighed {
         }
     }
 
-    /// What is taken off the phase factor of every sample for the mean density.
+    /// The part of the mean density, which is subtracted from the phase factor of every sample.
     pub fn mean_factor(&self, frequency: [i64; 2]) -> f64 {
         match self.taper {
             // Only the mean density of a tapered set reaches beyond the zero frequency.

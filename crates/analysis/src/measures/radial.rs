@@ -1,6 +1,5 @@
-//! Mean power and anisotropy of annuli of frequencies.
-//! Only annuli that the window holds whole, up to sign, are given; zero is in none.
-//! It never smooths.
+//! Mean power and anisotropy of annuli of frequencies. Only annuli that the window holds whole, up to sign, are given;
+//! zero is in none.
 
 use serde::Serialize;
 

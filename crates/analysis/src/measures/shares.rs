@@ -1,6 +1,5 @@
-//! What each sample contributes to the power in a ring of frequencies: the sums of the periodogram, told apart by sample.
+//! The contribution of each sample to the power in a ring of frequencies: the sums of the periodogram, split by sample.
 //! A transform gives the sums at the ring's frequencies, its adjoint their values at the samples.
-//! It never says which samples are remarkable.
 
 use std::ops::ControlFlow;
 
@@ -26,18 +25,18 @@ pub struct FrequencyShares {
     pub frequencies: u64,
     /// Mean of their powers, as [`Periodogram::of`](super::Periodogram::of) has them; 0 where there are none.
     pub mean_power: f64,
-    /// What each sample contributes, in their sequence. They add up to `frequencies` times `mean_power`, and
+    /// The contribution of each sample, in the samples' order. They add up to `frequencies` times `mean_power`, and
     /// some may be negative: such samples lie where the waves of the others have their troughs.
     pub shares: Vec<f64>,
 }
 
 impl FrequencyShares {
-    /// A relative share is not given to samples whose part is below this: there the scatter of the others is all that is seen.
+    /// Samples whose part is below this have no relative share: there only the scatter of the other samples would show.
     pub const MIN_PART: f64 = 0.05;
 
-    /// Returns what is expected of each sample of independent uniform samples on the region, as a multiple of the mean: `N w^2 / sum w^2`
-    /// with the weights of [`Periodogram::of`](super::Periodogram::of). It is 1 in periodic sets, and falls to 0 towards the
-    /// border of bounded ones, whose taper it is.
+    /// Returns the expected share of each sample if all were independent and uniform on the region, as a multiple of
+    /// the mean: `N w^2 / sum w^2` with the weights of [`Periodogram::of`](super::Periodogram::of). It is 1 in periodic
+    /// sets, and falls to 0 towards the border of bounded ones, whose taper it is.
     #[must_use]
     pub fn parts(points: &[[f64; 2]], region: Region) -> Vec<f64> {
         let set = Weighed::new(points, region, Taper::for_boundary(region.boundary));
@@ -48,9 +47,10 @@ impl FrequencyShares {
             .collect()
     }
 
-    /// Returns each sample's share over what is expected of it (see [`Self::parts`]): 1 on the average for independent uniform samples,
-    /// wherever they lie, and the mean power if all contribute alike. NaN where the part is below [`Self::MIN_PART`], and where the ring has no
-    /// frequency. `points` and `region` must be those that the shares are of.
+    /// Returns each sample's share over its expected share (see [`Self::parts`]): 1 on the average for independent
+    /// uniform samples, wherever they lie, and the mean power if all contribute alike. NaN where the part is below
+    /// [`Self::MIN_PART`], and where the ring has no frequency. `points` and `region` must be those that the shares are
+    /// of.
     #[must_use]
     pub fn relative(&self, points: &[[f64; 2]], region: Region) -> Vec<f64> {
         let unit = self.frequencies as f64 / points.len() as f64;
@@ -67,9 +67,9 @@ impl FrequencyShares {
     }
 }
 
-/// Returns what each sample contributes to the summed power of the integer frequencies `k` other than zero with
-/// `ring[0] <= length(k) < ring[1]`, where `length` is that of [`Periodogram`](super::Periodogram):
-/// `|k|` on a square, `nu sqrt(N)` in general.
+/// Returns the contribution of each sample to the summed power of the integer frequencies `k` other than zero with
+/// `ring[0] <= length(k) < ring[1]`, where `length` is that of [`Periodogram`](super::Periodogram): `|k|` on a square,
+/// `nu sqrt(N)` in general.
 ///
 /// Sample `j` contributes `w_j sum_k Re(conj(S(k)) (exp(-2 pi i k.x_j) - m(k))) / sum w^2`, with the weights `w`, the
 /// coordinates and the sums `S(k) = sum_j w_j (exp(-2 pi i k.x_j) - m(k))` of
@@ -86,12 +86,11 @@ impl FrequencyShares {
 ///
 /// # Errors
 ///
-/// No sample or one that is no place of the region; an inner length that is not between 0 and
-/// [`MAX_FREQUENCY`]; an outer one that is not finite or does not exceed it ([`MeasureError::NotRising`]); a
-/// frequency beyond [`MAX_FREQUENCY`]; more working memory than
-/// [`MAX_WINDOW_BYTES`](super::MAX_WINDOW_BYTES): of 4 GiB frequencies up to 6000 along both axes fit, in two parts beyond 4200, and
-/// those shorter than `ring[0]` take their place, too ([`MeasureError::WindowTooLarge`] names the part that does not fit). A
-/// ring without frequencies is no error.
+/// No sample or one outside the region; an inner length that is not between 0 and [`MAX_FREQUENCY`]; an outer one that
+/// is not finite or does not exceed it ([`MeasureError::NotRising`]); a frequency beyond [`MAX_FREQUENCY`]; more
+/// working memory than [`MAX_WINDOW_BYTES`](super::MAX_WINDOW_BYTES): of 4 GiB frequencies up to 6000 along both axes
+/// fit, in two parts beyond 4200, and those shorter than `ring[0]` take memory, too ([`MeasureError::WindowTooLarge`]
+/// names the part that does not fit). A ring without frequencies is no error.
 pub fn frequency_shares(
     points: &[[f64; 2]],
     region: Region,

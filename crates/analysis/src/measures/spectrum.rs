@@ -1,5 +1,6 @@
-//! What is looked at of a periodogram: its radial mean with bands, its anisotropy, a picture of it.
-//! One choice of windows, annuli and cells serves tables, figures and the window alike. Computes no power.
+//! The parts of a periodogram that are shown: its radial mean with bands, its anisotropy, a picture of it. One choice
+//! of windows, annuli and cells serves tables, figures and the window alike. Powers are computed in
+//! [`super::periodogram`].
 
 use serde::Serialize;
 
@@ -12,7 +13,7 @@ use super::statistics::power_band;
 use super::window::FrequencyWindow;
 use crate::region::{Boundary, Region};
 
-/// A periodogram, of one set or the mean of several, as it is looked at.
+/// The shown parts of a periodogram, of one set or the mean of several.
 #[derive(Clone, Debug, PartialEq, Serialize, serde::Deserialize)]
 pub struct Spectrum {
     /// Mean power and anisotropy of annuli.
@@ -27,7 +28,7 @@ pub struct Spectrum {
 }
 
 impl Spectrum {
-    /// Frequencies are looked at up to this `nu`, if they are no more than [`Self::MAX_CYCLES`].
+    /// Frequencies are shown up to this `nu`, if they are no more than [`Self::MAX_CYCLES`].
     pub const MAX_NU: f64 = 2.5;
     /// Cycles along an axis at most.
     pub const MAX_CYCLES: f64 = 1023.0;
@@ -40,7 +41,7 @@ impl Spectrum {
     /// The probability that bands are made for.
     pub const LEVEL: f64 = 0.95;
 
-    /// Returns the window of frequencies that is looked at, for a set of `samples`: as far along both axes as
+    /// Returns the window of frequencies that is shown, for a set of `samples`: as far along both axes as
     /// [`Self::MAX_NU`] and [`Self::MAX_CYCLES`] allow, and at least [`Self::MIN_CYCLES`].
     #[must_use]
     pub fn window(samples: f64, region: Region) -> FrequencyWindow {
@@ -67,7 +68,7 @@ impl Spectrum {
         Ok(window)
     }
 
-    /// Returns what is looked at of `periodogram`, whose window should be [`Self::window`].
+    /// Returns the shown parts of `periodogram`, whose window should be [`Self::window`].
     pub fn of(periodogram: &Periodogram) -> Result<Self, MeasureError> {
         let profile = RadialProfile::of(periodogram, Self::annulus_width(periodogram))?;
         let picture = CoarsePower::of(periodogram, Self::PICTURE_CELLS)?;
@@ -95,18 +96,18 @@ impl Spectrum {
     /// Returns `nu` and mean power of the annuli.
     #[must_use]
     pub fn power(&self) -> Vec<[f64; 2]> {
-        self.places(|annulus| annulus.power)
+        self.points(|annulus| annulus.power)
     }
 
     /// Returns `nu` and anisotropy in decibels of the annuli that have one.
     #[must_use]
     pub fn anisotropy(&self) -> Vec<[f64; 2]> {
-        let mut places = self.places(|annulus| annulus.anisotropy_db);
-        places.retain(|place| place[1].is_finite());
-        places
+        let mut points = self.points(|annulus| annulus.anisotropy_db);
+        points.retain(|point| point[1].is_finite());
+        points
     }
 
-    fn places(&self, value: impl Fn(&Annulus) -> f64) -> Vec<[f64; 2]> {
+    fn points(&self, value: impl Fn(&Annulus) -> f64) -> Vec<[f64; 2]> {
         let nus = self.profile.relative_frequencies().into_iter();
         nus.zip(&self.profile.annuli)
             .map(|(nu, annulus)| [nu, value(annulus)])
@@ -121,7 +122,7 @@ fn cycles(samples: f64, region: Region) -> [f64; 2] {
 }
 
 fn centered(most: [f64; 2]) -> FrequencyWindow {
-    // Far beyond what is transformed a number of cycles need not be exact.
+    // Numbers of cycles far beyond the limits of a transform need not be exact.
     let [x, y] = most.map(|most| most.ceil().clamp(Spectrum::MIN_CYCLES, 1e12) as i64);
     FrequencyWindow {
         x: -x..x + 1,
@@ -207,7 +208,7 @@ mod tests {
             ..one.clone()
         };
         let off = one.power().into_iter().zip(narrow.bands.as_ref().unwrap());
-        let off = off.filter(|(place, band)| place[1] < band[0] || place[1] > band[1]);
+        let off = off.filter(|(point, band)| point[1] < band[0] || point[1] > band[1]);
         assert!(off.count() > one.power().len() / 10);
     }
 

@@ -1,6 +1,6 @@
-//! Spreads weighted samples of the unit torus onto a fine grid, in bands that fit a cache.
-//! Samples are sorted by tile first; even bands go before odd ones, so that sums have one order.
-//! It never wraps an index: the grid has margins, and readers fold them back.
+//! Spreads weighted samples of the unit torus onto a fine grid, in bands that fit a cache. Samples are sorted by tile
+//! first; even bands go before odd ones, so that sums have one order. Indices do not wrap: the grid has margins, and
+//! readers fold them back.
 
 use glam::DVec2;
 use rayon::prelude::*;
@@ -68,7 +68,7 @@ impl Tiles {
         let bands = sizes[0] / BAND + 1;
         let key = |first: [u32; 2]| first[0] as usize / BAND * tiles + first[1] as usize / TILE;
         let keys: Vec<u32> = (samples.par_iter())
-            .map(|sample| key(place(sample.at, sizes).0) as u32)
+            .map(|sample| key(first_grid_point(sample.at, sizes).0) as u32)
             .collect();
         let mut starts = vec![0_usize; tiles * bands + 1];
         for &key in &keys {
@@ -127,7 +127,7 @@ impl<const C: usize> Spread<C> {
         let empty = SpreadSample::default();
         let (mut sorted, mut cursors) = (vec![empty; samples.len()], starts);
         for (sample, key) in samples.iter().zip(keys) {
-            let (first, ahead) = place(sample.at, sizes);
+            let (first, ahead) = first_grid_point(sample.at, sizes);
             let cursor = &mut cursors[key as usize];
             sorted[*cursor] = SpreadSample {
                 first,
@@ -195,7 +195,7 @@ impl<const C: usize> Spread<C> {
 
 /// The first grid point that a sample's kernel reaches, moved up by half a kernel, and how far it lies behind the
 /// kernel's lower end. It is at most the grid's size.
-pub(super) fn place(at: DVec2, sizes: [usize; 2]) -> ([u32; 2], [f64; 2]) {
+pub(super) fn first_grid_point(at: DVec2, sizes: [usize; 2]) -> ([u32; 2], [f64; 2]) {
     let position = at * DVec2::from(sizes.map(|size| size as f64));
     let first = position.ceil();
     let indices = first.to_array().map(|value| value as u32);

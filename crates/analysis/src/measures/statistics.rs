@@ -1,6 +1,5 @@
-//! Summaries of values and averages of curves over sets, with standard errors and confidence bands.
-//! Sums run in the sequence given, so the same values give the same bits.
-//! It knows no samples.
+//! Summaries of values and averages of curves over sets, with standard errors and confidence bands. Sums run in the
+//! sequence given, so the same values give the same bits.
 
 use serde::Serialize;
 
@@ -12,7 +11,7 @@ use super::periodogram::Periodogram;
 /// Confidence levels that are accepted.
 pub(super) const LEVELS: [f64; 2] = [0.01, 0.999_999];
 
-/// What a number of values is like.
+/// The count, mean, deviation and quartiles of values.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Summary {
     /// Number of values.
@@ -41,10 +40,10 @@ impl Summary {
         values.sort_unstable_by(f64::total_cmp);
         let (least, most) = (*values.first()?, *values.last()?);
         let at = |part: f64| {
-            let place = part * (values.len() - 1) as f64;
-            let below = place.floor() as usize;
+            let rank = part * (values.len() - 1) as f64;
+            let below = rank.floor() as usize;
             let above = (below + 1).min(values.len() - 1);
-            values[below] + (place - below as f64) * (values[above] - values[below])
+            values[below] + (rank - below as f64) * (values[above] - values[below])
         };
         let error = average.standard_errors().map_or(0.0, |errors| errors[0]);
         Some(Self {
@@ -129,7 +128,7 @@ impl Average {
     ///
     /// # Errors
     ///
-    /// [`MeasureError::OutOfRange`] for a level that is none.
+    /// [`MeasureError::OutOfRange`] for a level outside 0.01 to 0.999999.
     pub fn band(&self, level: f64) -> Result<Option<Vec<[f64; 2]>>, MeasureError> {
         check_range("the confidence level", level, LEVELS)?;
         Ok(self.standard_errors().map(|errors| {
@@ -148,7 +147,7 @@ impl Average {
 ///
 /// # Errors
 ///
-/// [`MeasureError::OutOfRange`] for a level that is none or for less than one value.
+/// [`MeasureError::OutOfRange`] for a level outside 0.01 to 0.999999, or for less than one value.
 pub fn power_band(values: f64, level: f64) -> Result<[f64; 2], MeasureError> {
     check_range("the confidence level", level, LEVELS)?;
     check_range("the number of powers", values, [1.0, 1e8])?;

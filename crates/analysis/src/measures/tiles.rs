@@ -1,6 +1,6 @@
-//! Voronoi cells of large sets, tile by tile: each tile is triangulated with a margin around it, which grows until
-//! the cells of its own samples follow from what it sees. Sets too small or too uneven for that go in one piece.
-//! It keeps of a cell only what the caller makes of it.
+//! Voronoi cells of large sets, tile by tile: each tile is triangulated with a margin around it, which grows until the
+//! cells of its own samples follow from the samples within it. Sets too small or too uneven for that go in one piece.
+//! Of each cell only the caller's value is kept.
 
 use glam::DVec2;
 use rayon::prelude::*;
@@ -19,7 +19,7 @@ pub(super) const TILE_CELLS: usize = 96;
 /// The margin to try first, in grid cells: enough for nearly all tiles of evenly spread sets.
 const FIRST_MARGIN: usize = 5;
 
-/// Returns what `f` makes of the Voronoi cell of each sample, in their sequence.
+/// Returns `f` of the Voronoi cell of each sample, in the samples' order.
 pub(super) fn map_cells<T: Clone + Send + Sync>(
     points: &[[f64; 2]],
     region: Region,
@@ -51,7 +51,7 @@ pub(super) fn map_cells<T: Clone + Send + Sync>(
     if let Some(all) = out.into_iter().collect() {
         return Ok(all);
     }
-    // One tile that would see around the torus is enough to look at the set in one piece.
+    // If one tile would reach around the torus, the set is triangulated in one piece.
     let cells = voronoi_cells(points, region)?;
     monitor.advance((points.len() as u64).saturating_sub(monitor.done()))?;
     Ok(cells.iter().map(f).collect())
@@ -64,10 +64,11 @@ struct CellTile<'a> {
     cells: [[usize; 2]; 2],
 }
 
-/// What a tile sees: a rectangle of cells counted on across the seams.
+/// The surroundings from which the cells of a tile are computed: a rectangle of grid cells, numbered on across the
+/// seams.
 struct TileView {
     cells: [[i64; 2]; 2],
-    /// Whether its sides are those of a bounded domain, beyond which there is nothing: low and high, by axis.
+    /// Whether its sides are those of a bounded domain: low and high, by axis.
     ends: [[bool; 2]; 2],
     low: DVec2,
     high: DVec2,
@@ -122,7 +123,7 @@ impl<'a> CellTile<'a> {
             let (all, margin) = (self.grid.cells[axis] as i64, margin as i64);
             let mut seen = [first - margin, end + margin];
             if domain.periodic {
-                // Not a whole period: a sample and its copy would both be seen.
+                // Not a whole period, or the view would hold both a sample and its copy.
                 if seen[1] - seen[0] >= all {
                     return None;
                 }
@@ -143,19 +144,19 @@ impl<'a> CellTile<'a> {
         Some(view)
     }
 
-    /// The cells of its samples from those in view; none if one depends on what is out of view.
+    /// The cells of its samples from those in view; none if one depends on samples out of view.
     fn seen(&self, view: &TileView) -> Result<Option<Vec<VoronoiCell>>, VerifyError> {
-        let (places, own) = self.places(view);
+        let (positions, own) = self.positions(view);
         let size = view.high - view.low;
         let region = Region {
             width: size.x,
             height: size.y,
             boundary: Boundary::Bounded,
         };
-        let cells = voronoi_cells(&places, region)?;
+        let cells = voronoi_cells(&positions, region)?;
         let follows = |index: usize| {
             [0, 1].into_iter().all(|axis| {
-                let end = |end: usize| places[index][axis] + cells[index].reach[end][axis];
+                let end = |end: usize| positions[index][axis] + cells[index].reach[end][axis];
                 let [no_more_below, no_more_above] = view.ends[axis];
                 (no_more_below || end(0) >= 0.0) && (no_more_above || end(1) <= size[axis])
             })
@@ -171,24 +172,24 @@ impl<'a> CellTile<'a> {
     }
 
     /// The samples in view, from its lower corner, and which of them are the tile's, row by row.
-    fn places(&self, view: &TileView) -> (Vec<[f64; 2]>, Vec<usize>) {
+    fn positions(&self, view: &TileView) -> (Vec<[f64; 2]>, Vec<usize>) {
         let (all, extent) = (
             self.grid.cells.map(|cells| cells as i64),
             self.grid.domain.extent,
         );
         let [columns, rows] = view.cells.map(|[first, end]| first..end);
-        let (mut places, mut own) = (Vec::new(), Vec::new());
+        let (mut positions, mut own) = (Vec::new(), Vec::new());
         for cell in rows.flat_map(|row| columns.clone().map(move |column| [column, row])) {
             let [column, row] = [0, 1].map(|axis| cell[axis].rem_euclid(all[axis]) as usize);
             let turns = [0, 1].map(|axis| cell[axis].div_euclid(all[axis]) as f64);
             let shift = DVec2::from(turns) * extent - view.low;
             let run = self.grid.run(row, &(column..column + 1));
             if self.holds(cell) {
-                own.extend(places.len()..places.len() + run.len());
+                own.extend(positions.len()..positions.len() + run.len());
             }
-            places.extend((run.iter()).map(|entry| (entry.position + shift).to_array()));
+            positions.extend((run.iter()).map(|entry| (entry.position + shift).to_array()));
         }
-        (places, own)
+        (positions, own)
     }
 
     fn holds(&self, cell: [i64; 2]) -> bool {
@@ -267,7 +268,7 @@ mod tests {
         }
     }
 
-    /// The margin decides: a view that is too narrow is noticed, not believed.
+    /// A view that is too narrow is detected, and no wrong cell comes of it.
     #[test]
     fn a_view_across_a_hole_is_widened() {
         let region = Region {

@@ -1,6 +1,6 @@
-//! Whether every place is as likely to hold a sample as any other: counts of samples by class over many runs.
-//! Classes are cells of a grid, ranges of a distance that the caller measured, or the caller's own.
-//! It gets numbers only and knows no sampler; how runs were made is the caller's.
+//! Whether every place is as likely to hold a sample as any other: counts of samples by class over many runs. Classes
+//! are cells of a grid, ranges of a distance that the caller measured, or the caller's own. It takes numbers only: the
+//! caller makes the runs.
 
 use serde::Serialize;
 
@@ -29,7 +29,7 @@ impl PositionClasses {
     ///
     /// # Errors
     ///
-    /// [`MeasureError::BadCount`] for no cell or more than 2^24, samples that are no places of the region.
+    /// [`MeasureError::BadCount`] for no cell or more than 2^24, samples outside the region.
     pub fn counts(&self, points: &[[f64; 2]]) -> Result<Vec<u64>, MeasureError> {
         let cells = self.columns.saturating_mul(self.rows);
         check_count("cells", cells, MAX_CLASSES)?;
@@ -107,7 +107,7 @@ impl DistanceClasses {
     }
 }
 
-/// Counts by class over runs, with what a uniform process would give.
+/// Counts by class over runs, with the expected counts of a uniform process.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ClassCounts {
     observed: Vec<u64>,
@@ -184,7 +184,7 @@ impl ClassCounts {
     /// # Errors
     ///
     /// [`MeasureError::TooFew`] for no sample, or two classes of which none or one can hold samples;
-    /// [`MeasureError::OutOfRange`] for a level that is none.
+    /// [`MeasureError::OutOfRange`] for a level outside 0.01 to 0.999999.
     pub fn uniformity(&self, level: f64) -> Result<Uniformity, MeasureError> {
         check_range("the confidence level", level, [0.01, 0.999_999])?;
         let samples: u64 = self.observed.iter().sum();
@@ -274,7 +274,7 @@ impl ClassCounts {
     }
 }
 
-/// How far counts are from what was expected.
+/// How far counts are from the expected ones.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Uniformity {
     /// Samples of all runs.
@@ -298,7 +298,7 @@ impl Uniformity {
     }
 }
 
-/// How far the count of a class is from what was expected.
+/// How far the count of a class is from the expected one.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Deviation {
     /// Samples in the class.
@@ -307,8 +307,8 @@ pub struct Deviation {
     pub expected: f64,
     /// `observed / expected - 1`; NaN for a class without area and samples.
     pub relative: f64,
-    /// Where the true relative deviation is, with the confidence asked for. From the spread between runs, which is
-    /// right however the samples of one run depend on each other; of a single run, as if they were independent.
+    /// Where the true relative deviation is, with the given confidence. From the spread between runs, which is right
+    /// however the samples of one run depend on each other; of a single run, as if they were independent.
     pub interval: [f64; 2],
 }
 

@@ -1,6 +1,4 @@
-//! A rectangle of integer frequencies of the unit torus.
-//! Plain data; limits are those of the transform.
-//! It never holds values.
+//! A rectangle of integer frequencies of the unit torus. Plain data; limits are those of the transform.
 
 use std::ops::Range;
 

@@ -1,13 +1,14 @@
-//! The pair search for crowded sets: a line moves along x, and each sample looks at those behind it within reach, by y.
-//! The reach is the radius until [`MAX_CONFLICTS`] are counted, then the distance of the mildest witness.
-//! It gives what the scan of a grid gives, whatever the sequence of the samples.
+//! The pair search for crowded sets: a line moves along x, and each sample is compared with those behind it within
+//! reach, by y. The reach is the radius until [`MAX_CONFLICTS`] are counted, then the distance of the mildest witness.
+//! The result is that of the scan of a grid, for any order of the samples.
 //!
 //! # Why it takes `N log N`
 //!
-//! Cut the strip of a sample, one reach long and two high, into squares of half a reach: two samples of a square are within
-//! reach. While conflicts are counted such pairs end the counting; after that there are no more of them than witnesses,
-//! and before the first conflict there are none, because the smallest distance is the reach. So but for a constant each sample
-//! looks at few others. Only samples at one place can tie at distance zero without end: there the first ones are enough.
+//! Cut the strip of a sample, one reach long and two high, into squares of half a reach: two samples of a square are
+//! within reach. While conflicts are counted such pairs end the counting; after that there are no more of them than
+//! witnesses, and before the first conflict there are none, because the smallest distance is the reach. So each sample
+//! is compared with a bounded number of others on the average. Only samples at one place can tie at distance zero
+//! without end: there the first ones are enough.
 
 use std::collections::BTreeSet;
 use std::ops::RangeInclusive;
@@ -21,7 +22,7 @@ use crate::monitor::Monitor;
 /// Samples between two reports.
 const CHUNK: usize = 4096;
 
-/// Pays for the rounding of a reach and of what is compared with it.
+/// Allows for the rounding of a reach and of the distances compared with it.
 const SLACK: f64 = 1.0 + 1e-9;
 
 struct Sweep<'a> {
@@ -30,7 +31,8 @@ struct Sweep<'a> {
     witnesses: usize,
     /// By x, then y, then index.
     samples: Vec<Entry>,
-    /// The samples behind the line that may be within reach: the bits of y, which sort as y does, and the place in `samples`.
+    /// The samples behind the line that may be within reach: the bits of y, which sort as y does, and the index in
+    /// `samples`.
     behind: BTreeSet<(u64, u32)>,
     pairs: Pairs,
 }
@@ -117,7 +119,8 @@ impl Sweep<'_> {
         }
     }
 
-    /// Looks at the pairs of a sample with those behind the line. A pair is taken where it is closest: straight on, or around the torus.
+    /// Compares a sample with those behind the line. A pair counts where it is closest: straight on, or around the
+    /// torus.
     fn look(&mut self, index: usize, around: bool) {
         let entry = self.samples[index];
         let periods = self.grid.domain.periods();

@@ -1,6 +1,6 @@
-//! Bands of rows: what is held, when it is judged and what is kept of it.
-//! All rows below `closed` are judged but for the first ones of a torus and postponed tiles.
-//! It never drops a row that an open question wants, and never holds more than it was allowed.
+//! Bands of rows: which samples are held, when they are judged, and which of them are kept. All rows below `closed` are
+//! judged but for the first ones of a torus and postponed tiles. A row is dropped only when no pair and no tile needs
+//! it. Sets that would need more memory than allowed are refused.
 
 use std::mem;
 use std::ops::Range;
@@ -25,7 +25,7 @@ use super::{PIECE, STREAM_LAG, StreamBand};
 const CELL: f64 = 1.3125;
 /// Rows kept below a band. They show windows of up to ten radii, where two do for a maximal set.
 const BELOW: usize = 8;
-/// Rows above a band that must be complete before it is judged: what the first windows want.
+/// Rows above a band that must be complete before it is judged: those of the first windows.
 const ABOVE: usize = 4;
 /// Rows kept from the start of a torus: those judged at the end and those their windows show.
 const SEAM: usize = 2 * BELOW;
@@ -116,7 +116,7 @@ impl StreamSearch {
     }
 }
 
-/// What is held of the set, and what was found out.
+/// The samples held of the set, and the findings so far.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct Bands {
     /// Samples of the rows from `keep` on, as they came, and latecomers of the first row.
@@ -125,11 +125,11 @@ pub(super) struct Bands {
     pub seam: Vec<Entry>,
     /// Rows below it are no longer in `held`.
     pub keep: usize,
-    /// Rows below it have scanned their pairs and had their tiles looked at.
+    /// In the rows below it pairs are compared and tiles judged.
     pub closed: usize,
     /// Samples held at which to look for a complete band.
     pub next: usize,
-    /// Tiles that want rows to come.
+    /// Tiles that need later rows.
     pub postponed: Vec<Visit>,
     pub pairs: Pairs,
     pub places: Places,
@@ -152,7 +152,7 @@ impl Bands {
 
     pub fn add(&mut self, entry: Entry) {
         if self.held.len() == self.held.capacity() {
-            // Doubling would hold much more than is wanted.
+            // Doubling would take much more memory than needed.
             self.held.reserve_exact(PIECE + self.held.len() / 4);
         }
         self.held.push(entry);
@@ -222,7 +222,7 @@ impl Bands {
             return Err(self.too_large(search));
         }
         self.closed = rows.end;
-        self.forget(search);
+        self.drop_rows(search);
         Ok(())
     }
 
@@ -251,7 +251,7 @@ impl Bands {
         Ok(postponed)
     }
 
-    /// Puts a tile off until the rows that it wants are there; refuses it if some are gone.
+    /// Postpones a tile until the rows that it needs are held; fails if some of them were dropped.
     fn postpone(
         &mut self,
         search: &StreamSearch,
@@ -265,8 +265,8 @@ impl Bands {
         Ok(())
     }
 
-    /// Drops the rows that nothing wants any more.
-    fn forget(&mut self, search: &StreamSearch) {
+    /// Drops the rows that are no longer needed.
+    fn drop_rows(&mut self, search: &StreamSearch) {
         let wanted = (self.postponed.iter())
             .map(|visit| visit.wants.start.max(0) as usize)
             .fold(self.closed.saturating_sub(BELOW), usize::min);
@@ -291,7 +291,7 @@ impl Bands {
         })
     }
 
-    /// Judges what is left, the seam of a torus included.
+    /// Judges the remaining rows, those at the seam of a torus included.
     pub fn finish(
         &mut self,
         search: &StreamSearch,
@@ -338,7 +338,7 @@ impl Bands {
     }
 }
 
-/// Refuses rows whose pairs are too many to be looked at.
+/// Refuses rows with too many pairs to compare.
 fn check_crowd(grid: &Grid) -> Result<(), VerifyError> {
     if grid.is_crowded() {
         let samples = grid.entries().len();

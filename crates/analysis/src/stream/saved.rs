@@ -33,7 +33,7 @@ struct RestoredState {
     circles: Option<CircleBands>,
 }
 
-/// What a state answers, which must be asked again to go on.
+/// The question that a state belongs to. A state is restored for the same question only.
 #[derive(PartialEq, Serialize, Deserialize)]
 struct SavedSearch {
     region: Region,

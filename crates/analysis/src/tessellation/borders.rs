@@ -1,5 +1,5 @@
-//! Chains the arcs and border lines of a gap to closed loops.
-//! Each step is found from how the cells meet, never by comparing places.
+//! Chains the arcs and border lines of a gap to closed loops. Each step follows from how the cells meet; positions are
+//! not compared.
 
 use std::f64::consts::TAU;
 

@@ -1,6 +1,6 @@
-//! Voronoi cells as sides in one list, each with its twin in the cell beyond, and the parts of each side
-//! that lie outside the disks. Cells of a bounded domain are clipped to it.
-//! It never joins anything across cells.
+//! Voronoi cells as sides in one list, each with its twin in the cell beyond, and the parts of each side that lie
+//! outside the disks. Cells of a bounded domain are clipped to it. Parts are joined across cells in
+//! [`super::gap_regions`].
 
 use std::collections::HashMap;
 
@@ -13,7 +13,8 @@ use crate::domain::Domain;
 /// larger differences than zero where circles of a lattice just touch.
 const TOUCH: f64 = 1e-12;
 
-/// Sides of a cell among which a twin is not looked for one by one: about a hub there are as many as samples.
+/// In a cell with more sides than this twins are found by a map, not one by one: a sample amid a circle of others may
+/// have as many sides as there are samples.
 const MANY_SIDES: usize = 64;
 
 /// A directed side of a cell; it ends where the next one of its cell begins.
@@ -126,7 +127,7 @@ impl Cells {
             .map(|side| self.ends(side))
     }
 
-    /// The sides of cells that have many, by cell and what is beyond.
+    /// The sides of cells that have many, by the cell and the sample beyond.
     fn sides_of_many(&self) -> HashMap<(usize, Seen), usize> {
         let cells = (0..self.samples.len()).filter(|&cell| self.of(cell).len() > MANY_SIDES);
         let mut found = HashMap::new();

@@ -20,7 +20,7 @@ pub enum Edge {
     Arc {
         /// The sample, by index.
         sample: usize,
-        /// Its place, as the gap sees it.
+        /// Its position, or that of the copy at the gap.
         center: DVec2,
         /// The direction of the start from the centre, in radians, counter-clockwise from the x axis.
         from_angle: f64,
@@ -57,7 +57,7 @@ pub struct GapRegion {
     period: Option<DVec2>,
 }
 
-/// What lies between a disk and a part of a side.
+/// The area between a disk and a part of a side.
 #[derive(Clone, Copy, Debug, serde::Serialize, serde::Deserialize)]
 struct Strip {
     center: DVec2,
@@ -278,7 +278,7 @@ impl<'a> Runs<'a> {
 }
 
 impl GapRegion {
-    /// Adds what lies between the disk and a part of a side: a triangle less a sector.
+    /// Adds the area between the disk and a part of a side: a triangle less a sector.
     fn add_strip(&mut self, strip: Strip) {
         let [from, to] = strip.ends();
         let angle = from.perp_dot(to).atan2(from.dot(to));

@@ -11,8 +11,7 @@ use crate::cover::circle::circumcircle;
 pub struct Triangle {
     /// Its samples, by index.
     pub sites: [usize; 3],
-    /// Their places, counter-clockwise; in a periodic domain copies that belong together, which may lie
-    /// outside it.
+    /// Their positions, counter-clockwise; in a periodic domain copies that belong together, which may lie outside it.
     pub corners: [DVec2; 3],
     /// The centre of the circle through them.
     pub center: DVec2,

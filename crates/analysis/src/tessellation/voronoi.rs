@@ -1,6 +1,6 @@
-//! The Voronoi cells of a set one by one: area, sides, and where the neighbours are.
-//! Samples share a side, not only a corner, to be neighbours: cocircular samples are cut in no arbitrary way.
-//! It computes no statistics.
+//! The Voronoi cells of a set one by one: area, sides, and where the neighbours are. Samples share a side, not only a
+//! corner, to be neighbours: cocircular samples are cut in no arbitrary way. Statistics of cells are in
+//! [`crate::measures`].
 
 use glam::DVec2;
 

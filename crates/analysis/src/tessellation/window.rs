@@ -1,5 +1,5 @@
-//! The samples with as many copies across the periods, or far guards, as make every cell bounded and true.
-//! It gives the polygon around each sample, not clipped. It knows no radius but as a first guess.
+//! The samples with so many copies across the periods, or guards far outside, that every cell is bounded and exact. The
+//! polygons are not clipped. The radius only suggests the first halo.
 
 use glam::{DVec2, IVec2};
 use spade::{DelaunayTriangulation, HasPosition, Point2, Triangulation};

@@ -1,9 +1,8 @@
 //! The verifier against definitions: random sets, both boundaries, any aspect ratio, radius and tile.
 
 use crate::support;
-use std::ops::ControlFlow;
 
-use crate::support::{Random, maximal_set, truth};
+use crate::support::{Random, go_on, maximal_set, truth};
 use proptest::prelude::*;
 use tilescope_analysis::{Boundary, Region, Report, VerifyOptions, verify};
 
@@ -13,7 +12,6 @@ fn judge(points: &[[f64; 2]], region: Region, radius: f64, tile_samples: usize) 
         covering_tolerance: 0.0,
         ..VerifyOptions::default()
     };
-    let go_on = |_| ControlFlow::Continue(());
     verify(points, region, radius, &options, &go_on).expect("a verdict")
 }
 
@@ -83,8 +81,8 @@ proptest! {
         prop_assert_eq!(report.conflict_free(), truth.min_distance >= radius);
     }
 
-    /// No place of a fine mesh is further from the samples than the covering radius, and the place
-    /// of the worst gap is as far as it says.
+    /// No place of a fine mesh is further from the samples than the covering radius, and the place of the worst gap is
+    /// at its stated distance.
     #[test]
     fn no_mesh_place_is_further_than_the_covering_radius(
         region in regions(), seed in 1..1_000_000_u64, count in 2..200_usize,
@@ -160,8 +158,8 @@ fn huge_holes_are_measured_exactly() {
     }
 }
 
-/// Most of a maximal set is cut away: the rest is seen across a hole from tiles of every size, while
-/// a single tile sees all of it and needs no halo.
+/// Most of a maximal set is cut away: tiles of every size reach the rest across a hole, while a single tile holds all
+/// of it and needs no halo.
 #[test]
 fn the_rim_of_a_large_hole_is_enough() {
     for boundary in [Boundary::Periodic, Boundary::Bounded] {

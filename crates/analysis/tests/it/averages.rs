@@ -1,19 +1,12 @@
-//! Averages of curves and periodograms with their errors and bands, on numbers done by hand and on noise.
-//! A band is tested by how often it holds the truth.
-//! It never averages over frequencies: `spectra.rs` does.
+//! Averages of curves and periodograms with their errors and bands, on numbers done by hand and on noise. A band is
+//! tested by how often it holds the truth. Averages over frequencies are tested in `spectra.rs`.
 
-use std::ops::ControlFlow;
-
-use crate::support::Random;
 use crate::support::sets::torus;
+use crate::support::{Random, go_on};
+use tilescope_analysis::Region;
 use tilescope_analysis::measures::{
     Average, FrequencyWindow, MeanPeriodogram, MeasureError, Periodogram, power_band,
 };
-use tilescope_analysis::{Progress, Region};
-
-fn go_on(_: Progress) -> ControlFlow<()> {
-    ControlFlow::Continue(())
-}
 
 fn periodogram(points: &[[f64; 2]], region: Region, window: &FrequencyWindow) -> Periodogram {
     Periodogram::of(points, region, window, &go_on).expect("a periodogram")
@@ -51,7 +44,7 @@ fn averages_have_the_spread_of_their_sets() {
     ));
 }
 
-/// Both kinds of band hold the true power of noise, 1, about as often as they say.
+/// Both kinds of band hold the true power of noise, 1, with about their stated probability.
 #[test]
 fn bands_hold_the_truth_as_often_as_they_say() {
     let window = FrequencyWindow {

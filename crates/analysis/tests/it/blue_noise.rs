@@ -5,15 +5,11 @@ use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 
 use crate::support::sets::torus;
-use crate::support::{Random, maximal_set};
+use crate::support::{Random, go_on, maximal_set};
 use tilescope_analysis::measures::{
     FrequencyWindow, MeasureError, PairCorrelation, Periodogram, PowerCurve, RadialProfile,
 };
 use tilescope_analysis::{Boundary, Progress, Region};
-
-fn go_on(_: Progress) -> ControlFlow<()> {
-    ControlFlow::Continue(())
-}
 
 fn curve(points: &[[f64; 2]], region: Region) -> PowerCurve {
     let found = PowerCurve::of_samples(points, region, &go_on).expect("a set");
@@ -64,7 +60,7 @@ fn numbers_of_maximal_sets_depend_on_neither_seed_nor_count() {
     }
 }
 
-/// Noise has no low region, and what it seems to oscillate by falls with the square root of its number.
+/// Noise has no low region, and its apparent oscillation falls with the square root of its number of samples.
 #[test]
 fn noise_has_no_nyquist_frequency_and_hardly_oscillates() {
     let region = torus(1.0, 1.0);
@@ -132,7 +128,7 @@ fn narrow_regions_have_no_curve_and_bad_sets_are_refused() {
     );
 }
 
-/// The definition itself, on the mean power of many sets: what follows from g(r) lies a little below, as the documentation says.
+/// The definition itself, on the mean power of many sets: the frequency by g(r) lies a little below, as documented.
 #[test]
 fn the_frequency_of_one_set_lies_just_below_that_of_the_mean_power() {
     let region = torus(1.0, 1.0);

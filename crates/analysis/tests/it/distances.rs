@@ -1,19 +1,12 @@
-//! Distances and pair correlation against brute force and known answers.
-//! Noise is tested by its expectation with room for five standard deviations.
-//! It never uses the verifier's own searches as truth.
-
-use std::ops::ControlFlow;
+//! Distances and pair correlation against brute force and known answers. Noise is tested by its expectation with room
+//! for five standard deviations. The verifier's own searches are not used as the truth.
 
 use crate::support::sets::{MAXIMAL_RADIUS, bounded, hexagonal, maximal, square, torus};
-use crate::support::{Random, distance};
+use crate::support::{Random, distance, go_on, on_threads};
 use tilescope_analysis::measures::{
     Discrepancy, NearestDistances, Order, PairCorrelation, density, largest_min_distance,
 };
-use tilescope_analysis::{Boundary, Progress, Region};
-
-fn go_on(_: Progress) -> ControlFlow<()> {
-    ControlFlow::Continue(())
-}
+use tilescope_analysis::{Boundary, Region};
 
 fn nearest(points: &[[f64; 2]], region: Region) -> NearestDistances {
     NearestDistances::of(points, region, &go_on).expect("distances")
@@ -235,11 +228,7 @@ fn threads_change_no_bit() {
     let region = bounded(1.0, 1.0);
     let points = Random::new(55).points(3000, region);
     let with = |threads| {
-        let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(threads)
-            .build()
-            .expect("a pool");
-        pool.install(|| {
+        on_threads(threads, || {
             (
                 PairCorrelation::of(&points, region, 5.0, 100, &go_on),
                 nearest(&points, region),

@@ -1,28 +1,11 @@
-//! The pairs of a range of distances, against a search through all pairs and all images.
-//! It shares nothing with the measure but the samples.
-//! It never times anything.
+//! The pairs of a range of distances, against a search through all pairs and all images. It shares nothing with the
+//! measure but the samples.
 
-use std::ops::ControlFlow;
-
-use crate::support::{Random, check_reports, distance};
+use crate::support::{BOTH, Random, check_reports, distance, go_on, on_threads, region};
 use tilescope_analysis::measures::{
     DistantPairs, MAX_PAIRS, MeasureError, PairCorrelation, pairs_between,
 };
-use tilescope_analysis::{Boundary, Progress, Region};
-
-const BOTH: [Boundary; 2] = [Boundary::Periodic, Boundary::Bounded];
-
-fn go_on(_: Progress) -> ControlFlow<()> {
-    ControlFlow::Continue(())
-}
-
-fn region(width: f64, height: f64, boundary: Boundary) -> Region {
-    Region {
-        width,
-        height,
-        boundary,
-    }
-}
+use tilescope_analysis::{Boundary, Region};
 
 fn pairs(points: &[[f64; 2]], region: Region, distances: [f64; 2], limit: usize) -> DistantPairs {
     pairs_between(points, region, distances, limit, &go_on).expect("pairs")
@@ -192,11 +175,7 @@ fn threads_change_no_bit() {
     for boundary in BOTH {
         let region = region(2.0, 1.0, boundary);
         let points = Random::new(4).points(20_000, region);
-        let with = |threads| {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
-            let pool = pool.build().expect("a pool");
-            pool.install(|| pairs(&points, region, [0.01, 0.02], 5000))
-        };
+        let with = |threads| on_threads(threads, || pairs(&points, region, [0.01, 0.02], 5000));
         assert_eq!(with(1), with(3));
     }
 }

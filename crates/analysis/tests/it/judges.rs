@@ -1,5 +1,5 @@
 //! Both judges on the same sets: random ones, maximal and spoilt, and ones whose gaps are exactly as large as allowed.
-//! Each is asked alone, so that neither can hide behind the other.
+//! Each judges alone, so that an error of one cannot be hidden by the other.
 
 #![allow(clippy::float_cmp, reason = "both judges compute the same number")]
 
@@ -11,7 +11,7 @@ use tilescope_analysis::{
     VerifyOptions, exposed_arcs, verify,
 };
 
-use crate::support::{Random, check_reports_of, distance, maximal_set};
+use crate::support::{Random, check_reports_of, distance, go_on, maximal_set};
 
 fn judged(
     points: &[[f64; 2]],
@@ -25,7 +25,6 @@ fn judged(
         judges,
         ..VerifyOptions::default()
     };
-    let go_on = |_| ControlFlow::Continue(());
     verify(points, region, radius, &options, &go_on).expect("a verdict")
 }
 
@@ -332,7 +331,6 @@ fn the_second_judge_reports_its_progress_and_stops_when_asked() {
 /// Exposed arcs are where a fine mesh of each circle finds no other disk, and a maximal set has none.
 #[test]
 fn exposed_arcs_are_those_that_no_other_disk_covers() {
-    let go_on = |_| ControlFlow::Continue(());
     for boundary in [Boundary::Periodic, Boundary::Bounded] {
         let region = Region {
             width: 1.0,

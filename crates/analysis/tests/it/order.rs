@@ -1,19 +1,14 @@
-//! Voronoi order and discrepancy against known answers, and what all measures of samples refuse.
-//! Noise is tested by its expectation with room for five standard deviations.
-//! It never tests the tessellation itself: `tessellation.rs` does.
+//! Voronoi order and discrepancy against known answers, and what all measures of samples refuse. Noise is tested by its
+//! expectation with room for five standard deviations. The tessellation itself is tested in `tessellation.rs`.
 
 use std::ops::ControlFlow;
 
-use crate::support::Random;
 use crate::support::sets::{bounded, hexagonal, square, torus};
+use crate::support::{Random, go_on, on_threads};
 use tilescope_analysis::measures::{
     Discrepancy, MeasureError, NearestDistances, Order, PairCorrelation, density,
 };
 use tilescope_analysis::{Progress, Region};
-
-fn go_on(_: Progress) -> ControlFlow<()> {
-    ControlFlow::Continue(())
-}
 
 fn order(points: &[[f64; 2]], region: Region) -> Order {
     Order::of(points, region, &go_on).expect("an order")
@@ -64,13 +59,7 @@ fn noise_has_its_known_cells() {
 fn threads_change_no_bit() {
     let region = bounded(1.0, 1.0);
     let points = Random::new(55).points(12_000, region);
-    let with = |threads| {
-        let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(threads)
-            .build()
-            .expect("a pool");
-        pool.install(|| order(&points, region))
-    };
+    let with = |threads| on_threads(threads, || order(&points, region));
     assert!(with(1) == with(3));
 }
 

@@ -1,33 +1,20 @@
-//! The periodogram by the fast transform against the direct sum, and against what is known of sets.
-//! Every comparison has two sides that share nothing but the samples.
-//! It never times anything.
+//! The periodogram by the fast transform against the direct sum, and against known properties of sets. Every comparison
+//! has two sides that share nothing but the samples.
 
-use std::ops::{ControlFlow, Range};
+use std::ops::Range;
 
-use crate::support::{Random, direct_power};
+use crate::support::{Random, check_reports, direct_power, go_on, on_threads, region};
 use tilescope_analysis::measures::{
     FrequencyWindow, MAX_FREQUENCY, MeasureError, Periodogram, Taper,
 };
-use tilescope_analysis::{Boundary, Progress, Region};
-
-fn go_on(_: Progress) -> ControlFlow<()> {
-    ControlFlow::Continue(())
-}
-
-fn region(width: f64, height: f64, boundary: Boundary) -> Region {
-    Region {
-        width,
-        height,
-        boundary,
-    }
-}
+use tilescope_analysis::{Boundary, Region};
 
 fn torus() -> Region {
     region(1.0, 1.0, Boundary::Periodic)
 }
 
-/// Largest error relative to the direct sum's power, beyond a floor of 1e-13 of the number of samples: where the
-/// direct sum itself is nothing but rounding, a ratio says nothing.
+/// Largest error relative to the direct sum's power, beyond a floor of 1e-13 of the number of samples: where the direct
+/// sum is only rounding, a ratio has no meaning.
 fn worst_error(points: &[[f64; 2]], region: Region, window: &FrequencyWindow) -> f64 {
     let found = Periodogram::of(points, region, window, &go_on).expect("a periodogram");
     assert_eq!(found.power.len(), window.columns() * window.rows());
@@ -281,39 +268,9 @@ fn what_cannot_be_transformed_is_named() {
 
 #[test]
 fn a_transform_can_be_stopped_anywhere_and_tells_how_far_it_is() {
-    use std::sync::atomic::{AtomicU64, Ordering};
     let points = Random::new(2).points(5000, torus());
     let window = FrequencyWindow::centered(40);
-    let calls = AtomicU64::new(0);
-    let furthest = AtomicU64::new(0);
-    let count = |progress: Progress| {
-        calls.fetch_add(1, Ordering::Relaxed);
-        furthest.fetch_max(progress.done, Ordering::Relaxed);
-        assert!(progress.done <= progress.total, "{progress:?}");
-        if progress.done == progress.total {
-            furthest.store(u64::MAX, Ordering::Relaxed);
-        }
-        ControlFlow::Continue(())
-    };
-    Periodogram::of(&points, torus(), &window, &count).expect("a periodogram");
-    assert_eq!(
-        furthest.load(Ordering::Relaxed),
-        u64::MAX,
-        "all work is reported"
-    );
-    let all = calls.load(Ordering::Relaxed);
-    for stop in [1, 2, all / 2, all - 1] {
-        let seen = AtomicU64::new(0);
-        let control = |_: Progress| {
-            if seen.fetch_add(1, Ordering::Relaxed) + 1 >= stop {
-                ControlFlow::Break(())
-            } else {
-                ControlFlow::Continue(())
-            }
-        };
-        let found = Periodogram::of(&points, torus(), &window, &control);
-        assert_eq!(found, Err(MeasureError::Cancelled), "{stop} of {all}");
-    }
+    check_reports(|control| Periodogram::of(&points, torus(), &window, control).err());
 }
 
 #[test]
@@ -321,12 +278,10 @@ fn threads_change_no_bit() {
     let points = Random::new(4).points(20_000, torus());
     let window = FrequencyWindow::centered(50);
     let with = |threads| {
-        let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(threads)
-            .build()
-            .expect("a pool");
-        pool.install(|| Periodogram::of(&points, torus(), &window, &go_on))
-            .expect("a periodogram")
+        on_threads(threads, || {
+            Periodogram::of(&points, torus(), &window, &go_on)
+        })
+        .expect("a periodogram")
     };
     assert_eq!(with(1), with(3));
 }

@@ -1,24 +1,9 @@
-//! What cannot be judged is refused, with the place and the limit, and a judgement can be stopped.
+//! Input that cannot be judged is refused, with the sample and the limit, and a judgement can be stopped.
 
 use std::ops::ControlFlow;
 
-use crate::support::maximal_set;
-use tilescope_analysis::{Boundary, Progress, Region, Report, VerifyError, VerifyOptions, verify};
-
-const BOTH: [Boundary; 2] = [Boundary::Periodic, Boundary::Bounded];
-
-fn region(width: f64, height: f64, boundary: Boundary) -> Region {
-    Region {
-        width,
-        height,
-        boundary,
-    }
-}
-
-fn judge(points: &[[f64; 2]], region: Region, radius: f64) -> Result<Report, VerifyError> {
-    let go_on = |_| ControlFlow::Continue(());
-    verify(points, region, radius, &VerifyOptions::default(), &go_on)
-}
+use crate::support::{BOTH, judge, maximal_set, region};
+use tilescope_analysis::{Boundary, Progress, VerifyError, VerifyOptions, verify};
 
 #[test]
 fn unreadable_sets_are_refused_with_the_place() {

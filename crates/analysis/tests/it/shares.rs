@@ -1,30 +1,14 @@
-//! What samples contribute to a ring of frequencies, against the double sum over samples and frequencies.
-//! The sums here follow the definition and share nothing with the measure but the samples.
-//! It never times anything.
+//! The contributions of samples to a ring of frequencies, against the double sum over samples and frequencies. The sums
+//! here follow the definition and share nothing with the measure but the samples.
 
 use std::f64::consts::{PI, TAU};
-use std::ops::ControlFlow;
 
-use crate::support::{Random, check_reports};
+use crate::support::{BOTH, Random, check_reports, go_on, on_threads, region};
 use tilescope_analysis::measures::{
     FrequencyShares, FrequencyWindow, MAX_FREQUENCY, MeasureError, NUFFT_ERROR, Periodogram,
     frequency_shares,
 };
-use tilescope_analysis::{Boundary, Progress, Region};
-
-const BOTH: [Boundary; 2] = [Boundary::Periodic, Boundary::Bounded];
-
-fn go_on(_: Progress) -> ControlFlow<()> {
-    ControlFlow::Continue(())
-}
-
-fn region(width: f64, height: f64, boundary: Boundary) -> Region {
-    Region {
-        width,
-        height,
-        boundary,
-    }
-}
+use tilescope_analysis::{Boundary, Region};
 
 fn shares(points: &[[f64; 2]], region: Region, ring: [f64; 2]) -> FrequencyShares {
     frequency_shares(points, region, ring, &go_on).expect("shares")
@@ -41,7 +25,7 @@ fn frequencies(region: Region, [inner, outer]: [f64; 2]) -> Vec<[i64; 2]> {
         .collect()
 }
 
-/// The weight of a sample, and what the mean density takes off its phase factor.
+/// The weight of a sample, and the part of the mean density in its phase factor.
 fn weight(point: [f64; 2], region: Region) -> f64 {
     let [x, y] = [point[0] / region.width, point[1] / region.height];
     match region.boundary {
@@ -280,11 +264,7 @@ fn threads_change_no_bit() {
     for boundary in BOTH {
         let region = region(2.0, 1.0, boundary);
         let points = Random::new(4).points(20_000, region);
-        let with = |threads| {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
-            let pool = pool.build().expect("a pool");
-            pool.install(|| shares(&points, region, [30.0, 50.0]))
-        };
+        let with = |threads| on_threads(threads, || shares(&points, region, [30.0, 50.0]));
         assert_eq!(with(1), with(3));
     }
 }

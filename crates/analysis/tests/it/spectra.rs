@@ -1,20 +1,13 @@
-//! Radial means, anisotropy, averages and what follows from them, against known answers.
-//! Noise is tested by its expectation with room for five standard deviations.
-//! It never looks inside the transform: `periodogram.rs` does.
-
-use std::ops::ControlFlow;
+//! Radial means, anisotropy, averages and what follows from them, against known answers. Noise is tested by its
+//! expectation with room for five standard deviations. The transform is tested in `periodogram.rs`.
 
 use crate::support::sets::{hexagonal, maximal, torus};
-use crate::support::{Random, direct_power};
+use crate::support::{Random, direct_power, go_on};
+use tilescope_analysis::Region;
 use tilescope_analysis::measures::{
     FrequencyWindow, MeanPeriodogram, MeasureError, PairCorrelation, Periodogram, PowerCurve,
     RadialProfile, anisotropy_reference_db, power_band,
 };
-use tilescope_analysis::{Progress, Region};
-
-fn go_on(_: Progress) -> ControlFlow<()> {
-    ControlFlow::Continue(())
-}
 
 fn periodogram(points: &[[f64; 2]], region: Region, window: &FrequencyWindow) -> Periodogram {
     Periodogram::of(points, region, window, &go_on).expect("a periodogram")

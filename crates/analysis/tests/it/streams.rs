@@ -1,4 +1,4 @@
-//! A stream's verdict against that of the verifier in memory, and what a stream refuses.
+//! A stream's verdict against that of the verifier in memory, and the sets that a stream refuses.
 
 #![allow(
     clippy::float_cmp,
@@ -8,14 +8,13 @@
 use crate::support;
 use std::ops::ControlFlow;
 
-use crate::support::{Random, maximal_set, repeated};
+use crate::support::{BOTH, Random, maximal_set, region, repeated};
 use proptest::prelude::*;
 use tilescope_analysis::{
     Boundary, Judge, JudgeChoice, Progress, Region, Report, StreamBand, StreamVerifier,
     VerifyError, VerifyOptions, verify,
 };
 
-const BOTH: [Boundary; 2] = [Boundary::Periodic, Boundary::Bounded];
 const GO: fn(Progress) -> ControlFlow<()> = |_| ControlFlow::Continue(());
 
 /// Bands as small as they get, so that small sets have many.
@@ -30,14 +29,6 @@ fn options() -> VerifyOptions {
         tile_samples: 150,
         judges: JudgeChoice::Both,
         ..VerifyOptions::default()
-    }
-}
-
-fn region(width: f64, height: f64, boundary: Boundary) -> Region {
-    Region {
-        width,
-        height,
-        boundary,
     }
 }
 
@@ -105,7 +96,7 @@ fn compared(
     report
 }
 
-/// The second judge alone finds in a stream what it finds in the whole.
+/// The second judge alone gives the same report for a stream as for the whole set.
 fn by_circles(points: &[[f64; 2]], region: Region, radius: f64, band: StreamBand, piece: usize) {
     let options = VerifyOptions {
         judges: JudgeChoice::Circles,

@@ -6,17 +6,9 @@ use std::f64::consts::{PI, TAU};
 
 use glam::DVec2;
 
-use crate::support::{Random, distance, maximal_set};
+use crate::support::{Random, distance, maximal_set, region};
 use tilescope_analysis::tessellation::{Edge, GapRegion, Tessellation};
 use tilescope_analysis::{Boundary, Region, VerifyError};
-
-fn region(width: f64, height: f64, boundary: Boundary) -> Region {
-    Region {
-        width,
-        height,
-        boundary,
-    }
-}
 
 fn tessellation(points: &[[f64; 2]], region: Region, radius: f64) -> Tessellation {
     Tessellation::of(points, region, radius).expect("a set that can be tessellated")

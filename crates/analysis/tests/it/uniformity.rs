@@ -1,6 +1,5 @@
-//! Uniformity tests on counts whose truth is known: uniform ones pass, biased ones show their bias.
-//! Bias is made here, by hand, with a strength that the effect size must give back.
-//! It never runs a sampler.
+//! Uniformity tests on counts whose truth is known: uniform ones pass, biased ones show their bias. The bias is made
+//! here, with a known strength that the effect size must show. No sampler is run.
 
 use crate::support::Random;
 use crate::support::sets::{square, torus};

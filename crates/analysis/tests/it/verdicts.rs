@@ -1,4 +1,4 @@
-//! Every verdict has its negative control here, and known answers stand beside them.
+//! Known answers, and a negative control for every verdict.
 
 #![allow(
     clippy::float_cmp,
@@ -6,27 +6,9 @@
 )]
 
 use crate::support;
-use std::ops::ControlFlow;
 
-use crate::support::{maximal_set, nearest, repeated};
-use tilescope_analysis::{
-    Boundary, GapKind, MAX_CONFLICTS, Region, Report, VerifyError, VerifyOptions, verify,
-};
-
-const BOTH: [Boundary; 2] = [Boundary::Periodic, Boundary::Bounded];
-
-fn region(width: f64, height: f64, boundary: Boundary) -> Region {
-    Region {
-        width,
-        height,
-        boundary,
-    }
-}
-
-fn judge(points: &[[f64; 2]], region: Region, radius: f64) -> Result<Report, VerifyError> {
-    let go_on = |_| ControlFlow::Continue(());
-    verify(points, region, radius, &VerifyOptions::default(), &go_on)
-}
+use crate::support::{BOTH, go_on, judge, maximal_set, nearest, region, repeated};
+use tilescope_analysis::{Boundary, GapKind, MAX_CONFLICTS, Region, Report, VerifyOptions, verify};
 
 fn report(points: &[[f64; 2]], region: Region, radius: f64) -> Report {
     judge(points, region, radius).expect("a verdict")
@@ -91,7 +73,7 @@ fn the_gap_of_a_lattice_is_found_at_its_exact_place() {
         let region = region(1.0, 1.0, boundary);
         let mut points = centred_lattice(10);
         let removed = points.remove(34);
-        // The hole is as large as the spacing: a slightly smaller radius sees exactly it.
+        // The hole is as large as the spacing: a slightly smaller radius gives exactly this gap.
         let found = report(&points, region, 0.0999);
         assert_eq!((found.gaps, found.worst_gaps.len()), (1, 1));
         let gap = found.worst_gaps[0];
@@ -187,7 +169,6 @@ fn cocircular_samples_make_one_gap() {
                 tile_samples,
                 ..VerifyOptions::default()
             };
-            let go_on = |_| ControlFlow::Continue(());
             let square = region(1.0, 1.0, boundary);
             // A spacing of 1/20 is not representable, so the cocircularity is rounded.
             let report = verify(&centred_lattice(20), square, 0.03, &options, &go_on);
@@ -225,7 +206,6 @@ fn witnesses_are_the_worst_and_counts_are_complete() {
         witnesses,
         ..VerifyOptions::default()
     };
-    let go_on = |_| ControlFlow::Continue(());
     let judge = |witnesses| verify(&points, torus, 0.04, &options(witnesses), &go_on);
     let (all, few) = (
         judge(100_000).expect("a verdict"),
@@ -296,7 +276,8 @@ fn samples_on_a_line_are_judged() {
     assert!((report.covering_radius - corner).abs() < 1e-12);
 }
 
-/// Sets that no sampler makes: a circle, lines, a cluster, one place. They end, and with the extremes that they are made with.
+/// Sets that no sampler makes: a circle, lines, a cluster, one place. Verification ends, and finds the extremes with
+/// which they were made.
 #[test]
 fn degenerate_sets_of_any_size_are_judged() {
     // What makes the samples, the radius, and the covering radius where it is known.

@@ -188,7 +188,7 @@ fn a_word_set_behind_a_pass_is_found_and_undone() {
     let Badge::Differs(difference) = &passes.entries()[last].badge else {
         panic!("{:?}", passes.entries()[last].badge);
     };
-    assert_eq!((difference.list, difference.place), ("result", Some(0)));
+    assert_eq!((difference.list, difference.index), ("result", Some(0)));
     assert!(
         passes.entries()[last]
             .badge

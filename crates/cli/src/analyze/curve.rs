@@ -45,7 +45,7 @@ impl Band {
 
 impl From<&DifferenceCurve> for Curve {
     fn from(curve: &DifferenceCurve) -> Self {
-        Self::new(&curve.places, curve.bands.as_ref())
+        Self::new(&curve.points, curve.bands.as_ref())
     }
 }
 

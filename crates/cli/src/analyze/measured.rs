@@ -251,7 +251,7 @@ fn measure(
         },
         spectrum,
         curve,
-        pairs: pairs.places(),
+        pairs: pairs.points(),
         periodogram,
         bins,
     })

@@ -77,7 +77,7 @@ fn described(source: &PieceSource, folder: &Path) -> Value {
 pub fn make(placed: &PlacedLayout, folder: &Path) -> Result<(Vec<Piece>, Census)> {
     let began = Instant::now();
     let bar = Bar::new("pieces");
-    let (done, total) = (AtomicU64::new(0), placed.places.len() as u64);
+    let (done, total) = (AtomicU64::new(0), placed.pieces.len() as u64);
     bar.set(0, total);
     let made = |count: usize| {
         let before = done.fetch_add(count as u64, Ordering::Relaxed);
@@ -89,7 +89,7 @@ pub fn make(placed: &PlacedLayout, folder: &Path) -> Result<(Vec<Piece>, Census)
         error.context(format!("pieces[{piece}]"))
     };
     let seconds = began.elapsed().as_secs_f64();
-    let census = Census::new(&placed.places, folder, seconds);
+    let census = Census::new(&placed.pieces, folder, seconds);
     Ok((pieces.map_err(of_piece)?, census))
 }
 

@@ -10,7 +10,7 @@ use crate::pattern::Symmetry;
 
 /// A piece's contribution.
 pub(super) struct Clip {
-    /// Samples in the margin and near it, by y, then x, each with its index in the set. Places are in the result,
+    /// Samples in the margin and near it, by y, then x, each with its index in the set. Positions are in the result,
     /// before a periodic domain wraps them.
     pub near: Vec<(i64, i64, u32)>,
     /// Samples deeper inside.

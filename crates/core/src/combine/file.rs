@@ -30,7 +30,7 @@ pub const MAX_LAYOUT_BYTES: u64 = 1 << 20;
 ///     "version": 1, "radius": 0.01, "columns": [0.5, 0.5], "rows": [1],
 ///     "pieces": [{ "seed": 1, "method": "reference" }, { "file": "a.csv" }]
 /// }"#)?;
-/// assert_eq!(layout.placed()?.places.len(), 2);
+/// assert_eq!(layout.placed()?.pieces.len(), 2);
 /// # Ok::<(), tilescope_core::combine::file::LayoutError>(())
 /// ```
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
@@ -74,7 +74,7 @@ pub struct PlacedPiece {
     pub rect: Rect,
     /// Where its set comes from.
     pub source: PieceSource,
-    /// The place of the set that lies on the rectangle's lowest corner, in the set's units.
+    /// The point of the set that lies on the rectangle's lowest corner, in the set's units.
     pub offset: [f64; 2],
 }
 
@@ -84,7 +84,7 @@ pub struct PlacedLayout {
     /// The result's domain.
     pub domain: Domain,
     /// The pieces; their rectangles partition the domain.
-    pub places: Vec<PlacedPiece>,
+    pub pieces: Vec<PlacedPiece>,
     /// About how many samples will be computed: those of the result, and those of runs of their own size.
     pub expected: f64,
 }
@@ -121,7 +121,7 @@ impl Layout {
     pub fn placed(&self) -> Result<PlacedLayout, LayoutError> {
         let (domain, rects) = self.rects()?;
         check_rects(&domain, &rects)?;
-        let mut places = Vec::with_capacity(rects.len());
+        let mut pieces = Vec::with_capacity(rects.len());
         let mut expected = domain.area_radii() * MAXIMAL_DENSITY;
         limit(expected)?;
         for (k, (entry, rect)) in self.pieces.iter().zip(rects).enumerate() {
@@ -129,7 +129,7 @@ impl Layout {
             let source = source.map_err(|error| error.of_piece(k))?;
             expected += source.expected_beside();
             let offset = entry.offset.unwrap_or_default();
-            places.push(PlacedPiece {
+            pieces.push(PlacedPiece {
                 rect,
                 source,
                 offset,
@@ -138,7 +138,7 @@ impl Layout {
         limit(expected)?;
         Ok(PlacedLayout {
             domain,
-            places,
+            pieces,
             expected,
         })
     }

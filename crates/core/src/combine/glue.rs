@@ -20,7 +20,7 @@ use crate::stages::detect::{Candidate, Detection, first_detectors};
 use crate::stages::eliminate::{contested, eliminate};
 use crate::stages::insert::{insert, unique};
 use crate::stages::order::Ranking;
-use crate::stages::tile::{Tile, place};
+use crate::stages::tile::{Tile, push_tiled};
 use crate::stages::uniform::gap_process;
 
 /// How far around a detector samples are read, at most: 7r in the box around a detector at a border.
@@ -157,7 +157,7 @@ fn placed(domain: &Domain, pieces: &[Piece], clips: Vec<Clip>) -> Glued {
     for ((piece, clip), index) in pieces.iter().zip(clips).zip(0..) {
         let first = samples.len() as u32;
         for (x, y, pattern) in clip.near {
-            place(domain, &piece.rect, (x, y), index, pattern, &mut samples);
+            push_tiled(domain, &piece.rect, (x, y), index, pattern, &mut samples);
         }
         tiles.push(Tile {
             start: Point::new(
@@ -303,7 +303,7 @@ mod tests {
         (domain, pieces.collect())
     }
 
-    /// All samples of a result, by place, and how many of them were considered.
+    /// All samples of a result, by position, and how many of them were considered.
     fn kept(glued: &Glued) -> (Vec<Point>, usize) {
         let samples = glued.samples.points.iter().zip(&glued.samples.fates);
         let near = samples.filter(|(_, fate)| **fate == Fate::Kept);
@@ -340,7 +340,7 @@ mod tests {
         }
     }
 
-    /// Detectors that need samples beyond the depth are noticed, and those samples are added.
+    /// If a detector needs samples beyond the depth, these samples are added.
     #[test]
     fn too_little_is_widened_until_it_suffices() {
         let (domain, pieces) = layout(Boundary::Bounded);

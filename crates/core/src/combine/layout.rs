@@ -8,9 +8,9 @@ use crate::stages::blocks::Axis;
 /// left or lower border, between a piece there and one at the opposite border.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Seam {
-    /// Its lowest place.
+    /// Its lowest end.
     pub from: Point,
-    /// Its highest place: `x` or `y` is that of the lowest.
+    /// Its highest end: `x` or `y` is that of the lowest.
     pub to: Point,
     /// The pieces left of it (or below) and right of it (or above).
     pub pieces: [u32; 2],
@@ -169,7 +169,7 @@ fn covers_line(
     next >= i64::from(start) + i64::from(length)
 }
 
-/// Returns whether `b`, moved by `shift` units, continues `a` beyond its rectangle: the same set in the same place.
+/// Returns whether `b`, moved by `shift` units, continues `a` beyond its rectangle: the same set at the same position.
 pub(super) fn continues(a: &Piece, b: &Piece, shift: [i64; 2]) -> bool {
     if !std::sync::Arc::ptr_eq(&a.set, &b.set) {
         return false;
@@ -227,13 +227,13 @@ fn seam(axis: Axis, pieces: &[Piece], [left, right]: [u32; 2], shift: i32) -> Op
         return None;
     }
     let edge = across(axis, b.rect.min);
-    let place = |along: i32| match axis {
+    let point = |along: i32| match axis {
         Axis::X => Point::new(edge, along),
         Axis::Y => Point::new(along, edge),
     };
     Some(Seam {
-        from: place(from),
-        to: place(to),
+        from: point(from),
+        to: point(to),
         pieces: [left, right],
     })
 }

@@ -2,9 +2,9 @@
 //! insertion taking effect at once, and marks of gap detectors never taken back. Its result has
 //! the same guarantees as the staged variant's, and other points.
 //!
-//! Where the print is wrong or leaves things open, we decide: line 17 searches around the detector; a circumcentre
-//! farther from the pivot than the reach of detection belongs to no gap of the pivot and is skipped; a bounded domain
-//! adds candidates on its border.
+//! Where the print is wrong or leaves a choice: line 17 searches around the detector; a circumcentre farther from the
+//! pivot than the reach of detection belongs to no gap of the pivot and is skipped; a bounded domain adds candidates on
+//! its border.
 
 use crate::circumcentre::{Offset, circumcentre};
 use crate::error::SampleError;

@@ -245,7 +245,7 @@ impl Sequential {
         Ok(())
     }
 
-    /// Runs iteration `k` and returns whether there was anything to fill.
+    /// Runs iteration `k` and returns whether it found a gap.
     fn iterate<T: Recorder>(
         &mut self,
         k: u32,

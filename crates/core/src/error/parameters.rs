@@ -143,7 +143,7 @@ pub enum ParameterError {
         "{count} samples were asked for; with these sides it must be between {minimum} and {maximum}"
     )]
     Count {
-        /// What was asked for.
+        /// The wanted number.
         count: u64,
         /// The fewest possible.
         minimum: u64,
@@ -155,7 +155,7 @@ pub enum ParameterError {
         "no radius gave {count} samples to within 1% or one sample; the nearest gave {nearest}"
     )]
     CountMissed {
-        /// What was asked for.
+        /// The wanted number.
         count: u64,
         /// The nearest count found.
         nearest: u64,

@@ -1,4 +1,4 @@
-//! Errors of patterns, with one variant for each cause, with the sample or the place concerned.
+//! Errors of patterns, with one variant for each cause, with the sample or the position concerned.
 
 use thiserror::Error;
 

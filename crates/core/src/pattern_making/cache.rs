@@ -1,4 +1,4 @@
-//! The last few patterns that runs asked for, so that they are not generated again: equal specs have equal patterns.
+//! The last few patterns of runs, kept so that they are not generated again: equal specs have equal patterns.
 //! Generating the default pattern takes 12 ms, natively and as WebAssembly.
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -13,17 +13,17 @@ use crate::stage::Stage;
 /// The most patterns kept.
 const MAX_PATTERNS: usize = 8;
 
-/// The most bytes of samples kept: two of the largest patterns, of 22 MB each, and what is usual.
+/// The most bytes of samples kept: two of the largest patterns, of 22 MB each, and many of the usual size.
 const MAX_BYTES: usize = 64 << 20;
 
 static KEPT: Mutex<Kept> = Mutex::new(Kept::new(MAX_PATTERNS, MAX_BYTES));
 
 impl Pattern {
-    /// Returns the pattern that `spec` describes: the same as [`Self::generate`], but made only if it
-    /// is not among the last few that were asked for.
+    /// Returns the pattern that `spec` describes: the same as [`Self::generate`], but made only if it is not among the
+    /// last few that were used.
     ///
-    /// The observer is told of [`Stage::Pattern`] in any case and may stop it. Patterns are kept for the
-    /// whole process, at most 8 and 64 MB; the least recently used go first.
+    /// The observer is called for [`Stage::Pattern`] in any case and may stop it. Patterns are kept for the whole
+    /// process, at most 8 and 64 MB; the least recently used go first.
     ///
     /// ```
     /// use tilescope_core::{Pattern, PatternSpec, Unobserved};
@@ -59,12 +59,12 @@ fn of_spec(
     Ok(pattern)
 }
 
-/// A panic elsewhere leaves the list whole: each change is one call that does not fail.
+/// The list is usable after a panic elsewhere, since each change of it is one call that does not fail.
 fn lock(kept: &Mutex<Kept>) -> MutexGuard<'_, Kept> {
     kept.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// What a pattern is made from, exactly: sides that differ by less than a lattice unit are equal.
+/// A pattern's parameters on the lattice: sides that differ by less than a unit are equal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Identity {
     side: i32,
@@ -104,7 +104,7 @@ impl Kept {
         Some(Arc::clone(pattern))
     }
 
-    /// Keeps a pattern as the most recently used one, and forgets what is too much.
+    /// Keeps a pattern as the most recently used one, and drops others beyond the limits.
     fn keep(&mut self, identity: Identity, pattern: Arc<Pattern>) {
         self.patterns.retain(|(kept, _)| *kept != identity);
         self.patterns.push((identity, pattern));

@@ -6,15 +6,15 @@ use crate::lattice::{Boundary, Domain, Point, R, covers_offset};
 use crate::pattern::Pattern;
 use crate::stages::disks::DiskGrid;
 
-/// How much farther than `R` (as a difference of squares) a lattice point of a *given* pattern may
-/// be from its nearest sample: a distance of 0.12 units. With the 0.71 units between a place and
-/// its lattice point and the 0.17 by which a unit may exceed its share of the radius that stays
-/// below one unit, the promised (1 + 2^-15) r. Nearly all results of KDRT pass (seen: 0.24 units in
-/// one of four sets of 865,000 samples, none elsewhere); those of the reference sampler always do.
+/// How much farther than `R` (as a difference of squares) a lattice point of a *given* pattern may be from its nearest
+/// sample: a distance of 0.12 units. With the 0.71 units between a place and its lattice point and the 0.17 by which a
+/// unit may exceed its share of the radius that stays below one unit, the promised (1 + 2^-15) r. Nearly all results of
+/// KDRT pass (measured: 0.24 units in one of four sets of 865,000 samples, none elsewhere); those of the reference
+/// sampler always do.
 const GIVEN_SLACK: i64 = 7_800;
 
-/// The fewest samples to a squared radius that can cover a plane: 2 / (3 sqrt 3), the triangular
-/// lattice's. Half of it allows for what lies beyond a closed border.
+/// The fewest samples to a squared radius that can cover a plane: 2 / (3 sqrt 3), the triangular lattice's. Half of it
+/// allows for the disks' parts beyond a closed border.
 const MIN_DENSITY: f64 = 0.5 * 0.384_9;
 
 impl Pattern {
@@ -59,7 +59,7 @@ impl Pattern {
     }
 }
 
-/// Refuses too few samples, before any memory is taken that grows with the domain.
+/// Refuses too few samples, before memory that grows with the domain is allocated.
 pub(crate) fn check_count(count: usize, domain: &Domain) -> Result<(), PatternError> {
     let area = domain.area_radii();
     if count == 0 {

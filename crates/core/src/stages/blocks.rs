@@ -53,7 +53,7 @@ pub struct Block {
 pub struct Blocks {
     /// All splits.
     pub splits: Vec<Split>,
-    /// All leaves; a block's index is its place here.
+    /// All leaves; a block's index is its index here.
     pub leaves: Vec<Block>,
 }
 

@@ -241,9 +241,9 @@ pub(crate) fn cell_darts(key: Key, cell: Cell) -> impl Iterator<Item = (u32, Poi
         poisson(cell.words()[0])
     };
     (0..count).map(move |index| {
-        let [place, rank] = cell.draw(Stream::Dart, index);
-        let right = ((place >> 16) >> shift) as i32;
-        let up = ((place & 0xffff) >> shift) as i32;
+        let [position, rank] = cell.draw(Stream::Dart, index);
+        let right = ((position >> 16) >> shift) as i32;
+        let up = ((position & 0xffff) >> shift) as i32;
         (rank, Point::new(min.x + right, min.y + up))
     })
 }

@@ -3,7 +3,7 @@
 //! *Definition.* A candidate of a detector i is a lattice point c of the domain with |c - i| at
 //! most the [`Reach::radius`] that no sample covers and that is one of
 //! - the circumcentre, rounded half up, of i and two samples m, n within [`Reach::search`] of i,
-//! - in a bounded domain, the place of a border line as far from i as from such an m, rounded,
+//! - in a bounded domain, the point of a border line as far from i as from such an m, rounded,
 //! - in a bounded domain, a corner,
 //!
 //! such that no sample p has |p - c|^2 < min over those samples of |. - c|^2, less 12 R.
@@ -259,17 +259,11 @@ impl<'a> Detection<'a> {
                 let Some(centre) = circumcentre(m.offset, n.offset) else {
                     continue;
                 };
-                let examined = self.accept(at, centre, &[own, *m, *n]);
-                if !T::ENABLED && examined.is_err() {
-                    continue;
-                }
-                let mut ids = [own.id, m.id, n.id];
-                ids.sort_unstable();
-                let sites = Sites::Three(ids);
-                record_candidate(own.id, sites, centre, examined, recorder);
-                if let Ok(point) = examined {
-                    out.push(Candidate { point, sites });
-                }
+                self.examine(at, centre, &[own, *m, *n], out, recorder, || {
+                    let mut ids = [own.id, m.id, n.id];
+                    ids.sort_unstable();
+                    Sites::Three(ids)
+                });
             }
         }
     }
@@ -283,13 +277,10 @@ impl<'a> Detection<'a> {
     ) {
         let border = Border::around(&self.domain, at);
         for m in &self.concerned {
-            for place in border.as_far_from(m.offset) {
-                let examined = self.accept(at, place, &[own, *m]);
-                let sites = Sites::Border([own.id.min(m.id), own.id.max(m.id)]);
-                record_candidate(own.id, sites, place, examined, recorder);
-                if let Ok(point) = examined {
-                    out.push(Candidate { point, sites });
-                }
+            for centre in border.as_far_from(m.offset) {
+                self.examine(at, centre, &[own, *m], out, recorder, || {
+                    Sites::Border([own.id.min(m.id), own.id.max(m.id)])
+                });
             }
         }
     }
@@ -302,12 +293,36 @@ impl<'a> Detection<'a> {
         recorder: &mut T,
     ) {
         for corner in Border::around(&self.domain, at).corners() {
-            let examined = self.accept(at, corner, &[own]);
-            let sites = Sites::Corner(own.id);
-            record_candidate(own.id, sites, corner, examined, recorder);
-            if let Ok(point) = examined {
-                out.push(Candidate { point, sites });
-            }
+            self.examine(at, corner, &[own], out, recorder, || Sites::Corner(own.id));
+        }
+    }
+
+    /// Appends the place at `centre` from the detector at `at` if it is a candidate of `samples`, the first of which is
+    /// the detector, and records the examination.
+    fn examine<T: Recorder>(
+        &self,
+        at: Point,
+        centre: Offset,
+        samples: &[Site],
+        out: &mut Vec<Candidate>,
+        recorder: &mut T,
+        sites: impl FnOnce() -> Sites,
+    ) {
+        let examined = self.accept(at, centre, samples);
+        if !T::ENABLED && examined.is_err() {
+            return;
+        }
+        let sites = sites();
+        if T::ENABLED {
+            recorder.record(RunEvent::Candidate {
+                detector: samples[0].id,
+                sites,
+                offset: clamped(centre),
+                verdict: examined.err().unwrap_or(Verdict::Accepted),
+            });
+        }
+        if let Ok(point) = examined {
+            out.push(Candidate { point, sites });
         }
     }
 
@@ -332,24 +347,6 @@ impl<'a> Detection<'a> {
         }
         let (x, y) = (i64::from(at.x) + centre.0, i64::from(at.y) + centre.1);
         self.domain.wrap(x, y).ok_or(Verdict::Outside)
-    }
-}
-
-#[inline]
-fn record_candidate<T: Recorder>(
-    detector: u32,
-    sites: Sites,
-    centre: Offset,
-    examined: Result<Point, Verdict>,
-    recorder: &mut T,
-) {
-    if T::ENABLED {
-        recorder.record(RunEvent::Candidate {
-            detector,
-            sites,
-            offset: clamped(centre),
-            verdict: examined.err().unwrap_or(Verdict::Accepted),
-        });
     }
 }
 

@@ -1,5 +1,5 @@
 //! A compact grid for conflict-free sets: cells of one radius with a few packed slots. It answers coverage queries for
-//! the dart process and the pattern check. It has no ids.
+//! the dart process and the pattern check. Samples have no ids here; for those see [`crate::SampleGrid`].
 
 use crate::grid::spans;
 use crate::lattice::{Domain, Point, R, R_SQUARED, covers_offset};

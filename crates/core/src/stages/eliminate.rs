@@ -1,5 +1,6 @@
-//! Elimination: samples claim their disks in an order (paper, Algorithm 4, first loop). The
-//! survivors are the greedy maximal independent set of the conflict graph in that order.
+//! Elimination: samples claim their disks in an order (paper, Algorithm 4, first loop). The survivors are the greedy
+//! maximal independent set of the conflict graph in that order. Whether two samples are in conflict is decided by
+//! [`covers_offset`], and which of them survives by `eliminate` below.
 
 use crate::error::SampleError;
 use crate::grid::SampleGrid;

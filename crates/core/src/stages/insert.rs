@@ -1,4 +1,4 @@
-//! Insertion: the greedy independent set of the candidates, in a random order keyed by iteration and place (paper,
+//! Insertion: the greedy independent set of the candidates, in a random order keyed by iteration and position (paper,
 //! Algorithm 4, second loop).
 
 use crate::grid::SampleGrid;
@@ -8,7 +8,7 @@ use crate::record::{Recorder, RunEvent, Unrecorded};
 use crate::samples::{Fate, Origin, Samples};
 use crate::stages::detect::Candidate;
 
-/// Sorts candidates by place and keeps one of each place: the one with the lowest sites.
+/// Sorts candidates by position and keeps one at each: the one with the lowest sites.
 pub fn unique(candidates: &mut Vec<Candidate>) {
     candidates.sort_unstable_by_key(|c| (c.point.row_major(), c.sites));
     candidates.dedup_by_key(|c| c.point);
@@ -16,8 +16,8 @@ pub fn unique(candidates: &mut Vec<Candidate>) {
 
 /// Inserts candidates into `samples` and `survivors` and returns the ids of the inserted ones.
 ///
-/// Candidates are taken in the order of a draw keyed by `iteration` and place; one that no sample
-/// inserted before it covers is inserted. They must be unique and uncovered.
+/// Candidates are taken in the order of a draw keyed by `iteration` and position; one that no sample inserted before it
+/// covers is inserted. They must be unique and uncovered.
 pub fn insert(
     samples: &mut Samples,
     survivors: &mut SampleGrid,

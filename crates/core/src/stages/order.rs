@@ -50,7 +50,7 @@ impl Ranking {
 /// The constants of a ranking, for shaders that compute ranks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RankNumbers {
-    /// The key of random ranks: the first word drawn for a place is the rank.
+    /// The key of random ranks: the first word drawn for a point is its rank.
     pub key: Key,
     /// Sides of the phase groups' cells, in units.
     pub cell: [i32; 2],

@@ -1,5 +1,5 @@
-//! Clip and tile: every block, enlarged by r, receives a clip of the pattern (paper, Algorithm 2).
-//! It never resolves a conflict: neighbouring clips overlap by design.
+//! Clip and tile: every block, enlarged by r, receives a clip of the pattern (paper, Algorithm 2). Conflicts stay:
+//! neighbouring clips overlap by design, and elimination resolves them.
 
 use crate::error::{PatternError, SampleError};
 use crate::lattice::{Domain, Point, R, Rect};
@@ -13,7 +13,7 @@ use crate::stages::blocks::{Block, Blocks};
 /// The clip of a block.
 #[derive(Clone, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Tile {
-    /// The pattern's place on the enlarged block's lowest corner.
+    /// The pattern's point on the enlarged block's lowest corner.
     pub start: Point,
     /// The symmetry under which the pattern was clipped.
     pub symmetry: Symmetry,
@@ -57,7 +57,7 @@ pub(crate) fn tile<T: Recorder>(
         for &(y, x, pattern) in &clip {
             let x = i64::from(block.rect.min.x) - i64::from(R) + i64::from(x);
             let y = i64::from(block.rect.min.y) - i64::from(R) + i64::from(y);
-            place(domain, &block.rect, (x, y), index, pattern, samples);
+            push_tiled(domain, &block.rect, (x, y), index, pattern, samples);
             if T::ENABLED {
                 recorder.record(RunEvent::Tiled {
                     sample: samples.len() as u32 - 1,
@@ -80,7 +80,7 @@ pub(crate) fn tile<T: Recorder>(
 
 /// Appends the sample `pattern` of a clip at (x, y): wrapped in a periodic domain, dropped outside a bounded one.
 #[inline]
-pub(crate) fn place(
+pub(crate) fn push_tiled(
     domain: &Domain,
     block: &Rect,
     (x, y): (i64, i64),
@@ -106,7 +106,7 @@ const fn enlarged(rect: &Rect) -> (i32, i32) {
     (rect.width() + 2 * R, rect.height() + 2 * R)
 }
 
-/// Returns the pattern's place on the lowest corner of a block enlarged by r.
+/// Returns the pattern's point on the lowest corner of a block enlarged by r.
 pub(crate) fn clip_start(block: &Block, variant: &PatternVariant) -> Result<Point, PatternError> {
     let (width, height) = enlarged(&block.rect);
     let radii = |units: i32| f64::from(units) / f64::from(R);

@@ -8,7 +8,7 @@ use crate::stages::darts::{DartProcess, GAP_SIDE};
 use crate::stages::detect::DETECTOR_REACH;
 use crate::stages::disks::{Cell, DiskGrid};
 
-/// Units beyond r within which an eliminated sample's disk is taken to have covered a place.
+/// Units by which an eliminated sample's disk is taken to be larger than r, since patterns cover lattice points only.
 pub const SLACK: i32 = DETECTOR_REACH - 2 * R;
 
 /// Returns the dart process that fills the gaps which eliminated and dropped samples left.

@@ -27,8 +27,8 @@ impl RelaxedCell {
             .extend([min, [max[0], min[1]], max, [min[0], max[1]]]);
     }
 
-    /// Cuts off what is nearer to a sample at offset `p` than to the origin by more than the
-    /// relaxation (Sutherland and Hodgman's clip of a convex polygon).
+    /// Cuts off the part that is nearer to a sample at offset `p` than to the origin by more than the relaxation
+    /// (Sutherland and Hodgman's clip of a convex polygon).
     pub(crate) fn clip(&mut self, p: (i32, i32)) {
         let (x, y) = (f64::from(p.0), f64::from(p.1));
         let limit = x * x + y * y + RELAXATION;

@@ -104,7 +104,7 @@ fn pieces_that_continue_each_other_have_no_seam() {
     let combined = glued(domain, &pieces, &CombineOptions::default());
     assert_eq!(combined.points, whole.set.samples());
     assert_eq!(combined.seams, []);
-    // The same set moved by a different amount has seams.
+    // If each piece moves the set by a different amount, there are seams.
     let moved = |piece: &Piece| Piece {
         start: Point::new(piece.start.x + piece.rect.min.y, 0),
         ..piece.clone()

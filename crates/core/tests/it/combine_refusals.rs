@@ -86,7 +86,7 @@ fn a_set_must_reach_over_its_rectangle() {
     }
 }
 
-/// A set that ends a unit or two early serves where its samples cover these, too.
+/// A set that ends a unit or two early is accepted if its samples cover these units, too.
 #[test]
 fn a_set_that_ends_a_unit_early_must_cover_it() {
     let domain = domain([20.0, 20.0], Boundary::Bounded);

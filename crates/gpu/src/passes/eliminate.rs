@@ -1,4 +1,5 @@
-//! Elimination (paper, Algorithm 4, first loop), in rounds, and the grid of the survivors.
+//! Elimination (paper, Algorithm 4, first loop), in rounds, and the grid of the survivors. The decision is in
+//! `shaders/eliminate.wgsl`.
 
 use super::{
     Command, Pass, Size, alternating, atomic, prepare, read, read_as, run, uniform_of, write,

@@ -1,5 +1,5 @@
 //! Clip and tile (paper, Algorithm 2): counts the samples of each cell, sums the counts up, and writes the samples. The
-//! place of a sample does not depend on atomics.
+//! index of a sample does not depend on atomics.
 
 use super::{
     Command, Pass, Size, atomic, read, run, run_with, uniform_of, update, update_as, write,

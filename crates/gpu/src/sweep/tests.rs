@@ -1,4 +1,4 @@
-//! Too little room and memory. Needs an adapter; a software one will do.
+//! Windows with too little room and too little memory. Needs an adapter; a software one will do.
 
 use super::*;
 use crate::adapter::Choice;

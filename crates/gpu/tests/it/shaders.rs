@@ -77,7 +77,7 @@ fn scalar(inner: &TypeInner) -> &'static str {
             ScalarKind::Float => "f32",
             _ => "another scalar",
         },
-        _ => "no scalar of 32 bits",
+        _ => "not a scalar of 32 bits",
     }
 }
 

@@ -88,7 +88,7 @@ impl<'a> Files<'a> {
     /// read.
     pub fn stated(&self, layout: &Layout, placed: &PlacedLayout) -> Value {
         let mut stated = saved::json(layout);
-        for (k, piece) in placed.places.iter().enumerate() {
+        for (k, piece) in placed.pieces.iter().enumerate() {
             if let (PieceSource::File { path, .. }, Some(around)) = (&piece.source, self.around) {
                 stated["pieces"][k]["file"] = json!(last_part(path));
                 let path = path_of(around, path);

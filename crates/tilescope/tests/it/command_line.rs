@@ -168,7 +168,7 @@ fn a_spoiled_file_is_refused_and_the_difference_named() {
     assert!(!folder.path().join("set.npy").exists());
 }
 
-/// Arguments that are refused, and what the message says.
+/// Arguments that are refused, each with a part of the message.
 const BAD: &[(&[&str], &str)] = &[
     (&["sample"], "<--radius <R>|--count <N>>"),
     (
@@ -372,7 +372,7 @@ fn an_existing_file_survives_a_failed_export() {
     assert_eq!(names(folder.path()), before);
 }
 
-/// Whoever reads only the first lines ends the program quietly.
+/// If the reader of a pipe ends after the first lines, the program ends without an error.
 #[cfg(unix)]
 #[test]
 fn a_closed_pipe_is_no_error() {
@@ -516,7 +516,7 @@ fn pictures_have_the_asked_size() {
     assert_eq!(u32::from_be_bytes(bytes[16..20].try_into().unwrap()), 320);
 }
 
-/// Where there is no display the program does the same session and says how to open the window.
+/// Without a display the program runs the same session and explains how to open the window.
 #[test]
 fn without_a_display_the_default_session_runs_headless() {
     let folder = tempdir().unwrap();
@@ -605,7 +605,7 @@ fn bench_verifies_what_it_times() {
     }
 }
 
-/// Ctrl-C leaves no half file and no temporary one.
+/// Ctrl-C leaves no incomplete file and no temporary one.
 #[cfg(unix)]
 #[test]
 fn an_interrupt_leaves_nothing_behind() {

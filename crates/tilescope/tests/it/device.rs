@@ -1,5 +1,5 @@
 //! The GPU engine end to end: the real binary on the adapter that computes on the CPU, llvmpipe, which must be
-//! installed (Debian and Ubuntu: mesa-vulkan-drivers). Where it is not, these tests fail and say so.
+//! installed (Debian and Ubuntu: mesa-vulkan-drivers). Without it these tests fail with a message.
 
 use std::fs;
 
@@ -13,12 +13,12 @@ use tempfile::{TempDir, tempdir};
 /// The engine on the adapter of these tests.
 const GPU: [&str; 4] = ["--engine", "gpu", "--gpu-adapter", "llvmpipe"];
 
-/// A set that is written as it comes.
+/// A set so large that it is written band by band.
 const LARGE: [&str; 7] = [
     "sample", "--count", "1100000", "--leaf", "40", "--seed", "5",
 ];
 
-/// Fails with what is missing, if it is.
+/// Fails with a message if the adapter is missing.
 fn need_adapter(folder: &TempDir) {
     let mut command = tilescope(folder);
     let output = command
@@ -210,7 +210,7 @@ fn what_no_gpu_can_do_is_refused_in_a_sentence() {
     assert!(names(folder.path()).is_empty());
 }
 
-/// Without a driver there is no adapter, and every command says so; `auto` does without.
+/// Without a driver there is no adapter: every command fails with that reason, and `auto` takes the CPU.
 #[cfg(target_os = "linux")]
 #[test]
 fn without_a_driver_a_gpu_is_an_error_by_name_and_no_loss_otherwise() {

@@ -1,4 +1,4 @@
-//! What the judge is asked and what it answers: certificates that are not true, files that are no sets, exit codes.
+//! Verification end to end: certificates that are not true, files that are no sets, exit codes.
 
 use std::fs;
 
@@ -153,7 +153,7 @@ fn what_no_file_can_show_is_named_as_unchecked() {
         );
 }
 
-/// The verdict does not depend on whether anybody reads it.
+/// The verdict is the same, and so is the exit code, if nobody reads the output.
 #[cfg(unix)]
 #[test]
 fn a_closed_pipe_keeps_the_verdict() {
@@ -200,7 +200,7 @@ fn an_uncertified_file_has_no_certificate_of_an_older_one() {
     }
 }
 
-/// Without the judge the same file comes out.
+/// Without verification the same file is written.
 #[test]
 fn not_verifying_changes_no_byte() {
     let folder = tempdir().unwrap();
@@ -257,12 +257,12 @@ fn a_certificate_is_a_regular_file_of_few_bytes() {
     assert!(made.unwrap().success());
     refused("not a regular file");
     fs::remove_file(&path).unwrap();
-    // A file of holes takes no room on the disk.
+    // A sparse file takes no room on the disk.
     fs::File::create(&path).unwrap().set_len(1 << 36).unwrap();
     refused("exceed the limit of 4194304");
 }
 
-/// A file of holes: nothing of it is read.
+/// A sparse file that is too long is refused before it is read.
 #[test]
 fn a_file_beyond_memory_is_refused_before_it_is_read() {
     let folder = tempdir().unwrap();
@@ -331,7 +331,7 @@ fn both_sides_of_a_comparison_take_lists() {
     }
 }
 
-/// Sets of others: what is no fault of the reader gets a verdict, and what is gets a reason.
+/// Sets from other programs: whatever can be read gets a verdict, and the rest a reason.
 #[test]
 fn sets_of_others_get_a_verdict_or_a_reason() {
     let folder = tempdir().unwrap();

@@ -1,5 +1,4 @@
-//! Engines, windows and sets written as they come, end to end: the real binary, real files, real
-//! interruptions.
+//! Engines, windows and sets written band by band, end to end: the real binary, real files, real interruptions.
 
 use crate::support::runs;
 use std::fs;
@@ -13,7 +12,7 @@ use predicates::str::contains;
 use serde_json::Value;
 use tempfile::{TempDir, tempdir};
 
-/// A set that is written as it comes, in several bands.
+/// A set so large that it is written in several bands.
 const LARGE: [&str; 7] = [
     "sample", "--count", "1300000", "--leaf", "40", "--seed", "5",
 ];
@@ -135,7 +134,7 @@ fn signal(child: &Child, name: &str) {
     assert!(status.unwrap().success());
 }
 
-/// How often a run is started that a busy machine lets end before a signal is sent.
+/// How often a run is started again if it ends before a signal is sent, as on a busy machine.
 const STARTS: usize = 20;
 
 /// Starts a large run and stops it after its first checkpoint until it gets the signal `CONT`.

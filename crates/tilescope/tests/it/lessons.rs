@@ -1,4 +1,4 @@
-//! `tilescope lesson`: handouts, lessons made of a session's scenes, and what is refused.
+//! `tilescope lesson`: handouts, lessons made of a session's scenes, and refused arguments.
 
 use std::fs;
 
@@ -63,7 +63,7 @@ fn scenes_of_a_session_become_a_lesson_that_can_be_checked_and_printed() {
     tilescope(&folder).args(handout).assert().success();
     let html = fs::read_to_string(folder.path().join("talk.html")).unwrap();
     assert_eq!(html.matches("data:image/svg+xml,").count(), 2);
-    // A lesson that is there is not overwritten, and what is no session is named.
+    // An existing lesson is not overwritten, and a file that is no session is named.
     let mut again = tilescope(&folder);
     again
         .args(["lesson", "from", &session])

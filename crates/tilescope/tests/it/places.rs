@@ -1,4 +1,4 @@
-//! What commands read from and write to, end to end: links, pipes, devices, names that contradict.
+//! Inputs and outputs of commands, end to end: links, pipes, devices, contradictory names.
 
 use std::fs;
 use std::os::unix::fs::symlink;
@@ -199,7 +199,7 @@ fn a_pipe_is_read_once_whatever_is_given() {
     }
 }
 
-/// Runs the program in `folder` with a full device for what it prints, or for its errors. Returns its code.
+/// Runs the program in `folder` with a full device as its output, or for its errors. Returns its code.
 fn on_full_device(folder: &TempDir, arguments: &[&str], errors: bool) -> Option<i32> {
     let device = fs::OpenOptions::new()
         .write(true)
@@ -236,7 +236,7 @@ fn an_output_that_takes_nothing_is_an_error_and_no_panic() {
             "{arguments:?}"
         );
     }
-    // What is wrong cannot be said, but the code says that something is.
+    // The error cannot be printed, but the exit code shows it.
     assert_eq!(
         on_full_device(&folder, &["verify", "missing.csv"], true),
         Some(2)

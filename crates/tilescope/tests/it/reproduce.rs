@@ -1,4 +1,5 @@
-//! `tilescope reproduce` end to end: all experiments in their quick form, what they leave behind, how they go on, and what is refused.
+//! `tilescope reproduce` end to end: all experiments in their quick form, the files that they leave, continued runs,
+//! and refused arguments.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -30,7 +31,7 @@ fn reproduced(folder: &TempDir, experiments: &[&str]) -> Value {
     serde_json::from_slice(&output.stdout).expect("one JSON object")
 }
 
-/// Files of a folder and when they were written.
+/// The files of a folder with the times when they were written.
 fn written(folder: &Path) -> BTreeMap<PathBuf, SystemTime> {
     let entries = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap());
     entries

@@ -24,7 +24,7 @@ fn a_script_is_carried_out_and_the_state_is_printed() {
     assert_eq!(states.len(), 6);
     assert_eq!(states[5]["parameters"]["radius"], 0.05);
     assert_eq!(states[5]["verified"], true);
-    // What a script writes is verified like everything else.
+    // The set that a script writes is verified like any other.
     tilescope(&folder)
         .args(["verify", "set.csv"])
         .assert()

@@ -1,4 +1,4 @@
-//! What the end-to-end tests share: the real binary in a folder of its own.
+//! Helpers of the end-to-end tests: the real binary in a folder of its own.
 
 pub mod analysis;
 pub mod runs;

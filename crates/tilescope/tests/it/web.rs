@@ -18,7 +18,7 @@ struct Server {
     child: Child,
     /// Its address and port.
     address: String,
-    /// What it said first.
+    /// The first line that it printed.
     line: String,
 }
 
@@ -74,7 +74,7 @@ impl Server {
 
 impl Drop for Server {
     fn drop(&mut self) {
-        // One that has ended by itself is no fault of a test that has passed.
+        // It may have ended by itself.
         let _ = self.child.kill();
         let _ = self.child.wait();
     }
@@ -110,7 +110,7 @@ impl Answer {
     }
 }
 
-/// A folder beside which lies what nobody may read.
+/// A folder to be served, beside a file that must not be served.
 fn site() -> (TempDir, std::path::PathBuf) {
     let outer = tempdir().unwrap();
     let folder = outer.path().join("site");

@@ -199,7 +199,7 @@ impl MeasuredSet {
             return Vec::new();
         };
         let scale = pairs.r_max / unit;
-        let points = pairs.places().into_iter();
+        let points = pairs.points().into_iter();
         points.map(|[x, g]| [x * scale, g]).collect()
     }
 }

@@ -373,7 +373,7 @@ fn combination(text: &str) -> Result<Combination, String> {
     };
     let layout = Combination::from_json(&json).map_err(|error| error.to_string())?;
     let placed = layout.placed().map_err(|error| error.to_string())?;
-    let expected = placed.expected + of_patterns(&placed.places);
+    let expected = placed.expected + of_patterns(&placed.pieces);
     if expected > MAX_SAMPLES {
         return Err(format!(
             "it and its patterns make about {expected:.0} samples, and a link may ask for {}",
@@ -381,7 +381,7 @@ fn combination(text: &str) -> Result<Combination, String> {
         ));
     }
     let of_file = |source: &PieceSource| matches!(source, PieceSource::File { .. });
-    if placed.places.iter().any(|piece| of_file(&piece.source)) {
+    if placed.pieces.iter().any(|piece| of_file(&piece.source)) {
         return Err("it has sets from files, which a link does not open".to_owned());
     }
     Ok(layout)

@@ -68,7 +68,10 @@ fn every_name_is_documented() {
             "clocks and units",
             words(clocks.map(|clock| choice_name(&clock))),
         ),
-        ("what is sought", words(TARGETS.map(|(name, _)| name))),
+        (
+            "kinds of events to seek",
+            words(TARGETS.map(|(name, _)| name)),
+        ),
     ];
     let rows = table("names of");
     assert_eq!(rows.len(), expected.len());

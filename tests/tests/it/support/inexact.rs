@@ -52,7 +52,7 @@ fn spoiled(spec: &PatternSpec) -> Pattern {
     pattern
 }
 
-/// Returns a place to which a sample can be moved so that a lattice point is uncovered, but by no more than a pattern
+/// Returns a point to which a sample can be moved so that a lattice point is uncovered, but by no more than a pattern
 /// may leave it.
 fn moved_to_its_limit(exact: &Pattern, index: usize) -> Option<Point> {
     let domain = exact.domain();

@@ -2,7 +2,7 @@
 //! without its vector instructions, and run in an interpreter.
 
 mod module;
-// Only part of it is used here.
+// Only a part of the shared module is used here.
 #[allow(dead_code)]
 #[path = "../../../tests/it/support/mod.rs"]
 mod support;

@@ -1,6 +1,6 @@
-//! Test sets and the slow truth: what the verifier is compared with.
-//! A maximal sampler after Ebeida et al. 2012 and brute-force searches over all triples.
-//! It never uses the verifier, nor any structure cleverer than a list and a plain grid.
+//! Test sets, and the truth about small sets by slow direct computation, with which the verifier is compared. A maximal
+//! sampler after Ebeida et al. 2012 and brute-force searches over all triples. The truth uses neither the
+//! verifier nor any structure beyond a list and a plain grid.
 
 #![allow(dead_code, missing_docs, reason = "the example uses a part of it")]
 
@@ -12,7 +12,33 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use glam::DVec2;
 use tilescope_analysis::measures::MeasureError;
-use tilescope_analysis::{Boundary, Progress, Region};
+use tilescope_analysis::{Boundary, Progress, Region, Report, VerifyError, VerifyOptions, verify};
+
+pub const BOTH: [Boundary; 2] = [Boundary::Periodic, Boundary::Bounded];
+
+/// The control function that cancels nothing.
+pub fn go_on(_: Progress) -> ControlFlow<()> {
+    ControlFlow::Continue(())
+}
+
+pub fn region(width: f64, height: f64, boundary: Boundary) -> Region {
+    Region {
+        width,
+        height,
+        boundary,
+    }
+}
+
+/// The verdict with default options.
+pub fn judge(points: &[[f64; 2]], region: Region, radius: f64) -> Result<Report, VerifyError> {
+    verify(points, region, radius, &VerifyOptions::default(), &go_on)
+}
+
+/// Does some work on a pool of so many threads.
+pub fn on_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+    pool.expect("a pool").install(work)
+}
 
 /// A small generator (xorshift64*), so that sets are the same everywhere and forever.
 pub struct Random(u64);

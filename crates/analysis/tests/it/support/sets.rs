@@ -1,5 +1,4 @@
 //! Regular sets whose measures are known in closed form, and the set of the fixture.
-//! Never random: `Random` is.
 
 use tilescope_analysis::{Boundary, Region};
 

@@ -44,19 +44,19 @@ impl PlacedLayout {
         make: impl Fn(&PieceSource) -> Result<Set, E> + Sync,
         made: impl Fn(usize) + Sync,
     ) -> Result<Vec<Piece>, PieceError<E>> {
-        let each = distinct(&self.places);
+        let each = distinct(&self.pieces);
         let sets = each.par_iter().with_max_len(1).map(|sharing| {
-            let set = make(&self.places[sharing[0]].source);
+            let set = make(&self.pieces[sharing[0]].source);
             made(sharing.len());
             set
         });
         let sets: Vec<Result<Set, E>> = sets.collect();
-        let mut pieces: Vec<Option<Piece>> = vec![None; self.places.len()];
+        let mut pieces: Vec<Option<Piece>> = vec![None; self.pieces.len()];
         for (set, sharing) in sets.into_iter().zip(&each) {
             let of = |piece: usize| move |error: E| PieceError { piece, error };
             let set = set.map_err(of(sharing[0]))?;
             for &k in sharing {
-                let piece = set.placed(&self.places[k]);
+                let piece = set.placed(&self.pieces[k]);
                 pieces[k] = Some(piece.map_err(|error| of(k)(error.into()))?);
             }
         }
@@ -65,18 +65,18 @@ impl PlacedLayout {
 }
 
 /// Returns the pieces that share a set, by the first of them.
-fn distinct(places: &[PlacedPiece]) -> Vec<Vec<usize>> {
+fn distinct(pieces: &[PlacedPiece]) -> Vec<Vec<usize>> {
     let mut groups: Vec<Vec<usize>> = Vec::new();
     let mut by_file: HashMap<&str, Vec<usize>> = HashMap::new();
-    for (k, place) in places.iter().enumerate() {
-        let PieceSource::File { path, .. } = &place.source else {
+    for (k, piece) in pieces.iter().enumerate() {
+        let PieceSource::File { path, .. } = &piece.source else {
             groups.push(vec![k]);
             continue;
         };
         let same = by_file.entry(path).or_default();
         let known = same
             .iter()
-            .find(|&&g| places[groups[g][0]].source == place.source);
+            .find(|&&g| pieces[groups[g][0]].source == piece.source);
         if let Some(&group) = known {
             groups[group].push(k);
         } else {
@@ -116,19 +116,19 @@ impl Set {
         })
     }
 
-    fn placed(&self, place: &PlacedPiece) -> Result<Piece, LayoutError> {
+    fn placed(&self, piece: &PlacedPiece) -> Result<Piece, LayoutError> {
         Ok(Piece {
             set: Arc::clone(&self.pattern),
-            rect: place.rect,
-            start: self.start(place.offset)?,
+            rect: piece.rect,
+            start: self.start(piece.offset)?,
         })
     }
 
-    /// Returns the lattice point of a place in the set's own units.
+    /// Returns the lattice point at an offset in the set's own units.
     fn start(&self, offset: [f64; 2]) -> Result<Point, LayoutError> {
         let size = self.domain.size();
         let periodic = self.domain.is_periodic();
-        let place = |axis: usize| {
+        let along = |axis: usize| {
             let (value, side) = (offset[axis], size[axis]);
             let fits = periodic && value.is_finite() || (0.0..=side).contains(&value);
             if !fits {
@@ -140,7 +140,7 @@ impl Set {
                 value
             })
         };
-        let low = [place(0)?, place(1)?];
+        let low = [along(0)?, along(1)?];
         // Rounded as the corners of rectangles are, so that pieces of one set with matching cuts continue each other.
         Ok(self.domain.rect_from_user(low, low).min)
     }

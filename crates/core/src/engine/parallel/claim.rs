@@ -1,6 +1,7 @@
 //! Tiling and elimination of a region. Interiors of blocks are copied without tests; samples near a block's border
-//! claim their disks in the order of elimination. See `stages::eliminate` for the definition; here it is arranged so
-//! that almost nothing must be sorted.
+//! claim their disks in the order of elimination, one by one (`claim_one`): a sample is eliminated if a survivor before
+//! it covers it (`Region::covered`). See `stages::eliminate` for the definition; here it is arranged so that almost
+//! nothing must be sorted.
 
 use fearless_simd::Simd;
 
@@ -11,12 +12,12 @@ use crate::stages::order::Ranking;
 use super::clip::{Clipper, PlacedBlock, Rect64};
 use super::region::{Loss, Region, flag, push};
 
-/// A sample near a border, compared by its place in the order of elimination.
+/// A sample near a border, compared by the order of elimination.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct Contested {
     rank: u32,
     sequence: u32,
-    /// The sample's place in its block's clip, which determines its id in a run.
+    /// The sample's position in its block's clip, which determines its id in a run.
     row: i64,
     column: i64,
     x: i32,
@@ -30,7 +31,7 @@ pub(crate) enum Turns<'a> {
     Index,
     /// All own samples block after block, then all margin samples block after block.
     OwnFirst,
-    /// By rank, then block, then place.
+    /// By rank, then block, then position.
     Sorted(&'a Ranking),
 }
 

@@ -61,18 +61,18 @@ impl CellPattern {
         }
     }
 
-    /// Calls `place` with the place, counted from `corner`, and the pattern index of every sample of a
-    /// `width` x `height` rectangle whose lowest corner lies at `start` of the (repeated) pattern.
+    /// Calls `visit` with the position, counted from `corner`, and the pattern index of every sample of a `width` x
+    /// `height` rectangle whose lowest corner lies at `start` of the (repeated) pattern.
     #[inline(always)]
     fn clip(
         &self,
         start: [i64; 2],
         size: [i32; 2],
         corner: Point,
-        mut place: impl FnMut(i32, i32, u32),
+        mut visit: impl FnMut(i32, i32, u32),
     ) {
         self.pieces(start, size, corner, |piece, corner| {
-            self.piece(piece, corner, &mut place);
+            self.piece(piece, corner, &mut visit);
         });
     }
 
@@ -109,7 +109,7 @@ impl CellPattern {
 
     /// The same for a rectangle of the pattern that does not cross its edge.
     #[inline(always)]
-    fn piece(&self, piece: &Rect, corner: Point, place: &mut impl FnMut(i32, i32, u32)) {
+    fn piece(&self, piece: &Rect, corner: Point, visit: &mut impl FnMut(i32, i32, u32)) {
         let cell = |x: i32| (x >> CELL_BITS) as usize;
         let (first, last) = (cell(piece.min.x), cell(piece.max.x - 1));
         let (width, height) = (piece.width() as u32, piece.height() as u32);
@@ -121,13 +121,13 @@ impl CellPattern {
             for ((x, y), &id) in points.zip(&self.ids[range]) {
                 let (x, y) = (x.wrapping_sub(left), y.wrapping_sub(bottom));
                 if x < width && y < height {
-                    place(corner.x + x as i32, corner.y + y as i32, id);
+                    visit(corner.x + x as i32, corner.y + y as i32, id);
                 }
             }
         }
     }
 
-    /// Calls `place` with the cell and the slot of every sample of `piece`, which is laid at `corner` of `frame`. Eight
+    /// Calls `visit` with the cell and the slot of every sample of `piece`, which is laid at `corner` of `frame`. Eight
     /// samples are computed at once.
     #[inline(always)]
     fn slots<S: Simd>(
@@ -135,7 +135,7 @@ impl CellPattern {
         simd: S,
         frame: &Frame,
         (piece, corner): (&Rect, Point),
-        place: &mut impl FnMut(usize, u32),
+        visit: &mut impl FnMut(usize, u32),
     ) {
         let cell = |x: i32| (x >> CELL_BITS) as usize;
         let (first, last) = (cell(piece.min.x), cell(piece.max.x - 1));
@@ -168,14 +168,14 @@ impl CellPattern {
                 let (cells, slots): ([u32; LANES], [u32; LANES]) = (cells.into(), slots.into());
                 if inside == (1 << LANES) - 1 {
                     for (cell, slot) in cells.into_iter().zip(slots) {
-                        place(cell as usize, slot);
+                        visit(cell as usize, slot);
                     }
                 } else {
                     let mut inside = inside;
                     while inside != 0 {
                         let k = inside.trailing_zeros() as usize % LANES;
                         inside &= inside - 1;
-                        place(cells[k] as usize, slots[k]);
+                        visit(cells[k] as usize, slots[k]);
                     }
                 }
             }
@@ -194,7 +194,7 @@ pub struct PlacedBlock {
     pub index: u32,
     /// The symmetry under which it clips.
     pub symmetry: u8,
-    /// The place in the pattern of the lowest corner of the block enlarged by r.
+    /// The pattern's point on the lowest corner of the block enlarged by r.
     pub start: Point,
 }
 
@@ -297,14 +297,14 @@ impl Clipper {
                 stack.push((cut.upper, split + lower, leaf + lower));
                 stack.push((cut.lower, split + 1, leaf));
             } else {
-                self.place(&node.block, &images, sequence, leaf, out)?;
+                self.push_images(&node.block, &images, sequence, leaf, out)?;
                 sequence += 1;
             }
         }
         Ok(())
     }
 
-    fn place(
+    fn push_images(
         &self,
         block: &Block,
         images: &Images,
@@ -327,24 +327,24 @@ impl Clipper {
         Ok(())
     }
 
-    /// Calls `place` with the place in the frame and the pattern index of every sample that `block`
-    /// clips inside `part` (of the enlarged block) and `target`.
+    /// Calls `visit` with the position in the frame and the pattern index of every sample that `block` clips inside
+    /// `part` (of the enlarged block) and `target`.
     #[inline(always)]
     pub fn clip(
         &self,
         block: &PlacedBlock,
         part: &Rect64,
         target: &Rect,
-        place: impl FnMut(i32, i32, u32),
+        visit: impl FnMut(i32, i32, u32),
     ) {
         let Some(rect) = part.within(target) else {
             return;
         };
         let size = [rect.width(), rect.height()];
-        self.variants[block.symmetry as usize].clip(start_of(block, &rect), size, rect.min, place);
+        self.variants[block.symmetry as usize].clip(start_of(block, &rect), size, rect.min, visit);
     }
 
-    /// Calls `place` with the cell of `frame` and the slot of the same samples.
+    /// Calls `visit` with the cell of `frame` and the slot of the same samples.
     #[inline(always)]
     pub fn clip_slots<S: Simd>(
         &self,
@@ -352,7 +352,7 @@ impl Clipper {
         block: &PlacedBlock,
         part: &Rect64,
         frame: &Frame,
-        mut place: impl FnMut(usize, u32),
+        mut visit: impl FnMut(usize, u32),
     ) {
         let Some(rect) = part.within(&frame.tiled()) else {
             return;
@@ -360,7 +360,7 @@ impl Clipper {
         let size = [rect.width(), rect.height()];
         let pattern = &self.variants[block.symmetry as usize];
         pattern.pieces(start_of(block, &rect), size, rect.min, |piece, corner| {
-            pattern.slots(simd, frame, (piece, corner), &mut place);
+            pattern.slots(simd, frame, (piece, corner), &mut visit);
         });
     }
 }

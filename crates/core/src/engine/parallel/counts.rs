@@ -15,7 +15,7 @@ pub struct WindowCounts {
     pub blocks: u64,
     /// Samples that were eliminated.
     pub eliminated: u64,
-    /// Samples tiled outside a bounded domain, counted in the window of the nearest place of the domain.
+    /// Samples tiled outside a bounded domain, counted in the window of the nearest point of the domain.
     pub dropped: u64,
     /// Samples inserted, by iteration.
     pub inserted: Vec<u64>,

@@ -1,7 +1,8 @@
 //! Detection and insertion in a region (see `stages::detect` for what a candidate is). A place that no sample covers
-//! was covered by a lost one, so only cells near lost samples are searched (all cells if the pattern itself misses
-//! lattice points). Stamps prove most of their pixels covered. In the others, candidates are made from the samples that
-//! are about as near to the pixel as the nearest one, since only those can make one.
+//! was covered by a lost one (a tiled sample that was eliminated or dropped), so only cells near lost samples are
+//! searched (all cells if the pattern itself misses lattice points). Stamps prove most of their pixels covered. In the
+//! others, candidates are made from the samples that are about as near to the pixel as the nearest one, since only
+//! those can make one.
 
 mod candidate;
 mod detect;

@@ -17,7 +17,7 @@ const LANES: usize = 8;
 /// Groups that hold the samples of the widest search: 81 cells, three in each.
 const GROUPS: usize = (81 * 3 + 2 * LANES) / LANES;
 
-/// More than squared distances of up to 4r, 2^34, can be off in `f32`: three roundings of one part in 2^24.
+/// A bound on the error in `f32` of squared distances of up to 4r, 2^34: three roundings of one part in 2^24.
 const ROUNDED: f32 = 4_096.0;
 
 /// The offset that fills the last group: farther away than any query.
@@ -64,7 +64,7 @@ impl Default for Near {
     }
 }
 
-/// The square of R, less far more than f32 rounds.
+/// The square of R, less a margin far above the rounding of `f32`.
 const SURELY_COVERED: f32 = (R_SQUARED - 8_192) as f32;
 
 /// Room for all samples that are about as near to a pixel as the nearest one: a disk of 3.6 r holds fewer than 64 that
@@ -163,8 +163,8 @@ impl Near {
         let mut nearest = f32x8::splat(simd, FAR * FAR);
         let mut corner = f32x8::splat(simd, FAR * FAR);
         let groups = self.groups();
-        let places = self.x[..groups].iter().zip(&self.y[..groups]);
-        for ((xs, ys), squared) in places.zip(&mut self.squared[..groups]) {
+        let offsets = self.x[..groups].iter().zip(&self.y[..groups]);
+        for ((xs, ys), squared) in offsets.zip(&mut self.squared[..groups]) {
             let dx = (f32x8::simd_from(simd, *xs) - x).abs();
             let dy = (f32x8::simd_from(simd, *ys) - y).abs();
             let square = dx * dx + dy * dy;
@@ -191,7 +191,7 @@ impl Near {
         nearest.reduce_min()
     }
 
-    /// Returns whether a sample is nearer to a lattice place than the root of `limit`, exactly.
+    /// Returns whether a sample is nearer to a lattice point than the root of `limit`, exactly.
     #[inline(always)]
     pub(crate) fn any_nearer<S: Simd>(&self, simd: S, place: Site, limit: i64) -> bool {
         let nearest = self.nearest_squared(simd, place.0 as f32, place.1 as f32);

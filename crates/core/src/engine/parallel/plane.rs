@@ -1,6 +1,6 @@
-//! The plane of a run: holds its parameters, computes windows of it, and reuses buffers. A window with unsure cells is
-//! repaired: these cells are computed again with a wider halo, or read from the run over the whole domain if that is
-//! small.
+//! The plane of a run: holds its parameters, computes windows of it (`compute`), and reuses buffers. A window with
+//! unsure cells is repaired: these cells are computed again with a wider halo, or read from the run over the whole
+//! domain if that is small.
 
 use std::sync::{Mutex, PoisonError};
 
@@ -293,7 +293,7 @@ fn pieces(part: &Rect) -> Vec<Rect> {
 #[must_use]
 pub fn lost_reach(pattern: &Pattern, domain: &Domain, insertion: Insertion) -> i32 {
     match insertion {
-        // What a lost sample covered.
+        // Every uncovered place was covered by a lost sample.
         _ if pattern.covers_lattice() => 1,
         // A place may also be one that the pattern itself missed, near a detector near a lost sample:
         // 4r, or 5.5r near closed borders, and a few units.

@@ -46,7 +46,7 @@ pub(crate) struct LostSample {
     next: u32,
 }
 
-/// At most three samples, then the complement of their count, which read as a place is far away.
+/// At most three packed positions, then the complement of their count, which as a position is far away.
 pub(crate) type Slots = [u32; 4];
 
 const EMPTY_CELL: Slots = [NONE; 4];
@@ -64,7 +64,7 @@ pub(crate) struct Region<const TAGS: bool> {
     pub lost: Vec<LostSample>,
     lost_first: Vec<u32>,
     pub blocks: Vec<PlacedBlock>,
-    /// Samples of a block that are to be decided: place and tag.
+    /// Samples of a block that are to be decided: position and tag.
     pub waiting: Vec<(i32, i32, u64)>,
     pub contested: Vec<super::claim::Contested>,
     pub gaps: GapBuffers,
@@ -123,7 +123,8 @@ impl<const TAGS: bool> Region<TAGS> {
         }
     }
 
-    /// Returns whether a survivor covers (x, y), which lies in the frame.
+    /// Returns whether a survivor covers (x, y), which lies in the frame: the predicate `covers_offset`, for nine cells
+    /// at once.
     #[inline(always)]
     pub(crate) fn covered<S: Simd>(&self, simd: S, x: i32, y: i32) -> bool {
         let stride = self.frame.stride();
@@ -176,12 +177,12 @@ impl<const TAGS: bool> Region<TAGS> {
         let mut found: Vec<Rect> = Vec::new();
         for &cell in &self.unsure {
             let (column, row) = self.frame.column_row(cell as usize);
-            let place = Point::new(column, row);
-            if !window.contains(place) {
+            let at = Point::new(column, row);
+            if !window.contains(at) {
                 continue;
             }
             let mut joined = Rect {
-                min: place,
+                min: at,
                 max: Point::new(column + 1, row + 1),
             };
             // A rectangle that grew may now be near to others.
@@ -193,7 +194,7 @@ impl<const TAGS: bool> Region<TAGS> {
         found
     }
 
-    /// Replaces the cells `cells` (of this frame) by those of a region that knows them.
+    /// Replaces the cells `cells` (of this frame) by those of a region in which they are sure.
     pub(crate) fn adopt(&mut self, other: &Self, cells: &Rect) {
         let shift = |axis: usize| {
             ((self.frame.origin[axis] - other.frame.origin[axis]) >> CELL_BITS) as i32
@@ -243,8 +244,8 @@ impl<const TAGS: bool> Region<TAGS> {
                 let slots = [a, b, c, free];
                 let xs = slots.map(|slot| x | slot as i32 & (R - 1));
                 let ys = slots.map(|slot| y | (slot >> CELL_BITS) as i32);
-                let places = [0, 1, 2, 3].map(|k| Point::new(xs[k], ys[k]));
-                line[count..count + 4].copy_from_slice(&places);
+                let points = [0, 1, 2, 3].map(|k| Point::new(xs[k], ys[k]));
+                line[count..count + 4].copy_from_slice(&points);
                 count += !free as usize & 3;
             }
             if TAGS {
@@ -343,21 +344,21 @@ const fn held(slots: &Slots) -> usize {
     !slots[3] as usize & 3
 }
 
-/// Returns a place in its cell as a slot holds it.
+/// Returns a position in its cell as a slot holds it.
 #[inline(always)]
 pub(crate) const fn pack(x: i32, y: i32) -> u32 {
     ((y & (R - 1)) << CELL_BITS | (x & (R - 1))) as u32
 }
 
-/// Returns the place of a slot of the cell (column, row).
+/// Returns the position in the frame of a slot of the cell (column, row).
 #[inline(always)]
 pub(crate) const fn unpack(packed: u32, column: i32, row: i32) -> Point {
     let (x, y) = (packed as i32 & (R - 1), (packed >> CELL_BITS) as i32);
     Point::new((column << CELL_BITS) | x, (row << CELL_BITS) | y)
 }
 
-/// Returns whether a sample of the three cells from `first` on covers the place at (x, y) from the
-/// corner of the middle one. Free slots read as places more than R away.
+/// Returns whether a sample of the three cells from `first` on covers the point at (x, y) from the corner of the middle
+/// one. Free slots read as positions more than R away.
 #[inline(always)]
 fn row_covers<S: Simd>(simd: S, slots: &[Slots], first: usize, x: i32, y: i32) -> bool {
     // Lengths beyond R + 1 are cut there: the sum stays above R^2 and in 32 bits.

@@ -1,4 +1,4 @@
-//! Coverage stamps: which of a cell's 8 x 8 pixels a sample surely covers, by the sample's cell and its place in it.
+//! Coverage stamps: which of a cell's 8 x 8 pixels a sample surely covers, by the sample's cell and its position in it.
 //! Stamps only prove coverage: a pixel that no stamp covers may still be covered.
 
 use std::sync::OnceLock;
@@ -11,12 +11,12 @@ pub(crate) const PIXELS: usize = 8;
 /// Units along a pixel's side.
 pub(crate) const PIXEL_SIDE: i32 = R / PIXELS as i32;
 
-/// Bins along a cell's side: a sample's place is known to one of `BINS` x `BINS`.
+/// Bins along a cell's side: a stamp is made for each of `BINS` x `BINS` squares of positions.
 const BINS: usize = 1 << BIN_BITS;
 const BIN_BITS: u32 = 5;
 const BIN_SIDE: i32 = R / BINS as i32;
 
-/// Bins of a table: a free slot reads as a place far above its cell, whose stamp is empty.
+/// Bins of a table: a free slot reads as a position far above its cell, whose stamp is empty.
 const ROOM: usize = 1 << (2 + 2 * BIN_BITS);
 
 /// One table for each of the nine cells that a sample may lie in, seen from the cell whose pixels

@@ -29,8 +29,8 @@ struct Active {
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct RankedDart {
     rank: u32,
-    /// Its place in the domain, y first.
-    place: (i32, i32),
+    /// Its position in the domain, y first.
+    row_major: (i32, i32),
     x: i32,
     y: i32,
 }
@@ -123,7 +123,7 @@ impl<const TAGS: bool> Region<TAGS> {
 
     /// Appends the domain's cells of side [`GAP_SIDE`] that a rectangle of the frame touches.
     fn cells_in(&self, low: [i32; 2], high: [i32; 2], out: &mut Vec<Active>) {
-        // Places of the domain's cells along an axis: in the frame and in the domain.
+        // Starts of the domain's cells along an axis: in the frame and in the domain.
         let starts = |axis: usize| {
             let (side, frame) = (self.frame.sides[axis], &self.frame);
             let extent = if frame.periodic { side } else { side + 1 };
@@ -172,7 +172,7 @@ impl<const TAGS: bool> Region<TAGS> {
                 if domain.contains(p) && self.frame.holds(x, y) && !self.covered(simd, x, y) {
                     darts.push(RankedDart {
                         rank,
-                        place: p.row_major(),
+                        row_major: p.row_major(),
                         x,
                         y,
                     });

@@ -25,7 +25,7 @@ const MAX_AREA: f64 = 1_048_576.0;
 /// A frame that repeats the domain this often is not worth computing.
 const REPETITIONS: f64 = 9.0;
 
-/// The sequential run over a domain, made when it is first asked for.
+/// The sequential run over a domain, made when it is first needed.
 pub(super) struct Whole {
     parameters: Parameters,
     pattern: Arc<Pattern>,

@@ -1,4 +1,5 @@
-//! A window of a plane with a margin around it, as a set of its own. Whether the set is valid is for others to say.
+//! A window of a plane with a margin around it, as a set of its own. Whether the set is valid is judged by the caller,
+//! since the core has no verifier.
 
 use super::plane::Plane;
 use crate::error::SampleError;

@@ -1,4 +1,4 @@
-//! Device failures become errors that say what failed, and nothing hangs or panics. Needs an adapter; a software one
+//! Device failures become errors that name the cause, and nothing hangs or panics. Needs an adapter; a software one
 //! will do.
 
 use std::sync::Arc;
@@ -163,7 +163,7 @@ fn small_limits_make_small_windows_and_smaller_ones_are_refused() {
 
 #[test]
 fn windows_that_need_more_than_the_first_become_smaller() {
-    // Halos of one cell are doubled in nearly every window, which limits chosen to fit the first do not allow.
+    // Halos of one cell are doubled in nearly every window, and the limits allow only the first.
     let parameters = Parameters {
         radius: 0.006,
         leaf: 6.0,

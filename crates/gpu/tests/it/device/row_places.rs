@@ -1,5 +1,5 @@
 //! Compares the places of buffer rows with the sequential engine: samples, links, candidates, cells and blocks lie at
-//! the same places as on the CPU. Needs an adapter; a software one will do.
+//! the same positions as on the CPU. Needs an adapter; a software one will do.
 
 use std::collections::BTreeSet;
 use std::sync::Arc;

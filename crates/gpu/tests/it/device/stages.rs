@@ -188,17 +188,17 @@ fn a_run_that_differs_in_one_sample_is_caught() {
     let sample = other.result[other.result.len() / 2] as usize;
     other.samples.points[sample].x ^= 1;
     let found = difference(&other, &cpu).unwrap();
-    assert_eq!((found.list, found.place), ("points", Some(sample)));
+    assert_eq!((found.list, found.index), ("points", Some(sample)));
     assert_ne!(found.device, found.cpu);
     let mut other = cpu.clone();
     other.result.swap(3, 4);
     let found = difference(&other, &cpu).unwrap();
-    assert_eq!((found.list, found.place), ("result", Some(3)));
+    assert_eq!((found.list, found.index), ("result", Some(3)));
     let mut other = cpu.clone();
     let last = other.result.pop().unwrap();
     let found = difference(&other, &cpu).unwrap();
     assert_eq!(
-        (found.place, found.device.as_str()),
+        (found.index, found.device.as_str()),
         (Some(other.result.len()), "")
     );
     assert_eq!(found.cpu, last.to_string());
@@ -225,7 +225,7 @@ fn a_word_set_on_the_device_is_found_by_the_cpu_reference() {
     let starts = pollster::block_on(stepper.table(Name::Starts, u64::MAX)).unwrap();
     let tiled = starts.rows.iter().map(|row| row[0]).max().unwrap();
     let places = pollster::block_on(stepper.table(Name::Places, tiled as u64)).unwrap();
-    // Most places of the frame lie in the halo, which is not compared: one of these lies in the window.
+    // Most samples of the frame lie in the halo, which is not compared: one of these lies in the window.
     let found: Vec<_> = (0..places.rows.len())
         .step_by(places.rows.len() / 64)
         .filter_map(|place| {

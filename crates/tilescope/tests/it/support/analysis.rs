@@ -1,4 +1,4 @@
-//! What the tests of `tilescope analyze` share: its JSON object, and files that a test writes.
+//! Helpers of the tests of `tilescope analyze`: its JSON object, and files that a test writes.
 
 use std::fs;
 

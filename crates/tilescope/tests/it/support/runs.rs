@@ -1,5 +1,4 @@
-//! What the end-to-end tests of large sets share: runs with their JSON object, files, and runs that are to be
-//! interrupted.
+//! Helpers of the end-to-end tests of large sets: runs with their JSON object, files, and runs that are interrupted.
 
 use std::fs;
 use std::path::PathBuf;

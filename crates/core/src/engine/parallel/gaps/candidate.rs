@@ -13,13 +13,13 @@ use super::super::stamp::PIXEL_SIDE;
 use super::search::{Detectors, SearchedPixel};
 use super::{GapBuffers, Inserted, Rules, corner, inserted_tag};
 
-/// A candidate, compared by its place in the order of insertion.
+/// A candidate, compared by the order of insertion.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct RankedCandidate {
     rank: u32,
-    /// Its place in the domain, y first.
-    place: (i32, i32),
-    /// Its place in the frame.
+    /// Its position in the domain, y first.
+    row_major: (i32, i32),
+    /// Its position in the frame.
     x: i32,
     y: i32,
 }
@@ -75,7 +75,7 @@ impl<const TAGS: bool> Region<TAGS> {
                 let point = self.frame.point(x, y);
                 gaps.candidates.push(RankedCandidate {
                     rank: 0,
-                    place: point.row_major(),
+                    row_major: point.row_major(),
                     x,
                     y,
                 });
@@ -187,7 +187,7 @@ impl<const TAGS: bool> Region<TAGS> {
     ) {
         let key = rules.key.derive(Stream::Iteration, iteration);
         for candidate in &mut gaps.candidates {
-            let (y, x) = candidate.place;
+            let (y, x) = candidate.row_major;
             candidate.rank = key.draw_at(x, y)[0];
         }
         gaps.candidates.sort_unstable();

@@ -110,8 +110,8 @@ impl<const TAGS: bool> Region<TAGS> {
         unsure: &mut Vec<usize>,
     ) {
         if pixel.nearest + 2.0 * HALF_DIAGONAL + SITE_SLACK >= GATHERED {
-            let place = (cell, pixel.number);
-            self.search_wide(simd, gaps, rules, place, detectors, unsure);
+            let at = (cell, pixel.number);
+            self.search_wide(simd, gaps, rules, at, detectors, unsure);
         } else if pixel.sites.count_ones() >= 3 || !self.frame.periodic {
             self.search_pixel(simd, gaps, rules, (cell, pixel), detectors, unsure);
         }
@@ -151,8 +151,8 @@ impl<const TAGS: bool> Region<TAGS> {
             let (x, y) = centre(number);
             let measured = gaps.near.measure(simd, x, y);
             if !measured.covered {
-                let place = (cell, Pixel::new(number, &measured));
-                self.search_measured(simd, gaps, rules, place, Detectors::Inserted, &mut unsure);
+                let at = (cell, Pixel::new(number, &measured));
+                self.search_measured(simd, gaps, rules, at, Detectors::Inserted, &mut unsure);
             }
         }
         gaps.todo = todo;
