@@ -89,6 +89,11 @@ impl Monitor {
     /// Reports the verifier's progress; breaks if the job was cancelled.
     pub fn follow(&self, progress: tilescope_analysis::Progress) -> ControlFlow<()> {
         self.set_fraction(progress.done as f32 / progress.total.max(1) as f32);
+        self.go_on()
+    }
+
+    /// Breaks if the job was cancelled.
+    pub fn go_on(&self) -> ControlFlow<()> {
         if self.is_cancelled() {
             ControlFlow::Break(())
         } else {

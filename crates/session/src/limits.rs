@@ -14,10 +14,10 @@ pub const MAX_STAGED: f64 = if cfg!(target_arch = "wasm32") {
     500_000.0
 };
 
-/// The most samples of a run on a page, by a tab's memory.
+/// The most samples of a run on a page, limited by the memory of a tab.
 pub const MAX_ON_A_PAGE: f64 = 2_000_000.0;
 
-/// The longest point set that is read, in bytes: a million samples as text.
+/// The longest point set that is read, in bytes: enough for a million samples as text.
 pub const MAX_PATTERN_BYTES: u64 = 100_000_000;
 
 /// The most samples of a run whose passes are shown on a page, where the CPU computes the comparison between

@@ -66,7 +66,7 @@ fn words(rows: &Rows<'_>) -> (String, &'static str) {
     let tip = if rows.places.are_cells() && !rows.shown.is_filtered() {
         "This buffer has a row for every cell of the frame: cells are drawn where the pass changed something, or where a filter asks for them."
     } else {
-        "Rows beyond the domain's border are images in the frame's halo, or were dropped there. Rows behind the end of a list have no place."
+        "Rows beyond the domain's border are images in the frame's halo, or were dropped there. Rows behind the end of a list have no position."
     };
     (text, tip)
 }
