@@ -267,6 +267,11 @@ impl Action {
         self.on_keys(NONE, key)
     }
 
+    /// Sets a second shortcut.
+    const fn or_on(&mut self, modifiers: Modifiers, key: Key) {
+        self.also = Some(KeyboardShortcut::new(modifiers, key));
+    }
+
     /// Makes the action unavailable, if there is a reason.
     fn refused(&mut self, refusal: Option<&str>) -> &mut Self {
         self.refusal = refusal.map(str::to_owned);
@@ -378,7 +383,7 @@ fn scenes(list: &mut List, state: &State) {
     let next = list.add("Next scene", step(Direction::Forwards));
     next.on_key(Key::PageDown).refused(no_scenes);
     if state.is_touring() {
-        next.also = Some(KeyboardShortcut::new(NONE, Key::Space));
+        next.or_on(NONE, Key::Space);
     }
     let previous = list.add("Previous scene", step(Direction::Backwards));
     previous.on_key(Key::PageUp).refused(no_scenes);

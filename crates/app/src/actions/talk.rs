@@ -61,61 +61,24 @@ fn given(list: &mut List, talk: &Talk) {
     } else {
         TalkCommand::OpenStage
     };
-    let (laser, pen) = (Tool::Laser, Tool::Pen);
-    let right = Some((NONE, Key::ArrowRight));
-    let left = Some((NONE, Key::ArrowLeft));
-    let period = Some((NONE, Key::Period));
-    let undo = Some((COMMAND, Key::Z));
-    for (name, (modifiers, key), also, command) in [
-        ("Next", (NONE, Key::PageDown), right, TalkCommand::Next),
-        ("Back", (NONE, Key::PageUp), left, TalkCommand::Previous),
-        ("Blank", (NONE, Key::B), period, TalkCommand::Blank),
-        ("End the talk", (NONE, Key::Escape), None, TalkCommand::End),
-        ("From the first step", (NONE, Key::F5), None, first),
-        (
-            "The stage again",
-            (SHIFT, Key::F5),
-            None,
-            TalkCommand::OpenStage,
-        ),
-        ("Notes", (NONE, Key::N), None, TalkCommand::ToggleNotes),
-        (
-            "Exchange the screens",
-            (NONE, Key::S),
-            None,
-            TalkCommand::Swap,
-        ),
-        ("Laser", (NONE, Key::L), None, TalkCommand::Tool(laser)),
-        ("Pen", (NONE, Key::P), None, TalkCommand::Tool(pen)),
-        (
-            "Pen's next colour",
-            (NONE, Key::C),
-            None,
-            TalkCommand::NextColor,
-        ),
-        (
-            "Remove the last line",
-            (NONE, Key::U),
-            undo,
-            TalkCommand::UndoStroke,
-        ),
-        (
-            "Remove all lines",
-            (NONE, Key::X),
-            None,
-            TalkCommand::ClearStrokes,
-        ),
-        (
-            "Code for phones",
-            (NONE, Key::Q),
-            None,
-            TalkCommand::ToggleCode,
-        ),
-    ] {
-        let action = list.add(name, Command::Talk(command));
-        action.on_keys(modifiers, key).also =
-            also.map(|(modifiers, key)| KeyboardShortcut::new(modifiers, key));
-    }
+    let next = own(list, "Next", TalkCommand::Next);
+    next.on_key(Key::PageDown).or_on(NONE, Key::ArrowRight);
+    let back = own(list, "Back", TalkCommand::Previous);
+    back.on_key(Key::PageUp).or_on(NONE, Key::ArrowLeft);
+    let blank = own(list, "Blank", TalkCommand::Blank);
+    blank.on_key(Key::B).or_on(NONE, Key::Period);
+    own(list, "End the talk", TalkCommand::End).on_key(Key::Escape);
+    own(list, "From the first step", first).on_key(Key::F5);
+    own(list, "The stage again", TalkCommand::OpenStage).on_keys(SHIFT, Key::F5);
+    own(list, "Notes", TalkCommand::ToggleNotes).on_key(Key::N);
+    own(list, "Exchange the screens", TalkCommand::Swap).on_key(Key::S);
+    own(list, "Laser", TalkCommand::Tool(Tool::Laser)).on_key(Key::L);
+    own(list, "Pen", TalkCommand::Tool(Tool::Pen)).on_key(Key::P);
+    own(list, "Pen's next colour", TalkCommand::NextColor).on_key(Key::C);
+    let undo = own(list, "Remove the last line", TalkCommand::UndoStroke);
+    undo.on_key(Key::U).or_on(COMMAND, Key::Z);
+    own(list, "Remove all lines", TalkCommand::ClearStrokes).on_key(Key::X);
+    own(list, "Code for phones", TalkCommand::ToggleCode).on_key(Key::Q);
 }
 
 /// Returns whether an action keeps its keys during a talk: answers, the camera, light and dark, full screen.
