@@ -23,7 +23,7 @@ const MAX_DISTANCE: f32 = 90.0;
 const HALO: f32 = 15.0;
 /// Pick radius around a sample in a gap, in screen points; beyond it the gap is named.
 const ON_SAMPLE: f32 = 5.0;
-/// Vertical room for a tag above what it names.
+/// Vertical room for a tag above the object that it names.
 const MAX_CARD_HEIGHT: f32 = 64.0;
 
 /// The object under the pointer.
@@ -56,7 +56,7 @@ pub fn show(
     tag(painter, response.rect, &named, text, palette);
 }
 
-/// Returns what is under the pointer, if anything.
+/// Returns the object under the pointer, if there is one.
 fn name(subject: &Subject<'_>, rect: Rect, pointer: Pos2) -> Option<Named> {
     let shown = subject.shown;
     if shown.stage == Stage::Pattern {

@@ -309,7 +309,7 @@ impl InstancedCanvas {
         (next.moving, next.layers)
     }
 
-    /// Returns what is drawn for `seen` samples, and the maximum number, if anything is drawn.
+    /// Returns the kind of instance that stands for `seen` samples, and the most that are drawn; `None` if none are.
     fn kind(
         &self,
         marks: Marks,

@@ -157,7 +157,7 @@ impl<'a> Looks<'a> {
         &self.subject.shown.session.run().samples.origins[id as usize]
     }
 
-    /// Returns the colour of a sample that is there.
+    /// Returns the colour of a sample that is tiled or valid.
     #[must_use]
     pub fn color(&self, id: u32) -> Color32 {
         if let Some((color, _)) = self.tint(id) {

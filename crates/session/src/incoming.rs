@@ -68,7 +68,7 @@ pub struct Incoming {
     pub name: String,
     /// Its content.
     pub bytes: Vec<u8>,
-    /// Files that came with it: its certificate, and what it names.
+    /// Files that came with it: its certificate, and the files that it names.
     pub beside: Vec<NamedBytes>,
     /// The folder in which files that it names are looked for, too; `None` in a browser.
     pub folder: Option<PathBuf>,

@@ -6,8 +6,7 @@ pub const MAX_STAGED_ON_A_PAGE: f64 = 200_000.0;
 /// Above this expected size, the parallel engine makes the set and keeps only the result: the sequential one
 /// takes 105 bytes for each sample and ten times as long.
 ///
-/// A page has a lower limit: a tab's memory is small, and a session is there twice, in a worker and in the
-/// window.
+/// A page has a lower limit: a tab has little memory, and holds each session twice, in a worker and in the window.
 pub const MAX_STAGED: f64 = if cfg!(target_arch = "wasm32") {
     MAX_STAGED_ON_A_PAGE
 } else {

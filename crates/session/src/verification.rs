@@ -40,7 +40,7 @@ pub struct Verdict {
     pub largest: Option<Gap>,
 }
 
-/// A witness in the plane: what the canvas marks and the camera flies to.
+/// A witness in the plane, to be marked on the canvas and flown to by the camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum WitnessMark {
     /// Two samples, by id, and their distance in r.

@@ -11,7 +11,7 @@ use super::App;
 use crate::actions;
 use crate::panels::lesson::{notes, stage};
 
-/// What is kept between frames about the windows of a talk.
+/// The state of a talk's windows that is kept between frames.
 #[derive(Default)]
 pub struct Stage {
     /// The zoom before the talk.
@@ -50,7 +50,7 @@ impl App {
         let [root, other] = roles;
         let other = Some(other).filter(|role| open(*role) && !ctx.embed_viewports());
         if ui.input(|input| input.viewport().close_requested()) && other.is_some() {
-            // Only the content is closed, so that the talk goes on in this window with the content of the other.
+            // Only the content is closed: this window then shows the content of the other one, and the talk continues.
             ctx.send_viewport_cmd(ViewportCommand::CancelClose);
             ctx.send_viewport_cmd(ViewportCommand::Fullscreen(false));
             self.commands.push(Command::Talk(close_command(root)));

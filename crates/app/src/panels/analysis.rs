@@ -166,7 +166,7 @@ fn status(
     lines(ui, RichText::new(text).color(color)).known_as("analysis.status");
 }
 
-/// Shows what is being measured, with a button to stop or resume.
+/// Shows the progress of measuring, with a button to stop or resume it.
 fn progress(
     ui: &mut Ui,
     context: &AnalysisContext<'_>,

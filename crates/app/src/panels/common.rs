@@ -32,7 +32,7 @@ pub fn divide(ui: &mut Ui, palette: &Palette) {
     ui.add_space(6.0);
 }
 
-/// Explains why there are no events.
+/// Shows why the session has no events.
 pub fn no_events(ui: &mut Ui, context: &PanelContext<'_>) {
     let text = match &context.run.session {
         None => "There is no session yet.".to_owned(),

@@ -1,5 +1,5 @@
-//! The comparison of two runs: settings of run B, what the two share, what differs, and the first event where they
-//! diverge.
+//! The comparison of two runs: the choice of run B, the links between the two, their differences, and the first event at
+//! which they diverge.
 
 use egui::{Button, ProgressBar, RichText, Ui};
 use tilescope_debugger::{Divergence, Recording};

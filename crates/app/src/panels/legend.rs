@@ -1,4 +1,4 @@
-//! The legend: each symbol with its meaning, and what the colour of samples means.
+//! The legend: the meanings of the symbols, and of the colours of samples.
 
 use egui::{Align2, Button, FontId, Painter, Rect, Response, RichText, Sense, Ui, pos2, vec2};
 use tilescope_drawing::palette::Palette;

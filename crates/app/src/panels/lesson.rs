@@ -1,4 +1,4 @@
-//! The panel of a lesson: the text of a step, its question, the answer, and what is said to it; or the list of lessons.
+//! The panel of a lesson: the text of a step, its question, the answer, and the feedback on it; or the list of lessons.
 //! It stands beside the canvas, in a narrow window below it. Begin with [`show`] and `LessonPanel::show`.
 //!
 //! The files beside have the parts: [`answers`] for each type of question, [`list`] of lessons, [`marks`] over the
@@ -261,7 +261,7 @@ impl LessonPanel<'_> {
         }
     }
 
-    /// Shows the verdict on the last answer, and what the lesson says to it.
+    /// Shows the verdict on the last answer, and the lesson's sentence on it.
     fn feedback(&self, ui: &mut Ui) {
         let verdict = self.open.verdict(&self.state.lessons.language);
         let (Some(feedback), Some(verdict)) = (&self.open.feedback, verdict) else {
@@ -282,7 +282,7 @@ impl LessonPanel<'_> {
         }
     }
 
-    /// Shows what is known once the question is closed: the answer, the text after it, and the events that explain it.
+    /// Shows the right answer once the question is closed, the text after it, and the events that explain it.
     fn revealed(&mut self, ui: &mut Ui) {
         let learner = &self.open.learner;
         if learner.progress() == Progress::GivenUp

@@ -111,7 +111,7 @@ fn row(panel: Panel) -> (Room, Show) {
 }
 
 impl<'a> AnalysisContext<'a> {
-    /// Returns what the analysis of the first run is shown from.
+    /// Returns the context of the analysis of run A.
     pub fn of(state: &'a State) -> Self {
         Self {
             palette: Palette::of(state.appearance.look),

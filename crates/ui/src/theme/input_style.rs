@@ -12,7 +12,7 @@ use tilescope_session::look::Look;
 
 use super::{semibold, theme_of};
 
-/// What the style depends on besides the colours.
+/// The properties of the input that the style depends on, besides the colours.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct InputStyle {
     /// Whether buttons and other targets are large enough for touch.

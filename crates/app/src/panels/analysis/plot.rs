@@ -1,5 +1,5 @@
 //! A generic chart of curves: axes with round ticks, levels, confidence bands, values under the pointer, and a range to
-//! drag. What is plotted is decided in `charts.rs`.
+//! drag. `charts.rs` chooses the curves.
 
 use egui::{
     Align2, Color32, CursorIcon, FontId, Mesh, Painter, Pos2, Rect, Response, Role, Sense, Shape,

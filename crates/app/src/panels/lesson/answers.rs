@@ -198,8 +198,8 @@ impl Answers<'_> {
         }
     }
 
-    /// Shows the spectrum before a change and, for each band of frequencies, what the change does to it; the spectrum
-    /// after the change once the question is closed.
+    /// Shows the spectrum before a change and, for each band of frequencies, the choice of how the change alters it; once
+    /// the question is closed, also the spectrum after the change.
     fn bands(
         &mut self,
         ui: &mut Ui,

@@ -171,7 +171,7 @@ impl Notes<'_> {
         });
     }
 
-    /// Shows the buttons of the talk: they do what the clicker and the keys in brackets do.
+    /// Shows the buttons of the talk, with the keys of the same commands in brackets.
     fn tools(&self, ui: &mut Ui, commands: &mut Vec<Command>) {
         let talk = self.talk;
         ui.horizontal_wrapped(|ui| {

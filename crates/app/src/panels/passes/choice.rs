@@ -11,7 +11,7 @@ use tilescope_workbench::passes::model::Visit;
 use tilescope_workbench::passes::placed::{PlacedCounts, Rows};
 use tilescope_workbench::passes::{PassCommand, Passes};
 
-/// Shows the switch and what it draws.
+/// Shows the switch, and a remark on the rows that it draws.
 pub(super) fn show(
     ui: &mut Ui,
     passes: &Passes,
