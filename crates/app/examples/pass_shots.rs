@@ -41,7 +41,7 @@ fn main() {
         .with_max_steps(64)
         .build_ui_state(
             |ui, shown: &mut Shown| {
-                install(ui.ctx(), tilescope_ui::theme::theme_of(shown.look));
+                install(ui.ctx(), shown.look);
                 let palette = Palette::of(shown.look);
                 ui.painter()
                     .rect_filled(ui.ctx().content_rect(), 0.0, palette.panel);

@@ -1,6 +1,7 @@
-//! Every action of the window in one list: menus, shortcuts and the Ctrl+K palette are made from it and issue the same
-//! commands. An action that is unavailable carries the reason. Begin with `Action`; each menu's actions are in a file
-//! of its name.
+//! Every action of the window in one list: menus, shortcuts and the list of actions (Ctrl+K) are made from it and issue
+//! the same commands. An action that is unavailable has the reason. Begin with [`Action`] and [`actions`]; the actions of
+//! a menu are in the file of its name, those of Edit, View, Debug and Help below. To add one, add it where its menu is
+//! filled; what its command does is in the workbench.
 
 mod analyze;
 mod compare;
@@ -34,9 +35,10 @@ use tilescope_workbench::scenes::{SceneCommand, SceneList};
 use tilescope_workbench::state::{RunView, State, Time};
 
 /// The menus.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Menu {
     /// Files.
+    #[default]
     File,
     /// Undo, parameters, selection.
     Edit,
@@ -92,13 +94,13 @@ pub enum Submenu {
     Panels,
     /// The layers of the canvas.
     Layers,
-    /// What colours stand for.
+    /// The meanings of colours.
     Colours,
-    /// Themes and motion.
+    /// Looks and motion.
     Look,
     /// The scenes.
     Scenes,
-    /// What a tick is.
+    /// The length of a tick.
     Ticks,
     /// Stepping backwards.
     Backwards,
@@ -106,7 +108,7 @@ pub enum Submenu {
     Previous,
     /// Repeating a part of the run.
     Loop,
-    /// What a run can be compared with.
+    /// The runs to compare with.
     Presets,
 }
 
@@ -149,7 +151,7 @@ pub struct Action {
     pub submenu: Option<Submenu>,
     /// Whether a line separates it from the actions before it.
     pub begins_group: bool,
-    /// Whether what it switches is on; `None` for other actions.
+    /// Of a switch, whether it is on.
     pub is_on: Option<bool>,
 }
 
@@ -167,6 +169,12 @@ pub fn found(finder: &Finder, state: &State) -> Vec<Action> {
 }
 
 const NO_SESSION: &str = "There is no session yet.";
+
+/// Returns why nothing can be done with the first run before it is made.
+fn no_session(state: &State) -> Option<&'static str> {
+    state.runs.first.session.is_none().then_some(NO_SESSION)
+}
+
 static NO_EVENTS: LazyLock<String> = LazyLock::new(|| {
     let most = grouped(MAX_STAGED as usize);
     format!(
@@ -174,13 +182,13 @@ static NO_EVENTS: LazyLock<String> = LazyLock::new(|| {
     )
 });
 
-/// Returns why what is shown has no events, if it has none.
+/// Returns why the first run has no events, if it has none.
 fn no_events(state: &State) -> Option<&'static str> {
     match &state.runs.first {
         run if run.debugger.is_some() => None,
         run if run.session.is_none() => Some(NO_SESSION),
         _ if state.shows_combination() => {
-            Some("A combination has stages but no events: its sets were there before.")
+            Some("A combination has stages but no events: its sets existed before.")
         }
         _ => Some(NO_EVENTS.as_str()),
     }
@@ -196,7 +204,7 @@ pub fn actions(state: &State) -> Vec<Action> {
     go::add(&mut list, state);
     debug(&mut list, state);
     analyze::add(&mut list, state);
-    compare::compare(&mut list, state);
+    compare::add(&mut list, state);
     lessons::add(&mut list, state);
     talk::add(&mut list, state);
     help(&mut list);
@@ -209,6 +217,8 @@ pub fn actions(state: &State) -> Vec<Action> {
 #[derive(Default)]
 struct List {
     actions: Vec<Action>,
+    /// The menu of the actions that are added next.
+    menu: Menu,
     /// The submenu of the actions that are added next.
     submenu: Option<Submenu>,
     /// Whether the next action begins a group.
@@ -216,25 +226,19 @@ struct List {
 }
 
 impl List {
-    fn add(
-        &mut self,
-        menu: Menu,
-        name: impl Into<String>,
-        keys: Option<(Modifiers, Key)>,
-        command: Command,
-        refusal: Option<&str>,
-    ) {
-        self.actions.push(Action {
-            menu,
+    /// Adds an action; the methods of [`Action`] give it keys, a reason why it is unavailable, or a state.
+    fn add(&mut self, name: impl Into<String>, command: Command) -> &mut Action {
+        self.actions.push_mut(Action {
+            menu: self.menu,
             name: name.into(),
-            shortcut: keys.map(|(modifiers, key)| KeyboardShortcut::new(modifiers, key)),
+            shortcut: None,
             also: None,
             command,
-            refusal: refusal.map(str::to_owned),
+            refusal: None,
             submenu: self.submenu,
             begins_group: std::mem::take(&mut self.begins_group),
             is_on: None,
-        });
+        })
     }
 
     /// Begins a group: a line separates the next action from those before it.
@@ -242,18 +246,41 @@ impl List {
         self.begins_group = true;
     }
 
-    /// Marks the action added last as a switch that is on or off.
-    fn mark(&mut self, is_on: bool) {
-        if let Some(action) = self.actions.last_mut() {
-            action.is_on = Some(is_on);
-        }
-    }
-
     /// Adds actions to a submenu.
     fn within(&mut self, submenu: Submenu, add: impl FnOnce(&mut Self)) {
         self.submenu = Some(submenu);
         add(self);
         self.submenu = None;
+    }
+}
+
+impl Action {
+    /// Sets the shortcut, if there is one.
+    fn on_keys(&mut self, modifiers: Modifiers, key: impl Into<Option<Key>>) -> &mut Self {
+        let key: Option<Key> = key.into();
+        self.shortcut = key.map(|key| KeyboardShortcut::new(modifiers, key));
+        self
+    }
+
+    /// Sets a shortcut without modifiers.
+    fn on_key(&mut self, key: Key) -> &mut Self {
+        self.on_keys(NONE, key)
+    }
+
+    /// Sets a second shortcut.
+    const fn or_on(&mut self, modifiers: Modifiers, key: Key) {
+        self.also = Some(KeyboardShortcut::new(modifiers, key));
+    }
+
+    /// Makes the action unavailable, if there is a reason.
+    fn refused(&mut self, refusal: Option<&str>) -> &mut Self {
+        self.refusal = refusal.map(str::to_owned);
+        self
+    }
+
+    /// Marks the action as a switch that is on or off.
+    const fn marked(&mut self, is_on: bool) {
+        self.is_on = Some(is_on);
     }
 }
 
@@ -280,12 +307,10 @@ impl Action {
 }
 
 impl List {
-    /// Gives Escape to the action that closes or leaves what was entered last.
+    /// Gives Escape to one action: of a caption, a selection, a brush, an open panel and the projector mode, the first
+    /// that can be closed or left.
     fn escape(&mut self, state: &State) {
-        let projector = state
-            .appearance
-            .look
-            .is_projector()
+        let projector = (state.appearance.look.is_projector())
             .then_some(Command::Appearance(AppearanceCommand::ToggleProjector));
         let caption = state.scene.map(|_| Command::Scene(SceneCommand::Leave));
         let ways = [
@@ -312,135 +337,84 @@ const SHIFT: Modifiers = Modifiers::SHIFT;
 const NONE: Modifiers = Modifiers::NONE;
 
 fn edit(list: &mut List, state: &State) {
-    let mut add = |name: &str, keys, command, refusal: Option<&str>| {
-        list.add(Menu::Edit, name, keys, command, refusal);
-    };
+    list.menu = Menu::Edit;
     let no_past = (!state.can_undo()).then_some("Nothing was changed yet.");
     let no_future = (!state.can_redo()).then_some("Nothing was undone.");
-    add("Undo", Some((COMMAND, Key::Z)), Command::Undo, no_past);
-    add(
-        "Redo",
-        Some((COMMAND | SHIFT, Key::Z)),
-        Command::Redo,
-        no_future,
-    );
-    add(
-        "Reset parameters",
-        None,
-        Command::Form(FormCommand::Reset),
-        None,
-    );
-    let nothing = (state.runs.first.selected.is_none() && state.runs.first.place.is_none())
-        .then_some("Nothing is selected.");
-    let no_session = state.runs.first.session.is_none().then_some(NO_SESSION);
+    let undo = list.add("Undo", Command::Undo);
+    undo.on_keys(COMMAND, Key::Z).refused(no_past);
+    let redo = list.add("Redo", Command::Redo);
+    redo.on_keys(COMMAND | SHIFT, Key::Z).refused(no_future);
+    list.add("Reset parameters", Command::Form(FormCommand::Reset));
+    let run = &state.runs.first;
+    let is_nothing = run.selected.is_none() && run.place.is_none();
     list.group();
-    list.add(
-        Menu::Edit,
-        "Select at the centre of the view",
-        Some((NONE, Key::M)),
-        Command::View(Which::First, ViewCommand::SelectMiddle),
-        no_session,
-    );
+    let middle = Command::View(Which::First, ViewCommand::SelectMiddle);
+    list.add("Select at the centre of the view", middle)
+        .on_key(Key::M)
+        .refused(no_session(state));
     let deselect = Command::View(Which::First, ViewCommand::Pick(Selection::Nothing));
-    list.add(Menu::Edit, "Deselect", None, deselect, nothing);
+    list.add("Deselect", deselect)
+        .refused(is_nothing.then_some("Nothing is selected."));
     list.group();
-    list.add(
-        Menu::Edit,
-        "All actions\u{2026}",
-        Some((COMMAND, Key::K)),
-        Command::Window(WindowCommand::ToggleFinder),
-        None,
-    );
+    let finder = Command::Window(WindowCommand::ToggleFinder);
+    list.add("All actions\u{2026}", finder)
+        .on_keys(COMMAND, Key::K);
 }
 
 fn help(list: &mut List) {
-    list.add(
-        Menu::Help,
-        "Tour",
-        None,
-        Command::Scene(SceneCommand::Tour),
-        None,
-    );
+    list.menu = Menu::Help;
+    list.add("Tour", Command::Scene(SceneCommand::Tour));
     for page in HelpPage::ALL {
-        let keys = (page == HelpPage::Keys).then_some((NONE, Key::Questionmark));
+        let key = (page == HelpPage::Keys).then_some(Key::Questionmark);
         let command = Command::Window(WindowCommand::Help(page));
-        list.add(Menu::Help, page.name(), keys, command, None);
+        list.add(page.name(), command).on_keys(NONE, key);
     }
 }
 
-/// Adds the scenes. In the tour the space key, which plays otherwise, goes on.
+/// Adds the scenes. In the tour the space key, which plays otherwise, goes to the next scene.
 fn scenes(list: &mut List, state: &State) {
     let has_scenes = state.scene.is_some() || !state.scenes(SceneList::Own).is_empty();
     let no_scenes = (!has_scenes).then_some("There are no scenes: B makes one.");
     let step = |direction| Command::Scene(SceneCommand::Step(direction));
-    let mut add = |name: &str, key, command, refusal| {
-        list.add(Menu::View, name, key, command, refusal);
-    };
-    let key = |key| Some((NONE, key));
     let add_scene = Command::Scene(SceneCommand::Add);
-    add(
-        "Make a scene of this moment",
-        key(Key::B),
-        add_scene,
-        no_events(state),
-    );
-    add(
-        "Next scene",
-        key(Key::PageDown),
-        step(Direction::Forwards),
-        no_scenes,
-    );
-    add(
-        "Previous scene",
-        key(Key::PageUp),
-        step(Direction::Backwards),
-        no_scenes,
-    );
-    let next = step(Direction::Forwards);
-    if state.is_touring()
-        && let Some(next) = list
-            .actions
-            .iter_mut()
-            .find(|action| action.command == next)
-    {
-        next.also = Some(KeyboardShortcut::new(NONE, Key::Space));
+    list.add("Make a scene of this moment", add_scene)
+        .on_key(Key::B)
+        .refused(no_events(state));
+    let next = list.add("Next scene", step(Direction::Forwards));
+    next.on_key(Key::PageDown).refused(no_scenes);
+    if state.is_touring() {
+        next.or_on(NONE, Key::Space);
     }
+    let previous = list.add("Previous scene", step(Direction::Backwards));
+    previous.on_key(Key::PageUp).refused(no_scenes);
     if state.scene.is_some() {
         let leave = Command::Scene(SceneCommand::Leave);
-        list.add(Menu::View, "Close the scene's caption", None, leave, None);
+        list.add("Close the scene's caption", leave);
     }
 }
 
 /// Returns the name of the action that enters the projector mode or leaves it.
 #[must_use]
 pub const fn projector_action(look: Look) -> &'static str {
-    match look {
-        Look::Projector | Look::ProjectorDark => "Leave the projector mode",
-        Look::Dark | Look::Light => Look::Projector.name(),
+    if look.is_projector() {
+        "Leave the projector mode"
+    } else {
+        Look::Projector.name()
     }
 }
 
 fn view(list: &mut List, state: &State) {
-    let mut add = |name: &str, key, command| {
-        let command = Command::View(Which::First, command);
-        list.add(Menu::View, name, Some((NONE, key)), command, None);
-    };
-    add("Fit the domain", Key::F, ViewCommand::Fit);
-    add(
-        "Show the current event",
-        Key::Period,
-        ViewCommand::GoToCurrent,
-    );
+    list.menu = Menu::View;
+    let run_a = |command| Command::View(Which::First, command);
+    list.add("Fit the domain", run_a(ViewCommand::Fit))
+        .on_key(Key::F);
+    let current = run_a(ViewCommand::GoToCurrent);
+    list.add("Show the current event", current)
+        .on_key(Key::Period);
     let follow = Command::Appearance(AppearanceCommand::ToggleFollow);
-    let keys = Some((SHIFT, Key::F));
-    list.add(
-        Menu::View,
-        "Follow the events with the camera",
-        keys,
-        follow,
-        None,
-    );
-    list.mark(state.appearance.follows_events);
+    list.add("Follow the events with the camera", follow)
+        .on_keys(SHIFT, Key::F)
+        .marked(state.appearance.follows_events);
     list.within(Submenu::Camera, |list| camera(list, state));
     list.group();
     list.within(Submenu::Panels, |list| panels(list, state));
@@ -449,21 +423,16 @@ fn view(list: &mut List, state: &State) {
     list.within(Submenu::Look, |list| look(list, state));
     list.within(Submenu::Scenes, |list| scenes(list, state));
     list.group();
-    list.add(
-        Menu::View,
-        "Full screen",
-        Some((Modifiers::ALT, Key::Enter)),
-        Command::Window(WindowCommand::ToggleFullScreen),
-        state.window.full_screen.refusal(),
-    );
-    if let Some(is_full) = state.window.is_full {
-        list.mark(is_full);
-    }
-    if state.window.drawer.arrangement.is_compact() {
-        let drawer = &state.window.drawer;
+    let command = Command::Window(WindowCommand::ToggleFullScreen);
+    let full = list.add("Full screen", command);
+    full.on_keys(Modifiers::ALT, Key::Enter)
+        .refused(state.window.full_screen.refusal());
+    full.is_on = state.window.is_full;
+    let drawer = &state.window.drawer;
+    if drawer.arrangement.is_compact() {
         let no_panel = drawer.open.is_none().then_some("No panel is open.");
         let close = Command::Window(WindowCommand::Drawer(DrawerCommand::Show(None)));
-        list.add(Menu::View, "Close the panel", None, close, no_panel);
+        list.add("Close the panel", close).refused(no_panel);
     }
 }
 
@@ -486,16 +455,13 @@ const fn panel_keys(panel: Panel) -> Option<(Modifiers, Key)> {
     })
 }
 
-/// Adds the panels: what is visible is hidden, all else is brought into view.
+/// Adds the panels: a visible one is hidden, another one is brought into view.
 fn panels(list: &mut List, state: &State) {
     let window = &state.window;
-    let no_panels = state
-        .appearance
-        .look
-        .is_projector()
+    let no_panels = (state.appearance.look.is_projector())
         .then_some("The projector mode shows no panels: F2 leaves it.");
     for panel in Panel::all() {
-        let (name, keys) = (panel.name(), panel_keys(panel));
+        let name = panel.name();
         let (name, command) = if window.can_hide(panel) {
             let name = format!("Hide the panel: {name}");
             (name, WindowCommand::HidePanel(panel))
@@ -503,9 +469,12 @@ fn panels(list: &mut List, state: &State) {
             let name = format!("Panel: {name}");
             (name, WindowCommand::OpenPanel(panel))
         };
-        let refusal = no_panels.filter(|_| panel != Panel::Analysis);
-        list.add(Menu::View, name, keys, Command::Window(command), refusal);
-        list.mark(window.shows(panel));
+        let action = list.add(name, Command::Window(command));
+        action.refused(no_panels.filter(|_| panel != Panel::Analysis));
+        if let Some((modifiers, key)) = panel_keys(panel) {
+            action.on_keys(modifiers, key);
+        }
+        action.marked(window.shows(panel));
     }
     list.group();
     if !window.drawer.arrangement.is_compact() {
@@ -514,31 +483,29 @@ fn panels(list: &mut List, state: &State) {
         } else {
             "Show the side panels"
         };
-        let keys = Some((NONE, Key::F4));
-        let sides = Command::Window(WindowCommand::ToggleSides);
-        list.add(Menu::View, name, keys, sides, no_panels);
+        let sides = list.add(name, Command::Window(WindowCommand::ToggleSides));
+        sides.on_key(Key::F4).refused(no_panels);
     }
     let reset = Command::Window(WindowCommand::ResetLayout);
-    list.add(Menu::View, "Reset layout", None, reset, None);
+    list.add("Reset layout", reset);
 }
 
 /// Adds the layers of the canvas.
 fn layers(list: &mut List, state: &State) {
     let automatic = Command::Appearance(AppearanceCommand::AutomaticLayers);
-    let keys = Some((NONE, Key::T));
-    list.add(Menu::View, "Layers: automatic", keys, automatic, None);
-    list.mark(state.appearance.chosen_layers.is_none());
+    list.add("Layers: automatic", automatic)
+        .on_key(Key::T)
+        .marked(state.appearance.chosen_layers.is_none());
     list.group();
     let shown = state.appearance.layers(state.current_stage());
     for layer in Layer::ALL {
         let command = Command::Appearance(AppearanceCommand::ToggleLayer(layer));
-        let name = format!("Layer: {}", layer.name());
-        list.add(Menu::View, name, None, command, None);
-        list.mark(shown.has(layer));
+        list.add(format!("Layer: {}", layer.name()), command)
+            .marked(shown.has(layer));
     }
 }
 
-/// Adds what the colour of samples can stand for.
+/// Adds the meanings that the colour of samples can have.
 fn colours(list: &mut List, state: &State) {
     for (name, colouring) in [
         ("Colour by block", Colouring::Block),
@@ -546,30 +513,29 @@ fn colours(list: &mut List, state: &State) {
         ("Colour by age", Colouring::Age),
     ] {
         let command = Command::Appearance(AppearanceCommand::Colour(colouring));
-        list.add(Menu::View, name, None, command, None);
-        list.mark(state.appearance.colouring == colouring);
+        list.add(name, command)
+            .marked(state.appearance.colouring == colouring);
     }
 }
 
-/// Adds themes and motion.
+/// Adds the looks and the choice of less motion.
 fn look(list: &mut List, state: &State) {
     let shown = state.appearance.look;
-    let theme = |list: &mut List, look: Look| {
-        let command = Command::Appearance(AppearanceCommand::Look(look));
-        list.add(Menu::View, look.name(), None, command, None);
-        list.mark(shown == look);
-    };
-    theme(list, Look::Dark);
-    theme(list, Look::Light);
-    let projector = Command::Appearance(AppearanceCommand::ToggleProjector);
-    let keys = Some((NONE, Key::F2));
-    list.add(Menu::View, projector_action(shown), keys, projector, None);
-    list.mark(shown.is_projector());
-    theme(list, Look::ProjectorDark);
+    for look in Look::ALL {
+        if look == Look::Projector {
+            let projector = Command::Appearance(AppearanceCommand::ToggleProjector);
+            list.add(projector_action(shown), projector)
+                .on_key(Key::F2)
+                .marked(shown.is_projector());
+        } else {
+            let command = Command::Appearance(AppearanceCommand::Look(look));
+            list.add(look.name(), command).marked(shown == look);
+        }
+    }
     list.group();
     let motion = Command::Appearance(AppearanceCommand::ToggleReducedMotion);
-    list.add(Menu::View, "Reduced motion", None, motion, None);
-    list.mark(state.appearance.reduced_motion);
+    list.add("Reduced motion", motion)
+        .marked(state.appearance.reduced_motion);
 }
 
 /// How far a key pans the view, in screen points.
@@ -577,22 +543,21 @@ const PAN: f32 = 80.0;
 
 /// Adds the camera's actions, for the keyboard.
 fn camera(list: &mut List, state: &State) {
-    let no_session = state.runs.first.session.is_none().then_some(NO_SESSION);
+    let run_a = |command| Command::View(Which::First, command);
     for (name, key, delta) in [
         ("Move the view left", Key::ArrowLeft, vec2(PAN, 0.0)),
         ("Move the view right", Key::ArrowRight, vec2(-PAN, 0.0)),
         ("Move the view up", Key::ArrowUp, vec2(0.0, PAN)),
         ("Move the view down", Key::ArrowDown, vec2(0.0, -PAN)),
     ] {
-        let keys = Some((SHIFT, key));
-        let command = Command::View(Which::First, ViewCommand::Pan(delta));
-        list.add(Menu::View, name, keys, command, no_session);
+        let action = list.add(name, run_a(ViewCommand::Pan(delta)));
+        action.on_keys(SHIFT, key).refused(no_session(state));
     }
     list.group();
     let middle = state.runs.first.viewport.center();
     for (name, key, factor) in [("Zoom in", Key::Plus, 1.25), ("Zoom out", Key::Minus, 0.8)] {
-        let command = Command::View(Which::First, ViewCommand::Zoom(middle, factor));
-        list.add(Menu::View, name, Some((NONE, key)), command, no_session);
+        let action = list.add(name, run_a(ViewCommand::Zoom(middle, factor)));
+        action.on_key(key).refused(no_session(state));
     }
 }
 
@@ -613,37 +578,26 @@ pub fn time_refusals(run: &RunView, time: &Time) -> [Option<&'static str>; 2] {
 }
 
 fn debug(list: &mut List, state: &State) {
-    let debugger = state.runs.first.debugger.as_ref();
+    list.menu = Menu::Debug;
     let no_events = no_events(state);
-    if let Some(debugger) = debugger
+    if let Some(debugger) = &state.runs.first.debugger
         && let Some(event) = debugger.event()
     {
         let line = event.line();
-        list.add(
-            Menu::Debug,
-            "Breakpoint on the next line",
-            Some((NONE, Key::F9)),
-            Command::Debug(DebugCommand::ToggleBreakpoint(line)),
-            None,
-        );
-        let breakpoints = debugger.breakpoints();
-        list.mark(breakpoints.iter().any(|there| there.line == line));
+        let is_set = debugger.breakpoints().iter().any(|set| set.line == line);
+        let toggle = Command::Debug(DebugCommand::ToggleBreakpoint(line));
+        list.add("Breakpoint on the next line", toggle)
+            .on_key(Key::F9)
+            .marked(is_set);
     }
-    let mut add = |name: &str, keys, command, refusal: Option<&str>| {
-        list.add(Menu::Debug, name, keys, Command::Debug(command), refusal);
-    };
     let at_start = state.cursor().is_some_and(|(at, _)| at == 0);
     let no_cause = at_start.then_some("Nothing has happened yet.");
-    add(
-        "Why? Go to the cause of the last event",
-        Some((NONE, Key::W)),
-        DebugCommand::Why,
-        no_events.or(no_cause),
-    );
+    let why = Command::Debug(DebugCommand::Why);
+    list.add("Why? Go to the cause of the last event", why)
+        .on_key(Key::W)
+        .refused(no_events.or(no_cause));
     list.group();
-    let mut add = |name: &str, keys, command| {
-        list.add(Menu::Debug, name, keys, Command::Debug(command), no_events);
-    };
-    let sample = DebugCommand::Watch("p".to_owned());
-    add("Watch the current sample", None, sample);
+    let sample = Command::Debug(DebugCommand::Watch("p".to_owned()));
+    list.add("Watch the current sample", sample)
+        .refused(no_events);
 }

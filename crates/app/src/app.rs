@@ -1,5 +1,6 @@
-//! The egui application: each frame it shows the panels, collects commands and applies them to the state. Tiles are
-//! moved here directly; everything else changes through commands. Begin with `App::show`.
+//! The egui application: each frame it shows the panels, collects commands and applies them to the state. Tiles that are
+//! dragged change the layout directly; everything else changes by commands. Begin with [`App::show`]. The two windows of a
+//! talk are in `app/stage.rs`.
 
 use std::sync::Arc;
 
@@ -57,7 +58,7 @@ impl App {
         let waker = ctx.clone();
         let mut state = State::new(Arc::new(move || waker.request_repaint()));
         state.lessons.now = now();
-        theme::install(ctx, theme::theme_of(state.appearance.look));
+        theme::install(ctx, state.appearance.look);
         ctx.add_plugin(Presses::default());
         Self {
             shown_look: state.appearance.look,
@@ -350,12 +351,7 @@ impl App {
         if (self.shown_look, self.shown_input_style) == (look, input_style) {
             return;
         }
-        if self.shown_look != look {
-            ctx.set_theme(theme::theme_of(look));
-        }
-        if self.shown_input_style != input_style {
-            theme::restyle(ctx, input_style);
-        }
+        theme::restyle(ctx, look, input_style);
         let zoom = |look: Look, is_compact| if is_compact { 1.0 } else { look.zoom() };
         let (before, after) = (
             zoom(self.shown_look, self.shown_input_style.touch),
@@ -369,8 +365,8 @@ impl App {
         ctx.request_repaint();
     }
 
-    /// Restores the settings of an earlier session. If there was none, the tour begins, unless the app opens otherwise than
-    /// with the default session.
+    /// Restores the settings of an earlier use of the program. Without one the tour begins, if the window opens with the
+    /// default session (`is_default`) rather than with a link or a command.
     pub fn remember(&mut self, storage: &dyn eframe::Storage, is_default: bool) {
         let has = |key| storage.get_string(key).is_some();
         if is_default && ![LAYOUT_KEY, OLD_LAYOUT_KEY, LOOK_KEY].into_iter().any(has) {
@@ -487,7 +483,7 @@ impl Behavior<Panel> for Shower<'_> {
         }
     }
 
-    /// Also scroll to the tab of a panel that was opened by a command or link.
+    /// Gives a tab its id and its menu, and scrolls to the tab of a panel that was opened by a command or a link.
     fn on_tab_button(
         &mut self,
         _: &mut Tiles<Panel>,

@@ -1,5 +1,5 @@
 //! The tag beside the pointer: the sample under it and its status, or else the gap, or else the block. The tag does not
-//! cover what it names.
+//! cover the object that it names.
 
 use egui::{Align2, FontId, Painter, Pos2, Rect, Response, Stroke, StrokeKind, Ui, vec2};
 use glam::DVec2;
@@ -23,7 +23,7 @@ const MAX_DISTANCE: f32 = 90.0;
 const HALO: f32 = 15.0;
 /// Pick radius around a sample in a gap, in screen points; beyond it the gap is named.
 const ON_SAMPLE: f32 = 5.0;
-/// Vertical room for a tag above what it names.
+/// Vertical room for a tag above the object that it names.
 const MAX_CARD_HEIGHT: f32 = 64.0;
 
 /// The object under the pointer.
@@ -56,7 +56,7 @@ pub fn show(
     tag(painter, response.rect, &named, text, palette);
 }
 
-/// Returns what is under the pointer, if anything.
+/// Returns the object under the pointer, if there is one.
 fn name(subject: &Subject<'_>, rect: Rect, pointer: Pos2) -> Option<Named> {
     let shown = subject.shown;
     if shown.stage == Stage::Pattern {
@@ -70,7 +70,7 @@ fn name(subject: &Subject<'_>, rect: Rect, pointer: Pos2) -> Option<Named> {
         let at = shown.session.position(id);
         (id, subject.camera.screen_from_domain(rect, at))
     });
-    // A gap is uncovered, so a sample is meant only when the pointer is on its symbol.
+    // Within a gap a sample is named only if the pointer is on its symbol.
     let on_sample = hovered.is_some_and(|(_, at)| at.distance(pointer) <= ON_SAMPLE);
     if let Some((gap, reach)) = gap(subject, position).filter(|_| !on_sample) {
         let reach = reach * subject.camera.scale as f32;

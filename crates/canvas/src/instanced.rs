@@ -81,7 +81,7 @@ impl Limits {
     };
 }
 
-/// The camera's movement as the last frames showed it.
+/// How the camera moved between the last two frames.
 #[derive(Clone, Copy, Default)]
 struct Motion {
     frame: u64,
@@ -100,8 +100,9 @@ pub struct InstancedCanvas {
     order: CellOrder,
     size: DVec2,
     periodic: bool,
-    /// By position in the buffers.
+    /// The looks by index in the buffers.
     looks: Vec<[u32; 2]>,
+    /// The number of the next part that is drawn.
     drawn: Cell<u32>,
     motion: Cell<Motion>,
 }
@@ -180,12 +181,6 @@ impl InstancedCanvas {
         self.generation
     }
 
-    /// Returns the version of the styles on the GPU.
-    #[must_use]
-    pub const fn version(&self) -> Option<u64> {
-        self.version
-    }
-
     /// Gives every sample the style that `look` returns for its id, unless the styles are already those of `version`;
     /// uploads the changed ones and returns their number.
     pub fn set_looks(&mut self, version: u64, look: impl Fn(u32) -> SampleLook) -> usize {
@@ -194,12 +189,8 @@ impl InstancedCanvas {
         }
         self.version = Some(version);
         let mut changed = Vec::new();
-        for (index, &id) in self.order.ids.iter().enumerate() {
-            let packed = look(id).packed();
-            if self.looks[index] != packed {
-                self.looks[index] = packed;
-                changed.push(index);
-            }
+        for index in 0..self.looks.len() {
+            changed.extend(self.restyle(index, look(self.order.ids[index])));
         }
         self.upload(&changed);
         changed.len()
@@ -210,14 +201,9 @@ impl InstancedCanvas {
     pub fn change_looks(&mut self, version: u64, looks: &[(u32, SampleLook)]) -> usize {
         self.version = Some(version);
         let mut changed = Vec::new();
-        for (id, look) in looks {
-            let Some(&index) = self.order.positions.get(*id as usize) else {
-                continue;
-            };
-            let (index, packed) = (index as usize, look.packed());
-            if self.looks[index] != packed {
-                self.looks[index] = packed;
-                changed.push(index);
+        for &(id, look) in looks {
+            if let Some(&index) = self.order.positions.get(id as usize) {
+                changed.extend(self.restyle(index as usize, look));
             }
         }
         changed.sort_unstable();
@@ -226,7 +212,14 @@ impl InstancedCanvas {
         changed.len()
     }
 
-    /// Uploads the styles at `changed` positions, in ascending order; close ranges are joined.
+    /// Sets the look at an index of the buffers; returns the index if that was another look.
+    fn restyle(&mut self, index: usize, look: SampleLook) -> Option<usize> {
+        let packed = look.packed();
+        let before = std::mem::replace(&mut self.looks[index], packed);
+        (before != packed).then_some(index)
+    }
+
+    /// Uploads the looks at `changed` indices, which ascend; ranges that are close together are joined.
     fn upload(&self, changed: &[usize]) {
         if changed.len() > self.looks.len() / 4 {
             self.gpu.write_looks(0, &self.looks);
@@ -316,7 +309,7 @@ impl InstancedCanvas {
         (next.moving, next.layers)
     }
 
-    /// Returns what is drawn for `seen` samples, and the maximum number, if anything is drawn.
+    /// Returns the kind of instance that stands for `seen` samples, and the most that are drawn; `None` if none are.
     fn kind(
         &self,
         marks: Marks,

@@ -70,7 +70,7 @@ fn round_length(radii: f64) -> f64 {
     (length * 1e6).round() / 1e6
 }
 
-/// Returns the size of what is shown, in r.
+/// Returns the size of the domain, in r; at the stage of the pattern, that of the pattern.
 fn shown_size(subject: &Subject<'_>) -> DVec2 {
     let session = subject.shown.session;
     match subject.shown.stage {

@@ -1,5 +1,5 @@
 //! Pictures computed pixel by pixel for the visible part of the domain: the uncovered area, and samples that are too
-//! many for symbols. Independent of egui's painter.
+//! many for symbols.
 
 use glam::DVec2;
 
@@ -19,7 +19,7 @@ pub struct PixelGrid {
     pub pixels_per_point: f32,
 }
 
-/// The part of a cache key that the frame determines.
+/// What a picture was made from, as the key of a cache: the pixels, and all that the looks of samples depend on.
 pub type MadeFrom = (PixelGrid, tilescope_drawing::looks::Key);
 
 impl PixelGrid {

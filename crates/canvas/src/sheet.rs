@@ -11,7 +11,7 @@ use crate::strokes::{Stamps, Strokes};
 const MAX_DISK_SPRITE: f32 = 160.0;
 /// Wider lines are drawn as egui strokes: the texture of a thin line would blur their sides.
 const MAX_SOFT_WIDTH: f32 = 2.0;
-/// How many kinds of stamps there are: disks, and every kind of mark.
+/// The number of kinds of stamps: disks, and every kind of mark.
 const STAMPS: usize = 1 + Mark::ALL.len();
 
 /// Shapes of one part.

@@ -143,7 +143,7 @@ impl<K: PartialEq> Stack<'_, K> {
     }
 }
 
-/// Returns a remark about what is left out or simplified at this scale.
+/// Returns a remark on layers that are left out or simplified at this scale.
 pub fn note(scene: &Scene<'_>, crowded: bool, as_points: bool) -> Option<String> {
     let has = |layer| scene.has(layer);
     if crowded && as_points {

@@ -1,5 +1,5 @@
-//! Touch gestures on a canvas. What lifting the fingers means depends on how many have touched since the first. It only
-//! interprets events; panning and selecting are in the app.
+//! Touch gestures on a canvas. A lifted finger ends a tap only if no second finger has touched since the first. This module
+//! only interprets events; `panes/input.rs` of `tilescope-app` pans and selects.
 
 use egui::{Event, Id, Pos2, RawInput, Response, TouchPhase, Ui, Vec2, pos2};
 

@@ -26,7 +26,7 @@ impl Ages {
         let origins = &run.samples.origins;
         let is_tiled = |origin: &Origin| matches!(origin, Origin::Tiled { .. });
         Self {
-            // Without stages samples are ordered by position, and their block is all that is known of their age.
+            // Without stages samples are ordered by position, and only their block tells their age.
             tiled: if session.has_stages() {
                 Ok(origins.partition_point(is_tiled) as u32)
             } else {

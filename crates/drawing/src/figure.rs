@@ -77,7 +77,7 @@ impl Figure<'_> {
         dots.collect()
     }
 
-    /// Returns samples with their disks, which cover what is drawn before.
+    /// Returns samples with their disks, which cover shapes that were drawn before.
     fn samples(&self, at: &[Vec2]) -> Vec<SymbolShape> {
         let color = self.0.sample;
         let cover = at.iter().map(|&at| dot(at, R, self.0.domain));

@@ -1,5 +1,5 @@
-//! The look of every sample at a moment: symbol, colour, disk. Both painters of the canvas, by instances and by
-//! meshes, and exported pictures draw these looks.
+//! The look of every sample at a moment: symbol, colour, disk. The canvas, whether it draws instances on the GPU or meshes,
+//! and exported pictures draw these looks. Begin with [`Looks::of`].
 
 use std::ops::Range;
 
@@ -21,7 +21,7 @@ pub struct Key {
     stage: Stage,
     layers: Layers,
     colouring: Colouring,
-    dark: bool,
+    palette: Palette,
     /// The serial number of the causes shown.
     causes: Option<u64>,
 }
@@ -36,7 +36,7 @@ impl Key {
             stage: subject.shown.stage,
             layers: subject.layers,
             colouring: subject.colouring,
-            dark: palette.dark,
+            palette: *palette,
             causes: subject.causes.map(|found| found.serial),
         }
     }
@@ -53,7 +53,7 @@ impl Key {
 /// The colours of blocks and ages, which take too long to compute for each sample.
 #[derive(Default)]
 pub struct Swatches {
-    dark: bool,
+    palette: Option<Palette>,
     blocks: Vec<Color32>,
     /// The colours of ages, from early to late.
     ages: Vec<Color32>,
@@ -66,13 +66,13 @@ impl Swatches {
     /// Updates them for `palette` and the number of blocks of the subject.
     pub fn follow(&mut self, subject: &Subject<'_>, palette: &Palette) {
         let count = subject.shown.session.run().blocks.leaves.len();
-        if self.dark != palette.dark {
-            *self = Self::default();
-            self.dark = palette.dark;
-        }
-        if self.ages.is_empty() {
+        if self.palette != Some(*palette) {
             let shade = |k: u32| palette.age(k as f32 / (SHADES - 1) as f32);
-            self.ages = (0..SHADES).map(shade).collect();
+            *self = Self {
+                palette: Some(*palette),
+                blocks: Vec::new(),
+                ages: (0..SHADES).map(shade).collect(),
+            };
         }
         let known = self.blocks.len().min(count);
         self.blocks
@@ -94,7 +94,9 @@ pub struct Looks<'a> {
     palette: &'a Palette,
     swatches: &'a Swatches,
     ages: Ages,
+    /// The colour of eliminated samples.
     ghost: Color32,
+    /// The colour of samples outside the domain.
     dropped: Color32,
 }
 
@@ -155,7 +157,7 @@ impl<'a> Looks<'a> {
         &self.subject.shown.session.run().samples.origins[id as usize]
     }
 
-    /// Returns the colour of a sample that is there.
+    /// Returns the colour of a sample that is tiled or valid.
     #[must_use]
     pub fn color(&self, id: u32) -> Color32 {
         if let Some((color, _)) = self.tint(id) {

@@ -1,5 +1,7 @@
-//! Colours by meaning, for the dark and the light look, after Okabe and Ito, with one accent. A colour means
-//! the same on the canvas, in pictures, in chips and in the legend.
+//! The colour schemes: a [`Palette`] names colours by their meaning, and [`Palette::of`] chooses one for a look.
+//! The hues can be told apart by colour-blind people (Okabe and Ito 2008). A colour means the same on the canvas, in
+//! exported pictures, on chips and in the legend. The colours of charts and of pictures on paper are in
+//! `tilescope_figures`. To add a scheme, begin here; the tests below check the contrasts of every palette.
 
 use ecolor::Color32;
 use tilescope_figures::Palette as Marks;
@@ -188,7 +190,7 @@ mod tests {
 
     #[test]
     fn colours_of_ages_are_readable_and_grow_lighter() {
-        for palette in [DARK, LIGHT] {
+        for palette in Look::ALL.map(Palette::of) {
             let ramp: Vec<Color32> = (0..=32).map(|k| palette.age(k as f32 / 32.0)).collect();
             for color in &ramp {
                 assert!(contrast(*color, palette.domain) > 3.0, "{color:?}");
@@ -202,7 +204,7 @@ mod tests {
 
     #[test]
     fn text_and_symbols_have_enough_contrast() {
-        for palette in [DARK, LIGHT] {
+        for palette in Look::ALL.map(Palette::of) {
             for ground in [palette.panel, palette.raised, palette.domain] {
                 assert!(contrast(palette.text, ground) > 7.0);
                 assert!(contrast(palette.muted, ground) > 4.5);

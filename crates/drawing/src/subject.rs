@@ -27,7 +27,7 @@ pub struct Subject<'a> {
     pub hovered: Option<u32>,
     /// The selected sample.
     pub selected: Option<u32>,
-    /// The selected place, in r.
+    /// The selected place of the plane, in r.
     pub place: Option<DVec2>,
     /// The witness of a verdict that the user flew to.
     pub witness_mark: Option<WitnessMark>,
@@ -37,7 +37,7 @@ pub struct Subject<'a> {
     pub contrast: Option<Contrast<'a>>,
     /// The causes of the brush.
     pub causes: Option<&'a BrushedCause>,
-    /// How far the last event is drawn in, from 0 to 1: after a step in time it takes a moment.
+    /// How far the animation of the last event has come, from 0 to 1.
     pub drawn_in: f32,
 }
 

@@ -30,7 +30,7 @@ pub enum CombineCommand {
     Text(String),
 }
 
-/// The description of a combination, which its session has beside the run.
+/// The description of a combination, which its session holds beside the run.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Combination {
     /// The layout.

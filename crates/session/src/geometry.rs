@@ -1,20 +1,21 @@
 //! The triangulation at the current moment: Delaunay triangles, Voronoi edges and exact gaps of the samples
-//! that cover their disks, and the exposed arcs of their circles. `tilescope_analysis` computes it in the background, for display only.
+//! that cover their disks, and the exposed arcs of their circles. `tilescope_analysis` computes it in the background; no
+//! verdict depends on it. Begin with [`Geometry::want`].
 
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use glam::DVec2;
-use tilescope_analysis::{Boundary, COVERING_TOLERANCE, Region, Tessellation, exposed_arcs};
+use tilescope_analysis::{COVERING_TOLERANCE, Region, Tessellation, exposed_arcs};
 
 use crate::jobs::{Job, Monitor, Wake};
 use crate::moment::ShownMoment;
 use crate::session::Session;
 use crate::task::{self, Task};
-use crate::units::radii;
+use crate::verification;
 
-/// Larger sets are not triangulated for the canvas: it would take seconds at each moment.
+/// The most samples that are triangulated for the canvas; more would take seconds at each moment.
 pub const MAX_SAMPLES: usize = 200_000;
 
 /// A session's generation and a cursor.
@@ -39,7 +40,7 @@ pub struct Nets {
 }
 
 impl Nets {
-    /// Returns none where samples cannot be triangulated.
+    /// Returns the nets of samples; `None` if they cannot be triangulated.
     fn of(ids: &[u32], points: &[[f64; 2]], region: Region) -> Option<Self> {
         let go_on = |_| ControlFlow::Continue(());
         let arcs = exposed_arcs(points, region, 1.0 + COVERING_TOLERANCE, &go_on);
@@ -118,10 +119,8 @@ impl Geometry {
     #[must_use]
     pub fn exposed_degrees(&self, shown: &ShownMoment<'_>, id: u32) -> Option<f64> {
         let arcs = self.exposed(shown)?.iter().filter(|arc| arc.id == id);
-        Some(
-            arcs.fold(0.0, |sum, arc| sum + arc.angles[1] - arc.angles[0])
-                .to_degrees(),
-        )
+        let sum = arcs.fold(0.0, |sum, arc| sum + arc.angles[1] - arc.angles[0]);
+        Some(sum.to_degrees())
     }
 
     /// Returns the sample whose exposed arc is nearest to a position, within `reach`.
@@ -148,8 +147,8 @@ impl Geometry {
         (*key == key_of(shown)).then_some(&**ready)
     }
 
-    /// Takes a finished triangulation and starts the one of the moment unless it is known or running. One runs
-    /// at a time; repeated calls end with the moment asked for last.
+    /// Takes a finished triangulation, and starts that of the moment unless it is known or another one is running. Called
+    /// once per frame, it ends with the triangulation of the last moment.
     pub fn want(&mut self, shown: &ShownMoment<'_>, wake: &Wake) {
         self.poll();
         let key = key_of(shown);
@@ -172,11 +171,8 @@ impl Geometry {
     }
 
     fn poll(&mut self) {
-        let outcome = self
-            .work
-            .as_ref()
-            .and_then(|(key, job)| Some((*key, job.poll()?)));
-        if let Some((key, outcome)) = outcome {
+        let work = self.work.as_ref();
+        if let Some((key, outcome)) = work.and_then(|(key, job)| Some((*key, job.poll()?))) {
             self.work = None;
             self.take(key, outcome);
         }
@@ -208,14 +204,10 @@ fn covering(shown: &ShownMoment<'_>) -> (Vec<u32>, Vec<[f64; 2]>) {
 /// Returns the region of a session, in r.
 #[must_use]
 pub fn region_of(session: &Session) -> Region {
-    let domain = &session.run().domain;
+    let DVec2 { x, y } = session.size_radii();
     Region {
-        width: radii(domain.width()),
-        height: radii(domain.height()),
-        boundary: if domain.is_periodic() {
-            Boundary::Periodic
-        } else {
-            Boundary::Bounded
-        },
+        width: x,
+        height: y,
+        ..verification::region_of(session)
     }
 }

@@ -44,7 +44,7 @@ glossary! {
     KD_TREE, "KD-tree", "3.1.2", "The random splits, in x and y by turns, that cut the domain into blocks.";
     LEAF, "leaf", "3.1.1", "The shortest edge that a block may have, in r.";
     BLOCK, "block", "3.1.2", "A leaf of the random KD-tree: a rectangle of the domain that is tiled as one. The paper says building block.";
-    CLIP, "clip", "3.1.2", "The part of the pattern that a block receives: the block enlarged by r on every side, laid at a random place of the pattern.";
+    CLIP, "clip", "3.1.2", "The part of the pattern that a block receives: the block enlarged by r on every side, laid at a random position of the pattern.";
     MARGIN, "margin", "3", "The strip of width r around a block in which its clip overlaps the neighbours.";
     TILING, "tiling", "3.1.3", "The stage in which every block receives its clip.";
     SEAM, "seam", "4.2", "A line along which two clips meet, or two sets of a combination. Conflicts and gaps arise near it.";
@@ -81,9 +81,9 @@ glossary! {
 
     EVENT, "event", "", "One step of a recorded run: a split, a clip, a comparison, a test of a place, an insertion.";
     RECORDING, "recording", "", "A run with all of its events.";
-    CURSOR, "cursor", "", "How many events have happened at the moment that is looked at.";
+    CURSOR, "cursor", "", "The number of events that have happened at the current moment.";
     MOMENT, "moment", "", "The state of a run after some of its events, or after a stage where no events were kept.";
-    SESSION, "session", "", "A run that is looked at, with its verdict. A saved session also has breakpoints, scenes and the view.";
+    SESSION, "session", "", "A run to look at, with its verdict. A saved session also has breakpoints, scenes and the view.";
     SCENE, "scene", "", "A moment to show, with its camera, layers and caption. The tour is made of scenes.";
     TASK, "task", "", "Work in the background on plain data: a thread natively, a worker on a page.";
     CERTIFICATE, "certificate", "", "The file beside an exported set: parameters, verdict and digest of what was written.";

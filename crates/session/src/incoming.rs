@@ -68,7 +68,7 @@ pub struct Incoming {
     pub name: String,
     /// Its content.
     pub bytes: Vec<u8>,
-    /// Files that came with it: its certificate, and what it names.
+    /// Files that came with it: its certificate, and the files that it names.
     pub beside: Vec<NamedBytes>,
     /// The folder in which files that it names are looked for, too; `None` in a browser.
     pub folder: Option<PathBuf>,
@@ -88,10 +88,7 @@ impl Incoming {
 
     /// Fails if it is longer than `limit` bytes.
     pub fn within(&self, limit: u64) -> Result<(), String> {
-        match too_long(&self.name, self.bytes.len() as u64, limit) {
-            Some(why) => Err(why),
-            None => Ok(()),
-        }
+        too_long(&self.name, self.bytes.len() as u64, limit).map_or(Ok(()), Err)
     }
 
     /// Returns its text; fails if it is not text or is longer than a session may be.
@@ -236,14 +233,14 @@ pub fn pick(
     names: &[&str],
     mut holds_document: impl FnMut(usize) -> bool,
 ) -> Option<(usize, Vec<usize>)> {
-    let looked_at = names.len().min(MAX_FILES);
+    let considered = names.len().min(MAX_FILES);
     let is_lone = |&k: &usize| {
         let others = names.iter().enumerate().filter(|&(other, _)| other != k);
         !others
             .into_iter()
             .any(|(_, set)| is_certificate_of(names[k], set))
     };
-    let lone: Vec<usize> = (0..looked_at).filter(is_lone).collect();
+    let lone: Vec<usize> = (0..considered).filter(is_lone).collect();
     let document = lone.iter().copied().find(|&k| {
         let has_others = lone.len() > 1;
         has_others && holds_document(k)
@@ -251,7 +248,7 @@ pub fn pick(
     let opened = document.or_else(|| lone.first().copied())?;
     let mut left = lone;
     left.retain(|&k| k != opened);
-    left.extend(looked_at..names.len());
+    left.extend(considered..names.len());
     Some((opened, left))
 }
 

@@ -1,5 +1,5 @@
 //! A spatial index of samples: which ones lie in a part of the domain, with their images across a periodic
-//! border. A compact grid, built once per session.
+//! border. It is a compact grid that is built once per session.
 
 use glam::DVec2;
 use tilescope_core::{Domain, Point};

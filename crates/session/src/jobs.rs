@@ -89,6 +89,11 @@ impl Monitor {
     /// Reports the verifier's progress; breaks if the job was cancelled.
     pub fn follow(&self, progress: tilescope_analysis::Progress) -> ControlFlow<()> {
         self.set_fraction(progress.done as f32 / progress.total.max(1) as f32);
+        self.go_on()
+    }
+
+    /// Breaks if the job was cancelled.
+    pub fn go_on(&self) -> ControlFlow<()> {
         if self.is_cancelled() {
             ControlFlow::Break(())
         } else {
@@ -96,7 +101,7 @@ impl Monitor {
         }
     }
 
-    /// Sets what the job is doing.
+    /// Sets the current step of the job.
     pub fn set_activity(&self, activity: &str) {
         let mut current = self.activity.lock().unwrap_or_else(PoisonError::into_inner);
         if *current != activity {
@@ -182,7 +187,7 @@ impl<T: Portable> Job<T> {
         self.monitor.activity()
     }
 
-    /// Returns the result, once, when it is there.
+    /// Returns the result, once, after the work has ended.
     #[must_use]
     pub fn poll(&self) -> Option<Result<T, String>> {
         match self.result.try_recv() {

@@ -113,7 +113,7 @@ impl Layer {
         }
     }
 
-    /// Returns what its symbol stands for, in a few words, in a combination or in a run.
+    /// Returns the meaning of its symbol in a few words, in a combination or in a run.
     #[must_use]
     pub const fn meaning(self, combination: bool) -> &'static str {
         match self {
@@ -138,7 +138,7 @@ impl Layer {
         }
     }
 
-    /// Returns what it shows, in a sentence or two.
+    /// Returns the explanation of its content, in a sentence or two.
     #[must_use]
     pub const fn explanation(self) -> &'static str {
         match self {

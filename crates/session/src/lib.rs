@@ -1,8 +1,9 @@
 //! A run for display: made and verified in the background, with its moments and their description in words.
 //!
-//! It knows no window. A [`Session`] is a finished run with its stages and events; [`task`]s are the work in the background that
-//! makes, verifies and measures one, carried out by [`jobs`] natively and by workers on a page; [`moment`] is the state at a
-//! cursor; [`sentence`] and [`words`] put it into English, and [`glossary`] defines the terms.
+//! It does not depend on a window. Begin with [`Session`], a finished run with its stages and events; [`sampling`] makes one.
+//! [`task`]s are the work in the background that makes, verifies and measures one, carried out by [`jobs`] natively and by
+//! workers on a page; [`moment`] is the state at a cursor; [`sentence`] and [`words`] put it into English, and [`glossary`]
+//! defines the terms.
 //! Positions in r are [`glam::DVec2`]; sets in user units are plain `[f64; 2]`.
 //!
 //! ```

@@ -1,4 +1,6 @@
-//! The looks of a window: light and dark, also for a projector. Their colours are in `tilescope_drawing::palette`.
+//! The looks of a window: dark and light, each also at the size of a projector. Their colours are in
+//! `drawing/src/palette.rs`; the command that changes the look is in `workbench/src/appearance.rs`, its actions in
+//! `app/src/actions.rs`. To add a look, begin here.
 
 /// A look of the window. Earlier versions saved the aliases.
 #[derive(
@@ -67,9 +69,6 @@ impl Look {
     /// Returns how much larger everything is drawn.
     #[must_use]
     pub const fn zoom(self) -> f32 {
-        match self {
-            Self::Dark | Self::Light => 1.0,
-            Self::Projector | Self::ProjectorDark => 1.75,
-        }
+        if self.is_projector() { 1.75 } else { 1.0 }
     }
 }

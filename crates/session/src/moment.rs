@@ -1,5 +1,5 @@
 //! Moments: the state of a session after some of its events, or after a stage if no events were recorded, and
-//! the status of each sample then. `workbench` moves from moment to moment.
+//! the status of each sample then. Begin with [`Moment`]; `workbench/src/state/time.rs` moves from moment to moment.
 
 use std::sync::Arc;
 
@@ -13,9 +13,9 @@ use crate::task::SessionRef;
 /// A moment of a session.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Moment {
-    /// The stage that is current.
+    /// The current stage.
     pub stage: Stage,
-    /// How many events have happened, where there are events.
+    /// How many events have happened; `None` without recorded events.
     pub cursor: Option<usize>,
 }
 
@@ -109,19 +109,19 @@ impl Moment {
     }
 }
 
-/// The moment that is shown.
+/// The current moment of a session.
 #[derive(Clone, Copy)]
 pub struct ShownMoment<'a> {
     /// The session.
     pub session: &'a Session,
     /// The recorded events with the current cursor, if any were recorded.
     pub debugger: Option<&'a Debugger>,
-    /// The stage that is current.
+    /// The current stage.
     pub stage: Stage,
 }
 
 impl<'a> ShownMoment<'a> {
-    /// Returns the moment alone.
+    /// Returns the moment as a stage and a cursor.
     #[must_use]
     pub fn moment(&self) -> Moment {
         Moment {
@@ -145,16 +145,11 @@ impl<'a> ShownMoment<'a> {
     /// Returns the number of events that have happened; without events, the stage's index.
     #[must_use]
     pub fn cursor(&self) -> usize {
-        self.debugger.map_or_else(
-            || {
-                self.session
-                    .stages
-                    .iter()
-                    .position(|&stage| stage == self.stage)
-                    .unwrap_or(0)
-            },
-            |debugger| debugger.state().cursor(),
-        )
+        let mut stages = self.session.stages.iter();
+        match self.debugger {
+            Some(debugger) => debugger.state().cursor(),
+            None => stages.position(|&stage| stage == self.stage).unwrap_or(0),
+        }
     }
 
     /// Returns whether the moment is the end of a stage.

@@ -40,7 +40,7 @@ impl Task for SampleTask {
     }
 }
 
-/// The task of generating the pattern that a description asks for.
+/// The task of generating the pattern of a description.
 #[derive(Serialize, Deserialize)]
 pub struct PatternTask(pub PatternSpec);
 

@@ -1,4 +1,4 @@
-//! The events of a stage, in one sentence. The numbers come from the run.
+//! Moments and stages in words: the events of a stage in one sentence, with the numbers of the run, or the last event.
 
 use tilescope_core::{Boundary, Stage};
 
@@ -31,7 +31,7 @@ pub fn happened(shown: Option<&ShownMoment<'_>>) -> String {
     }
 }
 
-/// Returns what happened at `stage`.
+/// Returns the events of `stage`, in one sentence.
 #[must_use]
 pub fn stage_sentence(session: &Session, stage: Stage) -> String {
     if let Some(sentence) = combination_sentence(session, stage) {

@@ -1,5 +1,6 @@
 //! A finished run prepared for display: its stages, an index of its samples by position, and the conflicts that
-//! elimination resolved. Built once, in the background; immutable.
+//! elimination resolved. It is built once, in the background, and does not change. Begin with [`Session`]; progress and
+//! errors of making one are in `session/report.rs`.
 
 mod report;
 
@@ -12,7 +13,7 @@ use tilescope_core::{
     Fate, Insertion, Iteration, MAXIMAL_DENSITY, Origin, Parameters, R, Run, RunEvent, SampleError,
     SampleGrid, Stage, Standing, Summary, Sweep, Variant, covers_offset,
 };
-use tilescope_debugger::{Outline, Recording};
+use tilescope_debugger::{Event, Outline, Recording};
 use tilescope_gpu::GpuError;
 
 use crate::combination::Combination;
@@ -21,13 +22,22 @@ use crate::jobs::Monitor;
 use crate::limits::MAX_STAGED;
 use crate::recipe::{OwnPattern, Recipe};
 use crate::units;
-pub use report::MakeError;
-pub use report::Reporter;
+pub use report::{MakeError, Reporter};
+pub(crate) use report::{part_done, share_of};
 
 /// Returns whether a run is small enough to keep every stage of it. Algorithm 4 as printed always keeps them.
 pub fn keeps_everything(parameters: &Parameters) -> Result<bool, SampleError> {
     let expected = parameters.validate()?.area_radii() * MAXIMAL_DENSITY;
     Ok(expected <= MAX_STAGED || parameters.variant == Variant::AsPrinted)
+}
+
+/// Returns the stage that an event begins, if it begins one.
+fn begun_by(event: &Event) -> Option<Stage> {
+    match event.run_event()? {
+        RunEvent::Begin(stage) => Some(stage),
+        RunEvent::Iteration { number, .. } => Some(Stage::Iterate(number)),
+        _ => None,
+    }
 }
 
 /// A run with everything that the window needs to show it.
@@ -38,7 +48,7 @@ pub struct Session {
     pub stages: Vec<Stage>,
     /// The first event of each stage but the first, if events were recorded.
     starts: Vec<usize>,
-    /// The iteration that found nothing and so ended the recording; the run does not contain it.
+    /// The last iteration of a recording, which found no gap; the run does not contain it.
     last: Option<Iteration>,
     /// Its counts.
     pub summary: Summary,
@@ -48,7 +58,7 @@ pub struct Session {
     pub conflicts: Vec<[u32; 2]>,
     /// The tree of its events, if they were recorded.
     pub outline: Option<Outline>,
-    /// The session's number. Each session gets another, so that cached pictures of an old one are not reused.
+    /// The session's number, different for every session, so that cached pictures of another one are not reused.
     pub generation: u64,
     /// The engine that made it: "CPU", or "GPU" with the adapter's name.
     pub engine: String,
@@ -106,7 +116,7 @@ impl Session {
         made.map(|session| session.with(recipe))
     }
 
-    /// This session, with the own pattern of `recipe` noted.
+    /// Returns this session with the pattern file of `recipe`, if that has one.
     #[must_use]
     pub fn with(self, recipe: &Recipe) -> Self {
         Self {
@@ -177,7 +187,7 @@ impl Session {
         }
     }
 
-    /// Returns the index of a stage, otherwise of the last stage before it.
+    /// Returns the index of a stage; if the run lacks it, of the last stage before it.
     #[must_use]
     pub fn stage_index(&self, stage: Stage) -> usize {
         let index = self.stages.iter().rposition(|&other| other <= stage);
@@ -198,7 +208,8 @@ impl Session {
         Some(next.unwrap_or_else(|| recording.len()))
     }
 
-    /// Returns whether the recording is cut off at a cursor: the run went on, and what came next is not here.
+    /// Returns whether the recording was cut off at a cursor, as before an open question of a lesson: later events of the
+    /// run were left out.
     #[must_use]
     pub fn is_cut_off_at(&self, cursor: usize) -> bool {
         let here = self
@@ -242,7 +253,7 @@ impl Session {
         let (mut stages, mut starts, mut last, mut outline) =
             (run.stages(), Vec::new(), None, None);
         if let RunSource::Recorded(recording) = &source {
-            // Prepare the search index here, in the background, not at the first search.
+            // This builds the index for searches, here in the background rather than at the first search.
             recording.prepare();
             if run.result.is_empty() {
                 stages = begun_stages(recording, stages);
@@ -303,7 +314,7 @@ impl Session {
         there - ((there - position) / size).round() * size
     }
 
-    /// Iteration `k`, from 1; with events, also the last one, which found nothing.
+    /// Returns iteration `k`, counted from 1; with events also the last one, which found no gap.
     #[must_use]
     pub fn iteration(&self, k: u32) -> Option<&Iteration> {
         let index = (k as usize).checked_sub(1)?;
@@ -339,15 +350,12 @@ impl Session {
     }
 }
 
-/// Returns the iteration after those that the run keeps, if the recording has one; it found nothing.
+/// Returns the iteration after those that the run keeps, if the recording has one; it found no gap.
 fn last_iteration(recording: &Recording) -> Option<Iteration> {
     let run = recording.run();
     let number = run.iterations.len() as u32 + 1;
-    let begins = |event: &tilescope_debugger::Event| matches!(event.run_event(), Some(RunEvent::Iteration { number: other, .. }) if other == number);
-    recording
-        .tape()
-        .before(recording.len())
-        .find(|(_, event)| begins(event))?;
+    let mut events = recording.tape().before(recording.len());
+    events.find(|(_, event)| begun_by(event) == Some(Stage::Iterate(number)))?;
     let all = 0..run.samples.len() as u32;
     let stays = |id: &u32| run.samples.fates[*id as usize] == Fate::Kept;
     let is_marked = |id: &u32| {
@@ -377,14 +385,10 @@ fn last_iteration(recording: &Recording) -> Option<Iteration> {
     })
 }
 
-/// Returns the stages of a recording that is cut off, with those that have begun and changed nothing yet.
+/// Returns the stages of a recording that was cut off: `stages`, and those that have begun but changed nothing yet.
 fn begun_stages(recording: &Recording, mut stages: Vec<Stage>) -> Vec<Stage> {
-    for event in recording.tape().iter().filter(|event| event.depth() == 0) {
-        let begun = match event.run_event() {
-            Some(RunEvent::Begin(stage)) => stage,
-            Some(RunEvent::Iteration { number, .. }) => Stage::Iterate(number),
-            _ => continue,
-        };
+    let events = recording.tape().iter().filter(|event| event.depth() == 0);
+    for begun in events.filter_map(begun_by) {
         let is_part =
             recording.run().parameters.variant == Variant::AsPrinted && begun == Stage::Iterate(1);
         if !stages.contains(&begun) && !is_part {
@@ -399,12 +403,8 @@ fn begun_stages(recording: &Recording, mut stages: Vec<Stage>) -> Vec<Stage> {
 fn stage_starts(recording: &Recording, stages: &[Stage]) -> Vec<usize> {
     let mut starts = Vec::with_capacity(stages.len());
     for (index, event) in recording.tape().from(0) {
-        let begun = match event.run_event() {
-            Some(RunEvent::Begin(stage)) => stage,
-            Some(RunEvent::Iteration { number, .. }) => Stage::Iterate(number),
-            _ => continue,
-        };
-        if stages.get(starts.len() + 1) == Some(&begun) {
+        let begun = begun_by(event);
+        if begun.is_some() && stages.get(starts.len() + 1).copied() == begun {
             starts.push(index);
         }
     }

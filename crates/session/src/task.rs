@@ -1,6 +1,6 @@
 //! Background tasks whose input and outcome are plain data, so that they can run where no memory is shared. Natively a
 //! task runs on a thread and nothing is copied; on a page a [`TaskPool`] sends it to a web worker. This module only
-//! starts tasks; what they compute is beside the data they make.
+//! starts tasks; each task is defined in the module of the data that it makes.
 
 pub mod session_ref;
 

@@ -1,5 +1,5 @@
-//! The independent verifier's report on a session, and the places in the plane that decide it. The verdict
-//! itself is computed by `tilescope_analysis`.
+//! The independent verifier's report on a session, with its witnesses: the closest pair of samples and the largest empty
+//! circle, or what makes the set invalid. `tilescope_analysis` computes the verdict itself.
 
 use glam::DVec2;
 
@@ -11,11 +11,11 @@ use crate::jobs::Monitor;
 use crate::session::Session;
 use crate::task::{SessionRef, Task};
 
-/// A place that decides a verdict.
+/// Which witness of a verdict to show.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Witness {
-    /// Of the overall verdict: the worst conflict, else the worst gap, else the tightest pair.
+    /// That of the overall verdict: the worst conflict, else the worst gap, else the closest pair.
     Verdict,
     /// The closest pair of samples.
     ClosestPair,
@@ -23,12 +23,13 @@ pub enum Witness {
     LargestHole,
 }
 
-/// The most samples for which the extremes of a valid set are looked up as well.
+/// The most samples of a valid set whose closest pair and largest empty circle are found, too.
 const MAX_EXTREMES: usize = 3_000_000;
-/// A valid set's extremes are found by verifying it once more with limits that much tighter than them.
+/// The closest pair and the largest circle of a valid set are found by verifying it once more, with limits that are tighter
+/// than theirs by this factor.
 const HAIR: f64 = 1e-9;
 
-/// A report and the places that decide it.
+/// A report with its witnesses.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Verdict {
     /// The verifier's report on the result.
@@ -39,7 +40,7 @@ pub struct Verdict {
     pub largest: Option<Gap>,
 }
 
-/// A place to fly to.
+/// A witness in the plane, to be marked on the canvas and flown to by the camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum WitnessMark {
     /// Two samples, by id, and their distance in r.
@@ -67,7 +68,7 @@ impl Verdict {
             let exact = VerifyOptions {
                 covering_tolerance: 0.0,
                 witnesses: 1,
-                // The verdict is out; this only looks up where its extremes are.
+                // The verdict is known already: one judge is enough to find its extremes.
                 judges: JudgeChoice::Circles,
                 ..VerifyOptions::default()
             };
@@ -87,7 +88,7 @@ impl Verdict {
         })
     }
 
-    /// Returns the place of `witness`, if it is known.
+    /// Returns where `witness` lies in the plane, if it is known.
     #[must_use]
     pub fn witness_mark(&self, witness: Witness, session: &Session) -> Option<WitnessMark> {
         let radius = self.report.radius;

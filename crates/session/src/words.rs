@@ -3,19 +3,25 @@
 use tilescope_analysis::Report;
 use tilescope_core::Stage;
 
-/// `text` with a capital letter and a full stop. The name of a file at its beginning is left unchanged.
+/// Returns `text` with a capital letter and a full stop. The name of a file at its beginning is left unchanged.
 #[must_use]
 pub fn sentence(text: &str) -> String {
     let word = text.split([' ', ':', ',']).next().unwrap_or_default();
     if word.contains(['.', '/', '\\', '_']) && !word.ends_with('.') {
         return ended(text);
     }
-    let mut characters = text.chars();
-    let first = characters.next().map(|c| c.to_uppercase().to_string());
-    ended(&(first.unwrap_or_default() + characters.as_str()))
+    ended(&capital(text))
 }
 
-/// `text` with a full stop. For text that begins with a name, which keeps its case.
+/// Returns `text` with a capital letter.
+#[must_use]
+pub fn capital(text: &str) -> String {
+    let mut characters = text.chars();
+    let first = characters.next().map(|c| c.to_uppercase().to_string());
+    first.unwrap_or_default() + characters.as_str()
+}
+
+/// Returns `text` with a full stop. For text that begins with a name, which keeps its case.
 #[must_use]
 pub fn ended(text: &str) -> String {
     let stop = if text.ends_with(['.', '!', '?']) {
@@ -26,7 +32,7 @@ pub fn ended(text: &str) -> String {
     format!("{text}{stop}")
 }
 
-/// Returns `count` with thin groups of three digits.
+/// Returns `count` with a comma between groups of three digits.
 #[must_use]
 pub fn grouped(count: usize) -> String {
     tilescope_debugger::grouped(count as u64)

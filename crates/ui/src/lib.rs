@@ -1,5 +1,6 @@
-//! egui style and widgets of the window: colours, type, buttons, icons, the focus ring, and announcements for screen
-//! readers. It does not depend on the state of the window; panels are in `tilescope-app`.
+//! The style and the widgets of the window: fonts, spacing, buttons, icons, the focus ring, and announcements for screen
+//! readers. It does not depend on the state of the window. Colours are in `drawing/src/palette.rs`, panels in
+//! `tilescope-app`. Begin with [`theme`] for how the window looks, with [`widgets`] for its parts.
 //!
 //! ```
 //! use tilescope_session::look::Look;

@@ -1,9 +1,9 @@
-//! Type, spacing and the colours of widgets, light and dark.
+//! Fonts, spacing and the colours of widgets. The colours themselves are in `drawing/src/palette.rs`, and the choice
+//! among them, a [`Look`], is in `session/src/look.rs`. Begin with [`restyle`].
 
 mod input_style;
 
 use egui::{FontFamily, Theme};
-use tilescope_drawing::palette::{DARK, LIGHT, Palette};
 use tilescope_session::look::Look;
 
 pub use input_style::{FINGER, InputStyle, install, is_for_fingers, restyle, row_height};
@@ -14,19 +14,11 @@ pub fn semibold() -> FontFamily {
     FontFamily::Name("semibold".into())
 }
 
-/// Returns egui's theme for a look.
-#[must_use]
-pub const fn theme_of(look: Look) -> Theme {
-    match look {
-        Look::Dark | Look::ProjectorDark => Theme::Dark,
-        Look::Light | Look::Projector => Theme::Light,
-    }
-}
-
-/// Returns the palette of egui's theme.
-const fn palette_of(theme: Theme) -> &'static Palette {
-    match theme {
-        Theme::Dark => &DARK,
-        Theme::Light => &LIGHT,
+/// Returns which of egui's two themes a look replaces.
+const fn theme_of(look: Look) -> Theme {
+    if look.is_dark() {
+        Theme::Dark
+    } else {
+        Theme::Light
     }
 }

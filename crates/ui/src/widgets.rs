@@ -19,6 +19,9 @@ use crate::theme::{FINGER, is_for_fingers, row_height, semibold};
 pub trait Known {
     /// Sets an id that is unique on the screen. The accessible name and role are unchanged.
     fn known_as(&self, id: impl Display) -> &Self;
+
+    /// Sets such an id, and adds `command` to `commands` if the widget was clicked.
+    fn issues<C>(&self, id: impl Display, command: C, commands: &mut Vec<C>);
 }
 
 impl Known for Response {
@@ -33,6 +36,12 @@ impl Known for Response {
         self.ctx
             .accesskit_node_builder(self.id, |node| node.set_author_id(id.to_string()));
         self
+    }
+
+    fn issues<C>(&self, id: impl Display, command: C, commands: &mut Vec<C>) {
+        if self.known_as(id).clicked() {
+            commands.push(command);
+        }
     }
 }
 
@@ -95,7 +104,7 @@ pub fn symbol(painter: &Painter, layer: Layer, at: Pos2, palette: &Palette) {
     );
 }
 
-/// Shows what a layer is: a small figure, if there is one, and the explanation.
+/// Explains a layer by a small figure, if there is one, and a sentence or two.
 pub fn explain(ui: &mut Ui, layer: Layer, palette: &Palette) {
     figure(ui, layer, palette);
     ui.label(layer.explanation());
@@ -250,7 +259,7 @@ pub fn icon_button(
     } else {
         30.0
     };
-    let (rect, response) = button_place(ui, Vec2::splat(side), name, enabled);
+    let (rect, response) = allocate_button(ui, Vec2::splat(side), name, enabled);
     let hot = enabled && (response.hovered() || response.has_focus());
     let painter = ui.painter();
     if hot {
@@ -355,7 +364,7 @@ pub fn verdict_mark(painter: &Painter, at: Pos2, well: bool, color: Color32) {
 }
 
 /// Allocates a button with an accessible name that reacts to clicks only when enabled.
-fn button_place(ui: &mut Ui, size: Vec2, name: &str, enabled: bool) -> (Rect, Response) {
+fn allocate_button(ui: &mut Ui, size: Vec2, name: &str, enabled: bool) -> (Rect, Response) {
     let sense = if enabled {
         Sense::click()
     } else {
@@ -375,7 +384,7 @@ pub fn primary_button(
 ) -> Response {
     let enabled = refusal.is_none();
     let size = vec2(ui.available_width(), row_height(ui.ctx(), 34.0));
-    let (rect, response) = button_place(ui, size, text, enabled);
+    let (rect, response) = allocate_button(ui, size, text, enabled);
     let strength = match (enabled, response.hovered()) {
         (false, _) => 0.25,
         (true, false) => 0.92,

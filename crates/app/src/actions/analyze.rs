@@ -2,7 +2,7 @@
 
 use egui::Key;
 
-use super::{List, Menu, NO_SESSION, NONE};
+use super::{List, Menu, no_session};
 use tilescope_workbench::analysis::AnalysisCommand;
 use tilescope_workbench::analysis::brush::{Brush, BrushAxis, FIRST_PEAK};
 use tilescope_workbench::arrangement::DrawerCommand;
@@ -13,57 +13,42 @@ use tilescope_workbench::state::State;
 
 /// Adds the actions of the menu.
 pub(super) fn add(list: &mut List, state: &State) {
-    let mut add = |name: &str, key: Option<Key>, command, refusal: Option<&str>| {
-        let keys = key.map(|key| (NONE, key));
-        list.add(Menu::Analyze, name, keys, command, refusal);
-    };
+    list.menu = Menu::Analyze;
     let analysis = &state.analysis;
-    let no_session = state.runs.first.session.is_none().then_some(NO_SESSION);
     // With tiles, tabs lead away from the analysis; the projector mode and small windows have no tabs.
-    let open = Command::Window(WindowCommand::OpenPanel(Panel::Analysis));
     let (name, command) = if !state.analyses() {
-        ("Show analysis", open)
+        ("Show analysis", WindowCommand::OpenPanel(Panel::Analysis))
     } else if state.window.drawer.arrangement.is_compact() {
-        (
-            "Hide analysis",
-            Command::Window(WindowCommand::Drawer(DrawerCommand::Show(None))),
-        )
+        let close = DrawerCommand::Show(None);
+        ("Hide analysis", WindowCommand::Drawer(close))
     } else if state.appearance.look.is_projector() {
-        (
-            "Hide analysis",
-            Command::Window(WindowCommand::OpenPanel(Panel::Parameters)),
-        )
+        ("Hide analysis", WindowCommand::OpenPanel(Panel::Parameters))
     } else {
-        ("Show analysis", open)
+        ("Show analysis", WindowCommand::OpenPanel(Panel::Analysis))
     };
-    add(name, Some(Key::A), command, None);
+    list.add(name, Command::Window(command)).on_key(Key::A);
     let against = Command::File(FileCommand::Sheet(Purpose::Against));
-    add("Compare with a file\u{2026}", None, against, no_session);
-    let none = "This run is not compared with a file.";
+    list.add("Compare with a file\u{2026}", against)
+        .refused(no_session(state));
+    let is_without = analysis.reference_file.is_none();
     let clear = Command::Analysis(AnalysisCommand::Clear);
-    let refusal = analysis.reference_file.is_none().then_some(none);
-    add("Remove the comparison file", None, clear, refusal);
-    let idle = "Nothing is being measured.";
-    let refusal = analysis.progress().is_none().then_some(idle);
+    list.add("Remove the comparison file", clear)
+        .refused(is_without.then_some("This run is not compared with a file."));
+    let is_idle = analysis.progress().is_none();
     let stop = Command::Analysis(AnalysisCommand::Stop);
-    add("Cancel measuring", None, stop, refusal);
-    let stopped = state
-        .shown()
-        .is_some_and(|shown| analysis.is_stopped(&shown));
-    let refusal = (!stopped).then_some("Measuring this moment was not cancelled.");
+    list.add("Cancel measuring", stop)
+        .refused(is_idle.then_some("Nothing is being measured."));
+    let shown = state.shown();
+    let is_stopped = shown.is_some_and(|shown| analysis.is_stopped(&shown));
     let resume = Command::Analysis(AnalysisCommand::Resume);
-    add("Measure this moment", None, resume, refusal);
+    list.add("Measure this moment", resume)
+        .refused((!is_stopped).then_some("Measuring this moment was not cancelled."));
     list.group();
     brushes(list, state);
 }
 
 /// Adds brushing by keyboard.
 fn brushes(list: &mut List, state: &State) {
-    let mut add = |name: &str, key: Option<Key>, command, refusal: Option<&str>| {
-        let keys = key.map(|key| (NONE, key));
-        list.add(Menu::Analyze, name, keys, command, refusal);
-    };
-    let no_session = state.runs.first.session.is_none().then_some(NO_SESSION);
     for (name, axis, [from, to]) in [
         (
             "Brush frequencies about the first peak",
@@ -82,13 +67,10 @@ fn brushes(list: &mut List, state: &State) {
         ),
     ] {
         let brush = Command::Analysis(AnalysisCommand::Brush(Brush::between(axis, from, to)));
-        add(name, None, brush, no_session);
+        list.add(name, brush).refused(no_session(state));
     }
-    let refusal = state
-        .analysis
-        .brush
-        .is_none()
-        .then_some("Nothing is brushed.");
+    let is_nothing = state.analysis.brush.is_none();
     let clear = Command::Analysis(AnalysisCommand::Brush(None));
-    add("Clear the brush", None, clear, refusal);
+    list.add("Clear the brush", clear)
+        .refused(is_nothing.then_some("Nothing is brushed."));
 }

@@ -3,7 +3,7 @@
 use egui::Key;
 use tilescope_session::combination::CombineCommand;
 
-use super::{COMMAND, List, Menu, SHIFT};
+use super::{Action, COMMAND, List, Menu, SHIFT};
 use tilescope_workbench::command::{Command, FormCommand, LinkCommand, Which};
 use tilescope_workbench::export::{ExportCommand, ExportKind};
 use tilescope_workbench::files::{FileCommand, Purpose};
@@ -11,89 +11,61 @@ use tilescope_workbench::state::State;
 
 /// Adds the actions of the menu.
 pub(super) fn add(list: &mut List, state: &State) {
-    let add = |list: &mut List, name: &str, keys, command, refusal: Option<&str>| {
-        list.add(Menu::File, name, keys, command, refusal);
-    };
-    let refusal = state.run_refusal();
-    add(
-        list,
-        "Run with these parameters",
-        Some((COMMAND, Key::Enter)),
-        Command::Run,
-        refusal.as_deref(),
-    );
-    let idle = state
-        .runs
-        .first
-        .sampling
-        .is_none()
-        .then_some("Nothing is being sampled.");
-    add(
-        list,
-        "Cancel the run",
-        None,
-        Command::Cancel(Which::First),
-        idle,
-    );
+    list.menu = Menu::File;
+    let run = list.add("Run with these parameters", Command::Run);
+    run.on_keys(COMMAND, Key::Enter)
+        .refused(state.run_refusal().as_deref());
+    let is_idle = state.runs.first.sampling.is_none();
+    list.add("Cancel the run", Command::Cancel(Which::First))
+        .refused(is_idle.then_some("Nothing is being sampled."));
     list.group();
     sessions(list, state);
     list.group();
-    for (name, keys, kind) in [
-        (
-            "Export samples\u{2026}",
-            Some((COMMAND, Key::E)),
-            ExportKind::Result,
-        ),
-        (
-            "Export samples of this moment\u{2026}",
-            None,
-            ExportKind::Samples,
-        ),
-        (
-            "Export picture of this moment\u{2026}",
-            Some((COMMAND | SHIFT, Key::E)),
-            ExportKind::Picture,
-        ),
-        ("Export animation\u{2026}", None, ExportKind::Animation),
-    ] {
-        let refusal = state
-            .export_source()
-            .kind_refusal(kind)
-            .map(|refusal| refusal.to_string());
-        let sheet = state.files.exports.sheet.as_ref();
-        let is_open = sheet.is_some_and(|form| form.kind == kind);
-        let command = Command::Export(if is_open {
+    let form = state.files.exports.sheet.as_ref();
+    let sheet = |kind| {
+        Command::Export(if form.is_some_and(|form| form.kind == kind) {
             ExportCommand::Close
         } else {
             ExportCommand::Open(kind)
-        });
-        let refusal = refusal.filter(|_| !is_open);
-        add(
-            list,
-            &sheet_name(name, is_open),
-            keys,
-            command,
-            refusal.as_deref(),
-        );
+        })
+    };
+    for (name, kind) in [
+        ("Export samples\u{2026}", ExportKind::Result),
+        ("Export samples of this moment\u{2026}", ExportKind::Samples),
+        ("Export picture of this moment\u{2026}", ExportKind::Picture),
+        ("Export animation\u{2026}", ExportKind::Animation),
+    ] {
+        let refusal = state.export_source().kind_refusal(kind);
+        let refusal = refusal.map(|refusal| refusal.to_string());
+        let action = toggle(list, name, sheet(kind), refusal.as_deref());
+        match kind {
+            ExportKind::Result => action.on_keys(COMMAND, Key::E),
+            ExportKind::Picture => action.on_keys(COMMAND | SHIFT, Key::E),
+            _ => action,
+        };
     }
-    let idle = state
-        .files
-        .exports
-        .fraction()
-        .is_none()
-        .then_some("Nothing is being exported.");
-    let cancel = Command::Export(ExportCommand::Cancel);
-    add(list, "Cancel the export", None, cancel, idle);
+    let is_idle = state.files.exports.fraction().is_none();
+    list.add("Cancel the export", Command::Export(ExportCommand::Cancel))
+        .refused(is_idle.then_some("Nothing is being exported."));
     list.group();
-    let keys = Some((COMMAND | SHIFT, Key::L));
-    let copy = Command::Link(LinkCommand::Copy);
-    add(list, "Copy link", keys, copy, None);
+    list.add("Copy link", Command::Link(LinkCommand::Copy))
+        .on_keys(COMMAND | SHIFT, Key::L);
 }
 
-/// Returns the name of an action that toggles a sheet.
-fn sheet_name(name: &str, is_open: bool) -> String {
+/// Adds an action that opens a sheet, or closes it if that is its command; closing is never refused.
+fn toggle<'a>(
+    list: &'a mut List,
+    name: &str,
+    command: Command,
+    refusal: Option<&str>,
+) -> &'a mut Action {
+    let is_open = matches!(
+        command,
+        Command::File(FileCommand::Close) | Command::Export(ExportCommand::Close)
+    );
     let close = if is_open { "Close: " } else { "" };
-    format!("{close}{name}")
+    list.add(format!("{close}{name}"), command)
+        .refused(refusal.filter(|_| !is_open))
 }
 
 /// Adds opening and saving of sessions and patterns.
@@ -106,58 +78,17 @@ fn sessions(list: &mut List, state: &State) {
             FileCommand::Sheet(purpose)
         })
     };
-    let generated = state
-        .form
-        .own_pattern
-        .is_none()
-        .then_some("The pattern is already generated.");
-    for (name, key, command, refusal) in [
-        (
-            "Open session\u{2026}",
-            Some(Key::O),
-            sheet(Purpose::Open),
-            None,
-        ),
-        (
-            "Save session\u{2026}",
-            Some(Key::S),
-            sheet(Purpose::Save),
-            state.save_refusal(),
-        ),
-        (
-            "Open a combination\u{2026}",
-            None,
-            sheet(Purpose::Combination),
-            None,
-        ),
-        (
-            "Combine nine sets (figure 12)",
-            None,
-            Command::Combine(CombineCommand::Nine),
-            None,
-        ),
-        (
-            "Use a pattern from a file\u{2026}",
-            None,
-            sheet(Purpose::Pattern),
-            None,
-        ),
-        (
-            "Use a generated pattern",
-            None,
-            Command::Form(FormCommand::GeneratedPattern),
-            generated,
-        ),
-    ] {
-        let keys = key.map(|key| (COMMAND, key));
-        let is_open = command == Command::File(FileCommand::Close);
-        let refusal = refusal.filter(|_| !is_open);
-        list.add(
-            Menu::File,
-            sheet_name(name, is_open),
-            keys,
-            command,
-            refusal,
-        );
-    }
+    toggle(list, "Open session\u{2026}", sheet(Purpose::Open), None).on_keys(COMMAND, Key::O);
+    let save = sheet(Purpose::Save);
+    toggle(list, "Save session\u{2026}", save, state.save_refusal()).on_keys(COMMAND, Key::S);
+    let combination = sheet(Purpose::Combination);
+    toggle(list, "Open a combination\u{2026}", combination, None);
+    let nine = Command::Combine(CombineCommand::Nine);
+    list.add("Combine nine sets (figure 12)", nine);
+    let pattern = sheet(Purpose::Pattern);
+    toggle(list, "Use a pattern from a file\u{2026}", pattern, None);
+    let is_generated = state.form.own_pattern.is_none();
+    let generated = Command::Form(FormCommand::GeneratedPattern);
+    list.add("Use a generated pattern", generated)
+        .refused(is_generated.then_some("The pattern is already generated."));
 }

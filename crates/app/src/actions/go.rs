@@ -2,56 +2,42 @@
 
 use egui::{Key, Modifiers};
 use tilescope_debugger::{Direction, Step, Target};
+use tilescope_session::words::grouped;
 
-use super::{List, Menu, NO_SESSION, NONE, SHIFT, Submenu, no_events, time_refusals};
+use super::{List, Menu, NONE, SHIFT, Submenu, no_events, no_session, time_refusals};
 use tilescope_workbench::clock::Clock;
 use tilescope_workbench::command::{Command, TimeCommand};
 use tilescope_workbench::state::State;
 
 /// Adds the actions of the menu.
 pub(super) fn add(list: &mut List, state: &State) {
+    list.menu = Menu::Go;
     let [at_end, at_start] = time_refusals(&state.runs.first, &state.time);
-    let no_session = state.runs.first.session.is_none().then_some(NO_SESSION);
     let no_events = no_events(state);
-    let play = Command::Time(TimeCommand::TogglePlay);
-    let space = Some((NONE, Key::Space));
-    list.add(Menu::Go, "Play or pause", space, play, no_session);
+    list.add("Play or pause", Command::Time(TimeCommand::TogglePlay))
+        .on_key(Key::Space)
+        .refused(no_session(state));
     for (name, key, command, refusal) in [
         (
             "Tick forward",
             Key::ArrowRight,
-            Command::Time(TimeCommand::StepForward),
+            TimeCommand::StepForward,
             at_end,
         ),
-        (
-            "Tick back",
-            Key::ArrowLeft,
-            Command::Time(TimeCommand::StepBack),
-            at_start,
-        ),
-        (
-            "First stage",
-            Key::Home,
-            Command::Time(TimeCommand::FirstStage),
-            at_start,
-        ),
-        (
-            "Last stage",
-            Key::End,
-            Command::Time(TimeCommand::LastStage),
-            at_end,
-        ),
+        ("Tick back", Key::ArrowLeft, TimeCommand::StepBack, at_start),
+        ("First stage", Key::Home, TimeCommand::FirstStage, at_start),
+        ("Last stage", Key::End, TimeCommand::LastStage, at_end),
     ] {
-        list.add(Menu::Go, name, Some((NONE, key)), command, refusal);
+        let action = list.add(name, Command::Time(command));
+        action.on_key(key).refused(refusal);
     }
     list.group();
     list.within(Submenu::Ticks, |list| {
         for clock in Clock::ALL {
             let command = Command::Time(TimeCommand::Clock(clock));
-            let refusal = state.runs.first.clock_refusal(clock);
-            let name = format!("Step by: {}", clock.name());
-            list.add(Menu::Go, name, None, command, refusal);
-            list.mark(state.time.playback.clock == clock);
+            list.add(format!("Step by: {}", clock.name()), command)
+                .refused(state.runs.first.clock_refusal(clock))
+                .marked(state.time.playback.clock == clock);
         }
     });
     let (on, back) = (no_events.or(at_end), no_events.or(at_start));
@@ -71,7 +57,7 @@ pub(super) fn add(list: &mut List, state: &State) {
             ("Loop up to here", TimeCommand::LoopEnd),
             ("No loop", TimeCommand::Loop(None)),
         ] {
-            list.add(Menu::Go, name, None, Command::Time(command), no_events);
+            list.add(name, Command::Time(command)).refused(no_events);
         }
     });
 }
@@ -95,17 +81,12 @@ fn steps(list: &mut List, state: &State, direction: Direction, refusal: Option<&
         ("Step out", out, Step::Out),
     ] {
         let command = Command::Time(TimeCommand::Step(step, direction));
-        list.add(
-            Menu::Go,
-            format!("{name}{way}"),
-            Some(keys),
-            command,
-            refusal,
-        );
+        let action = list.add(format!("{name}{way}"), command);
+        action.on_keys(keys.0, keys.1).refused(refusal);
     }
     let command = Command::Time(TimeCommand::Continue(direction));
-    let name = format!("Continue to a breakpoint{way}");
-    list.add(Menu::Go, name, Some(on), command, refusal);
+    let action = list.add(format!("Continue to a breakpoint{way}"), command);
+    action.on_keys(on.0, on.1).refused(refusal);
 }
 
 fn runs(list: &mut List, state: &State, direction: Direction, refusal: Option<&str>) {
@@ -115,8 +96,8 @@ fn runs(list: &mut List, state: &State, direction: Direction, refusal: Option<&s
     };
     for (name, key, target) in targets(state) {
         let command = Command::Time(TimeCommand::RunTo(target, direction));
-        let keys = key.map(|key| (modifiers, key));
-        list.add(Menu::Go, format!("{which} {name}"), keys, command, refusal);
+        let action = list.add(format!("{which} {name}"), command);
+        action.on_keys(modifiers, key).refused(refusal);
     }
 }
 
@@ -138,10 +119,7 @@ fn targets(state: &State) -> Vec<(String, Option<Key>, Target)> {
     .map(|(name, key, target)| (name.to_owned(), Some(key), target))
     .collect();
     if let Some(id) = state.runs.first.selected {
-        let name = format!(
-            "event of sample {}",
-            tilescope_session::words::grouped(id as usize)
-        );
+        let name = format!("event of sample {}", grouped(id as usize));
         targets.push((name, Some(Key::H), Target::Sample(id)));
     }
     if let Some(event) = state.runs.first.debugger.as_ref().and_then(|d| d.event()) {

@@ -8,7 +8,8 @@ use tilescope_workbench::command::{Command, WindowCommand};
 use tilescope_workbench::finder::Finder;
 use tilescope_workbench::state::State;
 
-/// Normalises a press: plus is on the key of the equals sign on many keyboards, with or without Shift.
+/// Returns a press as shortcuts write it: on many keyboards plus shares a key with the equals sign, and plus or the
+/// question mark needs Shift.
 fn meant(key: Key, modifiers: Modifiers) -> (Key, Modifiers) {
     match key {
         // Shift is needed for it on most keyboards.
@@ -126,8 +127,8 @@ fn press(event: &Event) -> Option<(Key, Modifiers)> {
     }
 }
 
-/// Returns text typed for the action list before its field has the focus: a slow frame may hold both the shortcut that
-/// opens the list and the text typed after it.
+/// Text typed for the list of actions before its field has the focus: a slow frame may hold both the shortcut that opens
+/// the list and the text typed after it.
 struct Ahead {
     /// The index of the first event that belongs to the list.
     from: usize,

@@ -1,4 +1,5 @@
-//! The actions in lessons. Their keys come before those of other actions while a lesson is open.
+//! The actions of lessons, in the Help menu. While a lesson is open, their keys replace those of other actions, and while
+//! a question is open, actions that would show its answer are refused.
 
 use egui::{Key, KeyboardShortcut};
 use tilescope_debugger::Direction;
@@ -7,7 +8,7 @@ use tilescope_workbench::command::Command;
 use tilescope_workbench::lessons::{DraftCommand, LessonCommand};
 use tilescope_workbench::state::{State, veiled};
 
-use super::{List, Menu, NONE};
+use super::{Action, List, Menu, NONE};
 
 /// Keys that choose an item of a question's list.
 const DIGITS: [Key; 9] = [
@@ -22,63 +23,43 @@ const DIGITS: [Key; 9] = [
     Key::Num9,
 ];
 
+/// Adds an action with a command of this file's kind.
+fn own<'a>(list: &'a mut List, name: &str, command: LessonCommand) -> &'a mut Action {
+    list.add(name, Command::Lesson(command))
+}
+
 pub(super) fn add(list: &mut List, state: &State) {
-    let mut add = |name: &str, key: Option<Key>, command, refusal| {
-        let keys = key.map(|key| (NONE, key));
-        list.add(Menu::Help, name, keys, Command::Lesson(command), refusal);
+    list.menu = Menu::Help;
+    let name = if state.lessons.lists {
+        "Close the list of lessons"
+    } else {
+        "Lessons\u{2026}"
     };
-    let is_listed = state.lessons.lists;
-    add(
-        if is_listed {
-            "Close the list of lessons"
-        } else {
-            "Lessons\u{2026}"
-        },
-        None,
-        LessonCommand::ToggleList,
-        None,
-    );
+    list.add(name, Command::Lesson(LessonCommand::ToggleList));
     let Some(open) = &state.lessons.open else {
         list.group();
         return;
     };
     let learner = &open.learner;
-    let waits = learner
-        .is_open()
-        .then_some("The question is open: answer it, or give up.");
-    let last =
-        (learner.index() + 1 == learner.lesson().steps.len()).then_some("This is the last step.");
-    let first = (learner.index() == 0).then_some("This is the first step.");
-    add(
-        "Next step of the lesson",
-        Some(Key::PageDown),
-        LessonCommand::Step(Direction::Forwards),
-        waits.or(last),
-    );
-    add(
-        "Previous step of the lesson",
-        Some(Key::PageUp),
-        LessonCommand::Step(Direction::Backwards),
-        first,
-    );
-    add("Close the lesson", None, LessonCommand::Leave, None);
+    let is_last = learner.index() + 1 == learner.lesson().steps.len();
+    let last = is_last.then_some("This is the last step.");
+    let waits = learner.is_open();
+    let waits = waits.then_some("The question is open: answer it, or give up.");
+    let next = LessonCommand::Step(Direction::Forwards);
+    own(list, "Next step of the lesson", next)
+        .on_key(Key::PageDown)
+        .refused(waits.or(last));
+    let previous = LessonCommand::Step(Direction::Backwards);
+    own(list, "Previous step of the lesson", previous)
+        .on_key(Key::PageUp)
+        .refused((learner.index() == 0).then_some("This is the first step."));
+    own(list, "Close the lesson", LessonCommand::Leave);
     if let Some(question) = state.lessons.open_question() {
-        add(
-            "Answer the question",
-            Some(Key::Enter),
-            LessonCommand::Answer,
-            None,
-        );
-        add(
-            "Hint",
-            None,
-            LessonCommand::Hint,
-            question
-                .hint
-                .is_none()
-                .then_some("The question has no hint."),
-        );
-        add("Give up", None, LessonCommand::GiveUp, None);
+        own(list, "Answer the question", LessonCommand::Answer).on_key(Key::Enter);
+        let no_hint = question.hint.is_none();
+        own(list, "Hint", LessonCommand::Hint)
+            .refused(no_hint.then_some("The question has no hint."));
+        own(list, "Give up", LessonCommand::GiveUp);
         let count = match &question.form {
             Form::Pick { candidates, .. } => candidates.len(),
             Form::Place { candidates } => candidates.len(),
@@ -88,19 +69,15 @@ pub(super) fn add(list: &mut List, state: &State) {
             Form::Number { .. } | Form::Bands { .. } => 0,
         };
         for (index, key) in DIGITS.into_iter().enumerate().take(count) {
-            let command = LessonCommand::Draft(DraftCommand::Choose(index));
-            add(
-                &format!("Choose answer {}", index + 1),
-                Some(key),
-                command,
-                None,
-            );
+            let choose = LessonCommand::Draft(DraftCommand::Choose(index));
+            own(list, &format!("Choose answer {}", index + 1), choose).on_key(key);
         }
     }
     list.group();
 }
 
-/// Takes keys of the lesson from other actions, and says why those that would show what comes next are refused.
+/// While a lesson is open, removes its keys from other actions; while a question is open, refuses the actions that would
+/// show its answer.
 pub(super) fn lead(list: &mut List, state: &State) {
     if state.lessons.open.is_none() || state.talks.open.is_some() {
         return;
@@ -112,7 +89,7 @@ pub(super) fn lead(list: &mut List, state: &State) {
         .filter(|action| is_lesson(&action.command))
         .filter_map(|action| action.shortcut)
         .collect();
-    // They choose answers, and open no panels meanwhile.
+    // Digits choose answers: they open no panels meanwhile.
     let is_digit =
         |keys: KeyboardShortcut| keys.modifiers == NONE && DIGITS.contains(&keys.logical_key);
     let is_veiled = state.lessons.veil().is_some();

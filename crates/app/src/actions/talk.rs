@@ -1,151 +1,87 @@
-//! The actions of presenter mode. While a talk is given their keys come before all others: those that clickers send, and
-//! single letters for the tools.
+//! The actions of talks (presenter mode), in the Help menu. During a talk their keys replace all others: the keys that
+//! clickers send, and single letters for the tools. `web/page/notes.js` has the same keys for the notes on a page.
 
-use egui::{Key, KeyboardShortcut, Modifiers};
+use egui::{Key, KeyboardShortcut};
 use tilescope_workbench::command::{AppearanceCommand, Command, ViewCommand, WindowCommand};
 use tilescope_workbench::lessons::LessonCommand;
 use tilescope_workbench::scenes::SceneList;
 use tilescope_workbench::state::State;
 use tilescope_workbench::talk::{Talk, TalkCommand, Tool};
 
-use super::{COMMAND, List, Menu, NONE, SHIFT};
+use super::{Action, COMMAND, List, Menu, NONE, SHIFT};
+
+/// Adds an action with a command of this file's kind.
+fn own<'a>(list: &'a mut List, name: &str, command: TalkCommand) -> &'a mut Action {
+    list.add(name, Command::Talk(command))
+}
 
 pub(super) fn add(list: &mut List, state: &State) {
+    list.menu = Menu::Help;
     match &state.talks.open {
         Some(talk) => given(list, talk),
         None => begin(list, state),
     }
+    list.group();
 }
 
-/// Adds what begins a talk, and handouts.
+/// Adds the actions that begin a talk or make a handout.
 fn begin(list: &mut List, state: &State) {
-    let no_lesson = (state.lessons.open.is_none()).then_some("No lesson is open.");
-    let mut add = |name: &str, keys: Option<(Modifiers, Key)>, command, refusal| {
-        list.add(Menu::Help, name, keys, Command::Talk(command), refusal);
-    };
-    // Without a lesson these keys are the debugger's.
-    let keys = |modifiers| no_lesson.is_none().then_some((modifiers, Key::F5));
+    let has_lesson = state.lessons.open.is_some();
+    let no_lesson = (!has_lesson).then_some("No lesson is open.");
+    // Without a lesson this key is the debugger's.
+    let f5 = has_lesson.then_some(Key::F5);
     let present = |from_start| TalkCommand::Lesson { from_start };
-    add("Present the lesson", keys(NONE), present(true), no_lesson);
-    add(
-        "Present the lesson from this step",
-        keys(SHIFT),
-        present(false),
-        no_lesson,
-    );
-    add(
+    own(list, "Present the lesson", present(true))
+        .on_keys(NONE, f5)
+        .refused(no_lesson);
+    own(list, "Present the lesson from this step", present(false))
+        .on_keys(SHIFT, f5)
+        .refused(no_lesson);
+    own(
+        list,
         "Present the lecture of 50 minutes",
-        None,
         TalkCommand::Lecture,
-        None,
     );
     let no_scenes = state.scenes(SceneList::Own).is_empty();
     let no_scenes = no_scenes.then_some("There are no scenes: add some in the panel Scenes.");
-    add("Present the scenes", None, TalkCommand::Scenes, no_scenes);
+    own(list, "Present the scenes", TalkCommand::Scenes).refused(no_scenes);
     let handout = |answers| TalkCommand::Handout {
         answers,
         notes: answers,
         path: None,
     };
-    add("Handout of the lesson", None, handout(false), no_lesson);
-    add(
-        "Handout with answers and notes",
-        None,
-        handout(true),
-        no_lesson,
-    );
-    list.group();
+    own(list, "Handout of the lesson", handout(false)).refused(no_lesson);
+    own(list, "Handout with answers and notes", handout(true)).refused(no_lesson);
 }
 
-/// Adds what a lecturer does while the talk is given.
+/// Adds the actions of the lecturer during the talk. To add one, begin with its `TalkCommand`.
 fn given(list: &mut List, talk: &Talk) {
-    let mut add = |name: &str, keys: (Modifiers, Key), also: Option<Key>, command| {
-        list.add(Menu::Help, name, Some(keys), Command::Talk(command), None);
-        if let Some(action) = list.actions.last_mut() {
-            action.also = also.map(|key| KeyboardShortcut::new(NONE, key));
-        }
-    };
-    add(
-        "Next",
-        (NONE, Key::PageDown),
-        Some(Key::ArrowRight),
-        TalkCommand::Next,
-    );
-    add(
-        "Back",
-        (NONE, Key::PageUp),
-        Some(Key::ArrowLeft),
-        TalkCommand::Previous,
-    );
-    add(
-        "Blank",
-        (NONE, Key::B),
-        Some(Key::Period),
-        TalkCommand::Blank,
-    );
-    add("End the talk", (NONE, Key::Escape), None, TalkCommand::End);
-    let begin = if talk.windows.stage {
+    let first = if talk.windows.stage {
         TalkCommand::First
     } else {
         TalkCommand::OpenStage
     };
-    add("From the first step", (NONE, Key::F5), None, begin);
-    add(
-        "The stage again",
-        (SHIFT, Key::F5),
-        None,
-        TalkCommand::OpenStage,
-    );
-    add("Notes", (NONE, Key::N), None, TalkCommand::ToggleNotes);
-    add(
-        "Exchange the screens",
-        (NONE, Key::S),
-        None,
-        TalkCommand::Swap,
-    );
-    add(
-        "Laser",
-        (NONE, Key::L),
-        None,
-        TalkCommand::Tool(Tool::Laser),
-    );
-    add("Pen", (NONE, Key::P), None, TalkCommand::Tool(Tool::Pen));
-    add(
-        "Pen's next colour",
-        (NONE, Key::C),
-        None,
-        TalkCommand::NextColor,
-    );
-    add(
-        "Remove the last line",
-        (NONE, Key::U),
-        None,
-        TalkCommand::UndoStroke,
-    );
-    add(
-        "Remove all lines",
-        (NONE, Key::X),
-        None,
-        TalkCommand::ClearStrokes,
-    );
-    add(
-        "Code for phones",
-        (NONE, Key::Q),
-        None,
-        TalkCommand::ToggleCode,
-    );
-    // Ctrl+Z removes a line, too.
-    if let Some(undo) = list
-        .actions
-        .iter_mut()
-        .find(|action| action.command == Command::Talk(TalkCommand::UndoStroke))
-    {
-        undo.also = Some(KeyboardShortcut::new(COMMAND, Key::Z));
-    }
-    list.group();
+    let next = own(list, "Next", TalkCommand::Next);
+    next.on_key(Key::PageDown).or_on(NONE, Key::ArrowRight);
+    let back = own(list, "Back", TalkCommand::Previous);
+    back.on_key(Key::PageUp).or_on(NONE, Key::ArrowLeft);
+    let blank = own(list, "Blank", TalkCommand::Blank);
+    blank.on_key(Key::B).or_on(NONE, Key::Period);
+    own(list, "End the talk", TalkCommand::End).on_key(Key::Escape);
+    own(list, "From the first step", first).on_key(Key::F5);
+    own(list, "The stage again", TalkCommand::OpenStage).on_keys(SHIFT, Key::F5);
+    own(list, "Notes", TalkCommand::ToggleNotes).on_key(Key::N);
+    own(list, "Exchange the screens", TalkCommand::Swap).on_key(Key::S);
+    own(list, "Laser", TalkCommand::Tool(Tool::Laser)).on_key(Key::L);
+    own(list, "Pen", TalkCommand::Tool(Tool::Pen)).on_key(Key::P);
+    own(list, "Pen's next colour", TalkCommand::NextColor).on_key(Key::C);
+    let undo = own(list, "Remove the last line", TalkCommand::UndoStroke);
+    undo.on_key(Key::U).or_on(COMMAND, Key::Z);
+    own(list, "Remove all lines", TalkCommand::ClearStrokes).on_key(Key::X);
+    own(list, "Code for phones", TalkCommand::ToggleCode).on_key(Key::Q);
 }
 
-/// Returns whether an action keeps its keys in a talk: answers, the camera, light and dark, full screen.
+/// Returns whether an action keeps its keys during a talk: answers, the camera, light and dark, full screen.
 const fn stays(command: &Command) -> bool {
     matches!(
         command,
@@ -157,7 +93,8 @@ const fn stays(command: &Command) -> bool {
     )
 }
 
-/// Takes the keys of all other actions while a talk is given.
+/// During a talk, removes the keys of all other actions, except those that [`stays`] names and that no action of the talk
+/// has.
 pub(super) fn lead(list: &mut List, state: &State) {
     if state.talks.open.is_none() {
         return;

@@ -1,5 +1,6 @@
-//! The windows of a talk: the stage on one screen, the notes on the other. Either may be closed and opened again, and they
-//! exchange their screens; what they show is in `panels/lesson`.
+//! The two windows of a talk: the stage on the projector, the notes on the lecturer's screen. Either may be closed and
+//! opened again, and they can exchange screens. What they show is in `panels/lesson/stage.rs` and `notes.rs` beside it; what
+//! the talk's commands do is in `workbench/src/state/talk.rs`. Begin with `App::show_talk`.
 
 use egui::{Context, Rect, Ui, ViewportBuilder, ViewportClass, ViewportCommand, ViewportId};
 use tilescope_workbench::command::Command;
@@ -10,18 +11,18 @@ use super::App;
 use crate::actions;
 use crate::panels::lesson::{notes, stage};
 
-/// The windows of a talk between frames.
+/// The state of a talk's windows that is kept between frames.
 #[derive(Default)]
 pub struct Stage {
     /// The zoom before the talk.
     zoom_before: Option<f32>,
-    /// Whether the window had full screen before.
+    /// Whether the window had full screen before the talk.
     was_full: bool,
-    /// The screen that the window is not on, in points, if there are several.
+    /// A screen without the first window, in screen points, if there is one.
     pub other_screen: Option<Rect>,
 }
 
-/// What a window shows.
+/// The content of a window.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Role {
     Stage,
@@ -29,14 +30,14 @@ enum Role {
 }
 
 impl App {
-    /// Shows the windows of the talk.
+    /// Shows the windows of the talk, and carries out the commands that they issue.
     pub(super) fn show_talk(&mut self, ui: &mut Ui) {
         let ctx = ui.ctx().clone();
         self.begin_stage(&ctx);
         let Some(talk) = &self.state.talks.open else {
             return;
         };
-        // Of two windows the first one stays: what the other one showed moves there.
+        // The first window cannot be closed: if its content is closed, that of the other window moves there.
         let windows = talk.windows;
         let roles = match (windows.stage, windows.notes, windows.are_swapped) {
             (true, true, true) | (false, true, _) => [Role::Notes, Role::Stage],
@@ -49,7 +50,7 @@ impl App {
         let [root, other] = roles;
         let other = Some(other).filter(|role| open(*role) && !ctx.embed_viewports());
         if ui.input(|input| input.viewport().close_requested()) && other.is_some() {
-            // The other window takes this one's place, so that the talk goes on.
+            // Only the content is closed: this window then shows the content of the other one, and the talk continues.
             ctx.send_viewport_cmd(ViewportCommand::CancelClose);
             ctx.send_viewport_cmd(ViewportCommand::Fullscreen(false));
             self.commands.push(Command::Talk(close_command(root)));
@@ -81,7 +82,7 @@ impl App {
                 stage::show(ui, &self.state, &mut self.canvas, &mut self.commands);
             }
             Role::Notes => {
-                // The clock goes on.
+                // Redraws the clock.
                 let second = std::time::Duration::from_secs(1);
                 ui.ctx().request_repaint_after(second);
                 notes::show(ui, &self.state, &mut self.commands);
@@ -89,7 +90,7 @@ impl App {
         }
     }
 
-    /// Finds the screen for the second window when a talk begins.
+    /// When a talk begins, notes a screen without the first window, for the second one.
     #[cfg(not(target_arch = "wasm32"))]
     pub(super) fn find_other_screen(&mut self, ctx: &Context, frame: &eframe::Frame) {
         let is_beginning = self.state.talks.open.is_some() && self.stage.zoom_before.is_none();
@@ -117,7 +118,7 @@ impl App {
         }
     }
 
-    /// Returns zoom and full screen to what they were before the talk, once it is over.
+    /// Once a talk is over, restores zoom and full screen as they were before it.
     pub(super) fn leave_stage(&mut self, ctx: &Context) {
         if let Some(zoom) = self.stage.zoom_before.take() {
             ctx.set_zoom_factor(zoom);
@@ -144,7 +145,7 @@ impl App {
     }
 }
 
-/// Makes the stage as many points high as it always is, whatever its pixels.
+/// Zooms so that the stage is [`stage::HEIGHT`] screen points high.
 fn fit_stage(ui: &Ui) {
     let ctx = ui.ctx();
     let pixels = ui.available_height() * ctx.pixels_per_point();
@@ -163,13 +164,13 @@ const fn close_command(role: Role) -> TalkCommand {
     }
 }
 
-/// Returns the colour of what is chosen on the stage.
+/// Returns the colour of chosen options on the stage.
 #[must_use]
 pub fn stage_accent(state: &State) -> egui::Color32 {
     stage::palette_of(state).accent
 }
 
-/// Returns the first of some screens that does not hold a point, each in pixels.
+/// Returns the first of `screens` that does not contain the point `here`, all in pixels.
 #[must_use]
 pub fn other_screen(screens: &[Rect], here: egui::Pos2) -> Option<Rect> {
     screens

@@ -141,7 +141,7 @@ fn keys_of_one_frame_count_one_after_the_other() {
     window.frame(keys(&[Key::End, Key::ArrowLeft]));
     let (cursor, len) = window.app.state.cursor().unwrap();
     assert_eq!(cursor, len - 1);
-    // Each run to an event goes on from the one before.
+    // Each run to an event begins at the end of the one before.
     window.frame(keys(&[Key::Home, Key::E, Key::E]));
     let state = &window.app.state;
     let recording = state
@@ -237,7 +237,7 @@ fn all_panels_show_the_same_moment() {
     }
 }
 
-/// Returns the galleys with a text that are drawn, each with its rectangle and what it is clipped to.
+/// Returns the drawn galleys with a text, each with its rectangle and its clip rectangle.
 fn drawn(window: &Window, text: &str) -> Vec<(bool, Rect, Rect)> {
     fn visit(shape: &egui::Shape, clip: Rect, text: &str, found: &mut Vec<(bool, Rect, Rect)>) {
         match shape {

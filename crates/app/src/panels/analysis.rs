@@ -12,6 +12,7 @@ use egui::{Button, Color32, DragValue, FontId, ProgressBar, RichText, Sense, Ui,
 use tilescope_analysis::measures::Spectrum;
 use tilescope_drawing::palette::Palette;
 use tilescope_session::moment::ShownMoment;
+use tilescope_session::words::capital;
 use tilescope_ui::theme::semibold;
 use tilescope_ui::widgets::{Kebab, Known, heading};
 
@@ -165,14 +166,7 @@ fn status(
     lines(ui, RichText::new(text).color(color)).known_as("analysis.status");
 }
 
-/// Returns a text with a capital first letter.
-fn capital(text: &str) -> String {
-    let mut characters = text.chars();
-    let first = characters.next().into_iter().flat_map(char::to_uppercase);
-    first.chain(characters).collect()
-}
-
-/// Shows what is being measured, with a button to stop or resume.
+/// Shows the progress of measuring, with a button to stop or resume it.
 fn progress(
     ui: &mut Ui,
     context: &AnalysisContext<'_>,
@@ -191,10 +185,8 @@ fn progress(
         ui.add(bar.desired_width(56.0).fill(palette.accent));
         ui.label(RichText::new(part.doing()).size(11.5).color(palette.muted));
     } else if analysis.failure(shown).is_some() {
-        let again = ui.button("Measure again");
-        if again.known_as("analysis.again").clicked() {
-            own.push(AnalysisCommand::Resume);
-        }
+        ui.button("Measure again")
+            .issues("analysis.again", AnalysisCommand::Resume, own);
     } else if analysis.is_stopped(shown)
         && !analysis.is_whole(shown)
         && ui.button("Measure this moment").clicked()
@@ -285,9 +277,8 @@ fn file(
     ui.add_space(4.0);
     ui.horizontal(|ui| {
         let open = ui.button("Compare with a file\u{2026}");
-        if open.known_as("analysis.hold").clicked() {
-            commands.push(Command::File(FileCommand::Sheet(Purpose::Against)));
-        }
+        let command = Command::File(FileCommand::Sheet(Purpose::Against));
+        open.issues("analysis.hold", command, commands);
         let there = context.analysis.reference_file.is_some();
         let clear = ui.add_enabled(there, Button::new("Clear"));
         clear.known_as("analysis.clear");

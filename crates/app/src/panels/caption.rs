@@ -106,10 +106,8 @@ fn steps(ui: &mut Ui, shown: ShownScene, len: usize, commands: &mut Vec<Command>
     let close = named("Close", "Esc");
     ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
         let mut step = |ui: &mut Ui, name: &str, id: &str, can: bool, command| {
-            let button = ui.add_enabled(can, Button::new(name));
-            if button.known_as(id).clicked() {
-                commands.push(Command::Scene(command));
-            }
+            ui.add_enabled(can, Button::new(name))
+                .issues(id, Command::Scene(command), commands);
         };
         step(
             ui,

@@ -1,4 +1,4 @@
-//! What the fields of the parameter form mean, and the options of its lists: each with its name and its meaning.
+//! The meanings of the fields of the parameter form, and the options of its lists, each with its name and its meaning.
 
 use tilescope_core::{Boundary, Insertion, Order, Search, Variant};
 use tilescope_session::glossary;

@@ -1,5 +1,5 @@
-//! The comparison of two runs: settings of run B, what the two share, what differs, and the first event where they
-//! diverge.
+//! The comparison of two runs: the choice of run B, the links between the two, their differences, and the first event at
+//! which they diverge.
 
 use egui::{Button, ProgressBar, RichText, Ui};
 use tilescope_debugger::{Divergence, Recording};
@@ -47,16 +47,9 @@ pub fn show(ui: &mut Ui, context: &CompareContext<'_>, commands: &mut Vec<Comman
             for (name, first, second) in differing.unwrap_or_default() {
                 row(ui, &name, &format!("A {first}   B {second}"), palette);
             }
-            row(
-                ui,
-                "samples",
-                &format!(
-                    "A {}   B {}",
-                    grouped(a.summary.count),
-                    grouped(b.summary.count)
-                ),
-                palette,
-            );
+            let counts = [a, b].map(|session| grouped(session.summary.count));
+            let counts = format!("A {}   B {}", counts[0], counts[1]);
+            row(ui, "samples", &counts, palette);
             parting(ui, context, side, comparison, &mut own);
             now(ui, context, side, comparison, &mut own);
         }
@@ -82,14 +75,13 @@ fn second(ui: &mut Ui, side: &RunView, palette: &Palette, commands: &mut Vec<Com
         {
             commands.push(Command::Compare(CompareCommand::Swap));
         }
-        if ui.button("Close B").known_as("compare.close").clicked() {
-            commands.push(Command::Compare(CompareCommand::Close));
-        }
+        let command = Command::Compare(CompareCommand::Close);
+        ui.button("Close B")
+            .issues("compare.close", command, commands);
         if side.sampling.is_some() {
-            let cancel = ui.button("Cancel B");
-            if cancel.known_as("compare.cancel").clicked() {
-                commands.push(Command::Cancel(Which::Second));
-            }
+            let command = Command::Cancel(Which::Second);
+            ui.button("Cancel B")
+                .issues("compare.cancel", command, commands);
         }
     });
     // The bar's height is reserved, with or without progress.
@@ -155,10 +147,8 @@ fn parting(
         ui.label(RichText::new(text).color(palette.muted));
     }
     let refusal = context.parting;
-    let go = primary_button(ui, "Go there in both", refusal, palette);
-    if go.known_as("compare.go").clicked() {
-        own.push(CompareCommand::GoToDivergence);
-    }
+    let command = CompareCommand::GoToDivergence;
+    primary_button(ui, "Go there in both", refusal, palette).issues("compare.go", command, own);
 }
 
 /// Describes where two runs diverge.
@@ -222,21 +212,15 @@ fn now(
     let number = |count: Option<usize>| count.map_or_else(|| "\u{2013}".to_owned(), grouped);
     let found = comparison.differences.of(&a, &b);
     if difference::comparable(&a, &b) {
-        row(ui, "in both", &number(found.map(|d| d.common)), palette);
-        row(
-            ui,
-            "in A alone",
-            &number(found.map(|d| d.first.len())),
-            palette,
-        );
-        row(
-            ui,
-            "in B alone",
-            &number(found.map(|d| d.second.len())),
-            palette,
-        );
+        for (name, count) in [
+            ("in both", found.map(|d| d.common)),
+            ("in A alone", found.map(|d| d.first.len())),
+            ("in B alone", found.map(|d| d.second.len())),
+        ] {
+            row(ui, name, &number(count), palette);
+        }
     } else {
-        let text = "The domains differ: places cannot be compared.";
+        let text = "The domains differ: positions cannot be compared.";
         ui.label(RichText::new(text).color(palette.muted))
             .known_as("compare.refusal");
     }

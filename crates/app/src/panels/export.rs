@@ -15,8 +15,8 @@ use tilescope_workbench::state::{ExportSource, Exports, State};
 
 /// Width of a typed number.
 const NUMBER_WIDTH: f32 = 84.0;
-/// What pictures leave out of the canvas.
-const LEFT_OUT: &str = "What is compared or on the GPU is left out.";
+/// The parts of the canvas that pictures lack.
+const LEFT_OUT: &str = "Marks of a comparison and of GPU buffers are left out.";
 /// Width of the names beside fields.
 const NAME_WIDTH: f32 = 92.0;
 
@@ -142,7 +142,7 @@ impl Sheet<'_> {
             "the stage shown; a loop on the timeline chooses another range"
         };
         format!(
-            "The canvas from event {start} to event {end}: {whose}. What is selected, brushed, compared or on the GPU is left out."
+            "The canvas from event {start} to event {end}: {whose}. The selection, the brush, and marks of a comparison and of GPU buffers are left out."
         )
     }
 

@@ -116,9 +116,7 @@ fn file(ui: &mut Ui, state: &State, form: &FileForm, own: &mut Vec<FileCommand>)
             return;
         }
         let browse = ui.button("Browse\u{2026}");
-        if browse.known_as("file.browse").clicked() {
-            own.push(FileCommand::Browse);
-        }
+        browse.issues("file.browse", FileCommand::Browse, own);
     });
 }
 
@@ -153,10 +151,8 @@ fn busy(state: &State) -> Option<f32> {
 /// Shows how far a file is read or written, and the way out.
 fn progress(ui: &mut Ui, state: &State, palette: &Palette, own: &mut Vec<FileCommand>) {
     if let Some(fraction) = busy(state) {
-        let cancel = ui.button("Cancel the file");
-        if cancel.known_as("file.cancel").clicked() {
-            own.push(FileCommand::Cancel);
-        }
+        ui.button("Cancel the file")
+            .issues("file.cancel", FileCommand::Cancel, own);
         let bar = ProgressBar::new(fraction).desired_height(6.0);
         ui.add(bar.fill(palette.accent));
     }

@@ -1,4 +1,4 @@
-//! The help sheet: the keys, the terms, and what the program is.
+//! The help sheet: the keys, the terms, and a description of the program.
 
 use egui::{Align, Button, FontId, Grid, Id, Label, Layout, Modal, RichText, Ui, vec2};
 use tilescope_drawing::palette::Palette;
@@ -114,7 +114,7 @@ fn terms(ui: &mut Ui, palette: &Palette) {
     }
 }
 
-/// Says what the program is, whose paper it shows, and how to cite it.
+/// Describes the program, names the paper that it shows, and offers the citation.
 fn about(ui: &mut Ui, palette: &Palette) {
     let name = concat!("Tilescope ", env!("CARGO_PKG_VERSION"));
     ui.label(RichText::new(name).font(FontId::new(17.0, semibold())))

@@ -1,12 +1,12 @@
-//! The inspector: everything known about the sample under the pointer, or else the selection, with its history and the
+//! The inspector: the properties of the sample under the pointer, otherwise of the selection, with its history and the
 //! causes of the last event.
 
 use glam::DVec2;
 
-use egui::{RichText, Ui};
+use egui::{Color32, RichText, Ui};
 use tilescope_core::stages::detect::Sites;
 use tilescope_core::{Fate, Origin, Standing};
-use tilescope_debugger::{Debugger, why};
+use tilescope_debugger::{Debugger, Recording, why};
 use tilescope_drawing::palette::Palette;
 use tilescope_session::moment::ShownMoment;
 use tilescope_session::words::{counted, event_number, grouped};
@@ -69,18 +69,8 @@ fn history(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>)
     let cursor = debugger.state().cursor();
     for &event in events.iter().take(MAX_ROWS) {
         let past = event < cursor;
-        let text = format!(
-            "{:>7}  {}",
-            event_number(event),
-            tilescope_debugger::short(debugger.recording(), event)
-        );
         let ink = if past { palette.text } else { palette.muted };
-        let label = RichText::new(text).monospace().size(11.0).color(ink);
-        let response = ui.add(egui::Button::new(label).frame(false).truncate());
-        let tip = tilescope_debugger::sentence(debugger.recording(), event);
-        if response.on_hover_text(tip).clicked() {
-            commands.push(Command::Time(TimeCommand::Jump(event + 1)));
-        }
+        event_row(ui, debugger.recording(), event, ink, commands);
     }
     if events.len() > MAX_ROWS {
         let text = format!(
@@ -106,22 +96,25 @@ fn why(
     heading(ui, "Why? The causes of the last event");
     let recording = debugger.recording();
     for event in std::iter::once(last).chain(why::causes(recording, last)) {
-        let text = format!(
-            "{:>7}  {}",
-            event_number(event),
-            tilescope_debugger::short(recording, event)
-        );
-        let label = RichText::new(text)
-            .monospace()
-            .size(11.0)
-            .color(palette.text);
-        let response = ui.add(egui::Button::new(label).frame(false).truncate());
-        if response
-            .on_hover_text(tilescope_debugger::sentence(recording, event))
-            .clicked()
-        {
-            commands.push(Command::Time(TimeCommand::Jump(event + 1)));
-        }
+        event_row(ui, recording, event, palette.text, commands);
+    }
+}
+
+/// Shows the number and a short form of an event; a click goes to the moment after it.
+fn event_row(
+    ui: &mut Ui,
+    recording: &Recording,
+    event: usize,
+    ink: Color32,
+    commands: &mut Vec<Command>,
+) {
+    let short = tilescope_debugger::short(recording, event);
+    let text = format!("{:>7}  {short}", event_number(event));
+    let label = RichText::new(text).monospace().size(11.0).color(ink);
+    let response = ui.add(egui::Button::new(label).frame(false).truncate());
+    let tip = tilescope_debugger::sentence(recording, event);
+    if response.on_hover_text(tip).clicked() {
+        commands.push(Command::Time(TimeCommand::Jump(event + 1)));
     }
 }
 
@@ -162,24 +155,13 @@ fn gap(ui: &mut Ui, context: &PanelContext<'_>, shown: &ShownMoment<'_>, at: DVe
         return;
     };
     if let Some(gap) = tessellation.gap_at(at).map(|gap| &tessellation.gaps[gap]) {
-        row(
-            ui,
-            "Area of the gap",
-            &format!("{:.5} r\u{b2}", gap.area),
-            palette,
-        );
-        row(
-            ui,
-            "Samples around it",
-            &gap.sites.len().to_string(),
-            palette,
-        );
-        row(
-            ui,
-            "Farthest from them",
-            &format!("{:.4} r", gap.deepest.1),
-            palette,
-        );
+        for (name, value) in [
+            ("Area of the gap", format!("{:.5} r\u{b2}", gap.area)),
+            ("Samples around it", gap.sites.len().to_string()),
+            ("Farthest from them", format!("{:.4} r", gap.deepest.1)),
+        ] {
+            row(ui, name, &value, palette);
+        }
     }
 }
 

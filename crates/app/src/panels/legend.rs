@@ -1,6 +1,6 @@
-//! The legend: each symbol with its meaning, and what the colour of samples means.
+//! The legend: the meanings of the symbols, and of the colours of samples.
 
-use egui::{Align2, Button, FontId, Rect, RichText, Sense, Ui, pos2, vec2};
+use egui::{Align2, Button, FontId, Painter, Rect, Response, RichText, Sense, Ui, pos2, vec2};
 use tilescope_drawing::palette::Palette;
 use tilescope_session::layers::{Colouring, Layer};
 use tilescope_ui::widgets::{Kebab, Known, explain, heading, symbol};
@@ -31,13 +31,9 @@ pub fn show(
         layer.is_of(combination) && (!Layer::NETS.contains(layer) || shown.has(*layer))
     };
     for layer in Layer::ALL.into_iter().filter(is_listed) {
-        ui.horizontal(|ui| {
-            let (rect, _) = ui.allocate_exact_size(vec2(22.0, 20.0), Sense::hover());
-            symbol(ui.painter(), layer, rect.center(), palette);
-            let meaning = RichText::new(layer.meaning(combination)).size(12.5);
-            ui.label(meaning.color(palette.muted))
-                .on_hover_ui(|ui| explain(ui, layer, palette));
-        });
+        let draw = |painter: &Painter, rect: Rect| symbol(painter, layer, rect.center(), palette);
+        entry(ui, layer.meaning(combination), palette, draw)
+            .on_hover_ui(|ui| explain(ui, layer, palette));
     }
     if context.is_compared {
         marks(ui, palette);
@@ -62,18 +58,30 @@ fn brushed(ui: &mut Ui, cause: &Cause, palette: &Palette) {
         ],
     };
     for (color, radius, meaning) in entries {
-        ui.horizontal(|ui| {
-            let (rect, _) = ui.allocate_exact_size(vec2(22.0, 20.0), Sense::hover());
-            let painter = ui.painter();
+        entry(ui, meaning, palette, |painter, rect| {
             if *radius > 0.0 {
                 painter.circle_filled(rect.center(), *radius, *color);
             } else {
                 let ends = [rect.left_center(), rect.right_center()];
                 painter.line_segment(ends, egui::Stroke::new(1.5, *color));
             }
-            ui.label(RichText::new(*meaning).size(12.5).color(palette.muted));
         });
     }
+}
+
+/// Shows a symbol, drawn by `draw` in a rectangle, and its meaning.
+fn entry(
+    ui: &mut Ui,
+    meaning: &str,
+    palette: &Palette,
+    draw: impl FnOnce(&Painter, Rect),
+) -> Response {
+    let shown = ui.horizontal(|ui| {
+        let (rect, _) = ui.allocate_exact_size(vec2(22.0, 20.0), Sense::hover());
+        draw(ui.painter(), rect);
+        ui.label(RichText::new(meaning).size(12.5).color(palette.muted))
+    });
+    shown.inner
 }
 
 /// Shows the marks of samples that only one of two compared runs has.
@@ -82,10 +90,8 @@ fn marks(ui: &mut Ui, palette: &Palette) {
         (true, "this run alone has it"),
         (false, "the other run alone has it"),
     ] {
-        ui.horizontal(|ui| {
-            let (rect, _) = ui.allocate_exact_size(vec2(22.0, 20.0), Sense::hover());
-            tilescope_canvas::contrast_mark(ui.painter(), rect.center(), whole, palette);
-            ui.label(RichText::new(meaning).size(12.5).color(palette.muted));
+        entry(ui, meaning, palette, |painter, rect| {
+            tilescope_canvas::contrast_mark(painter, rect.center(), whole, palette);
         });
     }
 }
@@ -122,7 +128,7 @@ fn colouring(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command
     });
 }
 
-/// How many bands show the tiled part of the ramp.
+/// The number of bands that draw the tiled part of the ramp.
 const SHADES: u16 = 64;
 
 /// Shows the ramp of ages with its ends named: the tiled samples without steps, then a step for each iteration.

@@ -1,5 +1,9 @@
-//! The panel of a lesson: text, question, answer, feedback; and the list of lessons. It stands beside the canvas, or below
-//! it in a small window.
+//! The panel of a lesson: the text of a step, its question, the answer, and the feedback on it; or the list of lessons.
+//! It stands beside the canvas, in a narrow window below it. Begin with [`show`] and `LessonPanel::show`.
+//!
+//! The files beside have the parts: [`answers`] for each type of question, [`list`] of lessons, [`marks`] over the
+//! canvas, [`text`] for paragraphs. [`stage`] and [`notes`] are the two windows of a talk; `app/stage.rs` opens them.
+//! What a lesson is and how answers are graded is in `tilescope_lessons`.
 
 mod answers;
 mod curves;
@@ -9,10 +13,15 @@ pub mod notes;
 pub mod stage;
 mod text;
 
-use egui::{Button, FontId, Frame, Label, Margin, RichText, ScrollArea, Ui};
+use std::fmt::Display;
+
+use egui::{
+    Align, Button, CollapsingHeader, FontId, Frame, Label, Layout, Margin, Response, RichText,
+    ScrollArea, Ui,
+};
 use tilescope_debugger::Direction;
 use tilescope_drawing::palette::Palette;
-use tilescope_lessons::{Form, Progress};
+use tilescope_lessons::{Form, Progress, Question, letter};
 use tilescope_ui::focus;
 use tilescope_ui::theme::semibold;
 use tilescope_ui::widgets::{Icon, Known, icon_button, primary_button};
@@ -25,8 +34,9 @@ use tilescope_workbench::talk::TalkCommand;
 use super::common::{divide, read_out};
 pub use marks::show as show_marks;
 
-/// Width of the panel beside the canvas, in screen points, and the narrowest window that has it there.
+/// Width of the panel beside the canvas, in screen points.
 const WIDTH: f32 = 372.0;
+/// In a narrower window the panel is below the canvas.
 const BESIDE: f32 = 800.0;
 /// The share of a narrow window's height that the panel takes.
 const BELOW: f32 = 0.46;
@@ -34,6 +44,8 @@ const BELOW: f32 = 0.46;
 const PLOT: f32 = 86.0;
 /// Sizes of text: in the window, and for a projector.
 const SIZES: [f32; 2] = [14.5, 17.0];
+/// A score above this is full marks: scores are sums of fractions, which are rounded.
+const FULL_MARKS: f64 = 0.999;
 
 /// Shows the panel, if a lesson or the list is open, at the edge of the window.
 pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
@@ -63,7 +75,15 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             ui.set_max_width(ui.available_width() - 10.0);
             match &state.lessons.open {
                 Some(open) if !state.lessons.lists => {
-                    show_lesson(ui, state, open, palette, commands);
+                    let mut panel = LessonPanel {
+                        state,
+                        open,
+                        labels: labels(state),
+                        palette,
+                        size: SIZES[usize::from(state.appearance.look.is_projector())],
+                        commands,
+                    };
+                    panel.show(ui);
                 }
                 _ => list::show(ui, state, palette, commands),
             }
@@ -81,64 +101,239 @@ fn issue(commands: &mut Vec<Command>, command: LessonCommand) {
     commands.push(Command::Lesson(command));
 }
 
-fn show_lesson(
-    ui: &mut Ui,
-    state: &State,
-    open: &OpenLesson,
-    palette: &Palette,
-    commands: &mut Vec<Command>,
-) {
-    let learner = &open.learner;
-    let lesson = learner.lesson();
-    let size = SIZES[usize::from(state.appearance.look.is_projector())];
-    ui.horizontal(|ui| {
-        let title = RichText::new(learner.words(&lesson.title)).color(palette.muted);
-        ui.add(Label::new(title).truncate())
-            .known_as("lesson-title");
-        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            if icon_button(ui, Icon::Close, labels(state).close, None, palette)
-                .known_as("lesson-close")
-                .clicked()
-            {
-                issue(commands, LessonCommand::Leave);
-            }
-            language(ui, state, commands);
-            if ui
-                .add(Button::new(labels(state).lessons).small())
-                .known_as("lesson-list")
-                .clicked()
-            {
-                issue(commands, LessonCommand::ToggleList);
-            }
-            let present = ui.add(Button::new(labels(state).present).small());
-            if present.known_as("lesson-present").clicked() {
-                let command = TalkCommand::Lesson { from_start: false };
-                commands.push(Command::Talk(command));
+/// Returns the counts of a vote by option: "A 12, B 30".
+fn counts_text(counts: &[u32]) -> String {
+    let each = counts.iter().enumerate();
+    let each = each.map(|(option, count)| format!("{} {count}", letter(option)));
+    each.collect::<Vec<_>>().join(", ")
+}
+
+/// An open lesson, and the commands that its panel issues.
+struct LessonPanel<'a> {
+    state: &'a State,
+    open: &'a OpenLesson,
+    labels: &'static LessonLabels,
+    palette: &'a Palette,
+    /// Size of texts, in screen points.
+    size: f32,
+    commands: &'a mut Vec<Command>,
+}
+
+impl LessonPanel<'_> {
+    /// Gives a button its id, and issues a command when it is clicked.
+    fn on_click(&mut self, button: &Response, id: impl Display, command: LessonCommand) {
+        button.issues(id, Command::Lesson(command), self.commands);
+    }
+
+    fn muted(&self, text: impl Into<String>) -> RichText {
+        RichText::new(text).color(self.palette.muted)
+    }
+
+    fn show(&mut self, ui: &mut Ui) {
+        self.bar(ui);
+        self.steps(ui);
+        ui.add_space(6.0);
+        let (open, learner) = (self.open, &self.open.learner);
+        let step = learner.step();
+        let font = FontId::new(self.size + 4.0, semibold());
+        let heading = RichText::new(learner.words(&step.title)).font(font);
+        ui.add(Label::new(heading).wrap()).known_as("lesson-step");
+        ui.add_space(4.0);
+        text::show(ui, open, &step.text, self.size, self.palette);
+        if let Some(fault) = &open.fault {
+            let text = format!("{} {fault}.", self.labels.cannot_show);
+            let text = RichText::new(text).color(self.palette.conflict);
+            ui.add(Label::new(text).wrap()).known_as("lesson-fault");
+        } else if learner.scene().is_none() {
+            ui.label(self.muted(self.labels.makes_run))
+                .known_as("lesson-waits");
+        }
+        if let Some(question) = learner.question() {
+            divide(ui, self.palette);
+            self.question(ui, question);
+        }
+        divide(ui, self.palette);
+        self.walk(ui);
+    }
+
+    /// Shows the lesson's title and the buttons that close, translate, list and present.
+    fn bar(&mut self, ui: &mut Ui) {
+        let learner = &self.open.learner;
+        let labels = self.labels;
+        ui.horizontal(|ui| {
+            let title = self.muted(learner.words(&learner.lesson().title));
+            ui.add(Label::new(title).truncate())
+                .known_as("lesson-title");
+            ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+                let close = icon_button(ui, Icon::Close, labels.close, None, self.palette);
+                self.on_click(&close, "lesson-close", LessonCommand::Leave);
+                language(ui, self.state, self.commands);
+                let list = ui.add(Button::new(labels.lessons).small());
+                self.on_click(&list, "lesson-list", LessonCommand::ToggleList);
+                let present = ui.add(Button::new(labels.present).small());
+                let command = Command::Talk(TalkCommand::Lesson { from_start: false });
+                present.issues("lesson-present", command, self.commands);
+            });
+        });
+    }
+
+    /// Shows the number of each step, coloured by the score of its question; a click goes there.
+    fn steps(&mut self, ui: &mut Ui) {
+        let learner = &self.open.learner;
+        let lesson = learner.lesson();
+        ui.horizontal_wrapped(|ui| {
+            ui.spacing_mut().item_spacing.x = 4.0;
+            for (index, step) in lesson.steps.iter().enumerate() {
+                let results = &self.state.lessons.results;
+                let gate = step.gate.as_ref();
+                let score = gate.and_then(|gate| results.of_gate(&lesson.name, &gate.name));
+                let is_here = index == learner.index();
+                let color = match (is_here, score) {
+                    (true, _) => self.palette.accent,
+                    (false, Some((score, _))) if score > FULL_MARKS => self.palette.inserted,
+                    (false, Some(_)) => self.palette.candidate,
+                    (false, None) => self.palette.muted,
+                };
+                let mut name = RichText::new((index + 1).to_string()).color(color).small();
+                if is_here {
+                    name = name.strong().underline();
+                }
+                let button = ui.add(Button::new(name).small().frame(false));
+                let button = button.on_hover_text(learner.words(&step.title));
+                let id = format_args!("lesson-step-{}", index + 1);
+                self.on_click(&button, id, LessonCommand::Go(step.name.clone()));
             }
         });
-    });
-    steps(ui, state, open, palette, commands);
-    ui.add_space(6.0);
-    let step = learner.step();
-    let heading =
-        RichText::new(learner.words(&step.title)).font(FontId::new(size + 4.0, semibold()));
-    ui.add(Label::new(heading).wrap()).known_as("lesson-step");
-    ui.add_space(4.0);
-    text::show(ui, open, &step.text, size, palette);
-    if let Some(fault) = &open.fault {
-        let text = RichText::new(format!("{} {fault}.", labels(state).cannot_show))
-            .color(palette.conflict);
-        ui.add(Label::new(text).wrap()).known_as("lesson-fault");
-    } else if learner.scene().is_none() {
-        ui.label(RichText::new(labels(state).makes_run).color(palette.muted))
-            .known_as("lesson-waits");
     }
-    if learner.question().is_some() {
-        divide(ui, palette);
-        question(ui, state, open, size, palette, commands);
+
+    fn question(&mut self, ui: &mut Ui, question: &Question) {
+        let (open, labels) = (self.open, self.labels);
+        let learner = &open.learner;
+        let (_, traced) = learner.tries();
+        if let Form::Trace { steps, .. } = &question.form {
+            let number = (traced + 1).min(*steps);
+            let text = format!("{} {number} {} {steps}", labels.step, labels.of);
+            ui.label(self.muted(text)).known_as("lesson-traced");
+        }
+        let ask = text::paragraph(ui, question.ask(traced), self.size, self.palette.text);
+        read_out(ui, &ask);
+        ask.known_as("lesson-ask");
+        ui.add_space(6.0);
+        let sizes = [self.size, PLOT];
+        let asked = (question, labels);
+        answers::show(ui, open, asked, sizes, self.palette, self.commands);
+        if let Some(lacking) = &open.lacking {
+            let text = RichText::new(lacking).color(self.palette.candidate);
+            let label = ui.add(Label::new(text).wrap());
+            read_out(ui, &label);
+            label.known_as("lesson-lacking");
+        }
+        self.feedback(ui);
+        if !learner.is_open() {
+            self.revealed(ui);
+            return;
+        }
+        ui.add_space(8.0);
+        let name = format!("{} (Enter)", labels.answer);
+        let button = primary_button(ui, &name, None, self.palette);
+        self.on_click(&button, "lesson-answer", LessonCommand::Answer);
+        ui.add_space(4.0);
+        ui.horizontal(|ui| {
+            if question.hint.is_some() {
+                self.on_click(&ui.button(labels.hint), "lesson-hint", LessonCommand::Hint);
+            }
+            // The second click shows the answer.
+            let is_sure = learner.is_asked_to_give_up();
+            let name = if is_sure {
+                labels.show_answer
+            } else {
+                labels.give_up
+            };
+            self.on_click(&ui.button(name), "lesson-give-up", LessonCommand::GiveUp);
+            if is_sure {
+                ui.label(self.muted(labels.sure));
+            }
+        });
+        if let Some(hint) = &open.hint {
+            let label = text::paragraph(ui, hint, self.size, self.palette.muted);
+            read_out(ui, &label);
+            label.known_as("lesson-hint-text");
+        }
     }
-    divide(ui, palette);
-    walk(ui, state, open, commands);
+
+    /// Shows the verdict on the last answer, and the lesson's sentence on it.
+    fn feedback(&self, ui: &mut Ui) {
+        let verdict = self.open.verdict(&self.state.lessons.language);
+        let (Some(feedback), Some(verdict)) = (&self.open.feedback, verdict) else {
+            return;
+        };
+        let color = match feedback.score {
+            score if score > FULL_MARKS => self.palette.inserted,
+            score if score > 0.0 => self.palette.candidate,
+            _ => self.palette.conflict,
+        };
+        ui.add_space(6.0);
+        let font = FontId::new(self.size, semibold());
+        let label = ui.label(RichText::new(verdict).font(font).color(color));
+        read_out(ui, &label);
+        label.known_as("lesson-verdict");
+        if let Some(sentence) = &feedback.sentence {
+            text::paragraph(ui, sentence, self.size, self.palette.text).known_as("lesson-sentence");
+        }
+    }
+
+    /// Shows the right answer once the question is closed, the text after it, and the events that explain it.
+    fn revealed(&mut self, ui: &mut Ui) {
+        let learner = &self.open.learner;
+        if learner.progress() == Progress::GivenUp
+            && let Some(answer) = learner.right_answer()
+        {
+            let text = format!("{} {answer}", self.labels.the_answer);
+            ui.add(Label::new(RichText::new(text).size(self.size)).wrap())
+                .known_as("lesson-key");
+        }
+        ui.add_space(4.0);
+        let step = learner.step();
+        text::show(ui, self.open, &step.after, self.size, self.palette);
+        let reasons = self.open.reasons();
+        if !reasons.is_empty() {
+            let why = CollapsingHeader::new(self.labels.why).id_salt("lesson-why");
+            why.show(ui, |ui| {
+                for reason in &reasons {
+                    let text = self.muted(format!("\u{2190} {reason}")).small();
+                    ui.add(Label::new(text).wrap());
+                }
+            });
+        }
+        if (step.gate.as_ref()).is_some_and(|gate| gate.practice.is_some()) {
+            // The seed of another run of the same kind: any number serves, and the time differs from click to click.
+            let seed = (ui.input(|input| input.time.to_bits()) >> 12) % 100_003;
+            let again = ui.button(self.labels.again);
+            self.on_click(&again, "lesson-practise", LessonCommand::Practise(seed));
+        }
+    }
+
+    /// Shows the buttons that go to the previous and the next step; at the last step, to the list of lessons.
+    fn walk(&mut self, ui: &mut Ui) {
+        let (labels, learner) = (self.labels, &self.open.learner);
+        let (index, len) = (learner.index(), learner.lesson().steps.len());
+        ui.horizontal(|ui| {
+            let back = Button::new(format!("{} (PageUp)", labels.back));
+            let back = ui.add_enabled(index > 0, back);
+            let command = LessonCommand::Step(Direction::Backwards);
+            self.on_click(&back, "lesson-back", command);
+            if index + 1 == len {
+                let more = ui.button(labels.more);
+                self.on_click(&more, "lesson-more", LessonCommand::ToggleList);
+                return;
+            }
+            let next = Button::new(format!("{} (PageDown)", labels.next));
+            let next = ui.add_enabled(learner.may_go_on(), next);
+            let next = next.on_disabled_hover_text(labels.waits);
+            let command = LessonCommand::Step(Direction::Forwards);
+            self.on_click(&next, "lesson-next", command);
+        });
+    }
 }
 
 /// Shows the button that changes the language.
@@ -147,242 +342,8 @@ fn language(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         "de" => ("EN", "en"),
         _ => ("DE", "de"),
     };
-    let hint = labels(state).other_language;
-    let button = ui
-        .add(Button::new(name).small())
-        .known_as("lesson-language")
-        .clone();
-    if button.on_hover_text(hint).clicked() {
-        issue(commands, LessonCommand::Language(id.to_owned()));
-    }
-}
-
-/// Shows one square for each step; a click goes there.
-fn steps(
-    ui: &mut Ui,
-    state: &State,
-    open: &OpenLesson,
-    palette: &Palette,
-    commands: &mut Vec<Command>,
-) {
-    let lesson = open.learner.lesson();
-    ui.horizontal_wrapped(|ui| {
-        ui.spacing_mut().item_spacing.x = 4.0;
-        for (index, step) in lesson.steps.iter().enumerate() {
-            let score = step
-                .gate
-                .as_ref()
-                .and_then(|gate| state.lessons.results.of_gate(&lesson.name, &gate.name));
-            let is_here = index == open.learner.index();
-            let color = match (is_here, score) {
-                (true, _) => palette.accent,
-                (false, Some((score, _))) if score > 0.999 => palette.inserted,
-                (false, Some(_)) => palette.candidate,
-                (false, None) => palette.muted,
-            };
-            let mut name = RichText::new((index + 1).to_string()).color(color).small();
-            if is_here {
-                name = name.strong().underline();
-            }
-            let button = ui
-                .add(Button::new(name).small().frame(false))
-                .known_as(format_args!("lesson-step-{}", index + 1))
-                .clone();
-            if button
-                .on_hover_text(open.learner.words(&step.title))
-                .clicked()
-            {
-                issue(commands, LessonCommand::Go(step.name.clone()));
-            }
-        }
-    });
-}
-
-fn question(
-    ui: &mut Ui,
-    state: &State,
-    open: &OpenLesson,
-    size: f32,
-    palette: &Palette,
-    commands: &mut Vec<Command>,
-) {
-    let learner = &open.learner;
-    let Some(question) = learner.question() else {
-        return;
-    };
-    let (_, traced) = learner.tries();
-    if let Form::Trace { steps, .. } = &question.form {
-        let number = (traced + 1).min(*steps);
-        let text = format!(
-            "{} {number} {} {steps}",
-            labels(state).step,
-            labels(state).of
-        );
-        ui.label(RichText::new(text).color(palette.muted))
-            .known_as("lesson-traced");
-    }
-    let ask = ui.add(Label::new(text::job(ui, question.ask(traced), size, palette.text)).wrap());
-    read_out(ui, &ask);
-    ask.known_as("lesson-ask");
-    ui.add_space(6.0);
-    let sizes = [size, PLOT];
-    answers::show(
-        ui,
-        open,
-        (question, labels(state)),
-        sizes,
-        palette,
-        commands,
-    );
-    if let Some(lacking) = &open.lacking {
-        let label = ui.add(Label::new(RichText::new(lacking).color(palette.candidate)).wrap());
-        read_out(ui, &label);
-        label.known_as("lesson-lacking");
-    }
-    feedback(ui, state, open, size, palette);
-    if learner.is_open() {
-        ui.add_space(8.0);
-        let name = format!("{} (Enter)", labels(state).answer);
-        if primary_button(ui, &name, None, palette)
-            .known_as("lesson-answer")
-            .clicked()
-        {
-            issue(commands, LessonCommand::Answer);
-        }
-        ui.add_space(4.0);
-        ui.horizontal(|ui| {
-            if question.hint.is_some()
-                && ui
-                    .button(labels(state).hint)
-                    .known_as("lesson-hint")
-                    .clicked()
-            {
-                issue(commands, LessonCommand::Hint);
-            }
-            let give_up = if learner.is_asked_to_give_up() {
-                labels(state).show_answer
-            } else {
-                labels(state).give_up
-            };
-            if ui.button(give_up).known_as("lesson-give-up").clicked() {
-                issue(commands, LessonCommand::GiveUp);
-            }
-            if learner.is_asked_to_give_up() {
-                ui.label(RichText::new(labels(state).sure).color(palette.muted));
-            }
-        });
-        if let Some(hint) = &open.hint {
-            let label = ui.add(Label::new(text::job(ui, hint, size, palette.muted)).wrap());
-            read_out(ui, &label);
-            label.known_as("lesson-hint-text");
-        }
-    } else {
-        revealed(ui, state, open, size, palette, commands);
-    }
-}
-
-/// Shows what is said to the last answer.
-fn feedback(ui: &mut Ui, state: &State, open: &OpenLesson, size: f32, palette: &Palette) {
-    let (Some(feedback), Some(verdict)) = (&open.feedback, open.verdict(&state.lessons.language))
-    else {
-        return;
-    };
-    let color = match feedback.score {
-        score if score > 0.999 => palette.inserted,
-        score if score > 0.0 => palette.candidate,
-        _ => palette.conflict,
-    };
-    ui.add_space(6.0);
-    let label = ui.label(
-        RichText::new(verdict)
-            .font(FontId::new(size, semibold()))
-            .color(color),
-    );
-    read_out(ui, &label);
-    label.known_as("lesson-verdict");
-    if let Some(sentence) = &feedback.sentence {
-        ui.add(Label::new(text::job(ui, sentence, size, palette.text)).wrap())
-            .known_as("lesson-sentence");
-    }
-}
-
-/// Shows what is known once the question is closed: the answer, why, and the lesson's words.
-fn revealed(
-    ui: &mut Ui,
-    state: &State,
-    open: &OpenLesson,
-    size: f32,
-    palette: &Palette,
-    commands: &mut Vec<Command>,
-) {
-    let learner = &open.learner;
-    if learner.progress() == Progress::GivenUp
-        && let Some(answer) = learner.right_answer()
-    {
-        let text = format!("{} {answer}", labels(state).the_answer);
-        ui.add(Label::new(RichText::new(text).size(size)).wrap())
-            .known_as("lesson-key");
-    }
-    ui.add_space(4.0);
-    text::show(ui, open, &learner.step().after, size, palette);
-    let reasons = open.reasons();
-    if !reasons.is_empty() {
-        egui::CollapsingHeader::new(labels(state).why)
-            .id_salt("lesson-why")
-            .show(ui, |ui| {
-                for reason in &reasons {
-                    ui.add(
-                        Label::new(
-                            RichText::new(format!("\u{2190} {reason}"))
-                                .small()
-                                .color(palette.muted),
-                        )
-                        .wrap(),
-                    );
-                }
-            });
-    }
-    let can_practise = learner
-        .step()
-        .gate
-        .as_ref()
-        .is_some_and(|gate| gate.practice.is_some());
-    if can_practise
-        && ui
-            .button(labels(state).again)
-            .known_as("lesson-practise")
-            .clicked()
-    {
-        // Any number will do; the time differs from press to press.
-        let draw = ui.input(|input| input.time.to_bits()) >> 12;
-        issue(commands, LessonCommand::Practise(draw % 100_003));
-    }
-}
-
-/// Shows the buttons that go back and on.
-fn walk(ui: &mut Ui, state: &State, open: &OpenLesson, commands: &mut Vec<Command>) {
-    let labels = labels(state);
-    let learner = &open.learner;
-    let (index, len) = (learner.index(), learner.lesson().steps.len());
-    ui.horizontal(|ui| {
-        let back = ui.add_enabled(index > 0, Button::new(format!("{} (PageUp)", labels.back)));
-        if back.known_as("lesson-back").clicked() {
-            issue(commands, LessonCommand::Step(Direction::Backwards));
-        }
-        let is_last = index + 1 == len;
-        if is_last {
-            if ui.button(labels.more).known_as("lesson-more").clicked() {
-                issue(commands, LessonCommand::ToggleList);
-            }
-        } else {
-            let next = ui.add_enabled(
-                learner.may_go_on(),
-                Button::new(format!("{} (PageDown)", labels.next)),
-            );
-            next.known_as("lesson-next");
-            if next.on_disabled_hover_text(labels.waits).clicked() {
-                issue(commands, LessonCommand::Step(Direction::Forwards));
-            }
-        }
-    });
+    let button = ui.add(Button::new(name).small());
+    let button = button.on_hover_text(labels(state).other_language);
+    let command = Command::Lesson(LessonCommand::Language(id.to_owned()));
+    button.issues("lesson-language", command, commands);
 }

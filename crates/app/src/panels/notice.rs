@@ -56,10 +56,9 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
                         });
                         #[cfg(not(target_arch = "wasm32"))]
                         open_folder(ui, notice, commands);
-                        let dismiss = icon_button(ui, Icon::Close, "Dismiss", None, palette);
-                        if dismiss.known_as("dismiss").clicked() {
-                            commands.push(Command::DismissNotice);
-                        }
+                        let command = Command::DismissNotice;
+                        icon_button(ui, Icon::Close, "Dismiss", None, palette)
+                            .issues("dismiss", command, commands);
                     });
                 });
         });

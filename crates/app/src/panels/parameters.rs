@@ -146,20 +146,16 @@ fn run_or_cancel(ui: &mut Ui, context: &FormContext<'_>, commands: &mut Vec<Comm
             } else {
                 "Run"
             };
-            let run = primary_button(ui, name, refusal, palette);
-            if run.known_as("run").clicked() {
-                commands.push(Command::Run);
-            }
+            primary_button(ui, name, refusal, palette).issues("run", Command::Run, commands);
         });
         match context.sampling {
             Some(job) if job.is_cancelled() => {
                 ui.label(RichText::new("Stopping").small().color(palette.muted));
             }
             Some(_) => {
-                let cancel = ui.link(RichText::new("Cancel").small());
-                if cancel.known_as("cancel").clicked() {
-                    commands.push(Command::Cancel(Which::First));
-                }
+                let command = Command::Cancel(Which::First);
+                ui.link(RichText::new("Cancel").small())
+                    .issues("cancel", command, commands);
             }
             None => {
                 let reset = ui.link(RichText::new("Reset").small());

@@ -1,5 +1,5 @@
 //! The panel of GPU passes: their list on the left, the selected pass and one of its buffers on the right. It reads
-//! [`Passes`] and pushes commands.
+//! [`Passes`], whose runs and tables are in `workbench/src/passes/`, and pushes commands. Begin with [`show`].
 
 mod choice;
 mod grid;
@@ -24,8 +24,17 @@ const LIST: f32 = 270.0;
 /// Shown if the device does not measure times.
 pub const NO_TIMES: &str = "no timestamps on this adapter";
 
+/// How a pass is compared with the CPU.
+const COMPARED: &str = "After the last pass of a stage everything is compared with the CPU's sequential engine: \
+     blocks, tiles, samples, origins, fates, iterations, result.";
+
 /// Shows the panel in all the room there is.
 pub fn show(ui: &mut Ui, passes: &Passes, palette: &Palette, commands: &mut Vec<PassCommand>) {
+    let mut panel = PassesPanel {
+        passes,
+        palette,
+        commands,
+    };
     let area = ui.available_rect_before_wrap();
     let (left, right) = area.split_left_right_at_x(area.left() + LIST.min(0.45 * area.width()));
     let column = |rect| {
@@ -34,79 +43,278 @@ pub fn show(ui: &mut Ui, passes: &Passes, palette: &Palette, commands: &mut Vec<
             .layout(Layout::top_down(egui::Align::Min))
     };
     let mut ui_left = ui.new_child(column(left.shrink2(vec2(0.0, 2.0))).id_salt("list"));
-    strip(&mut ui_left, passes, palette, commands);
+    panel.list(&mut ui_left);
     let right = right.with_min_x(right.left() + 16.0);
     ui.painter()
         .vline(right.left() - 8.0, area.y_range(), (1.0, palette.line));
     let mut ui_right = ui.new_child(column(right.shrink2(vec2(0.0, 2.0))).id_salt("pass"));
     ui_right.set_clip_rect(right.intersect(ui.clip_rect()));
-    work(&mut ui_right, passes, palette, commands);
+    panel.work(&mut ui_right);
     if let Some(entry) = passes.selected().and_then(|k| passes.entries().get(k)) {
-        pass(&mut ui_right, passes, entry, palette, commands);
+        panel.pass(&mut ui_right, entry);
     }
     ui.advance_cursor_after_rect(area);
 }
 
-/// Shows the list and its heading.
-fn strip(ui: &mut Ui, passes: &Passes, palette: &Palette, commands: &mut Vec<PassCommand>) {
-    ui.add(Label::new(muted(passes.adapter(), palette)).truncate());
-    let times = if passes.has_timestamps() {
-        "times measured by the adapter, pass by pass"
-    } else {
-        NO_TIMES
-    };
-    ui.add(Label::new(muted(times, palette)).truncate());
-    ui.add_space(2.0);
-    ui.scope(|ui| list::show(ui, passes, palette, commands));
+/// The passes, and the commands that the panel issues.
+struct PassesPanel<'a> {
+    passes: &'a Passes,
+    palette: &'a Palette,
+    commands: &'a mut Vec<PassCommand>,
+}
+
+impl PassesPanel<'_> {
+    /// Shows the list and its heading.
+    fn list(&mut self, ui: &mut Ui) {
+        let (passes, palette) = (self.passes, self.palette);
+        ui.add(Label::new(muted(passes.adapter(), palette)).truncate());
+        let times = if passes.has_timestamps() {
+            "times measured by the adapter, pass by pass"
+        } else {
+            NO_TIMES
+        };
+        ui.add(Label::new(muted(times, palette)).truncate());
+        ui.add_space(2.0);
+        ui.scope(|ui| list::show(ui, passes, palette, self.commands));
+    }
+
+    /// Shows the work in progress, and its result.
+    fn work(&mut self, ui: &mut Ui) {
+        let (passes, palette) = (self.passes, self.palette);
+        if let Some(fault) = passes.fault() {
+            ui.horizontal(|ui| {
+                let text = format!(
+                    "What if: word {} of {} becomes {} after pass {}.",
+                    grouped(fault.index as usize),
+                    fault.buffer.as_str(),
+                    fault.word,
+                    fault.after + 1,
+                );
+                ui.label(RichText::new(text).color(palette.margin))
+                    .known_as("passes.fault");
+                ui.button("Undo")
+                    .issues("passes.undo", PassCommand::Fault(None), self.commands);
+            });
+        }
+        // The line's height is reserved: nothing moves when the work ends.
+        ui.horizontal(|ui| {
+            ui.set_height(26.0);
+            if let Some((activity, fraction)) = passes.activity() {
+                // Before the text, whose length changes, so that it stays under the pointer.
+                ui.button("Cancel")
+                    .issues("passes.cancel", PassCommand::Cancel, self.commands);
+                let bar = ProgressBar::new(fraction).desired_width(160.0);
+                ui.add(bar.desired_height(8.0).fill(palette.accent));
+                ui.label(RichText::new(activity).color(palette.muted));
+            } else if let Some(notice) = passes.notice() {
+                let again = ui.button("List passes again");
+                again.issues("passes.again", PassCommand::Again, self.commands);
+                let text = RichText::new(notice).color(palette.margin);
+                let label = ui.add(Label::new(text).truncate());
+                label.known_as("passes.notice");
+                label.on_hover_text(notice);
+            } else {
+                ui.label(RichText::new(summary(passes)).color(palette.muted))
+                    .known_as("passes.summary");
+            }
+        });
+    }
+
+    /// Shows the selected pass.
+    fn pass(&mut self, ui: &mut Ui, entry: &PassEntry) {
+        let (passes, palette) = (self.passes, self.palette);
+        self.title(ui, entry);
+        numbers(ui, passes, entry, palette);
+        let Some(visit) = passes.visit() else {
+            ui.label(muted(
+                "Its buffers are shown when the run is there.",
+                palette,
+            ));
+            return;
+        };
+        way(ui, visit, palette);
+        ui.add_space(4.0);
+        self.buffers(ui, visit);
+        choice::show(ui, passes, visit, palette, self.commands);
+        if let Some(table) = passes.shown().table(Some(visit)) {
+            self.tools(ui, table);
+            let foot = 62.0;
+            let room = vec2(
+                ui.available_width(),
+                (ui.available_height() - foot).max(60.0),
+            );
+            ui.allocate_ui(room, |ui| {
+                ui.set_min_size(room);
+                grid::show(ui, table, passes.shown(), palette, self.commands);
+            });
+            ui.add_space(4.0);
+            self.export(ui);
+            self.fault_editor(ui, visit, table);
+        }
+    }
+
+    /// Shows the buttons that go from pass to pass, the name of the pass, and how it compares with the CPU.
+    fn title(&mut self, ui: &mut Ui, entry: &PassEntry) {
+        let (passes, palette) = (self.passes, self.palette);
+        let (at, count) = (passes.selected().unwrap_or(0), passes.entries().len());
+        let first = (at == 0).then_some("This is the first pass.");
+        let last = (at + 1 == count).then_some("This is the last pass.");
+        ui.horizontal(|ui| {
+            ui.spacing_mut().item_spacing.x = 2.0;
+            let previous = icon_button(ui, Icon::Back, "Previous pass", first, palette);
+            previous.issues("passes.previous", PassCommand::Previous, self.commands);
+            let next = icon_button(ui, Icon::Forward, "Next pass", last, palette);
+            next.issues("passes.next", PassCommand::Next, self.commands);
+            ui.add_space(6.0);
+            let name = RichText::new(entry.report.name).font(FontId::new(17.0, semibold()));
+            ui.label(name);
+            ui.add_space(8.0);
+            let stage = stage_name(entry.report.stage);
+            let text = format!("pass {} of {count}, stage {stage}", at + 1);
+            ui.label(RichText::new(text).color(palette.muted))
+                .known_as("passes.place");
+        });
+        ui.horizontal(|ui| {
+            let (rect, _) = ui.allocate_exact_size(vec2(16.0, 18.0), egui::Sense::hover());
+            mark(ui, rect.center(), &entry.badge, palette);
+            let text = RichText::new(entry.badge.text()).color(color(&entry.badge, palette));
+            let label = ui.add(Label::new(text).truncate());
+            label.on_hover_text(COMPARED);
+        });
+    }
+
+    /// Shows the choice of a buffer.
+    fn buffers(&mut self, ui: &mut Ui, visit: &Visit) {
+        let (passes, palette) = (self.passes, self.palette);
+        ui.horizontal_wrapped(|ui| {
+            ui.spacing_mut().item_spacing.x = 6.0;
+            for (index, table) in visit.buffers.iter().enumerate() {
+                let access = access_text(table.access);
+                let text = RichText::new(table.name.as_str()).monospace();
+                let is_shown = index == passes.shown().buffer();
+                let count = table.changed_count();
+                let mut button =
+                    Button::selectable(is_shown, text).right_text(muted(access, palette));
+                if !is_shown {
+                    button = button.stroke((1.0, palette.line));
+                }
+                let response = ui.add(button).on_hover_text(format!(
+                    "{access}, {} bytes, {}",
+                    grouped(table.bytes as usize),
+                    changed_text(count),
+                ));
+                let label = format!(
+                    "Buffer {}: {access}, {}",
+                    table.name.as_str(),
+                    changed_text(count)
+                );
+                response.widget_info(|| {
+                    egui::WidgetInfo::selected(egui::Role::Button, true, is_shown, &label)
+                });
+                response.known_as(format_args!("buffer.{}", Kebab(table.name)));
+                if response.clicked() {
+                    self.commands.push(PassCommand::Buffer(index));
+                }
+            }
+        });
+    }
+
+    /// Shows the choice of side and rows.
+    fn tools(&mut self, ui: &mut Ui, table: &BufferTable) {
+        let (passes, palette) = (self.passes, self.palette);
+        let shown = passes.shown();
+        if table.total <= 1 {
+            return;
+        }
+        ui.horizontal(|ui| {
+            for side in PassSide::ALL {
+                let button = ui.selectable_label(shown.side() == side, side.name());
+                let id = format_args!("side.{}", Kebab(side));
+                button.issues(id, PassCommand::Side(side), self.commands);
+            }
+            ui.add_space(10.0);
+            let label = ui.label(RichText::new("Filter").color(palette.muted));
+            let mut text = shown.filter().to_owned();
+            let edit = TextEdit::singleline(&mut text)
+                .align(egui::Align2::LEFT_CENTER)
+                .font(egui::TextStyle::Monospace)
+                .hint_text("x>5, changed")
+                .desired_width(170.0);
+            let edit = ui.add(edit).labelled_by(label.id);
+            if edit.known_as("filter").changed() {
+                self.commands.push(PassCommand::Filter(text));
+            }
+            ui.add_space(6.0);
+            let (text, color) = match shown.error() {
+                Some(error) => (
+                    tilescope_session::words::sentence(&error.to_string()),
+                    palette.conflict,
+                ),
+                None => (count_text(table, shown.rows().len()), palette.muted),
+            };
+            let tip = text.clone();
+            let label = ui.add(Label::new(RichText::new(text).color(color)).truncate());
+            label.known_as("filtered");
+            label.on_hover_text(tip);
+        });
+    }
+
+    /// Shows the button that writes the rows to a file, and the result.
+    fn export(&mut self, ui: &mut Ui) {
+        let (passes, palette) = (self.passes, self.palette);
+        ui.horizontal(|ui| {
+            let label = ui.label(RichText::new("File").color(palette.muted));
+            let mut path = passes.path();
+            let edit = TextEdit::singleline(&mut path)
+                .align(egui::Align2::LEFT_CENTER)
+                .font(egui::TextStyle::Monospace)
+                .desired_width(260.0);
+            let edit = ui.add(edit).labelled_by(label.id);
+            if edit.known_as("passes.path").changed() {
+                self.commands.push(PassCommand::Path(path));
+            }
+            let export = ui.button("Export rows as CSV");
+            export.issues("passes.export", PassCommand::Export, self.commands);
+            let (text, color) = match passes.export_result() {
+                None => return,
+                Some(Ok(message)) => (message, palette.inserted),
+                Some(Err(message)) => (message, palette.conflict),
+            };
+            let label = ui.add(Label::new(RichText::new(text).color(color)).truncate());
+            label.known_as("passes.written");
+            label.on_hover_text(text);
+        });
+    }
+
+    /// Shows the fields for a word of the buffer to change after the pass, to inject a fault.
+    fn fault_editor(&mut self, ui: &mut Ui, visit: &Visit, table: &BufferTable) {
+        let palette = self.palette;
+        let id = ui.scope_id().with("what if");
+        let (mut index, mut word) = ui.data(|data| data.get_temp(id)).unwrap_or((0_u64, 0_u32));
+        ui.horizontal(|ui| {
+            let muted = |text: &str| RichText::new(text).color(palette.muted);
+            let label = ui.label(muted("What if word"));
+            let last = (table.bytes / 4).saturating_sub(1);
+            ui.add(DragValue::new(&mut index).range(0..=last))
+                .labelled_by(label.id);
+            let label = ui.label(muted("of this buffer became"));
+            ui.add(DragValue::new(&mut word)).labelled_by(label.id);
+            ui.label(muted("after this pass?"));
+            if ui.button("Try").known_as("passes.try").clicked() {
+                self.commands.push(PassCommand::Fault(Some(Fault {
+                    after: visit.pass,
+                    buffer: table.name,
+                    index,
+                    word,
+                })));
+            }
+        });
+        ui.data_mut(|data| data.insert_temp(id, (index, word)));
+    }
 }
 
 fn muted(text: &str, palette: &Palette) -> RichText {
     RichText::new(text).small().color(palette.muted)
-}
-
-/// Shows the work in progress, and its result.
-fn work(ui: &mut Ui, passes: &Passes, palette: &Palette, commands: &mut Vec<PassCommand>) {
-    if let Some(fault) = passes.fault() {
-        ui.horizontal(|ui| {
-            let text = format!(
-                "What if: word {} of {} becomes {} after pass {}.",
-                grouped(fault.index as usize),
-                fault.buffer.as_str(),
-                fault.word,
-                fault.after + 1,
-            );
-            ui.label(RichText::new(text).color(palette.margin))
-                .known_as("passes.fault");
-            if ui.button("Undo").known_as("passes.undo").clicked() {
-                commands.push(PassCommand::Fault(None));
-            }
-        });
-    }
-    // The line's height is reserved: nothing moves when the work ends.
-    ui.horizontal(|ui| {
-        ui.set_height(26.0);
-        if let Some((activity, fraction)) = passes.activity() {
-            // Before the text, whose length changes, so that it stays under the pointer.
-            if ui.button("Cancel").known_as("passes.cancel").clicked() {
-                commands.push(PassCommand::Cancel);
-            }
-            let bar = ProgressBar::new(fraction).desired_width(160.0);
-            ui.add(bar.desired_height(8.0).fill(palette.accent));
-            ui.label(RichText::new(activity).color(palette.muted));
-        } else if let Some(notice) = passes.notice() {
-            let again = ui.button("List passes again");
-            if again.known_as("passes.again").clicked() {
-                commands.push(PassCommand::Again);
-            }
-            let text = RichText::new(notice).color(palette.margin);
-            let label = ui.add(Label::new(text).truncate());
-            label.known_as("passes.notice");
-            label.on_hover_text(notice);
-        } else {
-            ui.label(RichText::new(summary(passes)).color(palette.muted))
-                .known_as("passes.summary");
-        }
-    });
 }
 
 /// Returns the comparison of the whole run with the CPU.
@@ -129,44 +337,6 @@ fn summary(passes: &Passes) -> String {
     format!("{all}, {stages}: {equal} {are} equal to the CPU, {differ} differ{again}")
 }
 
-/// Shows the selected pass.
-fn pass(
-    ui: &mut Ui,
-    passes: &Passes,
-    entry: &PassEntry,
-    palette: &Palette,
-    commands: &mut Vec<PassCommand>,
-) {
-    title(ui, passes, entry, palette, commands);
-    numbers(ui, passes, entry, palette);
-    let Some(visit) = passes.visit() else {
-        ui.label(muted(
-            "Its buffers are shown when the run is there.",
-            palette,
-        ));
-        return;
-    };
-    way(ui, visit, palette);
-    ui.add_space(4.0);
-    buffers(ui, passes, visit, palette, commands);
-    choice::show(ui, passes, visit, palette, commands);
-    if let Some(table) = passes.shown().table(Some(visit)) {
-        tools(ui, passes, table, palette, commands);
-        let foot = 62.0;
-        let room = vec2(
-            ui.available_width(),
-            (ui.available_height() - foot).max(60.0),
-        );
-        ui.allocate_ui(room, |ui| {
-            ui.set_min_size(room);
-            grid::show(ui, table, passes.shown(), palette, commands);
-        });
-        ui.add_space(4.0);
-        export(ui, passes, palette, commands);
-        fault_editor(ui, visit, table, palette, commands);
-    }
-}
-
 /// Shows how the run reached this pass.
 fn way(ui: &mut Ui, visit: &Visit, palette: &Palette) {
     let text = if visit.replayed {
@@ -177,46 +347,6 @@ fn way(ui: &mut Ui, visit: &Visit, palette: &Palette) {
     let label = ui.add(Label::new(muted(text, palette)).truncate());
     label.known_as("passes.way");
     label.on_hover_text("Lists that many invocations append to may have their rows in another sequence in every run.");
-}
-
-fn title(
-    ui: &mut Ui,
-    passes: &Passes,
-    entry: &PassEntry,
-    palette: &Palette,
-    commands: &mut Vec<PassCommand>,
-) {
-    let (at, count) = (passes.selected().unwrap_or(0), passes.entries().len());
-    let first = (at == 0).then_some("This is the first pass.");
-    let last = (at + 1 == count).then_some("This is the last pass.");
-    ui.horizontal(|ui| {
-        ui.spacing_mut().item_spacing.x = 2.0;
-        let previous = icon_button(ui, Icon::Back, "Previous pass", first, palette);
-        if previous.known_as("passes.previous").clicked() {
-            commands.push(PassCommand::Previous);
-        }
-        let next = icon_button(ui, Icon::Forward, "Next pass", last, palette);
-        if next.known_as("passes.next").clicked() {
-            commands.push(PassCommand::Next);
-        }
-        ui.add_space(6.0);
-        let name = RichText::new(entry.report.name).font(FontId::new(17.0, semibold()));
-        ui.label(name);
-        ui.add_space(8.0);
-        let stage = stage_name(entry.report.stage);
-        let text = format!("pass {} of {count}, stage {stage}", at + 1);
-        ui.label(RichText::new(text).color(palette.muted))
-            .known_as("passes.place");
-    });
-    ui.horizontal(|ui| {
-        let (rect, _) = ui.allocate_exact_size(vec2(16.0, 18.0), egui::Sense::hover());
-        mark(ui, rect.center(), &entry.badge, palette);
-        let text = RichText::new(entry.badge.text()).color(color(&entry.badge, palette));
-        let label = ui.add(Label::new(text).truncate());
-        label.on_hover_text(
-            "After the last pass of a stage everything is compared with the CPU's sequential engine: blocks, tiles, samples, origins, fates, iterations, result.",
-        );
-    });
 }
 
 fn numbers(ui: &mut Ui, passes: &Passes, entry: &PassEntry, palette: &Palette) {
@@ -241,98 +371,11 @@ fn numbers(ui: &mut Ui, passes: &Passes, entry: &PassEntry, palette: &Palette) {
     ui.label(RichText::new(parts.join("   ")).color(palette.muted));
 }
 
-/// Shows the choice of a buffer.
-fn buffers(
-    ui: &mut Ui,
-    passes: &Passes,
-    visit: &Visit,
-    palette: &Palette,
-    commands: &mut Vec<PassCommand>,
-) {
-    ui.horizontal_wrapped(|ui| {
-        ui.spacing_mut().item_spacing.x = 6.0;
-        for (index, table) in visit.buffers.iter().enumerate() {
-            let access = access_text(table.access);
-            let text = RichText::new(table.name.as_str()).monospace();
-            let is_shown = index == passes.shown().buffer();
-            let count = table.changed_count();
-            let mut button = Button::selectable(is_shown, text).right_text(muted(access, palette));
-            if !is_shown {
-                button = button.stroke((1.0, palette.line));
-            }
-            let response = ui.add(button).on_hover_text(format!(
-                "{access}, {} bytes, {}",
-                grouped(table.bytes as usize),
-                changed_text(count),
-            ));
-            let label = format!(
-                "Buffer {}: {access}, {}",
-                table.name.as_str(),
-                changed_text(count)
-            );
-            response.widget_info(|| {
-                egui::WidgetInfo::selected(egui::Role::Button, true, is_shown, &label)
-            });
-            response.known_as(format_args!("buffer.{}", Kebab(table.name)));
-            if response.clicked() {
-                commands.push(PassCommand::Buffer(index));
-            }
-        }
-    });
-}
-
 fn changed_text(count: usize) -> String {
     match count {
         0 => "nothing changed in the rows read".to_owned(),
         n => format!("{} changed", counted(n, "row", "rows")),
     }
-}
-
-/// Shows the choice of side and rows.
-fn tools(
-    ui: &mut Ui,
-    passes: &Passes,
-    table: &BufferTable,
-    palette: &Palette,
-    commands: &mut Vec<PassCommand>,
-) {
-    let shown = passes.shown();
-    if table.total <= 1 {
-        return;
-    }
-    ui.horizontal(|ui| {
-        for side in PassSide::ALL {
-            let button = ui.selectable_label(shown.side() == side, side.name());
-            let id = format_args!("side.{}", Kebab(side));
-            if button.known_as(id).clicked() {
-                commands.push(PassCommand::Side(side));
-            }
-        }
-        ui.add_space(10.0);
-        let label = ui.label(RichText::new("Filter").color(palette.muted));
-        let mut text = shown.filter().to_owned();
-        let edit = TextEdit::singleline(&mut text)
-            .align(egui::Align2::LEFT_CENTER)
-            .font(egui::TextStyle::Monospace)
-            .hint_text("x>5, changed")
-            .desired_width(170.0);
-        let edit = ui.add(edit).labelled_by(label.id);
-        if edit.known_as("filter").changed() {
-            commands.push(PassCommand::Filter(text));
-        }
-        ui.add_space(6.0);
-        let (text, color) = match shown.error() {
-            Some(error) => (
-                tilescope_session::words::sentence(&error.to_string()),
-                palette.conflict,
-            ),
-            None => (count_text(table, shown.rows().len()), palette.muted),
-        };
-        let tip = text.clone();
-        let label = ui.add(Label::new(RichText::new(text).color(color)).truncate());
-        label.known_as("filtered");
-        label.on_hover_text(tip);
-    });
 }
 
 /// Returns how many rows are shown, of how many, and how many were read back.
@@ -354,62 +397,4 @@ fn count_text(table: &BufferTable, shown: usize) -> String {
         grouped(shown),
         grouped(total)
     )
-}
-
-fn export(ui: &mut Ui, passes: &Passes, palette: &Palette, commands: &mut Vec<PassCommand>) {
-    ui.horizontal(|ui| {
-        let label = ui.label(RichText::new("File").color(palette.muted));
-        let mut path = passes.path();
-        let edit = TextEdit::singleline(&mut path)
-            .align(egui::Align2::LEFT_CENTER)
-            .font(egui::TextStyle::Monospace)
-            .desired_width(260.0);
-        let edit = ui.add(edit).labelled_by(label.id);
-        if edit.known_as("passes.path").changed() {
-            commands.push(PassCommand::Path(path));
-        }
-        let export = ui.button("Export rows as CSV");
-        if export.known_as("passes.export").clicked() {
-            commands.push(PassCommand::Export);
-        }
-        let (text, color) = match passes.export_result() {
-            None => return,
-            Some(Ok(message)) => (message, palette.inserted),
-            Some(Err(message)) => (message, palette.conflict),
-        };
-        let label = ui.add(Label::new(RichText::new(text).color(color)).truncate());
-        label.known_as("passes.written");
-        label.on_hover_text(text);
-    });
-}
-
-/// Shows the fields for a word of the buffer to change after the pass, to inject a fault.
-fn fault_editor(
-    ui: &mut Ui,
-    visit: &Visit,
-    table: &BufferTable,
-    palette: &Palette,
-    commands: &mut Vec<PassCommand>,
-) {
-    let id = ui.scope_id().with("what if");
-    let (mut index, mut word) = ui.data(|data| data.get_temp(id)).unwrap_or((0_u64, 0_u32));
-    ui.horizontal(|ui| {
-        let muted = |text: &str| RichText::new(text).color(palette.muted);
-        let label = ui.label(muted("What if word"));
-        let last = (table.bytes / 4).saturating_sub(1);
-        ui.add(DragValue::new(&mut index).range(0..=last))
-            .labelled_by(label.id);
-        let label = ui.label(muted("of this buffer became"));
-        ui.add(DragValue::new(&mut word)).labelled_by(label.id);
-        ui.label(muted("after this pass?"));
-        if ui.button("Try").known_as("passes.try").clicked() {
-            commands.push(PassCommand::Fault(Some(Fault {
-                after: visit.pass,
-                buffer: table.name,
-                index,
-                word,
-            })));
-        }
-    });
-    ui.data_mut(|data| data.insert_temp(id, (index, word)));
 }

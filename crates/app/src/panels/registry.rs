@@ -1,4 +1,5 @@
-//! The registry of panels: for each the margins and the part of the state that it receives. To add a panel, begin here.
+//! The registry of panels: how each fills its tile, and the part of the state that it receives. To add a panel, begin here
+//! with `row`; its name, its letter in links and where it stands by default are in `workbench/src/layout.rs`.
 
 use egui::{Frame, Margin, ScrollArea, Ui, Vec2, vec2};
 use tilescope_debugger::Direction;
@@ -23,7 +24,7 @@ use tilescope_workbench::device::EngineChoice;
 use tilescope_workbench::layout::Panel;
 use tilescope_workbench::state::State;
 
-/// How a panel fills its tile.
+/// How the content of a panel fills its tile.
 enum Room {
     /// It scrolls as a whole.
     Scrolled,
@@ -110,7 +111,7 @@ fn row(panel: Panel) -> (Room, Show) {
 }
 
 impl<'a> AnalysisContext<'a> {
-    /// Returns what the analysis of the first run is shown from.
+    /// Returns the context of the analysis of run A.
     pub fn of(state: &'a State) -> Self {
         Self {
             palette: Palette::of(state.appearance.look),
@@ -197,15 +198,15 @@ pub fn least_size(panel: Panel, timeline: f32) -> Vec2 {
     match panel {
         Panel::Canvas => vec2(320.0, 160.0),
         Panel::Timeline => vec2(320.0, timeline),
-        Panel::Parameters => vec2(parameters::MIN_WIDTH + BESIDE_PANEL, MIN_PANEL_WIDTH.y),
+        Panel::Parameters => vec2(parameters::MIN_WIDTH + BESIDE_PANEL, MIN_PANEL_SIZE.y),
         // With less room it scrolls.
         Panel::Passes => Vec2::ZERO,
-        _ => MIN_PANEL_WIDTH,
+        _ => MIN_PANEL_SIZE,
     }
 }
 
 /// Minimum size of most panels, and of the tab labels of those that share a tile by default.
-const MIN_PANEL_WIDTH: Vec2 = vec2(272.0, 96.0);
+const MIN_PANEL_SIZE: Vec2 = vec2(272.0, 96.0);
 /// A panel's margins and its scroll bar.
 const BESIDE_PANEL: f32 = 28.0;
 

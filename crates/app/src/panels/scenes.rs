@@ -1,25 +1,24 @@
-//! Scenes: moments with a view and a caption, in the user's order, and the breakpoints with their conditions. The caption
-//! of the scene that is shown lies over the canvas.
-
-use std::sync::Arc;
+//! The panel of scenes, which are moments with a view and a caption in the user's order, and of breakpoints with their
+//! conditions. The caption of the current scene is drawn over the canvas by `caption.rs`; the actions on scenes are in
+//! `workbench/src/state/scenes.rs`. Begin with [`show`].
 
 use egui::{
-    Button, Color32, ColorImage, CursorIcon, Id, KeyboardShortcut, Rect, RichText, Role, Sense,
-    Stroke, StrokeKind, TextEdit, TextureHandle, TextureOptions, Ui, WidgetInfo, pos2, vec2,
+    Button, Color32, CursorIcon, Id, KeyboardShortcut, RichText, Role, Sense, Stroke, StrokeKind,
+    TextEdit, Ui, WidgetInfo, vec2,
 };
 use tilescope_debugger::{Debugger, Listings, Marked, SavedScene};
 use tilescope_drawing::palette::Palette;
 use tilescope_session::words::grouped;
 use tilescope_ui::widgets::{Icon, Known, heading, icon_button};
 
-use super::common::no_events;
+use super::common::{no_events, thumbnail_texture};
 use super::context::PanelContext;
 use tilescope_workbench::command::{Command, DebugCommand};
 use tilescope_workbench::scenes::{SceneCommand, SceneList};
 use tilescope_workbench::state::State;
-use tilescope_workbench::thumbnails::{THUMBNAIL_SIZE, Thumbnail};
+use tilescope_workbench::thumbnails::THUMBNAIL_SIZE;
 
-/// Shows the panel.
+/// Shows the panel; `run_on` are the keys that run to the next breakpoint.
 pub fn show(
     ui: &mut Ui,
     state: &State,
@@ -64,7 +63,7 @@ pub fn show(
     }
 }
 
-/// Shows the small picture of a scene; a click shows the scene.
+/// Shows the small picture of a scene, framed if the scene is current; a click goes to the scene.
 fn picture(
     ui: &mut Ui,
     state: &State,
@@ -82,10 +81,10 @@ fn picture(
     let is_dark = state.appearance.look.is_dark();
     let thumbnail = session.and_then(|session| state.thumbnails.of(session, scene, is_dark));
     if let Some(thumbnail) = thumbnail {
-        let texture = texture(ui, index, thumbnail);
-        let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
-        ui.painter()
-            .image(texture.id(), rect, whole, Color32::WHITE);
+        let id = Id::unique("picture of a scene").with(index);
+        let texture = thumbnail_texture(ui, id, thumbnail).id();
+        let whole = tilescope_canvas::UNIT;
+        ui.painter().image(texture, rect, whole, Color32::WHITE);
     }
     let color = if is_shown {
         palette.accent
@@ -99,23 +98,7 @@ fn picture(
     }
 }
 
-/// Returns the texture of a small picture, which is kept until the scene has another one.
-fn texture(ui: &Ui, index: usize, thumbnail: &Arc<Thumbnail>) -> TextureHandle {
-    let id = Id::unique("picture of a scene").with(index);
-    let kept: Option<(Arc<Thumbnail>, TextureHandle)> = ui.data(|data| data.get_temp(id));
-    if let Some((_, texture)) = kept.filter(|(of, _)| Arc::ptr_eq(of, thumbnail)) {
-        return texture;
-    }
-    let image = ColorImage::from_rgba_unmultiplied(thumbnail.size, &thumbnail.rgba);
-    let texture = ui
-        .ctx()
-        .load_texture("picture of a scene", image, TextureOptions::LINEAR);
-    let kept = (Arc::clone(thumbnail), texture.clone());
-    ui.data_mut(|data| data.insert_temp(id, kept));
-    texture
-}
-
-/// Shows the moment of a scene and its buttons.
+/// Shows the moment of a scene and the buttons that update, move and remove the scene.
 fn row(
     ui: &mut Ui,
     debugger: &Debugger,
@@ -134,7 +117,7 @@ fn row(
         let update = ui.add(Button::new("Update").small());
         update.known_as(format_args!("scene-{number}.replace"));
         let update =
-            update.on_hover_text("Gives this scene the moment and the view that are shown now.");
+            update.on_hover_text("Gives this scene the current moment and the current view.");
         if update.clicked() {
             issue(SceneCommand::Replace(index));
         }
@@ -142,35 +125,20 @@ fn row(
         let down = (number == debugger.scenes.len()).then_some("It is the last.");
         let above = SceneCommand::Move(index, index.saturating_sub(1));
         let below = SceneCommand::Move(index, number);
-        for (icon, name, id, refusal, command) in [
-            (
-                Icon::Taller,
-                format!("Move scene {number} up"),
-                "up",
-                up,
-                above,
-            ),
-            (
-                Icon::Shorter,
-                format!("Move scene {number} down"),
-                "down",
-                down,
-                below,
-            ),
-            (
-                Icon::Close,
-                format!("Remove scene {number}"),
-                "remove",
-                None,
-                SceneCommand::Remove(index),
-            ),
-        ] {
+        let remove = SceneCommand::Remove(index);
+        let mut button = |icon, name: String, id: &str, refusal, command| {
             let button = icon_button(ui, icon, &name, refusal, palette);
             let id = format_args!("scene-{number}.{id}");
             if button.known_as(id).clicked() {
                 issue(command);
             }
-        }
+        };
+        let up_name = format!("Move scene {number} up");
+        button(Icon::Taller, up_name, "up", up, above);
+        let down_name = format!("Move scene {number} down");
+        button(Icon::Shorter, down_name, "down", down, below);
+        let remove_name = format!("Remove scene {number}");
+        button(Icon::Close, remove_name, "remove", None, remove);
     });
 }
 
@@ -193,7 +161,7 @@ fn caption_field(ui: &mut Ui, (index, scene): (usize, &SavedScene), commands: &m
     ui.add_space(6.0);
 }
 
-/// Shows the moment of a scene in this run, and where it was made if that was another.
+/// Shows the moment of a scene in this run; the tooltip names the event where it was made, if that was in another run.
 fn moment(
     ui: &mut Ui,
     debugger: &Debugger,
@@ -233,6 +201,7 @@ fn moment(
     })
 }
 
+/// Shows each breakpoint with its condition, and with the condition's error, if it has one.
 fn breakpoints(ui: &mut Ui, debugger: &Debugger, palette: &Palette, commands: &mut Vec<Command>) {
     for (index, breakpoint) in debugger.breakpoints().iter().enumerate() {
         let line = Listings::shipped().line(breakpoint.line);
@@ -240,9 +209,8 @@ fn breakpoints(ui: &mut Ui, debugger: &Debugger, palette: &Palette, commands: &m
         ui.horizontal(|ui| {
             let name = format!("Remove the breakpoint on {id}");
             let remove = icon_button(ui, Icon::Close, &name, None, palette);
-            if remove.known_as(format_args!("{id}.remove")).clicked() {
-                commands.push(Command::Debug(DebugCommand::RemoveBreakpoint(index)));
-            }
+            let command = Command::Debug(DebugCommand::RemoveBreakpoint(index));
+            remove.issues(format_args!("{id}.remove"), command, commands);
             let mut enabled = breakpoint.enabled;
             let switch = ui.checkbox(&mut enabled, id);
             if switch.known_as(format_args!("{id}.enabled")).changed() {

@@ -6,7 +6,7 @@ use egui::{
     WidgetInfo, vec2,
 };
 use tilescope_session::sentence::happened;
-use tilescope_session::words::grouped;
+use tilescope_session::words::{capital, grouped};
 use tilescope_ui::theme::{FINGER, is_for_fingers};
 use tilescope_ui::widgets::{Icon, Kebab, Known, icon_button};
 
@@ -395,13 +395,6 @@ fn controls(ui: &mut Ui, context: &TimeContext<'_>, with_ends: bool, commands: &
     }
 }
 
-fn capital(name: &str) -> String {
-    let mut characters = name.chars();
-    characters.next().map_or_else(String::new, |first| {
-        first.to_uppercase().chain(characters).collect()
-    })
-}
-
 /// Shows the choice of the clock's tick.
 fn clock(ui: &mut Ui, context: &TimeContext<'_>, width: f32, commands: &mut Vec<Command>) {
     let playback = &context.time.playback;
@@ -485,7 +478,7 @@ mod tests {
         sentences.extend(of_events.max_by_key(String::len));
         let width = 300.0 - 2.0 * PLAYER_MARGIN.x;
         let ctx = egui::Context::default();
-        tilescope_ui::theme::install(&ctx, tilescope_ui::theme::theme_of(state.appearance.look));
+        tilescope_ui::theme::install(&ctx, state.appearance.look);
         let mut cut = Vec::new();
         let _ = ctx.run_ui(egui::RawInput::default(), |ui| {
             for text in &sentences {

@@ -5,7 +5,6 @@ use egui::{
     Stroke, Ui, Vec2, WidgetInfo, vec2,
 };
 use tilescope_drawing::palette::Palette;
-use tilescope_session::look::Look;
 use tilescope_session::words::{counted, grouped};
 use tilescope_ui::theme::{FINGER, is_for_fingers, semibold};
 use tilescope_ui::widgets::{Icon, Kebab, Known, icon_button};
@@ -56,10 +55,9 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         }
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             theme_button(ui, state, commands);
-            let fit = icon_button(ui, Icon::Fit, "Fit the domain (F)", None, palette);
-            if fit.known_as("fit").clicked() {
-                commands.push(Command::View(Which::First, ViewCommand::Fit));
-            }
+            let command = Command::View(Which::First, ViewCommand::Fit);
+            icon_button(ui, Icon::Fit, "Fit the domain (F)", None, palette)
+                .issues("fit", command, commands);
             let export = ui.add_enabled(
                 state.runs.first.session.is_some(),
                 Button::new("Export\u{2026}"),
@@ -98,10 +96,9 @@ pub fn show_compact(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
                 .known_as("title");
         }
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-            let fit = icon_button(ui, Icon::Fit, "Fit the domain (F)", None, palette);
-            if fit.known_as("fit").clicked() {
-                commands.push(Command::View(Which::First, ViewCommand::Fit));
-            }
+            let command = Command::View(Which::First, ViewCommand::Fit);
+            icon_button(ui, Icon::Fit, "Fit the domain (F)", None, palette)
+                .issues("fit", command, commands);
             verification::chip(ui, &PanelContext::of(state), commands);
         });
     });
@@ -188,17 +185,15 @@ fn nested(ui: &mut Ui, all: &[Action], menu: Menu, commands: &mut Vec<Command>) 
 
 fn theme_button(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let other = state.appearance.look.other();
-    let icon = if other == Look::Light {
-        Icon::Sun
-    } else {
+    let icon = if other.is_dark() {
         Icon::Moon
+    } else {
+        Icon::Sun
     };
-    let name = other.name();
     let palette = Palette::of(state.appearance.look);
-    let button = icon_button(ui, icon, name, None, palette);
-    if button.known_as("toggle-theme").clicked() {
-        commands.push(Command::Appearance(AppearanceCommand::ToggleTheme));
-    }
+    let button = icon_button(ui, icon, other.name(), None, palette);
+    let command = Command::Appearance(AppearanceCommand::ToggleTheme);
+    button.issues("toggle-theme", command, commands);
 }
 
 fn menus(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {

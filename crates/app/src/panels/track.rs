@@ -168,7 +168,7 @@ fn show_segment(
         let font = FontId::proportional(11.5);
         ui.painter().layout_no_wrap(text.to_owned(), font, ink)
     };
-    // A truncated name would say nothing; the tooltip has the whole.
+    // A name that does not fit is left out rather than cut off; the tooltip has it.
     let galleys = [laid(&name), laid(&short(&name))];
     let fits = |galley: &std::sync::Arc<egui::Galley>| galley.size().x <= label.width() + 2.0;
     if let Some(galley) = galleys.into_iter().find(fits) {

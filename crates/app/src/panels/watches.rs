@@ -21,9 +21,8 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
             let name = format!("Remove watch {}", index + 1);
             let remove = icon_button(ui, Icon::Close, &name, None, palette);
             let id = format_args!("watch-{}.remove", index + 1);
-            if remove.known_as(id).clicked() {
-                commands.push(Command::Debug(DebugCommand::RemoveWatch(index)));
-            }
+            let command = Command::Debug(DebugCommand::RemoveWatch(index));
+            remove.issues(id, command, commands);
             let mut typed = text.to_owned();
             let response = ui.add(
                 TextEdit::singleline(&mut typed)
@@ -46,9 +45,9 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
         label.known_as(format_args!("watch-{}.value", index + 1));
         ui.add_space(4.0);
     }
-    if ui.button("Add a watch").known_as("add-watch").clicked() {
-        commands.push(Command::Debug(DebugCommand::Watch("distance".to_owned())));
-    }
+    let command = Command::Debug(DebugCommand::Watch("distance".to_owned()));
+    ui.button("Add a watch")
+        .issues("add-watch", command, commands);
     ui.add_space(10.0);
     let unit = "Lengths and places are in r, in watches and conditions, too.";
     let (next, now) = NAMES.split_at(NAMES_OF_NEXT);
@@ -58,7 +57,7 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
             ui.spacing_mut().item_spacing.y = 2.0;
             for &(name, meaning) in names {
                 let mut value = debugger.evaluate(name).unwrap_or_default();
-                // What is a number, and not a dash.
+                // A dash stands for a missing value and has no unit.
                 if LENGTHS.contains(&name) && value.parse::<f64>().is_ok() {
                     value.push_str(" r");
                 }

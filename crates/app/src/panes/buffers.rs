@@ -1,5 +1,5 @@
-//! Draws the rows of a GPU buffer over the picture, as rings, squares, borders and links, with a tag that names them.
-//! Where rows lie is computed in the workbench.
+//! Draws the rows of a GPU buffer over the picture, as rings, squares, borders and links, with a tag that names them. Their
+//! positions are computed by `workbench/src/passes/placed.rs`.
 
 use std::fmt::Write as _;
 
@@ -69,7 +69,7 @@ pub fn show(
     note
 }
 
-/// A row's place, and whether it lies in the domain.
+/// The geometry of a row, and whether it lies in the domain.
 struct Mark {
     spot: RowPlace,
     is_inside: bool,

@@ -169,7 +169,7 @@ fn pick(
     }
     let selection = response.interact_pointer_pos().map(|pos| {
         let sample = nearest(response, subject, pos, reach).map(Selection::Sample);
-        sample.unwrap_or_else(|| place(response, subject, pos))
+        sample.unwrap_or_else(|| selection_at(response, subject, pos))
     });
     let selection = selection.unwrap_or(Selection::Nothing);
     commands.push(ViewCommand::Pick(selection));
@@ -203,8 +203,8 @@ pub(super) fn nearest(
     best.map(|(_, id)| id)
 }
 
-/// Returns the position in the domain of a point on the screen.
-fn place(response: &Response, subject: &Subject<'_>, pos: Pos2) -> Selection {
+/// Returns the selection of the place at a point on the screen; nothing outside the domain.
+fn selection_at(response: &Response, subject: &Subject<'_>, pos: Pos2) -> Selection {
     let position = subject.camera.domain_from_screen(response.rect, pos);
     let size = subject.shown.session.size_radii();
     let inside = position.cmpge(DVec2::ZERO) & position.cmplt(size);

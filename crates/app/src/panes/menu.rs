@@ -1,5 +1,5 @@
-//! The menu of a place on the canvas: what can be asked about the sample, the gap or the block there. It opens by the
-//! secondary button or, with the focus on the canvas, by the menu key.
+//! The context menu of the canvas, with the history and the moments of the sample, gap or block under the pointer. It opens
+//! by the secondary button or, with the focus on the canvas, by the menu key. To add an entry, begin with `entries`.
 
 use egui::{Key, Modifiers, PointerButton, Popup, Pos2, Response, SetOpenCommand, Ui};
 use glam::DVec2;
@@ -14,7 +14,7 @@ use tilescope_workbench::scenes::SceneCommand;
 
 use super::input;
 
-/// What the menu is about.
+/// The sample, if there is one, and the place of the plane that the menu is about.
 #[derive(Clone, Copy)]
 struct MenuSubject {
     sample: Option<u32>,
@@ -76,7 +76,8 @@ pub fn show(
     });
 }
 
-/// Returns where the menu is to be opened on the screen, if it was asked for. A long press selects instead.
+/// Returns where on the screen the menu opens, if the button or the key was pressed. A long press of a finger selects
+/// instead.
 fn asked_at(ui: &Ui, response: &Response, subject: &Subject<'_>) -> Option<Pos2> {
     if response.clicked_by(PointerButton::Secondary) {
         return response.interact_pointer_pos();

@@ -1,4 +1,4 @@
-//! The canvas's pictures and text: instancing and meshes draw the same, layer by layer, and the tag names the thing
+//! The canvas's pictures and text: instancing and meshes draw the same, layer by layer, and the tag names the object
 //! under the pointer.
 
 use egui_kittest::Harness;

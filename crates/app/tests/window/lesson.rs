@@ -1,4 +1,4 @@
-//! A whole lesson by keyboard alone, with the answers that its keys say.
+//! A whole lesson by keyboard alone, with the right answers to its questions.
 
 use egui::{Event, Key, Modifiers};
 use egui_kittest::Harness;
@@ -73,7 +73,7 @@ fn a_lesson_is_done_by_keys_alone() {
         .steps
         .len();
     for step in 0..steps {
-        // Keys that would go on do not, as long as the question is open.
+        // While the question is open, the keys of the next step do nothing.
         while harness.state().state.lessons.open_question().is_some() {
             press(&mut harness, Key::PageDown);
             let index = harness
@@ -122,7 +122,7 @@ fn texts_typed_into_a_number_are_not_answers_to_choose() {
     assert!(harness.state().state.lessons.open_question().is_none());
 }
 
-/// Everything that the accessibility tree says.
+/// All texts of the accessibility tree.
 fn said(harness: &Harness<'_, App>) -> Vec<String> {
     let nodes = harness.query_all_by(|node| node.bounding_box().is_some());
     let texts = nodes.flat_map(|node| {
@@ -151,7 +151,7 @@ fn the_accessibility_tree_says_nothing_of_what_follows_the_question() {
     let (mut a, mut b) = (asked("complete"), asked("two-radii"));
     assert!(said(&a).len() > 30);
     assert_eq!(said(&a), said(&b));
-    // The control: once both have given up, they say different things.
+    // The control: after both questions were given up, their texts differ.
     for harness in [&mut a, &mut b] {
         for _ in 0..2 {
             harness

@@ -59,7 +59,7 @@ fn begun(gate: &Arc<Gate>) -> Harness<'static, Shown> {
         .with_max_steps(64)
         .build_ui_state(
             |ui, shown: &mut Shown| {
-                install(ui.ctx(), tilescope_ui::theme::theme_of(shown.look));
+                install(ui.ctx(), shown.look);
                 let mut commands = Vec::new();
                 show_passes(ui, &shown.passes, Palette::of(shown.look), &mut commands);
                 for command in commands {

@@ -327,7 +327,7 @@ fn two_runs_and_the_debugger() {
     window.shows(&[
         (
             "compare.refusal",
-            "The domains differ: places cannot be compared.",
+            "The domains differ: positions cannot be compared.",
         ),
         ("run-a", "Run A: boundary bounded*"),
     ]);
@@ -463,7 +463,7 @@ fn the_analysis() {
     window.after([Command::Run]);
     window.shows(&[(
         "analysis.unjudged",
-        "The file was judged at r = 0.02, and this run's r is 0.03: hold the run against it again.",
+        "The file was judged at r = 0.02, and this run's r is 0.03: compare with it again.",
     )]);
     window.typed(&[(Field::Width, "2")]);
     window.after([Command::Run]);

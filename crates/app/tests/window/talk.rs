@@ -13,10 +13,11 @@ use tilescope_workbench::talk::{Cover, TalkCommand};
 
 use crate::support::{find, node, opened_at, settle, text};
 
-/// A projector.
+/// The size of a projector, in pixels.
 const PROJECTOR: [f32; 2] = [1920.0, 1080.0];
-/// The smallest height of text on it, in pixels, and the least contrast.
+/// The smallest height of text on it, in pixels.
 const MIN_PIXELS: f32 = 24.0;
+/// The smallest contrast of text to its background.
 const MIN_CONTRAST: f32 = 7.0;
 
 fn apply(harness: &mut Harness<'_, App>, command: Command) {
@@ -47,7 +48,7 @@ fn presented(name: &str) -> Harness<'static, App> {
     harness
 }
 
-/// A text that is painted: what it says, the height of its font in pixels, and its colours.
+/// A painted text, the height of its font in pixels, and its colours.
 struct Painted {
     said: String,
     pixels: f32,
@@ -263,7 +264,7 @@ fn votes_are_shown_after_the_second_and_other_keys_do_nothing() {
         said.contains(&"20".to_owned()) && said.contains(&"22".to_owned()),
         "{said:?}"
     );
-    // Keys of the debugger would show what follows.
+    // Keys of the debugger would show later steps.
     let before = harness.state().state.cursor();
     for key in [Key::End, Key::Space, Key::K, Key::F10, Key::V] {
         press(&mut harness, key);

@@ -18,7 +18,7 @@ const MAX_CIRCUMRADIUS: f64 = 50.0;
 const MAX_CIRCLES: usize = 4_000;
 /// The excess of a radius over r that rounding alone can cause.
 const HAIR: f64 = 1e-6;
-/// The largest distance of a gap's border from its deepest place, in r.
+/// The largest distance of a gap's border from its deepest point, in r.
 const GAP_REACH: f64 = 4.0;
 
 /// The moment's triangulation on a surface.
@@ -102,7 +102,7 @@ pub fn circumcircles(scene: &Scene<'_>, surface: &mut impl Surface) {
     }
 }
 
-/// Draws the circles around samples: covered ones faint, and exposed arcs so that they glow. Without exposed arcs the set is
+/// Draws the circles around samples, faint, and their exposed arcs with a bright halo. Without exposed arcs the set is
 /// maximal.
 pub fn covered_circles(scene: &Scene<'_>, surface: &mut impl Surface) {
     let Some(exposed) = scene.subject.geometry.exposed(&scene.shown) else {

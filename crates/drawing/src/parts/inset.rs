@@ -115,7 +115,7 @@ pub fn draw(scene: &Scene<'_>, surface: &mut impl Surface) {
     scene.tag(surface, below, anchor, text);
 }
 
-/// While the placing of a clip is drawn in: its samples fly from the pattern to the block.
+/// Draws a clip on its way from the pattern to the block, while its event is animated.
 fn fly(
     scene: &Scene<'_>,
     surface: &mut impl Surface,
@@ -146,7 +146,7 @@ fn fly(
 /// highest corner, more than one where the clip reaches across the border of a periodic pattern.
 fn window(tile: &Tile, block: &LatticeRect, extent: [i32; 2]) -> Vec<[[i32; 2]; 2]> {
     let symmetry = tile.symmetry.0;
-    // The clip was placed in the pattern as turned and mirrored.
+    // The clip's position is given in the pattern after it was turned and mirrored.
     let is_swapped = symmetry & 4 != 0;
     let turned = if is_swapped {
         [extent[1], extent[0]]

@@ -57,7 +57,7 @@ pub fn draw(scene: &Scene<'_>, surface: &mut impl Surface) {
     last_event(scene, surface);
 }
 
-/// Returns the shift that moves a place under test, with its surroundings, into the domain: in a periodic domain its
+/// Returns the shift that moves a candidate under test, with its surroundings, into the domain: in a periodic domain its
 /// detector may lie across the border.
 fn shift_of(scene: &Scene<'_>, examined: &Examined) -> DVec2 {
     if !scene.session.run().domain.is_periodic() {
@@ -115,7 +115,7 @@ fn last_event(scene: &Scene<'_>, surface: &mut impl Surface) {
     }
 }
 
-/// While an elimination or insertion is drawn in: the disk that does it grows and fades.
+/// Draws the disk of the sample that eliminates or is inserted, growing and fading while the event is animated.
 fn growth(scene: &Scene<'_>, surface: &mut impl Surface, event: RunEvent, color: Color32) {
     let share = scene.subject.drawn_in;
     let (RunEvent::Eliminate { by: centre, .. } | RunEvent::Insert { sample: centre, .. }) = event
@@ -149,7 +149,7 @@ fn color_of(scene: &Scene<'_>, verdict: Verdict) -> Color32 {
     }
 }
 
-/// Draws the circle through the sites of a place under test, and the verdict.
+/// Draws a candidate under test: the circle through its sites, and the verdict.
 fn examination(scene: &Scene<'_>, surface: &mut impl Surface, examined: &Examined, shift: DVec2) {
     let detector = scene.session.position(examined.detector) + shift;
     let offset = DVec2::from(examined.offset.map(radii));

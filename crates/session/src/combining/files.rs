@@ -109,7 +109,7 @@ fn failed(path: &Path, why: &str) -> CombinationError {
     CombinationError::File { path, why }
 }
 
-/// Returns the path of a file that a layout names: in the layout's folder, if it has one.
+/// Returns the path of a file that a layout names: within the layout's folder, if the layout comes from one.
 fn path_of(around: &Incoming, path: &str) -> PathBuf {
     let folder = around.folder.as_deref();
     folder.map_or_else(|| PathBuf::from(path), |folder| folder.join(path))

@@ -8,6 +8,7 @@ use tilescope_core::combine::file::PieceSource;
 use tilescope_core::{Observer, Progress, SampleError, Stage};
 
 use crate::jobs::Monitor;
+use crate::session::{part_done, share_of};
 
 /// The shares of making the sets and of gluing them; the rest is for the band and the session.
 const SETS: f32 = 0.75;
@@ -82,10 +83,11 @@ impl Observer for OneSet<'_> {
         let (start, share) = if self.thrown {
             throw(progress.stage)
         } else {
-            tiling(progress.stage)
+            share_of(progress.stage)
         };
-        self.report(((start + share * part(progress)) * PARTS as f32) as u64);
-        go_on(self.sets.monitor)
+        let done = start + share * part_done(progress);
+        self.report((done * PARTS as f32) as u64);
+        self.sets.monitor.go_on()
     }
 }
 
@@ -95,21 +97,7 @@ impl Drop for OneSet<'_> {
     }
 }
 
-/// Returns where a stage of a tiled set begins, and its share, as measured on a million samples.
-const fn tiling(stage: Stage) -> (f32, f32) {
-    match stage {
-        Stage::Pattern => (0.0, 0.08),
-        Stage::Blocks => (0.08, 0.01),
-        Stage::Tile => (0.09, 0.16),
-        Stage::Eliminate => (0.25, 0.3),
-        Stage::Iterate(1) => (0.55, 0.3),
-        Stage::Iterate(_) => (0.85, 0.05),
-        Stage::Regions => (0.05, 0.85),
-        Stage::Finish => (0.9, 0.1),
-    }
-}
-
-/// Each round of dart throwing takes about half of the remaining time.
+/// Returns where a round of dart throwing begins, and its share: about half of the remaining time.
 fn throw(stage: Stage) -> (f32, f32) {
     match stage {
         Stage::Iterate(k) => {
@@ -117,18 +105,6 @@ fn throw(stage: Stage) -> (f32, f32) {
             (1.0 - left, left / 2.0)
         }
         _ => (0.0, 0.0),
-    }
-}
-
-fn part(progress: Progress) -> f32 {
-    progress.done as f32 / progress.total.max(1) as f32
-}
-
-fn go_on(monitor: &Monitor) -> ControlFlow<()> {
-    if monitor.is_cancelled() {
-        ControlFlow::Break(())
-    } else {
-        ControlFlow::Continue(())
     }
 }
 
@@ -160,9 +136,9 @@ impl Observer for Gluing<'_> {
             Stage::Finish => (0.9, 0.1),
         };
         self.0.set_activity(&progress.stage.to_string());
-        let part = start + share * part(progress);
+        let part = start + share * part_done(progress);
         self.0.set_fraction(SETS + GLUING * part);
-        go_on(self.0)
+        self.0.go_on()
     }
 }
 

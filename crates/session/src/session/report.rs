@@ -1,4 +1,4 @@
-//! Progress, cancellation and errors of making a session.
+//! Progress, cancellation and errors while a session is made.
 
 use std::ops::ControlFlow;
 
@@ -95,28 +95,38 @@ pub struct Reporter<'a> {
 }
 
 impl Reporter<'_> {
-    /// Reports `part` of `stage` as done; returns the stage if the run is to stop there.
+    /// Reports `part` of `stage` as done; returns the stage if the work was cancelled.
     #[must_use]
     pub fn report(&self, stage: Stage, part: f32) -> Option<Stage> {
-        // Shares of the whole, as measured on a million samples.
-        let (start, share) = match stage {
-            Stage::Pattern => (0.0, 0.08),
-            Stage::Blocks => (0.08, 0.01),
-            Stage::Tile => (0.09, 0.16),
-            Stage::Eliminate => (0.25, 0.3),
-            Stage::Iterate(1) => (0.55, 0.3),
-            Stage::Iterate(_) => (0.85, 0.05),
-            Stage::Regions => (0.05, 0.85),
-            Stage::Finish => (0.9, 0.1),
-        };
+        let (start, share) = share_of(stage);
         self.monitor.set_activity(&stage.to_string());
         self.monitor.set_fraction(start + share * part);
         self.monitor.is_cancelled().then_some(stage)
     }
 }
 
+/// Returns where a stage begins within the time that a run takes, and its share of that time, from 0 to 1, as measured on a
+/// million samples.
+pub(crate) const fn share_of(stage: Stage) -> (f32, f32) {
+    match stage {
+        Stage::Pattern => (0.0, 0.08),
+        Stage::Blocks => (0.08, 0.01),
+        Stage::Tile => (0.09, 0.16),
+        Stage::Eliminate => (0.25, 0.3),
+        Stage::Iterate(1) => (0.55, 0.3),
+        Stage::Iterate(_) => (0.85, 0.05),
+        Stage::Regions => (0.05, 0.85),
+        Stage::Finish => (0.9, 0.1),
+    }
+}
+
+/// Returns the part of a stage that is done, from 0 to 1.
+pub(crate) fn part_done(progress: Progress) -> f32 {
+    progress.done as f32 / progress.total.max(1) as f32
+}
+
 impl Reporter<'_> {
-    /// Returns what `prepare` makes, unless the run is to stop.
+    /// Returns the session that `prepare` makes, unless the work was cancelled.
     pub fn prepare(&self, prepare: impl FnOnce() -> Session) -> Result<Session, SampleError> {
         match self.report(Stage::Finish, 0.5) {
             None => Ok(prepare()),
@@ -127,10 +137,7 @@ impl Reporter<'_> {
 
 impl Observer for Reporter<'_> {
     fn observe(&mut self, progress: Progress) -> ControlFlow<()> {
-        let part = progress.done as f32 / progress.total.max(1) as f32;
-        match self.report(progress.stage, part) {
-            Some(_) => ControlFlow::Break(()),
-            None => ControlFlow::Continue(()),
-        }
+        let stopped = self.report(progress.stage, part_done(progress));
+        stopped.map_or(ControlFlow::Continue(()), |_| ControlFlow::Break(()))
     }
 }

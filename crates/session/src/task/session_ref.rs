@@ -1,5 +1,5 @@
 //! References to sessions in a task's input. Sessions are too large to send with each task: the input has their
-//! generation, and a worker that lacks a session asks for it.
+//! generation, and a worker that lacks a session requests it.
 
 use std::cell::RefCell;
 use std::ops::Deref;

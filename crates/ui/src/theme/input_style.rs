@@ -5,13 +5,14 @@ use std::sync::Arc;
 
 use egui::{
     Color32, Context, CornerRadius, FontData, FontDefinitions, FontFamily, FontId, Margin, Shadow,
-    Stroke, Style, TextStyle, Theme, Visuals, vec2,
+    Stroke, Style, TextStyle, Visuals, vec2,
 };
+use tilescope_drawing::palette::Palette;
+use tilescope_session::look::Look;
 
-use super::palette_of;
-use super::{Palette, semibold};
+use super::{semibold, theme_of};
 
-/// What the style depends on besides the colours.
+/// The properties of the input that the style depends on, besides the colours.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct InputStyle {
     /// Whether buttons and other targets are large enough for touch.
@@ -23,18 +24,17 @@ pub struct InputStyle {
 /// Minimum height of buttons for touch, in screen points.
 pub const FINGER: f32 = 40.0;
 
-/// Gives `ctx` the fonts and both themes, and shows `theme`.
-pub fn install(ctx: &Context, theme: Theme) {
+/// Gives `ctx` the fonts, and the colours of `look`.
+pub fn install(ctx: &Context, look: Look) {
     ctx.set_fonts(fonts());
-    restyle(ctx, InputStyle::default());
-    ctx.set_theme(theme);
+    restyle(ctx, look, InputStyle::default());
 }
 
-/// Applies a style of input to both themes of `ctx`.
-pub fn restyle(ctx: &Context, input: InputStyle) {
-    for theme in [Theme::Dark, Theme::Light] {
-        ctx.set_style_of(theme, style(palette_of(theme), input));
-    }
+/// Gives `ctx` the colours of a look, and sizes for mouse or touch.
+pub fn restyle(ctx: &Context, look: Look, input: InputStyle) {
+    let theme = theme_of(look);
+    ctx.set_style_of(theme, style(Palette::of(look), input));
+    ctx.set_theme(theme);
     ctx.data_mut(|data| data.insert_temp(touch_id(), input.touch));
 }
 

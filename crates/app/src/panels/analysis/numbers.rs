@@ -118,7 +118,7 @@ fn judged(set: &MeasuredSet, unit: f64) -> Option<&Report> {
 pub fn unjudged(file: &MeasuredSet, unit: f64) -> Option<String> {
     (!file.is_judged_with(unit)).then(|| {
         format!(
-            "The file was judged at r = {}, and this run's r is {unit}: hold the run against it again.",
+            "The file was judged at r = {}, and this run's r is {unit}: compare with it again.",
             file.radius
         )
     })

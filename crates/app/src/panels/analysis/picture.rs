@@ -4,14 +4,15 @@
 use std::sync::Arc;
 
 use egui::{
-    Color32, ColorImage, CursorIcon, Id, Painter, Rect, Response, Role, Sense, Stroke,
-    TextureHandle, TextureOptions, Ui, WidgetInfo, pos2, vec2,
+    Color32, ColorImage, CursorIcon, Id, Painter, Pos2, Rect, Role, Sense, Stroke, TextureOptions,
+    Ui, WidgetInfo, vec2,
 };
 use tilescope_analysis::measures::Spectrum;
 use tilescope_drawing::palette::Palette;
 use tilescope_ui::widgets::Known;
 
-use super::plot::Dragged;
+use super::super::common::texture_of;
+use super::plot::{Dragged, dragged};
 
 /// Power that is drawn black.
 pub const BLACK: f64 = 3.0;
@@ -49,14 +50,14 @@ pub fn show(
             .map(|half| (2.0 * half * per_nu) as f32);
         let cells = Rect::from_center_size(rect.center(), vec2(size[0], size[1]));
         let tint = Color32::WHITE.gamma_multiply(if faded { 0.35 } else { 1.0 });
-        let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
-        let texture = texture(ui, spectrum);
-        painter.image(texture.id(), cells, whole, tint);
+        let id = Id::unique("periodogram of the moment");
+        let texture = texture_of(ui, id, spectrum, TextureOptions::NEAREST, image);
+        painter.image(texture.id(), cells, tilescope_canvas::UNIT, tint);
     }
     ring(&painter, rect, brush, per_nu, palette);
     let border = Stroke::new(1.0, palette.border);
     painter.rect_stroke(rect, 0.0, border, egui::StrokeKind::Inside);
-    let nu = |at: egui::Pos2| f64::from(at.distance(rect.center())) / per_nu;
+    let nu = |at: Pos2| f64::from(at.distance(rect.center())) / per_nu;
     let over = response.hover_pos().filter(|at| rect.contains(*at));
     let response = match over.filter(|_| !response.dragged()) {
         Some(at) => {
@@ -69,23 +70,6 @@ pub fn show(
         None => response,
     };
     dragged(ui, &response, brush, nu)
-}
-
-/// Returns the change of the ring, where `nu` is the frequency at a pixel.
-fn dragged(
-    ui: &Ui,
-    response: &Response,
-    brush: Option<[f64; 2]>,
-    nu: impl Fn(egui::Pos2) -> f64,
-) -> Option<Dragged> {
-    if response.clicked() {
-        return brush.map(|_| Dragged::Nothing);
-    }
-    let from = ui.input(|input| input.pointer.press_origin());
-    match (from, response.interact_pointer_pos()) {
-        (Some(from), Some(to)) if response.dragged() => Some(Dragged::Between(nu(from), nu(to))),
-        _ => None,
-    }
 }
 
 fn ring(painter: &Painter, rect: Rect, brush: Option<[f64; 2]>, per_nu: f64, palette: &Palette) {
@@ -110,21 +94,6 @@ fn power_at(spectrum: &Spectrum, offset: egui::Vec2, per_nu: f64) -> Option<f64>
     let y = index(-offset.y, half_y, picture.rows)?;
     let power = picture.power.get(y * picture.size + x).copied();
     power.filter(|power| power.is_finite())
-}
-
-/// Returns the texture, made once for each spectrum.
-fn texture(ui: &Ui, spectrum: &Arc<Spectrum>) -> TextureHandle {
-    let id = Id::unique("periodogram of the moment");
-    let known: Option<(Arc<Spectrum>, TextureHandle)> = ui.data(|data| data.get_temp(id));
-    if let Some((_, texture)) = known.filter(|(of, _)| Arc::ptr_eq(of, spectrum)) {
-        return texture;
-    }
-    let options = TextureOptions::NEAREST;
-    let texture = ui
-        .ctx()
-        .load_texture("periodogram", image(spectrum), options);
-    ui.data_mut(|data| data.insert_temp(id, (Arc::clone(spectrum), texture.clone())));
-    texture
 }
 
 /// Returns the picture, with high y frequencies at the top. Frequencies without a power, such as zero, are left out.

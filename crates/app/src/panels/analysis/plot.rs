@@ -1,9 +1,9 @@
 //! A generic chart of curves: axes with round ticks, levels, confidence bands, values under the pointer, and a range to
-//! drag. What is plotted is decided in `charts.rs`.
+//! drag. `charts.rs` chooses the curves.
 
 use egui::{
-    Align2, Color32, CursorIcon, FontId, Mesh, Painter, Pos2, Rect, Role, Sense, Shape, Stroke, Ui,
-    WidgetInfo, pos2, vec2,
+    Align2, Color32, CursorIcon, FontId, Mesh, Painter, Pos2, Rect, Response, Role, Sense, Shape,
+    Stroke, Ui, WidgetInfo, pos2, vec2,
 };
 
 use tilescope_drawing::palette::Palette;
@@ -80,6 +80,22 @@ pub enum Dragged {
     Nothing,
 }
 
+/// Returns how a click or a drag changes the selected range; `value` is that of a position on the screen.
+pub fn dragged(
+    ui: &Ui,
+    response: &Response,
+    brush: Option<[f64; 2]>,
+    value: impl Fn(Pos2) -> f64,
+) -> Option<Dragged> {
+    if response.clicked() {
+        return brush.map(|_| Dragged::Nothing);
+    }
+    let from = ui.input(|input| input.pointer.press_origin());
+    let (from, to) = from.zip(response.interact_pointer_pos())?;
+    let is_dragged = response.dragged();
+    is_dragged.then(|| Dragged::Between(value(from), value(to)))
+}
+
 impl Plot<'_> {
     /// Shows the chart over the full width; returns the change of the range.
     pub fn show(&self, ui: &mut Ui, palette: &Palette) -> Option<Dragged> {
@@ -111,16 +127,7 @@ impl Plot<'_> {
             });
         }
         let response = response.on_hover_cursor(CursorIcon::Crosshair);
-        if response.clicked() {
-            return self.brush.map(|_| Dragged::Nothing);
-        }
-        let from = ui.input(|input| input.pointer.press_origin());
-        match (from, response.interact_pointer_pos()) {
-            (Some(from), Some(to)) if response.dragged() => {
-                Some(Dragged::Between(frame.x_at(from), frame.x_at(to)))
-            }
-            _ => None,
-        }
+        dragged(ui, &response, self.brush, |at| frame.x_at(at))
     }
 
     /// Describes the chart for screen readers.

@@ -1,4 +1,6 @@
-//! How each type of question is answered: on the canvas, and from numbered lists by keys.
+//! The answer to a question, as it is put together: for each type of question the controls beside the canvas. An answer
+//! can also be given by a click on the canvas, and items of a list by the keys 1 to 9 (`actions/lessons.rs`). To add a
+//! type of question, begin with [`show`].
 
 use egui::{Button, Label, RichText, TextEdit, Ui};
 use tilescope_drawing::palette::Palette;
@@ -10,7 +12,7 @@ use tilescope_workbench::lessons::{DraftCommand, LessonCommand, OpenLesson};
 
 use super::{curves, issue, text};
 
-/// Shows the answer that is being put together; it can be changed while the question is open.
+/// Shows the answer so far; it can be changed while the question is open.
 pub fn show(
     ui: &mut Ui,
     open: &OpenLesson,
@@ -36,7 +38,7 @@ pub fn show(
                 candidates,
                 several,
             } => answers.samples(ui, candidates, *several),
-            Form::Place { candidates } => answers.places(ui, candidates.len()),
+            Form::Place { candidates } => answers.points(ui, candidates.len()),
             Form::Number { unit } => answers.number(ui, unit),
             Form::Order { items } => answers.order(ui, items),
             Form::Cut { candidates, .. } => answers.cut(ui, candidates),
@@ -48,6 +50,7 @@ pub fn show(
 struct Answers<'a> {
     open: &'a OpenLesson,
     labels: &'static LessonLabels,
+    /// Size of texts, in screen points.
     size: f32,
     /// Height of plots.
     plot: f32,
@@ -55,7 +58,7 @@ struct Answers<'a> {
     commands: &'a mut Vec<Command>,
 }
 
-/// Returns the key that chooses the item of an index, as a part of its name.
+/// Returns the key that chooses the item of an index, to stand before its name; nothing for items without a key.
 fn key(index: usize) -> String {
     if index < 9 {
         format!("{}  ", index + 1)
@@ -65,33 +68,36 @@ fn key(index: usize) -> String {
 }
 
 impl Answers<'_> {
-    fn draft(&mut self, command: DraftCommand) {
-        issue(self.commands, LessonCommand::Draft(command));
+    /// Gives a control its id, and changes the answer when it is clicked.
+    fn on_click(&mut self, control: &egui::Response, id: impl std::fmt::Display, to: DraftCommand) {
+        let command = Command::Lesson(LessonCommand::Draft(to));
+        control.issues(id, command, self.commands);
+    }
+
+    /// Shows a button as wide as the panel for the item of an index, with a name for its id.
+    fn wide(&mut self, ui: &mut Ui, words: &str, is_chosen: bool, (name, index): (&str, usize)) {
+        let color = if is_chosen {
+            self.palette.on_accent
+        } else {
+            self.palette.text
+        };
+        let mut button = Button::new(text::job(ui, words, self.size, color))
+            .wrap()
+            .min_size([ui.available_width(), 30.0].into());
+        if is_chosen {
+            button = button.fill(self.palette.accent);
+        }
+        let number = index + 1;
+        let button = ui.add(button).on_hover_text(format!("Key {number}"));
+        let id = format_args!("lesson-{name}-{number}");
+        self.on_click(&button, id, DraftCommand::Choose(index));
     }
 
     fn options(&mut self, ui: &mut Ui, options: &[String], curves: &[tilescope_lessons::Curve]) {
         for (index, option) in options.iter().enumerate() {
             let is_chosen = self.open.draft.option == Some(index);
             let words = format!("{}. {option}", letter(index));
-            let color = if is_chosen {
-                self.palette.on_accent
-            } else {
-                self.palette.text
-            };
-            let mut button = Button::new(text::job(ui, &words, self.size, color))
-                .wrap()
-                .min_size([ui.available_width(), 30.0].into());
-            if is_chosen {
-                button = button.fill(self.palette.accent);
-            }
-            let response = ui.add(button);
-            response.known_as(format_args!("lesson-option-{}", index + 1));
-            if response
-                .on_hover_text(format!("Key {}", index + 1))
-                .clicked()
-            {
-                self.draft(DraftCommand::Choose(index));
-            }
+            self.wide(ui, &words, is_chosen, ("option", index));
             if let Some(curve) = curves.get(index) {
                 curves::show(ui, &[curve], self.plot, self.palette);
             }
@@ -108,53 +114,42 @@ impl Answers<'_> {
         ui.horizontal_wrapped(|ui| {
             for (index, sample) in candidates.iter().enumerate() {
                 let is_chosen = self.open.draft.samples.contains(sample);
-                let response =
-                    ui.selectable_label(is_chosen, RichText::new(sample.to_string()).monospace());
-                response.known_as(format_args!("lesson-sample-{sample}"));
-                if response
-                    .on_hover_text(format!("{}sample {sample}", key(index)))
-                    .clicked()
-                {
-                    self.draft(DraftCommand::Choose(index));
-                }
+                let name = RichText::new(sample.to_string()).monospace();
+                let button = ui.selectable_label(is_chosen, name);
+                let button = button.on_hover_text(format!("{}sample {sample}", key(index)));
+                let id = format_args!("lesson-sample-{sample}");
+                self.on_click(&button, id, DraftCommand::Choose(index));
             }
         });
     }
 
-    fn places(&mut self, ui: &mut Ui, count: usize) {
+    /// Shows the letters of the points marked on the canvas, and the point that was chosen.
+    fn points(&mut self, ui: &mut Ui, count: usize) {
         self.muted(ui, self.labels.place);
         ui.horizontal_wrapped(|ui| {
             for index in 0..count {
-                let response = ui
-                    .selectable_label(false, RichText::new(letter(index).to_string()).monospace());
-                response.known_as(format_args!("lesson-place-{}", index + 1));
-                if response
-                    .on_hover_text(format!("Key {}", index + 1))
-                    .clicked()
-                {
-                    self.draft(DraftCommand::Choose(index));
-                }
+                let name = RichText::new(letter(index).to_string()).monospace();
+                let button = ui.selectable_label(false, name);
+                let button = button.on_hover_text(format!("Key {}", index + 1));
+                let id = format_args!("lesson-place-{}", index + 1);
+                self.on_click(&button, id, DraftCommand::Choose(index));
             }
         });
         if let Some([x, y]) = self.open.draft.place {
-            self.muted(
-                ui,
-                &format!("{} ({x:.2} r, {y:.2} r)", self.labels.your_point),
-            );
+            let text = format!("{} ({x:.2} r, {y:.2} r)", self.labels.your_point);
+            self.muted(ui, &text);
         }
     }
 
     fn number(&mut self, ui: &mut Ui, unit: &str) {
         ui.horizontal(|ui| {
             let mut text = self.open.draft.text.clone();
-            let field = ui.add(
-                TextEdit::singleline(&mut text)
-                    .desired_width(110.0)
-                    .hint_text(self.labels.number),
-            );
+            let field = TextEdit::singleline(&mut text).hint_text(self.labels.number);
+            let field = ui.add(field.desired_width(110.0));
             field.known_as("lesson-number");
             if field.changed() {
-                self.draft(DraftCommand::Type(text));
+                let command = LessonCommand::Draft(DraftCommand::Type(text));
+                issue(self.commands, command);
             }
             if field.lost_focus() && ui.input(|input| input.key_pressed(egui::Key::Enter)) {
                 issue(self.commands, LessonCommand::Answer);
@@ -163,77 +158,48 @@ impl Answers<'_> {
         });
     }
 
+    /// Shows the items, each with its rank in the order that is chosen.
     fn order(&mut self, ui: &mut Ui, items: &[String]) {
         self.muted(ui, self.labels.order);
         for (index, item) in items.iter().enumerate() {
-            let place = self
-                .open
-                .draft
-                .order
-                .iter()
-                .position(|&other| other == index);
-            let number = place.map_or("\u{2013}".to_owned(), |place| (place + 1).to_string());
-            let color = if place.is_some() {
-                self.palette.on_accent
-            } else {
-                self.palette.text
-            };
-            let job = text::job(ui, &format!("{number}   {item}"), self.size, color);
-            let mut button = Button::new(job)
-                .wrap()
-                .min_size([ui.available_width(), 30.0].into());
-            if place.is_some() {
-                button = button.fill(self.palette.accent);
-            }
-            let response = ui.add(button);
-            response.known_as(format_args!("lesson-item-{}", index + 1));
-            if response
-                .on_hover_text(format!("Key {}", index + 1))
-                .clicked()
-            {
-                self.draft(DraftCommand::Choose(index));
-            }
+            let mut order = self.open.draft.order.iter();
+            let rank = order.position(|&other| other == index);
+            let number = rank.map_or("\u{2013}".to_owned(), |rank| (rank + 1).to_string());
+            let words = format!("{number}   {item}");
+            self.wide(ui, &words, rank.is_some(), ("item", index));
         }
     }
 
     fn cut(&mut self, ui: &mut Ui, candidates: &[(CutAxis, f64)]) {
-        self.muted(ui, self.labels.cut);
+        let (labels, draft) = (self.labels, &self.open.draft);
+        self.muted(ui, labels.cut);
         ui.horizontal(|ui| {
             for (axis, name, id) in [
-                (CutAxis::X, self.labels.vertical, "x"),
-                (CutAxis::Y, self.labels.horizontal, "y"),
+                (CutAxis::X, labels.vertical, "lesson-axis-x"),
+                (CutAxis::Y, labels.horizontal, "lesson-axis-y"),
             ] {
-                let response = ui.selectable_label(self.open.draft.axis == Some(axis), name);
-                if response
-                    .known_as(format_args!("lesson-axis-{id}"))
-                    .clicked()
-                {
-                    self.draft(DraftCommand::Axis(axis));
-                }
+                let button = ui.selectable_label(draft.axis == Some(axis), name);
+                self.on_click(&button, id, DraftCommand::Axis(axis));
             }
         });
         for (index, (axis, at)) in candidates.iter().enumerate() {
             let (name, of) = match axis {
-                CutAxis::X => (format!("{}, x", self.labels.vertical), 0),
-                CutAxis::Y => (format!("{}, y", self.labels.horizontal), 1),
+                CutAxis::X => (format!("{}, x", labels.vertical), 0),
+                CutAxis::Y => (format!("{}, y", labels.horizontal), 1),
             };
-            let is_chosen = self.open.draft.axis == Some(*axis)
-                && self
-                    .open
-                    .draft
-                    .place
-                    .is_some_and(|place| (place[of] - at).abs() < 1e-9);
-            let response =
+            let is_there = draft
+                .place
+                .is_some_and(|point| (point[of] - at).abs() < 1e-9);
+            let is_chosen = draft.axis == Some(*axis) && is_there;
+            let button =
                 ui.selectable_label(is_chosen, format!("{}{name} = {at:.1} r", key(index)));
-            if response
-                .known_as(format_args!("lesson-cut-{}", index + 1))
-                .clicked()
-            {
-                self.draft(DraftCommand::Choose(index));
-            }
+            let id = format_args!("lesson-cut-{}", index + 1);
+            self.on_click(&button, id, DraftCommand::Choose(index));
         }
     }
 
+    /// Shows the spectrum before a change and, for each band of frequencies, the choice of how the change alters it; once
+    /// the question is closed, also the spectrum after the change.
     fn bands(
         &mut self,
         ui: &mut Ui,
@@ -241,12 +207,8 @@ impl Answers<'_> {
         curves: &[tilescope_lessons::Curve; 2],
         is_open: bool,
     ) {
-        let shown = if is_open {
-            vec![&curves[0]]
-        } else {
-            curves.iter().collect()
-        };
-        curves::show(ui, &shown, self.plot, self.palette);
+        let shown = curves.iter().take(if is_open { 1 } else { 2 });
+        curves::show(ui, &shown.collect::<Vec<_>>(), self.plot, self.palette);
         for (index, [low, high]) in bands.iter().enumerate() {
             ui.horizontal(|ui| {
                 ui.label(format!("{low:.2} \u{2013} {high:.2} / r"));
@@ -257,13 +219,9 @@ impl Answers<'_> {
                         Change::Same => format!("= {}", self.labels.same),
                         Change::Down => format!("\u{2193} {}", self.labels.down),
                     };
-                    let response = ui.selectable_label(chosen == Some(change), name);
-                    if response
-                        .known_as(format_args!("lesson-band-{}-{change}", index + 1))
-                        .clicked()
-                    {
-                        self.draft(DraftCommand::Band(index, change));
-                    }
+                    let button = ui.selectable_label(chosen == Some(change), name);
+                    let id = format_args!("lesson-band-{}-{change}", index + 1);
+                    self.on_click(&button, id, DraftCommand::Band(index, change));
                 }
             });
         }

@@ -1,4 +1,4 @@
-//! The list of lessons, with what the learner has done, and the learner's results.
+//! The list of lessons, each with how many of its questions are answered, and the learner's results.
 
 use egui::{Button, Label, RichText, TextEdit, Ui};
 use tilescope_drawing::palette::Palette;
@@ -17,12 +17,9 @@ pub fn show(ui: &mut Ui, state: &State, palette: &Palette, commands: &mut Vec<Co
     ui.horizontal(|ui| {
         heading(ui, labels(state).lessons).known_as("lessons");
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            if icon_button(ui, Icon::Close, labels(state).close_list, None, palette)
-                .known_as("lessons-close")
-                .clicked()
-            {
-                issue(commands, LessonCommand::ToggleList);
-            }
+            let close = icon_button(ui, Icon::Close, labels(state).close_list, None, palette);
+            let command = Command::Lesson(LessonCommand::ToggleList);
+            close.issues("lessons-close", command, commands);
             super::language(ui, state, commands);
         });
     });
@@ -40,14 +37,8 @@ pub fn show(ui: &mut Ui, state: &State, palette: &Palette, commands: &mut Vec<Co
         issue(commands, LessonCommand::ToggleList);
         commands.push(Command::Scene(SceneCommand::Tour));
     }
-    ui.add(
-        Label::new(
-            RichText::new(labels(state).own)
-                .small()
-                .color(palette.muted),
-        )
-        .wrap(),
-    );
+    let own = RichText::new(labels(state).own).small();
+    ui.add(Label::new(own.color(palette.muted)).wrap());
     divide(ui, palette);
     results(ui, state, palette, commands);
 }
@@ -59,29 +50,21 @@ fn entry(
     palette: &Palette,
     commands: &mut Vec<Command>,
 ) {
-    // Shipped lessons are read in the tests, too.
+    // Tests read every shipped lesson, so this does not fail.
     let Ok(lesson) = Lesson::read(&shipped.name, &shipped.text) else {
         return;
     };
-    let german = tilescope_lessons::Translation::read(&shipped.german)
-        .ok()
-        .filter(|_| state.lessons.language == "de");
-    let words = |text: &str| {
-        german
-            .as_ref()
-            .map_or(text.to_owned(), |german| german.of(text).to_owned())
+    let german = tilescope_lessons::Translation::read(&shipped.german).ok();
+    let german = german.filter(|_| state.lessons.language == "de");
+    let words = |text: &str| match &german {
+        Some(german) => german.of(text).to_owned(),
+        None => text.to_owned(),
     };
     let gates = lesson.gates().count();
-    let done = lesson
-        .gates()
-        .filter(|(_, gate)| {
-            state
-                .lessons
-                .results
-                .of_gate(&shipped.name, &gate.name)
-                .is_some()
-        })
-        .count();
+    let results = &state.lessons.results;
+    let is_done = |gate: &str| results.of_gate(&shipped.name, gate).is_some();
+    let done = lesson.gates().filter(|(_, gate)| is_done(&gate.name));
+    let done = done.count();
     let number = if index == 0 {
         String::new()
     } else {
@@ -89,12 +72,8 @@ fn entry(
     };
     let title = RichText::new(format!("{number}{}", words(&lesson.title))).size(14.5);
     let button = ui.add(Button::new(title).frame(false));
-    if button
-        .known_as(format_args!("lesson-{}", shipped.name))
-        .clicked()
-    {
-        issue(commands, LessonCommand::Open(shipped.name.to_string()));
-    }
+    let command = Command::Lesson(LessonCommand::Open(shipped.name.to_string()));
+    button.issues(format_args!("lesson-{}", shipped.name), command, commands);
     ui.horizontal_wrapped(|ui| {
         ui.add_space(8.0);
         let about = format!("{} ({} min)", words(&lesson.objective), lesson.minutes);
@@ -105,21 +84,15 @@ fn entry(
             } else {
                 palette.candidate
             };
-            ui.label(
-                RichText::new(format!(
-                    "{done} {} {gates} {}",
-                    labels(state).of,
-                    labels(state).answered
-                ))
-                .small()
-                .color(color),
-            );
+            let labels = labels(state);
+            let text = format!("{done} {} {gates} {}", labels.of, labels.answered);
+            ui.label(RichText::new(text).small().color(color));
         }
     });
     ui.add_space(3.0);
 }
 
-/// Shows how much of the learner's results is kept, and what can be done with them.
+/// Shows how many results are kept on this device, and the buttons that save or clear them.
 fn results(ui: &mut Ui, state: &State, palette: &Palette, commands: &mut Vec<Command>) {
     let results = &state.lessons.results;
     let labels = labels(state);
@@ -140,30 +113,23 @@ fn results(ui: &mut Ui, state: &State, palette: &Palette, commands: &mut Vec<Com
     ui.horizontal(|ui| {
         ui.label(labels.name);
         let mut name = results.learner.clone();
-        if ui
-            .add(TextEdit::singleline(&mut name).desired_width(130.0))
-            .known_as("lesson-learner")
-            .changed()
-        {
+        let field = ui.add(TextEdit::singleline(&mut name).desired_width(130.0));
+        if field.known_as("lesson-learner").changed() {
             issue(commands, LessonCommand::Name(name));
         }
     });
     ui.horizontal(|ui| {
-        for (name, id, format) in [
-            (format!("{} JSON", labels.save), "json", "json"),
-            ("CSV".to_owned(), "csv", "csv"),
-            ("xAPI".to_owned(), "xapi", "xapi"),
+        for (name, format) in [
+            (format!("{} JSON", labels.save), "json"),
+            ("CSV".to_owned(), "csv"),
+            ("xAPI".to_owned(), "xapi"),
         ] {
-            if ui
-                .button(name)
-                .known_as(format_args!("lesson-save-{id}"))
-                .clicked()
-            {
-                issue(commands, LessonCommand::SaveResults(format.to_owned()));
-            }
+            let command = Command::Lesson(LessonCommand::SaveResults(format.to_owned()));
+            let id = format_args!("lesson-save-{format}");
+            ui.button(name).issues(id, command, commands);
         }
-        if ui.button(labels.clear).known_as("lesson-clear").clicked() {
-            issue(commands, LessonCommand::ClearResults);
-        }
+        let clear = Command::Lesson(LessonCommand::ClearResults);
+        ui.button(labels.clear)
+            .issues("lesson-clear", clear, commands);
     });
 }

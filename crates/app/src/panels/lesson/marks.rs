@@ -1,4 +1,5 @@
-//! The marks of a lesson over the canvas: samples that the question names, samples and places of its list, the answer.
+//! The marks of a lesson over the canvas: samples that the question names, the samples and points to choose from, and
+//! the answer.
 
 use egui::{FontId, Id, LayerId, Order, Pos2, Rect, Stroke, StrokeKind, Ui, pos2, vec2};
 use glam::DVec2;
@@ -7,7 +8,7 @@ use tilescope_ui::theme::semibold;
 use tilescope_workbench::lessons::MarkKind;
 use tilescope_workbench::state::State;
 
-/// Shows the marks of the step.
+/// Shows the marks of the current step, each as its image nearest to the middle of the view.
 pub fn show(ui: &Ui, state: &State) {
     let Some(open) = &state.lessons.open else {
         return;
@@ -25,7 +26,6 @@ pub fn show(ui: &Ui, state: &State) {
     let size = session.size_radii();
     let is_periodic = session.run().domain.is_periodic();
     let screen = |at: DVec2| -> Pos2 {
-        // The image nearest to the middle of the view.
         let turns = if is_periodic {
             ((at - run.camera.center) / size).round()
         } else {
@@ -70,7 +70,7 @@ pub fn show(ui: &Ui, state: &State) {
             continue;
         }
         let font = FontId::new(13.0, semibold());
-        // Away from the nearest other mark, so that labels do not lie on each other.
+        // The label is on the side away from the nearest other mark, so that labels do not cover each other.
         let others = marks.iter().map(|other| at - screen(other.at));
         let nearest = others
             .filter(|away| away.length() > 0.5)

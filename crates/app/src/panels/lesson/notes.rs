@@ -1,12 +1,13 @@
-//! The lecturer's notes on the other screen: this step with its answer, the next step with a picture, clock and plan, votes
-//! and what they suggest.
+//! The lecturer's window of a talk: the clock and the plan, the tools, this step with its notes and its answer, the votes
+//! and what they suggest, and the next step with a picture. The class sees `stage.rs`. A page has these notes in
+//! `web/page/notes.js`.
 
 use egui::{
-    Button, CentralPanel, ColorImage, FontId, Frame, Id, Label, Margin, RichText, ScrollArea,
-    Sense, TextEdit, TextureHandle, TextureOptions, Ui, vec2,
+    Button, CentralPanel, Color32, FontId, Frame, Id, Label, Margin, RichText, ScrollArea, Sense,
+    TextEdit, Ui, vec2,
 };
 use tilescope_drawing::palette::Palette;
-use tilescope_lessons::{Advice, Vote, letter};
+use tilescope_lessons::{Advice, Vote};
 use tilescope_ui::theme::semibold;
 use tilescope_ui::widgets::Known;
 use tilescope_workbench::command::Command;
@@ -16,7 +17,8 @@ use tilescope_workbench::pen::pen_color;
 use tilescope_workbench::state::State;
 use tilescope_workbench::talk::{Cover, Talk, TalkCommand, Tool, advised};
 
-use super::text;
+use super::super::common::thumbnail_texture;
+use super::{counts_text, text};
 
 /// Font sizes of the notes in points of a window of normal size: paragraphs, headings, the clock.
 const SIZES: [f32; 3] = [16.0, 19.0, 26.0];
@@ -27,7 +29,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         return;
     };
     let palette = Palette::of(state.appearance.look);
-    // All windows share the zoom of the stage; the notes undo it.
+    // The zoom of the stage holds for all windows: the notes divide every size by it.
     let k = 1.0 / ui.ctx().zoom_factor();
     let margin = Margin::same((14.0 * k).round() as i8);
     let frame = Frame::new().fill(palette.panel).inner_margin(margin);
@@ -54,7 +56,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     });
 }
 
-/// Makes texts and widgets `k` times as large.
+/// Multiplies the sizes of texts and widgets by `k`.
 fn scale(ui: &mut Ui, k: f32) {
     let style = ui.style_mut();
     for font in style.text_styles.values_mut() {
@@ -74,7 +76,7 @@ fn minutes(secs: f64) -> String {
     format!("{}:{:02}", whole / 60, whole % 60)
 }
 
-/// Returns the time of day where the lecturer is.
+/// Returns the local time of day.
 #[cfg(not(target_arch = "wasm32"))]
 fn clock(now: f64) -> String {
     let time = jiff::Timestamp::from_second(now as i64).unwrap_or_default();
@@ -82,7 +84,7 @@ fn clock(now: f64) -> String {
     format!("{:02}:{:02}", local.hour(), local.minute())
 }
 
-/// On a page the page shows the notes.
+/// Returns nothing: on a page the page itself shows the notes.
 #[cfg(target_arch = "wasm32")]
 fn clock(_: f64) -> String {
     String::new()
@@ -93,14 +95,13 @@ struct Notes<'a> {
     talk: &'a Talk,
     open: &'a OpenLesson,
     palette: &'static Palette,
-    /// The factor of sizes.
+    /// The factor of all sizes.
     k: f32,
 }
 
 fn button(ui: &mut Ui, name: &str, id: &str, command: TalkCommand, commands: &mut Vec<Command>) {
-    if ui.add(Button::new(name)).known_as(id).clicked() {
-        commands.push(Command::Talk(command));
-    }
+    let button = ui.add(Button::new(name));
+    button.issues(id, Command::Talk(command), commands);
 }
 
 impl Notes<'_> {
@@ -118,7 +119,13 @@ impl Notes<'_> {
         ui.add(Label::new(text).wrap());
     }
 
-    /// Shows clock, elapsed and planned time, and the place in the talk.
+    /// Shows a text of normal size in a colour.
+    fn colored(&self, ui: &mut Ui, text: impl Into<String>, color: Color32) -> egui::Response {
+        let text = RichText::new(text).size(self.size(0)).color(color);
+        ui.add(Label::new(text).wrap())
+    }
+
+    /// Shows the clock, the time since the talk began and the time planned for it, and the current step.
     fn bar(&self, ui: &mut Ui, commands: &mut Vec<Command>) {
         let now = self.state.lessons.now;
         let learner = &self.open.learner;
@@ -134,15 +141,11 @@ impl Notes<'_> {
             ui.label(large(text)).known_as("notes-elapsed");
             ui.add_space(16.0 * self.k);
             let (text, color) = if late > 0.0 {
-                (
-                    format!("{} behind the plan", minutes(late)),
-                    self.palette.conflict,
-                )
+                let text = format!("{} behind the plan", minutes(late));
+                (text, self.palette.conflict)
             } else if early > 0.0 {
-                (
-                    format!("{} ahead of the plan", minutes(early)),
-                    self.palette.inserted,
-                )
+                let text = format!("{} ahead of the plan", minutes(early));
+                (text, self.palette.inserted)
             } else {
                 ("as planned".to_owned(), self.palette.text)
             };
@@ -168,17 +171,12 @@ impl Notes<'_> {
         });
     }
 
-    /// Shows what the clicker, the laser and the pen do.
+    /// Shows the buttons of the talk, with the keys of the same commands in brackets.
     fn tools(&self, ui: &mut Ui, commands: &mut Vec<Command>) {
         let talk = self.talk;
         ui.horizontal_wrapped(|ui| {
-            button(
-                ui,
-                "Back (PageUp)",
-                "notes-back",
-                TalkCommand::Previous,
-                commands,
-            );
+            let back = TalkCommand::Previous;
+            button(ui, "Back (PageUp)", "notes-back", back, commands);
             let waits = self.open.learner.is_open() && self.open.fault.is_none();
             let next = match (talk.cover == Some(Cover::Blank), waits, talk.is_voting) {
                 (true, _, _) => "Show again (PageDown)",
@@ -188,20 +186,14 @@ impl Notes<'_> {
             };
             button(ui, next, "notes-next", TalkCommand::Next, commands);
             button(ui, "Blank (B)", "notes-blank", TalkCommand::Blank, commands);
-            let mut tool = |ui: &mut Ui, name: &str, tool: Tool| {
+            for (name, id, tool) in [
+                ("Laser (L)", "notes-tool-L", Tool::Laser),
+                ("Pen (P)", "notes-tool-P", Tool::Pen),
+            ] {
+                let command = Command::Talk(TalkCommand::Tool(tool));
                 let button = ui.selectable_label(talk.tool == tool, name);
-                if button
-                    .known_as(format_args!(
-                        "notes-tool-{}",
-                        name.chars().next().unwrap_or('x')
-                    ))
-                    .clicked()
-                {
-                    commands.push(Command::Talk(TalkCommand::Tool(tool)));
-                }
-            };
-            tool(ui, "Laser (L)", Tool::Laser);
-            tool(ui, "Pen (P)", Tool::Pen);
+                button.issues(id, command, commands);
+            }
             let side = 16.0 * self.k;
             let (rect, swatch) = ui.allocate_exact_size(vec2(side, side), Sense::click());
             let dark = self.state.appearance.look.is_dark();
@@ -210,42 +202,17 @@ impl Notes<'_> {
             if swatch.on_hover_text("The pen's colour (C)").clicked() {
                 commands.push(Command::Talk(TalkCommand::NextColor));
             }
-            button(
-                ui,
-                "Undo line (U)",
-                "notes-undo",
-                TalkCommand::UndoStroke,
-                commands,
-            );
-            button(
-                ui,
-                "Clear (X)",
-                "notes-clear",
-                TalkCommand::ClearStrokes,
-                commands,
-            );
-            button(
-                ui,
-                "Code (Q)",
-                "notes-code",
-                TalkCommand::ToggleCode,
-                commands,
-            );
-            button(
-                ui,
-                "Exchange screens (S)",
-                "notes-swap",
-                TalkCommand::Swap,
-                commands,
-            );
+            for (name, id, command) in [
+                ("Undo line (U)", "notes-undo", TalkCommand::UndoStroke),
+                ("Clear (X)", "notes-clear", TalkCommand::ClearStrokes),
+                ("Code (Q)", "notes-code", TalkCommand::ToggleCode),
+                ("Exchange screens (S)", "notes-swap", TalkCommand::Swap),
+            ] {
+                button(ui, name, id, command, commands);
+            }
             if !talk.windows.stage {
-                button(
-                    ui,
-                    "Open the stage (F5)",
-                    "notes-stage",
-                    TalkCommand::OpenStage,
-                    commands,
-                );
+                let open = TalkCommand::OpenStage;
+                button(ui, "Open the stage (F5)", "notes-stage", open, commands);
             }
             let mut is_kept = self.state.talks.is_kept;
             let kept = ui.checkbox(&mut is_kept, "Keep drawings and votes");
@@ -266,7 +233,7 @@ impl Notes<'_> {
         }
     }
 
-    /// Shows this step: its question, the answer, the notes, the votes.
+    /// Shows this step: the notes, the question with its answer, and the votes.
     fn this(&self, ui: &mut Ui, commands: &mut Vec<Command>) {
         let learner = &self.open.learner;
         let step = learner.step();
@@ -279,8 +246,8 @@ impl Notes<'_> {
                 }
                 self.heading(ui, &learner.words(&step.title));
                 for note in &step.notes {
-                    let job = text::job(ui, note, self.size(0), self.palette.text);
-                    ui.add(Label::new(job).wrap()).known_as("notes-note");
+                    text::paragraph(ui, note, self.size(0), self.palette.text)
+                        .known_as("notes-note");
                     ui.add_space(4.0 * self.k);
                 }
                 let Some(question) = learner.question() else {
@@ -288,14 +255,11 @@ impl Notes<'_> {
                 };
                 ui.separator();
                 let (_, traced) = learner.tries();
-                let ask = text::job(ui, question.ask(traced), self.size(0), self.palette.text);
-                ui.add(Label::new(ask).wrap());
+                text::paragraph(ui, question.ask(traced), self.size(0), self.palette.text);
                 if let Some(answer) = learner.right_answer() {
                     let text = format!("The answer: {answer}");
-                    let text = RichText::new(text)
-                        .size(self.size(0))
-                        .color(self.palette.inserted);
-                    ui.add(Label::new(text).wrap()).known_as("notes-answer");
+                    self.colored(ui, text, self.palette.inserted)
+                        .known_as("notes-answer");
                 }
                 if let Some(hint) = &question.hint {
                     self.muted(ui, format!("Hint: {hint}"));
@@ -305,6 +269,7 @@ impl Notes<'_> {
             });
     }
 
+    /// Shows the field for a vote of the class, the votes so far, and what they suggest.
     fn votes(&self, ui: &mut Ui, commands: &mut Vec<Command>) {
         let key = self.state.talk_key();
         let votes = self.state.talks.record.votes_on(&key);
@@ -330,13 +295,8 @@ impl Notes<'_> {
                 commands.push(Command::Talk(TalkCommand::Vote(std::mem::take(&mut typed))));
             }
             if !votes.is_empty() {
-                button(
-                    ui,
-                    "Take back",
-                    "notes-unvote",
-                    TalkCommand::Unvote,
-                    commands,
-                );
+                let unvote = TalkCommand::Unvote;
+                button(ui, "Take back", "notes-unvote", unvote, commands);
             }
         });
         ui.data_mut(|data| data.insert_temp(id, typed));
@@ -347,23 +307,15 @@ impl Notes<'_> {
         for (vote, name) in votes.iter().zip(["First", "Second"]) {
             let said = match vote {
                 Vote::Right(share) => format!("{} right", share.name()),
-                Vote::Counts(counts) => {
-                    let counts = counts.iter().enumerate();
-                    let counts =
-                        counts.map(|(option, count)| format!("{} {count}", letter(option)));
-                    counts.collect::<Vec<_>>().join(", ")
-                }
+                Vote::Counts(counts) => counts_text(counts),
             };
             ui.label(format!("{name} vote: {said}"));
         }
         if votes.len() == 1 {
             self.muted(ui, "The class sees both votes after the second one.");
         }
-        let key = self
-            .open
-            .learner
-            .question()
-            .map(tilescope_lessons::Question::key);
+        let question = self.open.learner.question();
+        let key = question.map(tilescope_lessons::Question::key);
         if let Some(advice) = advised(votes, key) {
             let text = match advice {
                 Advice::Explain => "Few are right: give the hint or explain, then vote again.",
@@ -372,10 +324,8 @@ impl Notes<'_> {
                 }
                 Advice::GoOn => "Most are right: reveal, and go on.",
             };
-            let text = RichText::new(text)
-                .size(self.size(0))
-                .color(self.palette.accent);
-            ui.add(Label::new(text).wrap()).known_as("notes-advice");
+            self.colored(ui, text, self.palette.accent)
+                .known_as("notes-advice");
         }
     }
 
@@ -407,19 +357,7 @@ impl Notes<'_> {
         let Some(pixels) = &picture.pixels else {
             return;
         };
-        let id = Id::unique("picture of the next step");
-        let key = std::sync::Arc::as_ptr(pixels) as usize;
-        let kept = ui.data(|data| data.get_temp::<(usize, TextureHandle)>(id));
-        let drawn = kept.filter(|(other, _)| *other == key);
-        let texture = drawn.map(|(_, texture)| texture);
-        let texture = texture.unwrap_or_else(|| {
-            let image = ColorImage::from_rgba_unmultiplied(pixels.size, &pixels.rgba);
-            let texture = ui
-                .ctx()
-                .load_texture("next step", image, TextureOptions::LINEAR);
-            ui.data_mut(|data| data.insert_temp(id, (key, texture.clone())));
-            texture
-        });
+        let texture = thumbnail_texture(ui, Id::unique("picture of the next step"), pixels);
         let width = ui.available_width();
         let size = texture.size_vec2();
         ui.image((texture.id(), size * (width / size.x)))

@@ -1,9 +1,9 @@
-//! The stage of a talk: canvas, question, options and votes, for a projector. It holds no note, no control, and nothing of
-//! what follows.
+//! The stage of a talk, which the class sees on the projector: the canvas, and beside it the step with its question,
+//! options and votes. Notes, controls and later steps are not shown; those are in `notes.rs`. Begin with [`show`].
 
 use egui::{
-    CentralPanel, Color32, CornerRadius, CursorIcon, FontId, Frame, Id, Label, LayerId, Margin,
-    Order, Pos2, Rect, RichText, ScrollArea, Sense, Shape, Stroke, Ui, pos2, vec2,
+    Align2, CentralPanel, Color32, CornerRadius, CursorIcon, FontId, Frame, Id, Label, LayerId,
+    Margin, Order, Pos2, Rect, RichText, ScrollArea, Sense, Shape, Stroke, Ui, pos2, vec2,
 };
 use glam::DVec2;
 use tilescope_drawing::palette::Palette;
@@ -11,33 +11,36 @@ use tilescope_lessons::{Form, Progress, Question, RightShare, Vote, letter};
 use tilescope_ui::theme::semibold;
 use tilescope_ui::widgets::Known;
 use tilescope_workbench::command::Command;
+use tilescope_workbench::lesson_labels::LessonLabels;
 use tilescope_workbench::lessons::OpenLesson;
 use tilescope_workbench::pen::pen_color;
 use tilescope_workbench::state::State;
 use tilescope_workbench::talk::{Cover, Talk, TalkCommand, Tool};
 
-use super::{answers, labels, text};
+use super::{answers, counts_text, labels, text};
 use crate::panes::{Canvas, CanvasContext};
 
-/// The height of the stage in points, whatever its pixels: 11 points, the smallest text of the canvas, are then 24 pixels of a
-/// projector with 1080 rows.
+/// The height of the stage in screen points, whatever its height in pixels: the smallest text of the canvas, 11 points, is
+/// then 24 pixels high on a projector with 1080 rows.
 pub const HEIGHT: f32 = 495.0;
-/// Sizes of text: paragraphs and headings.
+/// Font size of paragraphs.
 const SIZE: f32 = 13.5;
+/// Font size of headings.
 const HEADING: f32 = 18.0;
 /// Heights of plots: while the question is open, and beside the explanation.
 const PLOTS: [f32; 2] = [54.0, 36.0];
-/// The width of the texts beside the canvas, and the narrowest stage that has them there.
+/// The width of the texts beside the canvas.
 const WIDTH: f32 = 364.0;
+/// On a narrower stage the texts are below the canvas.
 const BESIDE: f32 = 700.0;
 /// The share of the height of a narrow stage that texts take.
 const BELOW: f32 = 0.5;
-/// The pointer is hidden after so many seconds of rest.
+/// Seconds without movement after which the pointer is hidden.
 const REST_SECS: f64 = 2.0;
-/// The laser's radius in points, and that of its glow.
+/// The radius of the laser's dot, and that of its glow, in screen points.
 const LASER: [f32; 2] = [5.0, 11.0];
 
-/// Returns the palette of a projector: text has a contrast of at least 7 to what it stands on.
+/// Returns the palette of the stage: text has a contrast of at least 7 to its background.
 #[must_use]
 pub fn palette_of(state: &State) -> Palette {
     let palette = *Palette::of(state.appearance.look);
@@ -83,7 +86,14 @@ pub fn show(ui: &mut Ui, state: &State, canvas: &mut Canvas, commands: &mut Vec<
             .scroll_bar_visibility(ScrollBarVisibility::AlwaysHidden)
             .auto_shrink([false, false]);
         scroll.show(ui, |ui| {
-            texts(ui, state, talk, open, &palette, commands);
+            let slide = Slide {
+                state,
+                talk,
+                open,
+                labels: labels(state),
+                palette,
+            };
+            slide.show(ui, commands);
         });
     });
     CentralPanel::no_frame().frame(Frame::new()).show(ui, |ui| {
@@ -98,7 +108,7 @@ pub fn show(ui: &mut Ui, state: &State, canvas: &mut Canvas, commands: &mut Vec<
     }
 }
 
-/// Hides the mouse pointer after a rest; the laser and the pen have their own.
+/// Hides the mouse pointer while it does not move, and while the laser or the pen is drawn in its place.
 fn hide_pointer(ui: &Ui, talk: &Talk) {
     let since = ui.input(|input| input.pointer.time_since_last_movement());
     if talk.tool != Tool::Hand || f64::from(since) > REST_SECS {
@@ -109,160 +119,159 @@ fn hide_pointer(ui: &Ui, talk: &Talk) {
     }
 }
 
-fn texts(
-    ui: &mut Ui,
-    state: &State,
-    talk: &Talk,
-    open: &OpenLesson,
-    palette: &Palette,
-    commands: &mut Vec<Command>,
-) {
-    let learner = &open.learner;
-    let step = learner.step();
-    let heading = RichText::new(learner.words(&step.title)).font(FontId::new(HEADING, semibold()));
-    ui.add(Label::new(heading).wrap()).known_as("stage-title");
-    ui.add_space(4.0);
-    // After the answer its explanation takes the place of the introduction.
-    let is_revealed = step.gate.is_some() && !learner.is_open();
-    // Beside plots there is no room for it once the class votes.
-    let has_plots = learner
-        .question()
-        .is_some_and(|question| match &question.form {
-            Form::Choice { curves, .. } => !curves.is_empty(),
-            form => matches!(form, Form::Bands { .. }),
-        });
-    if !(is_revealed || talk.is_voting && has_plots) {
-        text::show(ui, open, &step.text, SIZE, palette);
+/// The texts beside the canvas.
+struct Slide<'a> {
+    state: &'a State,
+    talk: &'a Talk,
+    open: &'a OpenLesson,
+    labels: &'static LessonLabels,
+    palette: Palette,
+}
+
+impl Slide<'_> {
+    fn paragraph(&self, ui: &mut Ui, words: &str) -> egui::Response {
+        text::paragraph(ui, words, SIZE, self.palette.text)
     }
-    if let Some(fault) = &open.fault {
-        let text = RichText::new(format!("{} {fault}.", labels(state).cannot_show)).size(SIZE);
-        ui.add(Label::new(text).wrap()).known_as("stage-fault");
-    }
-    let Some(question) = learner.question() else {
-        return;
-    };
-    ui.add_space(6.0);
-    let (_, traced) = learner.tries();
-    let ask = text::job(ui, question.ask(traced), SIZE, palette.text);
-    ui.add(Label::new(ask).wrap()).known_as("stage-ask");
-    ui.add_space(6.0);
-    // After the answer the options stay as legible as before.
-    ui.visuals_mut().disabled_alpha = 1.0;
-    let sizes = [SIZE, PLOTS[usize::from(is_revealed)]];
-    answers::show(
-        ui,
-        open,
-        (question, labels(state)),
-        sizes,
-        palette,
-        commands,
-    );
-    ui.add_space(6.0);
-    let bold = |text: String| RichText::new(text).font(FontId::new(SIZE + 1.0, semibold()));
-    if talk.is_voting && learner.is_open() {
-        ui.label(bold(labels(state).vote_now.to_owned()))
-            .known_as("stage-vote");
-    }
-    let key = state.talk_key();
-    if let [first, second] = state.talks.record.votes_on(&key) {
-        votes(ui, state, question, [first, second], palette);
-    }
-    if is_revealed {
-        let verdict = match (learner.progress(), learner.right_answer()) {
-            (Progress::GivenUp, Some(answer)) => format!("{} {answer}", labels(state).the_answer),
-            _ => labels(state).right.to_owned(),
-        };
-        ui.add(Label::new(bold(verdict)).wrap())
-            .known_as("stage-answer");
+
+    /// Shows the step: title, text and question; after the answer its explanation takes the place of the text.
+    fn show(&self, ui: &mut Ui, commands: &mut Vec<Command>) {
+        let learner = &self.open.learner;
+        let step = learner.step();
+        let heading =
+            RichText::new(learner.words(&step.title)).font(FontId::new(HEADING, semibold()));
+        ui.add(Label::new(heading).wrap()).known_as("stage-title");
         ui.add_space(4.0);
-        text::show(ui, open, &step.after, SIZE, palette);
-    } else if let Some(sentence) = open
-        .feedback
-        .as_ref()
-        .and_then(|said| said.sentence.as_deref())
-    {
-        let job = text::job(ui, sentence, SIZE, palette.text);
-        ui.add(Label::new(job).wrap()).known_as("stage-sentence");
+        let is_revealed = step.gate.is_some() && !learner.is_open();
+        // Beside plots there is no room for the text once the class votes.
+        let has_plots = learner
+            .question()
+            .is_some_and(|question| match &question.form {
+                Form::Choice { curves, .. } => !curves.is_empty(),
+                form => matches!(form, Form::Bands { .. }),
+            });
+        if !(is_revealed || self.talk.is_voting && has_plots) {
+            text::show(ui, self.open, &step.text, SIZE, &self.palette);
+        }
+        if let Some(fault) = &self.open.fault {
+            let text = format!("{} {fault}.", self.labels.cannot_show);
+            let text = RichText::new(text).size(SIZE);
+            ui.add(Label::new(text).wrap()).known_as("stage-fault");
+        }
+        if let Some(question) = learner.question() {
+            self.question(ui, question, is_revealed, commands);
+        }
+    }
+
+    fn question(
+        &self,
+        ui: &mut Ui,
+        question: &Question,
+        is_revealed: bool,
+        commands: &mut Vec<Command>,
+    ) {
+        let (open, labels) = (self.open, self.labels);
+        let learner = &open.learner;
+        ui.add_space(6.0);
+        let (_, traced) = learner.tries();
+        self.paragraph(ui, question.ask(traced))
+            .known_as("stage-ask");
+        ui.add_space(6.0);
+        // After the answer the options stay as legible as before.
+        ui.visuals_mut().disabled_alpha = 1.0;
+        let sizes = [SIZE, PLOTS[usize::from(is_revealed)]];
+        let asked = (question, labels);
+        answers::show(ui, open, asked, sizes, &self.palette, commands);
+        ui.add_space(6.0);
+        let bold = |text: String| RichText::new(text).font(FontId::new(SIZE + 1.0, semibold()));
+        if self.talk.is_voting && learner.is_open() {
+            ui.label(bold(labels.vote_now.to_owned()))
+                .known_as("stage-vote");
+        }
+        let key = self.state.talk_key();
+        if let [first, second] = self.state.talks.record.votes_on(&key) {
+            self.votes(ui, question, [first, second]);
+        }
+        let feedback = open.feedback.as_ref();
+        if is_revealed {
+            let verdict = match (learner.progress(), learner.right_answer()) {
+                (Progress::GivenUp, Some(answer)) => format!("{} {answer}", labels.the_answer),
+                _ => labels.right.to_owned(),
+            };
+            ui.add(Label::new(bold(verdict)).wrap())
+                .known_as("stage-answer");
+            ui.add_space(4.0);
+            text::show(ui, open, &learner.step().after, SIZE, &self.palette);
+        } else if let Some(sentence) = feedback.and_then(|said| said.sentence.as_deref()) {
+            self.paragraph(ui, sentence).known_as("stage-sentence");
+        }
+    }
+
+    /// Shows both votes side by side: bars for counts, otherwise words.
+    fn votes(&self, ui: &mut Ui, question: &Question, both: [&Vote; 2]) {
+        let names = [self.labels.first_vote, self.labels.second_vote];
+        let inks = [self.palette.border, self.palette.accent];
+        let legend = ui.horizontal(|ui| {
+            for (name, ink) in names.into_iter().zip(inks) {
+                let (rect, _) = ui.allocate_exact_size(vec2(14.0, 14.0), Sense::hover());
+                ui.painter().rect_filled(rect, 3.0, ink);
+                ui.label(RichText::new(name).size(SIZE - 1.0));
+                ui.add_space(8.0);
+            }
+        });
+        legend.response.known_as("stage-votes");
+        if let [Vote::Counts(first), Vote::Counts(second)] = both {
+            let rows = match &question.form {
+                Form::Order { items } => items.len(),
+                _ => first.len(),
+            };
+            let most = first.iter().chain(second).copied().max();
+            for option in 0..rows {
+                let counts = [first, second].map(|counts| counts.get(option).copied().unwrap_or(0));
+                self.bars(ui, letter(option), counts.into_iter().zip(inks), most);
+            }
+            return;
+        }
+        for (name, vote) in names.into_iter().zip(both) {
+            let said = match vote {
+                Vote::Right(share) => share_name(self.labels, *share).to_owned(),
+                Vote::Counts(counts) => counts_text(counts),
+            };
+            ui.label(RichText::new(format!("{name}: {said}")).size(SIZE));
+        }
+    }
+
+    /// Shows a bar for each count of an option; the largest count of all options, `most`, has the whole width.
+    fn bars(
+        &self,
+        ui: &mut Ui,
+        option: char,
+        counts: impl Iterator<Item = (u32, Color32)>,
+        most: Option<u32>,
+    ) {
+        let (row, _) = ui.allocate_exact_size(vec2(ui.available_width(), 34.0), Sense::hover());
+        let (painter, ink) = (ui.painter(), self.palette.text);
+        let font = |size| FontId::new(size, semibold());
+        painter.text(
+            row.left_center(),
+            Align2::LEFT_CENTER,
+            option,
+            font(SIZE),
+            ink,
+        );
+        let room = row.width() - 64.0;
+        let most = most.unwrap_or(0).max(1) as f32;
+        for (k, (count, color)) in counts.enumerate() {
+            let top = row.top() + 1.0 + 16.0 * k as f32;
+            let width = (room * count as f32 / most).max(2.0);
+            let bar = Rect::from_min_size(pos2(row.left() + 22.0, top), vec2(width, 14.0));
+            painter.rect_filled(bar, CornerRadius::same(3), color);
+            let at = pos2(bar.right() + 5.0, bar.center().y);
+            painter.text(at, Align2::LEFT_CENTER, count, font(12.5), ink);
+        }
     }
 }
 
-/// Shows both votes side by side.
-fn votes(ui: &mut Ui, state: &State, question: &Question, both: [&Vote; 2], palette: &Palette) {
-    let labels = labels(state);
-    let names = [labels.first_vote, labels.second_vote];
-    let inks = [palette.border, palette.accent];
-    ui.horizontal(|ui| {
-        for (name, ink) in names.into_iter().zip(inks) {
-            let (rect, _) = ui.allocate_exact_size(vec2(14.0, 14.0), Sense::hover());
-            ui.painter().rect_filled(rect, 3.0, ink);
-            ui.label(RichText::new(name).size(SIZE - 1.0));
-            ui.add_space(8.0);
-        }
-    })
-    .response
-    .known_as("stage-votes");
-    if let [Vote::Counts(first), Vote::Counts(second)] = both {
-        let most = first
-            .iter()
-            .chain(second)
-            .copied()
-            .max()
-            .unwrap_or(0)
-            .max(1);
-        let rows = match &question.form {
-            Form::Order { items } => items.len(),
-            _ => first.len(),
-        };
-        for option in 0..rows {
-            let counts = [first, second].map(|counts| counts.get(option).copied().unwrap_or(0));
-            let (row, _) = ui.allocate_exact_size(vec2(ui.available_width(), 34.0), Sense::hover());
-            let name = letter(option).to_string();
-            let font = FontId::new(SIZE, semibold());
-            let left = row.left_center();
-            let painter = ui.painter();
-            painter.text(
-                left,
-                egui::Align2::LEFT_CENTER,
-                name,
-                font.clone(),
-                palette.text,
-            );
-            let room = row.width() - 64.0;
-            for (k, (count, ink)) in counts.into_iter().zip(inks).enumerate() {
-                let top = row.top() + 1.0 + 16.0 * k as f32;
-                let width = (room * count as f32 / most as f32).max(2.0);
-                let bar = Rect::from_min_size(pos2(row.left() + 22.0, top), vec2(width, 14.0));
-                painter.rect_filled(bar, CornerRadius::same(3), ink);
-                let at = pos2(bar.right() + 5.0, bar.center().y);
-                let font = FontId::new(12.5, semibold());
-                painter.text(
-                    at,
-                    egui::Align2::LEFT_CENTER,
-                    count.to_string(),
-                    font,
-                    palette.text,
-                );
-            }
-        }
-        return;
-    }
-    for (name, vote) in names.into_iter().zip(both) {
-        let said = match vote {
-            Vote::Right(share) => share_name(state, *share).to_owned(),
-            Vote::Counts(counts) => {
-                let counts = counts.iter().enumerate();
-                let counts: Vec<String> = counts
-                    .map(|(option, count)| format!("{} {count}", letter(option)))
-                    .collect();
-                counts.join(", ")
-            }
-        };
-        ui.label(RichText::new(format!("{name}: {said}")).size(SIZE));
-    }
-}
-
-fn share_name(state: &State, share: RightShare) -> &'static str {
-    let labels = labels(state);
+const fn share_name(labels: &LessonLabels, share: RightShare) -> &'static str {
     match share {
         RightShare::None => labels.none_right,
         RightShare::Few => labels.few_right,
@@ -276,16 +285,16 @@ fn point(ui: &Ui, state: &State, talk: &Talk, rect: Rect, commands: &mut Vec<Com
     if talk.tool == Tool::Hand || !rect.is_positive() {
         return;
     }
-    // It lies over the canvas, which would be moved otherwise.
+    // An area over the canvas takes the drag, which would move the picture otherwise.
     let response = ui.interact(rect, Id::unique("laser and pen"), Sense::click_and_drag());
     let camera = &state.runs.first.camera;
-    let place = |pos: Pos2| -> [f64; 2] { camera.domain_from_screen(rect, pos).into() };
+    let position = |pos: Pos2| -> [f64; 2] { camera.domain_from_screen(rect, pos).into() };
     let at = response.interact_pointer_pos().or(response.hover_pos());
     let at = at.filter(|pos| rect.contains(*pos));
     let mut issue = |command| commands.push(Command::Talk(command));
     match talk.tool {
         Tool::Laser => {
-            let at = at.map(place);
+            let at = at.map(position);
             if at != talk.pointer {
                 issue(TalkCommand::Point(at));
             }
@@ -297,7 +306,7 @@ fn point(ui: &Ui, state: &State, talk: &Talk, rect: Rect, commands: &mut Vec<Com
                 let last = last.and_then(|stroke| stroke.points.last());
                 let from = last.map(|&at| camera.screen_from_domain(rect, DVec2::from(at)));
                 if from.is_none_or(|from| from.distance(pos) >= 1.5) {
-                    issue(TalkCommand::Draw(place(pos)));
+                    issue(TalkCommand::Draw(position(pos)));
                 }
             } else if talk.is_drawing {
                 issue(TalkCommand::Lift);
@@ -307,7 +316,7 @@ fn point(ui: &Ui, state: &State, talk: &Talk, rect: Rect, commands: &mut Vec<Com
     }
 }
 
-/// Draws the lines of the step, the laser, and the tip of the pen.
+/// Draws the lines drawn on this step, the laser's dot, and the tip of the pen.
 fn draw(ui: &Ui, state: &State, talk: &Talk, rect: Rect) {
     let camera = &state.runs.first.camera;
     let dark = state.appearance.look.is_dark();
@@ -338,14 +347,14 @@ fn draw(ui: &Ui, state: &State, talk: &Talk, rect: Rect) {
     }
 }
 
-/// Shows the code of the link to the step, with its address in letters.
+/// Shows the QR code of the link to this step, and the link in letters below it.
 fn code(ui: &Ui, state: &State) {
     let address = state.talk_address();
     let rect = state.runs.first.viewport;
     let modules = tilescope_workbench::talk::code(&address);
     egui::Area::new(Id::unique("code for phones"))
         .order(Order::Foreground)
-        .pivot(egui::Align2::CENTER_CENTER)
+        .pivot(Align2::CENTER_CENTER)
         .fixed_pos(rect.center())
         .show(ui.ctx(), |ui| {
             Frame::new()

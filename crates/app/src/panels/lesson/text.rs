@@ -1,29 +1,34 @@
 //! Paragraphs of lessons: plain, emphasised, strong, and code.
 
 use egui::text::{LayoutJob, TextFormat};
-use egui::{Color32, FontId, Label, Ui};
+use egui::{Color32, FontId, Label, Response, Ui};
 use tilescope_drawing::palette::Palette;
 use tilescope_lessons::{Style, spans};
 use tilescope_ui::theme::semibold;
 use tilescope_ui::widgets::Known;
 use tilescope_workbench::lessons::OpenLesson;
 
-/// Shows paragraphs of the step that is shown.
+/// Shows paragraphs of the current step, translated and with the numbers of its run; those that begin with "- " are
+/// items of a list.
 pub fn show(ui: &mut Ui, open: &OpenLesson, paragraphs: &[String], size: f32, palette: &Palette) {
-    for (index, paragraph) in paragraphs.iter().enumerate() {
-        let words = open.learner.words(paragraph);
+    for (index, words) in paragraphs.iter().enumerate() {
+        let words = open.learner.words(words);
         let (indent, words) = match words.strip_prefix("- ") {
             Some(item) => (14.0, format!("\u{2022} {item}")),
             None => (0.0, words),
         };
         ui.horizontal(|ui| {
             ui.add_space(indent);
-            let job = job(ui, &words, size, palette.text);
-            ui.add(Label::new(job).wrap())
-                .known_as(format_args!("lesson-text-{index}"));
+            paragraph(ui, &words, size, palette.text).known_as(format_args!("lesson-text-{index}"));
         });
         ui.add_space(5.0);
     }
+}
+
+/// Shows a paragraph, wrapped.
+pub fn paragraph(ui: &mut Ui, words: &str, size: f32, color: Color32) -> Response {
+    let job = job(ui, words, size, color);
+    ui.add(Label::new(job).wrap())
 }
 
 /// Returns a paragraph laid out.

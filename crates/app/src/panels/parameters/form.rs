@@ -363,10 +363,9 @@ fn own_pattern(ui: &mut Ui, context: &FormContext<'_>, commands: &mut Vec<Comman
     );
     ui.label(RichText::new(text).color(palette.muted))
         .known_as("own-pattern");
-    let generated = ui.link("Use a generated pattern");
-    if generated.known_as("generated-pattern").clicked() {
-        commands.push(Command::Form(FormCommand::GeneratedPattern));
-    }
+    let command = Command::Form(FormCommand::GeneratedPattern);
+    ui.link("Use a generated pattern")
+        .issues("generated-pattern", command, commands);
 }
 
 /// Notes that the pattern repeats within blocks, if it does.

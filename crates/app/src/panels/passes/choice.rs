@@ -11,7 +11,7 @@ use tilescope_workbench::passes::model::Visit;
 use tilescope_workbench::passes::placed::{PlacedCounts, Rows};
 use tilescope_workbench::passes::{PassCommand, Passes};
 
-/// Shows the switch and what it draws.
+/// Shows the switch, and a remark on the rows that it draws.
 pub(super) fn show(
     ui: &mut Ui,
     passes: &Passes,
@@ -66,7 +66,7 @@ fn words(rows: &Rows<'_>) -> (String, &'static str) {
     let tip = if rows.places.are_cells() && !rows.shown.is_filtered() {
         "This buffer has a row for every cell of the frame: cells are drawn where the pass changed something, or where a filter asks for them."
     } else {
-        "Rows beyond the domain's border are images in the frame's halo, or were dropped there. Rows behind the end of a list have no place."
+        "Rows beyond the domain's border are images in the frame's halo, or were dropped there. Rows behind the end of a list have no position."
     };
     (text, tip)
 }
