@@ -20,7 +20,7 @@ pub struct PixelGrid {
 }
 
 /// The part of a cache key that the frame determines.
-pub type MadeFrom = (PixelGrid, tilescope_drawing::looks::Key);
+pub type MadeFrom = (PixelGrid, tilescope_drawing::looks::LooksKey);
 
 impl PixelGrid {
     /// Returns the pixels of a row and of a column.
