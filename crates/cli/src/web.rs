@@ -72,7 +72,7 @@ async fn serve(arguments: &WebArguments, site: ServedFolder) -> Result<u8> {
     if arguments.open {
         // On some systems this returns only when the browser is closed.
         std::thread::spawn(move || {
-            if let Err(error) = webbrowser::open(&page) {
+            if let Err(error) = open::that(&page) {
                 output::note(&format!("warning: {error}; open {page} yourself"));
             }
         });
