@@ -19,7 +19,7 @@ use crate::sheet::Sheet;
 use crate::sprites::Sprites;
 use crate::stack::{Stack, note};
 use crate::strokes::KeptShapes;
-use tilescope_drawing::looks::{Key, Looks, Swatches};
+use tilescope_drawing::looks::{Looks, LooksKey, Swatches};
 use tilescope_drawing::subject::Subject;
 
 /// The caches of a picture.
@@ -70,7 +70,7 @@ impl Pane {
 
     fn parts(&mut self, painter: &Painter, scene: &Scene<'_>, frame: PixelGrid) -> Option<String> {
         let (subject, palette) = (&scene.subject, scene.palette);
-        let made_from = (frame, Key::of(subject, palette));
+        let made_from = (frame, LooksKey::of(subject, palette));
         let triangulated = subject.geometry.of(&scene.shown).is_some();
         let old = self.kept.follow((made_from, triangulated));
         self.sprites.take_back(old);

@@ -20,7 +20,7 @@ pub struct PixelGrid {
 }
 
 /// What a picture was made from, as the key of a cache: the pixels, and all that the looks of samples depend on.
-pub type MadeFrom = (PixelGrid, tilescope_drawing::looks::Key);
+pub type MadeFrom = (PixelGrid, tilescope_drawing::looks::LooksKey);
 
 impl PixelGrid {
     /// Returns the pixels of a row and of a column.

@@ -8,7 +8,7 @@ use tilescope_session::layers::Layer;
 
 use crate::instanced::{InstancedCanvas, PaintOptions, Symbols};
 use tilescope_drawing::look::{SampleLook, Symbol};
-use tilescope_drawing::looks::{Key, Looks};
+use tilescope_drawing::looks::{Looks, LooksKey};
 use tilescope_drawing::scene::Scene;
 
 /// Moments more events apart than this are not updated event by event.
@@ -17,7 +17,7 @@ const MAX_EVENTS: usize = 1_000;
 /// The samples of a picture on the GPU.
 pub struct Resident {
     canvas: InstancedCanvas,
-    key: Option<Key>,
+    key: Option<LooksKey>,
     version: u64,
     /// The session that does not fit on the device.
     refused: Option<u64>,
@@ -50,7 +50,7 @@ impl Resident {
             (self.refused, self.key) = (Some(generation), None);
             return None;
         }
-        let key = Key::of(&scene.subject, scene.palette);
+        let key = LooksKey::of(&scene.subject, scene.palette);
         let before = self.key.replace(key);
         if before == Some(key) {
             return Some(self);
@@ -105,8 +105,8 @@ impl Resident {
 /// recorded.
 fn changed<'a>(
     scene: &Scene<'a>,
-    before: Key,
-    now: Key,
+    before: LooksKey,
+    now: LooksKey,
 ) -> Option<impl Iterator<Item = u32> + use<'a>> {
     let recording = scene.session.recording()?;
     let events = before.span(now)?;

@@ -1,5 +1,5 @@
 //! `tilescope analyze`: every measure of one or more point sets, as a table, as curves and as a report.
-//! A file that cannot be analysed is named, and the others are analysed all the same.
+//! A file that cannot be analysed is named, and the others are analysed.
 
 mod curve;
 mod curves;
@@ -23,7 +23,7 @@ use tilescope_figures::chart::{Figure, figure_scene};
 use tilescope_formats::write_whole;
 
 use crate::options::{SetArguments, UNIT_SQUARE};
-use crate::target::{check_file, extension};
+use crate::paths::{check_file, extension};
 use crate::{EXIT_BAD_INPUT, EXIT_FINE, interrupt, output};
 use gather::Analysis;
 
@@ -34,15 +34,15 @@ pub struct AnalyzeArguments {
     /// The point sets, in any formats
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
-    /// Take all FILEs for sets of one kind: mean curves with bands, numbers with standard errors
+    /// Average all FILEs: mean curves with bands, numbers with standard errors
     #[arg(long)]
     average: bool,
-    /// Hold the sets against this one: it is drawn dashed, and differences from it are drawn and
-    /// printed; of several, against their average. The list ends with the next option
+    /// Compare the sets with this one, or with the average of several: it is drawn dashed, and differences
+    /// from it are drawn and printed. The list ends with the next option
     #[arg(long, value_name = "FILE", num_args = 1..)]
     against: Vec<PathBuf>,
-    /// The largest frequency that is looked at, as nu = |k| / sqrt(N) [default: 2.5, or 1023 cycles
-    /// along a side where that takes more than 2 GiB of memory]
+    /// The largest frequency of spectra, as nu = |k| / sqrt(N) [default: 2.5, or 1023 cycles along a side
+    /// if 2.5 takes more than 2 GiB of memory]
     #[arg(long, value_name = "NU")]
     frequencies: Option<f64>,
     #[command(flatten)]
@@ -57,13 +57,14 @@ pub struct AnalyzeArguments {
 
 const EXAMPLES: &str = "\
 Sides and boundary that neither a certificate nor an argument gives are those of the periodic unit
-square. Where no radius is known, the smallest distance between two samples stands for it.
+square. A radius that neither gives is the smallest distance between two samples.
 
 Frequencies are given as nu = |k| / sqrt(N), distances over r_max, the smallest distance in the
-hexagonal lattice of as many samples (of sets of one known radius, of as many as the first has). Shaded bands hold the true mean with probability 0.95.
+hexagonal lattice of as many samples; if all sets have one known radius, of as many as the first set has.
+Shaded bands hold the true mean with probability 0.95.
 
-Effective Nyquist frequencies are those of the smooth spectrum that follows from g(r): they hardly scatter, and
-lie 2 to 3 % below Heck's on the mean periodogram of many sets.
+Effective Nyquist frequencies are those of the smooth spectrum that follows from g(r): they hardly
+scatter, and lie 2 to 3 % below those of Heck's definition on the mean periodogram of many sets.
 
 With --average all sets must have the domain of the first and its number of samples to within 10 %;
 frequencies are the first one's, and nu is taken with the mean number of samples.
@@ -75,7 +76,7 @@ Examples:
   tilescope analyze theirs.txt --radius 0.01 --boundary bounded --json
   tilescope analyze *.npy --out numbers.csv
 
-Exit codes: 0 all files were analysed, 2 one was not or the arguments cannot be used.";
+Exit codes: 0 all files were analysed, 2 a file was not, or the arguments cannot be used.";
 
 /// Extensions of reports.
 const EXTENSIONS: [&str; 5] = ["html", "htm", "png", "svg", "csv"];
@@ -93,7 +94,7 @@ pub fn run(arguments: &AnalyzeArguments) -> Result<u8> {
         check_file(path).context("--out")?;
     }
     if let Some(nu) = arguments.frequencies {
-        // What is too much for one sample is too much for any set.
+        // A frequency that is too large for one sample is too large for any set.
         Spectrum::window_to(nu, 1.0, UNIT_SQUARE).context("--frequencies")?;
     }
     let mut analysis = Analysis::of(arguments)?;
@@ -110,14 +111,11 @@ pub fn run(arguments: &AnalyzeArguments) -> Result<u8> {
         output::report(arguments.json, json, || text(&analysis, saved.as_deref()))?;
     }
     written?;
-    Ok(if analysis.failures.is_empty() {
-        EXIT_FINE
-    } else {
-        EXIT_BAD_INPUT
-    })
+    let is_fine = analysis.failures.is_empty();
+    Ok(if is_fine { EXIT_FINE } else { EXIT_BAD_INPUT })
 }
 
-/// Refuses a report that would be written over a set.
+/// Refuses a report that would replace one of the sets.
 fn check_no_input_is_replaced(arguments: &AnalyzeArguments, out: &Path) -> Result<()> {
     for input in arguments.files.iter().chain(&arguments.against) {
         ensure!(

@@ -7,6 +7,7 @@ use serde_json::{Value, json};
 use tilescope_reproduce::rates::{Bench, CpuRates, Engine, EngineRate};
 
 use crate::bench_common::{BenchArguments, Measured, parallel_name, with_bar, yes};
+use crate::engine::check_threads;
 use crate::{bench_gpu, interrupt, output, verdict_code, window};
 
 pub fn run(arguments: &BenchArguments) -> Result<u8> {
@@ -32,32 +33,24 @@ pub fn run(arguments: &BenchArguments) -> Result<u8> {
     let bench = arguments.bench(threads(&arguments.threads)?);
     let rates = with_bar(arguments, |watch| {
         bench.cpu(watch, &|plane, window| {
-            watch.bar.clear();
+            watch.clear();
             Ok(window::is_valid(plane, window)?)
         })
     })?;
     let valid = rates.rows.iter().all(EngineRate::valid) && rates.windows.valid;
-    if arguments.json {
-        output::emit(&format!("{}\n", to_json(&rates)))?;
-    } else {
-        output::emit(&to_text(&rates, arguments))?;
-    }
+    let text = || to_text(&rates, arguments);
+    output::report(arguments.json, || to_json(&rates), text)?;
     Ok(verdict_code(valid))
 }
 
-/// Returns the numbers of threads asked for, or one and all.
+/// Returns the numbers of threads that the arguments give; otherwise one and the number of cores.
 fn threads(asked: &[usize]) -> Result<Vec<usize>> {
-    for threads in asked {
-        ensure!(
-            (1..=1024).contains(threads),
-            "--threads is {threads}; it must be between 1 and 1024"
-        );
+    asked.iter().copied().try_for_each(check_threads)?;
+    if !asked.is_empty() {
+        return Ok(asked.to_vec());
     }
-    let mut threads = asked.to_vec();
-    if threads.is_empty() {
-        threads = vec![1, rayon::current_num_threads()];
-        threads.dedup();
-    }
+    let mut threads = vec![1, rayon::current_num_threads()];
+    threads.dedup();
     Ok(threads)
 }
 
@@ -71,20 +64,13 @@ fn names(row: &EngineRate) -> (&'static str, String) {
     }
 }
 
+/// The heading of the table.
+const HEADING: &str = "\
+method                             samples Msamples/s    ratio  \
+threads N r2/area  min dist/r  covering/r verifier Ms/s  valid\n";
+
 fn to_text(rates: &CpuRates, arguments: &BenchArguments) -> String {
-    let mut out = format!(
-        "{:<32} {:>9} {:>10} {:>8} {:>8} {:>9} {:>11} {:>11} {:>13} {:>6}\n",
-        "method",
-        "samples",
-        "Msamples/s",
-        "ratio",
-        "threads",
-        "N r2/area",
-        "min dist/r",
-        "covering/r",
-        "verifier Ms/s",
-        "valid"
-    );
+    let mut out = HEADING.to_owned();
     for row in &rates.rows {
         let gain = row.thread_ratio.map(|ratio| format!("{ratio:.2}x"));
         let _ = writeln!(
@@ -102,22 +88,16 @@ fn to_text(rates: &CpuRates, arguments: &BenchArguments) -> String {
             yes(row.valid()),
         );
     }
-    let windows = &rates.windows;
+    let (windows, plane) = (&rates.windows, arguments.plane);
+    let (count, took) = (windows.median_count(), windows.median_seconds() * 1e3);
+    let (setup, valid) = (windows.plane_seconds * 1e3, yes(windows.valid));
+    let (rounds, threads) = (arguments.rounds, rayon::current_num_threads());
+    let pattern = rates.pattern_seconds * 1e3;
     let _ = writeln!(
         out,
-        "\nwindow of {:.0} samples in a plane of {}: {:.2} ms (plane set up once in {:.2} ms), valid: {}",
-        windows.median_count(),
-        arguments.plane,
-        windows.median_seconds() * 1e3,
-        windows.plane_seconds * 1e3,
-        yes(windows.valid),
-    );
-    let _ = writeln!(
-        out,
-        "median of {} rounds; verifying on {} threads; pattern made in {:.1} ms",
-        arguments.rounds,
-        rayon::current_num_threads(),
-        rates.pattern_seconds * 1e3
+        "\nwindow of {count:.0} samples in a plane of {plane}: {took:.2} ms \
+         (plane set up once in {setup:.2} ms), valid: {valid}\n\
+         median of {rounds} rounds; verifying on {threads} threads; pattern made in {pattern:.1} ms"
     );
     out
 }
@@ -141,15 +121,9 @@ fn to_json(rates: &CpuRates) -> Value {
             "valid": row.valid(),
         })
     };
-    let windows = &rates.windows;
     json!({
         "pattern_seconds": rates.pattern_seconds,
         "rows": rates.rows.iter().map(row).collect::<Vec<_>>(),
-        "windows": {
-            "plane_seconds": windows.plane_seconds,
-            "seconds": windows.seconds,
-            "counts": windows.counts,
-            "valid": windows.valid,
-        },
+        "windows": rates.windows,
     })
 }

@@ -1,44 +1,41 @@
-//! The common part of both benches of `tilescope bench`: the arguments, the progress bar, and words of both tables.
-
-use std::ops::ControlFlow;
+//! Code of both benches of `tilescope bench`: the arguments, the progress bar, and words of both tables.
 
 use anyhow::{Result, anyhow};
 use clap::{Args, ValueEnum};
+use tilescope_reproduce::ReproduceError;
 use tilescope_reproduce::rates::Bench;
-use tilescope_reproduce::{ReproduceError, Watch};
 
 use crate::engine::AdapterArguments;
-use crate::interrupt;
-use crate::progress::Bar;
+use crate::reproduce::WatchBar;
 
 /// Arguments of `tilescope bench`.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES, allow_negative_numbers = true)]
 pub struct BenchArguments {
-    /// What is measured: the CPU's engines against the reference sampler, or a GPU against all threads
+    /// The engines to measure: the CPU's against the reference sampler, or a GPU against all threads
     #[arg(long, value_enum, default_value = "cpu")]
     pub engine: Measured,
     #[command(flatten)]
     pub adapter: AdapterArguments,
-    /// Samples of each set, about
+    /// Approximate number of samples of each set
     #[arg(long, value_name = "N", default_value_t = 1_000_000)]
     pub samples: u64,
     /// Leaf sizes of KDRT, in radii
     #[arg(long, value_name = "LEAF", num_args = 1.., default_values_t = [20.0, 40.0, 80.0])]
     pub leaf: Vec<f64>,
-    /// Numbers of threads of the parallel engine; one and as many as there are cores, if not given
+    /// Numbers of threads of the parallel engine; if not given, one and the number of cores
     #[arg(long, value_name = "N", num_args = 1..)]
     pub threads: Vec<usize>,
     /// Measure the sequential engine, too
     #[arg(long)]
     pub sequential: bool,
-    /// Rounds; in each, every method runs once, and the median round is shown
+    /// Rounds; every method runs once in each, and medians over the rounds are printed
     #[arg(long, value_name = "K", default_value_t = 5)]
     pub rounds: u64,
     /// Seed of the first round; each round has its own
     #[arg(long, value_name = "S", default_value_t = 1)]
     pub seed: u64,
-    /// Samples of the plane of which windows of 10,000 samples are taken
+    /// Samples of the plane from which windows of 10,000 samples are taken
     #[arg(long, value_name = "N", default_value_t = 1_000_000_000)]
     pub plane: u64,
     /// Print one JSON object
@@ -56,9 +53,10 @@ pub enum Measured {
 }
 
 const EXAMPLES: &str = "\
-A rate is that of making the whole set in memory, on the lattice and in canonical order, with the
-pattern ready-made. The ratio is to the reference sampler in the same round, and the median over the
-rounds; so is the ratio of threads, to one thread. With --engine gpu it is to all threads.
+A rate counts the samples of whole sets, made in memory on the lattice and in canonical order; the time
+to make the pattern is not part of it. Ratios are taken within a round, and the median over the rounds is
+printed: to the reference sampler, and in the column of threads to one thread. With --engine gpu they are
+to the CPU on all threads.
 
 Examples:
   tilescope bench --samples 1000000 --leaf 20 40 80
@@ -66,7 +64,7 @@ Examples:
   tilescope bench --engine gpu --samples 100000000 --leaf 40";
 
 impl BenchArguments {
-    /// Returns what is timed with so many threads.
+    /// Returns the bench that times the parallel engine with these numbers of threads.
     pub fn bench(&self, threads: Vec<usize>) -> Bench {
         Bench {
             samples: self.samples,
@@ -80,30 +78,14 @@ impl BenchArguments {
     }
 }
 
-/// Shows the rounds of a bench as a bar, and stops them on Ctrl-C.
-pub struct RoundsBar {
-    pub bar: Bar,
-    pub rounds: u64,
-}
-
-impl Watch for RoundsBar {
-    fn progress(&self, done: usize, _: &str) -> ControlFlow<()> {
-        self.bar.set(done as u64, self.rounds);
-        interrupt::flow()
-    }
-}
-
-/// Runs a bench with a bar. An interrupted bench keeps no rounds, so its error does not say that it would go on.
+/// Runs a bench with a bar. An interrupted bench keeps no rounds, so its error does not offer to continue.
 pub fn with_bar<T>(
     arguments: &BenchArguments,
-    bench: impl FnOnce(&RoundsBar) -> Result<T, ReproduceError>,
+    bench: impl FnOnce(&WatchBar) -> Result<T, ReproduceError>,
 ) -> Result<T> {
-    let watch = RoundsBar {
-        bar: Bar::new("bench"),
-        rounds: arguments.rounds,
-    };
+    let watch = WatchBar::new("bench", arguments.rounds as usize);
     let outcome = bench(&watch);
-    watch.bar.clear();
+    watch.clear();
     outcome.map_err(|error| match error {
         ReproduceError::Cancelled => anyhow!("interrupted"),
         error => error.into(),

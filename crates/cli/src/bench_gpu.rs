@@ -14,25 +14,20 @@ use crate::{output, verdict_code};
 pub fn run(arguments: &BenchArguments) -> Result<u8> {
     ensure!(
         arguments.threads.is_empty() && !arguments.sequential,
-        "--threads and --sequential are of the bench of the CPU: --engine gpu runs against all threads"
+        "--threads and --sequential are options of the CPU's bench: --engine gpu compares with all threads"
     );
     let gpu = Arc::new(arguments.adapter.open().context("--engine gpu")?);
     let bench = arguments.bench(Vec::new());
     let rates = with_bar(arguments, |watch| bench.gpu(&gpu, watch))?;
-    output::emit(&if arguments.json {
-        format!("{}\n", to_json(&rates, &gpu, arguments))
-    } else {
-        to_text(&rates, &gpu, arguments)
-    })?;
+    let json = || to_json(&rates, &gpu, arguments);
+    output::report(arguments.json, json, || to_text(&rates, &gpu, arguments))?;
     let fine = |row: &EngineRate| row.equal() && row.valid();
     Ok(verdict_code(rates.rows.iter().all(fine)))
 }
 
 fn to_text(rates: &GpuRates, gpu: &Gpu, arguments: &BenchArguments) -> String {
-    let mut out = format!(
-        "{:<32} {:>9} {:>10} {:>8} {:>6} {:>6}\n",
-        "method", "samples", "Msamples/s", "ratio", "equal", "valid"
-    );
+    let mut out =
+        "method                             samples Msamples/s    ratio  equal  valid\n".to_owned();
     for row in &rates.rows {
         let leaf = row.leaf.unwrap_or_default();
         let (name, equal) = match row.engine {
@@ -48,61 +43,51 @@ fn to_text(rates: &GpuRates, gpu: &Gpu, arguments: &BenchArguments) -> String {
             yes(row.valid()),
         );
     }
+    let (rounds, adapter, first) = (
+        arguments.rounds,
+        &gpu.report().name,
+        rates.first_seconds * 1e3,
+    );
     let _ = writeln!(
         out,
-        "\nmedian of {} rounds on {}; the first run of all, with the passes compiled: {:.1} ms\n",
-        arguments.rounds,
-        gpu.report().name,
-        rates.first_seconds * 1e3
+        "\nmedian of {rounds} rounds on {adapter}; the first run of all, with the passes compiled: {first:.1} ms\n"
     );
-    out.push_str(&passes_text(&rates.run, rates.copy_rate));
-    out
+    out + passes_text(&rates.run, rates.copy_rate).as_str()
 }
 
 fn passes_text(run: &GpuRun, copy_rate: f64) -> String {
-    let mut out = format!(
-        "{:<10} {:<14} {:>5} {:>10} {:>6} {:>9} {:>8}\n",
-        "stage", "pass", "times", "ms", "share", "MB", "GB/s"
-    );
-    let passes = &run.passes;
-    let total: Option<f64> = passes.iter().map(|pass| pass.seconds).sum();
-    let or_dash = |text: Option<String>| text.unwrap_or_else(|| "-".to_owned());
-    for pass in passes {
-        let megabytes = pass.bytes.map(|bytes| bytes as f64 / 1e6);
-        let share = pass
-            .seconds
-            .zip(total)
-            .map(|(s, all)| format!("{:.1}%", s / all * 100.0));
+    let mut out =
+        "stage      pass           times         ms  share        MB     GB/s\n".to_owned();
+    let total: Option<f64> = run.passes.iter().map(|pass| pass.seconds).sum();
+    let or_dash = |value: Option<f64>, decimals: usize, unit: &str| match value {
+        Some(value) => format!("{value:.decimals$}{unit}"),
+        None => "-".to_owned(),
+    };
+    let milliseconds = |seconds: Option<f64>| or_dash(seconds.map(|s| s * 1e3), 3, "");
+    for pass in &run.passes {
+        let (stage, name, times) = (&pass.stage, &pass.name, pass.times);
+        let bytes = pass.bytes.map(|bytes| bytes as f64);
+        let share = pass.seconds.zip(total).map(|(s, all)| s / all * 100.0);
+        let rate = pass.seconds.zip(bytes).map(|(s, bytes)| bytes / 1e9 / s);
+        let (took, share) = (milliseconds(pass.seconds), or_dash(share, 1, "%"));
+        let megabytes = or_dash(bytes.map(|bytes| bytes / 1e6), 1, "");
+        let rate = or_dash(rate, 1, "");
         let _ = writeln!(
             out,
-            "{:<10} {:<14} {:>5} {:>10} {:>6} {:>9} {:>8}",
-            pass.stage,
-            pass.name,
-            pass.times,
-            or_dash(pass.seconds.map(|s| format!("{:.3}", s * 1e3))),
-            or_dash(share),
-            or_dash(megabytes.map(|mb| format!("{mb:.1}"))),
-            or_dash(
-                pass.seconds
-                    .zip(megabytes)
-                    .map(|(s, mb)| format!("{:.1}", mb / 1e3 / s))
-            ),
+            "{stage:<10} {name:<14} {times:>5} {took:>10} {share:>6} {megabytes:>9} {rate:>8}"
         );
     }
-    let times: usize = passes.iter().map(|pass| pass.times).sum();
-    let all = or_dash(total.map(|s| format!("{:.3}", s * 1e3)));
+    let times: usize = run.passes.iter().map(|pass| pass.times).sum();
+    let all = milliseconds(total);
     let _ = writeln!(out, "{:<10} {:<14} {times:>5} {all:>10}\n", "all", "");
-    let alone = or_dash(total.map(|s| format!("{:.3}", run.samples as f64 / s / 1e6)));
+    let alone = or_dash(total.map(|s| run.samples as f64 / s / 1e6), 3, "");
     let _ = writeln!(
         out,
         "passes alone: {alone} Msamples/s; buffers: {:.1} bytes a sample; copies: {:.1} GB/s (read and written)",
         run.held_bytes as f64 / run.samples.max(1) as f64,
         copy_rate / 1e9,
     );
-    out.push_str(
-        "MB: what the buffers hold that a pass over all elements sees, twice where it reads and writes them\n",
-    );
-    out
+    out + "MB: size of the buffers that a pass over all elements binds, twice for those that it reads and writes\n"
 }
 
 fn to_json(rates: &GpuRates, gpu: &Gpu, arguments: &BenchArguments) -> Value {
@@ -125,10 +110,7 @@ fn to_json(rates: &GpuRates, gpu: &Gpu, arguments: &BenchArguments) -> Value {
     };
     let pass = |pass: &PassTimes| {
         json!({
-            "stage": pass.stage,
-            "pass": pass.name,
-            "times": pass.times,
-            "bytes": pass.bytes,
+            "stage": pass.stage, "pass": pass.name, "times": pass.times, "bytes": pass.bytes,
             "seconds": pass.seconds,
         })
     };

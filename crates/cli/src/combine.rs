@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result, ensure};
+use anyhow::{Result, ensure};
 use clap::Args;
 use serde_json::{Value, json};
 use tilescope_core::Sampled;
@@ -25,8 +25,8 @@ use crate::interrupt;
 use crate::make::{self, Made};
 use crate::options::{JudgeArguments, PRECISIONS, named};
 use crate::output;
+use crate::paths::{InFile, check_target};
 use crate::progress::Stopwatch;
-use crate::target::check_target;
 
 use pieces::Census;
 
@@ -94,36 +94,28 @@ pub fn run(arguments: &CombineArguments) -> Result<u8> {
     if let Some(path) = &arguments.out {
         check_target(path, arguments.format, "--format")?;
     }
-    let glued = glue(&arguments.layout).with_context(|| arguments.layout.display().to_string())?;
+    let (made, census, seams) = glue(&arguments.layout).in_file(&arguments.layout)?;
+    let out = arguments.out.as_deref();
     let context = ExportContext {
-        format: arguments
-            .format
-            .or_else(|| Format::from_path(arguments.out.as_deref()?)),
+        format: arguments.format.or_else(|| Format::from_path(out?)),
         precision: arguments.precision,
         verify: arguments.judge.options(),
-        ..glued.made.facts.context()
+        ..made.facts.context()
     };
-    let outcome = glued.made.finish(arguments.out.as_deref(), &context)?;
+    let outcome = made.finish(out, &context)?;
     let json = || {
         let mut object = outcome.json();
-        object["pieces"] = json!(glued.census);
-        object["seams"] = json!(glued.seams);
+        object["pieces"] = json!(census);
+        object["seams"] = json!(seams);
         object
     };
-    let text = || format!("{}\n{}", glued.census.text(), outcome.text());
+    let text = || format!("{}\n{}", census.text(), outcome.text());
     output::report(arguments.json, json, text)?;
     Ok(outcome.code())
 }
 
-/// A combined set, and what it was made of.
-struct Glued {
-    made: Made,
-    census: Census,
-    seams: usize,
-}
-
-/// Reads a layout, makes its pieces and glues them.
-fn glue(path: &Path) -> Result<Glued> {
+/// Reads a layout, makes its pieces and glues them. Returns also the number of seams.
+fn glue(path: &Path) -> Result<(Made, Census, usize)> {
     let layout = read(path)?;
     let placed = layout.placed()?;
     let folder = path.parent().unwrap_or(Path::new(""));
@@ -144,14 +136,10 @@ fn glue(path: &Path) -> Result<Glued> {
     // Pieces take the place of blocks.
     let provenance = make::provenance(&sampled);
     let set = PointSet { points, provenance };
-    Ok(Glued {
-        made: Made { facts, set },
-        census,
-        seams,
-    })
+    Ok((Made { facts, set }, census, seams))
 }
 
-/// Reads a layout. Fails when it is too long or has another form.
+/// Reads a layout. Fails if it is too long or malformed.
 fn read(path: &Path) -> Result<Layout> {
     let about = fs::metadata(path)?;
     ensure!(about.is_file(), "this is not a file");

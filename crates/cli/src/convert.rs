@@ -1,15 +1,15 @@
 //! `tilescope convert`: a point set into another format, verified as it was read and as it was written.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail, ensure};
 use clap::Args;
 use tilescope_analysis::{JudgeChoice, Region, VerifyOptions};
-use tilescope_formats::{CheckError, ExportContext, Format, Overrides, PointSet};
+use tilescope_formats::{Check, CheckError, ExportContext, Format, Overrides, PointSet};
 
 use crate::options::{JudgeArguments, SetArguments, UNIT_SQUARE};
+use crate::paths::{InFile, check_target};
 use crate::progress::verifying;
-use crate::target::check_target;
 use crate::{interrupt, output, verdict_code};
 
 /// Arguments of `tilescope convert`.
@@ -30,9 +30,9 @@ pub struct ConvertArguments {
 }
 
 const EXAMPLES: &str = "\
-A certificate is checked and carried over. Without one, and without --radius, the smallest distance
-between two samples is taken as the radius; missing sides are those of the periodic unit square.
-The file is written whatever the verdict; exit code 1 says that it is not valid for the radius.
+A certificate is checked and carried over. Without one, and without --radius, the radius is the smallest
+distance between two samples; missing sides are those of the periodic unit square. The file is written
+whatever the verdict; exit code 1 means that the set is not valid for the radius.
 
 Examples:
   tilescope convert set.csv set.npy
@@ -44,60 +44,49 @@ pub fn run(arguments: &ConvertArguments) -> Result<u8> {
     check_target(path, arguments.to, "--to")?;
     let (set, context) = read(arguments)?;
     let exported = verifying(|control| tilescope_formats::export(path, &set, &context, control));
-    let exported = exported.with_context(|| path.display().to_string())?;
-    let report = &exported.report;
+    let exported = exported.in_file(path)?;
+    let (report, certificate) = (exported.report, exported.certificate_path.display());
+    let (count, radius, verdict) = (report.count, report.radius, output::verdict_text(&report));
     let warnings = exported.warnings.iter();
     let warnings = warnings.map(|warning| output::warning_line(&warning.to_string()));
+    let warnings: String = warnings.collect();
     output::emit(&format!(
-        "{} samples, r = {}\n{}{}certificate    {}\n",
-        report.count,
-        report.radius,
-        output::verdict_text(report),
-        warnings.collect::<String>(),
-        exported.certificate_path.display()
+        "{count} samples, r = {radius}\n{verdict}{warnings}certificate    {certificate}\n"
     ))?;
     Ok(verdict_code(report.valid()))
 }
 
-/// Returns the set, and what the new file states of it.
+/// Returns the set, and the statements of the new file's certificate.
 fn read(arguments: &ConvertArguments) -> Result<(PointSet, ExportContext)> {
     let path = &arguments.input;
     let overrides = Overrides {
         judges: arguments.judge.choice(),
         ..arguments.set.overrides(path)?
     };
-    let (set, context) =
-        match verifying(|control| tilescope_formats::check(path, &overrides, control)) {
-            Err(CheckError::NoRadius | CheckError::NoRegion(_)) => uncertified(arguments)?,
-            Err(error) => return Err(error).with_context(|| path.display().to_string()),
-            Ok(check) => {
-                if let Some(differs) = check.differences.first() {
-                    bail!("{}: its certificate is not true: {differs}", path.display());
-                }
-                let mut context = ExportContext::new(check.report.region, check.report.radius);
-                if let Some(certificate) = check.certificate {
-                    context = ExportContext {
-                        program: certificate.program,
-                        program_version: certificate.program_version,
-                        method: certificate.method,
-                        parameters: certificate.parameters,
-                        precision: certificate.precision,
-                        ..context
-                    };
-                }
-                (check.set, context)
-            }
-        };
-    let format = arguments.to;
-    let verify = arguments.judge.options();
-    Ok((
-        set,
-        ExportContext {
-            format,
-            verify,
-            ..context
-        },
-    ))
+    let check = verifying(|control| tilescope_formats::check(path, &overrides, control));
+    let (set, mut context) = match check {
+        Err(CheckError::NoRadius | CheckError::NoRegion(_)) => uncertified(arguments)?,
+        check => certified(check.in_file(path)?, path)?,
+    };
+    context.format = arguments.to;
+    context.verify = arguments.judge.options();
+    Ok((set, context))
+}
+
+/// Carries the certificate of a checked set over, if it has one.
+fn certified(check: Check, path: &Path) -> Result<(PointSet, ExportContext)> {
+    if let Some(differs) = check.differences.first() {
+        bail!("{}: its certificate is not true: {differs}", path.display());
+    }
+    let mut context = ExportContext::new(check.report.region, check.report.radius);
+    if let Some(certificate) = check.certificate {
+        context.program = certificate.program;
+        context.program_version = certificate.program_version;
+        context.method = certificate.method;
+        context.parameters = certificate.parameters;
+        context.precision = certificate.precision;
+    }
+    Ok((check.set, context))
 }
 
 /// Reads a set of unknown radius: its smallest distance becomes the radius.
@@ -105,18 +94,17 @@ fn uncertified(arguments: &ConvertArguments) -> Result<(PointSet, ExportContext)
     let (path, given) = (&arguments.input, &arguments.set);
     let set = given.read(path)?.set;
     let region = given.region_over(UNIT_SQUARE);
-    let radius = given
-        .radius
-        .map_or_else(|| smallest_distance(&set.points, region), Ok);
-    let radius = radius.with_context(|| path.display().to_string())?;
+    let radius = match given.radius {
+        Some(radius) => radius,
+        None => smallest_distance(&set.points, region).in_file(path)?,
+    };
     let mut context = ExportContext::new(region, radius);
     "unknown".clone_into(&mut context.method);
     Ok((set, context))
 }
 
 fn smallest_distance(points: &[[f64; 2]], region: Region) -> Result<f64> {
-    // The report's smallest distance does not depend on the radius it is asked about; the mean
-    // spacing keeps the search quick.
+    // The report's smallest distance does not depend on the radius; the mean spacing keeps the search quick.
     let spacing = (region.width * region.height / points.len().max(1) as f64).sqrt();
     let options = VerifyOptions {
         judges: JudgeChoice::Delaunay,
@@ -125,16 +113,16 @@ fn smallest_distance(points: &[[f64; 2]], region: Region) -> Result<f64> {
     let report =
         verifying(|control| tilescope_analysis::verify(points, region, spacing, &options, control))
             .context("no radius is known, and none can be measured; give --radius")?;
+    let distance = report.min_distance;
     ensure!(
-        report.min_distance.is_finite(),
+        distance.is_finite(),
         "a single sample has no radius; give --radius"
     );
-    if let (true, Some(pair)) = (report.min_distance <= 0.0, report.worst_conflicts.first()) {
+    if let (true, Some(pair)) = (distance <= 0.0, report.worst_conflicts.first()) {
+        let (first, second) = (pair.first, pair.second);
         bail!(
-            "samples {} and {} are the same point, so the smallest distance is no radius; give --radius",
-            pair.first,
-            pair.second
+            "samples {first} and {second} are the same point, so the smallest distance is no radius; give --radius"
         );
     }
-    Ok(report.min_distance)
+    Ok(distance)
 }

@@ -1,4 +1,4 @@
-//! `tilescope draw`: a point set as PNG or SVG.
+//! `tilescope draw`: draws a point set as PNG or SVG.
 
 use std::path::{Path, PathBuf};
 
@@ -10,7 +10,7 @@ use tilescope_figures::{Palette, PictureOptions, Rect, Scene, SetPicture, set_sc
 use tilescope_formats::{Certificate, PointSet, Provenance, write_whole};
 
 use crate::options::{SetArguments, UNIT_SQUARE, of_run};
-use crate::target::{check_file, extension};
+use crate::paths::{check_file, extension};
 use crate::{EXIT_FINE, interrupt, output};
 
 /// Arguments of `tilescope draw`.
@@ -96,10 +96,8 @@ fn scene(
     // Blocks of other sides or another radius are not those of this set.
     let as_certified = certificate.is_some_and(|c| c.region == region && Some(c.radius) == radius);
     let sides = [("--width", region.width), ("--height", region.height)];
-    let lengths = sides
-        .into_iter()
-        .chain(radius.map(|radius| ("--radius", radius)));
-    for (name, length) in lengths {
+    let of_radius = radius.map(|radius| ("--radius", radius));
+    for (name, length) in sides.into_iter().chain(of_radius) {
         ensure!(
             length.is_finite() && length > 0.0,
             "{name} is {}; it must be above 0",
@@ -141,7 +139,7 @@ fn window(given: Option<&[f64]>, region: &Region) -> Result<Option<Rect>> {
     );
     ensure!(
         x1 > 0.0 && y1 > 0.0 && x0 < region.width && y0 < region.height,
-        "--window is {x0} {y0} {x1} {y1}; nothing of the domain, {} x {}, lies in it",
+        "--window is {x0} {y0} {x1} {y1}; it lies outside the domain, {} x {}",
         region.width,
         region.height
     );
@@ -167,8 +165,6 @@ fn blocks(certificate: &Certificate) -> Option<Vec<Rect>> {
 
 fn caption(count: usize, radius: Option<f64>, file: &Path) -> String {
     let name = file.file_name().unwrap_or_default().to_string_lossy();
-    match radius {
-        Some(radius) => format!("{name}: {count} samples, r = {radius:.6}"),
-        None => format!("{name}: {count} samples"),
-    }
+    let radius = radius.map_or_else(String::new, |radius| format!(", r = {radius:.6}"));
+    format!("{name}: {count} samples{radius}")
 }

@@ -1,4 +1,4 @@
-//! Arguments that say which engine computes, and on how many threads. `tilescope_gpu` has the engines.
+//! Arguments that choose the engine and the number of threads. `tilescope_gpu` has the engines.
 
 use anyhow::{Context, Result, ensure};
 use clap::{Args, ValueEnum};
@@ -6,7 +6,7 @@ use pollster::block_on;
 use tilescope_core::Variant;
 use tilescope_gpu::{ASKED_FOR, Backend, Choice, Engine, Gpu, GpuError};
 
-/// The most threads that can be asked for.
+/// The largest number of threads.
 const MAX_THREADS: usize = 1024;
 
 /// Arguments that choose the engine and its device; they never change the points.
@@ -21,44 +21,44 @@ pub struct EngineArguments {
     pub threads: ThreadArguments,
 }
 
-/// Which GPU computes.
+/// Arguments that choose the GPU.
 #[derive(Clone, Debug, Args)]
 pub struct AdapterArguments {
-    /// Part of the name of the GPU adapter to use, one that computes on the CPU included; the fastest real
-    /// GPU, if not given. It asks for a GPU as --engine gpu does. `tilescope gpu` lists them
+    /// Part of the name of the GPU adapter to use, which may be software on the CPU; if not given, the fastest
+    /// real GPU. Implies --engine gpu. `tilescope gpu` lists the adapters
     #[arg(long, value_name = "NAME")]
     pub gpu_adapter: Option<String>,
-    /// Compile the GPU's shaders with the checks of indices and loops that they were shown not to need: slower,
+    /// Compile the GPU's shaders with checks of indices and loops, which they were proven not to need: slower,
     /// with the same points
     #[arg(long)]
     pub checked_shaders: bool,
 }
 
-/// How many threads compute.
+/// The number of threads.
 #[derive(Clone, Debug, Args)]
 pub struct ThreadArguments {
-    /// Threads for sampling and verifying; as many as there are cores, if not given
+    /// Threads for sampling and verifying; if not given, the number of cores
     #[arg(long, value_name = "N")]
     threads: Option<usize>,
 }
 
-/// An engine, as it is asked for.
+/// The values of `--engine`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum EngineArgument {
-    /// A GPU for sets of 20 million samples and more, if there is one; else the parallel one; the sequential
-    /// one for Algorithm 4 as printed
+    /// A GPU for sets of 20 million samples and more, if there is one; else the parallel engine; the sequential
+    /// engine for Algorithm 4 as printed
     Auto,
     /// Windows on a GPU
     Gpu,
     /// Windows on all threads
     Parallel,
-    /// The reading copy: one stage after the other on one thread
+    /// One stage after the other on one thread, in code that is easy to read
     Sequential,
 }
 
 impl EngineArguments {
-    /// Returns whether the engine makes sets of `variant` band by band. Algorithm 4 as printed is refused later, by an
-    /// engine that was asked for by name.
+    /// Returns whether the engine makes sets of `variant` band by band. The GPU and the parallel engine refuse Algorithm 4
+    /// as printed later.
     pub fn makes_bands(&self, variant: Variant) -> bool {
         match self.engine {
             EngineArgument::Auto => variant == Variant::Staged,
@@ -67,19 +67,20 @@ impl EngineArguments {
         }
     }
 
-    /// Returns whether the parallel engine is to make a window: no other one makes windows.
+    /// Returns whether the engine makes windows: only the parallel one does.
     pub fn makes_windows(&self, variant: Variant) -> bool {
         !self.wants_gpu() && self.makes_bands(variant)
     }
 
-    /// Returns whether a GPU was asked for: by the engine, or by its own name.
+    /// Returns whether the arguments ask for a GPU, by `--engine` or by its name.
     pub fn wants_gpu(&self) -> bool {
         self.engine == EngineArgument::Gpu || self.adapter.gpu_adapter.is_some()
     }
 
-    /// Returns the engine for a set of about `expected` samples. Opens a GPU only where one is asked for or worth it.
+    /// Returns the engine for a set of about `expected` samples. Opens a GPU only if the arguments ask for one or the set is
+    /// large.
     ///
-    /// Fails when a GPU is asked for, and none serves.
+    /// Fails if the arguments ask for a GPU and none can be used.
     pub fn choose(&self, variant: Variant, expected: f64) -> Result<Backend> {
         let engine = match self.engine {
             EngineArgument::Auto if !self.wants_gpu() => {
@@ -106,7 +107,7 @@ impl EngineArguments {
 }
 
 impl AdapterArguments {
-    /// Opens the device that is asked for.
+    /// Opens the GPU that the arguments choose.
     pub fn open(&self) -> Result<Gpu, GpuError> {
         block_on(Gpu::open(&self.choice()))
     }
@@ -120,12 +121,21 @@ impl AdapterArguments {
     }
 }
 
-/// Adds the option that asked for a device to the device's error.
+/// Adds the option `--engine gpu` to an error of the device.
 pub fn of_engine(error: GpuError) -> anyhow::Error {
     match error.of_device() {
         Ok(error) => anyhow::Error::new(error).context("--engine gpu"),
         Err(error) => error.into(),
     }
+}
+
+/// Refuses a number of threads that is out of range.
+pub fn check_threads(threads: usize) -> Result<()> {
+    ensure!(
+        (1..=MAX_THREADS).contains(&threads),
+        "--threads is {threads}; it must be between 1 and {MAX_THREADS}"
+    );
+    Ok(())
 }
 
 impl ThreadArguments {
@@ -134,10 +144,7 @@ impl ThreadArguments {
         let Some(threads) = self.threads else {
             return Ok(());
         };
-        ensure!(
-            (1..=MAX_THREADS).contains(&threads),
-            "--threads is {threads}; it must be between 1 and {MAX_THREADS}"
-        );
+        check_threads(threads)?;
         rayon::ThreadPoolBuilder::new()
             .num_threads(threads)
             .build_global()

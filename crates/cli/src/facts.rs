@@ -12,10 +12,10 @@ use tilescope_gpu::Backend;
 
 use crate::options::region;
 
-/// Facts of a set for output and certificate: method, engine, parameters, domain, summary and times.
+/// Facts about a set for the output and the certificate: method, engine, parameters, domain, summary and times.
 pub struct Facts {
     pub method: &'static str,
-    /// The engine that computed it, where there is a choice.
+    /// The engine that computed it, if several can.
     pub backend: Option<Backend>,
     /// Every parameter by its name.
     pub parameters: BTreeMap<String, Value>,
@@ -45,7 +45,7 @@ impl Facts {
         Ok(Self::new("kdrt", parameters, domain))
     }
 
-    /// Returns what an export of the set states.
+    /// Returns the statements of an export's certificate.
     pub fn context(&self) -> ExportContext {
         let mut context = ExportContext::new(self.region, self.radius);
         "tilescope".clone_into(&mut context.program);

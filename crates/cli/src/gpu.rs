@@ -1,4 +1,4 @@
-//! `tilescope gpu`: which GPU adapters there are, what they allow, and whether they compute the same as the CPU.
+//! `tilescope gpu`: lists the GPU adapters with their limits, and tests whether they compute the same as the CPU.
 
 mod drivers;
 
@@ -8,10 +8,9 @@ use anyhow::{Result, anyhow};
 use clap::Args;
 use pollster::block_on;
 use serde::Serialize;
-use serde_json::{Value, json};
-use tilescope_gpu::{AdapterReport, Choice, Gpu, Limits, adapters, self_test};
+use serde_json::json;
+use tilescope_gpu::{AdapterReport, Choice, Gpu, GpuError, Limits, adapters, self_test};
 
-use crate::engine::AdapterArguments;
 use crate::{interrupt, output, verdict_code};
 use drivers::Drivers;
 
@@ -19,10 +18,10 @@ use drivers::Drivers;
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct GpuArguments {
-    /// Only the adapters whose name has this part
+    /// Only the adapters whose name contains this
     #[arg(long, value_name = "NAME")]
     gpu_adapter: Option<String>,
-    /// Test the shaders with their checks of indices and loops
+    /// Test the shaders compiled with checks of indices and loops
     #[arg(long)]
     checked_shaders: bool,
     /// Print one JSON object
@@ -32,22 +31,25 @@ pub struct GpuArguments {
 
 const EXAMPLES: &str = "\
 Each adapter is tested: it makes small sets of every kind, which are compared with the CPU's point by
-point. Exit code 1 if a test fails or no adapter serves, 2 if there is no adapter.
+point. Exit code 1 if a test fails or no adapter can be used, 2 if there is no adapter.
 
 Examples:
   tilescope gpu
   tilescope gpu --gpu-adapter llvmpipe --json";
 
 /// An adapter and its test.
-struct Tested {
+#[derive(Serialize)]
+struct TestedAdapter {
+    #[serde(flatten)]
     report: AdapterReport,
+    #[serde(rename = "self_test")]
     test: TestReport,
 }
 
 /// The result of the test of an adapter.
 #[derive(Serialize)]
 struct TestReport {
-    /// `passed`, `FAILED`, or `not run` where the adapter allows too little or cannot be told from another one.
+    /// `passed`, `FAILED`, or `not run` if the adapter's limits are too low or an earlier one has the same name.
     verdict: &'static str,
     passed: bool,
     /// Samples compared.
@@ -63,31 +65,30 @@ pub fn run(arguments: &GpuArguments) -> Result<u8> {
     let part = part.to_lowercase();
     let mut reports = block_on(adapters());
     reports.retain(|report| report.name.to_lowercase().contains(&part));
-    // Where no GPU computes, what of its driver is installed says why.
+    // If no GPU computes, the installed parts of its driver tell why.
     let is_lacking = reports.iter().all(|report| report.is_software);
     let drivers = is_lacking.then(Drivers::find).flatten();
-    if reports.is_empty() {
-        let asked = AdapterArguments {
-            gpu_adapter: arguments.gpu_adapter.clone(),
+    let open = |name| {
+        block_on(Gpu::open(&Choice {
+            name,
             checked_shaders: arguments.checked_shaders,
-        };
+            ..Choice::default()
+        }))
+    };
+    if reports.is_empty() {
         // The error says that there is no such adapter.
-        asked.open().map(drop).map_err(|error| match &drivers {
+        let opened = open(arguments.gpu_adapter.clone());
+        opened.map_err(|error| match &drivers {
             Some(drivers) => anyhow!("{error}\n{}", drivers.text()),
             None => error.into(),
         })?;
     }
     let reports = reports.into_iter().take_while(|_| !interrupt::requested());
-    let test = |report| Tested::of(report, arguments.checked_shaders);
-    let tested: Vec<Tested> = reports.map(test).collect();
+    let test = |report: AdapterReport| TestedAdapter::of(open(Some(report.name.clone())), report);
+    let tested: Vec<TestedAdapter> = reports.map(test).collect();
     interrupt::check("the last test")?;
-    let json = || {
-        json!({
-            "adapters": tested.iter().map(Tested::json).collect::<Vec<_>>(),
-            "drivers": drivers.as_ref().map(Drivers::json),
-        })
-    };
-    let mut texts: Vec<String> = tested.iter().map(Tested::text).collect();
+    let json = || json!({ "adapters": tested, "drivers": drivers });
+    let mut texts: Vec<String> = tested.iter().map(TestedAdapter::text).collect();
     if let Some(drivers) = &drivers {
         texts.push(format!("No GPU was found.\n{}\n", drivers.text()));
     }
@@ -100,15 +101,10 @@ const PASSED: &str = "passed";
 const FAILED: &str = "FAILED";
 const NOT_RUN: &str = "not run";
 
-impl Tested {
-    /// Tests an adapter.
-    fn of(report: AdapterReport, checked_shaders: bool) -> Self {
-        let choice = Choice {
-            name: Some(report.name.clone()),
-            checked_shaders,
-            ..Choice::default()
-        };
-        let (verdict, samples, detail) = match block_on(Gpu::open(&choice)) {
+impl TestedAdapter {
+    /// Tests an adapter that was opened by its name.
+    fn of(opened: Result<Gpu, GpuError>, report: AdapterReport) -> Self {
+        let (verdict, samples, detail) = match opened {
             Err(error) => (NOT_RUN, 0, error.to_string()),
             // Adapters are opened by name, and the first one of a name is opened.
             Ok(gpu) if *gpu.report() != report => {
@@ -131,33 +127,25 @@ impl Tested {
     }
 
     fn text(&self) -> String {
-        let (report, test) = (&self.report, &self.test);
+        let (
+            report,
+            TestReport {
+                verdict, detail, ..
+            },
+        ) = (&self.report, &self.test);
+        let AdapterReport {
+            name,
+            backend,
+            kind,
+            driver,
+            ..
+        } = report;
         let timestamps = if report.has_timestamps { "yes" } else { "no" };
+        let limits = limits_text(&report.limits);
         format!(
-            "{}\n  backend      {}\n  kind         {}\n  driver       {}\n  timestamps   {timestamps}\n  \
-             limits       {}\n  self-test    {}: {}\n",
-            report.name,
-            report.backend,
-            report.kind,
-            report.driver,
-            limits_text(&report.limits),
-            test.verdict,
-            test.detail,
+            "{name}\n  backend      {backend}\n  kind         {kind}\n  driver       {driver}\n  \
+             timestamps   {timestamps}\n  limits       {limits}\n  self-test    {verdict}: {detail}\n"
         )
-    }
-
-    fn json(&self) -> Value {
-        let report = &self.report;
-        json!({
-            "name": report.name,
-            "backend": report.backend,
-            "kind": report.kind,
-            "software": report.is_software,
-            "driver": report.driver,
-            "timestamps": report.has_timestamps,
-            "limits": report.limits,
-            "self_test": self.test,
-        })
     }
 }
 
@@ -173,16 +161,9 @@ fn limits_text(limits: &Limits) -> String {
 
 /// Returns a number of bytes in the largest unit of which there is at least one.
 fn bytes_text(bytes: u64) -> String {
-    let mut value = bytes as f64;
-    let mut units = ["bytes", "KiB", "MiB", "GiB", "TiB", "PiB", "EiB"].into_iter();
-    let mut unit = units.next().unwrap_or_default();
-    for next in units {
-        if value < 1024.0 {
-            break;
-        }
-        (value, unit) = (value / 1024.0, next);
-    }
-    let text = format!("{value:.1}");
+    let power = bytes.max(1).ilog2() / 10;
+    let unit = ["bytes", "KiB", "MiB", "GiB", "TiB", "PiB", "EiB"][power as usize];
+    let text = format!("{:.1}", bytes as f64 / 1024_f64.powi(power as i32));
     format!("{} {unit}", text.strip_suffix(".0").unwrap_or(&text))
 }
 

@@ -1,5 +1,5 @@
-//! `tilescope headless`, which also runs if the window cannot open: the run of the default session with its table, its
-//! verdict, and pictures of its stages.
+//! `tilescope headless`: the run of the default session with its table, its verdict and pictures of its stages. It also
+//! runs if the window cannot open.
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -80,7 +80,7 @@ fn session(folder: &Path) -> Result<u8> {
     let path = folder.join("set.csv");
     let context = made.facts.context();
     let mut outcome = made.finish(Some(&path), &context)?;
-    // Notes on what CSV leaves out would distract from a first look.
+    // Notes on the limits of CSV would distract from a first look.
     outcome.warnings.clear();
     let (text, path) = (outcome.text(), path.display());
     output::emit(&format!("{text}set            {path}\n"))?;

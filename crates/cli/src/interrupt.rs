@@ -1,5 +1,5 @@
-//! Ctrl-C and other requests to end: after the first one work stops, so that temporary files are removed; the second one
-//! ends the process.
+//! Ctrl-C and other requests to end: after the first one, work stops and temporary files are removed; the second one ends
+//! the process.
 
 use std::future::poll_fn;
 use std::io;
@@ -10,12 +10,17 @@ use std::sync::Once;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::task::Poll;
 
+#[cfg(unix)]
+use tokio::signal::unix::Signal;
+#[cfg(windows)]
+use tokio::signal::windows::CtrlC as Signal;
+
 /// Whether the process was asked to end.
 static REQUESTED: AtomicBool = AtomicBool::new(false);
 /// Whether work stopped because of that.
 static OBEYED: AtomicBool = AtomicBool::new(false);
 
-/// Work stopped before the part that is named.
+/// Work stopped before the named part.
 #[derive(Debug, thiserror::Error)]
 #[error("cancelled before {0}")]
 pub struct Interrupted(&'static str);
@@ -25,7 +30,7 @@ pub struct Interrupted(&'static str);
 #[error("{}: not finished; run the same command with --resume to continue from the last checkpoint", .0.display())]
 pub struct Resumable(pub PathBuf);
 
-/// Starts to listen for requests to end. Called by commands that take long, or write files.
+/// Starts to listen for requests to end. Commands that take long, or write files, call it first.
 pub fn listen() {
     static STARTED: Once = Once::new();
     // Without a listener the system ends the process at once; temporary files then stay behind.
@@ -38,7 +43,7 @@ fn start() -> io::Result<()> {
     let runtime = tokio::runtime::Builder::new_current_thread()
         .enable_io()
         .build()?;
-    // Signals are caught from here on; the thread waits for them.
+    // From here on no signal is missed, although the thread starts later.
     let mut signals = {
         let _within = runtime.enter();
         Signals::new()?
@@ -58,17 +63,21 @@ fn start() -> io::Result<()> {
     Ok(())
 }
 
-/// Waits until the process is asked to end. To be called within a runtime.
+/// Waits until the process is asked to end. Needs a runtime.
 pub async fn asked() -> io::Result<()> {
     Signals::new()?.next().await;
     Ok(())
 }
 
-#[cfg(unix)]
-struct Signals(Vec<tokio::signal::unix::Signal>);
+struct Signals(Vec<Signal>);
 
-#[cfg(unix)]
 impl Signals {
+    #[cfg(windows)]
+    fn new() -> io::Result<Self> {
+        Ok(Self(vec![tokio::signal::windows::ctrl_c()?]))
+    }
+
+    #[cfg(unix)]
     fn new() -> io::Result<Self> {
         use tokio::signal::unix::{SignalKind, signal};
         let mut kinds = vec![SignalKind::interrupt(), SignalKind::terminate()];
@@ -99,8 +108,8 @@ impl Signals {
 #[cfg(unix)]
 const SIGXFSZ: i32 = 25;
 
-/// Returns whether this process was started to outlive its terminal, by nohup. Only Linux shows that; elsewhere the
-/// signal is not listened to.
+/// Returns whether nohup started this process, so that it outlives its terminal. Only Linux shows that; elsewhere the
+/// answer is yes, and the signal is left alone.
 #[cfg(unix)]
 fn is_hangup_ignored() -> bool {
     std::fs::read_to_string("/proc/self/status").map_or(true, |status| ignores_hangup(&status))
@@ -114,34 +123,17 @@ fn ignores_hangup(status: &str) -> bool {
     mask.is_none_or(|mask| mask & SIGHUP != 0)
 }
 
-#[cfg(not(unix))]
-struct Signals;
-
-#[cfg(not(unix))]
-impl Signals {
-    fn new() -> io::Result<Self> {
-        Ok(Self)
-    }
-
-    async fn next(&mut self) {
-        // If this fails, every later call fails, too.
-        if tokio::signal::ctrl_c().await.is_err() {
-            std::future::pending::<()>().await;
-        }
-    }
-}
-
 /// Returns whether the process was asked to end.
 pub fn requested() -> bool {
     REQUESTED.load(Ordering::Relaxed)
 }
 
-/// Returns whether work stopped because the process was asked to end: errors follow from that.
+/// Returns whether work stopped because the process was asked to end; errors after that are only its consequence.
 pub fn obeyed() -> bool {
     OBEYED.load(Ordering::Relaxed)
 }
 
-/// Returns whether work continues: not after the process was asked to end.
+/// Returns `Break` once the process was asked to end.
 pub fn flow() -> ControlFlow<()> {
     if !requested() {
         return ControlFlow::Continue(());
@@ -150,7 +142,7 @@ pub fn flow() -> ControlFlow<()> {
     ControlFlow::Break(())
 }
 
-/// Fails if the process was asked to end; `next` is the part of the work that is not begun.
+/// Fails if the process was asked to end; `next` names the part of the work that does not begin.
 pub fn check(next: &'static str) -> Result<(), Interrupted> {
     match flow() {
         ControlFlow::Continue(()) => Ok(()),
@@ -158,12 +150,12 @@ pub fn check(next: &'static str) -> Result<(), Interrupted> {
     }
 }
 
-#[cfg(all(test, unix))]
+#[cfg(test)]
 mod tests {
-    use super::ignores_hangup;
-
+    #[cfg(unix)]
     #[test]
     fn a_process_of_nohup_is_known_by_its_mask() {
+        use super::ignores_hangup;
         let status = |mask: &str| format!("Name:\tx\nSigBlk:\t1\nSigIgn:\t{mask}\nSigCgt:\t1\n");
         assert!(ignores_hangup(&status("0000000000000001")));
         assert!(ignores_hangup(&status("0000000000001003")));

@@ -1,24 +1,27 @@
-//! `tilescope lesson`: checks lessons, begins new ones, pins their keys, and merges results.
+//! `tilescope lesson`: checks lessons, writes new ones and their keys, translations and handouts, and merges results.
 
-use std::fmt::Write as _;
+use std::fmt::Write;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result, bail, ensure};
+use anyhow::{Context, Result, anyhow, bail, ensure};
 use clap::{Args, Subcommand};
-use serde_json::json;
-use tilescope_core::{SampleError, Unobserved};
+use serde_json::{Value, json};
+use tilescope_core::Unobserved;
+use tilescope_formats::write_whole;
 use tilescope_lessons::results::{self, Results};
-use tilescope_lessons::{Checked, Lesson, LessonError, Runs, Translation, check, shipped};
+use tilescope_lessons::shipped::{self, Shipped};
+use tilescope_lessons::{Checked, Lesson, LessonError, Runs, Translation, check};
 
+use crate::paths::InFile;
 use crate::progress::Bar;
-use crate::{EXIT_FINE, EXIT_NEGATIVE, FromWindow, interrupt, output};
+use crate::{EXIT_FINE, FromWindow, interrupt, output, verdict_code};
 
 /// Arguments of `tilescope lesson`.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct LessonArguments {
-    /// What is done with lessons.
+    /// The command.
     #[command(subcommand)]
     pub command: LessonCommand,
 }
@@ -28,15 +31,15 @@ pub struct LessonArguments {
 pub enum LessonCommand {
     /// Check lessons: read them, compute every key for many runs, and let three learners answer
     Check(CheckArguments),
-    /// Write a new lesson to begin with
+    /// Write a new lesson, to be edited
     New {
         /// The file, NAME.md
         file: PathBuf,
     },
     /// Open the window on a lesson
     Play {
-        /// A file, which is read again whenever it is saved, the name of a lesson that comes with the program, or
-        /// "lecture": the lecture of fifty minutes, in presenter mode
+        /// A file, which is read again whenever it is saved; the name of a lesson that comes with the program; or
+        /// "lecture", the lecture of fifty minutes, in presenter mode
         lesson: String,
         /// Begin in presenter mode: for a projector, led by a clicker, with notes in a second window
         #[arg(long)]
@@ -48,7 +51,7 @@ pub enum LessonCommand {
     From {
         /// The session, NAME.tilescope
         session: PathBuf,
-        /// The lesson, NAME.md; beside the session if not given
+        /// The lesson, NAME.md; if not given, it is written beside the session
         #[arg(long, value_name = "FILE")]
         out: Option<PathBuf>,
     },
@@ -74,12 +77,12 @@ pub enum LessonCommand {
     },
 }
 
-/// Which lessons, and how thoroughly.
+/// The lessons to check, and the number of runs.
 #[derive(Debug, Args)]
 pub struct CheckArguments {
-    /// The lessons, NAME.md; without any, those that come with the program
+    /// The lessons, NAME.md; if not given, those that come with the program
     files: Vec<PathBuf>,
-    /// The most seeds of each question
+    /// The largest number of seeds of each question
     #[arg(long, value_name = "N", default_value_t = 40, value_parser = clap::value_parser!(u64).range(1..=1000))]
     seeds: u64,
     /// Print one JSON object
@@ -87,7 +90,7 @@ pub struct CheckArguments {
     json: bool,
 }
 
-/// What a handout holds.
+/// Arguments of `tilescope lesson handout`.
 #[derive(Debug, Args)]
 pub struct HandoutArguments {
     /// A file, or the name of a lesson that comes with the program
@@ -106,12 +109,12 @@ pub struct HandoutArguments {
     language: String,
 }
 
-/// A handout to be made.
+/// The content of a handout.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Handout {
     /// The lesson's name and text.
     pub lesson: (String, String),
-    /// The language, and the translation's text, if it is not that of the lesson.
+    /// The language, and the text of the translation, if the language is not the lesson's.
     pub language: (String, Option<String>),
     /// Whether the answers are printed.
     pub answers: bool,
@@ -126,7 +129,7 @@ Examples:
   tilescope lesson play lecture         the lecture of fifty minutes
   tilescope lesson handout gaps --out gaps.html --answers
   tilescope lesson from talk.tilescope  a lesson of a session's scenes
-  tilescope lesson new mine.md          a lesson to begin with
+  tilescope lesson new mine.md          a new lesson, to be edited
   tilescope lesson check mine.md        every question, for 40 runs; exit code 1 if anything is wrong
   tilescope lesson translate mine.md de
   tilescope lesson results *.json --out class.csv";
@@ -135,144 +138,145 @@ Examples:
 pub fn run(arguments: &LessonArguments, window: FromWindow) -> Result<u8> {
     interrupt::listen();
     match &arguments.command {
-        LessonCommand::Check(arguments) => check_all(arguments),
-        LessonCommand::New { file } => new(file),
+        LessonCommand::Check(arguments) => return check_all(arguments),
+        LessonCommand::New { file } => new(file)?,
         // The program opens the window before commands are run.
         LessonCommand::Play { lesson, .. } => bail!("there is no display to play {lesson} on"),
-        LessonCommand::Handout(arguments) => handout(arguments, window),
-        LessonCommand::From { session, out } => from(session, out.as_deref(), window),
-        LessonCommand::List => list(),
-        LessonCommand::Keys(arguments) => keys(arguments),
-        LessonCommand::Translate { file, language } => translate(file, language),
-        LessonCommand::Results { files, out } => merge(files, out),
+        LessonCommand::Handout(arguments) => handout(arguments, window)?,
+        LessonCommand::From { session, out } => from(session, out.as_deref(), window)?,
+        LessonCommand::List => list()?,
+        LessonCommand::Keys(arguments) => keys(arguments)?,
+        LessonCommand::Translate { file, language } => translate(file, language)?,
+        LessonCommand::Results { files, out } => merge(files, out)?,
     }
+    Ok(EXIT_FINE)
 }
 
-/// Returns the lesson that is to be played, as a file or the name of one that comes with the program.
-///
-/// # Errors
-///
-/// Neither a file nor such a name.
-#[must_use]
-pub fn played(arguments: &LessonArguments) -> Option<Result<Played>> {
-    let LessonCommand::Play { lesson, present } = &arguments.command else {
-        return None;
-    };
-    let lessons = shipped::lessons();
-    if lesson == "lecture" {
-        return Some(Ok(Played::Lecture));
-    }
-    let presented = *present;
-    if lessons.iter().any(|shipped| shipped.name == *lesson) {
-        return Some(Ok(Played::Shipped(lesson.clone(), presented)));
-    }
-    let file = PathBuf::from(lesson);
-    if file.is_file() {
-        return Some(Ok(Played::File(file, presented)));
-    }
-    let names: Vec<&str> = lessons
-        .iter()
-        .map(|shipped| shipped.name.as_ref())
-        .collect();
-    Some(Err(anyhow::anyhow!(
-        "\"{lesson}\" is no file, and no lesson that comes with the program: lecture, {}",
-        names.join(", ")
-    )))
-}
-
-/// A lesson that is to be played.
+/// A lesson to be played.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Played {
-    /// One that comes with the program, and whether in presenter mode.
+    /// The name of a lesson that comes with the program, and whether it begins in presenter mode.
     Shipped(String, bool),
-    /// A file, and whether in presenter mode.
+    /// A file, and whether it begins in presenter mode.
     File(PathBuf, bool),
     /// The lecture of fifty minutes, in presenter mode.
     Lecture,
 }
 
-/// A lesson file and its translations, as they are read.
-struct Source {
-    /// Where it comes from, for messages.
-    name: String,
-    lesson: Result<Lesson, LessonError>,
-    /// Each translation's file name and what reading it gave.
-    translations: Vec<(String, Result<Translation, LessonError>)>,
-}
-
-fn sources(files: &[PathBuf]) -> Result<Vec<Source>> {
-    if files.is_empty() {
-        let lessons = shipped::lessons();
-        let all = lessons.iter().map(|shipped| Source {
-            name: format!("{}.md", shipped.name),
-            lesson: Lesson::read(&shipped.name, &shipped.text),
-            translations: vec![(
-                format!("{}.de.md", shipped.name),
-                Translation::read(&shipped.german),
-            )],
-        });
-        return Ok(all.collect());
-    }
-    files.iter().map(|file| source(file)).collect()
-}
-
-fn source(file: &Path) -> Result<Source> {
-    let name = name_of(file)?;
-    let text = read(file)?;
-    let folder = file.parent().unwrap_or(Path::new(""));
-    let folder = if folder.as_os_str().is_empty() {
-        Path::new(".")
-    } else {
-        folder
+/// Returns the lesson to be played; `None` if the command is not `play`.
+///
+/// # Errors
+///
+/// The argument is neither a file nor the name of a lesson that comes with the program.
+#[must_use]
+pub fn played(arguments: &LessonArguments) -> Option<Result<Played>> {
+    let LessonCommand::Play { lesson, present } = &arguments.command else {
+        return None;
     };
-    let mut translations = Vec::new();
-    let entries = fs::read_dir(folder).with_context(|| folder.display().to_string())?;
-    let mut beside: Vec<PathBuf> = entries
-        .filter_map(|entry| Some(entry.ok()?.path()))
-        .collect();
-    beside.sort();
-    for path in beside {
-        let other = path
-            .file_name()
-            .map(|other| other.to_string_lossy().into_owned())
-            .unwrap_or_default();
-        let language = other
-            .strip_prefix(&format!("{name}."))
-            .and_then(|rest| rest.strip_suffix(".md"));
-        if language.is_some_and(|language| !language.is_empty() && !language.contains('.')) {
-            translations.push((path.display().to_string(), Translation::read(&read(&path)?)));
-        }
-    }
-    Ok(Source {
-        name: file.display().to_string(),
-        lesson: Lesson::read(&name, &text),
-        translations,
+    let file = PathBuf::from(lesson);
+    Some(if lesson == "lecture" {
+        Ok(Played::Lecture)
+    } else if shipped_lesson(lesson).is_some() {
+        Ok(Played::Shipped(lesson.clone(), *present))
+    } else if file.is_file() {
+        Ok(Played::File(file, *present))
+    } else {
+        let names: Vec<_> = shipped::lessons().into_iter().map(|one| one.name).collect();
+        let (no_lesson, names) = (no_lesson(lesson), names.join(", "));
+        Err(anyhow!("{no_lesson}: lecture, {names}"))
     })
 }
 
-fn name_of(file: &Path) -> Result<String> {
-    let name = file
-        .file_stem()
-        .map(|name| name.to_string_lossy().into_owned());
-    let is_lesson = file.extension().is_some_and(|extension| extension == "md");
-    match name {
-        Some(name) if is_lesson && !name.is_empty() => Ok(name),
-        _ => bail!("{}: a lesson is a file NAME.md", file.display()),
+fn no_lesson(name: &str) -> String {
+    format!("\"{name}\" is no file, and no lesson that comes with the program")
+}
+
+fn shipped_lesson(name: &str) -> Option<Shipped> {
+    shipped::lessons().into_iter().find(|one| one.name == name)
+}
+
+/// A lesson file and its translations, or why they cannot be read.
+struct Source {
+    /// The path, for messages.
+    name: String,
+    lesson: Result<Lesson, LessonError>,
+    /// The path and the content of each translation.
+    translations: Vec<(String, Result<Translation, LessonError>)>,
+}
+
+impl Source {
+    fn of_shipped(shipped: &Shipped) -> Self {
+        let (name, german) = (&shipped.name, Translation::read(&shipped.german));
+        Self {
+            name: format!("{name}.md"),
+            lesson: Lesson::read(name, &shipped.text),
+            translations: vec![(format!("{name}.de.md"), german)],
+        }
+    }
+
+    /// Reads a lesson and the files NAME.LANGUAGE.md beside it.
+    fn of_file(file: &Path) -> Result<Self> {
+        let name = name_of(file)?;
+        let lesson = Lesson::read(&name, &read(file)?);
+        let folder = file.parent().filter(|folder| *folder != Path::new(""));
+        let folder = folder.unwrap_or(Path::new("."));
+        let entries = fs::read_dir(folder).in_file(folder)?;
+        let is_translation = |path: &PathBuf| {
+            let named = path.with_extension("");
+            path.extension().is_some_and(|extension| extension == "md")
+                && named.extension().is_some()
+                && named.file_stem().is_some_and(|stem| *stem == *name)
+        };
+        let entries = entries.filter_map(|entry| Some(entry.ok()?.path()));
+        let mut paths: Vec<PathBuf> = entries.filter(is_translation).collect();
+        paths.sort();
+        let translation =
+            |path: &PathBuf| Ok((path.display().to_string(), Translation::read(&read(path)?)));
+        Ok(Self {
+            name: file.display().to_string(),
+            lesson,
+            translations: paths.iter().map(translation).collect::<Result<_>>()?,
+        })
     }
 }
 
-/// Reads a text file of a size that a lesson or results may have.
+fn name_of(file: &Path) -> Result<String> {
+    let is_lesson = file.extension().is_some_and(|extension| extension == "md");
+    ensure!(is_lesson, "{}: a lesson is a file NAME.md", file.display());
+    Ok(stem(file))
+}
+
+fn stem(file: &Path) -> String {
+    let stem = file.file_stem().unwrap_or_default();
+    stem.to_string_lossy().into_owned()
+}
+
+/// Reads a lesson or results.
 fn read(file: &Path) -> Result<String> {
-    let limit = results::MAX_BYTES as u64;
-    let length = fs::metadata(file)
-        .with_context(|| file.display().to_string())?
-        .len();
+    read_text(file, results::MAX_BYTES as u64)
+}
+
+fn read_text(file: &Path, limit: u64) -> Result<String> {
+    let (length, path) = (fs::metadata(file).in_file(file)?.len(), file.display());
     ensure!(
         length <= limit,
-        "{}: {length} bytes; at most {limit} are read",
+        "{path}: {length} bytes; at most {limit} are read"
+    );
+    fs::read_to_string(file).in_file(file)
+}
+
+fn write(file: &Path, text: &str) -> Result<()> {
+    write_whole(file, text.as_bytes()).in_file(file)
+}
+
+/// Writes a file that must not exist yet.
+fn create(file: &Path, text: &str) -> Result<()> {
+    ensure!(
+        !file.exists(),
+        "{}: the file exists; it is not overwritten",
         file.display()
     );
-    fs::read_to_string(file).with_context(|| file.display().to_string())
+    write(file, text)
 }
 
 /// Checks a lesson with a bar.
@@ -282,239 +286,173 @@ fn checked(lesson: &Lesson, seeds: u64) -> Result<Checked> {
         bar.set((1000.0 * share) as u64, 1000);
         interrupt::flow().is_continue()
     };
-    let found = check(
-        lesson,
-        seeds as usize,
-        &mut Runs::default(),
-        &mut Unobserved,
-        &mut go_on,
-    );
+    let (seeds, mut runs) = (seeds as usize, Runs::default());
+    let found = check(lesson, seeds, &mut runs, &mut Unobserved, &mut go_on);
     bar.clear();
-    found.map_err(|error: SampleError| error.into())
+    Ok(found?)
 }
 
 fn check_all(arguments: &CheckArguments) -> Result<u8> {
-    let mut objects = Vec::new();
-    let mut text = String::new();
-    let mut faults = 0;
-    for source in sources(&arguments.files)? {
+    let sources: Vec<Source> = if arguments.files.is_empty() {
+        shipped::lessons().iter().map(Source::of_shipped).collect()
+    } else {
+        let read = arguments.files.iter().map(|file| Source::of_file(file));
+        read.collect::<Result<_>>()?
+    };
+    let (mut objects, mut text, mut is_fine) = (Vec::new(), String::new(), true);
+    for source in sources {
+        let name = source.name;
         let lesson = match source.lesson {
             Ok(lesson) => lesson,
             Err(error) => {
-                faults += 1;
-                let _ = writeln!(text, "{}: {error}", source.name);
-                objects.push(json!({"file": source.name, "faults": [error.to_string()]}));
+                is_fine = false;
+                let _ = writeln!(text, "{name}: {error}");
+                objects.push(json!({ "file": name, "faults": [error.to_string()] }));
                 continue;
             }
         };
         let found = checked(&lesson, arguments.seeds)?;
-        let mut lines: Vec<String> = found
-            .faults
-            .iter()
-            .map(|fault| format!("{}: {fault}", source.name))
-            .collect();
+        let faults = found.faults.iter().map(|fault| format!("{name}: {fault}"));
+        let mut faults: Vec<String> = faults.collect();
         for (name, translation) in &source.translations {
-            lines.extend(of_translation(&lesson, name, translation));
+            faults.extend(faults_of_translation(&lesson, name, translation));
         }
-        faults += lines.len();
-        for line in &lines {
-            let _ = writeln!(text, "{line}");
-        }
-        let (gates, runs) = (lesson.gates().count(), found.questions);
+        is_fine &= faults.is_empty();
+        text.extend(faults.iter().map(|fault| format!("{fault}\n")));
+        let (steps, gates) = (lesson.steps.len(), lesson.gates().count());
         let _ = writeln!(
             text,
-            "{}: {} steps, {gates} questions, asked {runs} times; scores: perfect {:.2}, guessing {:.2}, misconceived {:.2}{}",
-            source.name,
-            lesson.steps.len(),
+            "{name}: {steps} steps, {gates} questions, asked {} times; \
+             scores: perfect {:.2}, guessing {:.2}, misconceived {:.2}{}",
+            found.questions,
             found.perfect,
             found.guessing,
             found.misconceived,
-            if lines.is_empty() { "" } else { "; NOT FINE" },
+            if faults.is_empty() { "" } else { "; NOT FINE" },
         );
         objects.push(json!({
-            "file": source.name, "steps": lesson.steps.len(), "questions": gates, "asked": runs, "perfect": found.perfect,
-            "guessing": found.guessing, "misconceived": found.misconceived, "faults": lines,
+            "file": name, "steps": steps, "questions": gates, "asked": found.questions, "faults": faults,
+            "perfect": found.perfect, "guessing": found.guessing, "misconceived": found.misconceived,
         }));
     }
     output::report(arguments.json, || json!(objects), || text)?;
-    Ok(if faults == 0 {
-        EXIT_FINE
-    } else {
-        EXIT_NEGATIVE
-    })
+    Ok(verdict_code(is_fine))
 }
 
-/// Returns the faults of a translation.
-fn of_translation(
+fn faults_of_translation(
     lesson: &Lesson,
     name: &str,
     translation: &Result<Translation, LessonError>,
 ) -> Vec<String> {
-    match translation {
-        Err(error) => vec![format!("{name}: {error}")],
-        Ok(translation) => {
-            let (missing, stale) = translation.compared(lesson);
-            let missing = missing
-                .iter()
-                .map(|text| format!("{name}: not translated: \"{text}\""));
-            missing
-                .chain(stale.iter().map(|error| format!("{name}: {error}")))
-                .collect()
-        }
-    }
-}
-
-fn new(file: &Path) -> Result<u8> {
-    name_of(file)?;
-    ensure!(
-        !file.exists(),
-        "{}: the file exists; it is not overwritten",
-        file.display()
-    );
-    write(file, shipped::TEMPLATE)?;
-    output::emit(&format!(
-        "{0}\ncheck it:  tilescope lesson check {0}\nplay it:   tilescope lesson play {0}\n",
-        file.display()
-    ))?;
-    Ok(EXIT_FINE)
-}
-
-fn write(file: &Path, text: &str) -> Result<()> {
-    tilescope_formats::write_whole(file, text.as_bytes())
-        .with_context(|| file.display().to_string())
-}
-
-fn list() -> Result<u8> {
-    let mut text = String::new();
-    for shipped in shipped::lessons() {
-        let lesson = Lesson::read(&shipped.name, &shipped.text);
-        let lesson = lesson.map_err(|error| anyhow::anyhow!("{}: {error}", shipped.name))?;
-        let _ = writeln!(
-            text,
-            "{:<12} {} ({} min): {}",
-            lesson.name, lesson.title, lesson.minutes, lesson.objective
-        );
-    }
-    output::emit(&text)?;
-    Ok(EXIT_FINE)
-}
-
-/// Returns the name and the text of a lesson, and the text of its translation into a language.
-fn lesson_named(name: &str, language: &str) -> Result<(String, String, Option<String>)> {
-    let is_other = language != "en";
-    if let Some(shipped) = shipped::lessons()
+    let (missing, faults) = match translation {
+        Err(error) => (Vec::new(), vec![error.clone()]),
+        Ok(translation) => translation.compared(lesson),
+    };
+    let missing = missing
         .iter()
-        .find(|shipped| shipped.name == name)
-    {
+        .map(|text| format!("not translated: \"{text}\""));
+    let faults = missing.chain(faults.iter().map(ToString::to_string));
+    faults.map(|fault| format!("{name}: {fault}")).collect()
+}
+
+fn new(file: &Path) -> Result<()> {
+    name_of(file)?;
+    create(file, shipped::TEMPLATE)?;
+    let path = file.display();
+    output::emit(&format!(
+        "{path}\ncheck it:  tilescope lesson check {path}\nplay it:   tilescope lesson play {path}\n"
+    ))
+}
+
+fn list() -> Result<()> {
+    let mut text = String::new();
+    for Source { name, lesson, .. } in shipped::lessons().iter().map(Source::of_shipped) {
+        let lesson = lesson.context(name)?;
+        let (name, title, minutes) = (&lesson.name, &lesson.title, lesson.minutes);
+        let objective = &lesson.objective;
+        let _ = writeln!(text, "{name:<12} {title} ({minutes} min): {objective}");
+    }
+    output::emit(&text)
+}
+
+/// Returns the name and the text of a lesson, and the text of its translation if the language is not English.
+fn lesson_named(name: &str, language: &str) -> Result<(String, String, Option<String>)> {
+    let is_translated = language != "en";
+    if let Some(shipped) = shipped_lesson(name) {
         ensure!(
-            !is_other || language == "de",
+            !is_translated || language == "de",
             "--language {language}: {name} comes in en and de"
         );
-        let translation = is_other.then(|| shipped.german.to_string());
-        return Ok((name.to_owned(), shipped.text.to_string(), translation));
+        let translation = is_translated.then(|| shipped.german.into_owned());
+        return Ok((name.to_owned(), shipped.text.into_owned(), translation));
     }
     let file = Path::new(name);
-    ensure!(
-        file.is_file(),
-        "\"{name}\" is no file, and no lesson that comes with the program"
-    );
+    ensure!(file.is_file(), no_lesson(name));
     let name = name_of(file)?;
     let translation = file.with_file_name(format!("{name}.{language}.md"));
-    let translation = is_other.then(|| read(&translation)).transpose()?;
+    let translation = is_translated.then(|| read(&translation)).transpose()?;
     Ok((name, read(file)?, translation))
 }
 
-fn handout(arguments: &HandoutArguments, window: FromWindow) -> Result<u8> {
-    let is_html = arguments
-        .out
-        .extension()
-        .is_some_and(|extension| extension == "html");
-    ensure!(
-        is_html,
-        "--out {}: the file is .html",
-        arguments.out.display()
-    );
-    let (name, text, translation) = lesson_named(&arguments.lesson, &arguments.language)?;
+fn handout(arguments: &HandoutArguments, window: FromWindow) -> Result<()> {
+    let (lesson, out) = (&arguments.lesson, &arguments.out);
+    let is_html = out.extension().is_some_and(|extension| extension == "html");
+    let path = out.display();
+    ensure!(is_html, "--out {path}: the file must end in .html");
+    let (name, text, translation) = lesson_named(lesson, &arguments.language)?;
     let made = (window.handout)(Handout {
         lesson: (name, text),
         language: (arguments.language.clone(), translation),
         answers: arguments.answers,
         notes: arguments.notes,
     });
-    let html = made.map_err(|fault| anyhow::anyhow!("{}: {fault}", arguments.lesson))?;
-    write(&arguments.out, &html)?;
-    output::emit(&format!(
-        "{}: {} bytes\n",
-        arguments.out.display(),
-        html.len()
-    ))?;
-    Ok(EXIT_FINE)
+    let html = made.map_err(|fault| anyhow!("{lesson}: {fault}"))?;
+    write(out, &html)?;
+    output::emit(&format!("{path}: {} bytes\n", html.len()))
 }
 
-fn from(session: &Path, out: Option<&Path>, window: FromWindow) -> Result<u8> {
-    let out = out.map_or_else(|| session.with_extension("md"), Path::to_path_buf);
-    name_of(&out)?;
-    ensure!(
-        !out.exists(),
-        "{}: the file exists; it is not overwritten",
-        out.display()
-    );
-    let made = (window.lesson_of_session)(&read_session(session)?);
-    let text = made.map_err(|fault| anyhow::anyhow!("{}: {fault}", session.display()))?;
-    write(&out, &text)?;
-    output::emit(&format!(
-        "{0}\npresent it:  tilescope lesson play {0} --present\nprint it:    tilescope lesson handout {0} --out {1}\n",
-        out.display(),
-        out.with_extension("html").display()
-    ))?;
-    Ok(EXIT_FINE)
-}
-
-/// Larger sessions are not read.
+/// The longest session, in bytes.
 const MAX_SESSION: u64 = 16 << 20;
 
-fn read_session(file: &Path) -> Result<String> {
-    let length = fs::metadata(file)
-        .with_context(|| file.display().to_string())?
-        .len();
-    ensure!(
-        length <= MAX_SESSION,
-        "{}: {length} bytes; at most {MAX_SESSION} are read",
-        file.display()
-    );
-    fs::read_to_string(file).with_context(|| file.display().to_string())
+fn from(session: &Path, out: Option<&Path>, window: FromWindow) -> Result<()> {
+    let out = out.map_or_else(|| session.with_extension("md"), Path::to_path_buf);
+    name_of(&out)?;
+    let made = (window.lesson_of_session)(&read_text(session, MAX_SESSION)?);
+    let text = made.map_err(|fault| anyhow!("{}: {fault}", session.display()))?;
+    create(&out, &text)?;
+    let (path, html) = (out.display(), out.with_extension("html"));
+    output::emit(&format!(
+        "{path}\npresent it:  tilescope lesson play {path} --present\n\
+         print it:    tilescope lesson handout {path} --out {}\n",
+        html.display()
+    ))
 }
 
-fn keys(arguments: &CheckArguments) -> Result<u8> {
+fn keys(arguments: &CheckArguments) -> Result<()> {
     ensure!(
         !arguments.files.is_empty(),
         "name the lessons whose keys are to be written"
     );
     for file in &arguments.files {
-        let source = source(file)?;
-        let lesson = source
-            .lesson
-            .map_err(|error| anyhow::anyhow!("{}: {error}", source.name))?;
+        let lesson = Source::of_file(file)?.lesson.in_file(file)?;
         let found = checked(&lesson, arguments.seeds)?;
         if let Some(fault) = found.faults.first() {
-            bail!("{}: {fault}", source.name);
+            bail!("{}: {fault}", file.display());
         }
         write(&file.with_extension("keys"), &found.keys)?;
     }
-    Ok(EXIT_FINE)
+    Ok(())
 }
 
-fn translate(file: &Path, language: &str) -> Result<u8> {
+fn translate(file: &Path, language: &str) -> Result<()> {
     let is_language = (2..=8).contains(&language.len())
         && language.chars().all(|c| c.is_ascii_lowercase() || c == '-');
     ensure!(is_language, "\"{language}\" is not a language such as de");
     let name = name_of(file)?;
-    let lesson = Lesson::read(&name, &read(file)?)
-        .map_err(|error| anyhow::anyhow!("{}: {error}", file.display()))?;
+    let lesson = Lesson::read(&name, &read(file)?).in_file(file)?;
     let target = file.with_file_name(format!("{name}.{language}.md"));
     let old = if target.exists() {
-        Translation::read(&read(&target)?)
-            .map_err(|error| anyhow::anyhow!("{}: {error}", target.display()))?
+        Translation::read(&read(&target)?).in_file(&target)?
     } else {
         Translation::default()
     };
@@ -525,45 +463,32 @@ fn translate(file: &Path, language: &str) -> Result<u8> {
         target.display(),
         missing.len(),
         stale.len()
-    ))?;
-    Ok(EXIT_FINE)
+    ))
 }
 
-fn merge(files: &[PathBuf], out: &Path) -> Result<u8> {
-    let mut all = Vec::new();
-    for file in files {
-        let mut results =
-            Results::read(&read(file)?).with_context(|| file.display().to_string())?;
+fn merge(files: &[PathBuf], out: &Path) -> Result<()> {
+    let results = |file: &PathBuf| {
+        let mut results = Results::read(&read(file)?).in_file(file)?;
         if results.learner.is_empty() {
-            results.learner = file
-                .file_stem()
-                .map(|name| name.to_string_lossy().into_owned())
-                .unwrap_or_default();
+            results.learner = stem(file);
         }
-        all.push(results);
-    }
+        Ok(results)
+    };
+    let all: Vec<Results> = files.iter().map(results).collect::<Result<_>>()?;
+    let path = out.display();
     let text = match out.extension().and_then(|extension| extension.to_str()) {
         Some("csv") => results::csv(&all)?,
         Some("json") => {
-            let statements: Vec<_> = all.iter().map(Results::xapi).collect();
-            let flat: Vec<_> = statements
-                .iter()
-                .filter_map(|list| list.as_array())
-                .flatten()
-                .collect();
-            serde_json::to_string_pretty(&flat)?
+            let statements: Vec<Value> = all.iter().map(Results::xapi).collect();
+            let lists = statements.iter().filter_map(Value::as_array);
+            serde_json::to_string_pretty(&lists.flatten().collect::<Vec<_>>())?
         }
-        _ => bail!(
-            "--out {}: the file is .csv, or .json for xAPI statements",
-            out.display()
-        ),
+        _ => bail!("--out {path}: the file must end in .csv, or in .json for xAPI statements"),
     };
     write(out, &text)?;
     let entries: usize = all.iter().map(|results| results.entries.len()).sum();
+    let learners = all.len();
     output::emit(&format!(
-        "{}: {entries} entries of {} learners\n",
-        out.display(),
-        all.len()
-    ))?;
-    Ok(EXIT_FINE)
+        "{path}: {entries} entries of {learners} learners\n"
+    ))
 }

@@ -28,6 +28,7 @@ mod make;
 mod options;
 mod output;
 mod parameters;
+mod paths;
 mod progress;
 mod reproduce;
 mod sample;
@@ -35,7 +36,6 @@ mod sample_arguments;
 mod script;
 mod soak;
 mod stream;
-mod target;
 mod verify;
 mod web;
 mod window;
@@ -64,7 +64,7 @@ pub struct Arguments {
     /// The command to run; without one the window opens.
     #[command(subcommand)]
     pub command: Option<Command>,
-    /// Open the window on what a link describes: the address of a page, or what stands behind its #
+    /// Open the window with the content of a link: the address of a page, or the part after its #
     #[arg(long, value_name = "LINK")]
     pub link: Option<String>,
 }
@@ -86,7 +86,7 @@ pub enum Command {
     Draw(draw::DrawArguments),
     /// Measure KDRT against the reference sampler, or a GPU against the threads
     Bench(bench_common::BenchArguments),
-    /// Sample at random parameters, with both engines, and verify everything
+    /// Sample at random parameters with both engines, compare and verify
     Soak(soak::SoakArguments),
     /// Run the default session without a window and save pictures of its stages
     Headless(headless::HeadlessArguments),
@@ -120,11 +120,11 @@ Examples:
   tilescope draw set.csv set.svg
   tilescope bench --samples 1000000 --leaf 20 40 80
   tilescope reproduce all --quick --out reproduction   the paper's experiments, with a report
-  tilescope gpu                                        which adapters there are, tested
+  tilescope gpu                                        the GPU adapters, tested
   tilescope script steps.json                          the window's commands, without a window
   tilescope web --open                                 the same program in a browser
 
-Exit codes: 0 fine, 1 the verdict is negative, 2 bad arguments or input, 130 interrupted.";
+Exit codes: 0 success, 1 the verdict is negative, 2 bad arguments or input, 130 interrupted.";
 
 impl Arguments {
     /// Reads the arguments of this process. Ends the process if they are wrong or ask for help.
@@ -159,14 +159,14 @@ fn plain(word: OsString) -> OsString {
     number.map_or(word, |number| number.to_string().into())
 }
 
-/// What the commands need of the window's crates, on which this one does not depend.
+/// Functions of the window's crates that commands call; this crate does not depend on those.
 #[derive(Clone, Copy)]
 pub struct FromWindow {
     /// Carries out scripts.
     pub script: script::CarryOut,
-    /// Makes a handout of a lesson, or says why there is none.
+    /// Returns a handout of a lesson, or why it cannot be made.
     pub handout: fn(lesson::Handout) -> Result<String, String>,
-    /// Makes a lesson of the scenes of a saved session, or says why there is none.
+    /// Returns a lesson of the scenes of a saved session, or why it cannot be made.
     pub lesson_of_session: fn(&str) -> Result<String, String>,
 }
 
@@ -225,8 +225,8 @@ fn exit_code(outcome: anyhow::Result<u8>) -> ExitCode {
     }
 }
 
-/// Returns an error and its causes in one line, each once: a library's message may repeat
-/// the file or the cause that another one in the chain names.
+/// Returns an error and its causes in one line, each once: the message of a library may repeat the file or the cause
+/// that another error of the chain names.
 fn describe(error: &anyhow::Error) -> String {
     let mut parts: Vec<String> = Vec::new();
     for part in error.chain().map(ToString::to_string) {

@@ -1,5 +1,6 @@
-//! Sets made in memory, by either method and any engine, verified and saved.
+//! Makes sets in memory, by either method and any engine; verifies and saves them.
 
+use std::error::Error;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -8,8 +9,8 @@ use pollster::block_on;
 use serde_json::json;
 use tilescope_analysis::{Region, Report, VerifyError, VerifyOptions};
 use tilescope_core::{
-    Domain, Origin, Parameters, Point, Run, SampleError, Sampled, Sequential, Source,
-    reference_sample, search_radius,
+    Origin, Parameters, Run, SampleError, Sampled, Sequential, Source, reference_sample,
+    search_radius,
 };
 use tilescope_formats::{ExportContext, Format, PointSet, Provenance};
 use tilescope_gpu::{Bands, Engine};
@@ -18,6 +19,7 @@ use crate::engine::of_engine;
 use crate::facts::Facts;
 use crate::output::{self, Outcome};
 use crate::parameters::Resolved;
+use crate::paths::InFile;
 use crate::progress::{Stopwatch, verifying};
 
 /// A set that was made.
@@ -27,64 +29,49 @@ pub struct Made {
 }
 
 impl Made {
-    /// Verifies the set, saved at `path` if there is one: the file is what is verified then.
+    /// Saves the set at `path`, if there is one, and verifies it: the file, if it was saved.
     pub fn finish(self, path: Option<&Path>, context: &ExportContext) -> Result<Outcome> {
         let Made { facts, set } = self;
         let count = set.len() as u64;
-        let disagreement = Path::new(DISAGREEMENT);
-        let (report, certificate, warnings) = if let Some(path) = path {
+        let with_set = |error| with_set(error, Path::new(DISAGREEMENT), &set, context);
+        let verdict = if let Some(path) = path {
             let exported =
                 verifying(|control| tilescope_formats::export(path, &set, context, control));
-            let exported =
-                exported.map_err(|error| with_set(error.into(), disagreement, &set, context));
-            let exported = exported.with_context(|| path.display().to_string())?;
+            let exported = exported.map_err(|error| with_set(error.into()));
+            let exported = exported.in_file(path)?;
             let certificate = Some(exported.certificate_path);
-            (exported.report, certificate, exported.warnings)
+            (Some(exported.report), certificate, exported.warnings)
         } else {
             let report = judge(&set.points, facts.region, facts.radius, &context.verify);
-            let report = report.map_err(|error| with_set(error, disagreement, &set, context))?;
-            (report, None, Vec::new())
+            (Some(report.map_err(with_set)?), None, Vec::new())
         };
-        Ok(Outcome {
-            facts,
-            count,
-            report: Some(report),
-            certificate,
-            warnings: warnings.iter().map(ToString::to_string).collect(),
-        })
+        Ok(Outcome::new(facts, count, verdict))
     }
 }
 
 /// Makes the set of a run as a whole.
 pub fn whole(run: &Resolved, mut watch: Stopwatch) -> Result<Made> {
-    let facts = run.facts()?;
+    let mut facts = run.facts()?;
     if matches!(run.backend.engine, Engine::Sequential) {
         let engine = Sequential::new(&run.parameters, Arc::clone(&run.pattern))?;
         let made = engine.finish(&mut watch)?;
-        let facts = Facts {
-            backend: Some(run.backend.clone()),
-            seconds: watch.take(),
-            ..facts
-        };
+        facts.backend = Some(run.backend.clone());
+        facts.seconds = watch.take();
         return Ok(from_run(&made, facts));
     }
     let bands = bands(run, true)?;
     let (sampled, summary, backend) = block_on(bands.finish(&mut watch)).map_err(of_engine)?;
-    Ok(Made {
-        set: PointSet {
-            points: positions(&run.domain, &sampled.points),
-            provenance: provenance(&sampled),
-        },
-        facts: Facts {
-            backend: Some(backend),
-            seconds: watch.take(),
-            summary: Some(summary),
-            ..facts
-        },
-    })
+    facts.backend = Some(backend);
+    facts.seconds = watch.take();
+    facts.summary = Some(summary);
+    let set = PointSet {
+        points: run.domain.users_from_lattice(&sampled.points),
+        provenance: provenance(&sampled),
+    };
+    Ok(Made { facts, set })
 }
 
-/// Returns a run at its beginning, to be computed band by band.
+/// Returns a run that is computed band by band.
 pub fn bands(run: &Resolved, sources: bool) -> Result<Bands> {
     let (parameters, pattern) = (&run.parameters, &run.pattern);
     let warn = |text: &str| output::note(&format!("warning: {text}"));
@@ -92,21 +79,17 @@ pub fn bands(run: &Resolved, sources: bool) -> Result<Bands> {
 }
 
 /// Returns a finished run as a set with its provenance.
-pub fn from_run(run: &Run, facts: Facts) -> Made {
+pub fn from_run(run: &Run, mut facts: Facts) -> Made {
     let origin = |&id: &u32| match run.samples.origins[id as usize] {
         Origin::Tiled { block, pattern, .. } => Provenance::tiled(block, pattern),
         Origin::Inserted { iteration, .. } => Provenance::inserted(iteration),
     };
-    Made {
-        set: PointSet {
-            points: run.positions(),
-            provenance: Some(run.result.iter().map(origin).collect()),
-        },
-        facts: Facts {
-            summary: Some(run.summary()),
-            ..facts
-        },
-    }
+    facts.summary = Some(run.summary());
+    let set = PointSet {
+        points: run.positions(),
+        provenance: Some(run.result.iter().map(origin).collect()),
+    };
+    Made { facts, set }
 }
 
 /// Returns the provenance of samples, if it is known.
@@ -123,11 +106,9 @@ pub fn provenance(sampled: &Sampled) -> Option<Vec<Provenance>> {
 pub fn reference(parameters: &Parameters, count: Option<u64>) -> Result<Made> {
     let mut watch = Stopwatch::start();
     let mut attempt = |radius| -> Result<_, SampleError> {
-        let domain = Parameters {
-            radius,
-            ..*parameters
-        }
-        .validate_sequential()?;
+        let mut parameters = *parameters;
+        parameters.radius = radius;
+        let domain = parameters.validate_sequential()?;
         let points = reference_sample(domain, parameters.seed, &mut watch)?;
         Ok((points.len() as u64, (domain, points)))
     };
@@ -135,26 +116,15 @@ pub fn reference(parameters: &Parameters, count: Option<u64>) -> Result<Made> {
         Some(count) => search_radius(parameters, count, attempt)?,
         None => attempt(parameters.radius)?.1,
     };
-    let stated = [
-        ("width", json!(parameters.width)),
-        ("height", json!(parameters.height)),
-        ("radius", json!(domain.radius())),
-        ("boundary", json!(parameters.boundary)),
-        ("seed", json!(parameters.seed)),
-    ]
-    .map(|(name, value)| (name.to_owned(), value));
-    Ok(Made {
-        facts: Facts {
-            seconds: watch.take(),
-            ..Facts::new("reference", stated.into(), &domain)
-        },
-        set: PointSet::from_points(positions(&domain, &points)),
-    })
-}
-
-/// Returns samples in user units.
-pub fn positions(domain: &Domain, points: &[Point]) -> Vec<[f64; 2]> {
-    domain.users_from_lattice(points)
+    let mut parameters = *parameters;
+    parameters.radius = domain.radius();
+    let mut facts = Facts::of_run(&parameters, &domain)?;
+    facts.method = "reference";
+    let used = ["width", "height", "radius", "boundary", "seed"];
+    (facts.parameters).retain(|name, _| used.contains(&name.as_str()));
+    facts.seconds = watch.take();
+    let set = PointSet::from_points(domain.users_from_lattice(&points));
+    Ok(Made { facts, set })
 }
 
 /// Returns the verifier's report on positions.
@@ -168,20 +138,19 @@ pub fn judge(
         .context("the verifier gives no verdict")
 }
 
-/// The file that keeps a set on which the judges disagree.
+/// The file of a set on which the judges disagree.
 const DISAGREEMENT: &str = "tilescope-disagreement.csv";
 
-/// Adds to an error that says that the judges disagree how to see that again: the set is saved for it.
+/// If the error is that the judges disagree, saves the set and adds the command that verifies it again.
 fn with_set(
     error: anyhow::Error,
     path: &Path,
     set: &PointSet,
     context: &ExportContext,
 ) -> anyhow::Error {
-    let disagrees = error
-        .chain()
-        .any(|cause| matches!(cause.downcast_ref(), Some(VerifyError::Disagreement { .. })));
-    if !disagrees {
+    let disagree = |cause: &_| matches!(cause, VerifyError::Disagreement { .. });
+    let disagree = |cause: &(dyn Error + 'static)| cause.downcast_ref().is_some_and(disagree);
+    if !error.chain().any(disagree) {
         return error;
     }
     let context = ExportContext {
@@ -190,23 +159,16 @@ fn with_set(
     };
     let saved = tilescope_formats::export_unverified(path, set, &context);
     let path = path.display();
-    match saved {
-        Ok(_) => {
-            let Region {
-                width,
-                height,
-                boundary,
-            } = context.region;
-            let radius = context.radius;
-            let boundary = serde_json::to_value(boundary).unwrap_or_default();
-            error.context(format!(
-                "please report this with {path}, on which it can be seen again: tilescope verify {path} \
-                 --radius {radius} --width {width} --height {height} --boundary {} --judge both",
-                boundary.as_str().unwrap_or_default()
-            ))
-        }
-        Err(failed) => error.context(format!("{path} could not be saved: {failed}")),
+    if let Err(failed) = saved {
+        return error.context(format!("{path} could not be saved: {failed}"));
     }
+    let (radius, region) = (context.radius, json!(context.region));
+    let [width, height] = [context.region.width, context.region.height];
+    let boundary = region["boundary"].as_str().unwrap_or_default();
+    error.context(format!(
+        "please report this with {path}, which shows it again: tilescope verify {path} \
+         --radius {radius} --width {width} --height {height} --boundary {boundary} --judge both"
+    ))
 }
 
 #[cfg(test)]

@@ -1,15 +1,17 @@
-//! Arguments that several commands share: the domain, radius and format of a set, and values given by name.
+//! Arguments of several commands: the domain, radius and format of a set, and values given by name.
 
 use std::path::Path;
 
-use anyhow::{Context, Result};
+use anyhow::Result;
 use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use serde::de::DeserializeOwned;
 use tilescope_analysis::{Boundary, JudgeChoice, Region, VerifyOptions};
-use tilescope_formats::{Certificate, Format, Hint, Overrides, StreamReader};
+use tilescope_formats::{Certificate, CheckError, Format, Hint, Overrides, StreamReader};
 
-/// The names of a type's values in JSON, which options have as well, each with its line of `--help`, if any.
+use crate::paths::InFile;
+
+/// The names of a type's values, the same in options and in JSON, each with its line of `--help`, if any.
 pub type Names<const N: usize> = [(&'static str, &'static str); N];
 
 /// The names of boundaries.
@@ -28,16 +30,16 @@ const JUDGES: Names<3> = [
     ("both", "Both, which must agree"),
 ];
 
-/// Who verifies.
+/// The judges of a set.
 #[derive(Clone, Debug, Args)]
 pub struct JudgeArguments {
-    /// Who verifies; if not given, both up to 1,048,576 samples and covered circles for more
+    /// The judge that verifies; if not given, both for up to 1,048,576 samples and covered circles for more
     #[arg(long, value_name = "JUDGE", value_parser = named::<JudgeChoice>(&JUDGES))]
     judge: Option<JudgeChoice>,
 }
 
 impl JudgeArguments {
-    /// Returns the judges asked for.
+    /// Returns the judges that the arguments choose.
     pub fn choice(&self) -> JudgeChoice {
         self.judge.unwrap_or_default()
     }
@@ -66,11 +68,11 @@ where
 
 /// Returns the verifier's region of a run's domain.
 pub fn region(domain: &tilescope_core::Domain) -> Region {
-    let [width, height] = domain.size();
+    let ([width, height], boundary) = (domain.size(), verifier_boundary(domain.boundary()));
     Region {
         width,
         height,
-        boundary: verifier_boundary(domain.boundary()),
+        boundary,
     }
 }
 
@@ -111,20 +113,22 @@ pub struct SetArguments {
 }
 
 impl SetArguments {
-    /// Returns what overrides the certificate of `path`. A side or boundary that is not given is
+    /// Returns the values that override the certificate of `path`. A side or boundary that is not given is
     /// the certificate's; without one, the periodic unit square's.
     pub fn overrides(&self, path: &Path) -> Result<Overrides> {
-        let sides = [self.width, self.height].map(|side| side.is_some());
-        let given = [sides[0], sides[1], self.boundary.is_some()];
-        let stated = if given == [true; 3] || given == [false; 3] {
-            None
-        } else {
-            self.certificate(path)?.map(|stated| stated.region)
-        };
+        let given = [
+            self.width.is_some(),
+            self.height.is_some(),
+            self.boundary.is_some(),
+        ];
+        let mut stated = None;
+        if given.contains(&true) && given.contains(&false) {
+            stated = self.certificate(path)?.map(|stated| stated.region);
+        }
         let region = || self.region_over(stated.unwrap_or(UNIT_SQUARE));
         Ok(Overrides {
             format: self.format,
-            region: (given != [false; 3]).then(region),
+            region: given.contains(&true).then(region),
             radius: self.radius,
             ..Overrides::default()
         })
@@ -139,7 +143,7 @@ impl SetArguments {
         }
     }
 
-    /// Returns the certificate of `path`, without reading its points where that is possible.
+    /// Returns the certificate of `path`. Reads the points only if the format requires it.
     pub fn certificate(&self, path: &Path) -> Result<Option<Certificate>> {
         match StreamReader::open(path, self.format) {
             Ok(reader) => Ok(reader.certificate().cloned()),
@@ -153,11 +157,25 @@ impl SetArguments {
             format: self.format,
             ..Hint::default()
         };
-        tilescope_formats::read(path, &hint).with_context(|| path.display().to_string())
+        tilescope_formats::read(path, &hint).in_file(path)
     }
 }
 
-/// The domain of a set if nothing states one.
+/// Checks a set with `overrides`; if no region is known, with that of the periodic unit square.
+pub fn check_or_unit_square<T>(
+    overrides: &Overrides,
+    check: impl Fn(&Overrides) -> Result<T, CheckError>,
+) -> Result<T, CheckError> {
+    match check(overrides) {
+        Err(CheckError::NoRegion(_)) => check(&Overrides {
+            region: Some(UNIT_SQUARE),
+            ..overrides.clone()
+        }),
+        outcome => outcome,
+    }
+}
+
+/// The default domain of a set.
 pub const UNIT_SQUARE: Region = Region {
     width: 1.0,
     height: 1.0,

@@ -6,11 +6,12 @@ use std::path::PathBuf;
 use serde_json::{Value, json};
 use tilescope_analysis::{Boundary, Judge, MAX_CONFLICTS, Number, Region, Report};
 use tilescope_core::{Stage, Summary};
+use tilescope_formats::Warning;
 use tilescope_gpu::Backend;
 
 use crate::facts::Facts;
 
-/// Prints text. A closed pipe is no error: its reader wanted no more, and the exit code is that of the work.
+/// Prints text. A closed pipe is no error: its reader needs no more, and the exit code is that of the work.
 pub fn emit(text: &str) -> anyhow::Result<()> {
     let mut out = std::io::stdout().lock();
     let written = std::io::Write::write_all(&mut out, text.as_bytes())
@@ -26,7 +27,7 @@ pub fn note(line: &str) {
     let _ = std::io::Write::write_all(&mut std::io::stderr(), format!("{line}\n").as_bytes());
 }
 
-/// Prints an object, or the text that says the same.
+/// Prints a report, as one JSON object or as text.
 pub fn report(
     as_json: bool,
     object: impl FnOnce() -> Value,
@@ -39,7 +40,10 @@ pub fn report(
     })
 }
 
-/// A set that was made, and what became of it.
+/// The verdict and the path of the certificate, if the set was verified and saved, and warnings.
+pub type Judged = (Option<Report>, Option<PathBuf>, Vec<Warning>);
+
+/// A set that was made, with its verdict and its file.
 pub struct Outcome {
     pub facts: Facts,
     pub count: u64,
@@ -51,12 +55,23 @@ pub struct Outcome {
 }
 
 impl Outcome {
+    /// Returns the outcome with the verdict and the path of the certificate, if there are any, and with warnings.
+    pub fn new(facts: Facts, count: u64, (report, certificate, warnings): Judged) -> Self {
+        Self {
+            facts,
+            count,
+            report,
+            certificate,
+            warnings: warnings.iter().map(ToString::to_string).collect(),
+        }
+    }
+
     /// Returns the exit code; a set without a verdict has no negative one.
     pub fn code(&self) -> u8 {
         crate::verdict_code(self.report.as_ref().is_none_or(Report::valid))
     }
 
-    /// Returns what there is to say of the set as an object.
+    /// Returns the facts and the verdict as an object.
     pub fn json(&self) -> Value {
         let facts = &self.facts;
         let seconds = facts.seconds.iter();
@@ -69,34 +84,23 @@ impl Outcome {
             "certificate": self.certificate.as_ref().map(|path| path.display().to_string()),
             "warnings": self.warnings,
         });
-        match &self.report {
-            Some(report) => add(&mut object, verdict_json(report)),
-            None => add(
-                &mut object,
-                json!({ "count": self.count, "verified": false }),
-            ),
+        if let Some(summary) = &facts.summary {
+            add(&mut object, json!(summary));
+            object["iterations"] = json!(summary.inserted.len());
         }
+        let verdict = match &self.report {
+            Some(report) => verdict_json(report),
+            None => json!({ "count": self.count, "verified": false }),
+        };
+        add(&mut object, verdict);
         if let Some(backend) = &facts.backend {
             object["engine"] = json!(backend.engine.name());
             object["engine_reason"] = json!(backend.reason);
         }
-        if let Some(s) = &facts.summary {
-            add(
-                &mut object,
-                json!({
-                    "blocks": s.blocks,
-                    "tiled": s.tiled,
-                    "dropped": s.dropped,
-                    "eliminated": s.eliminated,
-                    "iterations": s.inserted.len(),
-                    "inserted": s.inserted,
-                }),
-            );
-        }
         object
     }
 
-    /// Returns what there is to say of the set as text: stages, verdict, file.
+    /// Returns the facts and the verdict as text: stages, verdict, file.
     pub fn text(&self) -> String {
         let facts = &self.facts;
         let (region, radius) = (region_text(&facts.region), Number(facts.radius));
@@ -105,15 +109,11 @@ impl Outcome {
             let _ = writeln!(out, "engine         {}: {reason}", engine.name());
         }
         let stages = stage_table(facts.summary.as_ref(), &facts.seconds);
-        let verdict = self.report.as_ref().map_or_else(
-            || {
-                format!(
-                    "samples        {}\nverdict        none: not verified\n",
-                    self.count
-                )
-            },
-            verdict_text,
-        );
+        let count = self.count;
+        let verdict = match &self.report {
+            Some(report) => verdict_text(report),
+            None => format!("samples        {count}\nverdict        none: not verified\n"),
+        };
         let _ = write!(out, "\n{stages}\n{verdict}");
         out.extend(self.warnings.iter().map(|warning| warning_line(warning)));
         if let Some(path) = &self.certificate {
@@ -130,9 +130,9 @@ pub fn add(object: &mut Value, fields: Value) {
     }
 }
 
-/// Returns the fields of a verdict, lengths in radii where the name says so.
+/// Returns the fields of a verdict. Lengths are in radii if the name ends in `_r`.
 pub fn verdict_json(report: &Report) -> Value {
-    // Numbers that are not finite are null in JSON.
+    // JSON has null for numbers that are not finite.
     json!({
         "count": report.count,
         "density": report.density,
@@ -152,11 +152,8 @@ pub fn verdict_json(report: &Report) -> Value {
 
 /// Returns the line of a warning, or of a note.
 pub fn warning_line(warning: &str) -> String {
-    if warning.starts_with("note: ") {
-        format!("{warning}\n")
-    } else {
-        format!("warning: {warning}\n")
-    }
+    let is_note = warning.starts_with("note: ");
+    format!("{}{warning}\n", if is_note { "" } else { "warning: " })
 }
 
 /// Returns "1 x 1, periodic".
@@ -169,7 +166,7 @@ pub fn region_text(region: &Region) -> String {
     format!("{width} x {height}, {boundary}")
 }
 
-/// Returns a table: a row a stage, with what it did and how long it took.
+/// Returns a table with a row for each stage: its time and its effect.
 fn stage_table(summary: Option<&Summary>, seconds: &[(Stage, f64)]) -> String {
     let mut out = String::new();
     let mut rest = 0.0;
@@ -196,29 +193,26 @@ fn what_happened(stage: Stage, s: &Summary, at_once: bool) -> String {
         0 => String::new(),
         count => text.replace('#', &count.to_string()),
     };
+    let (blocks, tiled, eliminated) = (s.blocks, s.tiled, s.eliminated);
     match stage {
         Stage::Pattern => String::new(),
-        Stage::Blocks if s.blocks == 1 => "1 building block".to_owned(),
-        Stage::Blocks => format!("{} building blocks", s.blocks),
-        Stage::Tile => format!("{} samples{}", s.tiled, dropped(", # more outside dropped")),
+        Stage::Blocks if blocks == 1 => "1 building block".to_owned(),
+        Stage::Blocks => format!("{blocks} building blocks"),
+        Stage::Tile => format!("{tiled} samples{}", dropped(", # more outside dropped")),
         Stage::Eliminate if at_once => {
             let first = s.inserted.first().copied().unwrap_or(0);
-            format!("{} eliminated, {first} inserted at once", s.eliminated)
+            format!("{eliminated} eliminated, {first} inserted at once")
         }
-        Stage::Eliminate => format!("{} eliminated", s.eliminated),
+        Stage::Eliminate => format!("{eliminated} eliminated"),
         Stage::Iterate(k) => match s.inserted.get(k as usize - 1) {
             Some(n) => format!("{n} inserted"),
             None => "no gap is left".to_owned(),
         },
         Stage::Regions => {
             let inserted: Vec<String> = s.inserted.iter().map(ToString::to_string).collect();
+            let (dropped, inserted) = (dropped(" and # dropped outside"), inserted.join(" + "));
             format!(
-                "{} building blocks, {} samples tiled{}, {} eliminated, {} inserted",
-                s.blocks,
-                s.tiled,
-                dropped(" and # dropped outside"),
-                s.eliminated,
-                inserted.join(" + ")
+                "{blocks} building blocks, {tiled} samples tiled{dropped}, {eliminated} eliminated, {inserted} inserted"
             )
         }
         Stage::Finish => format!("{} samples in canonical order", s.count),
@@ -227,39 +221,30 @@ fn what_happened(stage: Stage, s: &Summary, at_once: bool) -> String {
 
 /// Returns the verdict in a few lines.
 pub fn verdict_text(report: &Report) -> String {
-    let r = report.radius;
+    let (r, count, density) = (report.radius, report.count, report.density);
+    let (closest, farthest) = (report.min_distance / r, report.covering_radius / r);
+    let conflict_free = conflicts_answer(report.conflicts);
+    let maximal = answer(report.maximal(), report.gaps);
+    let limit = 1.0 + report.covering_tolerance;
+    let judges = Judge::joined(&report.judges);
     let mut out = format!(
-        "samples        {}\n\
-         density        {:.4} N r^2 / area\n\
-         conflict-free  {}   min distance {:.9} r\n\
-         maximal        {}   covering radius {:.9} r, at most {:.9} r\n\
-         verified by    {}\n",
-        report.count,
-        report.density,
-        conflicts_answer(report.conflicts),
-        report.min_distance / r,
-        answer(report.maximal(), report.gaps),
-        report.covering_radius / r,
-        1.0 + report.covering_tolerance,
-        Judge::joined(&report.judges)
+        "samples        {count}\n\
+         density        {density:.4} N r^2 / area\n\
+         conflict-free  {conflict_free}   min distance {closest:.9} r\n\
+         maximal        {maximal}   covering radius {farthest:.9} r, at most {limit:.9} r\n\
+         verified by    {judges}\n"
     );
     for conflict in report.worst_conflicts.iter().take(3) {
-        let (first, second, apart) = (conflict.first, conflict.second, conflict.distance / r);
-        let _ = writeln!(
-            out,
-            "  conflict: samples {first} and {second}, {apart:.6} r apart"
-        );
+        let (a, b, apart) = (conflict.first, conflict.second, conflict.distance / r);
+        let _ = writeln!(out, "  conflict: samples {a} and {b}, {apart:.6} r apart");
     }
     let gaps = report.worst_gaps.iter().take(3);
     for gap in gaps.filter(|_| !report.maximal()) {
         let ([x, y], far) = (gap.center, gap.distance / r);
-        let _ = writeln!(
-            out,
-            "  gap: ({x}, {y}) is {far:.6} r from the nearest sample"
-        );
+        let place = format!("({x}, {y}) is {far:.6} r from the nearest sample");
+        let _ = writeln!(out, "  gap: {place}");
     }
-    let verdict = validity(report.valid());
-    let _ = writeln!(out, "verdict        {verdict}");
+    let _ = writeln!(out, "verdict        {}", validity(report.valid()));
     out
 }
 
@@ -269,18 +254,13 @@ pub const fn validity(valid: bool) -> &'static str {
 
 pub fn answer(yes: bool, count: u64) -> String {
     if yes {
-        "yes".to_owned()
-    } else {
-        format!("NO, {count}")
+        return "yes".to_owned();
     }
+    format!("NO, {count}")
 }
 
 /// Returns the answer about conflicts, which are counted up to a limit.
 pub fn conflicts_answer(count: u64) -> String {
-    let more = if count >= MAX_CONFLICTS {
-        " or more"
-    } else {
-        ""
-    };
-    answer(count == 0, count) + more
+    let is_limit = count >= MAX_CONFLICTS;
+    answer(count == 0, count) + if is_limit { " or more" } else { "" }
 }

@@ -1,9 +1,9 @@
-//! Arguments that determine a run, and the run that they resolve to: radius, pattern and engine are known from there on.
+//! Arguments that determine a run, and the run that they resolve to, with its radius, pattern and engine.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Result, bail};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{ArgGroup, Args};
 use serde_json::Value;
@@ -18,6 +18,7 @@ use tilescope_gpu::Backend;
 
 use crate::facts::{Facts, named_by_content};
 use crate::options::{BOUNDARIES, Names, UNIT_SQUARE, named, of_run};
+use crate::paths::InFile;
 use crate::progress::Stopwatch;
 
 /// Arguments that determine a run.
@@ -27,7 +28,7 @@ pub struct RunArguments {
     /// Poisson-disk radius, in user units
     #[arg(long, value_name = "R")]
     pub radius: Option<f64>,
-    /// Choose the radius so that about N samples result, to within 1%
+    /// Choose the radius so that N samples result, to within 1%
     #[arg(long, value_name = "N")]
     pub count: Option<u64>,
     /// Width of the domain
@@ -48,7 +49,7 @@ pub struct RunArguments {
     /// Side of the generated pattern, in radii
     #[arg(long, value_name = "SIDE", default_value_t = 100.0)]
     pub pattern_side: f64,
-    /// How the generated pattern ends: a bounded one is the paper's, and blocks must fit it
+    /// How the generated pattern ends: a bounded one is the paper's, and must be larger than every block
     #[arg(long, value_parser = named::<Boundary>(&BOUNDARIES), default_value = "periodic")]
     pub pattern_boundary: Boundary,
     /// Seed of the generated pattern
@@ -73,7 +74,7 @@ pub struct RunArguments {
     /// How gaps are filled
     #[arg(long, value_parser = named::<Insertion>(&INSERTIONS), default_value = "circumcentre")]
     pub insertion: Insertion,
-    /// How far gap detectors look, in radii: 4 is proven, 2 is an experiment that leaves gaps
+    /// How far gap detectors search, in radii: 4 is proven, 2 is an experiment that leaves gaps
     #[arg(long, value_name = "4|2", default_value = "4", value_parser = searches())]
     pub search: Search,
     /// Staged, or Algorithm 4 as printed
@@ -106,7 +107,7 @@ fn searches() -> impl TypedValueParser<Value = Search> {
     })
 }
 
-/// A run with its radius, pattern and engine settled, ready to be computed.
+/// A run with its radius, pattern and engine, ready to be computed.
 pub struct Resolved {
     pub parameters: Parameters,
     pub domain: Domain,
@@ -117,7 +118,7 @@ pub struct Resolved {
 }
 
 impl Resolved {
-    /// Returns what there is to say of the run before it is made.
+    /// Returns the facts about the run before it is made.
     pub fn facts(&self) -> Result<Facts> {
         let mut facts = Facts::of_run(&self.parameters, &self.domain)?;
         if let Some(file) = &self.pattern_file {
@@ -154,18 +155,18 @@ impl RunArguments {
         Ok(parameters)
     }
 
-    /// Returns about how many samples there will be.
+    /// Returns the expected number of samples.
     pub fn expected(&self, parameters: &Parameters) -> Result<f64> {
-        match self.count {
-            Some(count) => Ok(count as f64),
-            None => Ok(parameters.validate()?.area_radii() * MAXIMAL_DENSITY),
-        }
+        Ok(match self.count {
+            Some(count) => count as f64,
+            None => parameters.validate()?.area_radii() * MAXIMAL_DENSITY,
+        })
     }
 
-    /// Returns the run. One whose set stays `in_memory` is limited in size.
+    /// Returns the run. If its set stays `in_memory`, its size is limited.
     pub fn resolve(
         &self,
-        parameters: Parameters,
+        mut parameters: Parameters,
         backend: Backend,
         in_memory: bool,
         watch: &mut Stopwatch,
@@ -176,12 +177,10 @@ impl RunArguments {
         let (pattern, pattern_file) = match &self.pattern {
             Some(path) => {
                 let pattern = self.pattern_from(path);
-                let pattern = pattern.with_context(|| path.display().to_string())?;
-                (pattern, Some(named_by_content(path)?))
+                (pattern.in_file(path)?, Some(named_by_content(path)?))
             }
             None => (Pattern::of_spec(&parameters.pattern, watch)?, None),
         };
-        let mut parameters = parameters;
         if let Some(count) = self.count {
             parameters.radius = radius_for_count(&parameters, count, &pattern, watch)?;
             watch.drop_tries();
@@ -207,8 +206,8 @@ impl RunArguments {
     }
 }
 
-/// Returns the set in a file, conflict-free and maximal. The region is what `region` makes of its certificate's; the radius
-/// is `radius`, or its certificate's, or an error that asks for `wanted`.
+/// Returns the set in a file; fails unless it is conflict-free and maximal. `region` gets the certificate's region and
+/// returns the one to use. The radius is `radius` or the certificate's; without either, the error asks for `wanted`.
 pub fn set_of_file(
     path: &Path,
     radius: Option<f64>,

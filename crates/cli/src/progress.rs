@@ -1,6 +1,5 @@
-//! Progress bars on a terminal, none in a pipe, and seconds per stage.
+//! Progress bars, which only terminals show, and the seconds of each stage.
 
-use std::io::IsTerminal;
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
@@ -9,14 +8,11 @@ use tilescope_core::{Observer, Progress, Stage};
 
 use crate::interrupt;
 
-/// A bar, hidden where standard error is no terminal.
+/// A bar, hidden if standard error is not a terminal.
 pub struct Bar(ProgressBar);
 
 impl Bar {
     pub fn new(what: &str) -> Self {
-        if !std::io::stderr().is_terminal() {
-            return Self(ProgressBar::hidden());
-        }
         let bar = ProgressBar::new(0);
         let style =
             ProgressStyle::with_template("{msg:14} {wide_bar:.cyan/dim} {percent:>3}% {eta:>4}");
@@ -55,12 +51,8 @@ pub fn verifying<T>(work: impl FnOnce(Control<'_>) -> T) -> T {
     watched("verify", work)
 }
 
-/// Measures with a bar; stops on Ctrl-C.
-pub fn measuring<T>(work: impl FnOnce(Control<'_>) -> T) -> T {
-    watched("measure", work)
-}
-
-fn watched<T>(what: &str, work: impl FnOnce(Control<'_>) -> T) -> T {
+/// Works with a bar of that name; stops on Ctrl-C.
+pub fn watched<T>(what: &str, work: impl FnOnce(Control<'_>) -> T) -> T {
     let bar = Bar::new(what);
     let outcome = work(&|progress| {
         bar.set(progress.done, progress.total);
@@ -92,13 +84,13 @@ impl Stopwatch {
         std::mem::take(&mut self.seconds)
     }
 
-    /// Drops the times of tries for a radius; the run that is reported follows.
+    /// Drops the times of tries for a radius, before the run whose times are reported.
     pub fn drop_tries(&mut self) {
         self.seconds.retain(|&(stage, _)| stage == Stage::Pattern);
     }
 
     fn add(&mut self, stage: Stage, time: Duration) {
-        // A stage that comes again belongs to another try; only the last try's times are reported.
+        // If a stage comes again, another try for the radius has begun; only the times of the last one are reported.
         if self.seconds.last().is_some_and(|&(last, _)| stage < last) {
             self.seconds.retain(|&(stage, _)| stage == Stage::Pattern);
         }

@@ -1,6 +1,5 @@
 //! `tilescope reproduce`: the paper's experiments by one command, with a report.
 
-use std::collections::BTreeSet;
 use std::fmt::Write;
 use std::ops::ControlFlow;
 use std::path::PathBuf;
@@ -10,8 +9,8 @@ use anyhow::{Context, Result, bail, ensure};
 use clap::Args;
 use serde_json::json;
 use tilescope_reproduce::{
-    Experiment, Finished, Options, Planned, ReproduceError, Settings, Summary, Verdict, Watch,
-    plan, reproduce,
+    Claim, Experiment, Finished, Options, Planned, ReproduceError, Settings, Summary, Verdict,
+    Watch, plan, reproduce,
 };
 
 use crate::engine::ThreadArguments;
@@ -25,16 +24,16 @@ pub struct ReproduceArguments {
     /// The experiments, or all
     #[arg(required = true, value_name = "EXPERIMENT", value_parser = wanted)]
     experiments: Vec<Wanted>,
-    /// The folder of the report; made if it is not there
+    /// The folder of the report; it is made if it is missing
     #[arg(long, value_name = "DIR", required_unless_present = "plan")]
     out: Option<PathBuf>,
-    /// Small sets and few of them: everything in less than two minutes on two cores
+    /// Few and small sets: all experiments in less than two minutes on two cores
     #[arg(long)]
     quick: bool,
     /// Seed of the first set; every set has its own
     #[arg(long, value_name = "S", default_value_t = 1)]
     seed: u64,
-    /// An option of earlier versions, refused with the command that replaces it
+    /// An option of earlier versions; the error names the command that replaces it
     #[arg(long, hide = true)]
     file: Vec<PathBuf>,
     #[command(flatten)]
@@ -46,13 +45,13 @@ pub struct ReproduceArguments {
     json: bool,
 }
 
-/// Options that act before the work, or instead of it.
+/// Options about the results of an earlier run.
 #[derive(Debug, Args)]
 struct Before {
-    /// Delete what an earlier run of these experiments left in the folder
+    /// Delete the results of an earlier run of these experiments from the folder
     #[arg(long)]
     fresh: bool,
-    /// Only say how many units of work there are, and how many of them --out has already
+    /// Only print the number of units of work, and how many of them --out already has
     #[arg(long)]
     plan: bool,
 }
@@ -65,22 +64,21 @@ Experiments:
   fig13        spectra and rates by radius and leaf size, against the reference sampler
   iterations   iterations of insertion, in ten runs of ten million samples
   eq4          the share of samples that elimination and insertion touch, by leaf size
-  search       gaps that stay when detectors look 2r far, and 4r
-  uniformity   whether every place is as likely as any other, by either insertion
+  search       gaps that remain when detectors search within 2r, and within 4r
+  uniformity   whether samples are as likely in one place as in another, with either insertion
   all          all of them
 
-The folder receives report.html and REPORT.md, figures (PNG, SVG) and data (CSV, JSON). When
-interrupted, run the same command again to continue; what depends on other settings, another
-machine or another version is made anew.
+The folder receives report.html and REPORT.md, figures (PNG, SVG) and data (CSV, JSON). After an
+interruption, run the same command again to continue. Results of other settings, of another machine
+or of another version are made anew.
 
-A set of another method is compared by tilescope analyze theirs.txt --against ours-*.npy.
+To compare a set of another method: tilescope analyze theirs.txt --against ours-*.npy
 
 Examples:
   tilescope reproduce all --quick --out reproduction
   tilescope reproduce fig13 search --out reproduction
 
-Exit codes: 0 all experiments ended, whatever their verdicts, 2 one could not be carried out,
-130 interrupted.";
+Exit codes: 0 all experiments ended, whatever their verdicts, 2 an experiment failed, 130 interrupted.";
 
 /// One experiment, or all.
 #[derive(Clone, Copy, Debug)]
@@ -90,9 +88,10 @@ fn wanted(name: &str) -> Result<Wanted, String> {
     if name == "all" {
         return Ok(Wanted(None));
     }
-    let one = name.parse();
+    let one = name
+        .parse()
+        .map_err(|error: String| format!("{error}, all"));
     one.map(|one| Wanted(Some(one)))
-        .map_err(|error: String| format!("{error}, all"))
 }
 
 pub fn run(arguments: &ReproduceArguments) -> Result<u8> {
@@ -110,69 +109,38 @@ pub fn run(arguments: &ReproduceArguments) -> Result<u8> {
         quick: arguments.quick,
         seed: arguments.seed,
     };
-    let watch = Progress::default();
+    let watch = WatchBar::new("reproduce", 0);
+    let fresh = arguments.before.fresh;
     let (Some(out), false) = (&arguments.out, arguments.before.plan) else {
-        show_plan(&experiments, &settings, arguments)?;
+        let kept = arguments.out.as_deref().filter(|_| !fresh);
+        let each = plan(&experiments, &settings, kept);
+        let [units, kept] = totals(&each);
+        let json = || json!({ "units": units, "kept": kept, "experiments": each });
+        output::report(arguments.json, json, || plan_text(&each))?;
         return Ok(EXIT_FINE);
     };
-    ensure!(
-        !out.exists() || out.is_dir(),
-        "{}: this is a file; --out names a folder",
-        out.display()
-    );
-    std::fs::create_dir_all(out)
-        .with_context(|| format!("{}: --out cannot be made", out.display()))?;
+    let path = out.display();
+    let is_file = out.exists() && !out.is_dir();
+    ensure!(!is_file, "{path}: this is a file; --out names a folder");
+    std::fs::create_dir_all(out).with_context(|| format!("{path}: --out cannot be made"))?;
     let options = Options {
         settings,
         out: out.clone(),
-        fresh: arguments.before.fresh,
+        fresh,
     };
     let outcome = reproduce(&experiments, &options, &watch);
-    watch.bar.clear();
+    watch.clear();
     let summary = outcome?;
-    if arguments.json {
-        output::emit(&format!("{}\n", json(&summary)))?;
-    } else {
-        output::emit(&text(&summary))?;
-    }
-    Ok(if summary.failed.is_empty() {
-        EXIT_FINE
-    } else {
-        EXIT_BAD_INPUT
-    })
+    output::report(arguments.json, || json(&summary), || text(&summary))?;
+    let is_fine = summary.failed.is_empty();
+    Ok(if is_fine { EXIT_FINE } else { EXIT_BAD_INPUT })
 }
 
 /// Returns the experiments in the sequence of a report, each once.
 fn chosen(wanted: &[Wanted]) -> Vec<Experiment> {
-    let all = wanted.iter().any(|one| one.0.is_none());
-    let named: BTreeSet<Experiment> = wanted.iter().filter_map(|one| one.0).collect();
-    let each = Experiment::ALL.into_iter();
-    each.filter(|one| all || named.contains(one)).collect()
-}
-
-fn show_plan(
-    experiments: &[Experiment],
-    settings: &Settings,
-    arguments: &ReproduceArguments,
-) -> Result<()> {
-    let kept = (arguments.out.as_deref()).filter(|_| !arguments.before.fresh);
-    let each = plan(experiments, settings, kept);
-    if !arguments.json {
-        return output::emit(&plan_text(&each));
-    }
-    let experiments: Vec<_> = (each.iter())
-        .map(|one| {
-            json!({
-                "experiment": one.experiment,
-                "units": one.units,
-                "kept": one.kept,
-                "kept_seconds": one.seconds,
-            })
-        })
-        .collect();
-    let [units, kept] = totals(&each);
-    let plan = json!({ "units": units, "kept": kept, "experiments": experiments });
-    output::emit(&format!("{plan}\n"))
+    let mut all = Experiment::ALL.to_vec();
+    all.retain(|one| wanted.iter().any(|it| it.0.is_none_or(|it| it == *one)));
+    all
 }
 
 /// Returns the units of all experiments, and how many of them are kept.
@@ -187,12 +155,8 @@ fn plan_text(each: &[Planned]) -> String {
     for one in each {
         let _ = write!(out, "  {:<12} {:>3}", one.experiment.name(), one.units);
         if one.kept > 0 {
-            let took = duration(one.seconds);
-            let _ = write!(
-                out,
-                ", {} kept from an earlier run, made in {took}",
-                one.kept
-            );
+            let (kept, took) = (one.kept, duration(one.seconds));
+            let _ = write!(out, ", {kept} kept from an earlier run, made in {took}");
         }
         out.push('\n');
     }
@@ -207,29 +171,38 @@ fn duration(seconds: f64) -> String {
     }
 }
 
-/// Shows how far a reproduction is.
-struct Progress {
+/// A bar of units of work, which Ctrl-C stops.
+pub struct WatchBar {
     bar: Bar,
     units: AtomicUsize,
 }
 
-impl Default for Progress {
-    fn default() -> Self {
+impl WatchBar {
+    pub fn new(name: &str, units: usize) -> Self {
         Self {
-            bar: Bar::new("reproduce"),
-            units: AtomicUsize::default(),
+            bar: Bar::new(name),
+            units: AtomicUsize::new(units),
         }
+    }
+
+    pub fn clear(&self) {
+        self.bar.clear();
+    }
+
+    /// Prints a line beside the bar.
+    fn note(&self, line: &str) {
+        self.bar.suspend(|| output::note(line));
     }
 }
 
-impl Watch for Progress {
+impl Watch for WatchBar {
     fn planned(&self, each: &[Planned]) {
         self.units.store(totals(each)[0], Ordering::Relaxed);
-        output::note(plan_text(each).trim_end());
+        self.note(plan_text(each).trim_end());
     }
 
     fn begins(&self, experiment: Experiment) {
-        self.bar.suspend(|| output::note(experiment.title()));
+        self.note(experiment.title());
     }
 
     fn progress(&self, done: usize, what: &str) -> ControlFlow<()> {
@@ -240,24 +213,21 @@ impl Watch for Progress {
     }
 
     fn finished(&self, finished: &Finished) {
-        self.bar.suspend(|| {
-            for claim in &finished.claims {
-                output::note(&format!(
-                    "  {:<VERDICT$} {}",
-                    finished.words(claim),
-                    claim.claim
-                ));
-            }
-        });
+        for claim in &finished.claims {
+            self.note(&verdict_line(finished, claim));
+        }
     }
 
     fn failed(&self, experiment: Experiment, error: &ReproduceError) {
-        self.bar
-            .suspend(|| output::note(&format!("error: {experiment}: {error}")));
+        self.note(&format!("error: {experiment}: {error}"));
     }
 }
 
-/// Room for the longest verdict.
+fn verdict_line(finished: &Finished, claim: &Claim) -> String {
+    format!("  {:<VERDICT$} {}", finished.words(claim), claim.claim)
+}
+
+/// Width of the column of verdicts: that of the longest.
 const VERDICT: usize = "not reproduced (quick)".len();
 
 fn text(summary: &Summary) -> String {
@@ -265,16 +235,11 @@ fn text(summary: &Summary) -> String {
     for one in &summary.finished {
         let _ = writeln!(out, "{}", one.experiment.title());
         for claim in &one.claims {
+            let (line, indent) = (verdict_line(one, claim), " ".repeat(VERDICT + 3));
+            let (paper, ours) = (&claim.paper, &claim.ours);
             let _ = writeln!(
                 out,
-                "  {:<VERDICT$} {}\n{:indent$}the paper: {}\n{:indent$}here: {}",
-                one.words(claim),
-                claim.claim,
-                "",
-                claim.paper,
-                "",
-                claim.ours,
-                indent = VERDICT + 3
+                "{line}\n{indent}the paper: {paper}\n{indent}here: {ours}"
             );
         }
     }
@@ -290,15 +255,14 @@ fn text(summary: &Summary) -> String {
 }
 
 fn json(summary: &Summary) -> serde_json::Value {
-    let failed = summary.failed.iter();
-    let failed = failed.map(|(one, reason)| json!({ "experiment": one, "reason": reason }));
-    let failed: Vec<_> = failed.collect();
+    let failed =
+        |(one, reason): &(Experiment, String)| json!({ "experiment": one, "reason": reason });
     json!({
         "experiments": summary.finished,
         "reproduced": summary.count(Verdict::Reproduced),
         "not_reproduced": summary.count(Verdict::NotReproduced),
         "not_comparable": summary.count(Verdict::NotComparable),
-        "failed": failed,
+        "failed": summary.failed.iter().map(failed).collect::<Vec<_>>(),
         "report": summary.report.display().to_string(),
     })
 }

@@ -1,13 +1,13 @@
 //! `tilescope sample`: from arguments to a verified, saved set.
 
-use anyhow::{Context, Result, ensure};
+use anyhow::{Result, ensure};
 use tilescope_core::Parameters;
 
 use crate::make;
 use crate::output::{self, Outcome};
+use crate::paths::{InFile, check_target};
 use crate::progress::Stopwatch;
 use crate::sample_arguments::{SampleArguments, SamplingMethod};
-use crate::target::check_target;
 use crate::{interrupt, stream, window};
 
 pub fn run(arguments: &SampleArguments) -> Result<u8> {
@@ -31,7 +31,7 @@ fn outcome(arguments: &SampleArguments) -> Result<Outcome> {
     let made = if arguments.method == SamplingMethod::Reference {
         ensure!(
             !arguments.engine.wants_gpu(),
-            "--engine gpu and --gpu-adapter compute KDRT: the reference sampler runs on the CPU alone"
+            "--engine gpu and --gpu-adapter are for KDRT: the reference sampler runs on the CPU"
         );
         make::reference(&asked, arguments.run.count)?
     } else {
@@ -40,28 +40,20 @@ fn outcome(arguments: &SampleArguments) -> Result<Outcome> {
         let run = (arguments.run).resolve(asked, backend, !streams, &mut watch)?;
         if streams {
             let passed = stream::pass(arguments, &run, watch);
-            let passed = match &arguments.out {
-                Some(path) => passed.with_context(|| path.display().to_string()),
-                None => passed,
+            let outcome = match &arguments.out {
+                Some(path) => passed.in_file(path)?,
+                None => passed?,
             };
-            return passed.map(|outcome| with_remark(arguments, &run.parameters, outcome));
+            return Ok(with_remark(arguments, &run.parameters, outcome));
         }
         make::whole(&run, watch)?
     };
-    let parameters = Parameters {
-        radius: made.facts.radius,
-        ..asked
-    };
+    let mut parameters = asked;
+    parameters.radius = made.facts.radius;
     let outcome = match &arguments.out {
         Some(path) if arguments.no_verify => {
             let warnings = arguments.save_unverified(&made, path)?;
-            Outcome {
-                count: made.set.len() as u64,
-                facts: made.facts,
-                report: None,
-                certificate: None,
-                warnings: warnings.iter().map(ToString::to_string).collect(),
-            }
+            Outcome::new(made.facts, made.set.len() as u64, (None, None, warnings))
         }
         path => {
             let context = arguments.context(&made.facts);
@@ -79,9 +71,9 @@ fn with_remark(
 ) -> Outcome {
     let is_tiled = arguments.method == SamplingMethod::Kdrt && arguments.run.pattern.is_none();
     if let Some(side) = parameters.side_without_repeats().filter(|_| is_tiled) {
+        let own = parameters.pattern.side;
         let remark = format!(
-            "the pattern of {} r repeats within the largest blocks, which spectra show; --pattern-side {side} would avoid that",
-            parameters.pattern.side
+            "the pattern of {own} r repeats within the largest blocks, which shows in spectra; --pattern-side {side} would avoid that"
         );
         outcome.warnings.insert(0, remark);
     }

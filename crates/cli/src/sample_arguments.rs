@@ -1,9 +1,9 @@
-//! The arguments of `tilescope sample`, and what follows from them: whether the set is passed on band by band, and what its
-//! file states. Sets are made elsewhere.
+//! The arguments of `tilescope sample`: whether the set is made band by band, and the statements of its certificate. Other
+//! modules make the set.
 
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result, ensure};
+use anyhow::{Result, ensure};
 use clap::{Args, ValueEnum};
 use tilescope_formats::{ExportContext, Format, Precision, Warning};
 
@@ -12,8 +12,9 @@ use crate::facts::Facts;
 use crate::make::Made;
 use crate::options::{JudgeArguments, PRECISIONS, named};
 use crate::parameters::RunArguments;
+use crate::paths::InFile;
 
-/// Sets expected to be larger than this are not held in memory as a whole, if that can be avoided.
+/// Sets of more than about this many samples are made band by band where that is possible, to save memory.
 const LARGE: f64 = 1e6;
 
 /// Arguments of `tilescope sample`.
@@ -35,13 +36,13 @@ pub struct SampleArguments {
     #[arg(long, value_enum, default_value = "kdrt")]
     pub method: SamplingMethod,
     /// Save the set, validated, with a certificate beside it; the extension gives the format.
-    /// Sets of more than a million samples are written as they come: to npy, bin, rps, csv and ply of any size
+    /// Sets of more than a million samples are written band by band: to npy, bin, rps, csv and ply of any size
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
-    /// Go on with an interrupted --out from its last checkpoint; all other arguments must be the same
+    /// Continue an interrupted --out from its last checkpoint; all other arguments must be the same
     #[arg(long, requires = "out")]
     pub resume: bool,
-    /// Seconds between checkpoints of a file written as it comes: what an interruption may cost
+    /// Seconds between checkpoints of a file that is written band by band: an interruption loses no more work
     #[arg(long, value_name = "SECONDS", default_value_t = 10, requires = "out")]
     pub checkpoint: u64,
     #[command(flatten)]
@@ -53,7 +54,8 @@ pub struct SampleArguments {
     #[arg(long, value_name = "FORMAT", requires = "out")]
     pub format: Option<Format>,
     /// Number type, for formats that leave the choice: f32 or f64. Rounding to f32 moves samples of large sets (from some
-    /// 30,000 on) closer than the radius: such a file is NOT VALID, and says up to which radius it is conflict-free
+    /// 30,000 on) closer than the radius: such a file is NOT VALID, and a warning names the radius up to which it is
+    /// conflict-free
     #[arg(long, value_parser = named::<Precision>(&PRECISIONS), default_value = "f64", requires = "out")]
     pub precision: Precision,
     /// Write the samples in an order drawn from this seed
@@ -91,7 +93,7 @@ impl SampleArguments {
         self.format.or_else(named)
     }
 
-    /// Returns whether the set is passed on band by band: when it is large, when it is resumed, and when it is not verified.
+    /// Returns whether the set is made band by band: if it is large, if it is resumed, and if it is not verified.
     pub fn streams(&self, expected: f64) -> Result<bool> {
         let is_kdrt = self.method == SamplingMethod::Kdrt;
         let engine = is_kdrt && self.engine.makes_bands(self.run.variant);
@@ -101,21 +103,18 @@ impl SampleArguments {
                 engine,
                 "--resume needs the parallel engine or a GPU, which make sets band by band"
             );
+            let streams = Format::ALL.into_iter().filter(|format| format.streams());
+            let streams: Vec<_> = streams.map(Format::extension).collect();
             ensure!(
                 format,
-                "--resume needs a format that is written as it comes ({}), and no --shuffle",
-                Format::ALL
-                    .into_iter()
-                    .filter(|f| f.streams())
-                    .map(Format::extension)
-                    .collect::<Vec<_>>()
-                    .join(", ")
+                "--resume needs a format that is written band by band ({}), and no --shuffle",
+                streams.join(", ")
             );
         }
         Ok(engine && format && (self.resume || self.no_verify || expected > LARGE))
     }
 
-    /// Returns what an export of a set states.
+    /// Returns the statements of the set's certificate.
     pub fn context(&self, facts: &Facts) -> ExportContext {
         ExportContext {
             format: self.format(),
@@ -129,7 +128,6 @@ impl SampleArguments {
     /// Saves a set without a verdict, and so without a certificate.
     pub fn save_unverified(&self, made: &Made, path: &Path) -> Result<Vec<Warning>> {
         let context = self.context(&made.facts);
-        tilescope_formats::export_unverified(path, &made.set, &context)
-            .with_context(|| path.display().to_string())
+        tilescope_formats::export_unverified(path, &made.set, &context).in_file(path)
     }
 }

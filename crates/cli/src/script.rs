@@ -1,4 +1,5 @@
-//! `tilescope script`: the window's commands from a file, without a window. The caller of `run` carries them out.
+//! `tilescope script`: the window's commands from a file, without a window. The binary supplies the function that carries
+//! them out.
 
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -6,6 +7,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, ensure};
 use clap::Args;
 
+use crate::paths::InFile;
 use crate::{EXIT_FINE, output, verdict_code};
 
 /// Carries out the text of a script; prints the state after each command or after the last one, and returns the verdict.
@@ -22,7 +24,7 @@ pub struct ScriptArguments {
     each: bool,
 }
 
-/// Larger scripts are not read.
+/// The longest script, in bytes.
 const MAX_BYTES: u64 = 16 << 20;
 
 const EXAMPLES: &str = r#"A script begins with the default session. It holds the commands that buttons and keys of the window issue;
@@ -38,12 +40,14 @@ Examples:
   echo '[{"time": "first-stage"}]' | tilescope script - --each"#;
 
 pub fn run(arguments: &ScriptArguments, carry_out: CarryOut) -> Result<u8> {
-    let named = || match arguments.file.as_os_str() {
-        dash if dash == "-" => "standard input".to_owned(),
-        _ => arguments.file.display().to_string(),
+    let is_input = arguments.file.as_os_str() == "-";
+    let file = if is_input {
+        Path::new("standard input")
+    } else {
+        &arguments.file
     };
-    let text = read(&arguments.file).with_context(named)?;
-    let verdict = carry_out(&text, arguments.each, &mut output::emit).with_context(named)?;
+    let text = read(&arguments.file).in_file(file)?;
+    let verdict = carry_out(&text, arguments.each, &mut output::emit).in_file(file)?;
     Ok(verdict.map_or(EXIT_FINE, verdict_code))
 }
 

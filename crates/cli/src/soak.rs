@@ -1,5 +1,5 @@
-//! `tilescope soak`: random parameters, both engines, windows, and the verifier, for as many samples as
-//! wanted. Each failure is reported with the command that makes its set.
+//! `tilescope soak`: compares engines, windows and verdicts at random parameters, for a given number of samples. Each
+//! failure is reported with the command that makes its set.
 
 use std::fmt::Write;
 
@@ -17,16 +17,16 @@ use tilescope_core::{
 use crate::engine::ThreadArguments;
 use crate::options::{JudgeArguments, region};
 use crate::progress::Bar;
-use crate::{interrupt, make, output, verdict_code};
+use crate::{interrupt, output, verdict_code};
 
 /// Arguments of `tilescope soak`.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct SoakArguments {
-    /// Go on until so many samples were made and verified
+    /// End after this number of verified samples
     #[arg(long, value_name = "N", default_value_t = 10_000_000, value_parser = clap::value_parser!(u64).range(1..))]
     samples: u64,
-    /// Seed of the parameters
+    /// Seed of the random parameters
     #[arg(long, value_name = "S", default_value_t = 1)]
     seed: u64,
     #[command(flatten)]
@@ -41,15 +41,15 @@ pub struct SoakArguments {
 const EXAMPLES: &str = "\
 Each round draws sides, leaf, pattern, boundaries, order, insertion, search and seed, samples with
 the sequential and with the parallel engine, compares the two point by point, compares four windows
-with the set, and verifies the set. Exit code 1 if anything is not as promised.
+with the set, and verifies the set. Exit code 1 if two sets differ, or if one is not valid.
 
 Example:
   tilescope soak --samples 1000000000";
 
-/// The fewest and the most samples of a round, about.
+/// The approximate smallest and largest number of samples of a round.
 const ROUND_SAMPLES: [f64; 2] = [500.0, 400_000.0];
 
-/// Tally that are computed at a time.
+/// Rounds that are computed at a time.
 const ROUNDS_AT_ONCE: u64 = 16;
 
 /// The run ends after this many faults.
@@ -65,11 +65,11 @@ struct Tally {
     samples: u64,
     conflicts: u64,
     gaps: u64,
-    /// Tally whose engines or windows differ.
+    /// Rounds whose engines or windows differ.
     unequal: u64,
     /// The largest covering radius of a round with the complete search.
     covering_radius_r: f64,
-    /// Tally that ended with an error.
+    /// Rounds that ended with an error.
     failed: u64,
     /// The faults, each with the command that makes its set.
     commands: Vec<String>,
@@ -133,11 +133,7 @@ fn text(sum: &Tally) -> String {
     for command in &sum.commands {
         let _ = writeln!(out, "  {command}");
     }
-    let verdict = if sum.is_fine() {
-        "as promised"
-    } else {
-        "NOT AS PROMISED"
-    };
+    let verdict = ["NOT AS PROMISED", "as promised"][usize::from(sum.is_fine())];
     let _ = writeln!(out, "verdict            {verdict}");
     out
 }
@@ -154,7 +150,7 @@ impl Dice {
         choices[below(self.0.draw(Stream::Order, index)[0], choices.len() as u32) as usize]
     }
 
-    /// Returns a number between `low` and `high`, the same chance for each factor.
+    /// Returns a number between `low` and `high` whose logarithm is uniform.
     fn scale(&self, index: u32, [low, high]: [f64; 2]) -> f64 {
         low * (high / low).powf(self.share(index))
     }
@@ -182,7 +178,7 @@ fn parameters(dice: &Dice, seed: u64) -> Parameters {
             seed,
         }
     } else {
-        // Mostly a few sides and seeds, whose patterns are remembered: making one costs more than a small round.
+        // Mostly a few sides and seeds, whose patterns are kept: to make one takes longer than a small round.
         let any = dice.scale(5, [10.0, 160.0]);
         let side = dice.pick(10, &[20.0, 30.0, 50.0, 100.0, 200.0, any, any]);
         let is_default = (side - 100.0).abs() < 1e-9;
@@ -192,6 +188,10 @@ fn parameters(dice: &Dice, seed: u64) -> Parameters {
             seed: if is_default { seed & 7 } else { 0 },
         }
     };
+    let mut search = Search::Complete;
+    if dice.share(9) < 0.1 {
+        search = Search::TwoRadii;
+    }
     Parameters {
         width,
         height: (area / width).max(10.5),
@@ -203,11 +203,7 @@ fn parameters(dice: &Dice, seed: u64) -> Parameters {
         dihedral: dice.pick(6, &[false, true]),
         order: dice.pick(7, &ORDERS),
         insertion: dice.pick(8, &[Insertion::Circumcentre, Insertion::Uniform]),
-        search: if dice.share(9) < 0.1 {
-            Search::TwoRadii
-        } else {
-            Search::Complete
-        },
+        search,
         ..Parameters::default()
     }
 }
@@ -244,7 +240,7 @@ fn round(parameters: &Parameters, dice: &Dice, verify: &VerifyOptions) -> Result
     drop(run);
     let domain = parameters.validate()?;
     let report = tilescope_analysis::verify(
-        &make::positions(&domain, &points),
+        &domain.users_from_lattice(&points),
         region(&domain),
         domain.radius(),
         verify,
@@ -262,40 +258,30 @@ fn round(parameters: &Parameters, dice: &Dice, verify: &VerifyOptions) -> Result
         round.gaps = report.gaps;
         round.covering_radius_r = report.covering_radius;
     }
+    let engines_differ = "--engine sequential and --engine parallel differ: ";
+    let is_valid = round.conflicts + round.gaps == 0;
     let faults = [
-        (
-            !engines_agree,
-            "--engine sequential and --engine parallel differ: ",
-        ),
-        (!windows_agree, "a --window differs from the set: "),
-        (round.conflicts + round.gaps > 0, "not valid: "),
+        (engines_agree, engines_differ),
+        (windows_agree, "a --window differs from the set: "),
+        (is_valid, "not valid: "),
     ];
-    let faults: String = faults
-        .iter()
-        .filter(|fault| fault.0)
-        .map(|fault| fault.1)
-        .collect();
+    let faults = faults.into_iter().filter(|(is_fine, _)| !is_fine);
+    let faults: String = faults.map(|(_, fault)| fault).collect();
     if !faults.is_empty() {
-        round
-            .commands
-            .push(format!("{faults}{}", command(parameters)));
+        round.commands.push(faults + command(parameters).as_str());
     }
     Ok(round)
 }
 
-/// Compares windows of random sizes with what the whole set has there.
+/// Compares windows of random sizes with the whole set.
 fn windows_agree(plane: &Plane, points: &[Point], dice: &Dice) -> Result<bool, SampleError> {
     let domain = plane.domain();
     let sides = domain.size();
     for k in 0..WINDOWS {
-        let share = |index: u32| dice.share(100 + 10 * k + index);
-        let low = [share(0), share(1)].map(|s| 1.4 * s - 0.2);
-        let low = [low[0] * sides[0], low[1] * sides[1]];
-        let size = [
-            share(2) * share(3) * sides[0],
-            share(4) * share(5) * sides[1],
-        ];
-        let Ok(window) = domain.window(low, [low[0] + size[0], low[1] + size[1]]) else {
+        let share = |index: usize| dice.share(100 + 10 * k + index as u32);
+        let low = [0, 1].map(|axis| (1.4 * share(axis) - 0.2) * sides[axis]);
+        let size = |axis: usize| share(2 + 2 * axis) * share(3 + 2 * axis) * sides[axis];
+        let Ok(window) = domain.window(low, [low[0] + size(0), low[1] + size(1)]) else {
             continue;
         };
         let inside = points.iter().filter(|p| shows(&window, plane, **p));
@@ -309,38 +295,34 @@ fn windows_agree(plane: &Plane, points: &[Point], dice: &Dice) -> Result<bool, S
 /// Returns whether a window shows a sample.
 fn shows(window: &Window, plane: &Plane, p: Point) -> bool {
     let domain = plane.domain();
-    let axis = |v: i32, axis: usize| {
-        let offset = i64::from(v) - window.min[axis];
-        let side = i64::from([domain.width(), domain.height()][axis]);
-        let offset = if domain.is_periodic() {
-            offset.rem_euclid(side)
-        } else {
-            offset
-        };
-        (0..window.max[axis] - window.min[axis]).contains(&offset)
-    };
-    axis(p.x, 0) && axis(p.y, 1)
+    let mut x = i64::from(p.x) - window.min[0];
+    let mut y = i64::from(p.y) - window.min[1];
+    if let (true, Some(wrapped)) = (domain.is_periodic(), domain.wrap(x, y)) {
+        (x, y) = (wrapped.x.into(), wrapped.y.into());
+    }
+    let [width, height] = [0, 1].map(|axis| window.max[axis] - window.min[axis]);
+    (0..width).contains(&x) && (0..height).contains(&y)
 }
 
 /// Returns the command that makes the set of a round.
 fn command(p: &Parameters) -> String {
-    let names = json!([p.boundary, p.pattern.boundary, p.order, p.insertion]);
-    let name = |index: usize| names[index].as_str().unwrap_or_default();
+    let Parameters {
+        radius,
+        width,
+        height,
+        seed,
+        leaf,
+        pattern,
+        ..
+    } = p;
+    let names = json!([p.boundary, p.order, p.insertion, pattern.boundary]);
+    let [boundary, order, insertion, ends] = [0, 1, 2, 3].map(|k| names[k].as_str().unwrap_or(""));
+    let search = if p.search == Search::TwoRadii { 2 } else { 4 };
+    let dihedral = if p.dihedral { " --dihedral" } else { "" };
     format!(
-        "tilescope sample --radius {} --width {} --height {} --boundary {} --seed {} --leaf {} \
-         --pattern-side {} --pattern-boundary {} --pattern-seed {} --order {} --insertion {} --search {}{}",
-        p.radius,
-        p.width,
-        p.height,
-        name(0),
-        p.seed,
-        p.leaf,
-        p.pattern.side,
-        name(1),
-        p.pattern.seed,
-        name(2),
-        name(3),
-        if p.search == Search::TwoRadii { 2 } else { 4 },
-        if p.dihedral { " --dihedral" } else { "" },
+        "tilescope sample --radius {radius} --width {width} --height {height} --boundary {boundary} \
+         --seed {seed} --leaf {leaf} --pattern-side {} --pattern-boundary {ends} --pattern-seed {} \
+         --order {order} --insertion {insertion} --search {search}{dihedral}",
+        pattern.side, pattern.seed
     )
 }

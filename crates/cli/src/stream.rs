@@ -1,25 +1,23 @@
-//! Sets of any size: computed band by band, and written and verified as they come.
+//! Sets of any size: computed, written and verified band by band.
 
-use std::ops::ControlFlow;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::mpsc::{Receiver, sync_channel};
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, anyhow, ensure};
 use pollster::block_on;
 use serde_json::{Value, json};
-use tilescope_analysis::{Report, StreamVerifier};
+use tilescope_analysis::StreamVerifier;
 use tilescope_core::{Domain, Sampled, SweepState};
 use tilescope_formats::{
-    ExportContext, Format, Provenance, StreamExport, StreamOptions, Warning, checkpoint_token,
-    resume_path,
+    ExportContext, Format, Provenance, StreamExport, StreamOptions, checkpoint_token, resume_path,
 };
 use tilescope_gpu::Bands;
 
 use crate::engine::of_engine;
 use crate::facts::Facts;
 use crate::interrupt::Resumable;
-use crate::output::Outcome;
+use crate::output::{Judged, Outcome};
 use crate::parameters::Resolved;
 use crate::progress::Stopwatch;
 use crate::sample_arguments::SampleArguments;
@@ -28,10 +26,7 @@ use crate::{interrupt, make};
 /// Samples handed to the writer at a time.
 const PIECE: usize = 1 << 16;
 
-/// The outcome of a stream: the verdict and the path of the certificate, if verified, and warnings.
-type End = (Option<Report>, Option<PathBuf>, Vec<Warning>);
-
-/// Makes the set of a run with an engine that makes bands, and writes and verifies it as it comes.
+/// Makes the set of a run band by band, and writes and verifies each band.
 pub fn pass(arguments: &SampleArguments, run: &Resolved, mut watch: Stopwatch) -> Result<Outcome> {
     let mut facts = run.facts()?;
     let context = arguments.context(&facts);
@@ -49,20 +44,13 @@ pub fn pass(arguments: &SampleArguments, run: &Resolved, mut watch: Stopwatch) -
     let verify = !arguments.no_verify;
     let token = |state| json!({ "parameters": parameters, "verify": verify, "state": state });
     let end = pass_into(&mut bands, sink, (&run.domain, token), &mut watch);
-    let (report, certificate, warnings) = end.map_err(|error| with_hint(error, out))?;
+    let verdict = end.map_err(|error| with_hint(error, out))?;
     let summary = bands.summary();
+    let count = summary.count as u64;
     facts.seconds = watch.take();
     facts.backend = Some(bands.backend().clone());
-    Ok(Outcome {
-        count: summary.count as u64,
-        facts: Facts {
-            summary: Some(summary),
-            ..facts
-        },
-        report,
-        certificate,
-        warnings: warnings.iter().map(ToString::to_string).collect(),
-    })
+    facts.summary = Some(summary);
+    Ok(Outcome::new(facts, count, verdict))
 }
 
 /// Returns the error with a note on how to resume, if there is a checkpoint.
@@ -74,8 +62,8 @@ fn with_hint(error: anyhow::Error, out: Option<&Path>) -> anyhow::Error {
     }
 }
 
-/// Returns where the interrupted run of `path` was. Fails when there is none, or when it was made with
-/// other parameters, which are named.
+/// Returns the state of the interrupted run of `path`. Fails if there is none; if its parameters differ, the error names
+/// them.
 fn state_of(path: &Path, facts: &Facts, no_verify: bool) -> Result<SweepState> {
     let token = checkpoint_token(path)?.with_context(|| {
         let resume = resume_path(path);
@@ -88,38 +76,37 @@ fn state_of(path: &Path, facts: &Facts, no_verify: bool) -> Result<SweepState> {
             "the interrupted run had {name} {begun}, this one has {asked}; all arguments must be the same"
         );
     }
+    let other = [
+        "not verified (--no-verify)",
+        "verified, without --no-verify",
+    ];
     ensure!(
         token["verify"] == !no_verify,
         "the interrupted run was {}; all arguments must be the same",
-        if no_verify {
-            "verified, without --no-verify"
-        } else {
-            "not verified (--no-verify)"
-        }
+        other[usize::from(no_verify)]
     );
     let state = token["state"].clone();
-    serde_json::from_value(state).context("the checkpoint is not of a run")
+    serde_json::from_value(state).context("the checkpoint is not that of a run")
 }
 
-/// Computes on this thread (and the pool's, or a device) while another one writes and verifies.
+/// Computes on this thread (and the pool's, or a device) while another thread writes and verifies.
 fn pass_into(
     bands: &mut Bands,
     sink: Sink,
     (domain, token): (&Domain, impl Fn(SweepState) -> Value),
     watch: &mut Stopwatch,
-) -> Result<End> {
+) -> Result<Judged> {
     let (sender, receiver) = sync_channel(1);
     std::thread::scope(|scope| {
         let writer = scope.spawn(move || sink.take_all(domain, &receiver));
         let computed = loop {
-            let message = match block_on(bands.step(watch)) {
-                Ok(Some(sampled)) => Message::Band(sampled, token(bands.state())),
-                Ok(None) => Message::End,
-                // Without the end the writer finishes nothing.
+            let message: Message = match block_on(bands.step(watch)) {
+                Ok(sampled) => sampled.map(|sampled| (sampled, token(bands.state()))),
+                // Without the end the writer does not finish the file.
                 Err(error) => break Err(of_engine(error)),
             };
-            let is_last = matches!(message, Message::End);
-            // A writer that stopped returns why.
+            let is_last = message.is_none();
+            // If the writer stopped, its result has the reason.
             if sender.send(message).is_err() || is_last {
                 break Ok(());
             }
@@ -127,21 +114,17 @@ fn pass_into(
         drop(sender);
         let written = writer.join().map_err(|_| anyhow!("the writer failed"))?;
         match computed {
-            // Both may fail at once, as when a disk is full and the process is asked to end.
+            // Both may fail, for instance if the disk is full and the process is asked to end.
             Err(error) => Err(written.err().unwrap_or(error)),
             Ok(()) => written?.context("the writer ended before the run"),
         }
     })
 }
 
-/// A message from the computing thread to the writing one.
-enum Message {
-    /// Samples, and the checkpoint to resume from after them.
-    Band(Sampled, Value),
-    End,
-}
+/// A band of samples and the checkpoint to resume from after it, for the writing thread; `None` is the end.
+type Message = Option<(Sampled, Value)>;
 
-/// Where samples go.
+/// The receiver of samples: a file, or the verifier alone.
 enum Sink {
     File {
         export: Box<StreamExport>,
@@ -161,11 +144,8 @@ impl Sink {
         let export = if arguments.resume {
             StreamExport::resume(path, context)?.0
         } else {
-            let options = StreamOptions {
-                verify: !arguments.no_verify,
-                resumable: true,
-            };
-            StreamExport::create(path, context, options)?
+            let (verify, resumable) = (!arguments.no_verify, true);
+            StreamExport::create(path, context, StreamOptions { verify, resumable })?
         };
         Ok(Self::File {
             export: Box::new(export),
@@ -174,15 +154,15 @@ impl Sink {
         })
     }
 
-    /// Takes bands to the last one, then finishes; `None` if the end does not come.
-    fn take_all(mut self, domain: &Domain, messages: &Receiver<Message>) -> Result<Option<End>> {
+    /// Takes all bands, then finishes; `None` if there is no end message.
+    fn take_all(mut self, domain: &Domain, messages: &Receiver<Message>) -> Result<Option<Judged>> {
         for message in messages {
-            let Message::Band(sampled, token) = message else {
+            let Some((sampled, token)) = message else {
                 return self.finish().map(Some);
             };
             let provenance = make::provenance(&sampled);
             for (k, piece) in sampled.points.chunks(PIECE).enumerate() {
-                let points = make::positions(domain, piece);
+                let points = domain.users_from_lattice(piece);
                 let range = k * PIECE..k * PIECE + points.len();
                 self.push(&points, provenance.as_ref().map(|all| &all[range]))?;
             }
@@ -193,8 +173,8 @@ impl Sink {
 
     fn push(&mut self, points: &[[f64; 2]], provenance: Option<&[Provenance]>) -> Result<()> {
         match self {
-            Self::File { export, .. } => export.push(points, provenance, &control)?,
-            Self::Judge(verifier) => verifier.push(points, &control)?,
+            Self::File { export, .. } => export.push(points, provenance, &|_| interrupt::flow())?,
+            Self::Judge(verifier) => verifier.push(points, &|_| interrupt::flow())?,
         }
         Ok(())
     }
@@ -213,19 +193,18 @@ impl Sink {
         Ok(())
     }
 
-    fn finish(self) -> Result<End> {
+    fn finish(self) -> Result<Judged> {
         Ok(match self {
             Self::File { export, .. } => {
-                let streamed = export.finish(&control)?;
+                let streamed = export.finish(&|_| interrupt::flow())?;
                 let verified = streamed.verified.map(|v| (v.report, v.certificate_path));
                 let (report, certificate) = verified.unzip();
                 (report, certificate, streamed.warnings)
             }
-            Self::Judge(verifier) => (Some(verifier.finish(&control)?), None, Vec::new()),
+            Self::Judge(verifier) => {
+                let report = verifier.finish(&|_| interrupt::flow())?;
+                (Some(report), None, Vec::new())
+            }
         })
     }
-}
-
-fn control(_: tilescope_analysis::Progress) -> ControlFlow<()> {
-    interrupt::flow()
 }

@@ -8,7 +8,8 @@ use clap::Args;
 use serde_json::json;
 use tilescope_formats::{Certificate, CheckError, Overrides, StreamCheck, check_stream};
 
-use crate::options::{JudgeArguments, SetArguments, UNIT_SQUARE};
+use crate::options::{JudgeArguments, SetArguments, check_or_unit_square};
+use crate::paths::InFile;
 use crate::progress::verifying;
 use crate::{interrupt, output, verdict_code};
 
@@ -29,8 +30,9 @@ pub struct VerifyArguments {
 
 const EXAMPLES: &str = "\
 Without a certificate the radius must be given; sides and boundary that are not given are those of
-the periodic unit square. Of a certificate only the region and the radius are taken over; the tolerance is always 2^-15.
-How a set was made no file can show: what is stated only may be checked by making it again.
+the periodic unit square. Only the region and the radius are taken from a certificate; the tolerance is
+always 2^-15. A file does not show how its set was made: to check the fields listed as stated
+only, make the set again.
 
 Examples:
   tilescope verify set.csv
@@ -51,25 +53,14 @@ fn checked(arguments: &VerifyArguments) -> Result<StreamCheck> {
         judges: arguments.judge.choice(),
         ..arguments.set.overrides(file)?
     };
-    let check = |overrides| verifying(|control| check_stream(file, &overrides, control));
-    let outcome = match check(overrides.clone()) {
-        Err(CheckError::NoRegion(_)) => check(Overrides {
-            region: Some(UNIT_SQUARE),
-            ..overrides
-        }),
-        outcome => outcome,
-    };
-    let outcome = match outcome {
-        Err(error @ CheckError::NoRadius) => Err(error).context("give --radius"),
-        outcome => outcome.map_err(Into::into),
-    };
-    outcome.with_context(|| file.display().to_string())
+    let check = |overrides: &_| verifying(|control| check_stream(file, overrides, control));
+    match check_or_unit_square(&overrides, check) {
+        Err(error @ CheckError::NoRadius) => Err(error).context("give --radius").in_file(file),
+        outcome => outcome.in_file(file),
+    }
 }
 
 fn to_json(check: &StreamCheck) -> serde_json::Value {
-    let differences = check.differences.iter();
-    let differences =
-        differences.map(|d| json!({ "field": d.field, "stated": d.stated, "found": d.found }));
     let mut object = json!({
         "format": check.detection.format.to_string(),
         "precision": check.precision,
@@ -77,7 +68,7 @@ fn to_json(check: &StreamCheck) -> serde_json::Value {
         "radius": check.report.radius,
         "certificate": check.certificate.is_some(),
         "unchecked": check.certificate.as_ref().map(Certificate::unchecked),
-        "differences": differences.collect::<Vec<_>>(),
+        "differences": check.differences,
         "passed": check.passed(),
     });
     output::add(&mut object, output::verdict_json(&check.report));

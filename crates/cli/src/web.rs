@@ -1,7 +1,6 @@
-//! `tilescope web`: serves a page that was built before, to this machine alone unless asked otherwise.
+//! `tilescope web`: serves the built page, by default to this machine only.
 
 mod headers;
-mod open;
 mod site;
 mod within;
 
@@ -10,7 +9,7 @@ use std::net::{IpAddr, Ipv4Addr, SocketAddr, UdpSocket};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use anyhow::{Context, Result, anyhow, bail, ensure};
+use anyhow::{Context, Result, bail, ensure};
 use axum::Router;
 use axum::serve::Listener;
 use clap::Args;
@@ -22,7 +21,7 @@ use tokio::net::TcpListener;
 use crate::{EXIT_FINE, interrupt, output};
 use site::ServedFolder;
 
-/// How long a request's head may take to arrive; then the connection is closed.
+/// A connection is closed if the head of a request takes longer than this to arrive.
 const HEAD_LIMIT: Duration = Duration::from_secs(20);
 
 /// Arguments of `tilescope web`.
@@ -32,7 +31,7 @@ pub struct WebArguments {
     /// The port; 0 takes any free one
     #[arg(long, value_name = "N", default_value_t = 8080)]
     port: u16,
-    /// The address to listen at; any but this machine's own lets other machines in
+    /// The address to listen at; with any but the default, other machines can reach the page
     #[arg(long, value_name = "ADDR", default_value_t = IpAddr::V4(Ipv4Addr::LOCALHOST))]
     host: IpAddr,
     /// The built page [default: web/dist, or the folder `web` beside the program]
@@ -73,13 +72,12 @@ async fn serve(arguments: &WebArguments, site: ServedFolder) -> Result<u8> {
     if arguments.open {
         // On some systems this returns only when the browser is closed.
         std::thread::spawn(move || {
-            if let Err(error) = open::in_browser(&page) {
-                output::note(&format!("warning: {error:#}; open {page} yourself"));
+            if let Err(error) = open::that(&page) {
+                output::note(&format!("warning: {error}; open {page} yourself"));
             }
         });
     }
     let served = answer_all(listener, site.router(), HEAD_LIMIT);
-    // A browser can ask again for a file that Ctrl+C cut off.
     tokio::select! {
         () = served => {}
         asked = interrupt::asked() => asked.context("cannot listen for Ctrl+C")?,
@@ -87,17 +85,17 @@ async fn serve(arguments: &WebArguments, site: ServedFolder) -> Result<u8> {
     Ok(EXIT_FINE)
 }
 
-/// Answers requests without end. A connection whose next head is not complete after `limit` is closed.
+/// Answers requests forever. Closes connections whose next head is not complete after `limit`.
 async fn answer_all(mut listener: TcpListener, router: Router, limit: Duration) {
     let mut http = http1::Builder::new();
     http.timer(TokioTimer::new()).header_read_timeout(limit);
     loop {
-        // Waits if there are too many connections.
+        // Waits while there are too many connections.
         let (stream, _) = Listener::accept(&mut listener).await;
         let service = TowerToHyperService::new(router.clone());
         let connection = http.serve_connection(TokioIo::new(stream), service);
         tokio::spawn(async move {
-            // The browser notices that the connection broke; there is nothing else to do.
+            // If the connection breaks, the browser reports it.
             let _ = connection.await;
         });
     }
@@ -105,19 +103,16 @@ async fn answer_all(mut listener: TcpListener, router: Router, limit: Duration) 
 
 async fn listen(arguments: &WebArguments) -> Result<TcpListener> {
     let address = SocketAddr::new(arguments.host, arguments.port);
-    TcpListener::bind(address)
-        .await
-        .map_err(|error| match error.kind() {
-            ErrorKind::AddrInUse => anyhow!(
-                "port {} of {} is taken; --port takes another, --port 0 any free one",
-                arguments.port,
-                arguments.host
-            ),
-            _ => anyhow::Error::new(error).context(format!("cannot listen at {address}")),
-        })
+    let (port, host) = (arguments.port, arguments.host);
+    match TcpListener::bind(address).await {
+        Err(error) if error.kind() == ErrorKind::AddrInUse => {
+            bail!("port {port} of {host} is taken; --port takes another, --port 0 any free one")
+        }
+        listener => listener.with_context(|| format!("cannot listen at {address}")),
+    }
 }
 
-/// Returns an address that a browser on this machine can go to.
+/// Returns an address that a browser on this machine can open.
 fn reachable(mut address: SocketAddr) -> SocketAddr {
     if address.ip().is_unspecified() {
         address.set_ip(Ipv4Addr::LOCALHOST.into());
@@ -125,19 +120,17 @@ fn reachable(mut address: SocketAddr) -> SocketAddr {
     address
 }
 
-/// Returns the page's address for other machines, where `outward` is this machine's own address.
+/// Returns the page's address for other machines; `outward` is the address of this machine, if it is known.
 fn elsewhere(address: SocketAddr, outward: Option<IpAddr>) -> String {
     let port = address.port();
-    match outward.filter(|_| address.ip().is_unspecified()) {
+    match outward {
+        _ if !address.ip().is_unspecified() => format!("http://{address}/"),
         Some(ip) => format!("http://{}/", SocketAddr::new(ip, port)),
-        None if address.ip().is_unspecified() => {
-            format!("http://NAME:{port}/ with this machine's name")
-        }
-        None => format!("http://{address}/"),
+        None => format!("http://NAME:{port}/ with this machine's name"),
     }
 }
 
-/// Returns this machine's own address on the way to others, if there is a way. No packet is sent.
+/// Returns the address from which this machine reaches others, if it can. No packet is sent.
 fn outward(listening: IpAddr) -> Option<IpAddr> {
     // The far addresses are reserved for documentation.
     let (own, far) = if listening.is_ipv4() {
@@ -162,15 +155,11 @@ fn folder(asked: Option<&Path>) -> Result<PathBuf> {
         return Ok(folder.to_owned());
     }
     let mut folders = vec![PathBuf::from("web/dist")];
-    if let Ok(program) = std::env::current_exe()
-        && let Some(beside) = program.parent()
-    {
-        folders.push(beside.join("web"));
-    }
+    folders.extend(std::env::current_exe().map(|program| program.with_file_name("web")));
     if let Some(folder) = folders.iter().find(|folder| has_page(folder)) {
         return Ok(folder.clone());
     }
-    let folders: Vec<String> = folders.iter().map(|p| p.display().to_string()).collect();
+    let folders: Vec<_> = folders.iter().map(|p| p.to_string_lossy()).collect();
     bail!(
         "there is no page in {}; run web/build, or name its folder by --folder",
         folders.join(" or ")

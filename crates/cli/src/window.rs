@@ -1,11 +1,10 @@
-//! `tilescope sample --window`: a part of a set that is never made as a whole.
+//! `tilescope sample --window`: makes a part of a set without the rest.
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
-use std::ops::ControlFlow;
 use std::time::Instant;
 
-use anyhow::{Context, Result, ensure};
+use anyhow::{Result, ensure};
 use serde::Serialize;
 use serde_json::{Value, json};
 use tilescope_analysis::{Boundary, Region, VerifyOptions};
@@ -13,16 +12,16 @@ use tilescope_core::{Domain, MAXIMAL_DENSITY, Plane, Progress, R, Window};
 use tilescope_formats::PointSet;
 use tilescope_gpu::{ASKED_FOR, Backend, Engine};
 
-use crate::make::{Made, positions};
+use crate::make::{self, Made};
 use crate::options::region;
-use crate::progress::{Stopwatch, verifying};
+use crate::progress::Stopwatch;
 use crate::sample_arguments::{SampleArguments, SamplingMethod};
 use crate::{interrupt, output, verdict_code};
 
-/// The most samples of a window: they are judged in memory.
+/// The largest number of samples of a window: they are verified in memory.
 const MAX_SAMPLES: f64 = 2e7;
 
-/// Gaps that the verifier lists, more than the cut borders of a window have.
+/// The most gaps that the verifier lists; the cut borders of a window have fewer.
 const MAX_GAPS: usize = 1 << 20;
 
 /// The verdict of the verifier on a window.
@@ -32,7 +31,7 @@ struct WindowVerdict {
     conflicts: u64,
     /// Uncovered places in the window.
     gaps: usize,
-    /// The smallest distance around.
+    /// The smallest distance in the window and around it, in radii.
     min_distance_r: f64,
     conflict_free: bool,
     maximal: bool,
@@ -63,7 +62,7 @@ pub fn run(arguments: &SampleArguments, window: &[f64]) -> Result<u8> {
     ensure!(
         arguments.method == SamplingMethod::Kdrt
             && arguments.engine.makes_windows(arguments.run.variant),
-        "--window needs the parallel engine: the others, the GPU's too, make whole sets"
+        "--window needs the parallel engine: the others, also the GPU's, make whole sets"
     );
     let mut watch = Stopwatch::start();
     let backend = Backend::new(Engine::Parallel, ASKED_FOR);
@@ -75,31 +74,31 @@ pub fn run(arguments: &SampleArguments, window: &[f64]) -> Result<u8> {
     let window = domain.window([left, bottom], [right, top])?;
     for (axis, name) in ["width", "height"].into_iter().enumerate() {
         let [low, high] = [[left, right], [bottom, top]][axis];
-        // A window of a bounded domain shows nothing outside the domain.
+        // A window of a bounded domain was cut at the border.
         ensure!(
             window.min[axis] < window.max[axis],
-            "the window's {name} runs from {low} to {high}, which holds no place of the domain's 0 to {}",
+            "the window's {name} runs from {low} to {high} and holds no place of the domain, 0 to {}",
             domain.size()[axis]
         );
     }
     check_size(&window)?;
     let began = Instant::now();
-    let points = plane.observed_window(&window, &mut going_on)?;
+    let points = plane.observed_window(&window, &mut |_: Progress| interrupt::flow())?;
     let seconds = began.elapsed().as_secs_f64();
     let verdict = judge(&plane, &window)?;
     let valid = verdict.valid;
     let (facts, count) = (run.facts()?, points.len());
     let parameters = facts.parameters.clone();
-    if let Some(path) = &arguments.out {
+    let file = arguments.out.as_ref();
+    let file = file.map(|path| path.display().to_string());
+    if let (Some(path), Some(file)) = (&arguments.out, &file) {
         ensure!(
             count > 0,
-            "{}: no sample lies in the window, and files have at least one",
-            path.display()
+            "{file}: no sample lies in the window, and files have at least one"
         );
-        let set = PointSet::from_points(positions(&domain, &points));
+        let set = PointSet::from_points(domain.users_from_lattice(&points));
         arguments.save_unverified(&Made { facts, set }, path)?;
     }
-    let file = arguments.out.as_ref();
     let report = WindowReport {
         method: "kdrt",
         parameters,
@@ -109,7 +108,7 @@ pub fn run(arguments: &SampleArguments, window: &[f64]) -> Result<u8> {
         count,
         seconds,
         verdict,
-        file: file.map(|path| path.display().to_string()),
+        file,
     };
     output::report(arguments.json, || json!(report), || text(&report))?;
     Ok(verdict_code(valid))
@@ -120,7 +119,7 @@ fn check_size(window: &Window) -> Result<()> {
     let expected = side(0) * side(1) * MAXIMAL_DENSITY;
     ensure!(
         expected <= MAX_SAMPLES,
-        "about {expected:.3e} samples lie in the window; at most {MAX_SAMPLES:.0e} can be shown: \
+        "about {expected:.3e} samples lie in the window; the limit is {MAX_SAMPLES:.0e}: \
          make the whole set with --out, or choose a smaller window"
     );
     Ok(())
@@ -134,50 +133,43 @@ fn text(report: &WindowReport) -> String {
         let is_border = !domain.is_periodic() && high >= domain.size()[axis];
         if is_border { ']' } else { ')' }
     };
+    let (x, y) = (end(right, 0), end(top, 1));
+    let (region, r) = (output::region_text(&region(domain)), report.radius);
+    let (count, milliseconds) = (report.count, report.seconds * 1e3);
     let mut out = format!(
-        "window         [{left}, {right}{} x [{bottom}, {top}{} of {}, r = {}\n\
-         samples        {} in {:.2} ms\n\
+        "window         [{left}, {right}{x} x [{bottom}, {top}{y} of {region}, r = {r}\n\
+         samples        {count} in {milliseconds:.2} ms\n\
          conflict-free  {}   min distance {:.9} r\n\
          maximal        {}\n\
          verdict        {}\n",
-        end(right, 0),
-        end(top, 1),
-        output::region_text(&region(domain)),
-        report.radius,
-        report.count,
-        report.seconds * 1e3,
         output::conflicts_answer(verdict.conflicts),
         verdict.min_distance_r,
         output::answer(verdict.maximal, verdict.gaps as u64),
         output::validity(verdict.valid),
     );
     if let Some(file) = &report.file {
-        let _ = writeln!(
-            out,
-            "file           {file} (a part of a set has no certificate)"
-        );
+        let remark = "a part of a set has no certificate";
+        let _ = writeln!(out, "file           {file} ({remark})");
     }
     out
 }
 
 /// Judges a window of a plane by the samples in it and around it.
 fn judge(plane: &Plane, window: &Window) -> Result<WindowVerdict> {
-    let cut = plane.widened(window, &mut going_on)?;
+    let cut = plane.widened(window, &mut |_: Progress| interrupt::flow())?;
+    let ([width, height], boundary) = (cut.size, Boundary::Bounded);
     let region = Region {
-        width: cut.size[0],
-        height: cut.size[1],
-        boundary: Boundary::Bounded,
+        width,
+        height,
+        boundary,
     };
     let options = VerifyOptions {
         witnesses: MAX_GAPS,
         ..VerifyOptions::default()
     };
     let radius = plane.domain().radius();
-    let report = verifying(|control| {
-        tilescope_analysis::verify(&cut.positions, region, radius, &options, control)
-    });
-    let report = report.context("the verifier gives no verdict")?;
-    // Gaps around the window come from the cut.
+    let report = make::judge(&cut.positions, region, radius, &options)?;
+    // Gaps outside the window arise where the set is cut.
     let gaps = report.worst_gaps.iter().map(|gap| gap.center);
     let gaps = gaps.filter(|center| cut.window_has(*center)).count();
     let conflicts = report.conflicts;
@@ -191,12 +183,7 @@ fn judge(plane: &Plane, window: &Window) -> Result<WindowVerdict> {
     })
 }
 
-/// Stops the work of a window when the process was asked to end.
-fn going_on(_: Progress) -> ControlFlow<()> {
-    interrupt::flow()
-}
-
-/// Returns whether a window is valid, for callers that measure.
+/// Returns whether a window is valid. For `bench`, which times windows.
 pub fn is_valid(plane: &Plane, window: &Window) -> Result<bool> {
     interrupt::check("the verdict")?;
     Ok(judge(plane, window)?.valid)

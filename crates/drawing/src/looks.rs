@@ -15,7 +15,7 @@ use crate::subject::Subject;
 
 /// Everything that looks depend on.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Key {
+pub struct LooksKey {
     generation: u64,
     cursor: usize,
     stage: Stage,
@@ -26,7 +26,7 @@ pub struct Key {
     causes: Option<u64>,
 }
 
-impl Key {
+impl LooksKey {
     /// Returns the key of a subject drawn in this palette.
     #[must_use]
     pub fn of(subject: &Subject<'_>, palette: &Palette) -> Self {

@@ -40,7 +40,7 @@ pub struct Overrides {
 }
 
 /// One statement of a certificate that does not hold for the file.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
 pub struct CertificateDifference {
     /// The certificate's field.
     pub field: &'static str,

@@ -9,7 +9,7 @@ use crate::error::GpuError;
 use crate::kernels::Kernels;
 
 /// An adapter and its limits.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct AdapterReport {
     /// Its name, from the driver.
     pub name: String,
@@ -18,10 +18,12 @@ pub struct AdapterReport {
     /// Its kind: a discrete, integrated or virtual GPU, or software on the CPU.
     pub kind: &'static str,
     /// Whether it computes on the CPU.
+    #[serde(rename = "software")]
     pub is_software: bool,
     /// The driver and its version.
     pub driver: String,
     /// Whether it can time passes.
+    #[serde(rename = "timestamps")]
     pub has_timestamps: bool,
     /// The limits that matter to the engine.
     pub limits: Limits,

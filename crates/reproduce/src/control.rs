@@ -5,12 +5,14 @@ use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
+use serde::Serialize;
+
 use crate::error::ReproduceError;
 use crate::experiment::Experiment;
 use crate::finished::Finished;
 
 /// Units of work of an experiment, and those of them that an earlier run left.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Planned {
     /// The experiment.
     pub experiment: Experiment,
@@ -19,6 +21,7 @@ pub struct Planned {
     /// Units that were kept from an earlier run.
     pub kept: usize,
     /// Seconds that the kept ones took.
+    #[serde(rename = "kept_seconds")]
     pub seconds: f64,
 }
 

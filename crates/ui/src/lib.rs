@@ -4,10 +4,10 @@
 //!
 //! ```
 //! use tilescope_session::look::Look;
-//! use tilescope_ui::theme::theme_of;
 //!
-//! assert_eq!(theme_of(Look::Projector), egui::Theme::Light);
-//! assert_eq!(theme_of(Look::ProjectorDark), egui::Theme::Dark);
+//! let context = egui::Context::default();
+//! tilescope_ui::theme::install(&context, Look::ProjectorDark);
+//! assert_eq!(context.theme(), egui::Theme::Dark);
 //! ```
 
 pub mod focus;

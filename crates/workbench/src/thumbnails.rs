@@ -31,7 +31,7 @@ pub struct Thumbnail {
 
 /// What a picture depends on.
 #[derive(PartialEq)]
-struct Key {
+struct ThumbnailKey {
     /// The session's generation.
     generation: u64,
     dark: bool,
@@ -39,7 +39,7 @@ struct Key {
     scene: SavedScene,
 }
 
-impl Key {
+impl ThumbnailKey {
     fn is_of(&self, session: &Session, scene: &SavedScene, dark: bool) -> bool {
         let other = &self.scene;
         (self.generation, self.dark) == (session.generation, dark)
@@ -55,7 +55,7 @@ enum Drawn {
 
 /// The pictures that were drawn or are being drawn.
 #[derive(Default)]
-pub struct Thumbnails(Vec<(Key, Drawn)>);
+pub struct Thumbnails(Vec<(ThumbnailKey, Drawn)>);
 
 impl Thumbnails {
     /// Returns the picture of a scene, once it is drawn.
@@ -113,7 +113,7 @@ impl Thumbnails {
             {
                 continue;
             }
-            let key = Key {
+            let key = ThumbnailKey {
                 generation: session.generation,
                 dark,
                 scene: SavedScene {

@@ -44,18 +44,18 @@ pub fn show(
         .rows
         .filter(|_| subject.shown.stage != Stage::Pattern)
     {
-        let scene = Scene {
+        let row_painter = RowPainter {
             painter: &painter,
             rect,
             subject,
             palette,
         };
-        let view = InView::of(&scene, &rows);
+        let view = InView::of(&row_painter, &rows);
         left_out = view.left_out;
-        scene.draw(&view, sprites);
+        row_painter.draw(&view, sprites);
         for (row, width) in [(rows.shown.pointed(), 2.0), (rows.shown.picked(), 3.0)] {
             if let Some(row) = row {
-                scene.single_out(rows.places.of(row as usize), width);
+                row_painter.single_out(rows.places.of(row as usize), width);
             }
         }
     }
@@ -85,7 +85,7 @@ struct InView {
 
 impl InView {
     /// Returns the marks of rows in view, changed ones first, up to the maximum.
-    fn of(scene: &Scene<'_>, rows: &Rows<'_>) -> Self {
+    fn of(row_painter: &RowPainter<'_>, rows: &Rows<'_>) -> Self {
         let mut view = Self::default();
         let mut rest = MAX_MARKS;
         for changed in [true, false] {
@@ -98,7 +98,7 @@ impl InView {
                 if rows.table.is_changed(row as usize) != changed {
                     continue;
                 }
-                for spot in rows.marks(row).iter().filter(|spot| scene.sees(spot)) {
+                for spot in rows.marks(row).iter().filter(|spot| row_painter.sees(spot)) {
                     if rest == 0 {
                         view.left_out += 1;
                     } else {
@@ -115,14 +115,14 @@ impl InView {
     }
 }
 
-struct Scene<'a> {
+struct RowPainter<'a> {
     painter: &'a Painter,
     rect: Rect,
     subject: &'a Subject<'a>,
     palette: &'a Palette,
 }
 
-impl Scene<'_> {
+impl RowPainter<'_> {
     fn at(&self, point: tilescope_core::Point) -> Pos2 {
         let camera = self.subject.camera;
         camera.screen_from_domain(self.rect, position(point))

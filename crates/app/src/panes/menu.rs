@@ -23,7 +23,7 @@ struct MenuSubject {
 }
 
 /// An entry of the menu.
-struct Entry {
+struct MenuEntry {
     id: &'static str,
     name: String,
     commands: Vec<Command>,
@@ -31,7 +31,7 @@ struct Entry {
     begins_group: bool,
 }
 
-impl Entry {
+impl MenuEntry {
     fn new(id: &'static str, name: impl Into<String>, commands: Vec<Command>) -> Self {
         Self {
             id,
@@ -105,12 +105,12 @@ impl MenuSubject {
 }
 
 /// Returns the entries of the menu.
-fn entries(subject: &Subject<'_>, which: Which, about: MenuSubject) -> Vec<Entry> {
+fn entries(subject: &Subject<'_>, which: Which, about: MenuSubject) -> Vec<MenuEntry> {
     let mut entries = Vec::new();
     if let Some(sample) = about.sample {
         entries.extend(of_sample(subject, which, sample));
     }
-    let mut add = |group: Vec<Entry>| {
+    let mut add = |group: Vec<MenuEntry>| {
         let start = entries.len();
         entries.extend(group);
         if let Some(first) = entries.get_mut(start).filter(|_| start > 0) {
@@ -124,23 +124,27 @@ fn entries(subject: &Subject<'_>, which: Which, about: MenuSubject) -> Vec<Entry
     let centre = view(ViewCommand::Centre(about.place));
     let copy = view(ViewCommand::CopyPosition(at));
     let mut others = vec![
-        Entry::new("centre", "Centre here", centre),
-        Entry::new("copy", "Copy the position", copy),
+        MenuEntry::new("centre", "Centre here", centre),
+        MenuEntry::new("copy", "Copy the position", copy),
     ];
     if which == Which::First && subject.shown.debugger.is_some() {
         let scene = vec![Command::Scene(SceneCommand::Add)];
-        others.push(Entry::new("scene", "Make a scene of this moment", scene));
+        others.push(MenuEntry::new(
+            "scene",
+            "Make a scene of this moment",
+            scene,
+        ));
     }
     add(others);
     entries
 }
 
 /// Returns the entries about a sample: its history, and the moments that changed it.
-fn of_sample(subject: &Subject<'_>, which: Which, sample: u32) -> Vec<Entry> {
+fn of_sample(subject: &Subject<'_>, which: Which, sample: u32) -> Vec<MenuEntry> {
     let pick = Command::View(which, ViewCommand::Pick(Selection::Sample(sample)));
     let name = format!("Show the history of sample {}", grouped(sample as usize));
     let inspect = Command::View(which, ViewCommand::Inspect);
-    let mut entries = vec![Entry::new("history", name, vec![pick.clone(), inspect])];
+    let mut entries = vec![MenuEntry::new("history", name, vec![pick.clone(), inspect])];
     let debugger = subject.shown.debugger.filter(|_| which == Which::First);
     let Some(recording) = debugger.map(tilescope_debugger::Debugger::recording) else {
         return entries;
@@ -164,17 +168,17 @@ fn of_sample(subject: &Subject<'_>, which: Which, sample: u32) -> Vec<Entry> {
         let is_told = event != life.born || id == born.0;
         if event != NONE && is_told {
             let jump = Command::Time(TimeCommand::Jump(event as usize + 1));
-            entries.push(Entry::new(id, name, vec![pick.clone(), jump]));
+            entries.push(MenuEntry::new(id, name, vec![pick.clone(), jump]));
         }
     }
     let next = TimeCommand::RunTo(Target::Sample(sample), Direction::Forwards);
     let next = vec![pick, Command::Time(next)];
-    entries.push(Entry::new("next", "Go to its next event", next));
+    entries.push(MenuEntry::new("next", "Go to its next event", next));
     entries
 }
 
 /// Returns the entries about a place: the gap or the block there, and its history.
-fn of_place(subject: &Subject<'_>, which: Which, place: DVec2) -> Vec<Entry> {
+fn of_place(subject: &Subject<'_>, which: Which, place: DVec2) -> Vec<MenuEntry> {
     let shown = subject.shown;
     let size = shown.session.size_radii();
     if !(place.cmpge(DVec2::ZERO) & place.cmplt(size)).all() {
@@ -194,7 +198,7 @@ fn of_place(subject: &Subject<'_>, which: Which, place: DVec2) -> Vec<Entry> {
     let inspect = vec![pick, view(ViewCommand::Inspect)];
     let zoom = vec![view(ViewCommand::FlyToBlock(place))];
     vec![
-        Entry::new("place", history, inspect),
-        Entry::new(fly.0, fly.1, zoom),
+        MenuEntry::new("place", history, inspect),
+        MenuEntry::new(fly.0, fly.1, zoom),
     ]
 }

@@ -1,4 +1,4 @@
-//! Curves as they are drawn and written: columns of points, with a confidence band where one is known.
+//! Curves for charts and reports: columns of points, with a confidence band where one is known.
 
 use serde::Serialize;
 use tilescope_analysis::measures::DifferenceCurve;
@@ -12,7 +12,7 @@ pub struct Curve {
     pub band: Option<Band>,
 }
 
-/// The ends of a curve's confidence band, at each point.
+/// The lower and upper ends of a curve's confidence band, at each point.
 #[derive(Clone, Serialize)]
 pub struct Band {
     pub lower: Vec<f64>,
@@ -37,7 +37,7 @@ impl Curve {
 }
 
 impl Band {
-    /// Returns the ends at each point.
+    /// Returns the two ends at each point.
     pub fn ends(&self) -> Vec<[f64; 2]> {
         rows(&self.lower, &self.upper)
     }
@@ -53,6 +53,7 @@ fn columns(rows: &[[f64; 2]]) -> [Vec<f64>; 2] {
     [0, 1].map(|axis| rows.iter().map(|row| row[axis]).collect())
 }
 
-fn rows(first: &[f64], second: &[f64]) -> Vec<[f64; 2]> {
+/// Returns the points of two columns.
+pub fn rows(first: &[f64], second: &[f64]) -> Vec<[f64; 2]> {
     first.iter().zip(second).map(|(&a, &b)| [a, b]).collect()
 }

@@ -1,5 +1,7 @@
 //! The figures of an analysis: curves of all subjects over each other, their differences from a reference, and periodograms.
-//! This module chooses what to draw; `tilescope_figures` draws it.
+//! `tilescope_figures` draws them.
+
+use std::fmt::Write;
 
 use tilescope_analysis::measures::anisotropy_reference_db;
 use tilescope_figures::chart::{Axis, Figure, ImageChart, Level, LineChart, Look, Panel, Series};
@@ -9,13 +11,13 @@ use super::gather::Analysis;
 use super::names;
 use super::subject::Subject;
 
-/// Curves higher than this are cut off: the peaks of lattices would flatten everything else.
+/// Curves higher than this are cut off: the peaks of lattices would flatten the others.
 const MAX_PEAK: f64 = 8.0;
 /// Differences beyond this, of either sign, are cut off.
 const MAX_DIFFERENCE: f64 = 4.0;
 /// Bands may reach this many times as high as the highest curve.
 const MAX_BAND: f64 = 1.5;
-/// Anisotropies of fewer frequencies scatter by decibels: they do not stretch their axis.
+/// Anisotropies of fewer frequencies scatter by decibels; the axis may cut them off.
 const FEW: u64 = 50;
 /// Periodograms in a figure that has curves as well.
 const MAX_PICTURES: usize = 12;
@@ -23,13 +25,13 @@ const MAX_PICTURES: usize = 12;
 const IN_A_ROW: usize = 3;
 /// Power drawn black in a periodogram; zero is white.
 const BLACK: f64 = 3.0;
-/// Letters of a name that a periodogram's heading has room for.
+/// The most characters of a name in the heading of a periodogram.
 const HEADING: usize = 24;
 
 const FREQUENCY: &str = "frequency \u{3bd} = |k| / \u{221a}N";
 const DISTANCE: &str = "distance r / r_max";
 
-/// Returns the one figure of everything, and how many periodograms it leaves out.
+/// Returns one figure with all curves, and the number of periodograms that it leaves out.
 pub fn figure(analysis: &Analysis) -> (Figure, usize) {
     let subjects = &analysis.subjects;
     let left_out = subjects.len().saturating_sub(MAX_PICTURES);
@@ -44,18 +46,15 @@ pub fn figure(analysis: &Analysis) -> (Figure, usize) {
         rows.extend([vec![pairs], difference_row(analysis)]);
         rows.extend(pictures.chunks(IN_A_ROW).map(<[Panel]>::to_vec));
     }
-    let title = match left_out {
-        0 => title(analysis),
-        some => format!(
-            "{}; {some} of {} periodograms are left out",
-            title(analysis),
-            subjects.len()
-        ),
-    };
+    let mut title = title(analysis);
+    if left_out > 0 {
+        let all = subjects.len();
+        let _ = write!(title, "; {left_out} of {all} periodograms are left out");
+    }
     (of_rows(title, rows), left_out)
 }
 
-/// Returns the figures of a page, which has room: curves, differences, all periodograms.
+/// Returns the figures of a page: curves, differences, and all periodograms.
 pub fn figures(analysis: &Analysis) -> Vec<Figure> {
     let subjects = &analysis.subjects;
     if subjects.len() <= 2 {
@@ -88,7 +87,7 @@ fn title(analysis: &Analysis) -> String {
     }
 }
 
-/// Returns the periodogram of a subject; both axes are as long as the domain's shape makes them.
+/// Returns the periodogram of a subject.
 fn periodogram(subject: &Subject) -> Panel {
     let picture = &subject.spectrum.picture;
     let [x, y] = subject.spectrum.picture_reach;
@@ -125,11 +124,8 @@ fn curve_rows(analysis: &Analysis) -> (Vec<Panel>, Panel) {
     let axis = anisotropy_axis(subjects, &levels);
     let [power, anisotropy, pairs] = [0, 1, 2].map(all);
     let noise = |title: &str, x: &str, y: &str, series: Vec<Series>| {
-        let level = Level {
-            name: "white noise".to_owned(),
-            y: 1.0,
-        };
-        chart(title, x, cut(y, &series), series, vec![level])
+        let (name, y_axis) = ("white noise".to_owned(), cut(y, &series));
+        chart(title, x, y_axis, series, vec![Level { name, y: 1.0 }])
     };
     let power = noise("Radial mean power", FREQUENCY, "power P(\u{3bd})", power);
     let anisotropy = chart("Anisotropy", FREQUENCY, axis, anisotropy, levels);
@@ -149,12 +145,9 @@ fn difference_row(analysis: &Analysis) -> Vec<Panel> {
             let curve = &differences.curves[curve].1;
             (subject.label.clone(), Look::Numbered(index), curve)
         }));
-        let level = Level {
-            name: "no difference".to_owned(),
-            y: 0.0,
-        };
+        let (name, title) = ("no difference".to_owned(), format!("Difference of {what}"));
         let axis = cut_difference(&format!("\u{394}{y}"), &all);
-        chart(&format!("Difference of {what}"), x, axis, all, vec![level])
+        chart(&title, x, axis, all, vec![Level { name, y: 0.0 }])
     });
     drawn(charts)
 }
@@ -192,9 +185,8 @@ fn chart(title: &str, x: &str, y: Axis, series: Vec<Series>, levels: Vec<Level>)
 }
 
 fn highest(series: &[Series]) -> f64 {
-    (series.iter().flat_map(|series| &series.points))
-        .map(|point| point[1].abs())
-        .fold(0.0, f64::max)
+    let points = series.iter().flat_map(|series| &series.points);
+    points.map(|point| point[1].abs()).fold(0.0, f64::max)
 }
 
 /// Returns the ends of all bands: the lowest, at most 0, and the highest, at least 0.
@@ -205,7 +197,7 @@ fn ends_of_bands(series: &[Series]) -> [f64; 2] {
     })
 }
 
-/// Returns an axis of what cannot be negative: it cuts off high peaks, and bands that would dwarf their curves.
+/// Returns the axis of a quantity that is not negative: it cuts off high peaks, and bands that would dwarf their curves.
 fn cut(label: &str, series: &[Series]) -> Axis {
     let top = highest(series);
     if top > MAX_PEAK {
@@ -240,21 +232,20 @@ fn levels_of_anisotropy(subjects: &[Subject]) -> Vec<Level> {
     sets.sort_unstable();
     sets.dedup();
     // Several names share a line: the first has the formula.
-    let what = if sets.len() == 1 {
+    let is_only = sets.len() == 1;
+    let what = if is_only {
         "no preferred direction: "
     } else {
         ""
     };
     let level = |(index, &count): (usize, &u64)| {
         let plural = if count == 1 { "set" } else { "sets" };
-        let name = format!("K = {count} {plural}");
-        Level {
-            name: match index {
-                0 => format!("{what}\u{2212}10 log\u{2081}\u{2080} K, {name}"),
-                _ => name,
-            },
-            y: anisotropy_reference_db(count),
+        let mut name = format!("K = {count} {plural}");
+        if index == 0 {
+            name = format!("{what}\u{2212}10 log\u{2081}\u{2080} K, {name}");
         }
+        let y = anisotropy_reference_db(count);
+        Level { name, y }
     };
     sets.iter().enumerate().map(level).collect()
 }

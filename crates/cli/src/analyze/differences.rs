@@ -1,5 +1,4 @@
-//! How a subject differs from the one that it is compared with: value minus reference, number by number and along
-//! curves.
+//! Differences of a subject from the reference: value minus reference, measure by measure and along curves.
 
 use tilescope_analysis::measures::{DifferenceCurve, MeasureError};
 
@@ -9,7 +8,7 @@ use super::subject::Subject;
 
 /// The differences of a subject from the reference.
 pub struct Differences {
-    /// Those of its measures.
+    /// The differences of its measures.
     pub measures: Vec<Difference>,
     /// Measures of the curves' differences.
     pub of_curves: Vec<Measure>,
@@ -19,11 +18,11 @@ pub struct Differences {
 
 /// The difference of a measure.
 pub struct Difference {
-    /// The subject's.
+    /// The measure of the subject.
     pub measure: Measure,
-    /// `None` where either is not defined.
+    /// `None` if one of the two values is not defined.
     pub value: Option<f64>,
-    /// From the spread between sets, where both have one.
+    /// From the spread between sets, if both values are means over several.
     pub standard_error: Option<f64>,
 }
 
@@ -57,44 +56,30 @@ impl Differences {
     }
 }
 
-/// Returns the measures of a curve of differences, whose points are called `points` and whose x is in `unit`.
+/// Returns the measures of a curve of differences. Labels call its points `points`; its x is in `unit`.
 fn of_curve(
     curve: &DifferenceCurve,
     key: &str,
     [name, points]: [&str; 2],
     unit: &'static str,
 ) -> [Measure; 4] {
-    let largest = curve.largest();
+    let [at, largest] = [0, 1].map(|axis| curve.largest().map(|point| point[axis]));
     let outside = curve.outside().map(|share| 100.0 * share);
+    let (rms_label, at_label) = ("RMS difference", "position of the largest difference");
     let outside_label = format!("{points} outside the band (5 by chance)");
     let measure = |end: &str, label: &str, unit, value| {
         Measure::new(format!("{key}_{end}"), label.to_owned(), unit, value)
     };
     [
-        measure(
-            "rms",
-            &format!("{name}: RMS difference"),
-            ("", 4),
-            curve.rms(),
-        ),
-        measure(
-            "largest",
-            "largest difference",
-            ("", 4),
-            largest.map(|point| point[1]),
-        ),
-        measure(
-            "largest_at",
-            "position of the largest difference",
-            (unit, 3),
-            largest.map(|point| point[0]),
-        ),
+        measure("rms", &format!("{name}: {rms_label}"), ("", 4), curve.rms()),
+        measure("largest", "largest difference", ("", 4), largest),
+        measure("largest_at", at_label, (unit, 3), at),
         measure("outside", &outside_label, ("%", 1), outside),
     ]
 }
 
 impl Difference {
-    /// Returns the difference as a table shows it; one with an error has a decimal more.
+    /// Returns the difference for a table; one with an error has one more decimal.
     pub fn text(&self) -> String {
         let decimals = self.measure.decimals;
         match (self.value, self.standard_error) {

@@ -1,16 +1,17 @@
-//! From the files of the command line to subjects. A file that cannot be used is reported, and the others are used all the same.
+//! From the files of the command line to subjects. A file that cannot be used is reported, and the others are analysed.
 
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result, anyhow, ensure};
+use anyhow::{Context, Result, anyhow};
 use serde::Serialize;
 use tilescope_analysis::measures::Spectrum;
 
 use super::differences::Differences;
-use super::measured::{Member, Request};
+use super::measured::{MeasuredSet, Request, check_domain};
 use super::subject::{Population, Subject};
 use super::{AnalyzeArguments, names};
 use crate::output::region_text;
+use crate::paths::InFile;
 use crate::{describe, interrupt, output};
 
 /// A file that was not analysed, and why.
@@ -21,11 +22,12 @@ pub struct Failure {
     pub reason: String,
 }
 
-/// All that the tables, the charts and the reports show.
+/// The content of the tables, the charts and the reports.
+#[derive(Default)]
 pub struct Analysis {
     /// The columns, that of `--against` first.
     pub subjects: Vec<Subject>,
-    /// Whether the first is the one that others are compared with.
+    /// Whether the first is the reference of the others.
     pub has_reference: bool,
     /// Whether the files were averaged.
     pub averaged: bool,
@@ -46,30 +48,23 @@ impl Analysis {
         &self.subjects[usize::from(self.has_reference)..]
     }
 
-    /// Analyses the files one after another; only Ctrl-C and a useless `--against` end it early.
+    /// Analyses the files one after another; only Ctrl-C and an unusable `--against` end it early.
     pub fn of(arguments: &AnalyzeArguments) -> Result<Self> {
         let (files, against) = (&arguments.files, &arguments.against);
         let paths: Vec<&Path> = against.iter().chain(files).map(PathBuf::as_path).collect();
         let request = Request::new(&arguments.set, arguments.frequencies, &paths);
         let mut analysis = Self {
-            subjects: Vec::new(),
             has_reference: !against.is_empty(),
             averaged: arguments.average,
-            differences: Vec::new(),
-            failures: Vec::new(),
-            notes: Vec::new(),
+            ..Self::default()
         };
-        match &against[..] {
-            [] => {}
-            [path] => {
-                let reference = request.measure(path, None).context("--against")?;
-                analysis.subjects.push(Subject::one(reference));
-            }
-            paths => {
-                let average = analysis.average(paths, &request)?;
-                let average = average.context("--against: none of its sets can be used")?;
-                analysis.subjects.push(average);
-            }
+        if let [path] = &against[..] {
+            let reference = request.measure(path, None).context("--against")?;
+            analysis.subjects.push(Subject::one(reference));
+        } else if analysis.has_reference {
+            let average = analysis.average(against, &request)?;
+            let average = average.context("--against: none of its sets can be used")?;
+            analysis.subjects.push(average);
         }
         if arguments.average {
             let average = analysis.average(files, &request)?;
@@ -95,7 +90,7 @@ impl Analysis {
     fn one_by_one(&mut self, paths: &[PathBuf], request: &Request<'_>) -> Result<()> {
         for (path, same) in paths.iter().zip(repetitions(paths)) {
             let measured = request.measure(path, None);
-            match measured.and_then(|set| self.same_domain(&set.member).map(|()| set)) {
+            match measured.and_then(|set| self.with_domain_of_reference(set)) {
                 Ok(set) => {
                     self.subjects.push(Subject::one(set));
                     if let Some(same) = same {
@@ -116,11 +111,8 @@ impl Analysis {
                 Some(same) => Err(anyhow!("{same}: a set counts once in an average")),
                 None => request.measure(path, population.common()),
             };
-            let added = measured.and_then(|set| {
-                self.same_domain(&set.member)?;
-                Ok(population.add(set)?)
-            });
-            if let Err(error) = added {
+            let set = measured.and_then(|set| self.with_domain_of_reference(set));
+            if let Err(error) = set.and_then(|set| Ok(population.add(set)?)) {
                 self.fail(path, error)?;
             }
         }
@@ -143,27 +135,18 @@ impl Analysis {
         self.notes.push(note);
     }
 
-    fn same_domain(&self, member: &Member) -> Result<()> {
-        if let Some(reference) = self.reference() {
-            ensure!(
-                member.region == reference.region,
-                "{}: its domain, {}, is not that of {}, {}",
-                member.name,
-                region_text(&member.region),
-                reference.name,
-                region_text(&reference.region)
-            );
+    /// Returns a set unless its domain differs from that of the reference.
+    fn with_domain_of_reference(&self, set: MeasuredSet) -> Result<MeasuredSet> {
+        if let Some(Subject { name, region, .. }) = self.reference() {
+            let member = &set.member;
+            check_domain(member.region, name, *region).in_file(Path::new(&member.name))?;
         }
-        Ok(())
+        Ok(set)
     }
 
-    /// Bands of differences are right for independent sets.
+    /// Bands of differences are right only for independent sets.
     fn note_shared(&mut self, arguments: &AnalyzeArguments) {
-        let against: Vec<PathBuf> = arguments
-            .against
-            .iter()
-            .map(|path| canonical(path))
-            .collect();
+        let against = canonicals(&arguments.against);
         let mut shared = (arguments.files.iter()).filter(|path| against.contains(&canonical(path)));
         if let Some(first) = shared.next() {
             let stand = match shared.count() {
@@ -171,7 +154,7 @@ impl Analysis {
                 more => format!(" and {more} more stand"),
             };
             self.note(format!(
-                "{}{stand} on both sides: bands of differences take them for independent",
+                "{}{stand} on both sides: bands of differences are computed as if sets were independent",
                 first.display()
             ));
         }
@@ -179,45 +162,32 @@ impl Analysis {
 
     /// Curves of different domains are in one chart, each over its own frequencies.
     fn note_domains(&mut self) {
-        let named =
-            |subject: &Subject| format!("{} ({})", subject.label, region_text(&subject.region));
-        let Some(first) = self.subjects.first() else {
-            return;
-        };
-        let others = (self.subjects.iter()).filter(|subject| subject.region != first.region);
-        let others: Vec<String> = others.map(named).collect();
+        let named = |one: &Subject| format!("{} ({})", one.label, region_text(&one.region));
+        let first = self.subjects.first().map(|first| first.region);
+        let (same, others): (Vec<&Subject>, Vec<&Subject>) =
+            (self.subjects.iter()).partition(|one| Some(one.region) == first);
         if !others.is_empty() {
-            let (others, first) = (others.join(", "), named(first));
+            let others: Vec<String> = others.into_iter().map(named).collect();
+            let (others, first) = (others.join(", "), named(same[0]));
             self.note(format!("the domains differ: {others} beside {first}"));
         }
     }
 
     /// Student's quantile of one degree of freedom is 12.7.
     fn note_two_sets(&mut self) {
-        self.note_each(|subject| {
-            (subject.members.len() == 2).then(|| {
-                format!(
-                    "{}: two sets hardly tell their spread; bands from it are 12.7 standard errors wide on either side, with three \
-                     sets 4.3",
-                    subject.label
-                )
-            })
-        });
+        let remark = "two sets hardly tell their spread; bands from it are 12.7 standard errors wide on either side, \
+                      with three sets 4.3";
+        self.note_each(|one| (one.members.len() == 2).then(|| format!("{}: {remark}", one.label)));
     }
 
     /// The spectra of large sets end before their first ring.
     fn note_short_spectra(&mut self) {
-        self.note_each(|subject| {
-            let [x, y] = subject.spectrum.picture_reach;
-            let reach = x.min(y);
-            (reach < 0.9 * Spectrum::MAX_NU).then(|| {
-                format!(
-                    "{}: frequencies are looked at up to nu = {reach:.2}, {} cycles along a side; \
-                     --frequencies asks for more",
-                    subject.label,
-                    Spectrum::MAX_CYCLES
-                )
-            })
+        self.note_each(|one| {
+            let [x, y] = one.spectrum.picture_reach;
+            let (label, reach, cycles) = (&one.label, x.min(y), Spectrum::MAX_CYCLES);
+            let end = format!("nu = {reach:.2}, {cycles} cycles along a side");
+            let note = format!("{label}: spectra end at {end}; --frequencies extends them");
+            Some(note).filter(|_| reach < 0.9 * Spectrum::MAX_NU)
         });
     }
 
@@ -228,9 +198,9 @@ impl Analysis {
         }
     }
 
-    /// Gives every subject names of its own; that of the reference may be a file's as well.
+    /// Gives every subject unique names; only the reference may share the name of a file.
     fn name(&mut self) {
-        // Two averages are told apart by their files.
+        // The names of two averages differ by their files.
         let is_average = |subject: &&mut Subject| subject.average;
         if self.subjects.iter_mut().filter(is_average).count() > 1 {
             for subject in self.subjects.iter_mut().filter(is_average) {
@@ -251,10 +221,9 @@ impl Analysis {
             }
         }
         let numbered = |all: &[String]| names::numbered(&all[reference.len()..]);
-        for (subject, name) in others.iter_mut().zip(numbered(&names)) {
+        let names = numbered(&names).into_iter().zip(numbered(&labels));
+        for (subject, (name, label)) in others.iter_mut().zip(names) {
             subject.name = name;
-        }
-        for (subject, label) in others.iter_mut().zip(numbered(&labels)) {
             subject.title.clone_from(&label);
             subject.label = label;
         }
@@ -266,9 +235,13 @@ pub fn canonical(path: &Path) -> PathBuf {
     path.canonicalize().unwrap_or_else(|_| path.to_owned())
 }
 
-/// Returns, for each path of the same file as an earlier one, a sentence that says so.
+fn canonicals(paths: &[PathBuf]) -> Vec<PathBuf> {
+    paths.iter().map(|path| canonical(path)).collect()
+}
+
+/// Returns a remark for each path whose file occurred before.
 fn repetitions(paths: &[PathBuf]) -> Vec<Option<String>> {
-    let canonicals: Vec<PathBuf> = paths.iter().map(|path| canonical(path)).collect();
+    let canonicals = canonicals(paths);
     let repetition = |(index, path): (usize, &PathBuf)| {
         let mut earlier = canonicals[..index].iter();
         let first = &paths[earlier.position(|other| *other == canonicals[index])?];

@@ -1,6 +1,6 @@
 //! The numbers of the tables, in the sequence of their rows, with their names and units: of one set, or means over several.
-//! It measures nothing itself.
 
+use serde::Serializer;
 use tilescope_analysis::measures::{Average, MeasureError, PowerCurve, Spectrum};
 
 /// A number of a set, or its mean over several sets.
@@ -12,7 +12,7 @@ pub struct Measure {
     pub label: String,
     pub unit: &'static str,
     pub decimals: usize,
-    /// `None` where it is not defined.
+    /// `None` if the measure is not defined for the set.
     pub value: Option<f64>,
     /// `None` for one set.
     pub spread: Option<Spread>,
@@ -65,22 +65,26 @@ pub fn of_set(values: &[Option<f64>; OF_A_SET.len()]) -> Vec<Measure> {
 pub fn of_mean_power(curve: Option<&PowerCurve>) -> [Measure; 2] {
     let nyquist = curve.and_then(PowerCurve::effective_nyquist);
     let oscillation = curve.and_then(PowerCurve::oscillation);
-    let measure = |key: &str, label: &str, unit: &'static str, value| {
+    let measure = |(key, label, unit, decimals): Row, value| {
         let (key, label) = (
             format!("mean_power_{key}"),
             format!("{label} of the mean power"),
         );
-        Measure::new(key, label, (unit, 3), value)
+        Measure::new(key, label, (unit, decimals), value)
     };
+    let of_nyquist = ("effective_nyquist", "effective Nyquist frequency", "nu", 3);
     [
-        measure(
-            "effective_nyquist",
-            "effective Nyquist frequency",
-            "nu",
-            nyquist,
-        ),
-        measure("oscillation", "oscillation", "", oscillation),
+        measure(of_nyquist, nyquist),
+        measure(("oscillation", "oscillation", "", 3), oscillation),
     ]
+}
+
+/// Serialises measures as an object of their values.
+pub fn values_by_key<S: Serializer>(
+    measures: &[Measure],
+    serializer: S,
+) -> Result<S::Ok, S::Error> {
+    serializer.collect_map(measures.iter().map(|own| (&own.key, own.value)))
 }
 
 impl Measure {
@@ -109,9 +113,8 @@ impl Measure {
             average.add(&[value])?;
             (least, most) = (least.min(value), most.max(value));
         }
-        let spread = average
-            .standard_errors()
-            .zip(average.band(Spectrum::LEVEL)?);
+        let band = average.band(Spectrum::LEVEL)?;
+        let spread = average.standard_errors().zip(band);
         Ok(Self {
             value: (average.sets() > 0).then(|| average.means()[0]),
             spread: spread.map(|(errors, band)| Spread {
@@ -124,7 +127,7 @@ impl Measure {
         })
     }
 
-    /// Returns a number as a table shows it, with `more` decimals than a value of this measure has.
+    /// Returns a number for a table, with `more` decimals than this measure has.
     pub fn text(&self, value: Option<f64>, more: usize) -> String {
         let decimals = self.decimals + more;
         value.map_or_else(|| "-".to_owned(), |value| format!("{value:.decimals$}"))

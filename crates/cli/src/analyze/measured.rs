@@ -1,39 +1,50 @@
-//! One file, read, verified and measured. Its numbers and curves are kept, its samples are not.
+//! Reads, verifies and measures a file. Its numbers and curves are kept; its samples are not.
 
 use std::cell::Cell;
+use std::fmt::Display;
 use std::path::Path;
 
-use anyhow::{Context, Result, ensure};
+use anyhow::{Result, anyhow, ensure};
+use serde::{Serialize, Serializer};
 use tilescope_analysis::measures::{
     Discrepancy, FrequencyWindow, MeasureError, NearestDistances, Order, PairBins, PairCorrelation,
     Periodogram, PowerCurve, Spectrum, largest_min_distance,
 };
 use tilescope_analysis::{MAX_CONFLICTS, Region, Report, VerifyError};
-use tilescope_formats::{CheckError, Format, StreamReader};
+use tilescope_formats::{Check, CheckError, Format, StreamReader};
 
-use super::measure::{Measure, of_set};
-use crate::options::{SetArguments, UNIT_SQUARE};
+use super::measure::{Measure, of_set, values_by_key};
+use crate::options::{SetArguments, UNIT_SQUARE, check_or_unit_square};
 use crate::output;
-use crate::progress::{Control, measuring, verifying};
+use crate::paths::InFile;
+use crate::progress::{Control, verifying, watched};
 
-/// Frequencies that take more memory than this are computed only when they are asked for: 2 GiB are those of 1.3 million
-/// samples.
+/// Frequencies that take more memory than this are computed only with `--frequencies`: those of 1.3 million samples
+/// take 2 GiB.
 const MAX_UNASKED_BYTES: u64 = 1 << 31;
 
-/// The facts about a set beside its curves.
-#[derive(Clone)]
+/// The facts about a set, without its curves.
+#[derive(Clone, Serialize)]
 pub struct Member {
-    /// The file as it was given.
+    #[serde(flatten, serialize_with = "values_by_key")]
+    pub measures: Vec<Measure>,
+    /// The path of the file as the command line has it.
+    #[serde(rename = "file")]
     pub name: String,
     pub region: Region,
-    /// As it was recognised.
+    /// The recognised format.
+    #[serde(serialize_with = "as_text")]
     pub format: Format,
     pub samples: usize,
     /// Whether the radius is known; otherwise it is the smallest distance.
+    #[serde(rename = "radius_known")]
     pub has_radius: bool,
-    /// The verdict, where the radius is known.
+    /// The verdict, if the radius is known.
     pub valid: Option<bool>,
-    pub measures: Vec<Measure>,
+}
+
+fn as_text<S: Serializer>(value: &impl Display, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_str(value)
 }
 
 /// A set and its curves.
@@ -58,27 +69,16 @@ pub struct Common {
 /// How files are measured.
 pub struct Request<'a> {
     arguments: &'a SetArguments,
-    /// The largest frequency as nu, where it was given.
+    /// The largest frequency as nu, if the arguments give it.
     nu: Option<f64>,
-    /// The radius of all sets, if it is known and the same: their distances begin there, and are cut there.
+    /// The radius of all sets, if it is known and the same; then the bins of distances begin there.
     radius: Option<f64>,
-    /// The `r_max` of the first set of one radius, the unit of all their distances.
+    /// The `r_max` of the first set, the unit of all distances, if all sets have one radius.
     unit: Cell<Option<f64>>,
 }
 
-/// A set that was read, and what the verifier says of it.
-struct CheckedSet {
-    points: Vec<[f64; 2]>,
-    format: Format,
-    region: Region,
-    /// Whether the radius is known; otherwise the report is for one that keeps searches quick.
-    has_radius: bool,
-    report: Report,
-    warnings: Vec<String>,
-}
-
 impl<'a> Request<'a> {
-    /// Returns how all of `paths` are measured. Files that cannot be read have no say in it.
+    /// Returns how all of `paths` are measured. Files that cannot be read do not influence it.
     pub fn new(arguments: &'a SetArguments, nu: Option<f64>, paths: &[&Path]) -> Self {
         let stated = |path: &&Path| match arguments.radius {
             Some(radius) => Some(Some(radius)),
@@ -97,18 +97,13 @@ impl<'a> Request<'a> {
 
     /// Reads, verifies and measures a file.
     pub fn measure(&self, path: &Path, common: Option<&Common>) -> Result<MeasuredSet> {
-        let measured = self.measured(path, common);
-        measured.with_context(|| path.display().to_string())
+        self.measured(path, common).in_file(path)
     }
 
     fn measured(&self, path: &Path, common: Option<&Common>) -> Result<MeasuredSet> {
-        let name = path.display();
         self.refuse_early(path)?;
-        let set = read(path, self.arguments)?;
-        for warning in &set.warnings {
-            output::note(output::warning_line(&format!("{name}: {warning}")).trim_end());
-        }
-        let (samples, region) = (set.points.len(), set.region);
+        let (check, has_radius) = read(path, self.arguments)?;
+        let (samples, region) = (check.set.len(), check.report.region);
         if let Some(common) = common {
             common.admit(samples, region)?;
         }
@@ -117,7 +112,9 @@ impl<'a> Request<'a> {
         let shared = common.map_or((window, bins), |common| {
             (common.window.clone(), common.bins)
         });
-        let mut measured = measuring(|control| measure(name.to_string(), &set, shared, control))?;
+        let name = path.display().to_string();
+        let measured = |control: Control<'_>| measure(name, &check, has_radius, shared, control);
+        let mut measured = watched("measure", measured)?;
         if self.radius.is_some() {
             let own = largest_min_distance(samples, region.area());
             let unit = self.unit.get().unwrap_or(own);
@@ -138,8 +135,8 @@ impl<'a> Request<'a> {
         Ok((wide.filter(fits)).unwrap_or_else(|| Spectrum::window(samples, region)))
     }
 
-    /// Refuses frequencies that take too much memory before the set is read, where the file's head has its size and
-    /// the domain does not depend on arguments.
+    /// Refuses frequencies that take too much memory before the set is read, if the head of the file has its size and
+    /// no argument changes the domain.
     fn refuse_early(&self, path: &Path) -> Result<(), MeasureError> {
         let SetArguments { width, height, .. } = self.arguments;
         if self.nu.is_none() || width.is_some() || height.is_some() {
@@ -156,8 +153,18 @@ impl<'a> Request<'a> {
     }
 }
 
+/// Refuses a domain that is not that of the set `name`.
+pub fn check_domain(own: Region, name: &str, region: Region) -> Result<()> {
+    let [text, other] = [own, region].map(|region| output::region_text(&region));
+    ensure!(
+        own == region,
+        "its domain, {text}, is not that of {name}, {other}"
+    );
+    Ok(())
+}
+
 impl Common {
-    /// Returns what the first set of an average decides for the others.
+    /// Returns the settings of the first set of an average.
     pub fn of(first: &MeasuredSet) -> Self {
         Self {
             first: first.member.clone(),
@@ -166,15 +173,10 @@ impl Common {
         }
     }
 
+    /// Refuses a set that cannot be averaged with the first.
     fn admit(&self, samples: usize, region: Region) -> Result<()> {
         let first = &self.first;
-        ensure!(
-            region == first.region,
-            "its domain, {}, is not that of {}, {}",
-            output::region_text(&region),
-            first.name,
-            output::region_text(&first.region)
-        );
+        check_domain(region, &first.name, first.region)?;
         let off = (samples as f64 / first.samples as f64 - 1.0).abs();
         ensure!(
             off <= PairBins::MAX_COUNT_SPREAD,
@@ -189,11 +191,13 @@ impl Common {
 
 fn measure(
     name: String,
-    set: &CheckedSet,
+    check: &Check,
+    has_radius: bool,
     (window, bins): (FrequencyWindow, PairBins),
     control: Control<'_>,
 ) -> Result<MeasuredSet, MeasureError> {
-    let (points, region, report) = (&set.points, set.region, &set.report);
+    let (points, report) = (&check.set.points, &check.report);
+    let region = report.region;
     let samples = points.len();
     let distances = NearestDistances::of(points, region, control)?;
     let discrepancy = match Discrepancy::of(points, region, control) {
@@ -209,9 +213,9 @@ fn measure(
     let order = (!has_equal(report)).then(|| Order::of(points, region, control));
     let order = order.transpose()?;
     let least = distances.summary.least;
-    let r = if set.has_radius { report.radius } else { least };
+    let r = if has_radius { report.radius } else { least };
     // Conflicts and gaps mean nothing for a radius that is not known.
-    let judged = set.has_radius.then_some(report);
+    let judged = has_radius.then_some(report);
     let of_curve = |value: fn(&PowerCurve) -> Option<f64>| curve.as_ref().and_then(value);
     let of_order = |value: fn(&Order) -> f64| order.as_ref().map(value);
     let six_sided = |order: &Order| {
@@ -243,9 +247,9 @@ fn measure(
         member: Member {
             name,
             region,
-            format: set.format,
+            format: check.detection.format,
             samples,
-            has_radius: set.has_radius,
+            has_radius,
             valid: judged.map(Report::valid),
             measures,
         },
@@ -257,67 +261,53 @@ fn measure(
     })
 }
 
-/// Reads and verifies a file; without a radius its mean spacing replaces the radius.
-fn read(path: &Path, arguments: &SetArguments) -> Result<CheckedSet> {
+/// Reads and verifies a file, and prints warnings. Returns also whether its radius is known; if not, the report is for
+/// the mean spacing of the samples.
+fn read(path: &Path, arguments: &SetArguments) -> Result<(Check, bool)> {
     let mut overrides = arguments.overrides(path)?;
-    let mut has_radius = true;
-    let check = loop {
-        match verifying(|control| tilescope_formats::check(path, &overrides, control)) {
-            Err(CheckError::NoRegion(_)) if overrides.region.is_none() => {
-                overrides.region = Some(UNIT_SQUARE);
-            }
-            Err(CheckError::NoRadius) if overrides.radius.is_none() => {
-                let count = arguments.read(path)?.set.len();
-                if count < 3 {
-                    return Err(MeasureError::TooFew { count, limit: 3 }.into());
-                }
-                // The smallest distance and the covering radius do not depend on the radius; the
-                // spacing keeps the search quick.
-                let region = overrides.region.unwrap_or(UNIT_SQUARE);
-                overrides.radius = Some((region.area() / count as f64).sqrt());
-                has_radius = false;
-            }
-            Err(error) => return Err(reason(error)),
-            Ok(check) => break check,
+    let check =
+        |overrides: &_| verifying(|control| tilescope_formats::check(path, overrides, control));
+    let mut outcome = check_or_unit_square(&overrides, check);
+    let has_radius = !matches!(outcome, Err(CheckError::NoRadius));
+    if !has_radius {
+        let count = arguments.read(path)?.set.len();
+        if count < 3 {
+            return Err(MeasureError::TooFew { count, limit: 3 }.into());
         }
-    };
-    let report = check.report;
-    let mut warnings: Vec<String> = check.differences.iter().map(ToString::to_string).collect();
-    if let Some(pair) = report
-        .worst_conflicts
-        .first()
-        .filter(|_| has_equal(&report))
-    {
-        warnings.push(format!(
-            "samples {} and {} are the same point: it is measured without cells",
-            pair.first, pair.second
-        ));
+        // The smallest distance and the covering radius do not depend on the radius; the spacing keeps the search quick.
+        let region = overrides.region.unwrap_or(UNIT_SQUARE);
+        overrides.radius = Some((region.area() / count as f64).sqrt());
+        outcome = check_or_unit_square(&overrides, check);
+    }
+    let check = outcome.map_err(reason)?;
+    let (report, path) = (&check.report, path.display());
+    let warn = |warning: &str| output::note(&format!("warning: {path}: {warning}"));
+    for difference in &check.differences {
+        warn(&difference.to_string());
+    }
+    if let (true, Some(pair)) = (has_equal(report), report.worst_conflicts.first()) {
+        let (first, second) = (pair.first, pair.second);
+        let pair = format!("samples {first} and {second} are the same point");
+        warn(&format!("{pair}: the set is measured without cells"));
     }
     if has_radius && report.more_conflicts() {
-        warnings.push(format!(
-            "conflicts were counted up to {MAX_CONFLICTS}; there may be more"
-        ));
+        let counted = format!("conflicts were counted up to {MAX_CONFLICTS}");
+        warn(&format!("{counted}; there may be more"));
     }
-    Ok(CheckedSet {
-        format: check.detection.format,
-        region: report.region,
-        has_radius,
-        warnings,
-        report,
-        points: check.set.points,
-    })
+    Ok((check, has_radius))
 }
 
-/// Returns why a file was not verified. Numbers are written with exponents: those beyond the limits may have hundreds of digits.
+/// Returns why a file was not verified. Numbers are written with exponents: without, those beyond the limits may have
+/// hundreds of digits.
 fn reason(error: CheckError) -> anyhow::Error {
     match error {
         CheckError::Verify(error @ VerifyError::OutOfRegion { .. }) => {
-            anyhow::anyhow!("{error}; --width, --height and --boundary state another domain")
+            anyhow!("{error}; --width, --height and --boundary state another domain")
         }
-        CheckError::Verify(VerifyError::BadRadius { radius }) => anyhow::anyhow!(
+        CheckError::Verify(VerifyError::BadRadius { radius }) => anyhow!(
             "the radius {radius:?} is not a positive number between 2^-100 and 2^100 times the domain's longer side"
         ),
-        CheckError::Verify(VerifyError::BadRegion { width, height }) => anyhow::anyhow!(
+        CheckError::Verify(VerifyError::BadRegion { width, height }) => anyhow!(
             "the domain {width:?} x {height:?} is not supported: sides must lie between 2^-100 and 2^100, one at most 2^40 times the other"
         ),
         other => other.into(),

@@ -1,18 +1,18 @@
 //! Short, unique labels of files, and the pattern that several names share.
 
-/// Letters of a short name at most.
+/// The most characters of a short name.
 const MAX_LENGTH: usize = 40;
 
-/// Returns the names, with a number behind those that occurred before.
+/// Returns the names, with a number after those that occurred before.
 pub fn numbered(names: &[String]) -> Vec<String> {
     let numbered = |(index, name): (usize, &String)| {
         let before = names[..index].iter().filter(|other| *other == name);
-        let number = before.count() + 1;
-        if number == 1 {
+        let before = before.count();
+        if before == 0 {
             return name.clone();
         }
-        // A file may be called like the numbered name of another.
-        let numbers = (number..).step_by(names.len());
+        // Skip numbers that give the name of another file.
+        let numbers = (before + 1..).step_by(names.len());
         let mut all = numbers.map(|number| format!("{name} ({number})"));
         all.find(|name| !names.contains(name)).unwrap_or_default()
     };
@@ -31,15 +31,13 @@ pub fn short(names: &[String]) -> Vec<String> {
             let own = tail(name, *count);
             (names.iter()).all(|other| other == name || tail(other, *count) != own)
         };
-        cut(
-            &tail(name, (1..most).find(is_alone).unwrap_or(most)),
-            MAX_LENGTH,
-        )
+        let count = (1..most).find(is_alone).unwrap_or(most);
+        cut(&tail(name, count), MAX_LENGTH)
     };
     names.iter().map(label).collect()
 }
 
-/// Returns the beginning and the end that the file names of `names` have in common, with an asterisk between them.
+/// Returns the common beginning and end of the file names of `names`, with an asterisk between them.
 pub fn pattern(names: &[&str]) -> String {
     let file = |name: &&str| -> Vec<char> {
         let file = name.rsplit(['/', '\\']).next();
@@ -71,11 +69,7 @@ pub fn cut(name: &str, most: usize) -> String {
     }
     let (head, tail) = (most / 2, most - most / 2 - 1);
     let end = &characters[characters.len() - tail..];
-    characters[..head]
-        .iter()
-        .chain(&['\u{2026}'])
-        .chain(end)
-        .collect()
+    (characters[..head].iter().chain(&['\u{2026}']).chain(end)).collect()
 }
 
 #[cfg(test)]

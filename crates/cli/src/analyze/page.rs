@@ -1,4 +1,4 @@
-//! The report as a page: tables, figures and the command that made it. It loads nothing from elsewhere.
+//! The report as one HTML file without external resources: tables, figures and the command that made it.
 
 use std::fmt::Write;
 
@@ -61,10 +61,11 @@ fn files(out: &mut String, analysis: &Analysis) {
         let _ = writeln!(out, "<h2>{}</h2>", escape(&capital(&subject.label)));
         page_table(out, &table::files(&subject.members));
     }
-    let renamed = analysis.subjects.iter().filter(|subject| !subject.average);
+    let sets = analysis.subjects.iter().filter(|subject| !subject.average);
+    let names = sets.map(|subject| (&subject.label, &subject.members[0].name));
+    let renamed = names.filter(|(label, name)| label != name);
     let lines: Vec<String> = renamed
-        .filter(|subject| subject.label != subject.members[0].name)
-        .map(|subject| format!("{}: {}", subject.label, subject.members[0].name))
+        .map(|(label, name)| format!("{label}: {name}"))
         .collect();
     list(out, "Files", lines.iter());
 }
@@ -89,10 +90,10 @@ fn capital(text: &str) -> String {
 
 const NOTES: &str = "<p>Frequencies are given as nu = |k| / sqrt(N), distances over r_max, the smallest distance in \
 the hexagonal lattice of as many samples. Shaded bands hold the true mean with probability 0.95: those of power follow from the \
-number of frequencies and sets and hold where powers are independent; of bounded sets, which are tapered, and of \
-pair correlations they follow from the spread between sets and need several. Bands about zero hold the difference of \
-equal curves with probability 0.95. Periodograms are white where there is no power and black from three times that of white noise on; they leave the zero \
-frequency out; where it has a cell of its own, a ring marks it.</p>\n";
+number of frequencies and sets and hold where powers are independent; for bounded sets, which are tapered, and for \
+pair correlations they follow from the spread between sets and need several sets. Bands about zero hold the \
+difference of equal curves with probability 0.95. Periodograms are white where there is no power, and black from \
+three times the power of white noise on. The zero frequency is left out; if it has a cell of its own, a ring marks it.</p>\n";
 
 fn page_table(out: &mut String, table: &Table) {
     let units = table.rows.iter().any(|(_, unit)| !unit.is_empty());
@@ -102,19 +103,14 @@ fn page_table(out: &mut String, table: &Table) {
         let unit = units.then(|| unit.to_owned());
         let cells = table.columns.iter().map(|column| escape(&cell(column)));
         let cells = std::iter::once(escape(label)).chain(unit).chain(cells);
-        let cells = cells
-            .collect::<Vec<String>>()
-            .join(&format!("</{tag}><{tag}>"));
+        let cells: Vec<String> = cells.collect();
+        let cells = cells.join(&format!("</{tag}><{tag}>"));
         format!("<tr><{tag}>{cells}</{tag}></tr>")
     };
-    out.push_str(&line("th", &table.head, "unit", &|column| {
-        column.name.clone()
-    }));
+    *out += &line("th", &table.head, "unit", &|column| column.name.clone());
     out.push_str("</thead>\n<tbody>\n");
     for (row, (label, unit)) in table.rows.iter().enumerate() {
-        out.push_str(&line("td", label, unit, &|column| {
-            column.cells[row].clone()
-        }));
+        *out += &line("td", label, unit, &|column| column.cells[row].clone());
         out.push('\n');
     }
     out.push_str("</tbody></table></div>\n");

@@ -1,18 +1,18 @@
-//! All numbers for programs: CSV in long form, JSON.
+//! All numbers as CSV, with one number a line, and as JSON.
 
+use std::collections::BTreeMap;
 use std::fmt::Write;
 
 use serde::Serialize;
-use serde_json::{Map, Value, json};
+use serde_json::{Value, json};
 
 use super::curve::Curve;
 use super::differences::Differences;
 use super::gather::Analysis;
 use super::measure::{Measure, Spread};
-use super::measured::Member;
 use super::subject::Subject;
 
-/// Returns all numbers, one a line: measures have no x. The measures of a file come before those of its average.
+/// Returns all numbers as CSV, one a line; measures have no x. The measures of files precede those of their average.
 pub fn csv(analysis: &Analysis) -> String {
     let mut out = "file,measure,x,y,lower,upper\n".to_owned();
     for (index, subject) in analysis.subjects.iter().enumerate() {
@@ -68,31 +68,21 @@ fn quoted(name: &str) -> String {
     name.to_owned()
 }
 
-/// Returns the whole analysis as one object; `saved` is the report.
+/// Returns the whole analysis as one object; `saved` is the path of the report.
 pub fn json(analysis: &Analysis, saved: Option<&str>) -> Value {
     let compared = analysis.compared().iter().enumerate();
-    let mut compared = compared.map(|(index, subject)| {
-        let mut object = subject_json(subject);
-        if let Some(differences) = analysis.differences.get(index) {
-            object.extend(differences_json(differences));
-        }
-        Value::Object(object)
-    });
-    let (files, average) = if analysis.averaged {
-        let average = compared.next();
-        let members = analysis.compared().iter().flat_map(|s| &s.members);
-        (
-            members.map(member_json).map(Value::Object).collect(),
-            average,
-        )
+    let mut compared =
+        compared.map(|(index, subject)| subject_json(subject, analysis.differences.get(index)));
+    let (average, files) = if analysis.averaged {
+        let members = analysis.compared().iter().flat_map(|one| &one.members);
+        (compared.next(), json!(members.collect::<Vec<_>>()))
     } else {
-        (compared.collect::<Vec<Value>>(), None)
+        (None, compared.collect())
     };
     let against = analysis.reference().map(|subject| {
-        let mut object = subject_json(subject);
+        let mut object = subject_json(subject, None);
         if subject.average {
-            let members: Vec<_> = subject.members.iter().map(member_json).collect();
-            object.insert("files".to_owned(), json!(members));
+            object["files"] = json!(subject.members);
         }
         object
     });
@@ -106,55 +96,38 @@ pub fn json(analysis: &Analysis, saved: Option<&str>) -> Value {
     })
 }
 
-/// An object of values by their names.
-type Object = Map<String, Value>;
-
-fn object<'a, T: Serialize>(pairs: impl IntoIterator<Item = (&'a str, T)>) -> Object {
-    let pairs = pairs.into_iter();
-    let pairs = pairs.map(|(key, value)| (key.to_owned(), json!(value)));
-    pairs.collect()
+/// Returns an object of values by their names.
+fn object<'a, T: Serialize>(pairs: impl IntoIterator<Item = (&'a str, T)>) -> Value {
+    json!(pairs.into_iter().collect::<BTreeMap<_, _>>())
 }
 
-fn values(measures: &[Measure]) -> Object {
-    object(measures.iter().map(|own| (own.key.as_str(), own.value)))
-}
-
-fn member_json(member: &Member) -> Object {
-    let mut map = values(&member.measures);
-    map.extend(object([
-        ("file", json!(member.name)),
-        ("samples", json!(member.samples)),
-        ("region", json!(member.region)),
-        ("format", json!(member.format.to_string())),
-        ("radius_known", json!(member.has_radius)),
-        ("valid", json!(member.valid)),
-    ]));
-    map
-}
-
-/// Returns the measures and curves of a set or of an average.
-fn subject_json(subject: &Subject) -> Object {
-    let mut map = match subject.members.as_slice() {
-        [member] if !subject.average => member_json(member),
-        members => object([
-            ("sets", json!(members.len())),
-            ("region", json!(subject.region)),
-            (
-                "measures",
-                json!(object(subject.measures.iter().map(mean_json))),
-            ),
-        ]),
+/// Returns the measures and curves of a set or of an average, and their differences from the reference.
+fn subject_json(subject: &Subject, differences: Option<&Differences>) -> Value {
+    let mut json = match subject.members.as_slice() {
+        [member] if !subject.average => json!(member),
+        members => json!({
+            "sets": members.len(),
+            "region": subject.region,
+            "measures": object(subject.measures.iter().map(mean_json)),
+        }),
     };
-    map.extend(object([
-        ("label", json!(subject.label)),
-        (
-            "curves",
-            json!(object(
-                subject.curves.iter().map(|(key, curve)| (*key, curve))
-            )),
-        ),
-    ]));
-    map
+    let curves = |curves: &[(&'static str, Curve)]| object(curves.iter().map(|(key, c)| (*key, c)));
+    json["label"] = json!(subject.label);
+    json["curves"] = curves(&subject.curves);
+    if let Some(differences) = differences {
+        let each = differences.measures.iter();
+        let each = each.map(|one| (one.measure.key.as_str(), one));
+        let values = each.clone().map(|(key, one)| (key, one.value));
+        let of_curves = differences.of_curves.iter();
+        let of_curves = of_curves.map(|own| (own.key.as_str(), own.value));
+        json["differences"] = object(values.chain(of_curves));
+        json["curves_of_differences"] = curves(&differences.curves);
+        let mut errors = each.filter_map(|(key, one)| Some((key, one.standard_error?)));
+        if let Some(first) = errors.next() {
+            json["standard_errors_of_differences"] = object(std::iter::once(first).chain(errors));
+        }
+    }
+    json
 }
 
 fn mean_json(measure: &Measure) -> (&str, Value) {
@@ -168,23 +141,6 @@ fn mean_json(measure: &Measure) -> (&str, Value) {
         "most": of(|spread| spread.most),
     });
     (measure.key.as_str(), mean)
-}
-
-fn differences_json(differences: &Differences) -> Object {
-    let each = differences.measures.iter();
-    let mut all = object(
-        each.clone()
-            .map(|one| (one.measure.key.as_str(), one.value)),
-    );
-    all.extend(values(&differences.of_curves));
-    let errors =
-        object(each.filter_map(|one| Some((one.measure.key.as_str(), one.standard_error?))));
-    let curves = object(differences.curves.iter().map(|(key, curve)| (*key, curve)));
-    let mut map = object([("differences", all), ("curves_of_differences", curves)]);
-    if !errors.is_empty() {
-        map.extend(object([("standard_errors_of_differences", errors)]));
-    }
-    map
 }
 
 #[cfg(test)]

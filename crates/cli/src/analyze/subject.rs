@@ -6,17 +6,17 @@ use tilescope_analysis::measures::{
     Average, DifferenceCurve, MeanCurve, MeanPeriodogram, MeasureError, PowerCurve, Spectrum,
 };
 
-use super::curve::Curve;
+use super::curve::{Curve, rows};
 use super::measure::{Measure, of_mean_power};
 use super::measured::{Common, MeasuredSet, Member};
 
 /// A column of the tables.
 pub struct Subject {
-    /// Its name in CSV and JSON: the file as it was given.
+    /// Its name in CSV and JSON: the path of the file as the command line has it.
     pub name: String,
-    /// Its name in notes and differences: short, and of no other subject.
+    /// Its name in notes and differences: short and unique.
     pub label: String,
-    /// Its heading in tables and charts: the label, which says so of the reference.
+    /// Its heading in tables and charts: the label, marked if it is the reference.
     pub title: String,
     pub region: Region,
     /// Whether it is the average of `members`; otherwise it is its one member.
@@ -31,12 +31,14 @@ pub struct Subject {
     correlations: MeanCurve,
 }
 
-type Bands<'a> = Option<&'a Vec<[f64; 2]>>;
-
 /// Returns the curves of a subject; annuli without an anisotropy are left out.
-fn curves(spectrum: &Spectrum, power: Bands<'_>, pairs: Curve) -> [(&'static str, Curve); 3] {
+fn curves(
+    spectrum: &Spectrum,
+    bands: Option<&Vec<[f64; 2]>>,
+    pairs: Curve,
+) -> [(&'static str, Curve); 3] {
     [
-        ("power", Curve::new(&spectrum.power(), power)),
+        ("power", Curve::new(&spectrum.power(), bands)),
         ("anisotropy_db", Curve::new(&spectrum.anisotropy(), None)),
         ("pair_correlation", pairs),
     ]
@@ -90,7 +92,7 @@ impl Subject {
     }
 }
 
-/// An average in the making.
+/// An average to which sets are added one by one.
 #[derive(Default)]
 pub struct Population {
     common: Option<Common>,
@@ -106,7 +108,7 @@ pub struct Population {
 }
 
 impl Population {
-    /// Returns what the first set decided for the others.
+    /// Returns the settings of the first set, which all others share.
     pub const fn common(&self) -> Option<&Common> {
         self.common.as_ref()
     }
@@ -144,26 +146,19 @@ impl Population {
             return Ok(None);
         };
         let spectrum = Spectrum::of(&mean)?;
-        let power_bands = match &spectrum.bands {
-            Some(bands) => Some(bands.clone()),
-            None => powers.band(Spectrum::LEVEL)?,
-        };
+        let of_spread = powers.band(Spectrum::LEVEL)?;
+        let power_bands = spectrum.bands.clone().or(of_spread);
         let smooth = self.smooth.filter(|_| !self.lacks_smooth);
-        let smooth = smooth.and_then(|(frequencies, powers)| {
-            PowerCurve::new(frequencies, powers.means().to_vec()).ok()
-        });
+        let smooth =
+            smooth.and_then(|(nu, powers)| PowerCurve::new(nu, powers.means().to_vec()).ok());
         let mut measures = means(&self.members)?;
         measures.extend(of_mean_power(smooth.as_ref()));
-        let pair_points: Vec<[f64; 2]> = (self.distances.iter().zip(correlations.means()))
-            .map(|(&x, &g)| [x, g])
-            .collect();
-        let pairs = Curve::new(&pair_points, correlations.band(Spectrum::LEVEL)?.as_ref());
-        let name = match self.members.len() {
-            1 => "average of 1 set".to_owned(),
-            sets => format!("average of {sets} sets"),
-        };
+        let bands = correlations.band(Spectrum::LEVEL)?;
+        let pairs = Curve::new(&rows(&self.distances, correlations.means()), bands.as_ref());
+        let sets = self.members.len();
+        let plural = if sets == 1 { "" } else { "s" };
         Ok(Some(Subject {
-            name,
+            name: format!("average of {sets} set{plural}"),
             label: String::new(),
             title: String::new(),
             region: mean.region,

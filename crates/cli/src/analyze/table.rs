@@ -1,5 +1,5 @@
-//! Tables of measures: one row per measure, one column per set. Wide tables are split between sets, which table
-//! libraries do not do.
+//! Tables of measures: one row per measure, one column per set. Wide tables are split between sets; table libraries do
+//! not do that.
 
 use std::fmt::Write;
 
@@ -29,7 +29,7 @@ pub struct Table {
 pub struct Column {
     pub name: String,
     pub cells: Vec<String>,
-    /// Whether it is never parted from the column before it.
+    /// Whether it stays beside the column before it.
     joined: bool,
 }
 
@@ -72,7 +72,7 @@ fn columns(subject: &Subject, rows: &[Measure]) -> Vec<Column> {
         region_text(&subject.region),
         origin(&subject.members),
     ];
-    // Means of whole numbers have a decimal, and errors have one more than what they are errors of.
+    // Means of whole numbers have one decimal, and errors have one more than their measure.
     let mean = |own: &Measure| own.text(own.value, usize::from(several && own.decimals == 0));
     let mut columns = vec![column(&subject.title, words, &mean)];
     if several {
@@ -140,17 +140,13 @@ pub fn files(members: &[Member]) -> Table {
             let own = &member.measures[index];
             own.text(own.value, 0)
         };
-        Column::new(
-            &with_unit(&measure.label, measure.unit),
-            members.iter().map(cell),
-        )
+        let name = with_unit(&measure.label, measure.unit);
+        Column::new(&name, members.iter().map(cell))
     };
+    let row = |member: &Member| (member.name.clone(), "");
     Table {
         head: "file".to_owned(),
-        rows: members
-            .iter()
-            .map(|member| (member.name.clone(), ""))
-            .collect(),
+        rows: members.iter().map(row).collect(),
         columns: measures.iter().enumerate().map(column).collect(),
     }
 }
@@ -166,18 +162,12 @@ fn character_count(text: &str) -> usize {
     text.chars().count()
 }
 
-/// Returns a table as aligned text, in as many parts as its width asks for.
+/// Returns a table as aligned text, in several parts if it is wide.
 pub fn text(table: &Table) -> String {
-    let labels = table
-        .rows
-        .iter()
-        .map(|(label, unit)| with_unit(label, unit));
-    let labels: Vec<String> = labels.collect();
-    let first = labels
-        .iter()
-        .chain([&table.head])
-        .map(|text| character_count(text));
-    let first = first.max().unwrap_or(0);
+    let labels = table.rows.iter();
+    let labels: Vec<String> = labels.map(|(label, unit)| with_unit(label, unit)).collect();
+    let first = labels.iter().chain([&table.head]);
+    let first = first.map(|text| character_count(text)).max().unwrap_or(0);
     let mut parts: Vec<String> = Vec::new();
     let mut rest = &table.columns[..];
     while !rest.is_empty() {
@@ -192,7 +182,7 @@ pub fn text(table: &Table) -> String {
         };
         line(&table.head, &|column| column.name.clone());
         for (row, label) in labels.iter().enumerate() {
-            // Rows of text have cells in a subject's first column only: leave them out of parts where all are empty.
+            // Rows of text have cells only in the first column of a subject: leave them out of parts where all are empty.
             if parts.is_empty() || part.iter().any(|column| !column.cells[row].is_empty()) {
                 line(label, &|column| column.cells[row].clone());
             }
@@ -203,14 +193,14 @@ pub fn text(table: &Table) -> String {
     parts.join("\n")
 }
 
-/// Returns the characters of a column, with the gap before it.
+/// Returns the width of a column in characters, with the gap before it.
 fn width(column: &Column) -> usize {
     let cells = column.cells.iter().map(|cell| character_count(cell));
     GAP + cells.max().unwrap_or(0).max(character_count(&column.name))
 }
 
-/// Returns how many of the columns are a part: those of as many subjects as fit into `most` characters, and of at least
-/// one.
+/// Returns the number of columns of the next part: those of as many subjects as fit into `most` characters, and of at
+/// least one.
 fn end_of_part(columns: &[Column], most: usize) -> usize {
     let ends = (1..=columns.len()).filter(|&end| columns.get(end).is_none_or(|next| !next.joined));
     let fits = |end: &usize| columns[..*end].iter().map(width).sum::<usize>() <= most;

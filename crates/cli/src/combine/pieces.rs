@@ -1,4 +1,4 @@
-//! The sets of a layout: read and checked, or made, on all threads at once.
+//! Reads and checks, or makes, the sets of a layout on all threads.
 
 use std::fs;
 use std::ops::ControlFlow;
@@ -6,7 +6,7 @@ use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
-use anyhow::{Context, Result, ensure};
+use anyhow::{Result, ensure};
 use serde::Serialize;
 use serde_json::{Value, json};
 use tilescope_analysis::Region;
@@ -17,9 +17,10 @@ use tilescope_core::{Boundary, Pattern, Progress};
 use crate::interrupt;
 use crate::options::UNIT_SQUARE;
 use crate::parameters::set_of_file;
+use crate::paths::InFile;
 use crate::progress::Bar;
 
-/// The longest file of a set: as many samples as a result may have, of 40 bytes.
+/// The longest file of a set, in bytes: as many samples as a result may have, of 40 bytes each.
 const MAX_FILE_BYTES: u64 = 8_000_000_000;
 
 /// The number and sources of the pieces.
@@ -35,15 +36,13 @@ pub struct Census {
 
 impl Census {
     fn new(pieces: &[PlacedPiece], folder: &Path, seconds: f64) -> Self {
-        let mut kinds = [0; 3];
-        for piece in pieces {
-            kinds[match piece.source {
-                PieceSource::File { .. } => 0,
-                PieceSource::Run { .. } => 1,
-                PieceSource::Reference { .. } => 2,
-            }] += 1;
-        }
+        let kind = |piece: &PlacedPiece| match piece.source {
+            PieceSource::File { .. } => 0,
+            PieceSource::Run { .. } => 1,
+            PieceSource::Reference { .. } => 2,
+        };
         let source = |piece: &PlacedPiece| described(&piece.source, folder);
+        let kinds = [0, 1, 2].map(|k| pieces.iter().filter(|piece| kind(piece) == k).count());
         Self {
             count: pieces.len(),
             sources: pieces.iter().map(source).collect(),
@@ -62,7 +61,7 @@ impl Census {
     }
 }
 
-/// Returns what the output says of a source.
+/// Returns the method and seed, or the file, of a source.
 fn described(source: &PieceSource, folder: &Path) -> Value {
     match source {
         PieceSource::File { path, .. } => {
@@ -103,7 +102,7 @@ fn set(source: &PieceSource, folder: &Path) -> Result<Set> {
             boundary,
         } => {
             let path = folder.join(path);
-            file(&path, *radius, *size, *boundary).with_context(|| path.display().to_string())
+            file(&path, *radius, *size, *boundary).in_file(&path)
         }
         PieceSource::Reference { seed, own } => Ok(Set::of_reference(*own, *seed, &mut observer)?),
         PieceSource::Run { parameters, .. } => {

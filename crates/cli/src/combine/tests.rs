@@ -32,25 +32,25 @@ pub fn written(folder: &TempDir, layout: &Value) -> PathBuf {
 }
 
 /// Glues a layout and returns the set, judged by the independent verifier.
-pub fn judged(path: &Path) -> Glued {
-    let glued = glue(path).unwrap();
-    let facts = &glued.made.facts;
+pub fn judged(path: &Path) -> (Made, Census, usize) {
+    let (made, census, seams) = glue(path).unwrap();
+    let facts = &made.facts;
     let report = make::judge(
-        &glued.made.set.points,
+        &made.set.points,
         facts.region,
         facts.radius,
         &tilescope_analysis::VerifyOptions::default(),
     )
     .unwrap();
     assert!(report.valid(), "{report:?}");
-    glued
+    (made, census, seams)
 }
 
 /// Saves a reference set of [0, 2] x [0, 2] with radius 0.1, and returns its positions.
 pub fn save_reference(folder: &TempDir, name: &str, boundary: Boundary) -> Vec<[f64; 2]> {
     let domain = Domain::from_size([2.0, 2.0], 0.1, boundary).unwrap();
     let points = reference_sample(domain, 5, &mut Unobserved).unwrap();
-    let positions = make::positions(&domain, &points);
+    let positions = domain.users_from_lattice(&points);
     let context = ExportContext::new(region(&domain), 0.1);
     let set = PointSet::from_points(positions.clone());
     let path = folder.path().join(name);
@@ -69,13 +69,13 @@ pub fn arguments(words: &[&str]) -> CombineArguments {
 /// The paper's Fig. 12. The digest is pinned: another one is another set.
 #[test]
 fn nine_sets_become_one() {
-    let glued = judged(Path::new(NINE));
-    let set = &glued.made.set;
+    let (made, _, seams) = judged(Path::new(NINE));
+    let set = &made.set;
     let blocks = set.provenance.iter().flatten().map(|from| from.block);
     let blocks: HashSet<u32> = blocks.collect();
     assert_eq!(blocks.len(), 10, "nine pieces and what was inserted");
-    assert_eq!(glued.seams, 18);
-    let summary = glued.made.facts.summary.as_ref().unwrap();
+    assert_eq!(seams, 18);
+    let summary = made.facts.summary.as_ref().unwrap();
     assert!(summary.eliminated > 500 && summary.inserted.iter().sum::<usize>() > 50);
     assert_eq!(
         (set.len(), positions_digest(&set.points).as_str()),
@@ -132,9 +132,9 @@ fn sets_of_every_kind_are_glued_in_both_boundaries() {
         let positions = save_reference(&folder, "b.csv", Boundary::Bounded);
         let lines: Vec<String> = positions.iter().map(|[x, y]| format!("{x} {y}")).collect();
         fs::write(folder.path().join("c.txt"), lines.join("\n")).unwrap();
-        let glued = judged(&written(&folder, &every_kind(boundary)));
-        assert_eq!(glued.census.kinds, [3, 2, 1]);
-        let stated = &glued.made.facts.parameters["layout"];
+        let (made, census, _) = judged(&written(&folder, &every_kind(boundary)));
+        assert_eq!(census.kinds, [3, 2, 1]);
+        let stated = &made.facts.parameters["layout"];
         assert_eq!(stated["pieces"][3]["file"], "b.csv");
         assert!(
             stated["pieces"][3]["digest"]
@@ -171,8 +171,8 @@ fn a_periodic_file_in_its_own_domain_comes_back_unchanged() {
     let mut layout = json!({
         "version": 1, "radius": 0.1, "columns": [2], "rows": [2], "pieces": [{ "file": "a.csv" }],
     });
-    let glued = judged(&written(&folder, &layout));
-    assert_eq!((glued.made.set.points, glued.seams), (positions.clone(), 0));
+    let (made, _, seams) = judged(&written(&folder, &layout));
+    assert_eq!((made.set.points, seams), (positions.clone(), 0));
     // Cut in four that continue each other, too.
     layout["columns"] = json!([0.3, 1.7]);
     layout["rows"] = json!([1.1, 0.9]);
@@ -183,6 +183,6 @@ fn a_periodic_file_in_its_own_domain_comes_back_unchanged() {
         piece(0.0, 1.1),
         piece(0.3, 1.1)
     ]);
-    let glued = judged(&written(&folder, &layout));
-    assert_eq!((glued.made.set.points, glued.seams), (positions, 0));
+    let (made, _, seams) = judged(&written(&folder, &layout));
+    assert_eq!((made.set.points, seams), (positions, 0));
 }

@@ -1,16 +1,19 @@
-//! Why there is no GPU adapter: whether the Vulkan loader is installed, which drivers announce themselves to it, and which
-//! variable names another one. It looks at files only; nothing is loaded.
+//! Finds out why there is no GPU adapter: whether the Vulkan loader is installed, which drivers announce themselves to
+//! it, and which variable names another one. It reads files only, and loads no library.
 
 use std::collections::BTreeSet;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
-use serde_json::{Value, json};
+use serde::Serialize;
+use serde_json::Value;
+
+use crate::paths::extension;
 
 /// The library through which programs find Vulkan drivers.
 const LOADER: &str = "libvulkan.so.1";
 
-/// Each lists driver files in place of all directories; the second is the older name.
+/// Either lists driver files, and then the loader reads no directories; the second is the older name.
 const VARIABLES: [&str; 2] = ["VK_DRIVER_FILES", "VK_ICD_FILENAMES"];
 
 /// Directories of libraries, besides those of `LD_LIBRARY_PATH` and of the system's cache.
@@ -24,22 +27,34 @@ const LIBRARIES: [&str; 6] = [
 ];
 
 /// The part of a system that makes GPUs available to programs.
-#[derive(Debug)]
+#[derive(Debug, Serialize)]
 pub struct Drivers {
     loader: Option<PathBuf>,
     /// The variable that lists driver files, if one is set.
-    variable: Option<(&'static str, String)>,
-    /// The directories that are looked in where no variable is set.
+    variable: Option<Variable>,
+    /// The directories that the loader reads if no variable is set.
     looked_in: Vec<PathBuf>,
+    #[serde(rename = "drivers")]
     files: Vec<DriverFile>,
 }
 
+/// A variable of the environment.
+#[derive(Debug, Serialize)]
+struct Variable {
+    name: &'static str,
+    value: String,
+}
+
 /// A file that announces a driver.
-#[derive(Debug)]
+#[derive(Debug, Serialize)]
 struct DriverFile {
     path: PathBuf,
-    /// Its library as the file names it, or why the file is unusable.
-    library: Result<String, String>,
+    /// Its library as the file names it, if the file is usable.
+    library: Option<String>,
+    /// Why it is not usable.
+    fault: Option<String>,
+    /// Whether the library is installed.
+    #[serde(rename = "found")]
     is_found: bool,
 }
 
@@ -50,7 +65,7 @@ struct System<'a> {
 }
 
 impl Drivers {
-    /// Looks for them; none where drivers are not found by files, as on Windows and macOS.
+    /// Returns the drivers of this system; `None` on Windows and macOS, where files do not announce drivers.
     pub fn find() -> Option<Self> {
         let system = System {
             root: Path::new("/"),
@@ -59,7 +74,7 @@ impl Drivers {
         cfg!(target_os = "linux").then(|| system.drivers())
     }
 
-    /// Returns what was found, a sentence a line.
+    /// Returns a line for each finding, and advice if no driver is installed.
     pub fn text(&self) -> String {
         let mut lines = vec![match &self.loader {
             Some(path) => format!("The Vulkan loader is {}.", path.display()),
@@ -67,19 +82,15 @@ impl Drivers {
                 "The Vulkan loader {LOADER} is not installed (Debian, Ubuntu: libvulkan1; Fedora: vulkan-loader)."
             ),
         }];
-        if let Some((name, value)) = &self.variable {
-            lines.push(format!(
-                "{name} is {value}: other drivers are not looked for."
-            ));
+        if let Some(Variable { name, value }) = &self.variable {
+            let others = "other drivers are not looked for";
+            lines.push(format!("{name} is {value}: {others}."));
         }
         lines.extend(self.files.iter().map(DriverFile::text));
         if self.files.is_empty() && self.variable.is_none() {
             let directories = self.looked_in.iter().map(|path| path.display().to_string());
-            let directories: Vec<String> = directories.collect();
-            lines.push(format!(
-                "No driver announces itself in {}.",
-                directories.join(", ")
-            ));
+            let directories = directories.collect::<Vec<_>>().join(", ");
+            lines.push(format!("No driver announces itself in {directories}."));
         }
         if !self.files.iter().any(|file| file.is_found) {
             lines.push(format!(
@@ -90,34 +101,21 @@ impl Drivers {
         }
         lines.join("\n")
     }
-
-    pub fn json(&self) -> Value {
-        let file = |file: &DriverFile| {
-            json!({
-                "path": file.path,
-                "library": file.library.as_ref().ok(),
-                "fault": file.library.as_ref().err(),
-                "found": file.is_found,
-            })
-        };
-        let variable = self.variable.as_ref();
-        json!({
-            "loader": self.loader,
-            "variable": variable.map(|(name, value)| json!({ "name": name, "value": value })),
-            "looked_in": self.looked_in,
-            "drivers": self.files.iter().map(file).collect::<Vec<_>>(),
-        })
-    }
 }
 
 impl DriverFile {
     fn text(&self) -> String {
         let path = self.path.display();
-        match &self.library {
-            Ok(library) if self.is_found => format!("{path} announces the driver {library}."),
-            Ok(library) => format!("{path} announces the driver {library}, which is not there."),
-            Err(reason) => format!("{path} announces no driver: {reason}."),
+        if let Some(fault) = &self.fault {
+            return format!("{path} announces no driver: {fault}.");
         }
+        let library = self.library.as_deref().unwrap_or_default();
+        let missing = if self.is_found {
+            ""
+        } else {
+            ", which is not there"
+        };
+        format!("{path} announces the driver {library}{missing}.")
     }
 }
 
@@ -125,23 +123,26 @@ impl System<'_> {
     fn drivers(&self) -> Drivers {
         let set = |name: &'static str| Some((name, (self.variable)(name)?));
         let variable = VARIABLES.into_iter().find_map(set);
-        let looked_in = variable
-            .as_ref()
-            .map_or_else(|| self.directories(), |_| Vec::new());
-        let found = looked_in.iter().flat_map(|path| self.json_files(path));
-        let given = variable
-            .iter()
-            .flat_map(|(_, value)| std::env::split_paths(value));
-        let paths: BTreeSet<PathBuf> = found.chain(given).collect();
+        let mut looked_in = Vec::new();
+        let paths: BTreeSet<PathBuf> = if let Some((_, value)) = &variable {
+            std::env::split_paths(value).collect()
+        } else {
+            looked_in = self.directories();
+            let files = looked_in.iter().flat_map(|path| self.json_files(path));
+            files.collect()
+        };
         Drivers {
             loader: self.library(LOADER),
-            variable: variable.map(|(name, value)| (name, value.to_string_lossy().into_owned())),
+            variable: variable.map(|(name, value)| Variable {
+                name,
+                value: value.to_string_lossy().into_owned(),
+            }),
             looked_in,
             files: paths.into_iter().map(|path| self.driver(path)).collect(),
         }
     }
 
-    /// The directories in which the loader looks for drivers, in its sequence.
+    /// The directories that the loader searches for drivers, in its order.
     fn directories(&self) -> Vec<PathBuf> {
         let home = (self.variable)("HOME").map(PathBuf::from);
         let under_home = |name: &str, default: &str| {
@@ -161,29 +162,25 @@ impl System<'_> {
     }
 
     fn json_files(&self, directory: &Path) -> Vec<PathBuf> {
-        let Ok(entries) = std::fs::read_dir(self.real(directory)) else {
-            return Vec::new();
-        };
-        let paths = entries
-            .flatten()
-            .map(|entry| directory.join(entry.file_name()));
-        let is_json = |path: &PathBuf| path.extension().is_some_and(|ext| ext == "json");
-        paths.filter(is_json).collect()
+        let entries = std::fs::read_dir(self.real(directory)).into_iter();
+        let names = entries.flatten().flatten().map(|entry| entry.file_name());
+        let paths = names.map(|name| directory.join(name));
+        paths.filter(|path| extension(path) == "json").collect()
     }
 
     fn driver(&self, path: PathBuf) -> DriverFile {
         let library = self.library_of(&path);
         let is_found = library.as_ref().is_ok_and(|name| {
             if name.contains('/') {
-                let beside = path.parent().unwrap_or(Path::new("/")).join(name);
-                self.real(&beside).exists()
+                self.real(&path.with_file_name(name)).exists()
             } else {
                 self.library(name).is_some()
             }
         });
         DriverFile {
             path,
-            library,
+            fault: library.as_ref().err().cloned(),
+            library: library.ok(),
             is_found,
         }
     }
@@ -195,7 +192,7 @@ impl System<'_> {
         library.ok_or_else(|| "it has no ICD.library_path".to_owned())
     }
 
-    /// The path of a library, where a program would find it.
+    /// The path under which a program would find a library.
     fn library(&self, name: &str) -> Option<PathBuf> {
         let given = (self.variable)("LD_LIBRARY_PATH").unwrap_or_default();
         let directories = std::env::split_paths(&given).chain(LIBRARIES.map(PathBuf::from));
@@ -208,13 +205,9 @@ impl System<'_> {
     fn cached(&self, name: &str) -> Vec<PathBuf> {
         let cache = std::fs::read(self.real(Path::new("/etc/ld.so.cache"))).unwrap_or_default();
         let strings = cache.split(|&byte| byte == 0);
-        let texts = strings.filter_map(|bytes| str::from_utf8(bytes).ok());
-        let paths = texts
-            .filter(|text| text.starts_with('/'))
-            .map(PathBuf::from);
-        paths
-            .filter(|path| path.file_name().is_some_and(|file| file == name))
-            .collect()
+        let paths = strings.filter_map(|bytes| str::from_utf8(bytes).ok().map(PathBuf::from));
+        let is_library = |path: &PathBuf| path.is_absolute() && path.ends_with(name);
+        paths.filter(is_library).collect()
     }
 
     fn real(&self, path: &Path) -> PathBuf {

@@ -14,36 +14,18 @@ const POLICY: &str = "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; 
 const EXAMPLE_POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; \
     frame-src 'self' http://localhost:* https://localhost:* http://127.0.0.1:* https://127.0.0.1:*; base-uri 'none'; form-action 'none'";
 
+/// Devices that pages cannot use.
+const PERMISSIONS: &str = "camera=(), geolocation=(), microphone=()";
+
 /// Browsers check each time whether the file has changed.
 const CHECK: HeaderValue = HeaderValue::from_static("no-cache");
 /// Browsers keep the file and do not check.
 const KEEP: HeaderValue = HeaderValue::from_static("public, max-age=31536000, immutable");
 
-/// Returns the media type of a file, by its extension.
-fn kind(file: &Path) -> &'static str {
-    match file.extension().and_then(|ending| ending.to_str()) {
-        Some("html") => "text/html; charset=utf-8",
-        Some("js") => "text/javascript; charset=utf-8",
-        Some("css") => "text/css; charset=utf-8",
-        Some("wasm") => "application/wasm",
-        Some("webmanifest") => "application/manifest+json",
-        Some("json") => "application/json",
-        Some("txt" | "md") => "text/plain; charset=utf-8",
-        Some("svg") => "image/svg+xml",
-        Some("png") => "image/png",
-        Some("webp") => "image/webp",
-        Some("ico") => "image/x-icon",
-        _ => "application/octet-stream",
-    }
-}
-
 /// Returns whether a file's name ends with a hash of its content, as `web/build` names files: `main-0123456789ab.js`.
 fn is_hashed(file: &Path) -> bool {
-    let hash = file
-        .file_stem()
-        .and_then(|stem| stem.to_str())
-        .and_then(|stem| stem.rsplit_once('-'));
-    hash.is_some_and(|(_, hash)| {
+    let stem = file.file_stem().unwrap_or_default().to_string_lossy();
+    stem.rsplit_once('-').is_some_and(|(_, hash)| {
         let is_digit = |byte: u8| byte.is_ascii_digit() || (b'a'..=b'f').contains(&byte);
         hash.len() >= 12 && hash.bytes().all(is_digit)
     })
@@ -57,10 +39,7 @@ pub fn add_always(headers: &mut HeaderMap) {
         // Other origins may show the page in a frame; they may not read its files.
         ("cross-origin-resource-policy", "same-origin"),
         ("cross-origin-opener-policy", "same-origin"),
-        (
-            "permissions-policy",
-            "camera=(), geolocation=(), microphone=()",
-        ),
+        ("permissions-policy", PERMISSIONS),
     ] {
         let name = HeaderName::from_static(name);
         headers.insert(name, HeaderValue::from_static(value));
@@ -69,13 +48,18 @@ pub fn add_always(headers: &mut HeaderMap) {
 
 /// Adds the headers of the file `file`, whose path in the folder is `path`.
 pub fn add(headers: &mut HeaderMap, file: &Path, path: &str) {
-    let policy = if path.starts_with("/example/") {
-        EXAMPLE_POLICY
-    } else {
-        POLICY
-    };
+    let is_example = path.starts_with("/example/");
+    let policy = if is_example { EXAMPLE_POLICY } else { POLICY };
     headers.insert(CONTENT_SECURITY_POLICY, HeaderValue::from_static(policy));
-    headers.insert(CONTENT_TYPE, HeaderValue::from_static(kind(file)));
+    // The media type is there already, from the extension. All texts are UTF-8.
+    let kind = headers
+        .get(CONTENT_TYPE)
+        .and_then(|kind| kind.to_str().ok());
+    if let Some(kind) = kind.filter(|kind| kind.starts_with("text/"))
+        && let Ok(kind) = HeaderValue::from_str(&format!("{kind}; charset=utf-8"))
+    {
+        headers.insert(CONTENT_TYPE, kind);
+    }
     let keep = if is_hashed(file) { KEEP } else { CHECK };
     headers.insert(CACHE_CONTROL, keep);
 }

@@ -8,10 +8,10 @@ use anyhow::{Context, Result};
 use axum::Router;
 use axum::body::Body;
 use axum::extract::{Request, State};
-use axum::http::header::{ALLOW, CONTENT_TYPE, HOST, HeaderValue};
+use axum::http::header::{ALLOW, HOST};
 use axum::http::uri::Authority;
 use axum::http::{Method, StatusCode};
-use axum::response::Response;
+use axum::response::{IntoResponse, Response};
 use tower_http::services::ServeFile;
 
 use super::{headers, within};
@@ -21,8 +21,8 @@ use super::{headers, within};
 pub struct ServedFolder {
     /// Canonical.
     folder: PathBuf,
-    /// Whether requests must name this machine as their host. Otherwise a foreign page could point its own host name at this
-    /// machine's address and read what is served here (DNS rebinding).
+    /// Whether requests must name this machine as their host. Otherwise a foreign page could point its own host name at
+    /// this machine's address and read the served files (DNS rebinding).
     local: bool,
 }
 
@@ -40,13 +40,13 @@ impl ServedFolder {
         &self.folder
     }
 
-    /// Returns what answers every request.
+    /// Returns the router, which answers every request.
     pub fn router(self) -> Router {
         Router::new().fallback(answer).with_state(Arc::new(self))
     }
 
-    /// Returns whether the host that a request names may be answered.
-    fn is_called_rightly(&self, request: &Request) -> bool {
+    /// Returns whether the host of a request is allowed.
+    fn allows_host(&self, request: &Request) -> bool {
         if !self.local {
             return true;
         }
@@ -70,24 +70,18 @@ fn is_local(name: &str) -> bool {
         return false;
     }
     let host = name.host();
-    let bare = host
-        .strip_prefix('[')
-        .and_then(|host| host.strip_suffix(']'));
-    let address = bare.unwrap_or(host).parse::<IpAddr>();
+    let address = host.trim_start_matches('[').trim_end_matches(']');
+    let address = address.parse::<IpAddr>();
     host.eq_ignore_ascii_case("localhost") || address.is_ok_and(|address| address.is_loopback())
 }
 
 async fn answer(State(site): State<Arc<ServedFolder>>, request: Request) -> Response {
-    let mut response = if !site.is_called_rightly(&request) {
-        refusal(
-            StatusCode::MISDIRECTED_REQUEST,
-            "This server answers as localhost, 127.0.0.1 or [::1] alone.\n",
-        )
+    let mut response = if !site.allows_host(&request) {
+        let reason = "The host must be localhost, 127.0.0.1 or [::1].\n";
+        (StatusCode::MISDIRECTED_REQUEST, reason).into_response()
     } else if ![Method::GET, Method::HEAD].contains(request.method()) {
-        let mut response = refusal(StatusCode::METHOD_NOT_ALLOWED, "Files can only be read.\n");
-        let allowed = HeaderValue::from_static("GET, HEAD");
-        response.headers_mut().insert(ALLOW, allowed);
-        response
+        let (status, allowed) = (StatusCode::METHOD_NOT_ALLOWED, [(ALLOW, "GET, HEAD")]);
+        (status, allowed, "Files can only be read.\n").into_response()
     } else {
         file(&site, request).await
     };
@@ -97,7 +91,7 @@ async fn answer(State(site): State<Arc<ServedFolder>>, request: Request) -> Resp
 
 async fn file(site: &ServedFolder, request: Request) -> Response {
     let path = request.uri().path().to_owned();
-    let missing = || refusal(StatusCode::NOT_FOUND, "There is no such file.\n");
+    let missing = || (StatusCode::NOT_FOUND, "There is no such file.\n").into_response();
     let Some(file) = within::file(&site.folder, &path) else {
         return missing();
     };
@@ -113,14 +107,6 @@ async fn file(site: &ServedFolder, request: Request) -> Response {
     if status.is_success() || status == StatusCode::NOT_MODIFIED {
         headers::add(response.headers_mut(), &file, &path);
     }
-    response
-}
-
-fn refusal(status: StatusCode, sentence: &'static str) -> Response {
-    let mut response = Response::new(Body::from(sentence));
-    *response.status_mut() = status;
-    let kind = HeaderValue::from_static("text/plain; charset=utf-8");
-    response.headers_mut().insert(CONTENT_TYPE, kind);
     response
 }
 

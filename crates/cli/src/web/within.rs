@@ -1,66 +1,34 @@
-//! From the path of a request to a file within a folder. Paths that are not plain file names are refused before the file
-//! system is asked; so are links that lead out of the folder. `ServeDir` would serve hidden files and follow such links.
+//! From the path of a request to a file within a folder. `ServeDir` would serve hidden files, and follow links that lead
+//! out of the folder.
 
 use std::path::{Path, PathBuf};
 
-/// The longest path, in bytes, as it is written in a request.
-const MAX_BYTES: usize = 1024;
+use percent_encoding::percent_decode_str;
 
-/// Returns the decoded parts of a request's path, or `None` if one of them is not a plain name. Names that begin with a
-/// dot are not plain, nor are names with characters that are special on some system: slashes of either kind, colons,
-/// control characters.
-fn parts(path: &str) -> Option<Vec<String>> {
-    if path == "/" {
-        return Some(vec!["index.html".to_owned()]);
-    }
-    if path.len() > MAX_BYTES {
-        return None;
-    }
-    let is_plain = |part: &String| {
-        !part.is_empty()
-            && !part.starts_with('.')
-            && !part.contains(['/', '\\', ':'])
-            && !part.chars().any(char::is_control)
-    };
-    let parts = path.strip_prefix('/')?.split('/');
-    parts.map(|part| decoded(part).filter(is_plain)).collect()
-}
-
-/// Decodes percent escapes, once; `None` if one is broken or the text is not UTF-8.
-fn decoded(text: &str) -> Option<String> {
-    let mut bytes = Vec::with_capacity(text.len());
-    let mut rest = text.bytes();
-    while let Some(byte) = rest.next() {
-        if byte != b'%' {
-            bytes.push(byte);
-            continue;
-        }
-        let mut digit = || char::from(rest.next()?).to_digit(16);
-        bytes.push((digit()? * 16 + digit()?) as u8);
-    }
-    String::from_utf8(bytes).ok()
-}
-
-/// Returns the file that a request's path means. It and its compressed copies lie within `folder`, links followed;
-/// `folder` is canonical.
+/// Returns the file of a request's path, if the file and its compressed copies lie within `folder`, links followed.
+/// `folder` is canonical. Names that begin with a dot are refused; so are characters that are special on some system:
+/// slashes of either kind, colons, control characters.
 pub fn file(folder: &Path, path: &str) -> Option<PathBuf> {
+    let path = if path == "/" { "/index.html" } else { path };
     let mut named = folder.to_owned();
-    named.extend(parts(path)?);
-    let file = named.canonicalize().ok()?;
-    if !file.starts_with(folder) || !file.is_file() {
-        return None;
+    for part in path.strip_prefix('/')?.split('/') {
+        let part = percent_decode_str(part).decode_utf8().ok()?;
+        let is_special = |c: char| "/\\:".contains(c) || c.is_control();
+        if part.is_empty() || part.starts_with('.') || part.contains(is_special) {
+            return None;
+        }
+        named.push(&*part);
     }
-    for ending in [".br", ".gz"] {
+    let file = named.canonicalize().ok()?;
+    // Without a copy the file itself is served; a broken link fails when it is opened.
+    let is_outside = |ending| {
         let mut copy = file.clone().into_os_string();
         copy.push(ending);
-        let copy = PathBuf::from(copy);
-        match copy.canonicalize() {
-            Ok(copy) if !copy.starts_with(folder) => return None,
-            // Without a copy the file itself is served; a broken link fails when it is opened.
-            Ok(_) | Err(_) => {}
-        }
-    }
-    Some(file)
+        let copy = Path::new(&copy).canonicalize();
+        copy.is_ok_and(|copy| !copy.starts_with(folder))
+    };
+    let is_served = file.is_file() && !["", ".br", ".gz"].into_iter().any(is_outside);
+    is_served.then_some(file)
 }
 
 #[cfg(test)]
@@ -69,55 +37,70 @@ mod tests {
 
     #[test]
     fn plain_names_are_found() {
-        let parts = |path| parts(path).map(|parts| parts.join("|"));
-        assert_eq!(parts("/").as_deref(), Some("index.html"));
-        assert_eq!(parts("/a-1.js").as_deref(), Some("a-1.js"));
-        assert_eq!(
-            parts("/example/a%20b.js").as_deref(),
-            Some("example|a b.js")
-        );
-        assert_eq!(parts("/%C3%A4.js").as_deref(), Some("\u{e4}.js"));
+        let folder = tempfile::tempdir().unwrap();
+        let folder = folder.path().canonicalize().unwrap();
+        std::fs::create_dir(folder.join("example")).unwrap();
+        for (path, name) in [
+            ("/", "index.html"),
+            ("/a-1.js", "a-1.js"),
+            ("/example/a%20b.js", "example/a b.js"),
+            ("/%C3%A4.js", "\u{e4}.js"),
+            // Decoded once: what is left is a strange but plain name.
+            ("/%252e%252e", "%2e%2e"),
+        ] {
+            assert_eq!(file(&folder, path), None, "{path}");
+            std::fs::write(folder.join(name), "x").unwrap();
+            assert_eq!(file(&folder, path), Some(folder.join(name)), "{path}");
+        }
     }
 
     #[test]
     fn everything_else_is_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let folder = folder.path().canonicalize().unwrap();
+        std::fs::create_dir_all(folder.join("a/b")).unwrap();
+        // Each of these files exists, and would be served by a plain name.
+        for name in ["a/c", "a/b/d", ".git", "etc"] {
+            std::fs::write(folder.join(name), "x").unwrap();
+        }
+        assert!(file(&folder, "/a/c").is_some() && file(&folder, "/etc").is_some());
         for path in [
             "",
-            "a",
+            "etc",
             "*",
             "//",
             "/a/",
-            "//a",
-            "/a//b",
+            "//etc",
+            "/a//c",
             "/.",
             "/..",
-            "/../a",
-            "/a/../b",
-            "/%2e%2e/a",
-            "/%2E./a",
-            "/..%2fa",
+            "/../etc",
+            "/a/../etc",
+            "/a/b/../c",
+            "/a/%2e%2e/etc",
+            "/a/%2E./etc",
+            "/a/..%2fetc",
             "/%2fetc",
-            "/a%2fb",
-            "/a%5cb",
-            "/a\\b",
-            "/..\\a",
-            "/a%00",
-            "/a%0a",
-            "/c:/a",
+            "/a%2fc",
+            "/a%5cc",
+            "/a\\c",
+            "/..\\etc",
+            "/etc%00",
+            "/etc%0a",
+            "/c:/etc",
             "/c%3A",
             "/.git",
+            "/%2egit",
             "/%",
             "/%2",
             "/%zz",
             "/%+1",
             "/%ff",
-            "/%c0%ae%c0%ae/a",
+            "/%c0%ae%c0%ae/etc",
+            &format!("/{}", "a".repeat(5000)),
         ] {
-            assert_eq!(parts(path), None, "{path}");
+            assert_eq!(file(&folder, path), None, "{path}");
         }
-        assert_eq!(parts(&format!("/{}", "a".repeat(MAX_BYTES))), None);
-        // Decoded once: what is left is a strange but plain name.
-        assert_eq!(parts("/%252e%252e"), Some(vec!["%2e%2e".to_owned()]));
     }
 
     #[cfg(unix)]

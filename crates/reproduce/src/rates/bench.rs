@@ -3,6 +3,7 @@
 use std::error::Error;
 use std::sync::Arc;
 
+use serde::Serialize;
 use tilescope_core::{Key, Parameters, Pattern, Plane, Stream, Window};
 
 use super::{EngineRate, EngineTime, median, rows, sized, timed, times};
@@ -41,7 +42,7 @@ pub struct CpuRates {
 }
 
 /// Times of windows at random positions of a large plane.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize)]
 pub struct WindowTimes {
     /// Seconds of setting up the plane.
     pub plane_seconds: f64,

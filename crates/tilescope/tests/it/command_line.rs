@@ -323,7 +323,7 @@ const BAD: &[(&[&str], &str)] = &[
     (&["bench", "--leaf", "20", "5"], "the leaf is 5 r"),
     (
         &["draw", "good.csv", "a.png", "--window", "5", "5", "6", "6"],
-        "nothing of the domain",
+        "outside the domain",
     ),
     (&["convert", "bad.csv", "b.npy"], "zebra"),
     (&["draw", "empty.csv", "a.png"], "no points"),

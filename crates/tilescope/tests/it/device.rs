@@ -183,7 +183,7 @@ fn what_no_gpu_can_do_is_refused_in_a_sentence() {
         ),
         (
             &["sample", "--engine", "gpu", "--window", "0", "0", "1", "1"],
-            "--window needs the parallel engine: the others, the GPU's too",
+            "--window needs the parallel engine: the others, also the GPU's",
         ),
         (
             &["sample", "--engine", "parallel", "--gpu-adapter", "zebra"],
@@ -196,7 +196,7 @@ fn what_no_gpu_can_do_is_refused_in_a_sentence() {
         ),
         (
             &["bench", "--engine", "gpu", "--threads", "2"],
-            "runs against all threads",
+            "compares with all threads",
         ),
         (&["gpu", "--gpu-adapter", "zebra"], "no GPU adapter"),
     ] {

@@ -38,10 +38,10 @@ pub(super) struct Below {
     /// The height of it all.
     pub(super) height: f64,
     lines: Vec<String>,
-    entries: Vec<Entry>,
+    entries: Vec<LegendEntry>,
 }
 
-struct Entry {
+struct LegendEntry {
     layer: Layer,
     meaning: &'static str,
     /// The left edge, and the middle of the line.
@@ -68,7 +68,7 @@ impl Below {
                     (x, height) = (0.0, height + LINE_HEIGHT * size);
                 }
                 let at = [x, height + 0.5 * LINE_HEIGHT * size];
-                entries.push(Entry { layer, meaning, at });
+                entries.push(LegendEntry { layer, meaning, at });
                 x += wide;
             }
             height += LINE_HEIGHT * size;
@@ -99,7 +99,7 @@ impl Below {
         }
         let mut legend = Group::new("legend");
         let size = LEGEND_SIZE * width;
-        for Entry { layer, meaning, at } in &self.entries {
+        for LegendEntry { layer, meaning, at } in &self.entries {
             let [x, y] = [left + at[0], top + at[1]];
             let middle = [x + 0.5 * SYMBOL_WIDTH * size, y];
             let scale = size / FONT_OF_SYMBOLS;

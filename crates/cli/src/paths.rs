@@ -1,9 +1,21 @@
-//! Checks output paths before the work begins, so that a command does not fail only when it writes its result.
+//! Paths of files: named in errors, and checked before the work begins, so that a command does not fail only when it
+//! writes its result.
 
 use std::path::Path;
 
 use anyhow::{Result, bail, ensure};
 use tilescope_formats::{Format, FormatError, certificate_path, destination};
+
+/// Adds the path of a file to errors about it.
+pub trait InFile<T> {
+    fn in_file(self, path: &Path) -> Result<T>;
+}
+
+impl<T, E: Into<anyhow::Error>> InFile<T> for Result<T, E> {
+    fn in_file(self, path: &Path) -> Result<T> {
+        self.map_err(|error| error.into().context(path.display().to_string()))
+    }
+}
 
 /// Refuses a point set that could not be written at its end. `option` names a format.
 pub fn check_target(path: &Path, format: Option<Format>, option: &str) -> Result<()> {
