@@ -375,4 +375,4 @@ fn join(mut windows: Vec<WindowSamples>, with_sources: bool) -> Sampled {
 }
 
 #[cfg(test)]
-mod tests;
+mod device;
