@@ -37,7 +37,7 @@ mod rule;
 mod run;
 mod sets;
 mod study;
-mod table;
+mod texts;
 
 pub use control::{Planned, Watch};
 pub use error::ReproduceError;

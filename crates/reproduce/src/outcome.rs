@@ -88,23 +88,6 @@ pub struct Claim {
 }
 
 impl Claim {
-    /// Returns a claim with its section and the paper's observation, the measurement, and the verdict with its reason.
-    pub(crate) fn new(
-        [claim, place, paper]: [&str; 3],
-        ours: String,
-        verdict: Verdict,
-        reason: impl Into<String>,
-    ) -> Self {
-        Self {
-            claim: claim.to_owned(),
-            place: place.to_owned(),
-            paper: paper.to_owned(),
-            ours,
-            verdict,
-            reason: reason.into(),
-        }
-    }
-
     /// Returns whether the paper says it.
     #[must_use]
     pub fn is_of_the_paper(&self) -> bool {
@@ -146,9 +129,7 @@ pub struct Column {
 }
 
 impl Column {
-    /// A column of numbers.
-    #[must_use]
-    pub fn new(key: &str, head: &str, digits: usize) -> Self {
+    pub(crate) fn new(key: &str, head: &str, digits: usize) -> Self {
         Self {
             key: key.to_owned(),
             head: head.to_owned(),
@@ -171,37 +152,10 @@ pub enum Cell {
     Missing(()),
 }
 
-impl From<f64> for Cell {
-    fn from(value: f64) -> Self {
-        if value.is_finite() {
-            Self::Number(value)
-        } else {
-            Self::Missing(())
-        }
-    }
-}
-
-/// Makes values of other types into cells.
-macro_rules! cells {
-    ($($from:ty, $value:ident => $cell:expr;)*) => {$(
-        impl From<$from> for Cell {
-            fn from($value: $from) -> Self {
-                $cell
-            }
-        }
-    )*};
-}
-
-cells! {
-    u64, value => Self::Count(value);
-    usize, value => Self::Count(value as u64);
-    &str, value => Self::Text(value.to_owned());
-    String, value => Self::Text(value);
-}
-
-impl<T: Into<Self>> From<Option<T>> for Cell {
-    fn from(value: Option<T>) -> Self {
-        value.map_or(Self::Missing(()), Into::into)
+impl Cell {
+    /// Returns a value as a cell; neither arrays nor objects are cells.
+    pub(crate) fn of(value: serde_json::Value) -> Self {
+        serde_json::from_value(value).unwrap_or(Self::Missing(()))
     }
 }
 

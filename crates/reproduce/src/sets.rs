@@ -5,7 +5,8 @@ use std::sync::Arc;
 
 use tilescope_analysis::{Region, Report, VerifyOptions};
 use tilescope_core::{
-    Boundary, Domain, Parameters, Pattern, PatternSpec, Point, Summary, Sweep, reference_sample,
+    Boundary, Domain, Parameters, Pattern, PatternSpec, Point, Run, Sequential, Summary, Sweep,
+    reference_sample,
 };
 
 use crate::control::Control;
@@ -52,17 +53,35 @@ impl Set {
         }
     }
 
+    /// Returns the result of a run.
+    pub fn of_run(run: &Run) -> Self {
+        Self::of(&run.domain, &run.points())
+    }
+
     /// Returns the verifier's report, whatever it says.
     pub fn judge(&self, control: &Control<'_>) -> Result<Report, ReproduceError> {
-        let options = VerifyOptions::default();
-        let report = tilescope_analysis::verify(
-            &self.points,
-            self.region,
-            self.radius,
-            &options,
+        self.judged(&VerifyOptions::default(), control)
+    }
+
+    /// Returns the verifier's report with these options, whatever it says.
+    pub fn judged(
+        &self,
+        options: &VerifyOptions,
+        control: &Control<'_>,
+    ) -> Result<Report, ReproduceError> {
+        let (points, region, radius) = (&self.points, self.region, self.radius);
+        Ok(tilescope_analysis::verify(
+            points,
+            region,
+            radius,
+            options,
             &control.analysis(),
-        )?;
-        Ok(report)
+        )?)
+    }
+
+    /// Returns the shortest way from one place to another across the borders of the periodic region.
+    pub fn way(&self, from: [f64; 2], to: [f64; 2]) -> [f64; 2] {
+        shortest([0, 1].map(|k| to[k] - from[k]), &self.region)
     }
 
     /// Returns the report of a valid set, and an error for any other: nothing may be concluded from one.
@@ -91,6 +110,12 @@ pub fn pattern_side(leaf: f64) -> f64 {
     side
 }
 
+/// Carries out a run with the sequential engine, which records what became of every sample.
+pub fn sequential(parameters: &Parameters, control: &Control<'_>) -> Result<Run, ReproduceError> {
+    let engine = Sequential::new(parameters, pattern(&parameters.pattern, control)?)?;
+    Ok(engine.finish(&mut control.observer())?)
+}
+
 /// Returns the pattern of a specification.
 pub fn pattern(spec: &PatternSpec, control: &Control<'_>) -> Result<Arc<Pattern>, ReproduceError> {
     Ok(Pattern::of_spec(spec, &mut control.observer())?)
@@ -108,6 +133,12 @@ pub fn region(domain: &Domain) -> Region {
         height,
         boundary,
     }
+}
+
+/// Returns the shortest of the ways in a periodic region that differ by whole periods.
+pub fn shortest(way: [f64; 2], region: &Region) -> [f64; 2] {
+    let period = [region.width, region.height];
+    [0, 1].map(|k| way[k] - period[k] * (way[k] / period[k]).round())
 }
 
 #[cfg(test)]

@@ -1,16 +1,17 @@
 //! Common parts of experiments: parameters of sets with seeds of their own, intervals of counts, charts and pictures.
 
+use serde_json::Value;
 use tilescope_analysis::measures::chi_square_quantile;
 use tilescope_core::{Parameters, PatternSpec};
 use tilescope_figures::chart::{
-    Axis, BarChart, BarGroup, ColorScale, Figure, LineChart, Look, Panel, Series, figure_scene,
+    BarChart, BarGroup, ColorScale, Figure, Look, Panel, Series, TileChart, TileContent,
+    figure_scene,
 };
 use tilescope_figures::{Group, Palette, Scene, Shape};
 
 use crate::error::ReproduceError;
-use crate::numbers::number;
 use crate::outcome::Picture;
-use crate::study::Settings;
+use crate::texts::picture_words;
 
 /// About the samples of a KDRT set to a squared radius.
 const DENSITY: f64 = 0.698;
@@ -27,11 +28,6 @@ pub fn square(samples: f64, leaf: f64) -> Parameters {
         leaf,
         ..Parameters::default()
     }
-}
-
-/// Returns the seed of the set `index` of an experiment.
-pub fn seed(settings: &Settings, index: usize) -> u64 {
-    settings.seed.wrapping_mul(1000).wrapping_add(index as u64)
 }
 
 /// Gives a set a seed and a pattern of its own.
@@ -65,45 +61,49 @@ pub fn reference(name: &str, points: Vec<[f64; 2]>) -> Series {
     }
 }
 
-/// Returns curves over axes that reach as far as their data.
-pub fn chart(title: &str, x: &str, y: &str, series: Vec<Series>) -> LineChart {
-    LineChart {
-        title: title.to_owned(),
-        x: Axis::new(x),
-        y: Axis::new(y),
-        series,
-        levels: Vec::new(),
-    }
-}
-
-/// Returns the picture of panels side by side, one row.
-pub fn picture(
-    name: &str,
-    title: &str,
-    caption: String,
-    rows: Vec<Vec<Panel>>,
-) -> Result<Picture, ReproduceError> {
-    let figure = Figure {
-        title: title.to_owned(),
-        rows,
-    };
+/// Returns the picture of rows of panels, named as its texts are.
+pub fn picture(id: &str, values: &Value, rows: Vec<Vec<Panel>>) -> Result<Picture, ReproduceError> {
+    let [title, caption] = picture_words(id, values);
     Ok(Picture {
-        name: name.to_owned(),
+        name: id.split_once('/').map_or(id, |(_, name)| name).to_owned(),
         caption,
-        scene: figure_scene(&figure, &Palette::LIGHT)?,
+        scene: figure_scene(&Figure { title, rows }, &Palette::LIGHT)?,
     })
 }
 
 /// Returns the picture of groups of bars over an axis of one quantity.
 pub fn bar_picture(
-    name: &str,
-    title: &str,
-    caption: String,
-    (label, groups): (&str, Vec<BarGroup>),
+    id: &str,
+    values: &Value,
+    label: &str,
+    groups: Vec<BarGroup>,
 ) -> Result<Picture, ReproduceError> {
     let label = label.to_owned();
-    let bars = Panel::Bars(BarChart { label, groups });
-    picture(name, title, caption, vec![vec![bars]])
+    picture(
+        id,
+        values,
+        vec![vec![Panel::Bars(BarChart { label, groups })]],
+    )
+}
+
+/// Returns a square picture with its heading and the line below it; `side` is its size in pixels, if not the default.
+pub fn tile(side: Option<f64>, title: &str, note: String, content: TileContent) -> TileChart {
+    TileChart {
+        title: title.to_owned(),
+        note,
+        y: None,
+        side,
+        content,
+    }
+}
+
+/// Returns ticks at whole numbers.
+pub fn whole_ticks(reach: f64) -> Vec<(f64, String)> {
+    let most = reach as i32;
+    let label = |value: i32| value.to_string().replace('-', "\u{2212}");
+    (-most..=most)
+        .map(|value| (f64::from(value), label(value)))
+        .collect()
 }
 
 /// Adds a group of shapes in the units and the view of the samples, above them.
@@ -128,12 +128,6 @@ pub fn power_scale(black: f64) -> Panel {
     })
 }
 
-/// Returns a count with all its digits, in groups of three.
-pub fn counted(count: usize) -> String {
-    let digits = count.checked_ilog10().unwrap_or(0) as usize + 1;
-    number(count as f64, digits)
-}
-
 /// Returns where the mean of a Poisson variable is, with 99 % confidence, of which `count` was seen.
 pub fn poisson_interval(count: usize) -> [f64; 2] {
     let bound = |tail: f64, events: usize| 0.5 * chi_square_quantile(tail, 2.0 * events as f64);
@@ -150,6 +144,11 @@ pub fn ends(values: impl Iterator<Item = f64>) -> [f64; 2] {
     values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| {
         [low.min(value), high.max(value)]
     })
+}
+
+/// Returns the largest of values that are not negative, or 0 if there are none.
+pub fn largest(values: impl Iterator<Item = f64>) -> f64 {
+    values.fold(0.0, f64::max)
 }
 
 /// Returns the slope of the straight line that fits points best, by least squares, or NaN.

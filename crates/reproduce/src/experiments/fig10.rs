@@ -13,9 +13,12 @@ mod samplers;
 mod shades;
 mod tables;
 
+use serde_json::json;
+
 use crate::error::ReproduceError;
 use crate::outcome::Outcome;
 use crate::study::{Settings, Study};
+use crate::texts::text;
 
 use self::horizon::HorizonTask;
 use self::looks::SpectrumTask;
@@ -94,33 +97,16 @@ pub fn run(study: &Study<'_>) -> Result<Outcome, ReproduceError> {
         claims: claims::claims(&results),
         pictures: pictures::pictures(&results, &corners?, settings)?,
         tables: tables::tables(&results),
-        notes: notes().to_vec(),
+        notes: notes().into(),
     })
 }
 
 fn notes() -> [String; 3] {
-    [
-        format!(
-            "Zone plates: a pixel is the mean of the samples within {} pixels along each axis, weighted by a Gaussian of standard deviation \
-             {} pixels, over the sum of weights; samples reach beyond the image on all sides. The exact image is the zone plate's integral \
-             with a Gaussian that goes on for ever, in closed form; that changes no value by more than {:e}.",
-            filter::REACH,
-            filter::SIGMA,
-            filter::CUT_OFF
-        ),
-        format!(
-            "Horizon: a pixel is the mean of the samples in it; where there is none, it is the nearest in the smallest square of pixels \
-             about it that has some. The exact image is the board's integral over each pixel, piece by piece where it is linear; in the row \
-             that touches the horizon it is wrong by at most {:.1e}.",
-            horizon::LEFT_OUT
-        ),
-        format!(
-            "KDRT: leaf {} r, periodic patterns of 100 r, one of eight for each set. Every set of KDRT and of the reference sampler has been \
-             verified: no conflict, no gap. Grid and jittered samples have cells that at 1, 4 and 16 samples per pixel are parts of \
-             pixels: the best case for them.",
-            samplers::LEAF
-        ),
-    ]
+    let values = json!({
+        "reach": filter::REACH, "sigma": filter::SIGMA, "cut_off": filter::CUT_OFF,
+        "left_out": horizon::LEFT_OUT, "leaf": samplers::LEAF,
+    });
+    ["fig10/plates", "fig10/horizons", "fig10/sets"].map(|id| text(id, &values))
 }
 
 #[cfg(test)]

@@ -7,10 +7,13 @@ mod rows;
 mod stages;
 mod tables;
 
+use serde_json::json;
+
 use crate::error::ReproduceError;
 use crate::machine::no_gpu;
 use crate::outcome::Outcome;
 use crate::study::{Settings, Study};
+use crate::texts::text;
 
 use super::timing::TimingPlan;
 use stages::StageRound;
@@ -31,12 +34,12 @@ pub fn run(study: &Study<'_>) -> Result<Outcome, ReproduceError> {
     let rounds: Vec<StageRound> = stages::run(plan, study)?;
     let rows = rows::rows(&rounds);
     let passes = rows::passes(&rounds);
-    let mut tables = vec![tables::stages(&rows, rounds.len()), tables::counts(&rounds)];
+    let mut tables = vec![tables::stages(&rows), tables::counts(&rounds)];
     if !passes.is_empty() {
         tables.push(tables::passes(&passes));
     }
-    let mut notes = vec![HOW.to_owned()];
-    notes.extend(no_gpu().map(|why| format!("Passes of a GPU were not timed: {why}.")));
+    let mut notes = vec![text("fig11/how", &json!({}))];
+    notes.extend(no_gpu().map(|why| text("fig11/no-gpu", &json!({ "why": why }))));
     Ok(Outcome {
         claims: claims::claims(&rows),
         pictures: vec![picture::shares(&rows, plan)?],
@@ -44,12 +47,6 @@ pub fn run(study: &Study<'_>) -> Result<Outcome, ReproduceError> {
         notes,
     })
 }
-
-const HOW: &str = "The sequential engine's stages run one after another, as the paper describes them; each is timed, and a round times every leaf \
-size. Leaves of 20 and 40 r have a pattern of 100 r, those of 80 r one of 200 r, so that blocks fit it. What prepares a stage belongs to the stage before it: the grid of survivors and the first gap detectors to elimination. The last iteration finds no \
-gap and is a row of its own. Algorithm 4 as printed has elimination and the first insertion in one loop; it is timed, too, with a tenth of the samples. The parallel engine carries \
-all stages out region by region, so that its time is one number; its counts are the sequential engine's. Every set is verified, or \
-equal to one that is.";
 
 #[cfg(test)]
 mod tests {

@@ -5,6 +5,7 @@
 mod picture;
 
 use serde::{Deserialize, Serialize};
+use serde_json::json;
 use tilescope_analysis::Report;
 use tilescope_core::combine::{CombineOptions, Combined, combine};
 use tilescope_core::{Boundary, Domain, R, reference_sample};
@@ -12,12 +13,13 @@ use tilescope_core::{Boundary, Domain, R, reference_sample};
 use crate::control::Control;
 use crate::engines::{nine, nine_rects};
 use crate::error::ReproduceError;
-use crate::numbers::{count, number, percent};
+use crate::experiments::common::largest;
+use crate::numbers::count;
 use crate::outcome::{Claim, Outcome, Table, Verdict};
 use crate::rates::timed;
 use crate::sets::Set;
 use crate::study::{Settings, Study};
-use crate::table::table;
+use crate::texts::{claim, table, text};
 
 /// Losses up to this share of all samples count as minor.
 const MINOR: f64 = 0.02;
@@ -74,16 +76,11 @@ pub fn units(settings: &Settings) -> usize {
 
 pub fn run(study: &Study<'_>) -> Result<Outcome, ReproduceError> {
     let seed = study.settings.seed;
-    let found: Result<Vec<LayoutResult>, _> = sides(study.settings)
-        .into_iter()
-        .map(|side| {
-            let what = format!("nine sets on {side} r");
-            study.unit(&format!("side-{side}"), &what, |control| {
-                measure(side, seed, control)
-            })
-        })
-        .collect();
-    let found = found?;
+    let mut found: Vec<LayoutResult> = Vec::new();
+    for side in sides(study.settings) {
+        let (key, what) = (format!("side-{side}"), format!("nine sets on {side} r"));
+        found.push(study.unit(&key, &what, |control| measure(side, seed, control))?);
+    }
     let control = study.control("the picture");
     let domain = domain(DRAWN)?;
     let (glued, _) = glue(domain, seed, &control)?;
@@ -91,13 +88,9 @@ pub fn run(study: &Study<'_>) -> Result<Outcome, ReproduceError> {
         claims: claims(&found),
         pictures: picture::pictures(&glued, &nine_rects(&domain)),
         tables: vec![layouts(&found)],
-        notes: vec![NOTE.to_owned()],
+        notes: vec![text("fig12/how", &json!({}))],
     })
 }
-
-const NOTE: &str = "Each of the nine sets is a periodic maximal set of a ninth of the domain, made by the reference \
-sampler with a seed of its own; none of them knows its neighbours. Along the seams conflicts are eliminated and gaps are \
-filled by the stages that KDRT uses between its blocks. The domain is periodic, so that its border is a seam as well.";
 
 fn domain(side: f64) -> Result<Domain, ReproduceError> {
     Ok(Domain::from_size([side; 2], 1.0, Boundary::Periodic)?)
@@ -158,129 +151,69 @@ fn measure(side: f64, seed: u64, control: &Control<'_>) -> Result<LayoutResult, 
 }
 
 fn claims(found: &[LayoutResult]) -> Vec<Claim> {
-    let Some(largest) = found.last() else {
+    let Some(last) = found.last() else {
         return Vec::new();
     };
-    vec![
-        maximal(found, largest),
-        losses(found, largest),
-        cost(largest),
-    ]
+    vec![maximal(found, last), losses(found, last), cost(last)]
 }
 
-fn maximal(found: &[LayoutResult], largest: &LayoutResult) -> Claim {
+fn maximal(found: &[LayoutResult], last: &LayoutResult) -> Claim {
     let faults = found
         .iter()
         .map(|one| one.report.conflicts + one.report.gaps)
         .sum();
-    Claim::new(
-        [
-            "Independent maximal sets combine into one maximal set",
-            "section 4.2, figure 12",
-            "nine sets become one",
-        ],
-        format!(
-            "nine sets become one of {} samples; {} in {}",
-            count(largest.after as u64),
-            match faults {
-                0 => "neither conflict nor gap".to_owned(),
-                1 => "1 conflict or gap".to_owned(),
-                _ => format!("{} conflicts and gaps", count(faults)),
-            },
-            match found.len() {
-                1 => "it".to_owned(),
-                layouts => format!("{layouts} layouts"),
-            }
-        ),
-        Verdict::of(faults == 0),
-        "Reproduced if the verifier finds neither a conflict nor a gap in any layout.",
+    let words = match faults {
+        0 => "neither conflict nor gap".to_owned(),
+        1 => "1 conflict or gap".to_owned(),
+        _ => format!("{} conflicts and gaps", count(faults)),
+    };
+    let layouts = match found.len() {
+        1 => "it".to_owned(),
+        layouts => format!("{layouts} layouts"),
+    };
+    let values = json!({ "samples": last.after, "faults": words, "layouts": layouts });
+    claim("fig12/maximal", Verdict::of(faults == 0), &values)
+}
+
+fn losses(found: &[LayoutResult], last: &LayoutResult) -> Claim {
+    let deepest = largest(found.iter().map(|one| one.deepest));
+    let verdict = Verdict::of(last.lost_share() <= MINOR && deepest <= 3.0);
+    claim(
+        "fig12/losses",
+        verdict,
+        &json!({
+            "lost": last.lost, "before": last.before, "share": last.lost_share(),
+            "worst": largest(found.iter().map(LayoutResult::lost_share)), "deepest": deepest, "minor": MINOR,
+        }),
     )
 }
 
-fn losses(found: &[LayoutResult], largest: &LayoutResult) -> Claim {
-    let worst = found
-        .iter()
-        .map(LayoutResult::lost_share)
-        .fold(0.0, f64::max);
-    let deepest = found.iter().map(|one| one.deepest).fold(0.0, f64::max);
-    Claim::new(
-        [
-            "Only few samples are lost, near the seams",
-            "figure 12, caption",
-            "minor loss in the margins",
-        ],
-        format!(
-            "{} of {} samples lost ({}; at most {} of any layout), none deeper than {} r",
-            count(largest.lost as u64),
-            count(largest.before as u64),
-            percent(largest.lost_share(), 2),
-            percent(worst, 2),
-            number(deepest, 3),
-        ),
-        Verdict::of(largest.lost_share() <= MINOR && deepest <= 3.0),
-        format!(
-            "Reproduced if the largest layout loses at most {} % and nothing deeper than 3 r. The share falls with the \
-             size of the sets, as their border does against their area.",
-            100.0 * MINOR
-        ),
-    )
-}
-
-fn cost(largest: &LayoutResult) -> Claim {
-    let threads = largest.threads;
-    Claim::new(
-        [
-            "A serial sampler becomes a parallel one at little cost",
-            "section 4.2",
-            "very small overhead",
-        ],
-        format!(
-            "{} times as fast on {threads} {}; gluing takes {} of the time",
-            number(largest.speedup(), 3),
-            if threads == 1 { "thread" } else { "threads" },
-            percent(largest.overhead(), 2)
-        ),
-        Verdict::if_known(
-            threads >= 2 && largest.side >= LARGE,
-            largest.overhead() <= SMALL && largest.speedup() > 1.0,
-        ),
-        format!(
-            "Reproduced if the largest layout is made faster on all threads than a set of its size on one, and gluing \
-             takes at most {} % of that. That needs two threads, and a side of {LARGE} r: the seams of small sets are most \
-             of their work.",
-            100.0 * SMALL
-        ),
+fn cost(last: &LayoutResult) -> Claim {
+    let (threads, overhead) = (last.threads, last.overhead());
+    let holds = overhead <= SMALL && last.speedup() > 1.0;
+    let verdict = Verdict::if_known(threads >= 2 && last.side >= LARGE, holds);
+    claim(
+        "fig12/cost",
+        verdict,
+        &json!({
+            "speedup": last.speedup(), "overhead": overhead, "small": SMALL, "large": LARGE,
+            "threads": format!("{threads} {}", if threads == 1 { "thread" } else { "threads" }),
+        }),
     )
 }
 
 fn layouts(found: &[LayoutResult]) -> Table {
-    table("layouts", "Nine sets in one", found)
-        .column("side_r", "side, r", 4, |one| one.side)
-        .column("samples_before", "samples of the nine", 9, |one| one.before)
-        .column("samples_after", "samples combined", 9, |one| one.after)
-        .column("lost", "lost", 6, |one| one.lost)
-        .column("lost_percent", "lost, %", 3, |one| 100.0 * one.lost_share())
-        .column("deepest_r", "deepest loss, r", 3, |one| one.deepest)
-        .column("inserted", "inserted", 6, |one| one.inserted)
-        .column("iterations", "iterations", 2, |one| one.iterations)
-        .column("seconds_alone", "whole on one thread, s", 3, |one| {
-            one.alone
+    table("fig12/layouts", found, |one| {
+        json!({
+            "side_r": one.side, "samples_before": one.before, "samples_after": one.after,
+            "lost": one.lost, "lost_percent": 100.0 * one.lost_share(), "deepest_r": one.deepest,
+            "inserted": one.inserted, "iterations": one.iterations,
+            "seconds_alone": one.alone, "seconds_making": one.making, "seconds_gluing": one.gluing,
+            "threads": one.threads, "speedup": one.speedup(),
+            "conflicts": one.report.conflicts, "gaps": one.report.gaps,
+            "min_distance_r": one.report.min_distance, "covering_radius_r": one.report.covering_radius,
         })
-        .column("seconds_making", "nine on all threads, s", 3, |one| {
-            one.making
-        })
-        .column("seconds_gluing", "gluing, s", 3, |one| one.gluing)
-        .column("threads", "threads", 3, |one| one.threads)
-        .column("speedup", "speed-up", 3, |one| one.speedup())
-        .column("conflicts", "conflicts", 3, |one| one.report.conflicts)
-        .column("gaps", "gaps", 3, |one| one.report.gaps)
-        .column("min_distance_r", "min. distance, r", 6, |one| {
-            one.report.min_distance
-        })
-        .column("covering_radius_r", "covering radius, r", 6, |one| {
-            one.report.covering_radius
-        })
-        .shown()
+    })
 }
 
 #[cfg(test)]

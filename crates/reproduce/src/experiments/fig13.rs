@@ -11,6 +11,8 @@ mod spectra;
 mod speed;
 mod tables;
 
+use serde_json::json;
+
 use crate::error::ReproduceError;
 use crate::machine::no_gpu;
 use crate::numbers::number;
@@ -18,7 +20,8 @@ use crate::outcome::{Outcome, Picture};
 use crate::study::{Settings, Study};
 
 use super::timing::{LEAVES, TimingPlan};
-use crate::rates::{self as engine_rates, ONE_LEAF, median};
+use crate::rates::{self as engine_rates, ONE_LEAF, distinct, median};
+use crate::texts::text;
 use method::{Method, PATTERN, SetGroup};
 use rates::RateRound;
 use spectra::MethodSpectra;
@@ -88,7 +91,7 @@ pub fn run(study: &Study<'_>) -> Result<Outcome, ReproduceError> {
         pictures,
         tables: vec![
             tables::quality(&found, &against),
-            tables::rates(&rows, rounds.len()),
+            tables::rates(&rows),
             tables::curves(&found),
         ],
         notes: notes(&found, &rounds),
@@ -147,57 +150,41 @@ fn spectra_pictures(
 }
 
 fn notes(found: &[MethodSpectra], rounds: &[RateRound]) -> Vec<String> {
-    let mut notes = vec![HOW.to_owned()];
-    let whole: Vec<String> = (found.iter())
-        .filter(|one| one.method.leaf().is_some() && !one.method.tiles(one.radius))
-        .map(|one| format!("{} at radius {}", one.method.name(), one.radius))
-        .collect();
+    let mut notes = vec![text("fig13/how", &json!({}))];
+    let is_whole =
+        |one: &&MethodSpectra| one.method.leaf().is_some() && !one.method.tiles(one.radius);
+    let whole = found.iter().filter(is_whole);
+    let whole = whole.map(|one| format!("{} at radius {}", one.method.name(), one.radius));
+    let whole: Vec<String> = whole.collect();
     if !whole.is_empty() {
-        notes.push(format!(
-            "A block is split only where both halves can be as long as the leaf. Here the domain is a single block, a part of the pattern or \
-             all of it: nothing was tiled, and no verdict on tiles rests on it: {}.",
-            whole.join(", ")
-        ));
+        notes.push(text("fig13/whole", &json!({ "methods": whole.join(", ") })));
     }
-    let shared: Vec<String> = (found.iter())
-        .filter_map(|one| match one.method {
-            Method::OnePattern { .. } => Some(format!(
-                "{} dB at radius {}",
-                number(one.excess, 2),
-                one.radius
-            )),
-            _ => None,
-        })
-        .collect();
-    notes.push(format!(
-        "Sets with one pattern in common repeat each other as well as themselves: with a leaf of {ONE_LEAF} r their anisotropy is {} above that of noise. \
-         The table has them beside sets of the same leaf whose patterns differ.",
-        shared.join(", ")
+    let shared = found
+        .iter()
+        .filter(|one| matches!(one.method, Method::OnePattern { .. }));
+    let shared = shared.map(|one| format!("{} dB at radius {}", number(one.excess, 2), one.radius));
+    let excess = shared.collect::<Vec<_>>().join(", ");
+    notes.push(text(
+        "fig13/shared",
+        &json!({ "leaf": ONE_LEAF, "excess": excess }),
     ));
-    let sides = rounds.iter().take(1).flat_map(|round| &round.patterns);
-    let pattern = |(side, _): &(f64, f64)| {
-        let all = rounds.iter().flat_map(|round| &round.patterns);
-        let seconds = all.filter(|(of, _)| of.to_bits() == side.to_bits());
+    let all = || rounds.iter().flat_map(|round| &round.patterns);
+    let pattern = |side: f64| {
+        let seconds = all().filter(|(of, _)| of.to_bits() == side.to_bits());
         let median = median(seconds.map(|(_, seconds)| 1e3 * seconds));
-        let median = median.unwrap_or(f64::NAN);
-        format!("that of {side} r takes {} ms", number(median, 3))
+        format!(
+            "that of {side} r takes {} ms",
+            number(median.unwrap_or(f64::NAN), 3)
+        )
     };
-    let patterns: Vec<String> = sides.map(pattern).collect();
-    notes.push(format!(
-        "Rates are those of making a set in memory, on the lattice and in canonical order. In each round every engine makes one set with one seed; \
-         those of KDRT must be the same points, of which one copy is verified. Making a pattern, once, is not in the rates: {}. On all \
-         threads the reference sampler makes nine sets, which are combined.",
-        patterns.join(", ")
-    ));
-    notes.extend(no_gpu().map(|why| format!("No rate of a GPU: {why}.")));
+    let patterns = distinct(all().map(|(side, _)| *side))
+        .into_iter()
+        .map(pattern);
+    let patterns = patterns.collect::<Vec<_>>().join(", ");
+    notes.push(text("fig13/rates", &json!({ "patterns": patterns })));
+    notes.extend(no_gpu().map(|why| text("fig13/no-gpu", &json!({ "why": why }))));
     notes
 }
-
-const HOW: &str = "Periodic unit square. The paper's patterns are larger than the largest block (section 3.1.2), and blocks may be twice as long as the \
-leaf: leaves of 20 and 40 r have the default pattern of 100 r, those of 80 r one of 200 r. A leaf of 80 r with the default pattern is looked at, too: \
-that pattern is periodic, so that a run succeeds, but its blocks contain parts of it twice. Every set has its own seed and its own pattern, but where one pattern for all is \
-said; every set is verified. The control is a small reference set side by side with itself, a valid set with the regularity that tilings are feared for: it \
-shows that the measures find it. Frequencies are nu = |k| / sqrt(N), so that radii are on one scale.";
 
 #[cfg(test)]
 mod tests {

@@ -3,10 +3,10 @@
 
 use serde::Serialize;
 use serde::de::DeserializeOwned;
+use serde_json::{Value, json};
 use tilescope_analysis::measures::Summary;
 use tilescope_core::{Parameters, Point};
 
-use super::common::seed;
 use crate::control::Control;
 use crate::engines::Engines;
 use crate::error::ReproduceError;
@@ -37,7 +37,7 @@ impl TimingPlan {
         let rounds = self.rounds;
         let mut opened = None;
         let one = |number: u64| {
-            let base = sized(self.samples, seed(study.settings, number as usize))?;
+            let base = sized(self.samples, study.settings.seed_of(number))?;
             let key = format!("{what}-{number}");
             let what = format!("{what}, round {} of {rounds}", number + 1);
             study.unit(&key, &what, |control| {
@@ -81,16 +81,17 @@ pub const fn whisker_words(rounds: usize) -> &'static str {
     }
 }
 
-/// Returns key and heading of columns with both ends of [`whisker`] of so many rounds.
-pub const fn whisker_columns(rounds: usize) -> [(&'static str, &'static str); 2] {
-    if rounds < FEW {
-        [("least", "least"), ("most", "most")]
+/// Adds both ends of [`whisker`] to a row of a table, in units of which a second, or one a second, has so many.
+pub fn whiskered(summary: &Summary, scale: f64, mut row: Value) -> Value {
+    let keys = if summary.count < FEW {
+        ["least", "most"]
     } else {
-        [
-            ("quartile_1", "first quartile"),
-            ("quartile_3", "third quartile"),
-        ]
+        ["quartile_1", "quartile_3"]
+    };
+    for (key, end) in keys.into_iter().zip(whisker(summary)) {
+        row[key] = json!(scale * end);
     }
+    row
 }
 
 #[cfg(test)]
@@ -114,6 +115,5 @@ mod tests {
         assert_eq!(of(&[1.0, 2.0, 3.0, 4.0]), [1, 4]);
         assert_eq!(of(&[1.0, 2.0, 3.0, 4.0, 5.0]), [2, 4]);
         assert_eq!(whisker_words(2), "from least to most");
-        assert_eq!(whisker_columns(5)[0].0, "quartile_1");
     }
 }

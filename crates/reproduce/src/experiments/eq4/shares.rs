@@ -1,12 +1,13 @@
 //! Counts and areas of the sets of one leaf, the shares that follow from them, and their table and chart.
 
 use serde::{Deserialize, Serialize};
+use serde_json::json;
 use tilescope_figures::chart::{Panel, Series};
 
 use crate::error::ReproduceError;
-use crate::experiments::common::{chart, curve, picture, reference};
+use crate::experiments::common::{curve, picture, reference};
 use crate::outcome::{Picture, Table};
-use crate::table::table;
+use crate::texts::{chart, table};
 
 /// Counts and areas (in squared radii) of one set or of several.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
@@ -104,36 +105,16 @@ impl LeafShares {
     }
 }
 
-/// A measured share: its name in files, in tables and in the chart.
-type Share = (&'static str, &'static str, fn(&LeafShares) -> f64);
+/// A measured share: its name in the chart.
+type Share = (&'static str, fn(&LeafShares) -> f64);
 
 const SHARES: [Share; 6] = [
-    (
-        "clip_margin",
-        "clips beyond their blocks",
-        LeafShares::margin_share,
-    ),
-    ("overlap", "plane where clips overlap", LeafShares::overlap),
-    (
-        "in_conflict",
-        "tiled samples in conflict",
-        LeafShares::conflict_share,
-    ),
-    (
-        "touched",
-        "samples eliminated or inserted",
-        LeafShares::touched,
-    ),
-    (
-        "lost",
-        "samples lost of their own block",
-        LeafShares::lost_share,
-    ),
-    (
-        "inserted",
-        "result that was inserted",
-        LeafShares::inserted_share,
-    ),
+    ("clips beyond their blocks", LeafShares::margin_share),
+    ("plane where clips overlap", LeafShares::overlap),
+    ("tiled samples in conflict", LeafShares::conflict_share),
+    ("samples eliminated or inserted", LeafShares::touched),
+    ("samples lost of their own block", LeafShares::lost_share),
+    ("result that was inserted", LeafShares::inserted_share),
 ];
 
 /// Returns all shares by leaf, and their products with it.
@@ -144,50 +125,27 @@ pub fn curves(found: &[LeafShares]) -> Result<Picture, ReproduceError> {
     let all = |scale: &dyn Fn(&LeafShares) -> f64| -> Vec<Series> {
         let predicted = |one: &LeafShares| one.predicted() * scale(one);
         let mut series = vec![reference("equation 4", of(&predicted))];
-        for (number, (_, name, share)) in SHARES.iter().enumerate() {
+        for (number, (name, share)) in SHARES.iter().enumerate() {
             series.push(curve(name, number, of(&|one| share(one) * scale(one))));
         }
         series
     };
-    let shares = chart(
-        "Shares by the shortest edge",
-        "N, r",
-        "share, %",
-        all(&|_| 100.0),
-    );
-    let products = chart(
-        "Shares times N: level where inversely proportional",
-        "N, r",
-        "share times N, r",
-        all(&|one| one.leaf),
-    );
-    let caption = "What elimination and insertion touch, by the shortest edge N of a block, against equation 4.".to_owned();
+    let shares = chart("eq4/shares", all(&|_| 100.0));
+    let products = chart("eq4/products", all(&|one| one.leaf));
     let rows = vec![vec![Panel::Lines(shares)], vec![Panel::Lines(products)]];
-    picture("shares", "The affected share", caption, rows)
+    picture("eq4/shares", &json!({}), rows)
 }
 
 /// Returns all numbers by leaf.
 pub fn shares(found: &[LeafShares]) -> Table {
-    let of_leaf: [Share; 3] = [
-        ("predicted", "equation 4", LeafShares::predicted),
-        (
-            "mended",
-            "equation 4 with 2 r and the mean edge",
-            LeafShares::mended,
-        ),
-        (
-            "margin_samples",
-            "tiled samples beyond their blocks",
-            LeafShares::margin_samples,
-        ),
-    ];
-    let mut shares = table("shares", "What elimination and insertion touch", found)
-        .column("leaf_r", "N, r", 3, |one| one.leaf)
-        .column("mean_edge_r", "mean edge, r", 4, |one| one.mean_edge())
-        .column("samples", "samples", 9, |one| one.count);
-    for (key, head, share) in of_leaf.into_iter().chain(SHARES) {
-        let (key, head) = (format!("{key}_percent"), format!("{head}, %"));
-        shares = shares.column(&key, &head, 3, |one| 100.0 * share(one));
-    }
-    shares.shown()
+    table("eq4/shares", found, |one| {
+        json!({
+            "leaf_r": one.leaf, "mean_edge_r": one.mean_edge(), "samples": one.count,
+            "predicted_percent": 100.0 * one.predicted(), "mended_percent": 100.0 * one.mended(),
+            "margin_samples_percent": 100.0 * one.margin_samples(),
+            "clip_margin_percent": 100.0 * one.margin_share(), "overlap_percent": 100.0 * one.overlap(),
+            "in_conflict_percent": 100.0 * one.conflict_share(), "touched_percent": 100.0 * one.touched(),
+            "lost_percent": 100.0 * one.lost_share(), "inserted_percent": 100.0 * one.inserted_share(),
+        })
+    })
 }

@@ -76,7 +76,7 @@ impl Sampler {
         control: &Control<'_>,
     ) -> Result<Vec<[f64; 2]>, ReproduceError> {
         control.go_on()?;
-        let seed = settings.seed.wrapping_mul(1000).wrapping_add(index);
+        let seed = settings.seed_of(index);
         let along = (count as f64).sqrt().round().max(1.0) as u32;
         match self {
             Self::Random => Ok(draws(count as u32, seed, |_, place| place)),

@@ -1,66 +1,42 @@
 //! The verdicts on figure 11: which procedure takes longest.
 
+use serde_json::json;
+
 use super::rows::LeafTimes;
 use crate::numbers::percent;
-use crate::outcome::{BEYOND, Claim, Verdict};
+use crate::outcome::{Claim, Verdict};
+use crate::texts::claim;
 
 /// Returns the claims: of the staged algorithm, and of Algorithm 4 as printed.
 pub fn claims(rows: &[LeafTimes]) -> Vec<Claim> {
     vec![
-        claim(
-            [
-                "Elimination and the first insertion together take longest",
-                "figure 11, caption",
-                "one part of the run, the longest, as it is operated against the most samples",
-            ],
-            rows,
-            false,
-            "Reproduced if elimination with the first detection and insertion has a larger median share of the sequential engine's \
-             time than any other procedure at every leaf size; the paper has both as one part. It does not say which leaf size its figure \
-             is of. Shares depend less on how busy the machine is than times do.",
-        ),
-        claim(
-            [
-                "Elimination and the first insertion together take longest in Algorithm 4 as printed, too",
-                BEYOND,
-                "figure 11's caption does not tell which arrangement was timed",
-            ],
-            rows,
-            true,
-            "Confirmed by the same rule: if that loop has a larger median share of the time than any other procedure. As printed, marks \
-             of gap detectors are never taken back: every iteration after the first looks around all of them again, out to 4 r. The staged \
-             algorithm looks around the samples just inserted, and is what the other engines compute.",
-        ),
+        longest("fig11/staged", rows, false),
+        longest("fig11/printed", rows, true),
     ]
 }
 
-fn claim(names: [&str; 3], rows: &[LeafTimes], printed: bool, reason: &str) -> Claim {
+fn longest(id: &str, rows: &[LeafTimes], printed: bool) -> Claim {
     let rows = || rows.iter().filter(|row| row.printed == printed);
-    let text = |row: &LeafTimes| {
+    let words = |row: &LeafTimes| {
         let [first, other] = row.shares().map(|share| percent(share, 2));
-        let parts = row
+        let parts: Vec<String> = row
             .first_shares()
-            .into_iter()
-            .map(|share| percent(share, 2));
-        let parts: Vec<String> = parts.collect();
-        let parts = if parts.len() > 1 {
-            format!(" ({})", parts.join(" and "))
-        } else {
-            String::new()
+            .iter()
+            .map(|share| percent(*share, 2))
+            .collect();
+        let parts = match &parts[..] {
+            [_, _, ..] => format!(" ({})", parts.join(" and ")),
+            _ => String::new(),
         };
         format!(
             "{}: {first}{parts}, the longest other one {other}",
             row.name()
         )
     };
-    let texts: Vec<String> = rows().map(text).collect();
-    let holds = |row: &LeafTimes| row.shares()[0] > row.shares()[1];
-    Claim::new(
-        names,
-        format!("share of a run's time: {}", texts.join("; ")),
-        Verdict::if_known(!texts.is_empty(), rows().all(holds)),
-        reason,
-    )
+    let shares: Vec<String> = rows().map(words).collect();
+    let holds = rows().all(|row| row.shares()[0] > row.shares()[1]);
+    let values = json!({ "shares": shares.join("; ") });
+    claim(id, Verdict::if_known(!shares.is_empty(), holds), &values)
 }
 
 #[cfg(test)]

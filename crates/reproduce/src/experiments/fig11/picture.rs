@@ -1,5 +1,6 @@
 //! The figure: each procedure's share of a run, for every leaf size.
 
+use serde_json::json;
 use tilescope_figures::chart::{Bar, BarGroup};
 
 use super::rows::LeafTimes;
@@ -11,21 +12,16 @@ use crate::outcome::Picture;
 
 /// Returns the figure.
 pub fn shares(rows: &[LeafTimes], plan: TimingPlan) -> Result<Picture, ReproduceError> {
-    let samples = number(plan.samples as f64, 3);
-    let title =
-        format!("Share of the time that each procedure takes, about {samples} samples, one thread");
-    let caption = format!(
-        "Each procedure's share of a run's time and its milliseconds, for about {samples} samples on one thread: medians of {} rounds, whiskers \
-         {}. Elimination and the first insertion in the first colour.",
-        plan.rounds,
-        whisker_words(plan.rounds as usize)
-    );
+    let values = json!({
+        "samples": number(plan.samples as f64, 3), "rounds": plan.rounds,
+        "whiskers": whisker_words(plan.rounds as usize),
+    });
     let groups = rows.iter().map(group).collect();
     bar_picture(
-        "procedures",
-        &title,
-        caption,
-        ("share of the run's time, %", groups),
+        "fig11/procedures",
+        &values,
+        "share of the run's time, %",
+        groups,
     )
 }
 

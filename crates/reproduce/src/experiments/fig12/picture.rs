@@ -2,6 +2,7 @@
 
 use std::collections::HashSet;
 
+use serde_json::json;
 use tilescope_core::{Boundary, Point, Rect as Cells, Source};
 use tilescope_figures::{
     Baseline, Font, Group, Marker, Palette, PictureOptions, Rect, Scene, SetPicture, Shape, Stroke,
@@ -10,8 +11,8 @@ use tilescope_figures::{
 
 use super::Glued;
 use crate::experiments::common::above_samples;
-use crate::numbers::count;
 use crate::outcome::Picture;
+use crate::texts::text;
 
 /// Sides of the part that is shown large, in radii.
 const PART: f64 = 36.0;
@@ -22,43 +23,33 @@ const TINTED: [usize; 9] = [0, 1, 2, 3, 4, 5, 8, 6, 7];
 /// Returns both pictures.
 pub fn pictures(glued: &Glued, rects: &[Cells]) -> Vec<Picture> {
     let combined = &glued.combined;
-    let user = |p: Point| combined.domain.user_from_lattice(p);
-    let corner = user(rects[4].min);
+    let corner = combined.domain.user_from_lattice(rects[4].min);
     let half = 0.5 * PART * combined.domain.radius();
     let part = Rect::new(corner.map(|x| x - half), corner.map(|x| x + half));
-    let whole = scene(glued, rects, None);
-    let close = scene(glued, rects, Some(part));
-    let lost = combined.eliminated.iter().filter(|lost| lost.own).count();
-    vec![
-        Picture {
-            name: "nine".to_owned(),
-            caption: format!(
-                "Nine independent maximal sets, {} samples, in one of {}. Neighbours have different tints; diamonds were inserted.",
-                count(glued.before as u64),
-                count(combined.points.len() as u64)
-            ),
-            scene: whole,
-        },
-        Picture {
-            name: "seams".to_owned(),
-            caption: format!(
-                "Where four of them meet, {PART} r wide: crosses are samples that were eliminated there ({lost} in the whole), \
-                 diamonds were inserted; disks have radius r."
-            ),
-            scene: close,
-        },
-    ]
+    let values = json!({
+        "before": glued.before, "after": combined.points.len(), "part": PART,
+        "lost": combined.eliminated.iter().filter(|lost| lost.own).count(),
+    });
+    let picture = |(name, window): (&str, Option<Rect>)| Picture {
+        name: name.to_owned(),
+        caption: text(&format!("fig12/{name}"), &values),
+        scene: scene(
+            glued,
+            rects,
+            window,
+            text(&format!("fig12/{name}-title"), &values),
+        ),
+    };
+    [("nine", None), ("seams", Some(part))].map(picture).into()
 }
 
-fn scene(glued: &Glued, rects: &[Cells], window: Option<Rect>) -> Scene {
+fn scene(glued: &Glued, rects: &[Cells], window: Option<Rect>, caption: String) -> Scene {
     let combined = &glued.combined;
     let user = |p: Point| combined.domain.user_from_lattice(p);
     let points = combined.positions();
+    let tint = |piece: u32| TINTED.iter().position(|other| *other == piece as usize);
     let block = |source: &Source| match *source {
-        Source::Tiled { block, .. } => TINTED
-            .iter()
-            .position(|piece| *piece == block as usize)
-            .map(|at| at as u32),
+        Source::Tiled { block, .. } => tint(block).map(|at| at as u32),
         Source::Inserted { .. } => None,
     };
     let options = PictureOptions {
@@ -74,10 +65,7 @@ fn scene(glued: &Glued, rects: &[Cells], window: Option<Rect>) -> Scene {
             .map(|rect| Rect::new(user(rect.min), user(rect.max)))
             .collect(),
         block_of: Some(combined.sources.iter().map(block).collect()),
-        caption: match window {
-            None => "Nine sets in one".to_owned(),
-            Some(_) => format!("Where four of the nine meet, {PART} r wide"),
-        },
+        caption,
     };
     let mut scene = set_scene(&set, &options);
     let style = Style::filled(options.palette.eliminated);

@@ -1,19 +1,21 @@
 //! The figures: for each radius a column for each method, from samples to anisotropy; and the rates.
 
+use serde_json::json;
 use tilescope_analysis::measures::anisotropy_reference_db;
-use tilescope_figures::chart::{
-    Axis, Bar, BarGroup, ImageChart, LineChart, Look, Panel, Series, TileChart, TileContent,
-};
+use tilescope_figures::chart::{Axis, Bar, BarGroup, ImageChart, Look, Panel, Series, TileContent};
 
 use super::method::{Method, PATTERN};
 use super::spectra::MethodSpectra;
 use crate::error::ReproduceError;
-use crate::experiments::common::{bar_picture, ends, picture, power_scale};
+use crate::experiments::common::{
+    bar_picture, curve, ends, picture, power_scale, tile, whole_ticks,
+};
 use crate::experiments::timing::{whisker, whisker_words};
 use crate::numbers::drawn_number as number;
 use crate::outcome::Picture;
 use crate::rates::{EngineRate, ONE_LEAF};
 use crate::sets::Set;
+use crate::texts::{chart, text};
 
 /// Side in radii of the part of a set that is shown.
 const SHOWN: f64 = 36.0;
@@ -72,58 +74,40 @@ pub fn spectra(
     };
     let samples = columns.iter().zip(sets);
     let samples = samples.map(|((one, _), set)| samples_tile(one.method, set));
-    let figure_title = format!(
-        "{title}: radius {}, about {} samples, {} sets of each",
-        reference.radius,
-        number(reference.count[0], 3),
-        reference.sets
-    );
     let rows = vec![
         samples.chain([power_scale(BLACK)]).collect(),
         row(&image),
         row(&power),
         row(&|one, below| anisotropy(one, below, range)),
     ];
-    let radius = reference.radius.to_string().replace('.', "-");
-    let caption = caption(title, reference, columns);
-    picture(&format!("{name}-{radius}"), &figure_title, caption, rows)
-}
-
-fn caption(title: &str, first: &MethodSpectra, columns: &[Column<'_>]) -> String {
-    let side =
-        (2.0 * first.picture.reach * first.count[0].sqrt() / first.picture.columns as f64).round();
-    let second = columns
+    let (grid, [count, _]) = (&reference.picture, reference.count);
+    let over = columns
         .iter()
         .any(|(_, below)| below.method == Method::Again);
-    format!(
-        "{title}, radius {}: a part of one set {SHOWN} r wide; mean periodogram of {} sets, each cell the mean of {side} x {side} frequencies, white none, \
-         black {BLACK} and more; its radial mean, with the band that holds the true one with 95 % probability; its anisotropy, frequency by \
-         frequency, beside the level of noise, which sets without preferred directions have, \
-         and the band that holds 95 % of their rings. Dashed: the reference sets{}.",
-        first.radius,
-        first.sets,
-        if second {
-            "; in their own column, over a second group of them"
-        } else {
-            ""
-        }
-    )
+    let picture = picture(
+        "fig13/spectra",
+        &json!({
+            "title": title, "radius": reference.radius, "samples": number(count, 3), "sets": reference.sets,
+            "shown": SHOWN, "black": BLACK,
+            "side": (2.0 * grid.reach * count.sqrt() / grid.columns as f64).round(),
+            "over": if over { text("fig13/over", &json!({})) } else { String::new() },
+        }),
+        rows,
+    )?;
+    let radius = reference.radius.to_string().replace('.', "-");
+    Ok(Picture {
+        name: format!("{name}-{radius}"),
+        ..picture
+    })
 }
 
 /// Returns the dots of a part of a set under its method's name.
 fn samples_tile(method: Method, set: &Set) -> Panel {
-    let scaled = set
-        .points
-        .iter()
-        .map(|p| p.map(|x| x / (SHOWN * set.radius)));
+    let side = SHOWN * set.radius;
+    let scaled = set.points.iter().map(|p| p.map(|x| x / side));
     let inside = |p: &[f64; 2]| p.iter().all(|x| *x < (SHOWN + 1.0) / SHOWN);
-    Panel::Tile(TileChart {
-        title: method.name(),
-        note: String::new(),
-        y: None,
-        side: None,
-        content: TileContent::Dots(scaled.filter(inside).collect()),
-    })
+    let dots = TileContent::Dots(scaled.filter(inside).collect());
+    Panel::Tile(tile(None, &method.name(), String::new(), dots))
 }
 
 /// Returns how many of so many cells, an odd number, fill a quarter of the width with cells of half pixels: what they
@@ -148,29 +132,13 @@ fn image(one: &MethodSpectra, _: &MethodSpectra) -> Panel {
     let middle = values.len() / 2;
     Panel::Image(ImageChart {
         title: "Mean periodogram".to_owned(),
-        x: axis("kx / \u{221a}N").with_ticks(whole(reach)),
-        y: axis("ky / \u{221a}N").with_ticks(whole(reach)),
+        x: axis("kx / \u{221a}N").with_ticks(whole_ticks(reach)),
+        y: axis("ky / \u{221a}N").with_ticks(whole_ticks(reach)),
         columns: shown,
         absent: (values[middle] == 0.0).then_some(middle),
         values,
         clamp: [0.0, BLACK],
     })
-}
-
-/// Ticks at whole numbers.
-fn whole(reach: f64) -> Vec<(f64, String)> {
-    let most = reach as i32;
-    let label = |value: i32| value.to_string().replace('-', "\u{2212}");
-    (-most..=most)
-        .map(|value| (f64::from(value), label(value)))
-        .collect()
-}
-
-/// The axis of curves by frequency.
-fn frequencies() -> Axis {
-    Axis::new("\u{3bd} = |k| / \u{221a}N")
-        .with_range(0.0, NU)
-        .with_ticks(whole(NU))
 }
 
 /// Look of a method's curve: by the leaf, so that one leaf looks the same in all figures.
@@ -187,54 +155,51 @@ fn look(method: Method) -> Look {
     }
 }
 
-fn power(one: &MethodSpectra, below: &MethodSpectra) -> Panel {
-    let series = |of: &MethodSpectra, band: bool| Series {
-        name: of.method.name(),
+/// Returns a chart by frequency.
+fn by_frequency(id: &str, series: Vec<Series>, [low, high]: [f64; 2]) -> Panel {
+    let mut chart = chart(id, series);
+    chart.x.range = Some([0.0, NU]);
+    chart.x.ticks = Some(whole_ticks(NU));
+    chart.y.range = Some([low, high]);
+    Panel::Lines(chart)
+}
+
+/// Returns the curve of a method with a value at each frequency.
+fn series(of: &MethodSpectra, value: impl Fn(usize) -> Option<f64>) -> Series {
+    let points = of.curves.nu.iter().enumerate();
+    let points = points.filter_map(|(index, nu)| Some([*nu, value(index)?]));
+    Series {
         look: look(of.method),
-        points: points(of, |index| Some(of.curves.power[index])),
-        band: (band && of.curves.band.len() == of.curves.nu.len()).then(|| of.curves.band.clone()),
-    };
-    Panel::Lines(LineChart {
-        title: "Radial mean power".to_owned(),
-        x: frequencies(),
-        y: Axis::new("power").with_range(0.0, 2.0),
-        series: vec![series(below, false), series(one, true)],
-        levels: Vec::new(),
-    })
+        ..curve(&of.method.name(), 0, points.collect())
+    }
+}
+
+fn power(one: &MethodSpectra, below: &MethodSpectra) -> Panel {
+    let [below, own] = [below, one].map(|of| series(of, |index| Some(of.curves.power[index])));
+    let band = Some(one.curves.band.clone()).filter(|band| band.len() == one.curves.nu.len());
+    by_frequency(
+        "fig13/power",
+        vec![below, Series { band, ..own }],
+        [0.0, 2.0],
+    )
 }
 
 /// The range of all anisotropies and of noise's level, with a little room: one axis for all columns.
 fn decibels(columns: &[Column<'_>]) -> [f64; 2] {
     let all = columns.iter().flat_map(|(one, below)| [one, below]);
     let all = all.flat_map(|of| {
-        let noise = anisotropy_reference_db(of.sets);
-        of.curves
-            .anisotropy
-            .iter()
-            .flatten()
-            .copied()
-            .chain([noise])
+        let values = of.curves.anisotropy.iter().flatten().copied();
+        values.chain([anisotropy_reference_db(of.sets)])
     });
     let [low, high] = ends(all);
     let room = (0.08 * (high - low)).max(0.1);
     [low - room, high + room]
 }
 
-fn anisotropy(one: &MethodSpectra, below: &MethodSpectra, [low, high]: [f64; 2]) -> Panel {
-    let series = |of: &MethodSpectra| Series {
-        name: of.method.name(),
-        look: look(of.method),
-        points: points(of, |index| of.curves.anisotropy[index]),
-        band: None,
-    };
-    Panel::Lines(LineChart {
-        title: "Anisotropy".to_owned(),
-        x: frequencies(),
-        y: Axis::new("anisotropy, dB").with_range(low, high),
-        // The reference's curve runs along it: on top it is seen.
-        series: vec![series(below), series(one), noise(one)],
-        levels: Vec::new(),
-    })
+fn anisotropy(one: &MethodSpectra, below: &MethodSpectra, range: [f64; 2]) -> Panel {
+    // The reference's curve runs along the level of noise: on top that is seen.
+    let [below, own] = [below, one].map(|of| series(of, |index| of.curves.anisotropy[index]));
+    by_frequency("fig13/anisotropy", vec![below, own, noise(one)], range)
 }
 
 /// The level of sets without preferred directions, and where chance takes their rings.
@@ -244,17 +209,9 @@ fn noise(one: &MethodSpectra) -> Series {
     let rings = rings.filter_map(|(nu, ends)| Some((*nu, (*ends)?)));
     let (points, band) = rings.map(|(nu, ends)| ([nu, level], ends)).unzip();
     Series {
-        name: "noise, 95 % of its rings".to_owned(),
-        look: Look::Numbered(11),
-        points,
         band: Some(band),
+        ..curve("noise, 95 % of its rings", 11, points)
     }
-}
-
-fn points(of: &MethodSpectra, value: impl Fn(usize) -> Option<f64>) -> Vec<[f64; 2]> {
-    let each = of.curves.nu.iter().enumerate();
-    each.filter_map(|(index, nu)| Some([*nu, value(index)?]))
-        .collect()
 }
 
 /// Returns the figure of the rates.
@@ -273,17 +230,16 @@ pub fn rates(rows: &[EngineRate], samples: u64, rounds: u64) -> Result<Picture, 
         });
         groups[group].bars.push(bar(row, group));
     }
-    let title = format!(
-        "Millions of samples a second, sets of about {}, and times the reference on one thread",
-        number(samples as f64, 3)
-    );
-    let caption = format!(
-        "Rates of every engine, the pattern ready-made: medians of {rounds} rounds, whiskers {}; behind them the ratio to \
-         the reference sampler on one thread in the same round.",
-        whisker_words(rounds as usize)
-    );
-    let bars = ("rate, millions of samples a second", groups);
-    bar_picture("rates", &title, caption, bars)
+    let values = json!({
+        "samples": number(samples as f64, 3), "rounds": rounds,
+        "whiskers": whisker_words(rounds as usize),
+    });
+    bar_picture(
+        "fig13/rates",
+        &values,
+        "rate, millions of samples a second",
+        groups,
+    )
 }
 
 fn bar(row: &EngineRate, color: usize) -> Bar {

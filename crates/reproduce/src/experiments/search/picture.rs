@@ -1,5 +1,6 @@
 //! Pictures of the largest gaps that looking 2r far leaves: what is uncovered, and why no site sees both others.
 
+use serde_json::json;
 use tilescope_analysis::{Boundary, Region, Tessellation};
 use tilescope_core::Boundary as Ends;
 use tilescope_figures::{
@@ -7,12 +8,13 @@ use tilescope_figures::{
     SetPicture, Shape, Stroke, Style, Text, set_scene, with_alpha,
 };
 
-use super::witness::{Witness, told};
+use super::witness::Witness;
 use crate::error::ReproduceError;
 use crate::experiments::common::above_samples;
 use crate::numbers::number;
 use crate::outcome::Picture;
-use crate::sets::Set;
+use crate::sets::{Set, shortest};
+use crate::texts::text;
 
 /// Sides of the part that is shown, in radii.
 const PART: f64 = 8.0;
@@ -24,21 +26,17 @@ const AROUND: f64 = 12.0;
 /// Returns a picture of each of the worst witnesses.
 pub fn witnesses(set: &Set, worst: &[Witness]) -> Result<Vec<Picture>, ReproduceError> {
     let picture = |(index, witness): (usize, &Witness)| {
+        let values = json!({ "distance": witness.distance / set.radius, "sides": witness.sides() });
         Ok(Picture {
             name: format!("witness-{}", index + 1),
-            caption: format!(
-                "A gap (hatched) that looking 2 r far leaves: its centre is {} r from the nearest samples; {}. Dashed circles of \
-                 2 r around the three sites show what each of them sees; the full disks have radius r.",
-                number(witness.distance / set.radius, 5),
-                told(witness)
-            ),
-            scene: scene(set, witness)?,
+            caption: text("search/witness", &values),
+            scene: scene(set, witness, text("search/witness-title", &values))?,
         })
     };
     worst.iter().take(SHOWN).enumerate().map(picture).collect()
 }
 
-fn scene(set: &Set, witness: &Witness) -> Result<Scene, ReproduceError> {
+fn scene(set: &Set, witness: &Witness, caption: String) -> Result<Scene, ReproduceError> {
     let half = 0.5 * PART * set.radius;
     // The neighbourhood alone, in the middle of a small domain of its own.
     let middle = [2.0 * AROUND * set.radius; 2];
@@ -49,7 +47,6 @@ fn scene(set: &Set, witness: &Witness) -> Result<Scene, ReproduceError> {
         window: Some(window),
         ..PictureOptions::default()
     };
-    let distance = number(witness.distance / set.radius, 5);
     let picture = SetPicture {
         points: &points,
         size,
@@ -57,7 +54,7 @@ fn scene(set: &Set, witness: &Witness) -> Result<Scene, ReproduceError> {
         radius: Some(set.radius),
         blocks: Vec::new(),
         block_of: None,
-        caption: format!("The centre of the gap is {distance} r from the nearest samples"),
+        caption,
     };
     let mut scene = set_scene(&picture, &options);
     let region = Region {
@@ -87,13 +84,10 @@ fn scene(set: &Set, witness: &Witness) -> Result<Scene, ReproduceError> {
 
 /// Returns the samples around a position, moved so that it lies at `middle`.
 fn around(set: &Set, center: [f64; 2], middle: [f64; 2]) -> Vec<[f64; 2]> {
-    let period = [set.region.width, set.region.height];
-    (set.points.iter())
-        .map(|p| [0, 1].map(|k| p[k] - center[k]))
-        .map(|d| [0, 1].map(|k| d[k] - period[k] * (d[k] / period[k]).round()))
-        .filter(|d| d.iter().all(|x| x.abs() < AROUND * set.radius))
-        .map(|d| [0, 1].map(|k| middle[k] + d[k]))
-        .collect()
+    let away = |p: &[f64; 2]| shortest([0, 1].map(|k| p[k] - center[k]), &set.region);
+    let near = |d: &[f64; 2]| d.iter().all(|x| x.abs() < AROUND * set.radius);
+    let near = set.points.iter().map(away).filter(near);
+    near.map(|d| [0, 1].map(|k| middle[k] + d[k])).collect()
 }
 
 /// Returns the uncovered area, solid below a hatch.
@@ -125,37 +119,27 @@ fn triangle(
     (radius, palette): (f64, &Palette),
 ) -> Vec<Shape> {
     let colors: [Color; 3] = [palette.conflict, palette.detector, palette.inserted];
-    let mut shapes = vec![Shape::circle(
-        middle,
-        witness.distance,
-        Style::stroked(palette.gap, 1.5),
-    )];
-    for (site, color) in at.iter().zip(colors) {
-        let sight = Style {
-            fill: None,
-            stroke: Some(Stroke::new(color, 2.0).dashed(9.0, 5.0)),
-        };
-        shapes.push(Shape::circle(*site, 2.0 * radius, sight));
-    }
+    let empty = Style::stroked(palette.gap, 1.5);
+    let mut shapes = vec![Shape::circle(middle, witness.distance, empty)];
+    shapes.extend(at.iter().zip(colors).map(|(site, color)| {
+        let sight = Style::default().with_stroke(Stroke::new(color, 2.0).dashed(9.0, 5.0));
+        Shape::circle(*site, 2.0 * radius, sight)
+    }));
     for (k, side) in witness.sides().iter().enumerate() {
         let ends = [at[(k + 1) % 3], at[(k + 2) % 3]];
         let what = format!("{} r", number(side / radius, 4));
         shapes.extend(side_of(ends, at[k], &what, radius, palette));
     }
-    for (site, color) in at.iter().zip(colors) {
-        shapes.push(Shape::marker(
-            Marker::Dot,
-            *site,
-            15.0,
-            Style::filled(color),
-        ));
-    }
-    shapes.push(Shape::marker(
+    let dots = at.iter().zip(colors);
+    let dot = |(site, color): (&[f64; 2], Color)| (Marker::Dot, *site, 15.0, Style::filled(color));
+    let cross = (
         Marker::Cross,
         middle,
         12.0,
         Style::stroked(palette.text, 1.5),
-    ));
+    );
+    let marks = dots.map(dot).chain([cross]);
+    shapes.extend(marks.map(|(kind, at, size, style)| Shape::marker(kind, at, size, style)));
     shapes
 }
 

@@ -1,5 +1,6 @@
 //! Two measures of a bias with intervals: of many classes together, and of pairs of sets.
 
+use serde::Serialize;
 use tilescope_analysis::measures::{Deviation, Uniformity, student_quantile};
 
 use super::counted::SeedCounts;
@@ -71,7 +72,7 @@ impl PairedBias {
 }
 
 /// How far the true shares of classes are from uniform, once the noise that the spread between sets predicts is taken off.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize)]
 pub struct ClassBias {
     /// Root mean square relative deviation, and an interval for it.
     pub rms: f64,

@@ -2,17 +2,16 @@
 //! inserted. Tests of these counts are in `offsets`.
 
 use serde::{Deserialize, Serialize};
-use tilescope_analysis::measures::{ClassCounts, DistanceClasses, PositionClasses};
+use tilescope_analysis::measures::{DistanceClasses, PositionClasses};
 use tilescope_core::{
-    Domain, Fate, Insertion, Order, Origin, Parameters, Point, R, Rect, Run, Sequential,
-    reference_sample,
+    Domain, Fate, Insertion, Order, Origin, Parameters, Point, R, Rect, Run, reference_sample,
 };
 
 use super::gaps::Gaps;
 use crate::control::Control;
 use crate::error::ReproduceError;
 use crate::experiments::common::seeded;
-use crate::sets::{Set, pattern, region};
+use crate::sets::{Set, region, sequential};
 
 /// Where classes of distances from a border begin, in radii.
 pub const EDGES: [f64; 14] = [
@@ -65,15 +64,13 @@ impl SeedCounts {
         control: &Control<'_>,
     ) -> Result<Self, ReproduceError> {
         let base = seeded(*parameters, seed);
-        let pattern = pattern(&base.pattern, control)?;
-        let run = |insertion, order| -> Result<Run, ReproduceError> {
+        let run = |insertion, order| {
             let parameters = Parameters {
                 insertion,
                 order,
                 ..base
             };
-            let engine = Sequential::new(&parameters, pattern.clone())?;
-            Ok(engine.finish(&mut control.observer())?)
+            sequential(&parameters, control)
         };
         let circumcentre = run(Insertion::Circumcentre, base.order)?;
         let uniform = run(Insertion::Uniform, base.order)?;
@@ -105,10 +102,11 @@ fn survivors(run: &Run) -> Vec<[f64; 2]> {
         .iter()
         .zip(&run.samples.fates)
         .zip(&run.samples.points);
-    samples
-        .filter(|((origin, fate), _)| {
-            matches!(origin, Origin::Tiled { .. }) && **fate == Fate::Kept
-        })
+    let survived = |((origin, fate), _): &((&Origin, &Fate), &Point)| {
+        matches!(origin, Origin::Tiled { .. }) && **fate == Fate::Kept
+    };
+    let survivors = samples.filter(survived);
+    survivors
         .map(|(_, point)| run.domain.user_from_lattice(*point))
         .collect()
 }
@@ -243,19 +241,6 @@ fn shares(rects: &[Rect]) -> Vec<f64> {
         (deeper(EDGES[class]) - end) / whole
     };
     (0..EDGES.len()).map(share).collect()
-}
-
-/// Joins the counts of all seeds.
-pub fn joined(
-    seeds: &[SeedCounts],
-    counts: impl Fn(&SeedCounts) -> Vec<u64>,
-    shares: impl Fn(&SeedCounts) -> Vec<f64>,
-) -> Result<ClassCounts, ReproduceError> {
-    let mut all = ClassCounts::new(seeds.first().map_or(1, |seed| counts(seed).len()))?;
-    for seed in seeds {
-        all.add_run(&counts(seed), &shares(seed))?;
-    }
-    Ok(all)
 }
 
 #[cfg(test)]

@@ -8,6 +8,8 @@ use tilescope_analysis::{Region, Tessellation};
 use tilescope_core::threefry2x32_20;
 
 use crate::error::ReproduceError;
+use crate::experiments::common::largest;
+use crate::sets::shortest;
 
 /// Uniform places that a sample is ranked among: ranks are 0 to this number.
 const PLACES: usize = 39;
@@ -102,24 +104,16 @@ impl<'a> Gaps<'a> {
     }
 
     fn distance(&self, a: [f64; 2], b: [f64; 2]) -> f64 {
-        let around = |k: usize, period: f64| {
-            let d = a[k] - b[k];
-            d - period * (d / period).round()
-        };
-        around(0, self.region.width).hypot(around(1, self.region.height))
+        let [x, y] = shortest([a[0] - b[0], a[1] - b[1]], &self.region);
+        x.hypot(y)
     }
 }
 
 impl Gap {
     fn new(region: GapRegion) -> Self {
         let deepest = region.deepest.0;
-        let away = |p: &DVec2| p.distance(deepest);
-        let reach = region
-            .fill
-            .as_flattened()
-            .iter()
-            .map(away)
-            .fold(0.0, f64::max);
+        let corners = region.fill.as_flattened().iter();
+        let reach = largest(corners.map(|corner| corner.distance(deepest)));
         let mut total = 0.0;
         let area = |[a, b, c]: &[DVec2; 3]| {
             total += 0.5 * (b - a).perp_dot(c - a).abs();

@@ -1,9 +1,10 @@
 //! How far the counts of each way to make sets are from uniform and from the reference sampler's.
 
-use tilescope_analysis::measures::{Deviation, Uniformity, student_quantile};
+use serde::Serialize;
+use tilescope_analysis::measures::{ClassCounts, Deviation, Uniformity, student_quantile};
 
 use super::bias::{ClassBias, MISSED, PairedBias, bias};
-use super::counted::{EDGES, SeedCounts, SetCounts, joined};
+use super::counted::{EDGES, SeedCounts, SetCounts};
 use super::gaps::CLASSES;
 use crate::error::ReproduceError;
 
@@ -75,7 +76,7 @@ pub struct SamplerUniformity {
 }
 
 /// How far a density is from the reference sampler's.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize)]
 pub struct DensityOffset {
     /// The difference, relative to the reference sampler's density.
     pub relative: f64,
@@ -122,13 +123,15 @@ impl UniformityResults {
     }
 
     pub fn all(&self) -> [&SamplerUniformity; 5] {
-        [
-            &self.reference,
-            &self.moved,
-            &self.circumcentre,
-            &self.uniform,
-            &self.random,
-        ]
+        let Self {
+            reference,
+            moved,
+            circumcentre,
+            uniform,
+            random,
+            ..
+        } = self;
+        [reference, moved, circumcentre, uniform, random]
     }
 }
 
@@ -136,9 +139,8 @@ impl SamplerUniformity {
     fn of(name: &'static str, seeds: &[SeedCounts], pick: Pick) -> Result<Self, ReproduceError> {
         let even = |classes: usize| vec![1.0 / classes as f64; classes];
         let test = |counts: &dyn Fn(&SeedCounts) -> Vec<u64>,
-                    shares: &dyn Fn(&SeedCounts) -> Vec<f64>|
-         -> Result<Uniformity, ReproduceError> {
-            Ok(joined(seeds, counts, shares)?.uniformity(LEVEL)?)
+                    shares: &dyn Fn(&SeedCounts) -> Vec<f64>| {
+            uniformity(seeds, counts, shares)
         };
         let cells = |s: &SeedCounts| even(s.reference.cells.len());
         let blocks = |s: &SeedCounts| s.block_shares.clone();
@@ -214,10 +216,8 @@ impl SamplerUniformity {
             .deviations
             .iter()
             .map(|class| self.against(class).relative);
-        off.fold(
-            0.0,
-            |worst: f64, one| if one.abs() > worst.abs() { one } else { worst },
-        )
+        off.max_by(|a, b| a.abs().total_cmp(&b.abs()))
+            .unwrap_or(0.0)
     }
 
     /// Returns the p-value of the chi-square test that ranks are uniform, and Cramer's V.
@@ -251,16 +251,23 @@ fn banded<T: Copy + std::iter::Sum>(classes: &[T]) -> Vec<T> {
     (0..BANDS.len()).map(band).collect()
 }
 
-fn total(seeds: &[SeedCounts], pick: impl Fn(&SeedCounts) -> &Vec<u64>) -> Vec<u64> {
-    let mut all: Vec<u64> = Vec::new();
+/// Tests the counts of all seeds together.
+fn uniformity(
+    seeds: &[SeedCounts],
+    counts: &dyn Fn(&SeedCounts) -> Vec<u64>,
+    shares: &dyn Fn(&SeedCounts) -> Vec<f64>,
+) -> Result<Uniformity, ReproduceError> {
+    let mut all = ClassCounts::new(seeds.first().map_or(1, |seed| counts(seed).len()))?;
     for seed in seeds {
-        let counts = pick(seed);
-        all.resize(all.len().max(counts.len()), 0);
-        for (sum, count) in all.iter_mut().zip(counts) {
-            *sum += count;
-        }
+        all.add_run(&counts(seed), &shares(seed))?;
     }
-    all
+    Ok(all.uniformity(LEVEL)?)
+}
+
+fn total(seeds: &[SeedCounts], pick: impl Fn(&SeedCounts) -> &Vec<u64>) -> Vec<u64> {
+    let classes = seeds.iter().map(|seed| pick(seed).len()).max().unwrap_or(0);
+    let sum = |class| seeds.iter().filter_map(|seed| pick(seed).get(class)).sum();
+    (0..classes).map(sum).collect()
 }
 
 #[cfg(test)]

@@ -1,0 +1,312 @@
+//! The words of reports, read from `assets/experiments`: claims, tables, charts, captions and notes, with placeholders
+//! for what was measured. Code gives the numbers and the verdicts. `assets/experiments/README.md` describes the files.
+
+use std::collections::BTreeMap;
+use std::sync::LazyLock;
+
+use serde::Deserialize;
+use serde_json::Value;
+use tilescope_figures::chart::{Axis, LineChart, Series};
+
+use crate::numbers::{chance, number, percent, readable, signed};
+use crate::outcome::{Cell, Claim, Column, Table, Verdict};
+
+/// The texts of an experiment, by their names.
+#[derive(Default, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+struct Texts {
+    /// Notes, captions, and parts of other texts.
+    texts: BTreeMap<String, String>,
+    claims: BTreeMap<String, ClaimText>,
+    tables: BTreeMap<String, TableText>,
+    charts: BTreeMap<String, ChartText>,
+    pictures: BTreeMap<String, PictureText>,
+}
+
+/// The fields of a [`Claim`]; `here` is what was measured, `rule` the reason of the verdict.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ClaimText {
+    claim: String,
+    place: String,
+    paper: String,
+    here: String,
+    rule: String,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct TableText {
+    title: String,
+    /// Long tables are for data files alone.
+    #[serde(default)]
+    hidden: bool,
+    /// Key, heading and digits of each column; a column whose key ends with `?` may be missing.
+    columns: Vec<(String, String, usize)>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ChartText {
+    title: String,
+    x: String,
+    y: String,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct PictureText {
+    title: String,
+    caption: String,
+}
+
+const FILES: [(&str, &str); 8] = [
+    ("eq4", include_str!("../../../assets/experiments/eq4.toml")),
+    (
+        "fig10",
+        include_str!("../../../assets/experiments/fig10.toml"),
+    ),
+    (
+        "fig11",
+        include_str!("../../../assets/experiments/fig11.toml"),
+    ),
+    (
+        "fig12",
+        include_str!("../../../assets/experiments/fig12.toml"),
+    ),
+    (
+        "fig13",
+        include_str!("../../../assets/experiments/fig13.toml"),
+    ),
+    (
+        "iterations",
+        include_str!("../../../assets/experiments/iterations.toml"),
+    ),
+    (
+        "search",
+        include_str!("../../../assets/experiments/search.toml"),
+    ),
+    (
+        "uniformity",
+        include_str!("../../../assets/experiments/uniformity.toml"),
+    ),
+];
+
+static TEXTS: LazyLock<BTreeMap<&str, Texts>> = LazyLock::new(|| {
+    let read = |text| toml::from_str(text).expect("the texts of the experiments are valid");
+    FILES
+        .map(|(experiment, text)| (experiment, read(text)))
+        .into()
+});
+
+/// Returns the texts of an experiment and the one of them that `id`, such as `eq4/shares`, names. Panics if it is not
+/// there: ids are written in code.
+fn find<T>(
+    id: &str,
+    of: impl Fn(&'static Texts) -> &'static BTreeMap<String, T>,
+) -> (&'static Texts, &'static T) {
+    let found = id.split_once('/').and_then(|(experiment, name)| {
+        let texts = TEXTS.get(experiment)?;
+        Some((texts, of(texts).get(name)?))
+    });
+    found.unwrap_or_else(|| panic!("assets/experiments has no text {id}"))
+}
+
+/// Returns a note, a caption or a part of another text.
+pub fn text(id: &str, values: &Value) -> String {
+    let (texts, template) = find(id, |texts| &texts.texts);
+    texts.filled(template, values)
+}
+
+/// Returns a claim with its verdict.
+pub fn claim(id: &str, verdict: Verdict, values: &Value) -> Claim {
+    let (texts, template) = find(id, |texts| &texts.claims);
+    Claim {
+        claim: texts.filled(&template.claim, values),
+        place: template.place.clone(),
+        paper: texts.filled(&template.paper, values),
+        ours: texts.filled(&template.here, values),
+        verdict,
+        reason: texts.filled(&template.rule, values).trim_end().to_owned(),
+    }
+}
+
+/// Returns curves over axes that reach as far as their data.
+pub fn chart(id: &str, series: Vec<Series>) -> LineChart {
+    let (_, text) = find(id, |texts| &texts.charts);
+    LineChart {
+        title: text.title.clone(),
+        x: Axis::new(&text.x),
+        y: Axis::new(&text.y),
+        series,
+        levels: Vec::new(),
+    }
+}
+
+/// Returns title and caption of a picture.
+pub fn picture_words(id: &str, values: &Value) -> [String; 2] {
+    let (texts, template) = find(id, |texts| &texts.pictures);
+    [&template.title, &template.caption].map(|template| texts.filled(template, values))
+}
+
+/// Returns a table whose cells are, for each row, those of an object by the keys of the columns. A column whose key
+/// has `{n}` is repeated: its cell is an array of pairs, each of a number, which stands for `{n}`, and a cell.
+pub fn table<R>(id: &str, rows: impl IntoIterator<Item = R>, cells: impl Fn(R) -> Value) -> Table {
+    let (_, text) = find(id, |texts| &texts.tables);
+    let objects: Vec<Value> = rows.into_iter().map(cells).collect();
+    let mut columns = Vec::new();
+    let mut rows = vec![Vec::new(); objects.len()];
+    for (key, head, digits) in &text.columns {
+        let (key, optional) = key
+            .strip_suffix('?')
+            .map_or((&**key, false), |key| (key, true));
+        let Some(first) = objects.first().and_then(|object| object.get(key)) else {
+            debug_assert!(optional || objects.is_empty(), "{id}: no cells of {key}");
+            continue;
+        };
+        let repeated = first.as_array().filter(|_| key.contains("{n}"));
+        let repeats = repeated.map_or(1, Vec::len);
+        for repeat in 0..repeats {
+            let at = |object: &Value, part: usize| {
+                object.pointer(&format!("/{key}/{repeat}/{part}")).cloned()
+            };
+            let number = repeated
+                .and_then(|_| at(&objects[0], 0))
+                .unwrap_or_default()
+                .to_string();
+            columns.push(Column::new(
+                &key.replace("{n}", &number),
+                &head.replace("{n}", &number),
+                *digits,
+            ));
+            for (row, object) in rows.iter_mut().zip(&objects) {
+                let cell = if repeated.is_some() {
+                    at(object, 1)
+                } else {
+                    object.get(key).cloned()
+                };
+                row.push(Cell::of(cell.unwrap_or_default()));
+            }
+        }
+    }
+    for key in objects
+        .iter()
+        .filter_map(Value::as_object)
+        .flat_map(|object| object.keys())
+    {
+        let known = |column: &&(String, String, usize)| column.0.trim_end_matches('?') == key;
+        debug_assert!(
+            text.columns.iter().find(known).is_some(),
+            "{id}: no column for {key}"
+        );
+    }
+    let name = id.split_once('/').map_or(id, |(_, name)| name).to_owned();
+    Table {
+        name,
+        title: text.title.clone(),
+        columns,
+        rows,
+        shown: !text.hidden,
+    }
+}
+
+impl Texts {
+    /// Fills placeholders: `{@name}` with another text, `{name}` with a value, `{name.0}` with a part of one. What
+    /// follows a colon is its format, see [`shown`].
+    fn filled(&self, template: &str, values: &Value) -> String {
+        let mut out = String::new();
+        let mut rest = template;
+        while let Some((before, (inside, after))) =
+            (rest.split_once('{')).and_then(|(before, rest)| Some((before, rest.split_once('}')?)))
+        {
+            out.push_str(before);
+            rest = after;
+            if let Some(part) = inside.strip_prefix('@') {
+                out.push_str(&self.filled(&self.texts[part], values));
+                continue;
+            }
+            let (name, format) = inside.split_once(':').unwrap_or((inside, ""));
+            let value = values.pointer(&format!("/{}", name.replace('.', "/")));
+            debug_assert!(
+                value.is_some(),
+                "no value for {{{inside}}} of \"{template}\""
+            );
+            out.push_str(&shown(value.unwrap_or(&Value::Null), format));
+        }
+        out + rest
+    }
+}
+
+/// Returns a value for readers: text as it is, whole numbers with thousands apart, other numbers with all digits or in a
+/// format: `3` significant digits, `3%` of the value as a percentage, `+3` and `+3%` with a sign, `p` a probability.
+fn shown(value: &Value, format: &str) -> String {
+    let (Some(value), false) = (value.as_f64(), format.is_empty()) else {
+        return match Cell::of(value.clone()) {
+            Cell::Number(value) => value.to_string(),
+            cell => readable(&cell, 0),
+        };
+    };
+    let digits: String = format.chars().filter(char::is_ascii_digit).collect();
+    let digits = digits.parse().unwrap_or(0);
+    match (format.starts_with('+'), format.ends_with('%')) {
+        _ if format == "p" => chance(value),
+        (false, false) => number(value, digits),
+        (false, true) => percent(value, digits),
+        (true, false) => signed(value, digits),
+        (true, true) => format!("{} %", signed(100.0 * value, digits)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+
+    #[test]
+    fn placeholders_take_values_in_their_formats_and_other_texts() {
+        let texts = Texts {
+            texts: [("part".to_owned(), "of {all}".to_owned())].into(),
+            ..Texts::default()
+        };
+        let values = json!({
+            "all": 12_345, "leaf": 20.0, "share": 0.0242, "ends": [-0.5, 0.25], "none": null, "name": "KDRT", "p": 0.0,
+        });
+        let filled = |template| texts.filled(template, &values).replace('\u{202f}', " ");
+        assert_eq!(filled("{@part}, {leaf} r: {name}"), "of 12 345, 20 r: KDRT");
+        assert_eq!(
+            filled("{share:2} {share:2%} {share:+3%}"),
+            "0.024 2.4 % +2.42 %"
+        );
+        assert_eq!(filled("{ends.0:+2} to {ends.1}"), "\u{2212}0.50 to 0.25");
+        assert_eq!(
+            filled("{none:3} {p:p} {all:2}"),
+            "\u{2013} below 1e-300 12 000"
+        );
+        assert_eq!(filled("no end {all"), "no end {all");
+    }
+
+    #[test]
+    fn every_text_of_every_file_has_only_placeholders_that_end_and_parts_that_exist() {
+        for texts in TEXTS.values() {
+            let claims = texts.claims.values();
+            let claims = claims.flat_map(|one| [&one.claim, &one.paper, &one.here, &one.rule]);
+            let pictures = texts
+                .pictures
+                .values()
+                .flat_map(|one| [&one.title, &one.caption]);
+            for template in texts.texts.values().chain(claims).chain(pictures) {
+                assert_eq!(
+                    template.matches('{').count(),
+                    template.matches('}').count(),
+                    "{template}"
+                );
+                let parts = template
+                    .split("{@")
+                    .skip(1)
+                    .filter_map(|rest| rest.split_once('}'));
+                parts.for_each(|(part, _)| assert!(texts.texts.contains_key(part), "{part}"));
+            }
+        }
+    }
+}
