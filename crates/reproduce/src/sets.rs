@@ -10,7 +10,7 @@ use tilescope_core::{
 };
 
 use crate::control::Control;
-use crate::error::ReproduceError;
+use crate::error::{ReproduceError, Result};
 
 /// A set that was made here.
 #[derive(Clone, Debug)]
@@ -22,10 +22,7 @@ pub struct Set {
 
 impl Set {
     /// Makes a set by randomized tiling, on all threads.
-    pub fn kdrt(
-        parameters: &Parameters,
-        control: &Control<'_>,
-    ) -> Result<(Self, Summary), ReproduceError> {
+    pub fn kdrt(parameters: &Parameters, control: &Control<'_>) -> Result<(Self, Summary)> {
         let pattern = pattern(&parameters.pattern, control)?;
         let sweep = Sweep::new(parameters, &pattern, false)?;
         let (sampled, summary) = sweep.finish(&mut control.observer())?;
@@ -34,11 +31,7 @@ impl Set {
     }
 
     /// Makes a set with the reference sampler.
-    pub fn reference(
-        domain: Domain,
-        seed: u64,
-        control: &Control<'_>,
-    ) -> Result<Self, ReproduceError> {
+    pub fn reference(domain: Domain, seed: u64, control: &Control<'_>) -> Result<Self> {
         let points = reference_sample(domain, seed, &mut control.observer())?;
         Ok(Self::of(&domain, &points))
     }
@@ -59,16 +52,12 @@ impl Set {
     }
 
     /// Returns the verifier's report, whatever it says.
-    pub fn judge(&self, control: &Control<'_>) -> Result<Report, ReproduceError> {
+    pub fn judge(&self, control: &Control<'_>) -> Result<Report> {
         self.judged(&VerifyOptions::default(), control)
     }
 
     /// Returns the verifier's report with these options, whatever it says.
-    pub fn judged(
-        &self,
-        options: &VerifyOptions,
-        control: &Control<'_>,
-    ) -> Result<Report, ReproduceError> {
+    pub fn judged(&self, options: &VerifyOptions, control: &Control<'_>) -> Result<Report> {
         let (points, region, radius) = (&self.points, self.region, self.radius);
         Ok(tilescope_analysis::verify(
             points,
@@ -79,13 +68,8 @@ impl Set {
         )?)
     }
 
-    /// Returns the shortest way from one place to another across the borders of the periodic region.
-    pub fn way(&self, from: [f64; 2], to: [f64; 2]) -> [f64; 2] {
-        shortest([0, 1].map(|k| to[k] - from[k]), &self.region)
-    }
-
     /// Returns the report of a valid set, and an error for any other: nothing may be concluded from one.
-    pub fn verified(&self, what: &str, control: &Control<'_>) -> Result<Report, ReproduceError> {
+    pub fn verified(&self, what: &str, control: &Control<'_>) -> Result<Report> {
         let report = self.judge(control)?;
         if report.valid() {
             return Ok(report);
@@ -102,22 +86,28 @@ impl Set {
 /// the leaf, with their margins would not fit. The paper's patterns are larger than the largest block; a periodic one
 /// would repeat itself within a block.
 pub fn pattern_side(leaf: f64) -> f64 {
-    let fits = |side: f64| 2.0 * leaf + 2.0 <= side;
     let mut side = 100.0;
-    while !fits(side) {
+    while 2.0 * leaf + 2.0 > side {
         side *= 2.0;
     }
     side
 }
 
+/// Returns the specification of a pattern that blocks of a leaf size fit into.
+pub fn fitting(leaf: f64) -> PatternSpec {
+    PatternSpec {
+        side: pattern_side(leaf),
+        ..PatternSpec::default()
+    }
+}
+
 /// Carries out a run with the sequential engine, which records what became of every sample.
-pub fn sequential(parameters: &Parameters, control: &Control<'_>) -> Result<Run, ReproduceError> {
+pub fn sequential(parameters: &Parameters, control: &Control<'_>) -> Result<Run> {
     let engine = Sequential::new(parameters, pattern(&parameters.pattern, control)?)?;
     Ok(engine.finish(&mut control.observer())?)
 }
 
-/// Returns the pattern of a specification.
-pub fn pattern(spec: &PatternSpec, control: &Control<'_>) -> Result<Arc<Pattern>, ReproduceError> {
+pub fn pattern(spec: &PatternSpec, control: &Control<'_>) -> Result<Arc<Pattern>> {
     Ok(Pattern::of_spec(spec, &mut control.observer())?)
 }
 

@@ -8,7 +8,7 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 use crate::control::{Control, Watch};
-use crate::error::ReproduceError;
+use crate::error::Result;
 use crate::experiment::Experiment;
 use crate::parts::Parts;
 
@@ -75,8 +75,8 @@ impl<'a> Study<'a> {
         &self,
         key: &str,
         what: &str,
-        make: impl FnOnce(&Control<'_>) -> Result<T, ReproduceError>,
-    ) -> Result<T, ReproduceError> {
+        make: impl FnOnce(&Control<'_>) -> Result<T>,
+    ) -> Result<T> {
         let control = self.control(what);
         control.go_on()?;
         let result = if let Some(kept) = self.parts.load(key) {
@@ -96,8 +96,8 @@ impl<'a> Study<'a> {
         key: &str,
         what: &str,
         indices: Range<usize>,
-        make: impl Fn(u64, &Control<'_>) -> Result<T, ReproduceError> + Sync,
-    ) -> Result<Vec<T>, ReproduceError> {
+        make: impl Fn(u64, &Control<'_>) -> Result<T> + Sync,
+    ) -> Result<Vec<T>> {
         let settings = self.settings;
         self.unit(key, what, |control| {
             let indices = indices.into_par_iter();

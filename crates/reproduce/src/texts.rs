@@ -55,41 +55,36 @@ struct ChartText {
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct PictureText {
-    title: String,
-    caption: String,
+pub struct PictureText {
+    pub title: String,
+    pub caption: String,
+    /// The quantity of bars.
+    #[serde(default)]
+    pub axis: String,
+}
+
+macro_rules! file {
+    ($experiment:literal) => {
+        (
+            $experiment,
+            include_str!(concat!(
+                "../../../assets/experiments/",
+                $experiment,
+                ".toml"
+            )),
+        )
+    };
 }
 
 const FILES: [(&str, &str); 8] = [
-    ("eq4", include_str!("../../../assets/experiments/eq4.toml")),
-    (
-        "fig10",
-        include_str!("../../../assets/experiments/fig10.toml"),
-    ),
-    (
-        "fig11",
-        include_str!("../../../assets/experiments/fig11.toml"),
-    ),
-    (
-        "fig12",
-        include_str!("../../../assets/experiments/fig12.toml"),
-    ),
-    (
-        "fig13",
-        include_str!("../../../assets/experiments/fig13.toml"),
-    ),
-    (
-        "iterations",
-        include_str!("../../../assets/experiments/iterations.toml"),
-    ),
-    (
-        "search",
-        include_str!("../../../assets/experiments/search.toml"),
-    ),
-    (
-        "uniformity",
-        include_str!("../../../assets/experiments/uniformity.toml"),
-    ),
+    file!("eq4"),
+    file!("fig10"),
+    file!("fig11"),
+    file!("fig12"),
+    file!("fig13"),
+    file!("iterations"),
+    file!("search"),
+    file!("uniformity"),
 ];
 
 static TEXTS: LazyLock<BTreeMap<&str, Texts>> = LazyLock::new(|| {
@@ -101,10 +96,7 @@ static TEXTS: LazyLock<BTreeMap<&str, Texts>> = LazyLock::new(|| {
 
 /// Returns the texts of an experiment and the one of them that `id`, such as `eq4/shares`, names. Panics if it is not
 /// there: ids are written in code.
-fn find<T>(
-    id: &str,
-    of: impl Fn(&'static Texts) -> &'static BTreeMap<String, T>,
-) -> (&'static Texts, &'static T) {
+fn find<T>(id: &str, of: fn(&Texts) -> &BTreeMap<String, T>) -> (&'static Texts, &'static T) {
     let found = id.split_once('/').and_then(|(experiment, name)| {
         let texts = TEXTS.get(experiment)?;
         Some((texts, of(texts).get(name)?))
@@ -143,10 +135,14 @@ pub fn chart(id: &str, series: Vec<Series>) -> LineChart {
     }
 }
 
-/// Returns title and caption of a picture.
-pub fn picture_words(id: &str, values: &Value) -> [String; 2] {
+/// Returns the texts of a picture.
+pub fn picture_texts(id: &str, values: &Value) -> PictureText {
     let (texts, template) = find(id, |texts| &texts.pictures);
-    [&template.title, &template.caption].map(|template| texts.filled(template, values))
+    PictureText {
+        title: texts.filled(&template.title, values),
+        caption: texts.filled(&template.caption, values),
+        axis: template.axis.clone(),
+    }
 }
 
 /// Returns a table whose cells are, for each row, those of an object by the keys of the columns. A column whose key
@@ -154,39 +150,33 @@ pub fn picture_words(id: &str, values: &Value) -> [String; 2] {
 pub fn table<R>(id: &str, rows: impl IntoIterator<Item = R>, cells: impl Fn(R) -> Value) -> Table {
     let (_, text) = find(id, |texts| &texts.tables);
     let objects: Vec<Value> = rows.into_iter().map(cells).collect();
-    let mut columns = Vec::new();
-    let mut rows = vec![Vec::new(); objects.len()];
+    let mut table = Table {
+        name: name(id),
+        title: text.title.clone(),
+        columns: Vec::new(),
+        rows: vec![Vec::new(); objects.len()],
+        shown: !text.hidden,
+    };
+    let mut add = |key: &str, head: &str, digits, cell: &dyn Fn(&Value) -> Option<Value>| {
+        table.columns.push(Column::new(key, head, digits));
+        for (row, object) in table.rows.iter_mut().zip(&objects) {
+            row.push(Cell::of(cell(object).unwrap_or_default()));
+        }
+    };
     for (key, head, digits) in &text.columns {
         let (key, optional) = key
             .strip_suffix('?')
             .map_or((&**key, false), |key| (key, true));
-        let Some(first) = objects.first().and_then(|object| object.get(key)) else {
-            debug_assert!(optional || objects.is_empty(), "{id}: no cells of {key}");
-            continue;
-        };
-        let repeated = first.as_array().filter(|_| key.contains("{n}"));
-        let repeats = repeated.map_or(1, Vec::len);
-        for repeat in 0..repeats {
-            let at = |object: &Value, part: usize| {
-                object.pointer(&format!("/{key}/{repeat}/{part}")).cloned()
-            };
-            let number = repeated
-                .and_then(|_| at(&objects[0], 0))
-                .unwrap_or_default()
-                .to_string();
-            columns.push(Column::new(
-                &key.replace("{n}", &number),
-                &head.replace("{n}", &number),
-                *digits,
-            ));
-            for (row, object) in rows.iter_mut().zip(&objects) {
-                let cell = if repeated.is_some() {
-                    at(object, 1)
-                } else {
-                    object.get(key).cloned()
-                };
-                row.push(Cell::of(cell.unwrap_or_default()));
+        match objects.first().and_then(|object| object.get(key)) {
+            Some(Value::Array(pairs)) => {
+                for (index, pair) in pairs.iter().enumerate() {
+                    let named = |text: &str| text.replace("{n}", &pair[0].to_string());
+                    let cell = |object: &Value| object[key].get(index).map(|pair| pair[1].clone());
+                    add(&named(key), &named(head), *digits, &cell);
+                }
             }
+            Some(_) => add(key, head, *digits, &|object| object.get(key).cloned()),
+            None => debug_assert!(optional || objects.is_empty(), "{id}: no cells of {key}"),
         }
     }
     for key in objects
@@ -194,20 +184,18 @@ pub fn table<R>(id: &str, rows: impl IntoIterator<Item = R>, cells: impl Fn(R) -
         .filter_map(Value::as_object)
         .flat_map(|object| object.keys())
     {
-        let known = |column: &&(String, String, usize)| column.0.trim_end_matches('?') == key;
-        debug_assert!(
-            text.columns.iter().find(known).is_some(),
-            "{id}: no column for {key}"
-        );
+        let known = text
+            .columns
+            .iter()
+            .any(|column| column.0.trim_end_matches('?') == key);
+        debug_assert!(known, "{id}: no column for {key}");
     }
-    let name = id.split_once('/').map_or(id, |(_, name)| name).to_owned();
-    Table {
-        name,
-        title: text.title.clone(),
-        columns,
-        rows,
-        shown: !text.hidden,
-    }
+    table
+}
+
+/// Returns the name of a text within its experiment: that of its table or picture in files.
+pub fn name(id: &str) -> String {
+    id.split_once('/').map_or(id, |(_, name)| name).to_owned()
 }
 
 impl Texts {

@@ -2,16 +2,16 @@
 
 use serde_json::Value;
 use tilescope_analysis::measures::chi_square_quantile;
-use tilescope_core::{Parameters, PatternSpec};
+use tilescope_core::Parameters;
 use tilescope_figures::chart::{
     BarChart, BarGroup, ColorScale, Figure, Look, Panel, Series, TileChart, TileContent,
     figure_scene,
 };
 use tilescope_figures::{Group, Palette, Scene, Shape};
 
-use crate::error::ReproduceError;
+use crate::error::Result;
 use crate::outcome::Picture;
-use crate::texts::picture_words;
+use crate::texts::{PictureText, name, picture_texts};
 
 /// About the samples of a KDRT set to a squared radius.
 const DENSITY: f64 = 0.698;
@@ -32,18 +32,11 @@ pub fn square(samples: f64, leaf: f64) -> Parameters {
 
 /// Gives a set a seed and a pattern of its own.
 pub fn seeded(parameters: Parameters, seed: u64) -> Parameters {
-    let pattern = PatternSpec {
-        seed,
-        ..parameters.pattern
-    };
-    Parameters {
-        seed,
-        pattern,
-        ..parameters
-    }
+    let mut own = parameters;
+    (own.seed, own.pattern.seed) = (seed, seed);
+    own
 }
 
-/// Returns a curve.
 pub fn curve(name: &str, number: usize, points: Vec<[f64; 2]>) -> Series {
     Series {
         name: name.to_owned(),
@@ -62,28 +55,21 @@ pub fn reference(name: &str, points: Vec<[f64; 2]>) -> Series {
 }
 
 /// Returns the picture of rows of panels, named as its texts are.
-pub fn picture(id: &str, values: &Value, rows: Vec<Vec<Panel>>) -> Result<Picture, ReproduceError> {
-    let [title, caption] = picture_words(id, values);
+pub fn picture(id: &str, values: &Value, rows: Vec<Vec<Panel>>) -> Result<Picture> {
+    let PictureText { title, caption, .. } = picture_texts(id, values);
+    let figure = Figure { title, rows };
     Ok(Picture {
-        name: id.split_once('/').map_or(id, |(_, name)| name).to_owned(),
+        name: name(id),
         caption,
-        scene: figure_scene(&Figure { title, rows }, &Palette::LIGHT)?,
+        scene: figure_scene(&figure, &Palette::LIGHT)?,
     })
 }
 
 /// Returns the picture of groups of bars over an axis of one quantity.
-pub fn bar_picture(
-    id: &str,
-    values: &Value,
-    label: &str,
-    groups: Vec<BarGroup>,
-) -> Result<Picture, ReproduceError> {
-    let label = label.to_owned();
-    picture(
-        id,
-        values,
-        vec![vec![Panel::Bars(BarChart { label, groups })]],
-    )
+pub fn bar_picture(id: &str, values: &Value, groups: Vec<BarGroup>) -> Result<Picture> {
+    let label = picture_texts(id, values).axis;
+    let bars = Panel::Bars(BarChart { label, groups });
+    picture(id, values, vec![vec![bars]])
 }
 
 /// Returns a square picture with its heading and the line below it; `side` is its size in pixels, if not the default.

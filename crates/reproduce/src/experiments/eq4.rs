@@ -1,19 +1,18 @@
 //! Equation 4: which share of the plane and of the samples elimination and insertion touch, by the shortest edge of a
 //! block. The sequential engine makes the sets, because it records what became of every sample.
 
-mod shares;
-
+use serde::{Deserialize, Serialize};
 use serde_json::json;
 use tilescope_core::{Fate, Origin, R, Run, SampleGrid, covers_offset};
+use tilescope_figures::chart::{Panel, Series};
 
 use crate::control::Control;
-use crate::error::ReproduceError;
-use crate::experiments::common::{ends, largest, seeded, slope, square};
-use crate::outcome::{Claim, Outcome, Verdict};
+use crate::error::Result;
+use crate::experiments::common::{curve, ends, largest, picture, reference, seeded, slope, square};
+use crate::outcome::{Claim, Outcome, Picture, Table, Verdict};
 use crate::sets::{Set, sequential};
 use crate::study::{Settings, Study};
-use crate::texts::{claim, text};
-use shares::LeafShares;
+use crate::texts::{chart, claim, table, text};
 
 /// Shortest edges of blocks, in radii.
 const LEAVES: [f64; 9] = [6.0, 8.0, 10.0, 15.0, 20.0, 30.0, 40.0, 60.0, 80.0];
@@ -30,11 +29,10 @@ fn amounts(settings: &Settings) -> (usize, f64) {
     settings.pick((8, 200_000.0), (2, 50_000.0))
 }
 
-pub const fn units() -> usize {
-    LEAVES.len()
-}
+/// A unit for each leaf.
+pub const UNITS: usize = LEAVES.len();
 
-pub fn run(study: &Study<'_>) -> Result<Outcome, ReproduceError> {
+pub fn run(study: &Study<'_>) -> Result<Outcome> {
     let (sets, samples) = amounts(study.settings);
     let leaf = |leaf: f64| {
         let sets = study.sets(
@@ -45,24 +43,16 @@ pub fn run(study: &Study<'_>) -> Result<Outcome, ReproduceError> {
         )?;
         Ok(LeafShares::sum(&sets))
     };
-    let found: Vec<LeafShares> = LEAVES
-        .into_iter()
-        .map(leaf)
-        .collect::<Result<_, ReproduceError>>()?;
+    let found: Vec<LeafShares> = LEAVES.into_iter().map(leaf).collect::<Result<_>>()?;
     Ok(Outcome {
         claims: claims(&found),
-        pictures: vec![shares::curves(&found)?],
-        tables: vec![shares::shares(&found)],
+        pictures: vec![curves(&found)?],
+        tables: vec![shares(&found)],
         notes: vec![text("eq4/how", &json!({}))],
     })
 }
 
-fn measure(
-    leaf: f64,
-    seed: u64,
-    samples: f64,
-    control: &Control<'_>,
-) -> Result<LeafShares, ReproduceError> {
+fn measure(leaf: f64, seed: u64, samples: f64, control: &Control<'_>) -> Result<LeafShares> {
     let run = sequential(&seeded(square(samples, leaf), seed), control)?;
     Set::of_run(&run).verified(&format!("leaf {leaf}, seed {seed}"), control)?;
     Ok(counts(leaf, &run))
@@ -149,15 +139,12 @@ fn area(found: &[LeafShares], first: &LeafShares) -> Claim {
     let [least, most] = ratios(LeafShares::margin_share);
     let off = |one: &LeafShares| (one.margin_share() / one.mended() - 1.0).abs();
     let verdict = Verdict::of((1.0 - least).max(most - 1.0) <= CLOSE);
-    claim(
-        "eq4/area",
-        verdict,
-        &json!({
-            "predicted": first.predicted(), "leaf": first.leaf, "margin": first.margin_share(),
-            "ratios": [least, most], "overlap": first.overlap(), "plane": ratios(LeafShares::overlap),
-            "close": CLOSE, "mended": largest(found.iter().map(off)),
-        }),
-    )
+    let values = json!({
+        "predicted": first.predicted(), "leaf": first.leaf, "margin": first.margin_share(),
+        "ratios": [least, most], "overlap": first.overlap(), "plane": ratios(LeafShares::overlap),
+        "close": CLOSE, "mended": largest(found.iter().map(off)),
+    });
+    claim("eq4/area", verdict, &values)
 }
 
 fn below(found: &[LeafShares]) -> Claim {
@@ -168,30 +155,168 @@ fn below(found: &[LeafShares]) -> Claim {
         from.map_or_else(|| "no N".to_owned(), |one| format!("N = {}", one.leaf))
     };
     let margin = most(LeafShares::margin_share);
-    claim(
-        "eq4/below",
-        Verdict::of(margin < PAPER),
-        &json!({
-            "margin": margin, "margin_from": from(LeafShares::margin_share),
-            "overlap": most(LeafShares::overlap), "overlap_from": from(LeafShares::overlap),
-            "from": FROM, "limit": PAPER,
-        }),
-    )
+    let values = json!({
+        "margin": margin, "margin_from": from(LeafShares::margin_share),
+        "overlap": most(LeafShares::overlap), "overlap_from": from(LeafShares::overlap),
+        "from": FROM, "limit": PAPER,
+    });
+    claim("eq4/below", Verdict::of(margin < PAPER), &values)
 }
 
 fn inverse(found: &[LeafShares]) -> Claim {
     let [margin, inserted] =
         [LeafShares::margin_share, LeafShares::inserted_share].map(|share| exponent(found, share));
     let holds = |exponent: f64| (exponent + 1.0).abs() <= EXPONENT;
+    let values = json!({
+        "margin": margin, "inserted": inserted, "overlap": exponent(found, LeafShares::overlap),
+        "predicted": exponent(found, LeafShares::predicted), "limit": EXPONENT,
+        "leaves": [LEAVES[0], LEAVES[LEAVES.len() - 1]],
+    });
     claim(
         "eq4/inverse",
         Verdict::of(holds(margin) && holds(inserted)),
-        &json!({
-            "margin": margin, "inserted": inserted, "overlap": exponent(found, LeafShares::overlap),
-            "predicted": exponent(found, LeafShares::predicted), "limit": EXPONENT,
-            "leaves": [LEAVES[0], LEAVES[LEAVES.len() - 1]],
-        }),
+        &values,
     )
+}
+
+/// Counts and areas (in squared radii) of one set or of several.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+struct LeafShares {
+    leaf: f64,
+    count: usize,
+    inserted: usize,
+    /// The domain's.
+    area: f64,
+    blocks: usize,
+    /// Sum of the widths and heights of all blocks, in radii.
+    edges: f64,
+    /// Area of all clips.
+    clipped: f64,
+    /// Area that a single clip reaches.
+    alone: f64,
+    tiled: usize,
+    /// Tiled samples outside their own block.
+    margin: usize,
+    in_conflict: usize,
+    eliminated: usize,
+    /// Eliminated samples of their own block.
+    lost: usize,
+}
+
+impl LeafShares {
+    /// Returns the sum over sets of one leaf.
+    fn sum(sets: &[Self]) -> Self {
+        let sum = |mut all: Self, one: &Self| {
+            all.leaf = one.leaf;
+            all.count += one.count;
+            all.inserted += one.inserted;
+            all.area += one.area;
+            all.blocks += one.blocks;
+            all.edges += one.edges;
+            all.clipped += one.clipped;
+            all.alone += one.alone;
+            all.tiled += one.tiled;
+            all.margin += one.margin;
+            all.in_conflict += one.in_conflict;
+            all.eliminated += one.eliminated;
+            all.lost += one.lost;
+            all
+        };
+        sets.iter().fold(Self::default(), sum)
+    }
+
+    /// Equation 4.
+    fn predicted(&self) -> f64 {
+        (2.0 * self.leaf + 1.0) / (self.leaf + 1.0).powi(2)
+    }
+
+    fn mean_edge(&self) -> f64 {
+        self.edges / (2.0 * self.blocks as f64)
+    }
+
+    /// Equation 4 with the mean edge, and r on each side of it.
+    fn mended(&self) -> f64 {
+        let edge = self.mean_edge();
+        1.0 - (edge / (edge + 2.0)).powi(2)
+    }
+
+    /// The share of the plane that several clips reach.
+    fn overlap(&self) -> f64 {
+        1.0 - self.alone / self.area
+    }
+
+    /// The share of clips that lies beyond their blocks.
+    fn margin_share(&self) -> f64 {
+        1.0 - self.area / self.clipped
+    }
+
+    /// The share of tiled samples that lie in the margin of their own clip.
+    fn margin_samples(&self) -> f64 {
+        self.margin as f64 / self.tiled as f64
+    }
+
+    fn conflict_share(&self) -> f64 {
+        self.in_conflict as f64 / self.tiled as f64
+    }
+
+    /// The share of the result that was inserted.
+    fn inserted_share(&self) -> f64 {
+        self.inserted as f64 / self.count as f64
+    }
+
+    /// The share of all samples that ever were that were eliminated or inserted.
+    fn touched(&self) -> f64 {
+        (self.eliminated + self.inserted) as f64 / (self.tiled + self.inserted) as f64
+    }
+
+    /// The share of samples of their own block that were lost.
+    fn lost_share(&self) -> f64 {
+        self.lost as f64 / (self.tiled - self.margin) as f64
+    }
+}
+
+/// A measured share: its name in the chart.
+type Share = (&'static str, fn(&LeafShares) -> f64);
+
+const SHARES: [Share; 6] = [
+    ("clips beyond their blocks", LeafShares::margin_share),
+    ("plane where clips overlap", LeafShares::overlap),
+    ("tiled samples in conflict", LeafShares::conflict_share),
+    ("samples eliminated or inserted", LeafShares::touched),
+    ("samples lost of their own block", LeafShares::lost_share),
+    ("result that was inserted", LeafShares::inserted_share),
+];
+
+/// Returns all shares by leaf, and their products with it.
+fn curves(found: &[LeafShares]) -> Result<Picture> {
+    let of = |value: &dyn Fn(&LeafShares) -> f64| {
+        found.iter().map(|one| [one.leaf, value(one)]).collect()
+    };
+    let all = |scale: &dyn Fn(&LeafShares) -> f64| -> Vec<Series> {
+        let predicted = |one: &LeafShares| one.predicted() * scale(one);
+        let mut series = vec![reference("equation 4", of(&predicted))];
+        for (number, (name, share)) in SHARES.iter().enumerate() {
+            series.push(curve(name, number, of(&|one| share(one) * scale(one))));
+        }
+        series
+    };
+    let shares = chart("eq4/shares", all(&|_| 100.0));
+    let products = chart("eq4/products", all(&|one| one.leaf));
+    let rows = vec![vec![Panel::Lines(shares)], vec![Panel::Lines(products)]];
+    picture("eq4/shares", &json!({}), rows)
+}
+
+fn shares(found: &[LeafShares]) -> Table {
+    table("eq4/shares", found, |one| {
+        json!({
+            "leaf_r": one.leaf, "mean_edge_r": one.mean_edge(), "samples": one.count,
+            "predicted_percent": 100.0 * one.predicted(), "mended_percent": 100.0 * one.mended(),
+            "margin_samples_percent": 100.0 * one.margin_samples(),
+            "clip_margin_percent": 100.0 * one.margin_share(), "overlap_percent": 100.0 * one.overlap(),
+            "in_conflict_percent": 100.0 * one.conflict_share(), "touched_percent": 100.0 * one.touched(),
+            "lost_percent": 100.0 * one.lost_share(), "inserted_percent": 100.0 * one.inserted_share(),
+        })
+    })
 }
 
 #[cfg(test)]

@@ -2,14 +2,13 @@
 //! engines where they have stages. Patterns are ready-made.
 
 mod claims;
-mod picture;
 mod rows;
+mod shown;
 mod stages;
-mod tables;
 
 use serde_json::json;
 
-use crate::error::ReproduceError;
+use crate::error::Result;
 use crate::machine::no_gpu;
 use crate::outcome::Outcome;
 use crate::study::{Settings, Study};
@@ -29,20 +28,20 @@ pub fn units(settings: &Settings) -> usize {
     plan(settings).rounds as usize
 }
 
-pub fn run(study: &Study<'_>) -> Result<Outcome, ReproduceError> {
+pub fn run(study: &Study<'_>) -> Result<Outcome> {
     let plan = plan(study.settings);
     let rounds: Vec<StageRound> = stages::run(plan, study)?;
     let rows = rows::rows(&rounds);
     let passes = rows::passes(&rounds);
-    let mut tables = vec![tables::stages(&rows), tables::counts(&rounds)];
+    let mut tables = vec![shown::stages(&rows), shown::counts(&rounds)];
     if !passes.is_empty() {
-        tables.push(tables::passes(&passes));
+        tables.push(shown::passes(&passes));
     }
     let mut notes = vec![text("fig11/how", &json!({}))];
     notes.extend(no_gpu().map(|why| text("fig11/no-gpu", &json!({ "why": why }))));
     Ok(Outcome {
         claims: claims::claims(&rows),
-        pictures: vec![picture::shares(&rows, plan)?],
+        pictures: vec![shown::shares(&rows, plan)?],
         tables,
         notes,
     })

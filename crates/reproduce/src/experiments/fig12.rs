@@ -7,12 +7,12 @@ mod picture;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 use tilescope_analysis::Report;
-use tilescope_core::combine::{CombineOptions, Combined, combine};
+use tilescope_core::combine::{CombineOptions, Combined, EliminatedSample, combine};
 use tilescope_core::{Boundary, Domain, R, reference_sample};
 
 use crate::control::Control;
 use crate::engines::{nine, nine_rects};
-use crate::error::ReproduceError;
+use crate::error::{ReproduceError, Result};
 use crate::experiments::common::largest;
 use crate::numbers::count;
 use crate::outcome::{Claim, Outcome, Table, Verdict};
@@ -30,12 +30,10 @@ const LARGE: f64 = 600.0;
 /// Sides in radii of the layout that is drawn, whatever the settings.
 const DRAWN: f64 = 150.0;
 
-/// Sides in radii of the layouts.
 fn sides(settings: &Settings) -> Vec<f64> {
     settings.pick(vec![DRAWN, 600.0, 1800.0], vec![DRAWN])
 }
 
-/// The results of one layout.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct LayoutResult {
     side: f64,
@@ -74,7 +72,7 @@ pub fn units(settings: &Settings) -> usize {
     sides(settings).len()
 }
 
-pub fn run(study: &Study<'_>) -> Result<Outcome, ReproduceError> {
+pub fn run(study: &Study<'_>) -> Result<Outcome> {
     let seed = study.settings.seed;
     let mut found: Vec<LayoutResult> = Vec::new();
     for side in sides(study.settings) {
@@ -83,7 +81,7 @@ pub fn run(study: &Study<'_>) -> Result<Outcome, ReproduceError> {
     }
     let control = study.control("the picture");
     let domain = domain(DRAWN)?;
-    let (glued, _) = glue(domain, seed, &control)?;
+    let glued = glue(domain, seed, &control)?;
     Ok(Outcome {
         claims: claims(&found),
         pictures: picture::pictures(&glued, &nine_rects(&domain)),
@@ -92,32 +90,30 @@ pub fn run(study: &Study<'_>) -> Result<Outcome, ReproduceError> {
     })
 }
 
-fn domain(side: f64) -> Result<Domain, ReproduceError> {
+fn domain(side: f64) -> Result<Domain> {
     Ok(Domain::from_size([side; 2], 1.0, Boundary::Periodic)?)
 }
 
-/// Makes and glues nine sets; returns the seconds that each took.
-fn glue(
-    domain: Domain,
-    seed: u64,
-    control: &Control<'_>,
-) -> Result<(Glued, [f64; 2]), ReproduceError> {
-    let (pieces, making) = timed(|| nine(domain, seed, control));
-    let (pieces, options) = (pieces?, CombineOptions::default());
-    let (combined, gluing) = timed(|| combine(domain, &pieces, &options, &mut control.observer()));
-    let before = pieces.iter().map(|piece| piece.set.samples().len()).sum();
-    let combined = combined?;
-    Ok((Glued { combined, before }, [making, gluing]))
-}
-
-/// Nine sets in one.
 struct Glued {
     combined: Combined,
     /// Samples of the nine.
     before: usize,
+    /// Seconds of making the nine, and of gluing them.
+    seconds: [f64; 2],
 }
 
-fn measure(side: f64, seed: u64, control: &Control<'_>) -> Result<LayoutResult, ReproduceError> {
+fn glue(domain: Domain, seed: u64, control: &Control<'_>) -> Result<Glued> {
+    let (pieces, making) = timed(|| nine(domain, seed, control));
+    let (pieces, options) = (pieces?, CombineOptions::default());
+    let (combined, gluing) = timed(|| combine(domain, &pieces, &options, &mut control.observer()));
+    Ok(Glued {
+        combined: combined?,
+        before: pieces.iter().map(|piece| piece.set.samples().len()).sum(),
+        seconds: [making, gluing],
+    })
+}
+
+fn measure(side: f64, seed: u64, control: &Control<'_>) -> Result<LayoutResult> {
     let domain = domain(side)?;
     control.go_on()?;
     let one = rayon::ThreadPoolBuilder::new().num_threads(1).build();
@@ -125,21 +121,21 @@ fn measure(side: f64, seed: u64, control: &Control<'_>) -> Result<LayoutResult, 
     let (whole, alone) =
         timed(|| one.install(|| reference_sample(domain, seed, &mut control.observer())));
     drop(whole?);
-    let (Glued { combined, before }, [making, gluing]) = glue(domain, seed, control)?;
+    let glued = glue(domain, seed, control)?;
+    let (combined, [making, gluing]) = (&glued.combined, glued.seconds);
     let set = Set::of(&domain, &combined.points);
     let report = set.judge(control)?;
     let rects = nine_rects(&domain);
     let lost = combined.eliminated.iter().filter(|lost| lost.own);
-    let depths = lost
-        .clone()
-        .map(|lost| rects[lost.piece as usize].depth(lost.point));
+    let depth = |lost: &EliminatedSample| rects[lost.piece as usize].depth(lost.point);
+    let deepest = lost.clone().map(depth).max().unwrap_or(0);
     let summary = combined.summary();
     Ok(LayoutResult {
         side,
-        before,
+        before: glued.before,
         after: combined.points.len(),
         lost: lost.count(),
-        deepest: f64::from(depths.max().unwrap_or(0)) / f64::from(R),
+        deepest: f64::from(deepest) / f64::from(R),
         inserted: summary.inserted.iter().sum(),
         iterations: summary.inserted.len(),
         alone,
@@ -178,28 +174,22 @@ fn maximal(found: &[LayoutResult], last: &LayoutResult) -> Claim {
 fn losses(found: &[LayoutResult], last: &LayoutResult) -> Claim {
     let deepest = largest(found.iter().map(|one| one.deepest));
     let verdict = Verdict::of(last.lost_share() <= MINOR && deepest <= 3.0);
-    claim(
-        "fig12/losses",
-        verdict,
-        &json!({
-            "lost": last.lost, "before": last.before, "share": last.lost_share(),
-            "worst": largest(found.iter().map(LayoutResult::lost_share)), "deepest": deepest, "minor": MINOR,
-        }),
-    )
+    let values = json!({
+        "lost": last.lost, "before": last.before, "share": last.lost_share(),
+        "worst": largest(found.iter().map(LayoutResult::lost_share)), "deepest": deepest, "minor": MINOR,
+    });
+    claim("fig12/losses", verdict, &values)
 }
 
 fn cost(last: &LayoutResult) -> Claim {
     let (threads, overhead) = (last.threads, last.overhead());
     let holds = overhead <= SMALL && last.speedup() > 1.0;
     let verdict = Verdict::if_known(threads >= 2 && last.side >= LARGE, holds);
-    claim(
-        "fig12/cost",
-        verdict,
-        &json!({
-            "speedup": last.speedup(), "overhead": overhead, "small": SMALL, "large": LARGE,
-            "threads": format!("{threads} {}", if threads == 1 { "thread" } else { "threads" }),
-        }),
-    )
+    let values = json!({
+        "speedup": last.speedup(), "overhead": overhead, "small": SMALL, "large": LARGE,
+        "threads": format!("{threads} {}", if threads == 1 { "thread" } else { "threads" }),
+    });
+    claim("fig12/cost", verdict, &values)
 }
 
 fn layouts(found: &[LayoutResult]) -> Table {

@@ -5,18 +5,17 @@ mod against;
 mod claims;
 mod method;
 mod peaks;
-mod picture;
 mod rates;
+mod shown;
 mod spectra;
-mod speed;
-mod tables;
 
 use serde_json::json;
 
-use crate::error::ReproduceError;
+use crate::error::Result;
 use crate::machine::no_gpu;
 use crate::numbers::number;
 use crate::outcome::{Outcome, Picture};
+use crate::sets::Set;
 use crate::study::{Settings, Study};
 
 use super::timing::{LEAVES, TimingPlan};
@@ -28,10 +27,10 @@ use spectra::MethodSpectra;
 
 /// The paper's radii, of the unit square, and sets of each.
 fn groups(settings: &Settings) -> Vec<SetGroup> {
-    let radii = settings.pick(vec![0.01, 0.005, 0.0025], vec![0.01, 0.005]);
-    let sets = settings.pick(10, 3);
-    let group = |radius| SetGroup::of(settings, radius, sets);
-    radii.into_iter().map(group).collect()
+    let radii: &[f64] = settings.pick(&[0.01, 0.005, 0.0025], &[0.01, 0.005]);
+    let (sets, seed) = (settings.pick(10, 3), settings.seed);
+    let group = |&radius| SetGroup { radius, sets, seed };
+    radii.iter().map(group).collect()
 }
 
 /// The control stands with the smallest radius alone: what it shows does not depend on it.
@@ -56,10 +55,12 @@ fn methods(last: bool) -> Vec<Method> {
 
 fn spectra_units(settings: &Settings) -> Vec<(SetGroup, Method)> {
     let groups = groups(settings);
-    let last = groups.len() - 1;
-    let each = groups.iter().enumerate();
-    each.flat_map(|(index, group)| methods(index == last).into_iter().map(|one| (*group, one)))
-        .collect()
+    let each = (1..).zip(&groups);
+    let of = |(number, group): (usize, &SetGroup)| {
+        let (group, methods) = (*group, methods(number == groups.len()));
+        methods.into_iter().map(move |method| (group, method))
+    };
+    each.flat_map(of).collect()
 }
 
 fn plan(settings: &Settings) -> TimingPlan {
@@ -73,78 +74,59 @@ pub fn units(settings: &Settings) -> usize {
     spectra_units(settings).len() + plan(settings).rounds as usize
 }
 
-pub fn run(study: &Study<'_>) -> Result<Outcome, ReproduceError> {
-    let units = spectra_units(study.settings).into_iter();
-    let found: Result<Vec<MethodSpectra>, _> = units
-        .map(|(group, method)| unit(study, &group, method))
-        .collect();
-    let found = found?;
+pub fn run(study: &Study<'_>) -> Result<Outcome> {
+    let mut found: Vec<MethodSpectra> = Vec::new();
+    for (group, method) in spectra_units(study.settings) {
+        let SetGroup { radius, sets, .. } = group;
+        // A name that no file of other measures has.
+        let key = format!("groups-{radius}-{}", method.key());
+        let what = format!("{sets} sets of radius {radius}, {}", method.name());
+        found.push(study.unit(&key, &what, |control| {
+            spectra::measure(&group, method, control)
+        })?);
+    }
     let plan = plan(study.settings);
     let rounds = rates::run(plan, study)?;
     let timed: Vec<_> = rounds.iter().map(|round| round.timed.as_slice()).collect();
     let rows = engine_rates::rows(&timed, None);
     let against = against::against(&found);
     let mut pictures = spectra_pictures(study, &found)?;
-    pictures.push(picture::rates(&rows, plan.samples, plan.rounds)?);
+    pictures.push(shown::rates(&rows, plan.samples, plan.rounds)?);
     Ok(Outcome {
         claims: claims::claims(&against, &rows),
         pictures,
         tables: vec![
-            tables::quality(&found, &against),
-            tables::rates(&rows),
-            tables::curves(&found),
+            shown::quality(&found, &against),
+            shown::rate_table(&rows),
+            shown::curves(&found),
         ],
         notes: notes(&found, &rounds),
     })
 }
 
-fn unit(
-    study: &Study<'_>,
-    group: &SetGroup,
-    method: Method,
-) -> Result<MethodSpectra, ReproduceError> {
-    // A name that no file of other measures has.
-    let key = format!("groups-{}-{}", group.radius, method.key());
-    let what = format!(
-        "{} sets of radius {}, {}",
-        group.sets,
-        group.radius,
-        method.name()
-    );
-    study.unit(&key, &what, |control| {
-        spectra::measure(group, method, control)
-    })
-}
-
 /// The figures show one set of each method, made anew.
-fn spectra_pictures(
-    study: &Study<'_>,
-    found: &[MethodSpectra],
-) -> Result<Vec<Picture>, ReproduceError> {
+fn spectra_pictures(study: &Study<'_>, found: &[MethodSpectra]) -> Result<Vec<Picture>> {
     let control = study.control("the pictures");
     let picture = |group: SetGroup, names, columns: Vec<(Method, Method)>| {
         let of = |method: Method| {
             let same = |one: &&MethodSpectra| one.radius.to_bits() == group.radius.to_bits();
             found.iter().filter(same).find(|one| one.method == method)
         };
-        let columns = columns.into_iter();
-        let columns: Vec<(&MethodSpectra, &MethodSpectra)> = columns
-            .filter_map(|(one, below)| Some((of(one)?, of(below)?)))
-            .collect();
-        let sets: Result<Vec<_>, _> = (columns.iter())
-            .map(|(one, _)| group.set(one.method, 0, &control))
-            .collect();
-        picture::spectra(names, &columns, &sets?)
+        let both = |(one, below)| Some((of(one)?, of(below)?));
+        let columns: Vec<_> = columns.into_iter().filter_map(both).collect();
+        let set = |(one, _): &(&MethodSpectra, _)| group.set(one.method, 0, &control);
+        let sets: Vec<Set> = columns.iter().map(set).collect::<Result<_>>()?;
+        shown::spectra(names, &columns, &sets)
     };
     let groups = groups(study.settings);
     let each = groups.iter().map(|group| {
         let names = ("spectra", "Reference and KDRT");
-        picture(*group, names, picture::columns(&LEAVES))
+        picture(*group, names, shown::columns(&LEAVES))
     });
-    let mut pictures: Vec<Picture> = each.collect::<Result<_, _>>()?;
+    let mut pictures: Vec<Picture> = each.collect::<Result<_>>()?;
     if let Some(group) = groups.last() {
         let names = ("regular", "Where regularity shows");
-        pictures.push(picture(*group, names, picture::regular())?);
+        pictures.push(picture(*group, names, shown::regular())?);
     }
     Ok(pictures)
 }

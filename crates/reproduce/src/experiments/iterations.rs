@@ -5,17 +5,16 @@ mod counts;
 mod variants;
 
 use serde_json::json;
-use tilescope_core::{Order, Parameters};
+use tilescope_core::{Order, Summary};
 
 use crate::control::Control;
-use crate::error::ReproduceError;
+use crate::error::Result;
 use crate::experiments::common::{poisson_interval, seeded, square};
 use crate::outcome::{Claim, Outcome, Verdict};
 use crate::sets::Set;
 use crate::study::{Settings, Study};
 use crate::texts::{claim, text};
 use counts::{InsertionCase, IterationCounts};
-use variants::InsertionCounts;
 
 /// Sets of each case, as in the paper.
 const SETS: usize = 10;
@@ -46,7 +45,7 @@ pub fn units(settings: &Settings) -> usize {
     cases().len() * SETS + variants::units(settings)
 }
 
-pub fn run(study: &Study<'_>) -> Result<Outcome, ReproduceError> {
+pub fn run(study: &Study<'_>) -> Result<Outcome> {
     let settings = study.settings;
     let mut found = Vec::new();
     for case in cases() {
@@ -60,8 +59,7 @@ pub fn run(study: &Study<'_>) -> Result<Outcome, ReproduceError> {
         }
     }
     let compared = variants::compare(study)?;
-    let mut printed: Vec<InsertionCounts> =
-        compared.iter().map(|one| one.printed.clone()).collect();
+    let mut printed: Vec<Summary> = compared.iter().map(|one| one.printed.clone()).collect();
     printed.extend(variants::large_printed(study)?);
     Ok(Outcome {
         claims: claims(&found, &printed),
@@ -84,12 +82,10 @@ fn measure(
     seed: u64,
     samples: f64,
     control: &Control<'_>,
-) -> Result<IterationCounts, ReproduceError> {
-    let parameters = Parameters {
-        order: case.order,
-        ..square(samples, case.leaf)
-    };
-    let (set, summary) = Set::kdrt(&seeded(parameters, seed), control)?;
+) -> Result<IterationCounts> {
+    let mut parameters = seeded(square(samples, case.leaf), seed);
+    parameters.order = case.order;
+    let (set, summary) = Set::kdrt(&parameters, control)?;
     let report = set.verified(&format!("{}, seed {seed}", case.name()), control)?;
     Ok(IterationCounts {
         case,
@@ -100,15 +96,15 @@ fn measure(
     })
 }
 
-fn claims(found: &[IterationCounts], printed: &[InsertionCounts]) -> Vec<Claim> {
-    let staged: Vec<InsertionCounts> = found.iter().map(InsertionCounts::from).collect();
+fn claims(found: &[IterationCounts], printed: &[Summary]) -> Vec<Claim> {
+    let staged: Vec<Summary> = found.iter().map(|one| one.summary.clone()).collect();
     let both = [("printed", printed), ("staged", &staged)];
     both.into_iter()
         .flat_map(|(how, sets)| [suffices(how, sets), rare(how, sets)])
         .collect()
 }
 
-fn suffices(how: &str, sets: &[InsertionCounts]) -> Claim {
+fn suffices(how: &str, sets: &[Summary]) -> Claim {
     let counts = || sets.iter().map(|set| set.inserted.len());
     let (least, most) = (counts().min().unwrap_or(0), counts().max().unwrap_or(0));
     let large = sets
@@ -116,35 +112,29 @@ fn suffices(how: &str, sets: &[InsertionCounts]) -> Claim {
         .filter(|set| set.count as f64 >= 0.9 * PAPER_SAMPLES)
         .count();
     let verdict = Verdict::if_known(most > PAPER || large >= ENOUGH, most <= PAPER);
-    claim(
-        &format!("iterations/suffices-{how}"),
-        verdict,
-        &json!({
-            "range": if least == most { most.to_string() } else { format!("{least} to {most}") },
-            "within": counts().filter(|count| *count <= PAPER).count(), "allowed": PAPER,
-            "sets": sets.len(), "large": large, "are": if large == 1 { "is" } else { "are" },
-            "smallest": sets.iter().map(|set| set.count).min().unwrap_or(0), "enough": ENOUGH,
-        }),
-    )
+    let values = json!({
+        "range": if least == most { most.to_string() } else { format!("{least} to {most}") },
+        "within": counts().filter(|count| *count <= PAPER).count(), "allowed": PAPER,
+        "sets": sets.len(), "large": large, "are": if large == 1 { "is" } else { "are" },
+        "smallest": sets.iter().map(|set| set.count).min().unwrap_or(0), "enough": ENOUGH,
+    });
+    claim(&format!("iterations/suffices-{how}"), verdict, &values)
 }
 
-fn rare(how: &str, sets: &[InsertionCounts]) -> Claim {
+fn rare(how: &str, sets: &[Summary]) -> Claim {
     let after = |from: usize| -> usize {
-        let late = |set: &InsertionCounts| set.inserted.iter().skip(from).sum::<usize>();
+        let late = |set: &Summary| set.inserted.iter().skip(from).sum::<usize>();
         sets.iter().map(late).sum()
     };
     let (late, inserted) = (after(PAPER), after(0));
     let share = |count: f64| count / inserted.max(1) as f64;
     let [low, high] = poisson_interval(late).map(share);
     let verdict = Verdict::if_known(low > RARE || high <= RARE, high <= RARE);
-    claim(
-        &format!("iterations/rare-{how}"),
-        verdict,
-        &json!({
-            "late": late, "inserted": inserted, "share": share(late as f64),
-            "allowed": PAPER, "rare": RARE, "high": high,
-        }),
-    )
+    let values = json!({
+        "late": late, "inserted": inserted, "share": share(late as f64),
+        "allowed": PAPER, "rare": RARE, "high": high,
+    });
+    claim(&format!("iterations/rare-{how}"), verdict, &values)
 }
 
 #[cfg(test)]
@@ -152,7 +142,6 @@ mod tests {
     use super::*;
     use crate::experiment::Experiment;
     use crate::study::tests::quick_run;
-    use tilescope_core::Summary;
 
     fn found(count: usize, inserted: &[usize]) -> IterationCounts {
         IterationCounts {
@@ -173,9 +162,9 @@ mod tests {
 
     /// Of sets made in stages, and of the same made as printed with one iteration less.
     fn both(found: &[IterationCounts]) -> Vec<Claim> {
-        let printed = |one: &IterationCounts| InsertionCounts {
-            count: one.summary.count,
+        let printed = |one: &IterationCounts| Summary {
             inserted: one.summary.inserted[..1].to_vec(),
+            ..one.summary.clone()
         };
         claims(found, &found.iter().map(printed).collect::<Vec<_>>())
     }
@@ -185,10 +174,8 @@ mod tests {
         assert_eq!(of[1].verdict, Verdict::Reproduced);
         let staged: Vec<Verdict> = of[2..].iter().map(|claim| claim.verdict).collect();
         // The same numbers as printed have the same verdicts.
-        let same = claims(
-            &[],
-            &found.iter().map(InsertionCounts::from).collect::<Vec<_>>(),
-        );
+        let same = found.iter().map(|one| one.summary.clone());
+        let same = claims(&[], &same.collect::<Vec<_>>());
         assert_eq!([same[0].verdict, same[1].verdict], staged[..]);
         staged
     }
@@ -219,10 +206,7 @@ mod tests {
         let small = found(10_000, &[1000, 5, 1]);
         assert_eq!(verdicts(&[small]), [NotReproduced, Reproduced]);
         // None late of a hundred does not say that one in a hundred is too many.
-        let few = InsertionCounts {
-            count: 10_000,
-            inserted: vec![95, 5],
-        };
+        let few = found(10_000, &[95, 5]).summary;
         assert_eq!(claims(&[], &[few])[1].verdict, NotComparable);
     }
 

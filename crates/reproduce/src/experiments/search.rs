@@ -3,13 +3,12 @@
 
 mod gaps;
 mod picture;
-mod witness;
 
 use serde_json::json;
 use tilescope_core::{Parameters, Search, Variant};
 
 use crate::control::Control;
-use crate::error::ReproduceError;
+use crate::error::Result;
 use crate::experiments::common::{largest, poisson_interval, seeded, square};
 use crate::numbers::count;
 use crate::outcome::{Claim, Outcome, Verdict};
@@ -37,20 +36,10 @@ impl SearchCase {
         }
     }
 
-    fn key(self) -> String {
-        let variant = match self.variant {
-            Variant::Staged => "staged",
-            Variant::AsPrinted => "printed",
-        };
-        format!("{variant}-{}", self.leaf)
-    }
-
     fn parameters(self, samples: f64, seed: u64) -> Parameters {
-        let base = Parameters {
-            variant: self.variant,
-            ..square(samples, self.leaf)
-        };
-        seeded(base, seed)
+        let mut parameters = seeded(square(samples, self.leaf), seed);
+        parameters.variant = self.variant;
+        parameters
     }
 }
 
@@ -65,23 +54,24 @@ pub fn units(settings: &Settings) -> usize {
     cases(settings).len()
 }
 
-pub fn run(study: &Study<'_>) -> Result<Outcome, ReproduceError> {
+pub fn run(study: &Study<'_>) -> Result<Outcome> {
     let settings = study.settings;
     let mut found: Vec<GapStatistics> = Vec::new();
     for case in cases(settings) {
         let (sets, samples) = case.amounts(settings);
-        let what = format!("{} r, {:?}", case.leaf, case.variant);
-        found.extend(study.sets(&case.key(), &what, 0..sets, |seed, control| {
+        let SearchCase { leaf, variant } = case;
+        let staged = variant == Variant::Staged;
+        let key = format!("{}-{leaf}", if staged { "staged" } else { "printed" });
+        let what = format!("{leaf} r, {variant:?}");
+        found.extend(study.sets(&key, &what, 0..sets, |seed, control| {
             measure(case, samples, seed, control)
         })?);
     }
     let control = study.control("the pictures");
     let mut pictures = vec![gaps::bars(&found)?];
     if let Some(worst) = gaps::worst(&found) {
-        let case = SearchCase {
-            leaf: worst.leaf,
-            variant: Variant::Staged,
-        };
+        let (leaf, variant) = (worst.leaf, Variant::Staged);
+        let case = SearchCase { leaf, variant };
         let parameters = case.parameters(case.amounts(settings).1, worst.seed);
         let (set, _) = make(&parameters, Search::TwoRadii, &control)?;
         pictures.extend(picture::witnesses(&set, &worst.two.worst)?);
@@ -95,15 +85,9 @@ pub fn run(study: &Study<'_>) -> Result<Outcome, ReproduceError> {
 }
 
 /// Makes a set, and returns it with the number of samples that were inserted.
-fn make(
-    parameters: &Parameters,
-    search: Search,
-    control: &Control<'_>,
-) -> Result<(Set, usize), ReproduceError> {
-    let parameters = Parameters {
-        search,
-        ..*parameters
-    };
+fn make(parameters: &Parameters, search: Search, control: &Control<'_>) -> Result<(Set, usize)> {
+    let mut parameters = *parameters;
+    parameters.search = search;
     let (set, summary) = if parameters.variant == Variant::Staged {
         Set::kdrt(&parameters, control)?
     } else {
@@ -118,9 +102,9 @@ fn measure(
     samples: f64,
     seed: u64,
     control: &Control<'_>,
-) -> Result<GapStatistics, ReproduceError> {
+) -> Result<GapStatistics> {
     let parameters = case.parameters(samples, seed);
-    let judged = |search| -> Result<GapCounts, ReproduceError> {
+    let judged = |search| -> Result<GapCounts> {
         let (set, inserted) = make(&parameters, search, control)?;
         GapCounts::of(&set, inserted, control)
     };
@@ -153,21 +137,22 @@ fn judged(id: &str, sets: &[&GapCounts]) -> Claim {
     let holds = sets.iter().all(|one| one.holes == 0 && one.centers == 0);
     let ends = poisson_interval(holes).map(|gaps| a_million(gaps, samples));
     let rate = json!({ "rate": a_million(holes as f64, samples), "ends": ends });
+    let values = json!({
+        "holes": match holes {
+            0 => "no gap".to_owned(),
+            1 => "1 gap".to_owned(),
+            _ => format!("{} gaps", count(holes as u64)),
+        },
+        "sets": sets.len(), "samples": samples,
+        "rate": text(if holes == 0 { "search/none" } else { "search/some" }, &rate),
+        "covering": largest(sets.iter().map(|one| one.covering_radius)),
+        "centers": sets.iter().map(|one| one.centers).sum::<u64>(),
+        "out": sets.iter().map(|one| one.out_of_sight).sum::<usize>(),
+    });
     claim(
         id,
         Verdict::if_known(!holds || samples >= ENOUGH, holds),
-        &json!({
-            "holes": match holes {
-                0 => "no gap".to_owned(),
-                1 => "1 gap".to_owned(),
-                _ => format!("{} gaps", count(holes as u64)),
-            },
-            "sets": sets.len(), "samples": samples,
-            "rate": text(if holes == 0 { "search/none" } else { "search/some" }, &rate),
-            "covering": largest(sets.iter().map(|one| one.covering_radius)),
-            "centers": sets.iter().map(|one| one.centers).sum::<u64>(),
-            "out": sets.iter().map(|one| one.out_of_sight).sum::<usize>(),
-        }),
+        &values,
     )
 }
 

@@ -5,12 +5,12 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde_json::{Value, json};
 use tilescope_analysis::measures::Summary;
-use tilescope_core::{Parameters, Point};
+use tilescope_core::Parameters;
 
 use crate::control::Control;
 use crate::engines::Engines;
-use crate::error::ReproduceError;
-use crate::rates::{other_set, sized};
+use crate::error::Result;
+use crate::rates::sized;
 use crate::study::Study;
 
 /// Leaf sizes that are timed, in radii.
@@ -31,9 +31,9 @@ impl TimingPlan {
         self,
         study: &Study<'_>,
         what: &str,
-        open: impl Fn(&Control<'_>) -> Result<Engines, ReproduceError>,
-        round: impl Fn(&Parameters, &Engines, &Control<'_>) -> Result<T, ReproduceError>,
-    ) -> Result<Vec<T>, ReproduceError> {
+        open: impl Fn(&Control<'_>) -> Result<Engines>,
+        round: impl Fn(&Parameters, &Engines, &Control<'_>) -> Result<T>,
+    ) -> Result<Vec<T>> {
         let rounds = self.rounds;
         let mut opened = None;
         let one = |number: u64| {
@@ -50,14 +50,6 @@ impl TimingPlan {
         };
         (0..rounds).map(one).collect()
     }
-}
-
-/// Fails where an engine's set is not the one that was verified.
-pub fn same(name: &str, points: &[Point], verified: &[Point]) -> Result<(), ReproduceError> {
-    if points == verified {
-        return Ok(());
-    }
-    Err(other_set(name))
 }
 
 /// Quartiles of fewer values would be interpolations.
@@ -97,14 +89,6 @@ pub fn whiskered(summary: &Summary, scale: f64, mut row: Value) -> Value {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_set_that_is_not_the_verified_one_has_no_rate() {
-        let points = [Point::new(1, 2), Point::new(3, 4)];
-        assert!(same("a", &points, &points).is_ok());
-        let other = [Point::new(1, 2), Point::new(3, 5)];
-        assert!(same("a", &points, &other).is_err());
-    }
 
     #[test]
     fn few_values_have_no_quartiles() {

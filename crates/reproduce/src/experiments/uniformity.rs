@@ -11,7 +11,7 @@ mod shown;
 
 use serde_json::json;
 
-use crate::error::ReproduceError;
+use crate::error::Result;
 use crate::experiments::common::square;
 use crate::outcome::Outcome;
 use crate::study::{Settings, Study};
@@ -36,7 +36,7 @@ pub fn units(settings: &Settings) -> usize {
     amounts(settings).0
 }
 
-pub fn run(study: &Study<'_>) -> Result<Outcome, ReproduceError> {
+pub fn run(study: &Study<'_>) -> Result<Outcome> {
     let (batches, samples, cells) = amounts(study.settings);
     let parameters = square(samples, LEAF);
     let mut seeds: Vec<SeedCounts> = Vec::new();

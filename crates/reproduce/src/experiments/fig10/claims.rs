@@ -19,7 +19,6 @@ const ALIKE: f64 = 0.05;
 /// samples goes with the inverse root of their number: they would have to be half as many again.
 const CLEARLY: f64 = 1.224_744_871_391_589;
 
-/// Returns the claims.
 pub fn claims(all: &[SamplerResults]) -> Vec<Claim> {
     let find = |sampler: Sampler| all.iter().find(|one| one.sampler == sampler);
     let (Some(random), Some(reference), Some(kdrt)) = (
@@ -87,27 +86,21 @@ fn undecided(verdict: Verdict, ratios: &[Option<Ratio>]) -> String {
 fn suppressed(random: &SamplerResults, reference: &SamplerResults, kdrt: &SamplerResults) -> Claim {
     let [random, reference, kdrt] = [random, reference, kdrt].map(|one| one.spectrum.low);
     let verdict = Verdict::of(reference.max(kdrt) <= SUPPRESSED * random);
-    claim(
-        "fig10/suppressed",
-        verdict,
-        &json!({
-            "low": LOW, "kdrt": kdrt, "reference": reference, "random": random, "suppressed": SUPPRESSED,
-        }),
-    )
+    let values = json!({
+        "low": LOW, "kdrt": kdrt, "reference": reference, "random": random, "suppressed": SUPPRESSED,
+    });
+    claim("fig10/suppressed", verdict, &values)
 }
 
 fn plate_alike(reference: &SamplerResults, kdrt: &SamplerResults) -> Claim {
     let (ours, theirs) = (kdrt.plate_errors(), reference.plate_errors());
     let ratio = Ratio::of(&ours, &theirs);
     let verdict = alike(ratio);
-    claim(
-        "fig10/plate-alike",
-        verdict,
-        &json!({
-            "sets": ours.len().min(theirs.len()), "kdrt": spread(ours), "reference": spread(theirs),
-            "ratio": words(ratio), "alike": ALIKE, "undecided": undecided(verdict, &[ratio]),
-        }),
-    )
+    let values = json!({
+        "sets": ours.len().min(theirs.len()), "kdrt": spread(ours), "reference": spread(theirs),
+        "ratio": words(ratio), "alike": ALIKE, "undecided": undecided(verdict, &[ratio]),
+    });
+    claim("fig10/plate-alike", verdict, &values)
 }
 
 fn plate_better(
@@ -118,14 +111,11 @@ fn plate_better(
     let worse = random.plate_errors();
     let ratios = [kdrt, reference].map(|one| Ratio::of(&worse, &one.plate_errors()));
     let verdict = clearly(&ratios);
-    claim(
-        "fig10/plate-better",
-        verdict,
-        &json!({
-            "random": spread(worse)["mean"], "ratios": ratios.map(words), "clearly": CLEARLY,
-            "undecided": undecided(verdict, &ratios),
-        }),
-    )
+    let values = json!({
+        "random": spread(worse)["mean"], "ratios": ratios.map(words), "clearly": CLEARLY,
+        "undecided": undecided(verdict, &ratios),
+    });
+    claim("fig10/plate-better", verdict, &values)
 }
 
 fn horizon_alike(
@@ -137,15 +127,12 @@ fn horizon_alike(
     let better = [kdrt, reference].map(|one| Ratio::of(&random.densest(), &one.densest()));
     let densest = kdrt.horizons.last().and_then(|sets| sets.first());
     let verdict = Verdict::of_all([alike(ratio), clearly(&better)]);
-    claim(
-        "fig10/horizon-alike",
-        verdict,
-        &json!({
-            "ratio": words(ratio), "better": better.map(words), "alike": ALIKE, "clearly": CLEARLY,
-            "per_pixel": densest.map_or(0, |one| one.per_pixel),
-            "undecided": undecided(verdict, &[ratio, better[0], better[1]]),
-        }),
-    )
+    let values = json!({
+        "ratio": words(ratio), "better": better.map(words), "alike": ALIKE, "clearly": CLEARLY,
+        "per_pixel": densest.map_or(0, |one| one.per_pixel),
+        "undecided": undecided(verdict, &[ratio, better[0], better[1]]),
+    });
+    claim("fig10/horizon-alike", verdict, &values)
 }
 
 /// The paper's scene is not rendered.

@@ -12,7 +12,6 @@ use crate::texts::chart;
 /// Places of a curve, and its band if there is one everywhere.
 type Curve = (Vec<[f64; 2]>, Option<Vec<[f64; 2]>>);
 
-/// Returns the charts, in rows.
 pub fn panels(all: &[SamplerResults]) -> Vec<Vec<Panel>> {
     let rows = [vec![plate(all), horizon(all)], vec![power(all)]];
     let rows = rows.map(|row| {

@@ -6,12 +6,12 @@ use tilescope_figures::Bitmap;
 use tilescope_figures::chart::{Axis, Panel, TileChart, TileContent};
 
 use super::curves;
-use super::horizon::{Horizon, SHOWN};
+use super::filter::{ERROR_SHOWN, shade};
+use super::horizon::{self, Horizon, SHOWN};
 use super::looks::{CELLS, LOW, MeanSpectrum};
 use super::plate::{EDGE, NYQUIST, Plate};
 use super::results::SamplerResults;
-use super::shades::{ERROR_SHOWN, shade};
-use crate::error::ReproduceError;
+use crate::error::Result;
 use crate::experiments::common::{picture, power_scale, tile, whole_ticks};
 use crate::numbers::number;
 use crate::outcome::Picture;
@@ -34,7 +34,7 @@ pub fn pictures(
     all: &[SamplerResults],
     corners: &[Vec<[f64; 2]>],
     settings: &Settings,
-) -> Result<Vec<Picture>, ReproduceError> {
+) -> Result<Vec<Picture>> {
     let plate = all.first().and_then(|one| one.plates.first());
     let plate = Plate {
         side: plate.map_or(1, |one| one.side),
@@ -43,7 +43,7 @@ pub fn pictures(
         comparison(all, corners)?,
         plates(all, plate)?,
         errors(all, plate)?,
-        horizons(all, Horizon::of(settings))?,
+        horizons(all, horizon::amounts(settings).0)?,
         picture(
             "fig10/curves",
             &json!({ "nyquist": NYQUIST }),
@@ -54,7 +54,7 @@ pub fn pictures(
 
 /// A square image; the part that a tile of `side` pixels shows, with pixels as large as a whole number: its left part, and the lower
 /// or the upper one.
-fn shades(image: &[u8], side: f64, lower: bool) -> Result<TileContent, ReproduceError> {
+fn shades(image: &[u8], side: f64, lower: bool) -> Result<TileContent> {
     let columns = image.len().isqrt();
     let pixel = (side / columns as f64).round().max(1.0);
     let kept = columns.min((side / pixel) as usize);
@@ -66,10 +66,7 @@ fn shades(image: &[u8], side: f64, lower: bool) -> Result<TileContent, Reproduce
 }
 
 /// Samples, spectrum, zone plate and horizon of each sampler, as in the paper.
-fn comparison(
-    all: &[SamplerResults],
-    corners: &[Vec<[f64; 2]>],
-) -> Result<Picture, ReproduceError> {
+fn comparison(all: &[SamplerResults], corners: &[Vec<[f64; 2]>]) -> Result<Picture> {
     let reach = (all.first()).map_or(Spectrum::MAX_NU, |one| one.spectrum.reach);
     let (mut samples, mut spectra, mut plates, mut boards) = (vec![], vec![], vec![], vec![]);
     for (one, places) in all.iter().zip(corners) {
@@ -101,14 +98,11 @@ fn comparison(
     let mut rows = rows.map(row);
     rows[0].push(power_scale(BLACK));
     let first = all.first().and_then(|one| one.plates.first());
-    picture(
-        "fig10/comparison",
-        &json!({
-            "sets": all.iter().map(|one| one.spectrum.sets).max(), "nu": Spectrum::MAX_NU, "black": BLACK,
-            "samples": first.map(|one| one.count), "shown": SHOWN,
-        }),
-        rows.into(),
-    )
+    let values = json!({
+        "sets": all.iter().map(|one| one.spectrum.sets).max(), "nu": Spectrum::MAX_NU, "black": BLACK,
+        "samples": first.map(|one| one.count), "shown": SHOWN,
+    });
+    picture("fig10/comparison", &values, rows.into())
 }
 
 /// Returns the text `id` on the first set's zone plate.
@@ -118,11 +112,7 @@ fn plate_note(one: &SamplerResults, id: &str) -> String {
 }
 
 /// The image of the first set, or its error.
-fn plate_content(
-    one: &SamplerResults,
-    which: usize,
-    side: f64,
-) -> Result<TileContent, ReproduceError> {
+fn plate_content(one: &SamplerResults, which: usize, side: f64) -> Result<TileContent> {
     let images = one.plates.first().and_then(|plate| plate.shades.as_ref());
     images.map_or(Ok(TileContent::Empty), |images| {
         shades(&images[which], side, true)
@@ -130,10 +120,7 @@ fn plate_content(
 }
 
 /// The image of the first set, and what is written below it.
-fn horizon_content(
-    one: &SamplerResults,
-    side: f64,
-) -> Result<(String, TileContent), ReproduceError> {
+fn horizon_content(one: &SamplerResults, side: f64) -> Result<(String, TileContent)> {
     let first = one.horizons.iter().filter_map(|sets| sets.first());
     let mut images = first.filter_map(|set| Some((set.rmse, set.shades.as_deref()?)));
     let Some((rmse, image)) = images.next() else {
@@ -144,7 +131,7 @@ fn horizon_content(
 }
 
 /// A spectrum, low powers white; it says so if it does not reach as far as the axis.
-fn spectrum(spectrum: &MeanSpectrum, shown: f64) -> Result<TileChart, ReproduceError> {
+fn spectrum(spectrum: &MeanSpectrum, shown: f64) -> Result<TileChart> {
     let mut note = if spectrum.low < NOTHING {
         format!("no power to \u{3bd} = {LOW}")
     } else {
@@ -166,7 +153,7 @@ fn sheet(
     values: &Value,
     (exact, lower): (&[f64], bool),
     others: Vec<TileChart>,
-) -> Result<Picture, ReproduceError> {
+) -> Result<Picture> {
     let exact: Vec<u8> = exact.iter().map(|value| shade(*value)).collect();
     let exact = tile(
         Some(LARGE),
@@ -179,11 +166,7 @@ fn sheet(
 }
 
 /// The images of the zone plate, or their errors.
-fn plate_tiles(
-    all: &[SamplerResults],
-    which: usize,
-    note: &str,
-) -> Result<Vec<TileChart>, ReproduceError> {
+fn plate_tiles(all: &[SamplerResults], which: usize, note: &str) -> Result<Vec<TileChart>> {
     let each = all.iter().filter(|one| !one.plates.is_empty());
     each.map(|one| {
         let content = plate_content(one, which, LARGE)?;
@@ -197,13 +180,13 @@ fn plate_tiles(
     .collect()
 }
 
-fn plates(all: &[SamplerResults], size: Plate) -> Result<Picture, ReproduceError> {
+fn plates(all: &[SamplerResults], size: Plate) -> Result<Picture> {
     let values = json!({ "side": size.side, "edge": EDGE });
     let tiles = plate_tiles(all, 0, "fig10/errors")?;
     sheet("fig10/zone-plate", &values, (&size.exact(), true), tiles)
 }
 
-fn errors(all: &[SamplerResults], size: Plate) -> Result<Picture, ReproduceError> {
+fn errors(all: &[SamplerResults], size: Plate) -> Result<Picture> {
     let values = json!({ "error": ERROR_SHOWN });
     let tiles = plate_tiles(all, 1, "fig10/parts")?;
     sheet(
@@ -214,7 +197,7 @@ fn errors(all: &[SamplerResults], size: Plate) -> Result<Picture, ReproduceError
     )
 }
 
-fn horizons(all: &[SamplerResults], horizon: Horizon) -> Result<Picture, ReproduceError> {
+fn horizons(all: &[SamplerResults], horizon: Horizon) -> Result<Picture> {
     let mut tiles = Vec::new();
     for one in all.iter().filter(|one| !one.horizons.is_empty()) {
         let (note, content) = horizon_content(one, LARGE)?;

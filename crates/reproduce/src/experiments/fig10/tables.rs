@@ -8,7 +8,6 @@ use super::results::SamplerResults;
 use crate::outcome::Table;
 use crate::texts::table;
 
-/// Returns the tables.
 pub fn tables(all: &[SamplerResults]) -> Vec<Table> {
     vec![
         plates(all),

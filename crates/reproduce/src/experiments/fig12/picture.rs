@@ -20,7 +20,6 @@ const PART: f64 = 36.0;
 /// Pieces in a sequence in which no two neighbours, across borders either, have one tint of six.
 const TINTED: [usize; 9] = [0, 1, 2, 3, 4, 5, 8, 6, 7];
 
-/// Returns both pictures.
 pub fn pictures(glued: &Glued, rects: &[Cells]) -> Vec<Picture> {
     let combined = &glued.combined;
     let corner = combined.domain.user_from_lattice(rects[4].min);
@@ -30,15 +29,13 @@ pub fn pictures(glued: &Glued, rects: &[Cells]) -> Vec<Picture> {
         "before": glued.before, "after": combined.points.len(), "part": PART,
         "lost": combined.eliminated.iter().filter(|lost| lost.own).count(),
     });
-    let picture = |(name, window): (&str, Option<Rect>)| Picture {
-        name: name.to_owned(),
-        caption: text(&format!("fig12/{name}"), &values),
-        scene: scene(
-            glued,
-            rects,
-            window,
-            text(&format!("fig12/{name}-title"), &values),
-        ),
+    let picture = |(name, window): (&str, Option<Rect>)| {
+        let title = text(&format!("fig12/{name}-title"), &values);
+        Picture {
+            name: name.to_owned(),
+            caption: text(&format!("fig12/{name}"), &values),
+            scene: scene(glued, rects, window, title),
+        }
     };
     [("nine", None), ("seams", Some(part))].map(picture).into()
 }
@@ -56,14 +53,13 @@ fn scene(glued: &Glued, rects: &[Cells], window: Option<Rect>, caption: String) 
         window,
         ..PictureOptions::default()
     };
+    let blocks = TINTED.map(|piece| Rect::new(user(rects[piece].min), user(rects[piece].max)));
     let set = SetPicture {
         points: &points,
         size: combined.domain.size(),
         boundary: Boundary::Periodic,
         radius: Some(combined.domain.radius()),
-        blocks: (TINTED.iter().map(|piece| &rects[*piece]))
-            .map(|rect| Rect::new(user(rect.min), user(rect.max)))
-            .collect(),
+        blocks: blocks.into(),
         block_of: Some(combined.sources.iter().map(block).collect()),
         caption,
     };
@@ -89,24 +85,34 @@ const TEXT: f64 = 14.0;
 fn legend(scene: &mut Scene, palette: &Palette, close: bool) {
     let at = scene.height + 0.5 * LINE - 8.0;
     let piece = palette.block_borders[0];
-    let mark = |kind, color| move |x: f64| Shape::marker(kind, [x, at], MARK, Style::filled(color));
     let disk = Style::default().with_stroke(Stroke::new(palette.disk, 1.4));
-    let circle = |x: f64| Shape::marker(Marker::Dot, [x, at], 1.6 * MARK, disk);
-    let dot = mark(Marker::Dot, piece);
-    let diamond = mark(Marker::Diamond, palette.inserted);
-    let cross = mark(Marker::Cross, palette.eliminated);
-    let mut entries: Vec<(&str, &dyn Fn(f64) -> Shape)> = vec![
-        ("sample, in the colour of its set", &dot),
-        ("inserted", &diamond),
+    let entries = [
+        (
+            "sample, in the colour of its set",
+            Marker::Dot,
+            1.0,
+            Style::filled(piece),
+        ),
+        (
+            "inserted",
+            Marker::Diamond,
+            1.0,
+            Style::filled(palette.inserted),
+        ),
+        (
+            "eliminated",
+            Marker::Cross,
+            1.0,
+            Style::filled(palette.eliminated),
+        ),
+        ("disk of radius r", Marker::Dot, 1.6, disk),
     ];
-    if close {
-        entries.push(("eliminated", &cross));
-        entries.push(("disk of radius r", &circle));
-    }
     let mut group = Group::new("legend");
     let mut x = 20.0 + 0.5 * MARK;
-    for (name, shape) in entries {
-        group.shapes.push(shape(x));
+    for (name, kind, size, style) in entries.into_iter().take(if close { 4 } else { 2 }) {
+        group
+            .shapes
+            .push(Shape::marker(kind, [x, at], size * MARK, style));
         let mut text = Text::new([x + MARK + 4.0, at], name, TEXT, palette.text);
         text.baseline = Baseline::Middle;
         x += MARK + 4.0 + text_width(name, Font::Regular, TEXT) + 2.5 * MARK;

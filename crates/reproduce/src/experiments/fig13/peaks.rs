@@ -4,6 +4,8 @@
 use serde::{Deserialize, Serialize};
 use tilescope_analysis::measures::{Periodogram, chi_square_quantile};
 
+use crate::experiments::common::largest;
+
 /// Frequencies, of each opposite pair one, that a ring must have.
 const MIN_FREQUENCIES: usize = 100;
 /// Probability with which chance alone may pass the limit.
@@ -18,8 +20,6 @@ pub struct Peaks {
     pub limit: f64,
     /// Frequencies, of each opposite pair one, above the limit.
     pub above: usize,
-    /// Frequencies looked at.
-    pub frequencies: usize,
 }
 
 impl Peaks {
@@ -30,18 +30,14 @@ impl Peaks {
         let whole = || rings.iter().filter(|ring| ring.len() >= MIN_FREQUENCIES);
         let frequencies: usize = whole().map(Vec::len).sum();
         let limit = limit(periodogram.sets as f64, frequencies as f64);
-        let ratios = whole().flatten();
-        let ratios = ratios.map(|[length, power]| power / between(&means, *length));
-        let (mut highest, mut above) = (0.0_f64, 0);
-        for ratio in ratios {
-            highest = highest.max(ratio);
-            above += usize::from(ratio > limit);
-        }
+        let ratio = |[length, power]: &[f64; 2]| power / between(&means, *length);
+        let ratios: Vec<f64> = whole().flatten().map(ratio).collect();
+        let above = ratios.iter().filter(|ratio| **ratio > limit).count();
+        let highest = largest(ratios.into_iter());
         Self {
             highest,
             limit,
             above,
-            frequencies,
         }
     }
 

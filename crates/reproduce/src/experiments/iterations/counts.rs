@@ -5,8 +5,9 @@ use serde_json::json;
 use tilescope_core::{Order, Summary};
 use tilescope_figures::chart::{Bar, BarGroup};
 
-use crate::error::ReproduceError;
-use crate::experiments::common::bar_picture;
+use super::variants::inserted as inserted_in;
+use crate::error::Result;
+use crate::experiments::common::{bar_picture, ends};
 use crate::numbers::{drawn_count, drawn_number};
 use crate::outcome::{Picture, Table};
 use crate::texts::table;
@@ -14,7 +15,6 @@ use crate::texts::table;
 /// Columns of iterations in the table of all sets.
 const COLUMNS: usize = 8;
 
-/// The order and leaf size of the sets of a case.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct InsertionCase {
     pub order: Order,
@@ -40,7 +40,6 @@ impl InsertionCase {
     }
 }
 
-/// The counts of one set.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct IterationCounts {
     pub case: InsertionCase,
@@ -54,52 +53,40 @@ impl IterationCounts {
     pub fn iterations(&self) -> usize {
         self.summary.inserted.len()
     }
-
-    /// Returns the samples inserted in an iteration, counted from 0.
-    fn in_iteration(&self, k: usize) -> usize {
-        self.summary.inserted.get(k).copied().unwrap_or(0)
-    }
 }
 
-fn of(
-    found: &[IterationCounts],
-    case: InsertionCase,
-) -> impl Iterator<Item = &IterationCounts> + Clone {
-    found.iter().filter(move |one| one.case == case)
+fn of(found: &[IterationCounts], case: InsertionCase) -> Vec<&IterationCounts> {
+    found.iter().filter(|one| one.case == case).collect()
 }
 
 fn most(found: &[IterationCounts]) -> usize {
-    found
-        .iter()
-        .map(IterationCounts::iterations)
-        .max()
-        .unwrap_or(0)
+    let iterations = found.iter().map(IterationCounts::iterations);
+    iterations.max().unwrap_or(0)
 }
 
 /// Returns the numbers of each case over its sets.
 pub fn by_case(found: &[IterationCounts], cases: &[InsertionCase]) -> Table {
     table("iterations/cases", cases, |case| {
         let sets = of(found, *case);
-        let total =
-            |count: &dyn Fn(&IterationCounts) -> usize| sets.clone().map(count).sum::<usize>();
-        let samples = total(&|one| one.summary.count) as f64;
-        let inserted = total(&|one| one.summary.inserted.iter().sum()) as f64;
-        let by_iteration = (0..most(found)).map(|k| (k + 1, total(&|one| one.in_iteration(k))));
-        let iterations = sets.clone().map(IterationCounts::iterations);
+        let total = |count: &dyn Fn(&Summary) -> usize| -> usize {
+            sets.iter().map(|one| count(&one.summary)).sum()
+        };
+        let samples = total(&|set| set.count) as f64;
+        let inserted = total(&|set| set.inserted.iter().sum()) as f64;
+        let in_each = (0..most(found)).map(|k| (k + 1, total(&|set| inserted_in(set, k))));
+        let iterations = || sets.iter().map(|one| one.iterations());
         json!({
-            "order": case.order(), "leaf_r": case.leaf, "sets": sets.clone().count(),
-            "samples": samples / sets.clone().count() as f64,
-            "inserted_percent": 100.0 * inserted / samples,
-            "least": iterations.clone().min(), "most": iterations.max(),
-            "inserted_{n}": by_iteration.collect::<Vec<_>>(),
+            "order": case.order(), "leaf_r": case.leaf, "sets": sets.len(),
+            "samples": samples / sets.len() as f64, "inserted_percent": 100.0 * inserted / samples,
+            "least": iterations().min(), "most": iterations().max(),
+            "inserted_{n}": in_each.collect::<Vec<_>>(),
         })
     })
 }
 
-/// Returns the numbers of every set.
 pub fn by_set(found: &[IterationCounts]) -> Table {
     table("iterations/sets", found, |one| {
-        let inserted = (0..most(found).max(COLUMNS)).map(|k| (k + 1, one.in_iteration(k)));
+        let inserted = (0..most(found).max(COLUMNS)).map(|k| (k + 1, inserted_in(&one.summary, k)));
         json!({
             "order": one.case.order(), "leaf_r": one.case.leaf, "seed": one.seed,
             "samples": one.summary.count, "tiled": one.summary.tiled,
@@ -123,20 +110,21 @@ fn groups(cases: &[InsertionCase], bars: impl Fn(InsertionCase) -> Vec<Bar>) -> 
 }
 
 /// Returns bars of the samples by iteration.
-pub fn inserted(
-    found: &[IterationCounts],
-    cases: &[InsertionCase],
-) -> Result<Picture, ReproduceError> {
+pub fn inserted(found: &[IterationCounts], cases: &[InsertionCase]) -> Result<Picture> {
     let most = most(found);
     let bar = |case: InsertionCase, k: usize| {
-        let counts = || of(found, case).map(|one| one.in_iteration(k));
-        let (low, high) = (counts().min().unwrap_or(0), counts().max().unwrap_or(0));
-        let mean = counts().sum::<usize>() as f64 / counts().count().max(1) as f64;
-        let [least, most] = [low, high].map(drawn_count);
+        let sets = of(found, case);
+        let counts: Vec<f64> = sets
+            .iter()
+            .map(|one| inserted_in(&one.summary, k) as f64)
+            .collect();
+        let mean = counts.iter().sum::<f64>() / counts.len().max(1) as f64;
+        let ends = ends(counts.into_iter());
+        let [least, most] = ends.map(|count| drawn_count(count as usize));
         Bar {
             name: format!("iteration {}", k + 1),
             value: mean,
-            whisker: Some([low, high].map(|count| count as f64)),
+            whisker: Some(ends),
             text: format!("{} ({least} to {most})", drawn_mean(mean)),
             color: 0,
         }
@@ -144,12 +132,7 @@ pub fn inserted(
     let groups = groups(cases, |case| (0..most).map(|k| bar(case, k)).collect());
     let largest = found.iter().map(|one| one.summary.count).max().unwrap_or(0);
     let values = json!({ "sets": found.len(), "largest": largest });
-    bar_picture(
-        "iterations/iterations",
-        &values,
-        "samples inserted in a set",
-        groups,
-    )
+    bar_picture("iterations/iterations", &values, groups)
 }
 
 /// Returns a mean of counts with no more digits than a few sets tell: tenths of small ones alone.
@@ -161,24 +144,24 @@ fn drawn_mean(mean: f64) -> String {
 }
 
 /// Returns bars of the sets by the iterations that they need.
-pub fn needed(
-    found: &[IterationCounts],
-    cases: &[InsertionCase],
-) -> Result<Picture, ReproduceError> {
+pub fn needed(found: &[IterationCounts], cases: &[InsertionCase]) -> Result<Picture> {
     let least = found.iter().map(IterationCounts::iterations).min();
     let bar = |case: InsertionCase, iterations: usize| {
-        let sets = of(found, case).filter(|one| one.iterations() == iterations);
-        let sets = sets.count();
+        let all = of(found, case);
+        let sets = all
+            .iter()
+            .filter(|one| one.iterations() == iterations)
+            .count();
         let plural = if iterations == 1 { "" } else { "s" };
         Bar {
             name: format!("{iterations} iteration{plural}"),
             value: sets as f64,
             whisker: None,
-            text: format!("{sets} of {} sets", of(found, case).count()),
+            text: format!("{sets} of {} sets", all.len()),
             color: 0,
         }
     };
     let range = least.unwrap_or(0)..=most(found);
     let groups = groups(cases, |case| range.clone().map(|k| bar(case, k)).collect());
-    bar_picture("iterations/needed", &json!({}), "sets", groups)
+    bar_picture("iterations/needed", &json!({}), groups)
 }

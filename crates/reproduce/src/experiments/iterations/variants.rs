@@ -3,11 +3,10 @@
 
 use serde::{Deserialize, Serialize};
 use serde_json::json;
-use tilescope_core::{Order, Parameters, Variant};
+use tilescope_core::{Order, Summary, Variant};
 
-use super::counts::IterationCounts;
 use crate::control::Control;
-use crate::error::ReproduceError;
+use crate::error::Result;
 use crate::experiments::common::{seeded, square};
 use crate::outcome::Table;
 use crate::sets::{Set, sequential};
@@ -20,30 +19,8 @@ const LEAF: f64 = 20.0;
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Compared {
     seed: u64,
-    staged: InsertionCounts,
-    pub printed: InsertionCounts,
-}
-
-/// Samples of a set, and those inserted by iteration: as printed, in the first loop and in each round of the second.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct InsertionCounts {
-    pub count: usize,
-    pub inserted: Vec<usize>,
-}
-
-impl InsertionCounts {
-    fn at(&self, iteration: usize) -> usize {
-        self.inserted.get(iteration).copied().unwrap_or(0)
-    }
-}
-
-impl From<&IterationCounts> for InsertionCounts {
-    fn from(one: &IterationCounts) -> Self {
-        Self {
-            count: one.summary.count,
-            inserted: one.summary.inserted.clone(),
-        }
-    }
+    staged: Summary,
+    pub printed: Summary,
 }
 
 /// Returns sets of both variants, and the samples of each.
@@ -61,7 +38,7 @@ pub fn units(settings: &Settings) -> usize {
 }
 
 /// Returns one set of each seed by both variants, verified.
-pub fn compare(study: &Study<'_>) -> Result<Vec<Compared>, ReproduceError> {
+pub fn compare(study: &Study<'_>) -> Result<Vec<Compared>> {
     let (sets, samples) = amounts(study.settings);
     study.sets(
         "variants",
@@ -70,8 +47,8 @@ pub fn compare(study: &Study<'_>) -> Result<Vec<Compared>, ReproduceError> {
         |seed, control| {
             Ok(Compared {
                 seed,
-                staged: inserted(samples, seed, Variant::Staged, control)?,
-                printed: inserted(samples, seed, Variant::AsPrinted, control)?,
+                staged: made(samples, seed, Variant::Staged, control)?,
+                printed: made(samples, seed, Variant::AsPrinted, control)?,
             })
         },
     )
@@ -79,7 +56,7 @@ pub fn compare(study: &Study<'_>) -> Result<Vec<Compared>, ReproduceError> {
 
 /// Returns the sets made as printed that are as large as the paper's. They are made in turn, since each takes gigabytes
 /// of memory.
-pub fn large_printed(study: &Study<'_>) -> Result<Vec<InsertionCounts>, ReproduceError> {
+pub fn large_printed(study: &Study<'_>) -> Result<Vec<Summary>> {
     let settings = study.settings;
     let indices = 0..large(settings);
     if indices.is_empty() {
@@ -87,64 +64,46 @@ pub fn large_printed(study: &Study<'_>) -> Result<Vec<InsertionCounts>, Reproduc
     }
     study.unit("printed", "large sets as printed", |control| {
         let seeds = indices.map(|index| settings.seed_of(index));
-        seeds
-            .map(|seed| inserted(super::PAPER_SAMPLES, seed, Variant::AsPrinted, control))
-            .collect()
+        let made = |seed| made(super::PAPER_SAMPLES, seed, Variant::AsPrinted, control);
+        seeds.map(made).collect()
     })
 }
 
-/// Makes and verifies a set.
-fn inserted(
-    samples: f64,
-    seed: u64,
-    variant: Variant,
-    control: &Control<'_>,
-) -> Result<InsertionCounts, ReproduceError> {
-    let parameters = Parameters {
-        order: Order::Index,
-        variant,
-        ..square(samples, LEAF)
-    };
-    let run = sequential(&seeded(parameters, seed), control)?;
+/// Makes and verifies a set. As printed, the first iteration is the first loop, and the others are rounds of the second.
+fn made(samples: f64, seed: u64, variant: Variant, control: &Control<'_>) -> Result<Summary> {
+    let mut parameters = seeded(square(samples, LEAF), seed);
+    (parameters.order, parameters.variant) = (Order::Index, variant);
+    let run = sequential(&parameters, control)?;
     Set::of_run(&run).verified(&format!("{variant:?}, seed {seed}"), control)?;
-    let summary = run.summary();
-    Ok(InsertionCounts {
-        count: summary.count,
-        inserted: summary.inserted,
-    })
+    Ok(run.summary())
+}
+
+/// Returns the samples inserted in an iteration, counted from 0.
+pub fn inserted(set: &Summary, iteration: usize) -> usize {
+    set.inserted.get(iteration).copied().unwrap_or(0)
 }
 
 pub fn compared_table(compared: &[Compared]) -> Table {
-    let late = |one: &InsertionCounts| one.inserted.iter().skip(2).sum::<usize>();
-    table(
-        "iterations/variants",
-        compared,
-        |Compared {
-             seed,
-             staged,
-             printed,
-         }| {
-            json!({
-                "seed": seed, "samples": staged.count,
-                "staged_iterations": staged.inserted.len(),
-                "staged_1": staged.at(0), "staged_2": staged.at(1), "staged_late": late(staged),
-                "printed_iterations": printed.inserted.len(),
-                "printed_1": printed.at(0), "printed_2": printed.at(1), "printed_late": late(printed),
-            })
-        },
-    )
+    let late = |set: &Summary| set.inserted.iter().skip(2).sum::<usize>();
+    table("iterations/variants", compared, |one| {
+        let (staged, printed) = (&one.staged, &one.printed);
+        json!({
+            "seed": one.seed, "samples": staged.count,
+            "staged_iterations": staged.inserted.len(), "staged_1": inserted(staged, 0),
+            "staged_2": inserted(staged, 1), "staged_late": late(staged),
+            "printed_iterations": printed.inserted.len(), "printed_1": inserted(printed, 0),
+            "printed_2": inserted(printed, 1), "printed_late": late(printed),
+        })
+    })
 }
 
-pub fn printed_table(printed: &[InsertionCounts]) -> Table {
-    let rounds = printed
-        .iter()
-        .map(|one| one.inserted.len())
-        .max()
-        .unwrap_or(0);
-    table("iterations/printed", printed, |one| {
+pub fn printed_table(printed: &[Summary]) -> Table {
+    let rounds = printed.iter().map(|set| set.inserted.len()).max();
+    table("iterations/printed", printed, |set| {
+        let each = (1..rounds.unwrap_or(0)).map(|round| (round, inserted(set, round)));
         json!({
-            "samples": one.count, "first_loop": one.at(0),
-            "round_{n}": (1..rounds).map(|round| (round, one.at(round))).collect::<Vec<_>>(),
+            "samples": set.count, "first_loop": inserted(set, 0),
+            "round_{n}": each.collect::<Vec<_>>(),
         })
     })
 }

@@ -3,16 +3,15 @@
 
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
-use tilescope_analysis::{Report, Tessellation, VerifyOptions};
+use tilescope_analysis::{Gap, Report, Tessellation, VerifyOptions};
 use tilescope_figures::chart::{Bar, BarGroup};
 
-use super::witness::Witness;
 use crate::control::Control;
-use crate::error::ReproduceError;
+use crate::error::{ReproduceError, Result};
 use crate::experiments::common::{bar_picture, largest, poisson_interval};
 use crate::numbers::drawn;
 use crate::outcome::{Picture, Table};
-use crate::sets::Set;
+use crate::sets::{Set, shortest};
 use crate::texts::{table, text};
 
 /// Centres of gaps that are examined in each set, at most.
@@ -21,6 +20,53 @@ const MAX_CENTERS: usize = 100_000;
 const KEPT: usize = 4;
 /// Centres between two looks at whether the caller stopped the work.
 const ASK: usize = 1024;
+
+/// The largest distance of sites from the circle that they define, in radii.
+const HAIR: f64 = 1e-6;
+
+/// A position without a sample within r, and the three samples nearest to it.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub struct Witness {
+    pub center: [f64; 2],
+    pub distance: f64,
+    /// The samples, relative to the centre.
+    pub sites: [[f64; 2]; 3],
+}
+
+impl Witness {
+    /// Returns the centre of a gap with those three of `samples`, by their indices, that are nearest to it.
+    pub fn of(gap: &Gap, set: &Set, samples: &[usize]) -> Self {
+        let [x, y] = gap.center;
+        let away = |index: &usize| {
+            let at = set.points[*index];
+            shortest([at[0] - x, at[1] - y], &set.region)
+        };
+        let reach = gap.distance + HAIR * set.radius;
+        let near = samples
+            .iter()
+            .map(away)
+            .filter(|[x, y]| x.hypot(*y) <= reach);
+        let mut near: Vec<[f64; 2]> = near.collect();
+        near.sort_by(|a, b| a[1].atan2(a[0]).total_cmp(&b[1].atan2(b[0])));
+        Self {
+            center: gap.center,
+            distance: gap.distance,
+            sites: [0, 1, 2].map(|k| near.get(k).copied().unwrap_or([f64::NAN; 2])),
+        }
+    }
+
+    /// Returns the distances between the sites: of the second and third, first and third, first and second.
+    pub fn sides(&self) -> [f64; 3] {
+        let [a, b, c] = self.sites;
+        [(b, c), (a, c), (a, b)].map(|(p, q)| (p[0] - q[0]).hypot(p[1] - q[1]))
+    }
+
+    /// Returns whether no site has both others within 2r: two of the three sides are longer.
+    pub fn out_of_sight(&self, radius: f64) -> bool {
+        let long = |side: &&f64| **side > 2.0 * radius;
+        self.sides().iter().filter(long).count() >= 2
+    }
+}
 
 /// The gaps of one set: the verifier's counts, and which detectors could see them.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
@@ -41,7 +87,7 @@ pub struct GapCounts {
 }
 
 impl GapCounts {
-    pub fn of(set: &Set, inserted: usize, control: &Control<'_>) -> Result<Self, ReproduceError> {
+    pub fn of(set: &Set, inserted: usize, control: &Control<'_>) -> Result<Self> {
         let options = VerifyOptions {
             witnesses: MAX_CENTERS,
             ..VerifyOptions::default()
@@ -54,31 +100,27 @@ impl GapCounts {
                 gaps: report.gaps,
             });
         }
-        let base = Self {
+        let mut found = Self {
             count: report.count,
             inserted,
             centers: report.gaps,
             covering_radius: report.covering_radius / set.radius,
             ..Self::default()
         };
-        if report.gaps == 0 {
-            return Ok(base);
+        if report.gaps > 0 {
+            found.take_apart(set, &report, control)?;
         }
-        base.apart(set, &report, control)
+        Ok(found)
     }
 
-    /// Takes the gaps apart.
-    fn apart(
-        self,
-        set: &Set,
-        report: &Report,
-        control: &Control<'_>,
-    ) -> Result<Self, ReproduceError> {
+    /// Counts the holes, and the centres that are out of sight.
+    fn take_apart(&mut self, set: &Set, report: &Report, control: &Control<'_>) -> Result<()> {
         let limit = (1.0 + report.covering_tolerance) * set.radius;
         let parts = Tessellation::of(&set.points, set.region, set.radius)?;
-        let holes = || parts.gaps.iter().filter(|gap| gap.deepest.1 > limit);
-        let mut worst = Vec::new();
-        let mut out_of_sight = 0;
+        for hole in parts.gaps.iter().filter(|gap| gap.deepest.1 > limit) {
+            self.holes += 1;
+            self.area += hole.area / set.radius.powi(2);
+        }
         let mut seen = Vec::new();
         for (index, gap) in report.worst_gaps.iter().enumerate() {
             if index % ASK == 0 {
@@ -87,19 +129,13 @@ impl GapCounts {
             let hole = parts.gap_at(gap.center);
             let samples = hole.map_or(&[][..], |hole| &parts.gaps[hole].sites);
             let witness = Witness::of(gap, set, samples);
-            out_of_sight += usize::from(witness.out_of_sight(set.radius));
-            if worst.len() < KEPT && !seen.contains(&hole) {
+            self.out_of_sight += usize::from(witness.out_of_sight(set.radius));
+            if self.worst.len() < KEPT && !seen.contains(&hole) {
                 seen.push(hole);
-                worst.push(witness);
+                self.worst.push(witness);
             }
         }
-        Ok(Self {
-            holes: holes().count(),
-            area: holes().map(|gap| gap.area).sum::<f64>() / set.radius.powi(2),
-            out_of_sight,
-            worst,
-            ..self
-        })
+        Ok(())
     }
 }
 
@@ -150,7 +186,7 @@ const KINDS: [Kind; 4] = [
 ];
 
 /// Returns bars of the gaps in a million samples, by leaf.
-pub fn bars(found: &[GapStatistics]) -> Result<Picture, ReproduceError> {
+pub fn bars(found: &[GapStatistics]) -> Result<Picture> {
     let group = |leaf: &f64| {
         let bar = |(kind, (name, printed, pick)): (usize, &Kind)| {
             let sets = of(found, *leaf, *printed);
@@ -172,12 +208,7 @@ pub fn bars(found: &[GapStatistics]) -> Result<Picture, ReproduceError> {
         }
     };
     let groups = leaves(found).iter().map(group).collect();
-    bar_picture(
-        "search/gaps",
-        &json!({}),
-        "gaps in a million samples",
-        groups,
-    )
+    bar_picture("search/gaps", &json!({}), groups)
 }
 
 /// Returns the sums of a row of a table over sets.
@@ -210,7 +241,6 @@ pub fn by_leaf(found: &[GapStatistics]) -> Table {
     })
 }
 
-/// Returns the numbers of every seed.
 pub fn by_set(found: &[GapStatistics]) -> Table {
     table("search/sets", found, |one| {
         let mut row = sums(&[one]);

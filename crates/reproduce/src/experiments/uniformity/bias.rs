@@ -25,30 +25,25 @@ impl PairedBias {
         let sets = seeds.len() as f64;
         let near = |classes: &[u64]| classes[..BANDS[1]].iter().sum::<u64>() as f64;
         let share = |seed: &SeedCounts| seed.block_shares[..BANDS[1]].iter().sum::<f64>();
-        let mean = seeds
-            .iter()
-            .map(|seed| seed.reference.count as f64)
-            .sum::<f64>()
-            / sets;
+        let count = |seed: &SeedCounts| seed.sets[0].count as f64;
+        let mean = seeds.iter().map(count).sum::<f64>() / sets;
         let expected = mean * seeds.iter().map(share).sum::<f64>() / sets;
-        let differences = seeds
-            .iter()
-            .map(|seed| (near(&seed.circumcentre.blocks) - near(&seed.uniform.blocks)) / expected);
-        let excesses = (seeds.iter())
-            .map(|seed| (near(&seed.circumcentre.blocks) - mean * share(seed)) / expected);
-        Self::from_pairs(&differences.zip(excesses).collect::<Vec<_>>())
+        let pair = |seed: &SeedCounts| {
+            let [_, _, circumcentre, uniform, _] =
+                seed.sets.each_ref().map(|set| near(&set.blocks));
+            let excess = circumcentre - mean * share(seed);
+            ((circumcentre - uniform) / expected, excess / expected)
+        };
+        Self::from_pairs(&seeds.iter().map(pair).collect::<Vec<_>>())
     }
 
     /// Of the differences and of the excesses of circumcentres, by seed.
     fn from_pairs(pairs: &[(f64, f64)]) -> Self {
         let sets = pairs.len() as f64;
         let quantile = student_quantile(MISSED, sets - 1.0);
-        let estimate = |values: &dyn Fn(&(f64, f64)) -> f64| {
-            let mean = pairs.iter().map(values).sum::<f64>() / sets;
-            let square = pairs
-                .iter()
-                .map(|pair| (values(pair) - mean).powi(2))
-                .sum::<f64>();
+        let estimate = |value: &dyn Fn(&(f64, f64)) -> f64| {
+            let mean = pairs.iter().map(value).sum::<f64>() / sets;
+            let square: f64 = pairs.iter().map(|pair| (value(pair) - mean).powi(2)).sum();
             (mean, (square / (sets - 1.0)).sqrt())
         };
         let off = |relative: f64, deviation: f64| {
@@ -88,12 +83,8 @@ pub fn bias(test: &Uniformity, missed: f64) -> ClassBias {
     let noise =
         |class: &Deviation| (0.5 * (class.interval[1] - class.interval[0]) / quantile).powi(2);
     let noise = test.deviations.iter().map(noise).sum::<f64>() / classes;
-    let square = test
-        .deviations
-        .iter()
-        .map(|class| class.relative.powi(2))
-        .sum::<f64>()
-        / classes;
+    let squares = test.deviations.iter().map(|class| class.relative.powi(2));
+    let square = squares.sum::<f64>() / classes;
     let excess = square - noise;
     // A square of bias plus noise varies with the noise alone and with the product of both.
     let alone = noise * (2.0 / classes).sqrt();
@@ -109,7 +100,7 @@ pub fn bias(test: &Uniformity, missed: f64) -> ClassBias {
 
 #[cfg(test)]
 mod tests {
-    use super::super::gaps::Draws;
+    use super::super::gaps::draws;
     use super::*;
     use tilescope_analysis::measures::ClassCounts;
 
@@ -120,9 +111,9 @@ mod tests {
         let mut all = ClassCounts::new(CLASSES).unwrap();
         let shares = vec![1.0 / CLASSES as f64; CLASSES];
         for run in 0..40 {
-            let mut draws = Draws::new(stream, run);
+            let mut draws = draws(stream, run);
             let count = |class: usize| {
-                let noise = 30.0 * (draws.next() + draws.next() - 1.0);
+                let noise = 30.0 * (draws() + draws() - 1.0);
                 (200.0 * (1.0 + slope * (class as f64 / 49.5 - 1.0)) + noise).round() as u64
             };
             all.add_run(&(0..CLASSES).map(count).collect::<Vec<_>>(), &shares)
@@ -166,11 +157,11 @@ mod tests {
 
     #[test]
     fn pairs_tell_a_difference_that_is_smaller_than_what_both_share() {
-        let mut draws = Draws::new(5, 0);
+        let mut draws = draws(5, 0);
         let pairs: Vec<(f64, f64)> = (0..50)
             .map(|_| {
-                let both = 0.2 * (draws.next() - 0.5);
-                (0.004 + 0.004 * (draws.next() - 0.5), 0.04 + both)
+                let both = 0.2 * (draws() - 0.5);
+                (0.004 + 0.004 * (draws() - 0.5), 0.04 + both)
             })
             .collect();
         let paired = PairedBias::from_pairs(&pairs);

@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 
 use super::CELL;
 use super::counted::MOVED;
-use super::offsets::{DensityOffset, JUDGED, SamplerUniformity, UniformityResults};
+use super::offsets::{DensityOffset, JUDGED, RankTest, SamplerUniformity, UniformityResults};
 use crate::outcome::{Claim, Verdict};
 use crate::rule::Rule;
 use crate::texts::{claim, text};
@@ -52,14 +52,7 @@ fn if_clean(clean: bool, verdict: Verdict) -> Verdict {
 }
 
 pub fn claims(found: &UniformityResults) -> Vec<Claim> {
-    let UniformityResults {
-        reference,
-        moved,
-        circumcentre,
-        uniform,
-        random,
-        ..
-    } = found;
+    let [reference, moved, circumcentre, uniform, random] = &found.all;
     vec![
         everywhere(
             "insertion at circumcentres",
@@ -111,31 +104,25 @@ fn negligible(off: &DensityOffset) -> bool {
 fn everywhere(how: &str, [reference, moved, ours]: [&SamplerUniformity; 3]) -> Claim {
     let seen = moved.grid().interval[0] > EVEN && clean(reference);
     let ((name, far), (reference_name, reference_far)) = (worst(ours), worst(reference));
-    claim(
-        "uniformity/everywhere",
-        if_clean(seen, even(ours)),
-        &json!({
-            "how": how, "name": name, "worst": far, "cells": ours.cells.deviations.len(), "cell": CELL,
-            "grid": ours.grid(), "cramers_v": ours.cells.chi_square.cramers_v,
-            "reference_cramers_v": reference.cells.chi_square.cramers_v, "judged": JUDGED, "even": EVEN,
-            "moved": MOVED, "moved_rms": moved.grid().rms, "negligible": NEGLIGIBLE,
-            "reference_rms": reference.grid().rms, "reference_name": reference_name,
-            "reference_worst": reference_far,
-        }),
-    )
+    let values = json!({
+        "how": how, "name": name, "worst": far, "cells": ours.cells.deviations.len(), "cell": CELL,
+        "grid": ours.grid(), "cramers_v": ours.cells.chi_square.cramers_v,
+        "reference_cramers_v": reference.cells.chi_square.cramers_v, "judged": JUDGED, "even": EVEN,
+        "moved": MOVED, "moved_rms": moved.grid().rms, "negligible": NEGLIGIBLE,
+        "reference_rms": reference.grid().rms, "reference_name": reference_name,
+        "reference_worst": reference_far,
+    });
+    claim("uniformity/everywhere", if_clean(seen, even(ours)), &values)
 }
 
 /// The border of a periodic domain.
 fn frame(reference: &SamplerUniformity, ours: &SamplerUniformity) -> Claim {
     let [here, control] = [ours, reference].map(SamplerUniformity::frame);
     let verdict = if_clean(control.around_zero(), there(&[here]).opposite());
-    claim(
-        "uniformity/frame",
-        verdict,
-        &json!({
-            "frame": offset(&here), "control": control.interval, "telling": TELLING,
-        }),
-    )
+    let values = json!({
+        "frame": offset(&here), "control": control.interval, "telling": TELLING,
+    });
+    claim("uniformity/frame", verdict, &values)
 }
 
 /// Which side of the border of a periodic domain has more samples.
@@ -147,88 +134,71 @@ fn sides(order: &str, reference: &SamplerUniformity, ours: &SamplerUniformity) -
     let [after, before] = ours.sides();
     let known = !even(ours) || after.tells(TELLING) && before.tells(TELLING);
     let verdict = Verdict::if_known(even(reference) && known, even(ours));
-    claim(
-        "uniformity/sides",
-        verdict,
-        &json!({
-            "order": order, "after": offset(&after), "before": offset(&before), "telling": TELLING,
-        }),
-    )
+    let values = json!({
+        "order": order, "after": offset(&after), "before": offset(&before), "telling": TELLING,
+    });
+    claim("uniformity/sides", verdict, &values)
 }
 
 /// Where no clip overlaps.
 fn interior(reference: &SamplerUniformity, ours: &SamplerUniformity) -> Claim {
     let ([.., deep], [.., control]) = (ours.bands(), reference.bands());
     let verdict = if_clean(negligible(&control), within(&deep, NEGLIGIBLE));
-    claim(
-        "uniformity/interior",
-        verdict,
-        &json!({
-            "interior": INTERIOR, "deep": offset(&deep), "limit": NEGLIGIBLE, "control": control.relative,
-        }),
-    )
+    let values = json!({
+        "interior": INTERIOR, "deep": offset(&deep), "limit": NEGLIGIBLE, "control": control.relative,
+    });
+    claim("uniformity/interior", verdict, &values)
 }
 
 /// Where clips overlap.
 fn border(how: &str, ours: &SamplerUniformity) -> Claim {
     let [near, middle, _] = ours.bands().map(|band| band.among(2, ours.sets));
-    claim(
-        "uniformity/border",
-        there(&[near, middle]),
-        &json!({
-            "how": how, "near": offset(&near), "interior": INTERIOR, "middle": offset(&middle),
-            "worst": ours.worst_block_class(), "telling": TELLING,
-        }),
-    )
+    let values = json!({
+        "how": how, "near": offset(&near), "interior": INTERIOR, "middle": offset(&middle),
+        "worst": ours.worst_block_class(), "telling": TELLING,
+    });
+    claim("uniformity/border", there(&[near, middle]), &values)
 }
 
 /// What the place of an inserted sample adds to the bias in density.
 fn deterministic(found: &UniformityResults) -> Claim {
     let pair = &found.paired;
+    let values = json!({
+        "difference": offset(&pair.difference), "effect": pair.effect,
+        "sets": found.all[2].sets, "telling": TELLING,
+    });
     claim(
         "uniformity/deterministic",
         there(&[pair.difference]),
-        &json!({
-            "difference": offset(&pair.difference), "effect": pair.effect,
-            "sets": found.circumcentre.sets, "telling": TELLING,
-        }),
+        &values,
     )
 }
 
 /// Whether there is a bias without deterministic insertion.
 fn removes(found: &UniformityResults) -> Claim {
-    let [with, without] = [&found.circumcentre, &found.uniform].map(|subject| subject.bands()[0]);
-    claim(
-        "uniformity/removes",
-        within(&without, NEGLIGIBLE),
-        &json!({
-            "with": offset(&with), "without": offset(&without), "removed": found.paired.removed,
-            "negligible": NEGLIGIBLE,
-        }),
-    )
+    let [with, without] = [2, 3].map(|way: usize| found.all[way].bands()[0]);
+    let values = json!({
+        "with": offset(&with), "without": offset(&without), "removed": found.paired.removed,
+        "negligible": NEGLIGIBLE,
+    });
+    claim("uniformity/removes", within(&without, NEGLIGIBLE), &values)
 }
 
 fn farthest(ours: &SamplerUniformity) -> Claim {
-    let verdict = Verdict::of(ours.ranks().0 < UNLIKELY);
-    claim("uniformity/farthest", verdict, &ranks(ours))
+    let ranks = ours.ranks();
+    let verdict = Verdict::of(ranks.probability < UNLIKELY);
+    claim("uniformity/farthest", verdict, &values(ranks))
 }
 
 fn unbiased(ours: &SamplerUniformity) -> Claim {
-    let (probability, _) = ours.ranks();
-    let known = probability < UNLIKELY || ours.rank_count() >= RANKED;
-    claim(
-        "uniformity/unbiased",
-        Verdict::if_known(known, probability >= UNLIKELY),
-        &ranks(ours),
-    )
+    let ranks = ours.ranks();
+    let known = ranks.probability < UNLIKELY || ranks.count >= RANKED;
+    let verdict = Verdict::if_known(known, ranks.probability >= UNLIKELY);
+    claim("uniformity/unbiased", verdict, &values(ranks))
 }
 
-fn ranks(ours: &SamplerUniformity) -> Value {
-    let (probability, effect) = ours.ranks();
-    json!({
-        "count": ours.rank_count(), "extremes": ours.extreme_ranks(), "unlikely": UNLIKELY,
-        "probability": probability, "effect": effect, "ranked": RANKED,
-    })
+fn values(ranks: RankTest) -> Value {
+    json!({ "ranks": ranks, "unlikely": UNLIKELY, "ranked": RANKED })
 }
 
 #[cfg(test)]

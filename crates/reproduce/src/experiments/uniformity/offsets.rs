@@ -6,7 +6,7 @@ use tilescope_analysis::measures::{ClassCounts, Deviation, Uniformity, student_q
 use super::bias::{ClassBias, MISSED, PairedBias, bias};
 use super::counted::{EDGES, SeedCounts, SetCounts};
 use super::gaps::CLASSES;
-use crate::error::ReproduceError;
+use crate::error::Result;
 
 /// Confidence of intervals.
 pub const LEVEL: f64 = 0.99;
@@ -31,21 +31,22 @@ const SIDES: [&str; 2] = [
 /// Number of intervals that must hold together: one for the grid and one for each band and strip.
 pub const JUDGED: usize = 1 + BLOCK_BANDS.len() + DOMAIN_BANDS.len() + SIDES.len();
 
-/// Everything that was counted.
 pub struct UniformityResults {
-    /// The reference sampler's sets.
-    pub reference: SamplerUniformity,
-    /// The control: reference sets with a known bias.
-    pub moved: SamplerUniformity,
-    /// KDRT with insertion at circumcentres.
-    pub circumcentre: SamplerUniformity,
-    /// KDRT with uniform insertion.
-    pub uniform: SamplerUniformity,
-    /// The same as `circumcentre` with samples eliminated in random order.
-    pub random: SamplerUniformity,
+    /// The sets of each way to make them, in the sequence of [`NAMES`].
+    pub all: [SamplerUniformity; 5],
     /// Insertion at circumcentres against uniform insertion.
     pub paired: PairedBias,
 }
+
+/// The ways to make sets: by the reference sampler; the control, reference sets with a known bias; by KDRT with
+/// insertion at circumcentres, with uniform insertion, and at circumcentres with samples eliminated in random order.
+pub const NAMES: [&str; 5] = [
+    "reference sampler",
+    "reference, moved",
+    "circumcentres",
+    "uniform insertion",
+    "circumcentres, random order",
+];
 
 /// Sets that were made in one way.
 pub struct SamplerUniformity {
@@ -107,60 +108,46 @@ impl DensityOffset {
     }
 }
 
-type Pick = fn(&SeedCounts) -> &SetCounts;
-
 impl UniformityResults {
-    pub fn of(seeds: &[SeedCounts]) -> Result<Self, ReproduceError> {
-        let subject = |name, pick| SamplerUniformity::of(name, seeds, pick);
+    pub fn of(seeds: &[SeedCounts]) -> Result<Self> {
+        let of = |way| SamplerUniformity::of(seeds, way);
         Ok(Self {
-            reference: subject("reference sampler", |seed| &seed.reference)?,
-            moved: subject("reference, moved", |seed| &seed.moved)?,
-            circumcentre: subject("circumcentres", |seed| &seed.circumcentre)?,
-            uniform: subject("uniform insertion", |seed| &seed.uniform)?,
-            random: subject("circumcentres, random order", |seed| &seed.random)?,
+            all: [of(0)?, of(1)?, of(2)?, of(3)?, of(4)?],
             paired: PairedBias::of(seeds),
         })
-    }
-
-    pub fn all(&self) -> [&SamplerUniformity; 5] {
-        let Self {
-            reference,
-            moved,
-            circumcentre,
-            uniform,
-            random,
-            ..
-        } = self;
-        [reference, moved, circumcentre, uniform, random]
     }
 }
 
 impl SamplerUniformity {
-    fn of(name: &'static str, seeds: &[SeedCounts], pick: Pick) -> Result<Self, ReproduceError> {
+    fn of(seeds: &[SeedCounts], way: usize) -> Result<Self> {
         let even = |classes: usize| vec![1.0 / classes as f64; classes];
-        let test = |counts: &dyn Fn(&SeedCounts) -> Vec<u64>,
+        let own = |seed: &SeedCounts| seed.sets[way].clone();
+        let test = |counts: &dyn Fn(SetCounts) -> Vec<u64>,
                     shares: &dyn Fn(&SeedCounts) -> Vec<f64>| {
-            uniformity(seeds, counts, shares)
+            uniformity(seeds, &|seed| counts(own(seed)), shares)
         };
-        let cells = |s: &SeedCounts| even(s.reference.cells.len());
-        let blocks = |s: &SeedCounts| s.block_shares.clone();
-        let domain = |s: &SeedCounts| s.domain_shares.clone();
-        let ranked = seeds.iter().any(|s| pick(s).ranks.iter().sum::<u64>() > 0);
-        let ranks = || test(&|s| pick(s).ranks.clone(), &|_| even(CLASSES));
-        let count = |pick: Pick| seeds.iter().map(|seed| pick(seed).count).sum::<u64>() as f64;
+        let ranked = seeds
+            .iter()
+            .any(|seed| seed.sets[way].ranks.iter().sum::<u64>() > 0);
+        let ranks = || test(&|set| set.ranks, &|_| even(CLASSES));
+        let count = |way: usize| seeds.iter().map(|seed| seed.sets[way].count).sum::<u64>() as f64;
         Ok(Self {
-            name,
+            name: NAMES[way],
             sets: seeds.len() as u64,
-            density: count(pick) / count(|seed| &seed.reference),
-            cells: test(&|s| pick(s).cells.clone(), &cells)?,
-            blocks: test(&|s| pick(s).blocks.clone(), &blocks)?,
-            domain: test(&|s| pick(s).domain.clone(), &domain)?,
-            wide: test(&|s| banded(&pick(s).blocks), &|s| banded(&blocks(s)))?,
-            frame: test(&|s| banded(&pick(s).domain), &|s| banded(&domain(s)))?,
-            sides: test(&|s| pick(s).sides.clone(), &|s| s.side_shares.clone())?,
+            density: count(way) / count(0),
+            cells: test(&|set| set.cells, &|seed| even(seed.sets[way].cells.len()))?,
+            blocks: test(&|set| set.blocks, &|seed| seed.block_shares.clone())?,
+            domain: test(&|set| set.domain, &|seed| seed.domain_shares.clone())?,
+            wide: test(&|set| banded(&set.blocks), &|seed| {
+                banded(&seed.block_shares)
+            })?,
+            frame: test(&|set| banded(&set.domain), &|seed| {
+                banded(&seed.domain_shares)
+            })?,
+            sides: test(&|set| set.sides, &|seed| seed.side_shares.clone())?,
             inside: ranked.then(ranks).transpose()?,
-            inserted: total(seeds, |seed| &pick(seed).inserted),
-            skipped: seeds.iter().map(|seed| pick(seed).skipped).sum(),
+            inserted: total(seeds.iter().map(|seed| &seed.sets[way].inserted)),
+            skipped: seeds.iter().map(|seed| seed.sets[way].skipped).sum(),
         })
     }
 
@@ -220,26 +207,35 @@ impl SamplerUniformity {
             .unwrap_or(0.0)
     }
 
-    /// Returns the p-value of the chi-square test that ranks are uniform, and Cramer's V.
-    pub fn ranks(&self) -> (f64, f64) {
-        let test = self.inside.as_ref().map(|inside| inside.chi_square);
-        test.map_or((f64::NAN, f64::NAN), |test| {
-            (test.probability, test.cramers_v)
-        })
-    }
-
-    pub fn rank_count(&self) -> u64 {
-        self.inside.as_ref().map_or(0, |inside| inside.samples)
-    }
-
-    /// Returns the shares of the lowest and of the highest class of ranks.
-    pub fn extreme_ranks(&self) -> [f64; 2] {
-        let Some(inside) = &self.inside else {
-            return [f64::NAN; 2];
+    /// Returns the test of ranks in gaps; without inserted samples its numbers are NaN.
+    pub fn ranks(&self) -> RankTest {
+        let mut ranks = RankTest {
+            count: 0,
+            extremes: [f64::NAN; 2],
+            probability: f64::NAN,
+            effect: f64::NAN,
         };
-        let share = |class: usize| inside.deviations[class].observed as f64 / inside.samples as f64;
-        [share(0), share(CLASSES - 1)]
+        if let Some(inside) = &self.inside {
+            let share =
+                |class: usize| inside.deviations[class].observed as f64 / inside.samples as f64;
+            ranks.count = inside.samples;
+            ranks.extremes = [share(0), share(CLASSES - 1)];
+            ranks.probability = inside.chi_square.probability;
+            ranks.effect = inside.chi_square.cramers_v;
+        }
+        ranks
     }
+}
+
+/// The test that inserted samples have each rank in their gap as often.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct RankTest {
+    pub count: u64,
+    /// Shares of the lowest and of the highest class of ranks.
+    pub extremes: [f64; 2],
+    /// The p-value of the chi-square test, and Cramer's V.
+    pub probability: f64,
+    pub effect: f64,
 }
 
 /// Sums classes of distances to bands.
@@ -256,7 +252,7 @@ fn uniformity(
     seeds: &[SeedCounts],
     counts: &dyn Fn(&SeedCounts) -> Vec<u64>,
     shares: &dyn Fn(&SeedCounts) -> Vec<f64>,
-) -> Result<Uniformity, ReproduceError> {
+) -> Result<Uniformity> {
     let mut all = ClassCounts::new(seeds.first().map_or(1, |seed| counts(seed).len()))?;
     for seed in seeds {
         all.add_run(&counts(seed), &shares(seed))?;
@@ -264,9 +260,10 @@ fn uniformity(
     Ok(all.uniformity(LEVEL)?)
 }
 
-fn total(seeds: &[SeedCounts], pick: impl Fn(&SeedCounts) -> &Vec<u64>) -> Vec<u64> {
-    let classes = seeds.iter().map(|seed| pick(seed).len()).max().unwrap_or(0);
-    let sum = |class| seeds.iter().filter_map(|seed| pick(seed).get(class)).sum();
+/// Adds up counts by class.
+fn total<'a>(each: impl Iterator<Item = &'a Vec<u64>> + Clone) -> Vec<u64> {
+    let classes = each.clone().map(Vec::len).max().unwrap_or(0);
+    let sum = |class| each.clone().filter_map(|counts| counts.get(class)).sum();
     (0..classes).map(sum).collect()
 }
 

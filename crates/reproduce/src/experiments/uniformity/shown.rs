@@ -8,7 +8,7 @@ use tilescope_figures::chart::{ColorScale, Level, LineChart, Panel, Series, Tile
 use super::counted::EDGES;
 use super::gaps::CLASSES;
 use super::offsets::{SamplerUniformity, UniformityResults};
-use crate::error::ReproduceError;
+use crate::error::Result;
 use crate::experiments::common::{curve, picture, tile};
 use crate::numbers::signed;
 use crate::outcome::{Picture, Table};
@@ -20,14 +20,8 @@ const FAR: f64 = 10.0;
 /// Sets with the number of their curve.
 type Subject<'a> = (usize, &'a SamplerUniformity);
 
-pub fn pictures(found: &UniformityResults, cells: usize) -> Result<Vec<Picture>, ReproduceError> {
-    let UniformityResults {
-        reference,
-        circumcentre,
-        uniform,
-        random,
-        ..
-    } = found;
+pub fn pictures(found: &UniformityResults, cells: usize) -> Result<Vec<Picture>> {
+    let [reference, _, circumcentre, uniform, random] = &found.all;
     let four = [(1, reference), (0, circumcentre), (2, uniform), (3, random)];
     let two = [(0, circumcentre), (2, uniform)];
     let borders = [
@@ -122,7 +116,7 @@ pub fn tables(found: &UniformityResults) -> Vec<Table> {
 
 /// Returns each test with its effect.
 fn tests(found: &UniformityResults) -> Table {
-    let rows = found.all().into_iter().flat_map(|one| {
+    let rows = found.all.iter().flat_map(|one| {
         let of = [
             ("cells of the domain", Some(&one.cells)),
             ("distance from block borders", Some(&one.blocks)),
@@ -147,7 +141,7 @@ fn tests(found: &UniformityResults) -> Table {
 
 /// Returns densities by distance from both kinds of border.
 fn distances(found: &UniformityResults) -> Table {
-    let rows = found.all().into_iter().flat_map(|one| {
+    let rows = found.all.iter().flat_map(|one| {
         let borders = [("block", &one.blocks), ("domain", &one.domain)].into_iter();
         borders.flat_map(move |(border, test)| {
             let classes = test.deviations.iter().enumerate();
@@ -170,9 +164,8 @@ fn distances(found: &UniformityResults) -> Table {
     )
 }
 
-/// Returns inserted samples by rank.
 fn in_gaps(found: &UniformityResults) -> Table {
-    let rows = found.all().into_iter().flat_map(|one| {
+    let rows = found.all.iter().flat_map(|one| {
         let ranks = one.inside.iter().flat_map(|inside| &inside.deviations);
         ranks.enumerate().map(move |(class, of)| (one, class, of))
     });
@@ -198,7 +191,6 @@ const COLORS: [[u8; 3]; 5] = [
 const MAPS: usize = 3;
 const SIDE: f64 = 380.0;
 
-/// Returns the colour of a deviation.
 fn color(deviation: f64) -> [u8; 3] {
     let steps = (COLORS.len() - 1) as f64;
     let at = (0.5 * (deviation / END).clamp(-1.0, 1.0) + 0.5) * steps;
@@ -211,10 +203,10 @@ fn color(deviation: f64) -> [u8; 3] {
 }
 
 /// Returns the maps of all sets: how far each cell of the domain is from the mean.
-fn maps(found: &UniformityResults, cells: usize) -> Result<Picture, ReproduceError> {
-    let [reference, moved, others @ ..] = found.all();
+fn maps(found: &UniformityResults, cells: usize) -> Result<Picture> {
+    let [reference, moved, others @ ..] = &found.all;
     let mut tiles = Vec::new();
-    for one in [&[reference], &others[..], &[moved]].concat() {
+    for one in [reference].into_iter().chain(others).chain([moved]) {
         let rows = one.cells.deviations.chunks(cells).rev().flatten();
         let colors: Vec<[u8; 3]> = rows.map(|cell| color(cell.relative)).collect();
         let content = TileContent::Cells(Bitmap::rgb(cells, &colors)?);

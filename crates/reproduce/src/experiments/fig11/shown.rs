@@ -1,16 +1,64 @@
-//! The numbers of figure 11.
+//! The figure, each procedure's share of a run for every leaf size, and its numbers.
 
 use serde_json::json;
 use tilescope_analysis::measures::Summary;
+use tilescope_figures::chart::{Bar, BarGroup};
 
 use super::rows::LeafTimes;
 use super::stages::StageRound;
-use crate::experiments::timing::whiskered;
-use crate::outcome::Table;
+use crate::error::Result;
+use crate::experiments::common::bar_picture;
+use crate::experiments::timing::{TimingPlan, whisker, whisker_words, whiskered};
+use crate::numbers::{drawn_count, drawn_number as number};
+use crate::outcome::{Picture, Table};
 use crate::rates::PassTimes;
 use crate::texts::table;
 
-/// Returns times and shares of procedures.
+pub fn shares(rows: &[LeafTimes], plan: TimingPlan) -> Result<Picture> {
+    let values = json!({
+        "samples": number(plan.samples as f64, 3), "rounds": plan.rounds,
+        "whiskers": whisker_words(plan.rounds as usize),
+    });
+    let groups = rows.iter().map(group).collect();
+    bar_picture("fig11/procedures", &values, groups)
+}
+
+fn group(row: &LeafTimes) -> BarGroup {
+    // Iterations that most rounds lack are in the table.
+    let most = row
+        .procedures
+        .iter()
+        .filter(|(_, seconds, _)| seconds.quartiles[1] > 0.0);
+    let each = most.map(|(procedure, seconds, share)| {
+        let median = 100.0 * share.quartiles[1];
+        Bar {
+            name: procedure.name(),
+            value: median,
+            whisker: Some(whisker(share).map(|part| 100.0 * part)),
+            text: format!(
+                "{} %, {} ms",
+                number(median, 2),
+                number(1e3 * seconds.quartiles[1], 3)
+            ),
+            color: usize::from(!procedure.is_first()),
+        }
+    });
+    BarGroup {
+        heading: format!(
+            "Leaf {} r{}: {} ms, {} samples",
+            row.leaf,
+            if row.printed {
+                ", Algorithm 4 as printed"
+            } else {
+                ""
+            },
+            number(1e3 * row.whole.quartiles[1], 3),
+            drawn_count(row.count)
+        ),
+        bars: each.collect(),
+    }
+}
+
 pub fn stages(rows: &[LeafTimes]) -> Table {
     type Row<'a> = (String, String, &'a Summary, Option<f64>);
     let rows = rows.iter().flat_map(|row| -> Vec<Row<'_>> {
@@ -58,7 +106,6 @@ pub fn counts(rounds: &[StageRound]) -> Table {
     })
 }
 
-/// Returns times of a GPU's passes, by stage.
 pub fn passes(passes: &[(String, PassTimes)]) -> Table {
     table("fig11/passes", passes, |(adapter, one)| {
         json!({

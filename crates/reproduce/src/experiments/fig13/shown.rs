@@ -1,21 +1,22 @@
-//! The figures: for each radius a column for each method, from samples to anisotropy; and the rates.
+//! The figures and tables: for each radius a column for each method, from samples to anisotropy; and the rates.
 
 use serde_json::json;
 use tilescope_analysis::measures::anisotropy_reference_db;
 use tilescope_figures::chart::{Axis, Bar, BarGroup, ImageChart, Look, Panel, Series, TileContent};
 
+use super::against::Against;
 use super::method::{Method, PATTERN};
 use super::spectra::MethodSpectra;
-use crate::error::ReproduceError;
+use crate::error::{ReproduceError, Result};
 use crate::experiments::common::{
     bar_picture, curve, ends, picture, power_scale, tile, whole_ticks,
 };
-use crate::experiments::timing::{whisker, whisker_words};
+use crate::experiments::timing::{whisker, whisker_words, whiskered};
 use crate::numbers::drawn_number as number;
-use crate::outcome::Picture;
-use crate::rates::{EngineRate, ONE_LEAF};
+use crate::outcome::{Picture, Table};
+use crate::rates::{EngineRate, ONE_LEAF, distinct};
 use crate::sets::Set;
-use crate::texts::{chart, text};
+use crate::texts::{chart, table, text};
 
 /// Side in radii of the part of a set that is shown.
 const SHOWN: f64 = 36.0;
@@ -31,27 +32,20 @@ const BLACK: f64 = 2.5;
 
 /// Methods that have a column, and what each is drawn over.
 pub fn columns(leaves: &[f64]) -> Vec<(Method, Method)> {
-    let kdrt = leaves.iter().map(|leaf| Method::kdrt(*leaf));
-    let kdrt = kdrt.map(|method| (method, Method::Reference));
-    [(Method::Reference, Method::Again)]
-        .into_iter()
-        .chain(kdrt)
-        .collect()
+    let kdrt = leaves
+        .iter()
+        .map(|leaf| (Method::kdrt(*leaf), Method::Reference));
+    let first = (Method::Reference, Method::Again);
+    [first].into_iter().chain(kdrt).collect()
 }
 
 /// Tilings whose regularity shows, beside one whose blocks fit its patterns; each over the reference.
 pub fn regular() -> Vec<(Method, Method)> {
-    let leaf = 80.0;
-    let methods = [
-        Method::kdrt(leaf),
-        Method::Kdrt {
-            leaf,
-            side: PATTERN,
-        },
-        Method::OnePattern { leaf: ONE_LEAF },
-        Method::Copies,
-    ];
-    methods.map(|method| (method, Method::Reference)).to_vec()
+    let (leaf, side) = (80.0, PATTERN);
+    let close = Method::Kdrt { leaf, side };
+    let one = Method::OnePattern { leaf: ONE_LEAF };
+    let methods = [Method::kdrt(leaf), close, one, Method::Copies];
+    methods.map(|method| (method, Method::Reference)).into()
 }
 
 /// A method, and what its curves are drawn over.
@@ -62,7 +56,7 @@ pub fn spectra(
     (name, title): (&str, &str),
     columns: &[Column<'_>],
     sets: &[Set],
-) -> Result<Picture, ReproduceError> {
+) -> Result<Picture> {
     let Some((reference, _)) = columns.first() else {
         let nothing = "there is no column to draw".to_owned();
         return Err(ReproduceError::Engine(nothing));
@@ -81,19 +75,14 @@ pub fn spectra(
         row(&|one, below| anisotropy(one, below, range)),
     ];
     let (grid, [count, _]) = (&reference.picture, reference.count);
-    let over = columns
-        .iter()
-        .any(|(_, below)| below.method == Method::Again);
-    let picture = picture(
-        "fig13/spectra",
-        &json!({
-            "title": title, "radius": reference.radius, "samples": number(count, 3), "sets": reference.sets,
-            "shown": SHOWN, "black": BLACK,
-            "side": (2.0 * grid.reach * count.sqrt() / grid.columns as f64).round(),
-            "over": if over { text("fig13/over", &json!({})) } else { String::new() },
-        }),
-        rows,
-    )?;
+    let over = reference.method == Method::Reference;
+    let values = json!({
+        "title": title, "radius": reference.radius, "samples": number(count, 3), "sets": reference.sets,
+        "shown": SHOWN, "black": BLACK,
+        "side": (2.0 * grid.reach * count.sqrt() / grid.columns as f64).round(),
+        "over": if over { text("fig13/over", &json!({})) } else { String::new() },
+    });
+    let picture = picture("fig13/spectra", &values, rows)?;
     let radius = reference.radius.to_string().replace('.', "-");
     Ok(Picture {
         name: format!("{name}-{radius}"),
@@ -126,9 +115,8 @@ fn image(one: &MethodSpectra, _: &MethodSpectra) -> Panel {
     let reach = grid.reach * shown as f64 / grid.columns as f64;
     let axis = |label: &str| Axis::new(label).with_range(-reach, reach);
     let rows = grid.values.chunks(grid.columns).skip(cut).take(shown);
-    let values: Vec<f64> = rows
-        .flat_map(|row| row[cut..cut + shown].iter().map(|v| f64::from(*v)))
-        .collect();
+    let values = rows.flat_map(|row| row[cut..cut + shown].iter());
+    let values: Vec<f64> = values.copied().map(f64::from).collect();
     let middle = values.len() / 2;
     Panel::Image(ImageChart {
         title: "Mean periodogram".to_owned(),
@@ -177,11 +165,8 @@ fn series(of: &MethodSpectra, value: impl Fn(usize) -> Option<f64>) -> Series {
 fn power(one: &MethodSpectra, below: &MethodSpectra) -> Panel {
     let [below, own] = [below, one].map(|of| series(of, |index| Some(of.curves.power[index])));
     let band = Some(one.curves.band.clone()).filter(|band| band.len() == one.curves.nu.len());
-    by_frequency(
-        "fig13/power",
-        vec![below, Series { band, ..own }],
-        [0.0, 2.0],
-    )
+    let own = Series { band, ..own };
+    by_frequency("fig13/power", vec![below, own], [0.0, 2.0])
 }
 
 /// The range of all anisotropies and of noise's level, with a little room: one axis for all columns.
@@ -214,32 +199,24 @@ fn noise(one: &MethodSpectra) -> Series {
     }
 }
 
-/// Returns the figure of the rates.
-pub fn rates(rows: &[EngineRate], samples: u64, rounds: u64) -> Result<Picture, ReproduceError> {
-    let mut groups: Vec<BarGroup> = Vec::new();
-    for row in rows {
-        let heading = row.leaf.map_or_else(
-            || "From scratch".to_owned(),
-            |leaf| format!("KDRT, leaf {leaf} r"),
-        );
-        let known = groups.iter().position(|group| group.heading == heading);
-        let group = known.unwrap_or_else(|| {
-            let bars = Vec::new();
-            groups.push(BarGroup { heading, bars });
-            groups.len() - 1
-        });
-        groups[group].bars.push(bar(row, group));
-    }
+pub fn rates(rows: &[EngineRate], samples: u64, rounds: u64) -> Result<Picture> {
+    let heading = |row: &EngineRate| {
+        let leaf = row.leaf.map(|leaf| format!("KDRT, leaf {leaf} r"));
+        leaf.unwrap_or_else(|| "From scratch".to_owned())
+    };
+    let group = |(color, heading_of): (usize, String)| {
+        let rows = rows.iter().filter(|row| heading(row) == heading_of);
+        let bars = rows.map(|row| bar(row, color)).collect();
+        let heading = heading_of.clone();
+        BarGroup { heading, bars }
+    };
+    let headings = distinct(rows.iter().map(heading)).into_iter();
+    let groups = headings.enumerate().map(group).collect();
     let values = json!({
         "samples": number(samples as f64, 3), "rounds": rounds,
         "whiskers": whisker_words(rounds as usize),
     });
-    bar_picture(
-        "fig13/rates",
-        &values,
-        "rate, millions of samples a second",
-        groups,
-    )
+    bar_picture("fig13/rates", &values, groups)
 }
 
 fn bar(row: &EngineRate, color: usize) -> Bar {
@@ -260,6 +237,58 @@ fn threads(threads: Option<usize>) -> String {
         Some(1) => ", 1 thread".to_owned(),
         Some(threads) => format!(", {threads} threads"),
     }
+}
+
+pub fn quality(found: &[MethodSpectra], against: &[Against]) -> Table {
+    table("fig13/quality", found, |one| {
+        let same = |held: &&Against| {
+            held.radius.to_bits() == one.radius.to_bits() && held.method == one.method
+        };
+        let held = against.iter().find(same);
+        let percent = |value: fn(&Against) -> f64| held.map(|held| 100.0 * value(held));
+        json!({
+            "radius": one.radius, "method": one.method.name(), "sets": one.sets,
+            "samples": one.count[0].round() as u64, "samples_sd": one.count[1],
+            "density": one.density(), "min_distance_r": one.min_distance,
+            "covering_radius_r": one.covering_radius, "low_power": one.low_power(),
+            "nyquist": one.nyquist, "oscillation": one.oscillation,
+            "difference_percent": percent(|held| held.difference),
+            "chance_percent": percent(|held| held.chance), "left_percent": percent(|held| held.left),
+            "anisotropy_db": one.excess, "anisotropy_alone_db": one.excess_alone,
+            "peak": one.peaks.highest, "peak_limit": one.peaks.limit, "peaks_above": one.peaks.above,
+        })
+    })
+}
+
+pub fn rate_table(rows: &[EngineRate]) -> Table {
+    table("fig13/rates", rows, |row| {
+        whiskered(
+            &row.rate,
+            1e-6,
+            json!({
+                "method": row.engine.name(), "leaf_r": row.leaf, "threads": row.engine.threads(),
+                "samples": row.count.round() as u64, "rounds": row.rate.count,
+                "million_per_second": row.rate.quartiles[1] / 1e6, "ratio": row.ratio.quartiles[1],
+                "density": row.density, "min_distance_r": row.min_distance,
+                "covering_radius_r": row.covering_radius,
+            }),
+        )
+    })
+}
+
+pub fn curves(found: &[MethodSpectra]) -> Table {
+    let rows = found
+        .iter()
+        .flat_map(|one| (0..one.curves.nu.len()).map(move |index| (one, index)));
+    table("fig13/curves", rows, |(one, index)| {
+        let curves = &one.curves;
+        let band = |end: usize| curves.band.get(index).map(|ends| ends[end]);
+        json!({
+            "radius": one.radius, "method": one.method.name(), "nu": curves.nu[index],
+            "power": curves.power[index], "band_low": band(0), "band_high": band(1),
+            "anisotropy_db": curves.anisotropy[index],
+        })
+    })
 }
 
 #[cfg(test)]
