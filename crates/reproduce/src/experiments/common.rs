@@ -1,7 +1,6 @@
 //! Common parts of experiments: parameters of sets with seeds of their own, intervals of counts, charts and pictures.
 
 use serde_json::Value;
-use tilescope_analysis::measures::chi_square_quantile;
 use tilescope_core::Parameters;
 use tilescope_figures::chart::{
     BarChart, BarGroup, ColorScale, Figure, Look, Panel, Series, TileChart, TileContent,
@@ -15,8 +14,8 @@ use crate::texts::{PictureText, name, picture_texts};
 
 /// About the samples of a KDRT set to a squared radius.
 const DENSITY: f64 = 0.698;
-/// Probability that an interval of a count misses the mean.
-const MISSED: f64 = 0.01;
+/// Probability that an interval of a count misses its mean.
+pub const MISSED: f64 = 0.01;
 
 /// Returns the parameters of a periodic square with about `samples`, in units of the radius.
 pub fn square(samples: f64, leaf: f64) -> Parameters {
@@ -112,17 +111,6 @@ pub fn power_scale(black: f64) -> Panel {
         ends: ["power 0".to_owned(), black.to_string()],
         colors: shades.collect(),
     })
-}
-
-/// Returns where the mean of a Poisson variable is, with 99 % confidence, of which `count` was seen.
-pub fn poisson_interval(count: usize) -> [f64; 2] {
-    let bound = |tail: f64, events: usize| 0.5 * chi_square_quantile(tail, 2.0 * events as f64);
-    let low = if count == 0 {
-        0.0
-    } else {
-        bound(1.0 - 0.5 * MISSED, count)
-    };
-    [low, bound(0.5 * MISSED, count + 1)]
 }
 
 /// Returns the smallest and the largest of values, or infinities if there are none.

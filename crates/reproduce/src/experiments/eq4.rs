@@ -34,16 +34,14 @@ pub const UNITS: usize = LEAVES.len();
 
 pub fn run(study: &Study<'_>) -> Result<Outcome> {
     let (sets, samples) = amounts(study.settings);
-    let leaf = |leaf: f64| {
-        let sets = study.sets(
-            &format!("leaf-{leaf}"),
-            &format!("leaf {leaf} r"),
-            0..sets,
-            |seed, control| measure(leaf, seed, samples, control),
-        )?;
-        Ok(LeafShares::sum(&sets))
-    };
-    let found: Vec<LeafShares> = LEAVES.into_iter().map(leaf).collect::<Result<_>>()?;
+    let mut found = Vec::new();
+    for leaf in LEAVES {
+        let (key, what) = (format!("leaf-{leaf}"), format!("leaf {leaf} r"));
+        let sets = study.sets(&key, &what, 0..sets, |seed, control| {
+            measure(leaf, seed, samples, control)
+        })?;
+        found.push(LeafShares::sum(&sets));
+    }
     Ok(Outcome {
         claims: claims(&found),
         pictures: vec![curves(&found)?],

@@ -4,7 +4,6 @@
 mod against;
 mod claims;
 mod method;
-mod peaks;
 mod rates;
 mod shown;
 mod spectra;
@@ -64,10 +63,8 @@ fn spectra_units(settings: &Settings) -> Vec<(SetGroup, Method)> {
 }
 
 fn plan(settings: &Settings) -> TimingPlan {
-    TimingPlan {
-        samples: settings.pick(2_000_000, 200_000),
-        rounds: settings.pick(10, 2),
-    }
+    let (samples, rounds) = settings.pick((2_000_000, 10), (200_000, 2));
+    TimingPlan { samples, rounds }
 }
 
 pub fn units(settings: &Settings) -> usize {

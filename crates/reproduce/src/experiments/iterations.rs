@@ -5,11 +5,12 @@ mod counts;
 mod variants;
 
 use serde_json::json;
+use tilescope_analysis::measures::poisson_interval;
 use tilescope_core::{Order, Summary};
 
 use crate::control::Control;
 use crate::error::Result;
-use crate::experiments::common::{poisson_interval, seeded, square};
+use crate::experiments::common::{MISSED, seeded, square};
 use crate::outcome::{Claim, Outcome, Verdict};
 use crate::sets::Set;
 use crate::study::{Settings, Study};
@@ -128,7 +129,7 @@ fn rare(how: &str, sets: &[Summary]) -> Claim {
     };
     let (late, inserted) = (after(PAPER), after(0));
     let share = |count: f64| count / inserted.max(1) as f64;
-    let [low, high] = poisson_interval(late).map(share);
+    let [low, high] = poisson_interval(late, MISSED).map(share);
     let verdict = Verdict::if_known(low > RARE || high <= RARE, high <= RARE);
     let values = json!({
         "late": late, "inserted": inserted, "share": share(late as f64),

@@ -5,11 +5,12 @@ mod gaps;
 mod picture;
 
 use serde_json::json;
+use tilescope_analysis::measures::poisson_interval;
 use tilescope_core::{Parameters, Search, Variant};
 
 use crate::control::Control;
 use crate::error::Result;
-use crate::experiments::common::{largest, poisson_interval, seeded, square};
+use crate::experiments::common::{MISSED, largest, seeded, square};
 use crate::numbers::count;
 use crate::outcome::{Claim, Outcome, Verdict};
 use crate::sets::{Set, sequential};
@@ -135,7 +136,7 @@ fn judged(id: &str, sets: &[&GapCounts]) -> Claim {
     let holes: usize = sets.iter().map(|one| one.holes).sum();
     let samples: usize = sets.iter().map(|one| one.count).sum();
     let holds = sets.iter().all(|one| one.holes == 0 && one.centers == 0);
-    let ends = poisson_interval(holes).map(|gaps| a_million(gaps, samples));
+    let ends = poisson_interval(holes, MISSED).map(|gaps| a_million(gaps, samples));
     let rate = json!({ "rate": a_million(holes as f64, samples), "ends": ends });
     let values = json!({
         "holes": match holes {

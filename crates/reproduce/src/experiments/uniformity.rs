@@ -2,7 +2,6 @@
 //! small sets are counted by place: on a grid of the domain, by distance from borders, and within gaps. One control
 //! has no bias, another one has a known bias.
 
-mod bias;
 mod claims;
 mod counted;
 mod gaps;

@@ -31,8 +31,8 @@ fn finished() -> Finished {
                 Column::new("rate", "rate, 1/s", 3),
             ],
             rows: vec![
-                vec!["a,b".into(), 1_234_567.0.into()],
-                vec!["c".into(), f64::NAN.into()],
+                vec![Cell::of("a,b".into()), Cell::of(1_234_567.0.into())],
+                vec![Cell::of("c".into()), Cell::of(f64::NAN.into())],
             ],
             shown: true,
         }],

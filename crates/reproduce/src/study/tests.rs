@@ -3,6 +3,7 @@
 use std::ops::ControlFlow;
 
 use super::*;
+use crate::error::ReproduceError;
 use crate::outcome::Outcome;
 
 /// A watch that lets everything finish.

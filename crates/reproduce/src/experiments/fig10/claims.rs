@@ -52,8 +52,9 @@ fn words(ratio: Option<Ratio>) -> String {
 
 /// Returns mean and deviation of errors.
 fn spread(errors: Vec<f64>) -> Value {
-    let summary = Summary::of(errors);
-    json!({ "mean": summary.map(|one| one.mean), "deviation": summary.map(|one| one.deviation) })
+    let both = |summary: Summary| [summary.mean, summary.deviation];
+    let [mean, deviation] = Summary::of(errors).map_or([f64::NAN; 2], both);
+    json!({ "mean": mean, "deviation": deviation })
 }
 
 fn alike(ratio: Option<Ratio>) -> Verdict {

@@ -3,19 +3,13 @@
 
 use serde::{Deserialize, Serialize};
 use tilescope_analysis::measures::{
-    Annulus, Average, MeanPeriodogram, Periodogram, PowerCurve, RadialProfile, Spectrum, Summary,
-    anisotropy_reference_db,
+    Annulus, Average, MeanPeriodogram, Peaks, Periodogram, PowerCurve, Spectrum, Summary,
 };
 
 use super::method::{Method, SetGroup};
-use super::peaks::Peaks;
 use crate::control::Control;
 use crate::error::{ReproduceError, Result};
 use crate::experiments::common::{ends, largest};
-
-/// Frequencies, of each opposite pair one, that an annulus must have for its anisotropy to count: a variance of few
-/// is biased.
-const MIN_PAIRS: u64 = 100;
 
 /// The measurements of the sets of one method and radius.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -92,7 +86,7 @@ pub fn measure(group: &SetGroup, method: Method, control: &Control<'_>) -> Resul
         reports.push(set.verified(&name, control)?);
         let window = Spectrum::window(group.samples(), set.region);
         let periodogram = Periodogram::of(&set.points, set.region, &window, &go_on)?;
-        alone.push(excess(&Spectrum::of(&periodogram)?.profile));
+        alone.push(Spectrum::of(&periodogram)?.profile.anisotropy_excess_db());
         mean.add(&periodogram)?;
         if let Some(curve) = PowerCurve::of_samples(&set.points, set.region, &go_on)? {
             let powers = curve.powers();
@@ -117,58 +111,23 @@ pub fn measure(group: &SetGroup, method: Method, control: &Control<'_>) -> Resul
         covering_radius: largest(reports.iter().map(|one| one.covering_radius)) / group.radius,
         nyquist: smooth.effective_nyquist_psa().filter(|nu| *nu > 0.0),
         oscillation: smooth.oscillation(),
-        excess: excess(&spectrum.profile),
+        excess: spectrum.profile.anisotropy_excess_db(),
         excess_alone: Summary::of(alone).ok_or_else(nothing)?.mean,
-        excess_reach: excess_reach(&spectrum.profile),
+        excess_reach: spectrum.profile.anisotropy_excess_reach_db(),
         peaks: Peaks::of(&mean),
         picture: grid(&spectrum),
         curves: curves(&spectrum),
     })
 }
 
-/// How far the anisotropy lies above that of noise, in decibels: all annuli alike.
-pub fn excess(profile: &RadialProfile) -> f64 {
-    let ratios = profile.annuli.iter().filter(|annulus| many(annulus));
-    let ratios = ratios.map(|annulus| 10_f64.powf(0.1 * annulus.anisotropy_db));
-    let mean = Summary::of(ratios).map_or(f64::NAN, |summary| summary.mean);
-    10.0 * mean.log10() - anisotropy_reference_db(profile.sets)
-}
-
-/// Whether an annulus has frequencies enough for its anisotropy to count.
-fn many(annulus: &Annulus) -> bool {
-    annulus.count >= 2 * MIN_PAIRS && annulus.anisotropy_db.is_finite()
-}
-
-/// Standard deviation of variance over squared mean, in parts of it, among so many independent means of `sets`
-/// exponential values: by the moments of the gamma distribution, to first order.
-fn noise_deviation(pairs: f64, sets: u64) -> f64 {
-    ((2.0 + 2.0 / sets as f64) / pairs).sqrt()
-}
-
-/// How many standard deviations hold a normal variable with probability 95 %, and 99 %.
-const NORMAL: [f64; 2] = [1.959_964, 2.575_829];
-
-/// Returns where the anisotropy of an annulus of sets without preferred directions lies with probability 95 %, in
-/// decibels.
-fn noise(annulus: &Annulus, sets: u64) -> [f64; 2] {
-    let reach = NORMAL[0] * noise_deviation(0.5 * annulus.count as f64, sets);
-    [-reach, reach].map(|off| 10.0 * (1.0 + off).log10() + anisotropy_reference_db(sets))
-}
-
-/// Returns how far [`excess`] may be from zero by chance alone, in decibels.
-fn excess_reach(profile: &RadialProfile) -> f64 {
-    let annuli = profile.annuli.iter().filter(|annulus| many(annulus));
-    let [sum, count] = annuli.fold([0.0; 2], |[sum, count], annulus| {
-        let deviation = noise_deviation(0.5 * annulus.count as f64, profile.sets);
-        [sum + deviation * deviation, count + 1.0]
-    });
-    10.0 * (1.0 + NORMAL[1] * sum.sqrt() / count).log10()
-}
-
 fn curves(spectrum: &Spectrum) -> Curves {
     let (profile, sets) = (&spectrum.profile, spectrum.profile.sets);
-    let anisotropy = |annulus: &Annulus| many(annulus).then_some(annulus.anisotropy_db);
-    let noise = |annulus: &Annulus| many(annulus).then(|| noise(annulus, sets));
+    let anisotropy = |annulus: &Annulus| annulus.has_anisotropy().then_some(annulus.anisotropy_db);
+    let noise = |annulus: &Annulus| {
+        annulus
+            .has_anisotropy()
+            .then(|| annulus.anisotropy_noise_db(sets))
+    };
     let [nu, power] = [0, 1].map(|axis| spectrum.power().iter().map(|p| p[axis]).collect());
     Curves {
         nu,
