@@ -14,7 +14,7 @@ use tilescope_gpu::{self as gpu, ASKED_FOR, Backend, Bands, Choice, Gpu};
 
 use crate::control::Control;
 use crate::error::{ReproduceError, Result};
-use crate::machine::gpus;
+use crate::machine::GPUS;
 
 /// Sets along each side of what is made of nine.
 const ALONG: u32 = 3;
@@ -99,7 +99,7 @@ impl Engines {
 
     /// Starts a pool of one thread and opens every GPU.
     pub fn open_all() -> Result<Self> {
-        let gpus = gpus().iter().map(|gpu| {
+        let gpus = GPUS.iter().map(|gpu| {
             let choice = Choice {
                 name: Some(gpu.name.clone()),
                 ..Choice::default()

@@ -16,6 +16,8 @@ use crate::experiment::Experiment;
 use crate::outcome::Outcome;
 use crate::study::{Settings, Study};
 
+type Functions = (fn(&Settings) -> usize, fn(&Study<'_>) -> Result<Outcome>);
+
 impl Experiment {
     /// Returns the number of units of work that it takes.
     #[must_use]
@@ -28,7 +30,7 @@ impl Experiment {
     }
 
     /// Returns what counts its units, and what carries them out.
-    fn functions(self) -> (fn(&Settings) -> usize, fn(&Study<'_>) -> Result<Outcome>) {
+    fn functions(self) -> Functions {
         match self {
             Self::Fig10 => (fig10::units, fig10::run),
             Self::Fig11 => (fig11::units, fig11::run),

@@ -36,7 +36,7 @@ impl Machine {
             cores: thread::available_parallelism().map_or(1, usize::from),
             system: format!("{} {}", std::env::consts::OS, std::env::consts::ARCH),
             instructions: InstructionSet::best().name().to_owned(),
-            gpus: gpus().iter().map(|gpu| gpu.name.clone()).collect(),
+            gpus: GPUS.iter().map(|gpu| gpu.name.clone()).collect(),
         }
     }
 
@@ -66,21 +66,17 @@ fn processor() -> Option<String> {
 static ADAPTERS: LazyLock<Vec<AdapterReport>> =
     LazyLock::new(|| block_on(tilescope_gpu::adapters()));
 
-static GPUS: LazyLock<Vec<AdapterReport>> = LazyLock::new(|| {
+/// The adapters that are GPUs, one of each name.
+pub static GPUS: LazyLock<Vec<AdapterReport>> = LazyLock::new(|| {
     let found = ADAPTERS.iter().filter(|one| !one.is_software);
     let mut found: Vec<AdapterReport> = found.cloned().collect();
     found.dedup_by(|a, b| a.name == b.name);
     found
 });
 
-/// Returns the adapters that are GPUs, one of each name.
-pub fn gpus() -> &'static [AdapterReport] {
-    &GPUS
-}
-
 /// Returns why no GPU is timed, or `None` if one is.
 pub fn no_gpu() -> Option<String> {
-    if !gpus().is_empty() {
+    if !GPUS.is_empty() {
         return None;
     }
     let mut names: Vec<&str> = ADAPTERS.iter().map(|one| one.name.as_str()).collect();

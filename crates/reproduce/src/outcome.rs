@@ -131,16 +131,6 @@ pub struct Column {
     pub digits: usize,
 }
 
-impl Column {
-    pub(crate) fn new(key: &str, head: &str, digits: usize) -> Self {
-        Self {
-            key: key.to_owned(),
-            head: head.to_owned(),
-            digits,
-        }
-    }
-}
-
 /// A cell of a table.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]

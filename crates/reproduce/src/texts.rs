@@ -14,7 +14,7 @@ use crate::outcome::{Cell, Claim, Column, Table, Verdict};
 /// The texts of an experiment, by their names.
 #[derive(Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
-struct Texts {
+struct Words {
     /// Notes, captions, and parts of other texts.
     texts: BTreeMap<String, String>,
     claims: BTreeMap<String, ClaimText>,
@@ -41,8 +41,8 @@ struct TableText {
     /// Long tables are for data files alone.
     #[serde(default)]
     hidden: bool,
-    /// Key, heading and digits of each column; a column whose key ends with `?` may be missing.
-    columns: Vec<(String, String, usize)>,
+    /// A column whose key ends with `?` may be missing.
+    columns: Vec<Column>,
 }
 
 #[derive(Deserialize)]
@@ -87,7 +87,7 @@ const FILES: [(&str, &str); 8] = [
     file!("uniformity"),
 ];
 
-static TEXTS: LazyLock<BTreeMap<&str, Texts>> = LazyLock::new(|| {
+static TEXTS: LazyLock<BTreeMap<&str, Words>> = LazyLock::new(|| {
     let read = |text| toml::from_str(text).expect("the texts of the experiments are valid");
     FILES
         .map(|(experiment, text)| (experiment, read(text)))
@@ -96,7 +96,7 @@ static TEXTS: LazyLock<BTreeMap<&str, Texts>> = LazyLock::new(|| {
 
 /// Returns the texts of an experiment and the one of them that `id`, such as `eq4/shares`, names. Panics if it is not
 /// there: ids are written in code.
-fn find<T>(id: &str, of: fn(&Texts) -> &BTreeMap<String, T>) -> (&'static Texts, &'static T) {
+fn find<T>(id: &str, of: fn(&Words) -> &BTreeMap<String, T>) -> (&'static Words, &'static T) {
     let found = id.split_once('/').and_then(|(experiment, name)| {
         let texts = TEXTS.get(experiment)?;
         Some((texts, of(texts).get(name)?))
@@ -157,26 +157,29 @@ pub fn table<R>(id: &str, rows: impl IntoIterator<Item = R>, cells: impl Fn(R) -
         rows: vec![Vec::new(); objects.len()],
         shown: !text.hidden,
     };
-    let mut add = |key: &str, head: &str, digits, cell: &dyn Fn(&Value) -> Option<Value>| {
-        table.columns.push(Column::new(key, head, digits));
+    let mut add = |column: Column, cell: &dyn Fn(&Value) -> Option<Value>| {
+        table.columns.push(column);
         for (row, object) in table.rows.iter_mut().zip(&objects) {
             row.push(Cell::of(cell(object).unwrap_or_default()));
         }
     };
-    for (key, head, digits) in &text.columns {
-        let (key, optional) = key
-            .strip_suffix('?')
-            .map_or((&**key, false), |key| (key, true));
+    for column in &text.columns {
+        let key = column.key.trim_end_matches('?');
+        let named = |number: &str| Column {
+            key: key.replace("{n}", number),
+            head: column.head.replace("{n}", number),
+            digits: column.digits,
+        };
+        let optional = key != column.key || objects.is_empty();
         match objects.first().and_then(|object| object.get(key)) {
             Some(Value::Array(pairs)) => {
                 for (index, pair) in pairs.iter().enumerate() {
-                    let named = |text: &str| text.replace("{n}", &pair[0].to_string());
                     let cell = |object: &Value| object[key].get(index).map(|pair| pair[1].clone());
-                    add(&named(key), &named(head), *digits, &cell);
+                    add(named(&pair[0].to_string()), &cell);
                 }
             }
-            Some(_) => add(key, head, *digits, &|object| object.get(key).cloned()),
-            None => debug_assert!(optional || objects.is_empty(), "{id}: no cells of {key}"),
+            Some(_) => add(named(""), &|object| object.get(key).cloned()),
+            None => debug_assert!(optional, "{id}: no cells of {key}"),
         }
     }
     for key in objects
@@ -187,7 +190,7 @@ pub fn table<R>(id: &str, rows: impl IntoIterator<Item = R>, cells: impl Fn(R) -
         let known = text
             .columns
             .iter()
-            .any(|column| column.0.trim_end_matches('?') == key);
+            .any(|column| column.key.trim_end_matches('?') == key);
         debug_assert!(known, "{id}: no column for {key}");
     }
     table
@@ -198,7 +201,7 @@ pub fn name(id: &str) -> String {
     id.split_once('/').map_or(id, |(_, name)| name).to_owned()
 }
 
-impl Texts {
+impl Words {
     /// Fills placeholders: `{@name}` with another text, `{name}` with a value, `{name.0}` with a part of one. What
     /// follows a colon is its format, see [`shown`].
     fn filled(&self, template: &str, values: &Value) -> String {
@@ -253,9 +256,9 @@ mod tests {
 
     #[test]
     fn placeholders_take_values_in_their_formats_and_other_texts() {
-        let texts = Texts {
+        let texts = Words {
             texts: [("part".to_owned(), "of {all}".to_owned())].into(),
-            ..Texts::default()
+            ..Words::default()
         };
         let values = json!({
             "all": 12_345, "leaf": 20.0, "share": 0.0242, "ends": [-0.5, 0.25], "none": null, "name": "KDRT", "p": 0.0,

@@ -114,16 +114,9 @@ fn picture(out: &mut String, path: &Path, caption: &str) {
 
 /// Returns text as it may stand in a data address between double quotes.
 fn in_address(text: &str) -> String {
-    let replaced = [
-        ("%", "%25"),
-        ("#", "%23"),
-        ("\"", "%22"),
-        ("<", "%3C"),
-        (">", "%3E"),
-        ("&", "%26"),
-    ];
-    let text = text.replace(['\n', '\r', '\t'], " ");
-    replaced
-        .iter()
-        .fold(text, |text, (letter, code)| text.replace(letter, code))
+    let mut out = text.replace(['\n', '\r', '\t'], " ");
+    for letter in ['%', '#', '"', '<', '>', '&'] {
+        out = out.replace(letter, &format!("%{:02X}", letter as u32));
+    }
+    out
 }

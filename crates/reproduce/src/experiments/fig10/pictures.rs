@@ -39,16 +39,18 @@ pub fn pictures(
     let plate = Plate {
         side: plate.map_or(1, |one| one.side),
     };
+    let exact = plate.exact();
+    let sharp = json!({ "side": plate.side, "edge": EDGE });
+    let plates = plate_tiles(all, 0, "fig10/errors")?;
+    let wrong = json!({ "error": ERROR_SHOWN });
+    let errors = plate_tiles(all, 1, "fig10/parts")?;
+    let nyquist = json!({ "nyquist": NYQUIST });
     Ok(vec![
         comparison(all, corners)?,
-        plates(all, plate)?,
-        errors(all, plate)?,
+        sheet("fig10/zone-plate", &sharp, (&exact, true), plates)?,
+        sheet("fig10/zone-plate-error", &wrong, (&exact, true), errors)?,
         horizons(all, horizon::amounts(settings).0)?,
-        picture(
-            "fig10/curves",
-            &json!({ "nyquist": NYQUIST }),
-            curves::panels(all),
-        )?,
+        picture("fig10/curves", &nyquist, curves::panels(all))?,
     ])
 }
 
@@ -178,23 +180,6 @@ fn plate_tiles(all: &[SamplerResults], which: usize, note: &str) -> Result<Vec<T
         ))
     })
     .collect()
-}
-
-fn plates(all: &[SamplerResults], size: Plate) -> Result<Picture> {
-    let values = json!({ "side": size.side, "edge": EDGE });
-    let tiles = plate_tiles(all, 0, "fig10/errors")?;
-    sheet("fig10/zone-plate", &values, (&size.exact(), true), tiles)
-}
-
-fn errors(all: &[SamplerResults], size: Plate) -> Result<Picture> {
-    let values = json!({ "error": ERROR_SHOWN });
-    let tiles = plate_tiles(all, 1, "fig10/parts")?;
-    sheet(
-        "fig10/zone-plate-error",
-        &values,
-        (&size.exact(), true),
-        tiles,
-    )
 }
 
 fn horizons(all: &[SamplerResults], horizon: Horizon) -> Result<Picture> {

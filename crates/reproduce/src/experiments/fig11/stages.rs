@@ -14,7 +14,7 @@ use crate::control::Control;
 use crate::engines::{Engine, Engines};
 use crate::error::Result;
 use crate::experiments::timing::{LEAVES, TimingPlan};
-use crate::machine::gpus;
+use crate::machine::GPUS;
 use crate::rates::{ONE_LEAF, PassTimes, other_set, run_timed, timed};
 use crate::sets::{Set, fitting, pattern};
 use crate::study::Study;
@@ -98,7 +98,7 @@ pub fn run(plan: TimingPlan, study: &Study<'_>) -> Result<Vec<StageRound>> {
             let pattern = pattern(&fitting(ONE_LEAF), control)?;
             timed.push(verified(&printed, &pattern, control)?.0);
             let mut passes = Vec::new();
-            for gpu in gpus() {
+            for gpu in GPUS.iter() {
                 let open = engines.gpu(&gpu.name)?;
                 let by_stage = |report: &PassReport| [report.stage.to_string(), String::new()];
                 let run = run_timed(&open, base, &pattern, control, by_stage)?;

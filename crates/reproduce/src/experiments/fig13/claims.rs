@@ -226,10 +226,7 @@ fn percent(each: &[Against], of: fn(&Against) -> f64) -> String {
 }
 
 fn leaves(each: &[Against]) -> Vec<f64> {
-    let mut leaves: Vec<f64> = each.iter().filter_map(|one| one.method.leaf()).collect();
-    leaves.sort_by(f64::total_cmp);
-    leaves.dedup();
-    leaves
+    distinct(each.iter().filter_map(|one| one.method.leaf()))
 }
 
 /// Returns values by leaf and by radius; of sets of one block, that they are.

@@ -9,7 +9,7 @@ use crate::control::Control;
 use crate::engines::{Engine, Engines};
 use crate::error::Result;
 use crate::experiments::timing::{LEAVES, TimingPlan};
-use crate::machine::gpus;
+use crate::machine::GPUS;
 use crate::rates::{EngineTime, timed, times};
 use crate::sets::fitting;
 use crate::study::Study;
@@ -28,7 +28,7 @@ fn engines() -> Vec<Engine> {
         engines.insert(1, Engine::parallel());
     }
     let name = |gpu: &tilescope_gpu::AdapterReport| gpu.name.clone();
-    engines.extend(gpus().iter().map(|gpu| Engine::Gpu { adapter: name(gpu) }));
+    engines.extend(GPUS.iter().map(|gpu| Engine::Gpu { adapter: name(gpu) }));
     engines
 }
 

@@ -12,6 +12,7 @@ use crate::error::{ReproduceError, Result};
 use crate::experiments::common::{MISSED, bar_picture, largest};
 use crate::numbers::drawn;
 use crate::outcome::{Picture, Table};
+use crate::rates::distinct;
 use crate::sets::{Set, shortest};
 use crate::texts::{table, text};
 
@@ -171,10 +172,7 @@ fn of(found: &[GapStatistics], leaf: f64, printed: bool) -> Vec<&GapStatistics> 
 }
 
 fn leaves(found: &[GapStatistics]) -> Vec<f64> {
-    let mut leaves: Vec<f64> = found.iter().map(|one| one.leaf).collect();
-    leaves.sort_by(f64::total_cmp);
-    leaves.dedup();
-    leaves
+    distinct(found.iter().map(|one| one.leaf))
 }
 
 type Kind = (&'static str, bool, fn(&GapStatistics) -> &GapCounts);

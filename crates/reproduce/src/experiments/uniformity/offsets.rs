@@ -127,6 +127,7 @@ impl SamplerUniformity {
             .iter()
             .any(|seed| seed.sets[way].ranks.iter().sum::<u64>() > 0);
         let ranks = || test(&|set| set.ranks, &|_| even(CLASSES));
+        let inserted = seeds.iter().map(|seed| &seed.sets[way].inserted);
         let count = |way: usize| seeds.iter().map(|seed| seed.sets[way].count).sum::<u64>() as f64;
         Ok(Self {
             name: NAMES[way],
@@ -143,7 +144,7 @@ impl SamplerUniformity {
             })?,
             sides: test(&|set| set.sides, &|seed| seed.side_shares.clone())?,
             inside: ranked.then(ranks).transpose()?,
-            inserted: total(seeds.iter().map(|seed| &seed.sets[way].inserted)),
+            inserted: total(&inserted.collect::<Vec<_>>()),
             skipped: seeds.iter().map(|seed| seed.sets[way].skipped).sum(),
         })
     }
@@ -347,9 +348,9 @@ fn uniformity(
 }
 
 /// Adds up counts by class.
-fn total<'a>(each: impl Iterator<Item = &'a Vec<u64>> + Clone) -> Vec<u64> {
-    let classes = each.clone().map(Vec::len).max().unwrap_or(0);
-    let sum = |class| each.clone().filter_map(|counts| counts.get(class)).sum();
+fn total(each: &[&Vec<u64>]) -> Vec<u64> {
+    let classes = each.iter().map(|counts| counts.len()).max().unwrap_or(0);
+    let sum = |class| each.iter().filter_map(|counts| counts.get(class)).sum();
     (0..classes).map(sum).collect()
 }
 
