@@ -1,5 +1,5 @@
-//! The results of an experiment: claims with verdicts, pictures and tables, and how they are kept in JSON. Rules of verdicts are in `rule` and
-//! beside each claim.
+//! The results of an experiment: claims with verdicts, pictures and tables, and how they are kept in JSON. Rules of
+//! verdicts are in `rule` and beside each claim.
 
 use serde::{Deserialize, Serialize};
 use tilescope_figures::Scene;

@@ -1,4 +1,4 @@
-//! The figures and tables: for each radius a column for each method, from samples to anisotropy; and the rates.
+//! The figures and tables: for each radius a column for each method, from samples to anisotropy; and rates.
 
 use serde_json::json;
 use tilescope_analysis::measures::anisotropy_reference_db;
@@ -49,12 +49,12 @@ pub fn regular() -> Vec<(Method, Method)> {
 }
 
 /// A method, and what its curves are drawn over.
-type Column<'a> = (&'a MethodSpectra, &'a MethodSpectra);
+type MethodColumn<'a> = (&'a MethodSpectra, &'a MethodSpectra);
 
 /// Returns the figure of a radius: a column for each method with its set, the reference first.
 pub fn spectra(
     (name, title): (&str, &str),
-    columns: &[Column<'_>],
+    columns: &[MethodColumn<'_>],
     sets: &[Set],
 ) -> Result<Picture> {
     let Some((reference, _)) = columns.first() else {
@@ -170,7 +170,7 @@ fn power(one: &MethodSpectra, below: &MethodSpectra) -> Panel {
 }
 
 /// The range of all anisotropies and of noise's level, with a little room: one axis for all columns.
-fn decibels(columns: &[Column<'_>]) -> [f64; 2] {
+fn decibels(columns: &[MethodColumn<'_>]) -> [f64; 2] {
     let all = columns.iter().flat_map(|(one, below)| [one, below]);
     let all = all.flat_map(|of| {
         let values = of.curves.anisotropy.iter().flatten().copied();
