@@ -21,6 +21,7 @@
 //! ```
 
 mod adjoint;
+mod anisotropy;
 mod bins;
 mod blue_noise;
 mod coarse;
@@ -35,6 +36,7 @@ mod neighbors;
 mod nufft;
 mod order;
 mod pair_correlation;
+mod peaks;
 mod periodogram;
 mod radial;
 mod shares;
@@ -52,11 +54,12 @@ pub use comparison::{DifferenceCurve, MeanCurve, power_difference_band};
 pub use discrepancy::Discrepancy;
 pub use distances::{NearestDistances, density, largest_min_distance};
 pub use distant_pairs::{DistantPair, DistantPairs, MAX_PAIRS, pairs_between};
-pub use distributions::{chi_square_quantile, chi_square_tail, student_quantile};
+pub use distributions::{chi_square_quantile, chi_square_tail, poisson_interval, student_quantile};
 pub use error::MeasureError;
 pub use nufft::{MAX_FREQUENCY, MAX_WINDOW_BYTES, NUFFT_ERROR};
 pub use order::{CellOrder, Order};
 pub use pair_correlation::PairCorrelation;
+pub use peaks::Peaks;
 pub use periodogram::{Periodogram, Taper};
 pub use radial::{Annulus, RadialProfile, anisotropy_reference_db};
 pub use shares::{FrequencyShares, frequency_shares};

@@ -7,9 +7,9 @@ use std::time::Instant;
 
 use serde::Serialize;
 
-use crate::error::ReproduceError;
+use crate::error::{ReproduceError, Result};
 use crate::experiment::Experiment;
-use crate::finished::Finished;
+use crate::outcome::Finished;
 
 /// Units of work of an experiment, and those of them that an earlier run left.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -88,7 +88,7 @@ impl<'a> Control<'a> {
     }
 
     /// Fails if the caller does not want it to go on.
-    pub fn go_on(&self) -> Result<(), ReproduceError> {
+    pub fn go_on(&self) -> Result<()> {
         match self.watch.progress(self.done, &self.what) {
             ControlFlow::Continue(()) => Ok(()),
             ControlFlow::Break(()) => Err(ReproduceError::Cancelled),

@@ -13,8 +13,8 @@ use tilescope_core::{
 use tilescope_gpu::{self as gpu, ASKED_FOR, Backend, Bands, Choice, Gpu};
 
 use crate::control::Control;
-use crate::error::ReproduceError;
-use crate::machine::gpus;
+use crate::error::{ReproduceError, Result};
+use crate::machine::GPUS;
 
 /// Sets along each side of what is made of nine.
 const ALONG: u32 = 3;
@@ -86,7 +86,7 @@ pub struct Engines {
 
 impl Engines {
     /// Starts a pool for each number of threads other than all.
-    pub fn open(threads: &[usize], gpus: Vec<Arc<Gpu>>) -> Result<Self, ReproduceError> {
+    pub fn open(threads: &[usize], gpus: Vec<Arc<Gpu>>) -> Result<Self> {
         let all = rayon::current_num_threads();
         let pools = threads.iter().filter(|&&threads| threads != all);
         let pool = |&threads: &usize| {
@@ -98,8 +98,8 @@ impl Engines {
     }
 
     /// Starts a pool of one thread and opens every GPU.
-    pub fn open_all() -> Result<Self, ReproduceError> {
-        let gpus = gpus().iter().map(|gpu| {
+    pub fn open_all() -> Result<Self> {
+        let gpus = GPUS.iter().map(|gpu| {
             let choice = Choice {
                 name: Some(gpu.name.clone()),
                 ..Choice::default()
@@ -109,20 +109,22 @@ impl Engines {
         Self::open(&[1], gpus.collect::<Result<_, _>>()?)
     }
 
-    /// Makes a set.
     pub fn make(
         &self,
         engine: &Engine,
         parameters: &Parameters,
         pattern: &Arc<Pattern>,
         control: &Control<'_>,
-    ) -> Result<Vec<Point>, ReproduceError> {
+    ) -> Result<Vec<Point>> {
         let observer = &mut |_| control.flow();
         let domain = parameters.validate()?;
         let by_bands = |engine| by_bands(engine, parameters, pattern, control);
         let points = match engine {
             Engine::Reference => reference_sample(domain, parameters.seed, observer)?,
-            Engine::Combined { .. } => combined(domain, parameters.seed, control)?,
+            Engine::Combined { .. } => {
+                let pieces = nine(domain, parameters.seed, control)?;
+                combine(domain, &pieces, &CombineOptions::default(), observer)?.points
+            }
             Engine::Sequential => {
                 let engine = Sequential::new(parameters, Arc::clone(pattern))?;
                 engine.finish(observer)?.points()
@@ -139,7 +141,7 @@ impl Engines {
     }
 
     /// Returns an open GPU by its name.
-    pub fn gpu(&self, adapter: &str) -> Result<Arc<Gpu>, ReproduceError> {
+    pub fn gpu(&self, adapter: &str) -> Result<Arc<Gpu>> {
         let found = self.gpus.iter().find(|gpu| gpu.report().name == adapter);
         found
             .cloned()
@@ -157,7 +159,7 @@ fn by_bands(
     parameters: &Parameters,
     pattern: &Arc<Pattern>,
     control: &Control<'_>,
-) -> Result<Vec<Point>, ReproduceError> {
+) -> Result<Vec<Point>> {
     let backend = Backend::new(engine, ASKED_FOR);
     let (sampled, ..) = block_on(async {
         let bands = Bands::new(parameters, pattern, false, &backend, |_| {}).await?;
@@ -166,27 +168,13 @@ fn by_bands(
     Ok(sampled.points)
 }
 
-fn combined(
-    domain: Domain,
-    seed: u64,
-    control: &Control<'_>,
-) -> Result<Vec<Point>, ReproduceError> {
-    let pieces = nine(domain, seed, control)?;
-    let options = CombineOptions::default();
-    Ok(combine(domain, &pieces, &options, &mut control.observer())?.points)
-}
-
 /// Returns the rectangles of nine sets that fill a domain.
 pub fn nine_rects(domain: &Domain) -> Vec<Rect> {
     grid(domain, ALONG, ALONG)
 }
 
 /// Makes nine periodic sets with the reference sampler, each with a seed of its own, on all threads.
-pub fn nine(
-    domain: Domain,
-    seed: u64,
-    control: &Control<'_>,
-) -> Result<Vec<Piece>, ReproduceError> {
+pub fn nine(domain: Domain, seed: u64, control: &Control<'_>) -> Result<Vec<Piece>> {
     let rects = nine_rects(&domain).into_par_iter().enumerate();
     rects
         .map(|(index, rect)| {

@@ -1,6 +1,6 @@
 //! Why a reproduction ended early. What was finished before is kept.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 use tilescope_analysis::VerifyError;
@@ -39,14 +39,6 @@ pub enum ReproduceError {
         /// Why.
         cause: std::io::Error,
     },
-    /// Kept numbers could not be written as JSON.
-    #[error("{}: {cause}", path.display())]
-    Json {
-        /// Which file.
-        path: PathBuf,
-        /// Why.
-        cause: serde_json::Error,
-    },
     /// An engine failed.
     #[error("{0}")]
     Engine(String),
@@ -54,6 +46,19 @@ pub enum ReproduceError {
     #[error(transparent)]
     Failed(Box<dyn std::error::Error + Send + Sync>),
 }
+
+impl ReproduceError {
+    /// Returns what makes the error of a file or a folder.
+    pub(crate) fn io(path: &Path) -> impl Fn(std::io::Error) -> Self + '_ {
+        |cause| Self::Io {
+            path: path.to_owned(),
+            cause,
+        }
+    }
+}
+
+/// The result of what may end a reproduction early.
+pub type Result<T, E = ReproduceError> = std::result::Result<T, E>;
 
 /// Makes errors of other crates into [`ReproduceError::Failed`], and those that say that the caller stopped it into
 /// [`ReproduceError::Cancelled`].
@@ -80,4 +85,5 @@ failures! {
     ChartError,
     FigureError,
     FormatError,
+    serde_json::Error,
 }

@@ -11,37 +11,35 @@ mod search;
 mod timing;
 mod uniformity;
 
-use crate::error::ReproduceError;
+use crate::error::Result;
 use crate::experiment::Experiment;
 use crate::outcome::Outcome;
 use crate::study::{Settings, Study};
+
+type Functions = (fn(&Settings) -> usize, fn(&Study<'_>) -> Result<Outcome>);
 
 impl Experiment {
     /// Returns the number of units of work that it takes.
     #[must_use]
     pub fn units(self, settings: &Settings) -> usize {
-        match self {
-            Self::Fig10 => fig10::units(settings),
-            Self::Fig11 => fig11::units(settings),
-            Self::Fig12 => fig12::units(settings),
-            Self::Fig13 => fig13::units(settings),
-            Self::Iterations => iterations::units(settings),
-            Self::Eq4 => eq4::units(),
-            Self::Search => search::units(settings),
-            Self::Uniformity => uniformity::units(settings),
-        }
+        self.functions().0(settings)
     }
 
-    pub(crate) fn carry_out(self, study: &Study<'_>) -> Result<Outcome, ReproduceError> {
+    pub(crate) fn carry_out(self, study: &Study<'_>) -> Result<Outcome> {
+        self.functions().1(study)
+    }
+
+    /// Returns what counts its units, and what carries them out.
+    fn functions(self) -> Functions {
         match self {
-            Self::Fig10 => fig10::run(study),
-            Self::Fig11 => fig11::run(study),
-            Self::Fig12 => fig12::run(study),
-            Self::Fig13 => fig13::run(study),
-            Self::Iterations => iterations::run(study),
-            Self::Eq4 => eq4::run(study),
-            Self::Search => search::run(study),
-            Self::Uniformity => uniformity::run(study),
+            Self::Fig10 => (fig10::units, fig10::run),
+            Self::Fig11 => (fig11::units, fig11::run),
+            Self::Fig12 => (fig12::units, fig12::run),
+            Self::Fig13 => (fig13::units, fig13::run),
+            Self::Iterations => (iterations::units, iterations::run),
+            Self::Eq4 => (|_| eq4::UNITS, eq4::run),
+            Self::Search => (search::units, search::run),
+            Self::Uniformity => (uniformity::units, uniformity::run),
         }
     }
 }

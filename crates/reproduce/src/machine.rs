@@ -1,7 +1,7 @@
 //! The machine that results come from, and its GPUs.
 
 use std::fs;
-use std::sync::OnceLock;
+use std::sync::LazyLock;
 use std::thread;
 
 use pollster::block_on;
@@ -36,7 +36,7 @@ impl Machine {
             cores: thread::available_parallelism().map_or(1, usize::from),
             system: format!("{} {}", std::env::consts::OS, std::env::consts::ARCH),
             instructions: InstructionSet::best().name().to_owned(),
-            gpus: gpus().iter().map(|gpu| gpu.name.clone()).collect(),
+            gpus: GPUS.iter().map(|gpu| gpu.name.clone()).collect(),
         }
     }
 
@@ -62,39 +62,28 @@ fn processor() -> Option<String> {
     (!name.is_empty()).then(|| name.to_owned())
 }
 
-/// Returns the adapters that are GPUs, one of each name.
-pub fn gpus() -> &'static [AdapterReport] {
-    static FOUND: OnceLock<Vec<AdapterReport>> = OnceLock::new();
-    FOUND.get_or_init(|| {
-        let mut found: Vec<AdapterReport> = adapters()
-            .iter()
-            .filter(|one| !one.is_software)
-            .cloned()
-            .collect();
-        found.dedup_by(|a, b| a.name == b.name);
-        found
-    })
-}
+/// All adapters, listed once: they do not change while a reproduction runs.
+static ADAPTERS: LazyLock<Vec<AdapterReport>> =
+    LazyLock::new(|| block_on(tilescope_gpu::adapters()));
+
+/// The adapters that are GPUs, one of each name.
+pub static GPUS: LazyLock<Vec<AdapterReport>> = LazyLock::new(|| {
+    let found = ADAPTERS.iter().filter(|one| !one.is_software);
+    let mut found: Vec<AdapterReport> = found.cloned().collect();
+    found.dedup_by(|a, b| a.name == b.name);
+    found
+});
 
 /// Returns why no GPU is timed, or `None` if one is.
 pub fn no_gpu() -> Option<String> {
-    if !gpus().is_empty() {
+    if !GPUS.is_empty() {
         return None;
     }
-    let mut names: Vec<&str> = adapters().iter().map(|one| one.name.as_str()).collect();
+    let mut names: Vec<&str> = ADAPTERS.iter().map(|one| one.name.as_str()).collect();
     names.dedup();
-    Some(if names.is_empty() {
-        "no GPU on this machine".to_owned()
-    } else {
-        format!(
-            "no GPU on this machine; {} runs on the CPU, so its times say nothing about a GPU",
-            names.join(", ")
-        )
+    let none = "no GPU on this machine";
+    Some(match names.join(", ") {
+        names if names.is_empty() => none.to_owned(),
+        names => format!("{none}; {names} runs on the CPU, so its times say nothing about a GPU"),
     })
-}
-
-/// Lists all adapters, once: they do not change while a reproduction runs.
-fn adapters() -> &'static [AdapterReport] {
-    static FOUND: OnceLock<Vec<AdapterReport>> = OnceLock::new();
-    FOUND.get_or_init(|| block_on(tilescope_gpu::adapters()))
 }

@@ -104,12 +104,17 @@ pub fn chance(probability: f64) -> String {
     }
 }
 
-/// Returns a number for pictures, whose fonts have no narrow space.
+/// Returns text for pictures, whose fonts have no narrow space.
+pub fn drawn(text: &str) -> String {
+    text.replace('\u{202f}', " ")
+}
+
+/// Returns a number for pictures.
 pub fn drawn_number(value: f64, digits: usize) -> String {
-    number(value, digits).replace('\u{202f}', " ")
+    drawn(&number(value, digits))
 }
 
 /// Returns a whole number for pictures.
 pub fn drawn_count(value: usize) -> String {
-    count(value as u64).replace('\u{202f}', " ")
+    drawn(&count(value as u64))
 }

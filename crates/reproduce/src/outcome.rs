@@ -1,8 +1,11 @@
-//! The results of an experiment: claims with verdicts, pictures and tables. Rules of verdicts are in `rule` and
-//! beside each claim.
+//! The results of an experiment: claims with verdicts, pictures and tables, and how they are kept in JSON. Rules of
+//! verdicts are in `rule` and beside each claim.
 
 use serde::{Deserialize, Serialize};
 use tilescope_figures::Scene;
+
+use crate::experiment::Experiment;
+use crate::machine::Machine;
 
 /// Whether a claim of the paper holds here.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -88,23 +91,6 @@ pub struct Claim {
 }
 
 impl Claim {
-    /// Returns a claim with its section and the paper's observation, the measurement, and the verdict with its reason.
-    pub(crate) fn new(
-        [claim, place, paper]: [&str; 3],
-        ours: String,
-        verdict: Verdict,
-        reason: impl Into<String>,
-    ) -> Self {
-        Self {
-            claim: claim.to_owned(),
-            place: place.to_owned(),
-            paper: paper.to_owned(),
-            ours,
-            verdict,
-            reason: reason.into(),
-        }
-    }
-
     /// Returns whether the paper says it.
     #[must_use]
     pub fn is_of_the_paper(&self) -> bool {
@@ -145,18 +131,6 @@ pub struct Column {
     pub digits: usize,
 }
 
-impl Column {
-    /// A column of numbers.
-    #[must_use]
-    pub fn new(key: &str, head: &str, digits: usize) -> Self {
-        Self {
-            key: key.to_owned(),
-            head: head.to_owned(),
-            digits,
-        }
-    }
-}
-
 /// A cell of a table.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
@@ -171,37 +145,10 @@ pub enum Cell {
     Missing(()),
 }
 
-impl From<f64> for Cell {
-    fn from(value: f64) -> Self {
-        if value.is_finite() {
-            Self::Number(value)
-        } else {
-            Self::Missing(())
-        }
-    }
-}
-
-/// Makes values of other types into cells.
-macro_rules! cells {
-    ($($from:ty, $value:ident => $cell:expr;)*) => {$(
-        impl From<$from> for Cell {
-            fn from($value: $from) -> Self {
-                $cell
-            }
-        }
-    )*};
-}
-
-cells! {
-    u64, value => Self::Count(value);
-    usize, value => Self::Count(value as u64);
-    &str, value => Self::Text(value.to_owned());
-    String, value => Self::Text(value);
-}
-
-impl<T: Into<Self>> From<Option<T>> for Cell {
-    fn from(value: Option<T>) -> Self {
-        value.map_or(Self::Missing(()), Into::into)
+impl Cell {
+    /// Returns a value as a cell; neither arrays nor objects are cells.
+    pub(crate) fn of(value: serde_json::Value) -> Self {
+        serde_json::from_value(value).unwrap_or(Self::Missing(()))
     }
 }
 
@@ -231,4 +178,51 @@ pub struct Outcome {
     pub tables: Vec<Table>,
     /// Paragraphs on the method and its limits.
     pub notes: Vec<String>,
+}
+
+/// An experiment that has ended, as it is kept.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Finished {
+    /// Which.
+    pub experiment: Experiment,
+    /// Whether its sets were small.
+    pub quick: bool,
+    /// Seed of the first set.
+    pub seed: u64,
+    /// The machine.
+    pub machine: Machine,
+    /// The program's version.
+    pub version: String,
+    /// What the paper says, and what was measured.
+    pub claims: Vec<Claim>,
+    /// Names and captions of the pictures.
+    pub pictures: Vec<(String, String)>,
+    /// Numbers.
+    pub tables: Vec<Table>,
+    /// How it was done.
+    pub notes: Vec<String>,
+}
+
+impl Finished {
+    /// Returns the verdict of one of its claims in words, marked where small sets gave it.
+    #[must_use]
+    pub fn words(&self, claim: &Claim) -> String {
+        let quick = if self.quick { " (quick)" } else { "" };
+        format!("{}{quick}", claim.words())
+    }
+
+    /// Returns the command that makes it again.
+    #[must_use]
+    pub fn command(&self) -> String {
+        let quick = if self.quick { " --quick" } else { "" };
+        let threads = if self.machine.threads == self.machine.cores {
+            String::new()
+        } else {
+            format!(" --threads {}", self.machine.threads)
+        };
+        format!(
+            "tilescope reproduce {}{quick} --seed {}{threads} --out DIR",
+            self.experiment, self.seed
+        )
+    }
 }

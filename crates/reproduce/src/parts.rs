@@ -8,7 +8,7 @@ use serde::de::{DeserializeOwned, IgnoredAny};
 use serde::{Deserialize, Serialize};
 use tilescope_formats::write_whole;
 
-use crate::error::ReproduceError;
+use crate::error::{ReproduceError, Result};
 
 /// The folder of an experiment's parts.
 #[derive(Debug)]
@@ -27,15 +27,11 @@ struct Part<S, T> {
 
 impl Parts {
     /// Returns the parts in `folder`, which is made if it is not there; `fresh` deletes the parts that it has.
-    pub fn open(folder: PathBuf, stamp: String, fresh: bool) -> Result<Self, ReproduceError> {
-        let failed = |cause| ReproduceError::Io {
-            path: folder.clone(),
-            cause,
-        };
+    pub fn open(folder: PathBuf, stamp: String, fresh: bool) -> Result<Self> {
         if fresh && folder.exists() {
-            fs::remove_dir_all(&folder).map_err(failed)?;
+            fs::remove_dir_all(&folder).map_err(ReproduceError::io(&folder))?;
         }
-        fs::create_dir_all(&folder).map_err(failed)?;
+        fs::create_dir_all(&folder).map_err(ReproduceError::io(&folder))?;
         Ok(Self { folder, stamp })
     }
 
@@ -58,24 +54,13 @@ impl Parts {
     }
 
     /// Keeps a part, which took so many seconds.
-    pub fn save<T: Serialize>(
-        &self,
-        key: &str,
-        seconds: f64,
-        value: &T,
-    ) -> Result<(), ReproduceError> {
-        let path = self.path(key);
+    pub fn save<T: Serialize>(&self, key: &str, seconds: f64, value: &T) -> Result<()> {
         let part = Part {
             stamp: &self.stamp,
             seconds,
             value,
         };
-        let bytes = serde_json::to_vec(&part);
-        let bytes = bytes.map_err(|cause| ReproduceError::Json {
-            path: path.clone(),
-            cause,
-        })?;
-        Ok(write_whole(&path, &bytes)?)
+        Ok(write_whole(&self.path(key), &serde_json::to_vec(&part)?)?)
     }
 
     fn path(&self, key: &str) -> PathBuf {

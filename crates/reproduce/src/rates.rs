@@ -15,7 +15,7 @@ use tilescope_core::{Parameters, Pattern, Point, radius_estimate};
 
 use crate::control::Control;
 use crate::engines::Engines;
-use crate::error::ReproduceError;
+use crate::error::{ReproduceError, Result};
 use crate::sets::Set;
 
 pub use crate::engines::Engine;
@@ -56,7 +56,7 @@ impl EngineTime {
     }
 
     /// Fails unless the set is valid and equal to the first engine's.
-    pub(crate) fn check(&self) -> Result<(), ReproduceError> {
+    pub(crate) fn check(&self) -> Result<()> {
         let what = self.engine.name();
         if !self.equal {
             return Err(other_set(&what));
@@ -78,7 +78,7 @@ pub(crate) fn other_set(name: &str) -> ReproduceError {
 }
 
 /// Returns the parameters of a timed set of about so many samples.
-pub(crate) fn sized(samples: u64, seed: u64) -> Result<Parameters, ReproduceError> {
+pub(crate) fn sized(samples: u64, seed: u64) -> Result<Parameters> {
     let base = Parameters {
         leaf: ONE_LEAF,
         seed,
@@ -107,7 +107,7 @@ pub(crate) fn times(
     parameters: &Parameters,
     pattern: &Arc<Pattern>,
     control: &Control<'_>,
-) -> Result<Vec<EngineTime>, ReproduceError> {
+) -> Result<Vec<EngineTime>> {
     let domain = parameters.validate()?;
     let mut first: Option<(Vec<Point>, Report, f64)> = None;
     let mut all = Vec::new();

@@ -9,11 +9,10 @@ use std::path::Path;
 
 use tilescope_formats::write_whole;
 
-use crate::error::ReproduceError;
+use crate::error::Result;
 use crate::experiment::Experiment;
-use crate::finished::Finished;
 use crate::numbers::readable;
-use crate::outcome::{Claim, Verdict};
+use crate::outcome::{Claim, Finished, Verdict};
 
 const TITLE: &str =
     "Reproduction of Wang & Suda 2017, \"Fast Maximal Poisson-Disk Sampling by Randomized Tiling\"";
@@ -52,7 +51,7 @@ enum Block {
 }
 
 /// Writes `REPORT.md` and `report.html` of a folder.
-pub fn write(out: &Path) -> Result<(), ReproduceError> {
+pub fn write(out: &Path) -> Result<()> {
     let blocks = blocks(out);
     let page = html::page(&blocks, &out.join("figures"));
     write_whole(&out.join("REPORT.md"), markdown::page(&blocks).as_bytes())?;

@@ -8,12 +8,11 @@ use tilescope_figures::{to_png, to_svg_with_fonts};
 use tilescope_formats::write_whole;
 
 use crate::control::{Planned, Watch};
-use crate::error::ReproduceError;
+use crate::error::{ReproduceError, Result};
 use crate::experiment::Experiment;
-use crate::finished::Finished;
 use crate::machine::Machine;
 use crate::numbers::csv;
-use crate::outcome::{Outcome, Picture, Verdict};
+use crate::outcome::{Finished, Outcome, Picture, Verdict};
 use crate::parts::Parts;
 use crate::report;
 use crate::study::{Settings, Study};
@@ -85,7 +84,7 @@ pub fn reproduce(
     experiments: &[Experiment],
     options: &Options,
     watch: &dyn Watch,
-) -> Result<Summary, ReproduceError> {
+) -> Result<Summary> {
     let settings = &options.settings;
     let machine = Machine::this();
     let made_by = made_by(&machine);
@@ -146,13 +145,10 @@ fn keep(
     outcome: Outcome,
     options: &Options,
     machine: &Machine,
-) -> Result<Finished, ReproduceError> {
+) -> Result<Finished> {
     let (figures, data) = (options.out.join("figures"), options.out.join("data"));
     for folder in [&figures, &data] {
-        fs::create_dir_all(folder).map_err(|cause| ReproduceError::Io {
-            path: folder.clone(),
-            cause,
-        })?;
+        fs::create_dir_all(folder).map_err(ReproduceError::io(folder))?;
     }
     for picture in &outcome.pictures {
         draw(picture, &figures, experiment)?;
@@ -175,16 +171,13 @@ fn keep(
         notes: outcome.notes,
     };
     let path = data.join(format!("{experiment}.json"));
-    let bytes = serde_json::to_vec_pretty(&finished).map_err(|cause| ReproduceError::Json {
-        path: path.clone(),
-        cause,
-    })?;
+    let bytes = serde_json::to_vec_pretty(&finished)?;
     write_whole(&path, &bytes)?;
     Ok(finished)
 }
 
 /// Writes a picture as PNG, twice its size, and as SVG.
-fn draw(picture: &Picture, folder: &Path, of: Experiment) -> Result<(), ReproduceError> {
+fn draw(picture: &Picture, folder: &Path, of: Experiment) -> Result<()> {
     let path = |extension: &str| folder.join(format!("{of}-{}.{extension}", picture.name));
     write_whole(&path("png"), &to_png(&picture.scene, 2.0)?)?;
     write_whole(&path("svg"), to_svg_with_fonts(&picture.scene)?.as_bytes())?;

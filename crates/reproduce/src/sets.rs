@@ -5,11 +5,12 @@ use std::sync::Arc;
 
 use tilescope_analysis::{Region, Report, VerifyOptions};
 use tilescope_core::{
-    Boundary, Domain, Parameters, Pattern, PatternSpec, Point, Summary, Sweep, reference_sample,
+    Boundary, Domain, Parameters, Pattern, PatternSpec, Point, Run, Sequential, Summary, Sweep,
+    reference_sample,
 };
 
 use crate::control::Control;
-use crate::error::ReproduceError;
+use crate::error::{ReproduceError, Result};
 
 /// A set that was made here.
 #[derive(Clone, Debug)]
@@ -21,10 +22,7 @@ pub struct Set {
 
 impl Set {
     /// Makes a set by randomized tiling, on all threads.
-    pub fn kdrt(
-        parameters: &Parameters,
-        control: &Control<'_>,
-    ) -> Result<(Self, Summary), ReproduceError> {
+    pub fn kdrt(parameters: &Parameters, control: &Control<'_>) -> Result<(Self, Summary)> {
         let pattern = pattern(&parameters.pattern, control)?;
         let sweep = Sweep::new(parameters, &pattern, false)?;
         let (sampled, summary) = sweep.finish(&mut control.observer())?;
@@ -33,11 +31,7 @@ impl Set {
     }
 
     /// Makes a set with the reference sampler.
-    pub fn reference(
-        domain: Domain,
-        seed: u64,
-        control: &Control<'_>,
-    ) -> Result<Self, ReproduceError> {
+    pub fn reference(domain: Domain, seed: u64, control: &Control<'_>) -> Result<Self> {
         let points = reference_sample(domain, seed, &mut control.observer())?;
         Ok(Self::of(&domain, &points))
     }
@@ -52,21 +46,30 @@ impl Set {
         }
     }
 
+    /// Returns the result of a run.
+    pub fn of_run(run: &Run) -> Self {
+        Self::of(&run.domain, &run.points())
+    }
+
     /// Returns the verifier's report, whatever it says.
-    pub fn judge(&self, control: &Control<'_>) -> Result<Report, ReproduceError> {
-        let options = VerifyOptions::default();
-        let report = tilescope_analysis::verify(
-            &self.points,
-            self.region,
-            self.radius,
-            &options,
+    pub fn judge(&self, control: &Control<'_>) -> Result<Report> {
+        self.judged(&VerifyOptions::default(), control)
+    }
+
+    /// Returns the verifier's report with these options, whatever it says.
+    pub fn judged(&self, options: &VerifyOptions, control: &Control<'_>) -> Result<Report> {
+        let (points, region, radius) = (&self.points, self.region, self.radius);
+        Ok(tilescope_analysis::verify(
+            points,
+            region,
+            radius,
+            options,
             &control.analysis(),
-        )?;
-        Ok(report)
+        )?)
     }
 
     /// Returns the report of a valid set, and an error for any other: nothing may be concluded from one.
-    pub fn verified(&self, what: &str, control: &Control<'_>) -> Result<Report, ReproduceError> {
+    pub fn verified(&self, what: &str, control: &Control<'_>) -> Result<Report> {
         let report = self.judge(control)?;
         if report.valid() {
             return Ok(report);
@@ -83,16 +86,28 @@ impl Set {
 /// the leaf, with their margins would not fit. The paper's patterns are larger than the largest block; a periodic one
 /// would repeat itself within a block.
 pub fn pattern_side(leaf: f64) -> f64 {
-    let fits = |side: f64| 2.0 * leaf + 2.0 <= side;
     let mut side = 100.0;
-    while !fits(side) {
+    while 2.0 * leaf + 2.0 > side {
         side *= 2.0;
     }
     side
 }
 
-/// Returns the pattern of a specification.
-pub fn pattern(spec: &PatternSpec, control: &Control<'_>) -> Result<Arc<Pattern>, ReproduceError> {
+/// Returns the specification of a pattern that blocks of a leaf size fit into.
+pub fn fitting(leaf: f64) -> PatternSpec {
+    PatternSpec {
+        side: pattern_side(leaf),
+        ..PatternSpec::default()
+    }
+}
+
+/// Carries out a run with the sequential engine, which records what became of every sample.
+pub fn sequential(parameters: &Parameters, control: &Control<'_>) -> Result<Run> {
+    let engine = Sequential::new(parameters, pattern(&parameters.pattern, control)?)?;
+    Ok(engine.finish(&mut control.observer())?)
+}
+
+pub fn pattern(spec: &PatternSpec, control: &Control<'_>) -> Result<Arc<Pattern>> {
     Ok(Pattern::of_spec(spec, &mut control.observer())?)
 }
 
@@ -108,6 +123,12 @@ pub fn region(domain: &Domain) -> Region {
         height,
         boundary,
     }
+}
+
+/// Returns the shortest of the ways in a periodic region that differ by whole periods.
+pub fn shortest(way: [f64; 2], region: &Region) -> [f64; 2] {
+    let period = [region.width, region.height];
+    [0, 1].map(|k| way[k] - period[k] * (way[k] / period[k]).round())
 }
 
 #[cfg(test)]

@@ -1,12 +1,14 @@
 //! The settings of an experiment, and its units of work.
 
 use std::cell::Cell;
+use std::ops::Range;
 
+use rayon::prelude::*;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 use crate::control::{Control, Watch};
-use crate::error::ReproduceError;
+use crate::error::Result;
 use crate::experiment::Experiment;
 use crate::parts::Parts;
 
@@ -32,6 +34,11 @@ impl Settings {
     /// Returns the first for a whole reproduction, the second for a quick one.
     pub fn pick<T>(&self, whole: T, quick: T) -> T {
         if self.quick { quick } else { whole }
+    }
+
+    /// Returns the seed of the set `index` of an experiment.
+    pub(crate) fn seed_of(&self, index: u64) -> u64 {
+        self.seed.wrapping_mul(1000).wrapping_add(index)
     }
 }
 
@@ -68,8 +75,8 @@ impl<'a> Study<'a> {
         &self,
         key: &str,
         what: &str,
-        make: impl FnOnce(&Control<'_>) -> Result<T, ReproduceError>,
-    ) -> Result<T, ReproduceError> {
+        make: impl FnOnce(&Control<'_>) -> Result<T>,
+    ) -> Result<T> {
         let control = self.control(what);
         control.go_on()?;
         let result = if let Some(kept) = self.parts.load(key) {
@@ -81,6 +88,23 @@ impl<'a> Study<'a> {
         };
         self.done.set(self.done.get() + 1);
         Ok(result)
+    }
+
+    /// Returns the results of sets with these indices, made on all threads as one unit: `make` is given the seed of each.
+    pub fn sets<T: Serialize + DeserializeOwned + Send>(
+        &self,
+        key: &str,
+        what: &str,
+        indices: Range<usize>,
+        make: impl Fn(u64, &Control<'_>) -> Result<T> + Sync,
+    ) -> Result<Vec<T>> {
+        let settings = self.settings;
+        self.unit(key, what, |control| {
+            let indices = indices.into_par_iter();
+            indices
+                .map(|index| make(settings.seed_of(index as u64), control))
+                .collect()
+        })
     }
 
     /// Returns the control of work that is no unit: pictures, which are made anew each time.

@@ -22,6 +22,19 @@ pub fn chi_square_quantile(tail: f64, freedom: f64) -> f64 {
     falling_root(|value| chi_square_tail(value, freedom) - tail)
 }
 
+/// Returns where the mean of a Poisson variable is of which `count` was seen: the interval misses it with probability
+/// `missed`.
+#[must_use]
+pub fn poisson_interval(count: usize, missed: f64) -> [f64; 2] {
+    let bound = |tail: f64, events: usize| 0.5 * chi_square_quantile(tail, 2.0 * events as f64);
+    let low = if count == 0 {
+        0.0
+    } else {
+        bound(1.0 - 0.5 * missed, count)
+    };
+    [low, bound(0.5 * missed, count + 1)]
+}
+
 /// Returns the value that a Student variable exceeds in magnitude with probability `tail`; that of a normal
 /// variable for an infinite `freedom`.
 ///
@@ -214,5 +227,13 @@ mod tests {
             let two = (2.0 * p - 1.0) / (2.0 * p * (1.0 - p)).sqrt();
             assert!((student_quantile(tail, 2.0) / two - 1.0).abs() < 1e-10);
         }
+    }
+
+    #[test]
+    fn intervals_of_counts_are_the_known_ones_and_none_seen_is_not_none() {
+        let close = |a: [f64; 2], b: [f64; 2]| (0..2).all(|k| (a[k] - b[k]).abs() < 1e-3);
+        assert!(close(poisson_interval(0, 0.01), [0.0, 5.298]));
+        assert!(close(poisson_interval(1, 0.01), [0.005, 7.430]));
+        assert!(close(poisson_interval(10, 0.01), [3.717, 21.398]));
     }
 }

@@ -1,21 +1,21 @@
 //! Common parts of experiments: parameters of sets with seeds of their own, intervals of counts, charts and pictures.
 
-use tilescope_analysis::measures::chi_square_quantile;
-use tilescope_core::{Parameters, PatternSpec};
+use serde_json::Value;
+use tilescope_core::Parameters;
 use tilescope_figures::chart::{
-    Axis, BarChart, BarGroup, ColorScale, Figure, LineChart, Look, Panel, Series, figure_scene,
+    BarChart, BarGroup, ColorScale, Figure, Look, Panel, Series, TileChart, TileContent,
+    figure_scene,
 };
 use tilescope_figures::{Group, Palette, Scene, Shape};
 
-use crate::error::ReproduceError;
-use crate::numbers::number;
+use crate::error::Result;
 use crate::outcome::Picture;
-use crate::study::Settings;
+use crate::texts::{PictureText, name, picture_texts};
 
 /// About the samples of a KDRT set to a squared radius.
 const DENSITY: f64 = 0.698;
-/// Probability that an interval of a count misses the mean.
-const MISSED: f64 = 0.01;
+/// Probability that an interval of a count misses its mean.
+pub const MISSED: f64 = 0.01;
 
 /// Returns the parameters of a periodic square with about `samples`, in units of the radius.
 pub fn square(samples: f64, leaf: f64) -> Parameters {
@@ -29,25 +29,13 @@ pub fn square(samples: f64, leaf: f64) -> Parameters {
     }
 }
 
-/// Returns the seed of the set `index` of an experiment.
-pub fn seed(settings: &Settings, index: usize) -> u64 {
-    settings.seed.wrapping_mul(1000).wrapping_add(index as u64)
-}
-
 /// Gives a set a seed and a pattern of its own.
 pub fn seeded(parameters: Parameters, seed: u64) -> Parameters {
-    let pattern = PatternSpec {
-        seed,
-        ..parameters.pattern
-    };
-    Parameters {
-        seed,
-        pattern,
-        ..parameters
-    }
+    let mut own = parameters;
+    (own.seed, own.pattern.seed) = (seed, seed);
+    own
 }
 
-/// Returns a curve.
 pub fn curve(name: &str, number: usize, points: Vec<[f64; 2]>) -> Series {
     Series {
         name: name.to_owned(),
@@ -65,45 +53,42 @@ pub fn reference(name: &str, points: Vec<[f64; 2]>) -> Series {
     }
 }
 
-/// Returns curves over axes that reach as far as their data.
-pub fn chart(title: &str, x: &str, y: &str, series: Vec<Series>) -> LineChart {
-    LineChart {
-        title: title.to_owned(),
-        x: Axis::new(x),
-        y: Axis::new(y),
-        series,
-        levels: Vec::new(),
-    }
-}
-
-/// Returns the picture of panels side by side, one row.
-pub fn picture(
-    name: &str,
-    title: &str,
-    caption: String,
-    rows: Vec<Vec<Panel>>,
-) -> Result<Picture, ReproduceError> {
-    let figure = Figure {
-        title: title.to_owned(),
-        rows,
-    };
+/// Returns the picture of rows of panels, named as its texts are.
+pub fn picture(id: &str, values: &Value, rows: Vec<Vec<Panel>>) -> Result<Picture> {
+    let PictureText { title, caption, .. } = picture_texts(id, values);
+    let figure = Figure { title, rows };
     Ok(Picture {
-        name: name.to_owned(),
+        name: name(id),
         caption,
         scene: figure_scene(&figure, &Palette::LIGHT)?,
     })
 }
 
 /// Returns the picture of groups of bars over an axis of one quantity.
-pub fn bar_picture(
-    name: &str,
-    title: &str,
-    caption: String,
-    (label, groups): (&str, Vec<BarGroup>),
-) -> Result<Picture, ReproduceError> {
-    let label = label.to_owned();
+pub fn bar_picture(id: &str, values: &Value, groups: Vec<BarGroup>) -> Result<Picture> {
+    let label = picture_texts(id, values).axis;
     let bars = Panel::Bars(BarChart { label, groups });
-    picture(name, title, caption, vec![vec![bars]])
+    picture(id, values, vec![vec![bars]])
+}
+
+/// Returns a square picture with its heading and the line below it; `side` is its size in pixels, if not the default.
+pub fn tile(side: Option<f64>, title: &str, note: String, content: TileContent) -> TileChart {
+    TileChart {
+        title: title.to_owned(),
+        note,
+        y: None,
+        side,
+        content,
+    }
+}
+
+/// Returns ticks at whole numbers.
+pub fn whole_ticks(reach: f64) -> Vec<(f64, String)> {
+    let most = reach as i32;
+    let label = |value: i32| value.to_string().replace('-', "\u{2212}");
+    (-most..=most)
+        .map(|value| (f64::from(value), label(value)))
+        .collect()
 }
 
 /// Adds a group of shapes in the units and the view of the samples, above them.
@@ -128,28 +113,16 @@ pub fn power_scale(black: f64) -> Panel {
     })
 }
 
-/// Returns a count with all its digits, in groups of three.
-pub fn counted(count: usize) -> String {
-    let digits = count.checked_ilog10().unwrap_or(0) as usize + 1;
-    number(count as f64, digits)
-}
-
-/// Returns where the mean of a Poisson variable is, with 99 % confidence, of which `count` was seen.
-pub fn poisson_interval(count: usize) -> [f64; 2] {
-    let bound = |tail: f64, events: usize| 0.5 * chi_square_quantile(tail, 2.0 * events as f64);
-    let low = if count == 0 {
-        0.0
-    } else {
-        bound(1.0 - 0.5 * MISSED, count)
-    };
-    [low, bound(0.5 * MISSED, count + 1)]
-}
-
 /// Returns the smallest and the largest of values, or infinities if there are none.
 pub fn ends(values: impl Iterator<Item = f64>) -> [f64; 2] {
     values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| {
         [low.min(value), high.max(value)]
     })
+}
+
+/// Returns the largest of values that are not negative, or 0 if there are none.
+pub fn largest(values: impl Iterator<Item = f64>) -> f64 {
+    values.fold(0.0, f64::max)
 }
 
 /// Returns the slope of the straight line that fits points best, by least squares, or NaN.

@@ -1,19 +1,18 @@
 //! Equation 4: which share of the plane and of the samples elimination and insertion touch, by the shortest edge of a
 //! block. The sequential engine makes the sets, because it records what became of every sample.
 
-mod shares;
-
-use rayon::prelude::*;
-use tilescope_core::{Domain, Fate, Origin, R, Run, SampleGrid, Sequential, covers_offset};
+use serde::{Deserialize, Serialize};
+use serde_json::json;
+use tilescope_core::{Fate, Origin, R, Run, SampleGrid, covers_offset};
+use tilescope_figures::chart::{Panel, Series};
 
 use crate::control::Control;
-use crate::error::ReproduceError;
-use crate::experiments::common::{ends, seed, seeded, slope, square};
-use crate::numbers::number;
-use crate::outcome::{Claim, Outcome, Verdict};
-use crate::sets::{Set, pattern};
+use crate::error::Result;
+use crate::experiments::common::{curve, ends, largest, picture, reference, seeded, slope, square};
+use crate::outcome::{Claim, Outcome, Picture, Table, Verdict};
+use crate::sets::{Set, sequential};
 use crate::study::{Settings, Study};
-use shares::LeafShares;
+use crate::texts::{chart, claim, table, text};
 
 /// Shortest edges of blocks, in radii.
 const LEAVES: [f64; 9] = [6.0, 8.0, 10.0, 15.0, 20.0, 30.0, 40.0, 60.0, 80.0];
@@ -30,49 +29,30 @@ fn amounts(settings: &Settings) -> (usize, f64) {
     settings.pick((8, 200_000.0), (2, 50_000.0))
 }
 
-pub const fn units() -> usize {
-    LEAVES.len()
-}
+/// A unit for each leaf.
+pub const UNITS: usize = LEAVES.len();
 
-pub fn run(study: &Study<'_>) -> Result<Outcome, ReproduceError> {
-    let settings = study.settings;
+pub fn run(study: &Study<'_>) -> Result<Outcome> {
+    let (sets, samples) = amounts(study.settings);
     let mut found = Vec::new();
     for leaf in LEAVES {
         let (key, what) = (format!("leaf-{leaf}"), format!("leaf {leaf} r"));
-        let sets: Vec<LeafShares> = study.unit(&key, &what, |control| {
-            (0..amounts(settings).0)
-                .into_par_iter()
-                .map(|index| measure(leaf, index, settings, control))
-                .collect()
+        let sets = study.sets(&key, &what, 0..sets, |seed, control| {
+            measure(leaf, seed, samples, control)
         })?;
         found.push(LeafShares::sum(&sets));
     }
     Ok(Outcome {
         claims: claims(&found),
-        pictures: vec![shares::curves(&found)?],
-        tables: vec![shares::shares(&found)],
-        notes: vec![NOTE.to_owned()],
+        pictures: vec![curves(&found)?],
+        tables: vec![shares(&found)],
+        notes: vec![text("eq4/how", &json!({}))],
     })
 }
 
-const NOTE: &str = "Equation 4 is a share of a clip, and is compared with the share of the clips that lies beyond their blocks. Beside it \
-stands the share of the plane where the clips of several blocks overlap: there, and nowhere else, samples can be in conflict. The \
-other shares say what becomes of it: tiled samples that have another one within r, tiled \
-samples that lie in the margin of their own clip, samples lost and samples inserted. A block's edges lie between N and 2 N, so that \
-the mean edge is longer than N; and a clip reaches r beyond its block on each side, which the proof of theorem 3.1 needs, where \
-equation 4 adds r to an edge, not 2 r. Every set has a seed and a pattern of its own.";
-
-fn measure(
-    leaf: f64,
-    index: usize,
-    settings: &Settings,
-    control: &Control<'_>,
-) -> Result<LeafShares, ReproduceError> {
-    let parameters = seeded(square(amounts(settings).1, leaf), seed(settings, index));
-    let engine = Sequential::new(&parameters, pattern(&parameters.pattern, control)?)?;
-    let run = engine.finish(&mut control.observer())?;
-    let set = Set::of(&run.domain, &run.points());
-    set.verified(&format!("leaf {leaf}, set {index}"), control)?;
+fn measure(leaf: f64, seed: u64, samples: f64, control: &Control<'_>) -> Result<LeafShares> {
+    let run = sequential(&seeded(square(samples, leaf), seed), control)?;
+    Set::of_run(&run).verified(&format!("leaf {leaf}, seed {seed}"), control)?;
     Ok(counts(leaf, &run))
 }
 
@@ -93,7 +73,7 @@ fn counts(leaf: f64, run: &Run) -> LeafShares {
         found.clipped += (width + 2.0) * (height + 2.0);
         found.alone += (width - 2.0) * (height - 2.0);
     }
-    let near = conflicts(&run.domain, run);
+    let near = conflicts(run);
     let samples = run.samples.origins.iter().zip(&run.samples.fates);
     for ((origin, fate), in_conflict) in samples.zip(near) {
         if let Origin::Tiled { own, .. } = origin {
@@ -109,14 +89,10 @@ fn counts(leaf: f64, run: &Run) -> LeafShares {
 }
 
 /// Returns for each tiled sample whether another one is within r.
-fn conflicts(domain: &Domain, run: &Run) -> Vec<bool> {
-    let tiled = run
-        .samples
-        .origins
-        .iter()
-        .take_while(|origin| matches!(origin, Origin::Tiled { .. }));
-    let points = &run.samples.points[..tiled.count()];
-    let mut grid = SampleGrid::with_capacity(*domain, points.len());
+fn conflicts(run: &Run) -> Vec<bool> {
+    let tiled = |origin: &&Origin| matches!(origin, Origin::Tiled { .. });
+    let points = &run.samples.points[..run.samples.origins.iter().take_while(tiled).count()];
+    let mut grid = SampleGrid::with_capacity(run.domain, points.len());
     for (id, point) in (0..).zip(points) {
         grid.insert(id, *point);
     }
@@ -133,23 +109,23 @@ fn exponent(found: &[LeafShares], value: fn(&LeafShares) -> f64) -> f64 {
     slope(found.iter().map(|one| [one.leaf.ln(), value(one).ln()]))
 }
 
-fn percent(share: f64) -> String {
-    crate::numbers::percent(share, 3)
-}
-
-fn claim(claim: &str, paper: &str, ours: String, holds: bool, reason: String) -> Claim {
-    let names = [claim, "section 5.1, equation 4", paper];
-    Claim::new(names, ours, Verdict::of(holds), reason)
-}
-
 fn claims(found: &[LeafShares]) -> Vec<Claim> {
     let Some(first) = found.iter().find(|one| one.leaf >= FROM) else {
         return Vec::new();
     };
+    let bounded = found
+        .iter()
+        .all(|one| one.inserted_share() < one.predicted());
     vec![
         area(found, first),
         below(found),
-        bounded(found, first),
+        claim(
+            "eq4/bounded",
+            Verdict::of(bounded),
+            &json!({
+                "predicted": first.predicted(), "leaf": first.leaf, "inserted": first.inserted_share(),
+            }),
+        ),
         inverse(found),
     ]
 }
@@ -159,103 +135,186 @@ fn area(found: &[LeafShares], first: &LeafShares) -> Claim {
     let ratios =
         |share: fn(&LeafShares) -> f64| ends(found.iter().map(|one| share(one) / one.predicted()));
     let [least, most] = ratios(LeafShares::margin_share);
-    let plane = ratios(LeafShares::overlap);
-    let mended = (found.iter())
-        .map(|one| (one.margin_share() / one.mended() - 1.0).abs())
-        .fold(0.0, f64::max);
-    claim(
-        "Elimination and insertion happen on (2N + 1) / (N + 1)^2 of a clip",
-        &format!("{} at N = {}", percent(first.predicted()), first.leaf),
-        format!(
-            "{} of the clips lies beyond their blocks at N = {}, {} to {} times what is predicted for all N; beside it, clips \
-             overlap on {} of the plane, {} to {} times",
-            percent(first.margin_share()),
-            first.leaf,
-            number(least, 3),
-            number(most, 3),
-            percent(first.overlap()),
-            number(plane[0], 3),
-            number(plane[1], 3)
-        ),
-        (1.0 - least).max(most - 1.0) <= CLOSE,
-        format!(
-            "Reproduced if the share of the clips beyond their blocks, like for like, is within {} of the prediction at every N. \
-             The equation adds r to an edge where clips need 2 r, and takes the shortest edge for all; with 2 r and the mean edge \
-             that share is predicted to within {}.",
-            percent(CLOSE),
-            percent(mended)
-        ),
-    )
+    let off = |one: &LeafShares| (one.margin_share() / one.mended() - 1.0).abs();
+    let verdict = Verdict::of((1.0 - least).max(most - 1.0) <= CLOSE);
+    let values = json!({
+        "predicted": first.predicted(), "leaf": first.leaf, "margin": first.margin_share(),
+        "ratios": [least, most], "overlap": first.overlap(), "plane": ratios(LeafShares::overlap),
+        "close": CLOSE, "mended": largest(found.iter().map(off)),
+    });
+    claim("eq4/area", verdict, &values)
 }
 
 fn below(found: &[LeafShares]) -> Claim {
     let large = || found.iter().filter(|one| one.leaf >= FROM);
-    let most = |share: fn(&LeafShares) -> f64| large().map(share).fold(0.0, f64::max);
+    let most = |share: fn(&LeafShares) -> f64| largest(large().map(share));
     let from = |share: fn(&LeafShares) -> f64| {
         let from = large().find(|one| share(one) < PAPER);
         from.map_or_else(|| "no N".to_owned(), |one| format!("N = {}", one.leaf))
     };
-    let [margin, overlap] = [most(LeafShares::margin_share), most(LeafShares::overlap)];
-    claim(
-        "The affected share is below 10 % for N above 19",
-        "below 10 %",
-        format!(
-            "up to {} of the clips lies beyond their blocks from N = {FROM} on, below {limit} from {} on; beside it, clips overlap on \
-             up to {} of the plane, below {limit} from {} on",
-            percent(margin),
-            from(LeafShares::margin_share),
-            percent(overlap),
-            from(LeafShares::overlap),
-            limit = percent(PAPER)
-        ),
-        margin < PAPER,
-        format!(
-            "Reproduced if less than {} of the clips lies beyond their blocks at every measured N from {FROM} on.",
-            percent(PAPER)
-        ),
-    )
-}
-
-fn bounded(found: &[LeafShares], first: &LeafShares) -> Claim {
-    let bound = |one: &LeafShares| one.inserted_share() < one.predicted();
-    claim(
-        "The samples that introduce bias are bounded by equation 4",
-        &format!("{} at N = {}", percent(first.predicted()), first.leaf),
-        format!(
-            "{} of the samples were inserted at N = {}",
-            percent(first.inserted_share()),
-            first.leaf
-        ),
-        found.iter().all(bound),
-        "Reproduced if at every N the share of inserted samples is below the equation's."
-            .to_owned(),
-    )
+    let margin = most(LeafShares::margin_share);
+    let values = json!({
+        "margin": margin, "margin_from": from(LeafShares::margin_share),
+        "overlap": most(LeafShares::overlap), "overlap_from": from(LeafShares::overlap),
+        "from": FROM, "limit": PAPER,
+    });
+    claim("eq4/below", Verdict::of(margin < PAPER), &values)
 }
 
 fn inverse(found: &[LeafShares]) -> Claim {
-    let exponents = [
-        exponent(found, LeafShares::margin_share),
-        exponent(found, LeafShares::inserted_share),
-    ];
+    let [margin, inserted] =
+        [LeafShares::margin_share, LeafShares::inserted_share].map(|share| exponent(found, share));
     let holds = |exponent: f64| (exponent + 1.0).abs() <= EXPONENT;
+    let values = json!({
+        "margin": margin, "inserted": inserted, "overlap": exponent(found, LeafShares::overlap),
+        "predicted": exponent(found, LeafShares::predicted), "limit": EXPONENT,
+        "leaves": [LEAVES[0], LEAVES[LEAVES.len() - 1]],
+    });
     claim(
-        "The affected share is inversely proportional to N",
-        "exponent \u{2212}1",
-        format!(
-            "exponents {} (share of the clips beyond their blocks) and {} (inserted samples); beside them {} (overlap of the \
-             plane); the equation's own is {}",
-            number(exponents[0], 3),
-            number(exponents[1], 3),
-            number(exponent(found, LeafShares::overlap), 3),
-            number(exponent(found, LeafShares::predicted), 3)
-        ),
-        exponents.into_iter().all(holds),
-        format!(
-            "Reproduced if the first two exponents, of the best power laws over N = {} to {}, are within {EXPONENT} of \u{2212}1.",
-            LEAVES[0],
-            LEAVES[LEAVES.len() - 1]
-        ),
+        "eq4/inverse",
+        Verdict::of(holds(margin) && holds(inserted)),
+        &values,
     )
+}
+
+/// Counts and areas (in squared radii) of one set or of several.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+struct LeafShares {
+    leaf: f64,
+    count: usize,
+    inserted: usize,
+    /// The domain's.
+    area: f64,
+    blocks: usize,
+    /// Sum of the widths and heights of all blocks, in radii.
+    edges: f64,
+    /// Area of all clips.
+    clipped: f64,
+    /// Area that a single clip reaches.
+    alone: f64,
+    tiled: usize,
+    /// Tiled samples outside their own block.
+    margin: usize,
+    in_conflict: usize,
+    eliminated: usize,
+    /// Eliminated samples of their own block.
+    lost: usize,
+}
+
+impl LeafShares {
+    /// Returns the sum over sets of one leaf.
+    fn sum(sets: &[Self]) -> Self {
+        let sum = |mut all: Self, one: &Self| {
+            all.leaf = one.leaf;
+            all.count += one.count;
+            all.inserted += one.inserted;
+            all.area += one.area;
+            all.blocks += one.blocks;
+            all.edges += one.edges;
+            all.clipped += one.clipped;
+            all.alone += one.alone;
+            all.tiled += one.tiled;
+            all.margin += one.margin;
+            all.in_conflict += one.in_conflict;
+            all.eliminated += one.eliminated;
+            all.lost += one.lost;
+            all
+        };
+        sets.iter().fold(Self::default(), sum)
+    }
+
+    /// Equation 4.
+    fn predicted(&self) -> f64 {
+        (2.0 * self.leaf + 1.0) / (self.leaf + 1.0).powi(2)
+    }
+
+    fn mean_edge(&self) -> f64 {
+        self.edges / (2.0 * self.blocks as f64)
+    }
+
+    /// Equation 4 with the mean edge, and r on each side of it.
+    fn mended(&self) -> f64 {
+        let edge = self.mean_edge();
+        1.0 - (edge / (edge + 2.0)).powi(2)
+    }
+
+    /// The share of the plane that several clips reach.
+    fn overlap(&self) -> f64 {
+        1.0 - self.alone / self.area
+    }
+
+    /// The share of clips that lies beyond their blocks.
+    fn margin_share(&self) -> f64 {
+        1.0 - self.area / self.clipped
+    }
+
+    /// The share of tiled samples that lie in the margin of their own clip.
+    fn margin_samples(&self) -> f64 {
+        self.margin as f64 / self.tiled as f64
+    }
+
+    fn conflict_share(&self) -> f64 {
+        self.in_conflict as f64 / self.tiled as f64
+    }
+
+    /// The share of the result that was inserted.
+    fn inserted_share(&self) -> f64 {
+        self.inserted as f64 / self.count as f64
+    }
+
+    /// The share of all samples that ever were that were eliminated or inserted.
+    fn touched(&self) -> f64 {
+        (self.eliminated + self.inserted) as f64 / (self.tiled + self.inserted) as f64
+    }
+
+    /// The share of samples of their own block that were lost.
+    fn lost_share(&self) -> f64 {
+        self.lost as f64 / (self.tiled - self.margin) as f64
+    }
+}
+
+/// A measured share: its name in the chart.
+type Share = (&'static str, fn(&LeafShares) -> f64);
+
+const SHARES: [Share; 6] = [
+    ("clips beyond their blocks", LeafShares::margin_share),
+    ("plane where clips overlap", LeafShares::overlap),
+    ("tiled samples in conflict", LeafShares::conflict_share),
+    ("samples eliminated or inserted", LeafShares::touched),
+    ("samples lost of their own block", LeafShares::lost_share),
+    ("result that was inserted", LeafShares::inserted_share),
+];
+
+/// Returns all shares by leaf, and their products with it.
+fn curves(found: &[LeafShares]) -> Result<Picture> {
+    let of = |value: &dyn Fn(&LeafShares) -> f64| {
+        found.iter().map(|one| [one.leaf, value(one)]).collect()
+    };
+    let all = |scale: &dyn Fn(&LeafShares) -> f64| -> Vec<Series> {
+        let predicted = |one: &LeafShares| one.predicted() * scale(one);
+        let mut series = vec![reference("equation 4", of(&predicted))];
+        for (number, (name, share)) in SHARES.iter().enumerate() {
+            series.push(curve(name, number, of(&|one| share(one) * scale(one))));
+        }
+        series
+    };
+    let shares = chart("eq4/shares", all(&|_| 100.0));
+    let products = chart("eq4/products", all(&|one| one.leaf));
+    let rows = vec![vec![Panel::Lines(shares)], vec![Panel::Lines(products)]];
+    picture("eq4/shares", &json!({}), rows)
+}
+
+fn shares(found: &[LeafShares]) -> Table {
+    table("eq4/shares", found, |one| {
+        json!({
+            "leaf_r": one.leaf, "mean_edge_r": one.mean_edge(), "samples": one.count,
+            "predicted_percent": 100.0 * one.predicted(), "mended_percent": 100.0 * one.mended(),
+            "margin_samples_percent": 100.0 * one.margin_samples(),
+            "clip_margin_percent": 100.0 * one.margin_share(), "overlap_percent": 100.0 * one.overlap(),
+            "in_conflict_percent": 100.0 * one.conflict_share(), "touched_percent": 100.0 * one.touched(),
+            "lost_percent": 100.0 * one.lost_share(), "inserted_percent": 100.0 * one.inserted_share(),
+        })
+    })
 }
 
 #[cfg(test)]

@@ -10,117 +10,86 @@ mod pictures;
 mod plate;
 mod results;
 mod samplers;
-mod shades;
 mod tables;
 
-use crate::error::ReproduceError;
+use serde_json::json;
+
+use crate::error::Result;
 use crate::outcome::Outcome;
 use crate::study::{Settings, Study};
+use crate::texts::text;
 
-use self::horizon::HorizonTask;
-use self::looks::SpectrumTask;
-use self::plate::PlateTask;
 use self::results::SamplerResults;
 use self::samplers::Sampler;
 
-/// What is done for one sampler.
-struct Tasks {
-    sampler: Sampler,
-    spectrum: SpectrumTask,
-    plate: PlateTask,
-    horizons: Vec<HorizonTask>,
-}
-
-impl Tasks {
-    fn all(settings: &Settings) -> [Self; 5] {
-        Sampler::ALL.map(|sampler| Self {
-            sampler,
-            spectrum: SpectrumTask::of(sampler, settings),
-            plate: PlateTask::of(sampler, settings),
-            horizons: HorizonTask::of(sampler, settings),
-        })
-    }
-
-    fn units(&self) -> usize {
-        1 + self.plate.sets as usize + self.horizons.len()
-    }
-
-    fn carry_out(&self, study: &Study<'_>) -> Result<SamplerResults, ReproduceError> {
-        let settings = study.settings;
-        let (name, key) = (self.sampler.name(), self.sampler.key());
-        let what = format!("spectrum, {name}");
-        let spectrum = study.unit(&format!("look-{key}"), &what, |control| {
-            self.spectrum.carry_out(settings, control)
-        })?;
-        let plate = |index| {
-            let what = format!("zone plate, {name}, set {}", index + 1);
-            study.unit(&format!("plate-{key}-{index}"), &what, |control| {
-                self.plate.carry_out(index, settings, control)
-            })
-        };
-        let horizon = |task: &HorizonTask| {
-            let per_pixel = task.per_pixel;
-            let what = format!("horizon, {name}, {per_pixel} samples per pixel");
-            study.unit(&format!("horizon-{key}-{per_pixel}"), &what, |control| {
-                task.carry_out(settings, control)
-            })
-        };
-        Ok(SamplerResults {
-            sampler: self.sampler,
-            spectrum,
-            plates: (0..self.plate.sets).map(plate).collect::<Result<_, _>>()?,
-            horizons: self
-                .horizons
-                .iter()
-                .map(horizon)
-                .collect::<Result<_, _>>()?,
-        })
-    }
-}
-
 pub fn units(settings: &Settings) -> usize {
-    Tasks::all(settings).iter().map(Tasks::units).sum()
+    let of = |sampler: Sampler| 1 + sampler.sets(plate::amounts(settings).2) as usize;
+    let horizons = horizon::per_pixel(settings).len();
+    Sampler::ALL
+        .into_iter()
+        .map(|sampler| of(sampler) + horizons)
+        .sum()
 }
 
-pub fn run(study: &Study<'_>) -> Result<Outcome, ReproduceError> {
+pub fn run(study: &Study<'_>) -> Result<Outcome> {
     let settings = study.settings;
-    let tasks = Tasks::all(settings);
-    let results: Result<Vec<_>, _> = tasks.iter().map(|one| one.carry_out(study)).collect();
-    let results = results?;
+    let each = Sampler::ALL.into_iter();
+    let results: Vec<SamplerResults> =
+        each.map(|one| results(one, study)).collect::<Result<_>>()?;
     let control = study.control("the pictures");
-    let corner = |one: &Tasks| one.spectrum.corner(settings, &control);
-    let corners: Result<Vec<_>, _> = tasks.iter().map(corner).collect();
+    let corner = |sampler| looks::corner(sampler, settings, &control);
+    let corners: Vec<_> = Sampler::ALL
+        .into_iter()
+        .map(corner)
+        .collect::<Result<_>>()?;
+    let values = json!({
+        "reach": filter::REACH, "sigma": filter::SIGMA, "cut_off": filter::CUT_OFF,
+        "left_out": horizon::LEFT_OUT, "leaf": samplers::LEAF,
+    });
     Ok(Outcome {
         claims: claims::claims(&results),
-        pictures: pictures::pictures(&results, &corners?, settings)?,
+        pictures: pictures::pictures(&results, &corners, settings)?,
         tables: tables::tables(&results),
-        notes: notes().to_vec(),
+        notes: ["plates", "horizons", "sets"]
+            .map(|one| text(&format!("fig10/{one}"), &values))
+            .into(),
     })
 }
 
-fn notes() -> [String; 3] {
-    [
-        format!(
-            "Zone plates: a pixel is the mean of the samples within {} pixels along each axis, weighted by a Gaussian of standard deviation \
-             {} pixels, over the sum of weights; samples reach beyond the image on all sides. The exact image is the zone plate's integral \
-             with a Gaussian that goes on for ever, in closed form; that changes no value by more than {:e}.",
-            filter::REACH,
-            filter::SIGMA,
-            filter::CUT_OFF
-        ),
-        format!(
-            "Horizon: a pixel is the mean of the samples in it; where there is none, it is the nearest in the smallest square of pixels \
-             about it that has some. The exact image is the board's integral over each pixel, piece by piece where it is linear; in the row \
-             that touches the horizon it is wrong by at most {:.1e}.",
-            horizon::LEFT_OUT
-        ),
-        format!(
-            "KDRT: leaf {} r, periodic patterns of 100 r, one of eight for each set. Every set of KDRT and of the reference sampler has been \
-             verified: no conflict, no gap. Grid and jittered samples have cells that at 1, 4 and 16 samples per pixel are parts of \
-             pixels: the best case for them.",
-            samplers::LEAF
-        ),
-    ]
+/// Carries out everything for one sampler.
+fn results(sampler: Sampler, study: &Study<'_>) -> Result<SamplerResults> {
+    let settings = study.settings;
+    let (name, key) = (sampler.name(), sampler.key());
+    let what = format!("spectrum, {name}");
+    let spectrum = study.unit(&format!("look-{key}"), &what, |control| {
+        looks::spectrum(sampler, looks::amounts(settings), settings, control)
+    })?;
+    let (size, count, sets) = plate::amounts(settings);
+    let plate = |index| {
+        let what = format!("zone plate, {name}, set {}", index + 1);
+        study.unit(&format!("plate-{key}-{index}"), &what, |control| {
+            plate::errors(sampler, (count, index), size, settings, control)
+        })
+    };
+    let horizon = |per_pixel: &usize| {
+        let what = format!("horizon, {name}, {per_pixel} samples per pixel");
+        study.unit(&format!("horizon-{key}-{per_pixel}"), &what, |control| {
+            horizon::errors(
+                sampler,
+                *per_pixel,
+                horizon::amounts(settings),
+                settings,
+                control,
+            )
+        })
+    };
+    let per_pixel = horizon::per_pixel(settings).iter();
+    Ok(SamplerResults {
+        sampler,
+        spectrum,
+        plates: (0..sampler.sets(sets)).map(plate).collect::<Result<_>>()?,
+        horizons: per_pixel.map(horizon).collect::<Result<_>>()?,
+    })
 }
 
 #[cfg(test)]
@@ -147,15 +116,9 @@ mod tests {
 
     #[test]
     fn a_whole_run_is_more_work_than_a_quick_one() {
-        let settings = |quick| Settings {
-            quick,
-            ..Settings::default()
-        };
-        let all = |quick| Tasks::all(&settings(quick));
-        for (quick, whole) in all(true).iter().zip(all(false)) {
-            assert!(whole.plate.count > 3 * quick.plate.count);
-            assert!(whole.horizons.len() > quick.horizons.len());
-        }
-        assert!(units(&settings(false)) > units(&settings(true)));
+        let [quick, whole] = [true, false].map(|quick| Settings { quick, seed: 1 });
+        assert!(plate::amounts(&whole).1 > 3 * plate::amounts(&quick).1);
+        assert!(horizon::per_pixel(&whole).len() > horizon::per_pixel(&quick).len());
+        assert!(units(&whole) > units(&quick));
     }
 }

@@ -2,22 +2,28 @@
 //! the seams, so that a serial sampler becomes a parallel one. The pieces are reference sets;
 //! `tilescope_core::combine` glues them.
 
-mod picture;
+use std::collections::HashSet;
 
 use serde::{Deserialize, Serialize};
+use serde_json::json;
 use tilescope_analysis::Report;
-use tilescope_core::combine::{CombineOptions, Combined, combine};
-use tilescope_core::{Boundary, Domain, R, reference_sample};
+use tilescope_core::combine::{CombineOptions, Combined, EliminatedSample, combine};
+use tilescope_core::{Boundary, Domain, Point, R, Rect as Cells, Source, reference_sample};
+use tilescope_figures::{
+    Baseline, Font, Group, Marker, Palette, PictureOptions, Rect, Scene, SetPicture, Shape, Stroke,
+    Style, Text, set_scene, text_width,
+};
 
 use crate::control::Control;
 use crate::engines::{nine, nine_rects};
-use crate::error::ReproduceError;
-use crate::numbers::{count, number, percent};
-use crate::outcome::{Claim, Outcome, Table, Verdict};
+use crate::error::{ReproduceError, Result};
+use crate::experiments::common::{above_samples, largest};
+use crate::numbers::count;
+use crate::outcome::{Claim, Outcome, Picture, Table, Verdict};
 use crate::rates::timed;
 use crate::sets::Set;
 use crate::study::{Settings, Study};
-use crate::table::table;
+use crate::texts::{claim, table, text};
 
 /// Losses up to this share of all samples count as minor.
 const MINOR: f64 = 0.02;
@@ -28,12 +34,10 @@ const LARGE: f64 = 600.0;
 /// Sides in radii of the layout that is drawn, whatever the settings.
 const DRAWN: f64 = 150.0;
 
-/// Sides in radii of the layouts.
 fn sides(settings: &Settings) -> Vec<f64> {
     settings.pick(vec![DRAWN, 600.0, 1800.0], vec![DRAWN])
 }
 
-/// The results of one layout.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct LayoutResult {
     side: f64,
@@ -72,59 +76,48 @@ pub fn units(settings: &Settings) -> usize {
     sides(settings).len()
 }
 
-pub fn run(study: &Study<'_>) -> Result<Outcome, ReproduceError> {
+pub fn run(study: &Study<'_>) -> Result<Outcome> {
     let seed = study.settings.seed;
-    let found: Result<Vec<LayoutResult>, _> = sides(study.settings)
-        .into_iter()
-        .map(|side| {
-            let what = format!("nine sets on {side} r");
-            study.unit(&format!("side-{side}"), &what, |control| {
-                measure(side, seed, control)
-            })
-        })
-        .collect();
-    let found = found?;
+    let mut found: Vec<LayoutResult> = Vec::new();
+    for side in sides(study.settings) {
+        let (key, what) = (format!("side-{side}"), format!("nine sets on {side} r"));
+        found.push(study.unit(&key, &what, |control| measure(side, seed, control))?);
+    }
     let control = study.control("the picture");
     let domain = domain(DRAWN)?;
-    let (glued, _) = glue(domain, seed, &control)?;
+    let glued = glue(domain, seed, &control)?;
     Ok(Outcome {
         claims: claims(&found),
-        pictures: picture::pictures(&glued, &nine_rects(&domain)),
+        pictures: pictures(&glued, &nine_rects(&domain)),
         tables: vec![layouts(&found)],
-        notes: vec![NOTE.to_owned()],
+        notes: vec![text("fig12/how", &json!({}))],
     })
 }
 
-const NOTE: &str = "Each of the nine sets is a periodic maximal set of a ninth of the domain, made by the reference \
-sampler with a seed of its own; none of them knows its neighbours. Along the seams conflicts are eliminated and gaps are \
-filled by the stages that KDRT uses between its blocks. The domain is periodic, so that its border is a seam as well.";
-
-fn domain(side: f64) -> Result<Domain, ReproduceError> {
+fn domain(side: f64) -> Result<Domain> {
     Ok(Domain::from_size([side; 2], 1.0, Boundary::Periodic)?)
 }
 
-/// Makes and glues nine sets; returns the seconds that each took.
-fn glue(
-    domain: Domain,
-    seed: u64,
-    control: &Control<'_>,
-) -> Result<(Glued, [f64; 2]), ReproduceError> {
-    let (pieces, making) = timed(|| nine(domain, seed, control));
-    let (pieces, options) = (pieces?, CombineOptions::default());
-    let (combined, gluing) = timed(|| combine(domain, &pieces, &options, &mut control.observer()));
-    let before = pieces.iter().map(|piece| piece.set.samples().len()).sum();
-    let combined = combined?;
-    Ok((Glued { combined, before }, [making, gluing]))
-}
-
-/// Nine sets in one.
 struct Glued {
     combined: Combined,
     /// Samples of the nine.
     before: usize,
+    /// Seconds of making the nine, and of gluing them.
+    seconds: [f64; 2],
 }
 
-fn measure(side: f64, seed: u64, control: &Control<'_>) -> Result<LayoutResult, ReproduceError> {
+fn glue(domain: Domain, seed: u64, control: &Control<'_>) -> Result<Glued> {
+    let (pieces, making) = timed(|| nine(domain, seed, control));
+    let (pieces, options) = (pieces?, CombineOptions::default());
+    let (combined, gluing) = timed(|| combine(domain, &pieces, &options, &mut control.observer()));
+    Ok(Glued {
+        combined: combined?,
+        before: pieces.iter().map(|piece| piece.set.samples().len()).sum(),
+        seconds: [making, gluing],
+    })
+}
+
+fn measure(side: f64, seed: u64, control: &Control<'_>) -> Result<LayoutResult> {
     let domain = domain(side)?;
     control.go_on()?;
     let one = rayon::ThreadPoolBuilder::new().num_threads(1).build();
@@ -132,21 +125,21 @@ fn measure(side: f64, seed: u64, control: &Control<'_>) -> Result<LayoutResult, 
     let (whole, alone) =
         timed(|| one.install(|| reference_sample(domain, seed, &mut control.observer())));
     drop(whole?);
-    let (Glued { combined, before }, [making, gluing]) = glue(domain, seed, control)?;
+    let glued = glue(domain, seed, control)?;
+    let (combined, [making, gluing]) = (&glued.combined, glued.seconds);
     let set = Set::of(&domain, &combined.points);
     let report = set.judge(control)?;
     let rects = nine_rects(&domain);
     let lost = combined.eliminated.iter().filter(|lost| lost.own);
-    let depths = lost
-        .clone()
-        .map(|lost| rects[lost.piece as usize].depth(lost.point));
+    let depth = |lost: &EliminatedSample| rects[lost.piece as usize].depth(lost.point);
+    let deepest = lost.clone().map(depth).max().unwrap_or(0);
     let summary = combined.summary();
     Ok(LayoutResult {
         side,
-        before,
+        before: glued.before,
         after: combined.points.len(),
         lost: lost.count(),
-        deepest: f64::from(depths.max().unwrap_or(0)) / f64::from(R),
+        deepest: f64::from(deepest) / f64::from(R),
         inserted: summary.inserted.iter().sum(),
         iterations: summary.inserted.len(),
         alone,
@@ -158,129 +151,181 @@ fn measure(side: f64, seed: u64, control: &Control<'_>) -> Result<LayoutResult, 
 }
 
 fn claims(found: &[LayoutResult]) -> Vec<Claim> {
-    let Some(largest) = found.last() else {
+    let Some(last) = found.last() else {
         return Vec::new();
     };
-    vec![
-        maximal(found, largest),
-        losses(found, largest),
-        cost(largest),
-    ]
+    vec![maximal(found, last), losses(found, last), cost(last)]
 }
 
-fn maximal(found: &[LayoutResult], largest: &LayoutResult) -> Claim {
+fn maximal(found: &[LayoutResult], last: &LayoutResult) -> Claim {
     let faults = found
         .iter()
         .map(|one| one.report.conflicts + one.report.gaps)
         .sum();
-    Claim::new(
-        [
-            "Independent maximal sets combine into one maximal set",
-            "section 4.2, figure 12",
-            "nine sets become one",
-        ],
-        format!(
-            "nine sets become one of {} samples; {} in {}",
-            count(largest.after as u64),
-            match faults {
-                0 => "neither conflict nor gap".to_owned(),
-                1 => "1 conflict or gap".to_owned(),
-                _ => format!("{} conflicts and gaps", count(faults)),
-            },
-            match found.len() {
-                1 => "it".to_owned(),
-                layouts => format!("{layouts} layouts"),
-            }
-        ),
-        Verdict::of(faults == 0),
-        "Reproduced if the verifier finds neither a conflict nor a gap in any layout.",
-    )
+    let words = match faults {
+        0 => "neither conflict nor gap".to_owned(),
+        1 => "1 conflict or gap".to_owned(),
+        _ => format!("{} conflicts and gaps", count(faults)),
+    };
+    let layouts = match found.len() {
+        1 => "it".to_owned(),
+        layouts => format!("{layouts} layouts"),
+    };
+    let values = json!({ "samples": last.after, "faults": words, "layouts": layouts });
+    claim("fig12/maximal", Verdict::of(faults == 0), &values)
 }
 
-fn losses(found: &[LayoutResult], largest: &LayoutResult) -> Claim {
-    let worst = found
-        .iter()
-        .map(LayoutResult::lost_share)
-        .fold(0.0, f64::max);
-    let deepest = found.iter().map(|one| one.deepest).fold(0.0, f64::max);
-    Claim::new(
-        [
-            "Only few samples are lost, near the seams",
-            "figure 12, caption",
-            "minor loss in the margins",
-        ],
-        format!(
-            "{} of {} samples lost ({}; at most {} of any layout), none deeper than {} r",
-            count(largest.lost as u64),
-            count(largest.before as u64),
-            percent(largest.lost_share(), 2),
-            percent(worst, 2),
-            number(deepest, 3),
-        ),
-        Verdict::of(largest.lost_share() <= MINOR && deepest <= 3.0),
-        format!(
-            "Reproduced if the largest layout loses at most {} % and nothing deeper than 3 r. The share falls with the \
-             size of the sets, as their border does against their area.",
-            100.0 * MINOR
-        ),
-    )
+fn losses(found: &[LayoutResult], last: &LayoutResult) -> Claim {
+    let deepest = largest(found.iter().map(|one| one.deepest));
+    let verdict = Verdict::of(last.lost_share() <= MINOR && deepest <= 3.0);
+    let values = json!({
+        "lost": last.lost, "before": last.before, "share": last.lost_share(),
+        "worst": largest(found.iter().map(LayoutResult::lost_share)), "deepest": deepest, "minor": MINOR,
+    });
+    claim("fig12/losses", verdict, &values)
 }
 
-fn cost(largest: &LayoutResult) -> Claim {
-    let threads = largest.threads;
-    Claim::new(
-        [
-            "A serial sampler becomes a parallel one at little cost",
-            "section 4.2",
-            "very small overhead",
-        ],
-        format!(
-            "{} times as fast on {threads} {}; gluing takes {} of the time",
-            number(largest.speedup(), 3),
-            if threads == 1 { "thread" } else { "threads" },
-            percent(largest.overhead(), 2)
-        ),
-        Verdict::if_known(
-            threads >= 2 && largest.side >= LARGE,
-            largest.overhead() <= SMALL && largest.speedup() > 1.0,
-        ),
-        format!(
-            "Reproduced if the largest layout is made faster on all threads than a set of its size on one, and gluing \
-             takes at most {} % of that. That needs two threads, and a side of {LARGE} r: the seams of small sets are most \
-             of their work.",
-            100.0 * SMALL
-        ),
-    )
+fn cost(last: &LayoutResult) -> Claim {
+    let (threads, overhead) = (last.threads, last.overhead());
+    let holds = overhead <= SMALL && last.speedup() > 1.0;
+    let verdict = Verdict::if_known(threads >= 2 && last.side >= LARGE, holds);
+    let values = json!({
+        "speedup": last.speedup(), "overhead": overhead, "small": SMALL, "large": LARGE,
+        "threads": format!("{threads} {}", if threads == 1 { "thread" } else { "threads" }),
+    });
+    claim("fig12/cost", verdict, &values)
 }
 
 fn layouts(found: &[LayoutResult]) -> Table {
-    table("layouts", "Nine sets in one", found)
-        .column("side_r", "side, r", 4, |one| one.side)
-        .column("samples_before", "samples of the nine", 9, |one| one.before)
-        .column("samples_after", "samples combined", 9, |one| one.after)
-        .column("lost", "lost", 6, |one| one.lost)
-        .column("lost_percent", "lost, %", 3, |one| 100.0 * one.lost_share())
-        .column("deepest_r", "deepest loss, r", 3, |one| one.deepest)
-        .column("inserted", "inserted", 6, |one| one.inserted)
-        .column("iterations", "iterations", 2, |one| one.iterations)
-        .column("seconds_alone", "whole on one thread, s", 3, |one| {
-            one.alone
+    table("fig12/layouts", found, |one| {
+        json!({
+            "side_r": one.side, "samples_before": one.before, "samples_after": one.after,
+            "lost": one.lost, "lost_percent": 100.0 * one.lost_share(), "deepest_r": one.deepest,
+            "inserted": one.inserted, "iterations": one.iterations,
+            "seconds_alone": one.alone, "seconds_making": one.making, "seconds_gluing": one.gluing,
+            "threads": one.threads, "speedup": one.speedup(),
+            "conflicts": one.report.conflicts, "gaps": one.report.gaps,
+            "min_distance_r": one.report.min_distance, "covering_radius_r": one.report.covering_radius,
         })
-        .column("seconds_making", "nine on all threads, s", 3, |one| {
-            one.making
-        })
-        .column("seconds_gluing", "gluing, s", 3, |one| one.gluing)
-        .column("threads", "threads", 3, |one| one.threads)
-        .column("speedup", "speed-up", 3, |one| one.speedup())
-        .column("conflicts", "conflicts", 3, |one| one.report.conflicts)
-        .column("gaps", "gaps", 3, |one| one.report.gaps)
-        .column("min_distance_r", "min. distance, r", 6, |one| {
-            one.report.min_distance
-        })
-        .column("covering_radius_r", "covering radius, r", 6, |one| {
-            one.report.covering_radius
-        })
-        .shown()
+    })
+}
+
+/// Sides of the part that is shown large, in radii.
+const PART: f64 = 36.0;
+
+/// Pieces in a sequence in which no two neighbours, across borders either, have one tint of six.
+const TINTED: [usize; 9] = [0, 1, 2, 3, 4, 5, 8, 6, 7];
+
+fn pictures(glued: &Glued, rects: &[Cells]) -> Vec<Picture> {
+    let combined = &glued.combined;
+    let corner = combined.domain.user_from_lattice(rects[4].min);
+    let half = 0.5 * PART * combined.domain.radius();
+    let part = Rect::new(corner.map(|x| x - half), corner.map(|x| x + half));
+    let values = json!({
+        "before": glued.before, "after": combined.points.len(), "part": PART,
+        "lost": combined.eliminated.iter().filter(|lost| lost.own).count(),
+    });
+    let picture = |(name, window): (&str, Option<Rect>)| {
+        let title = text(&format!("fig12/{name}-title"), &values);
+        Picture {
+            name: name.to_owned(),
+            caption: text(&format!("fig12/{name}"), &values),
+            scene: scene(glued, rects, window, title),
+        }
+    };
+    [("nine", None), ("seams", Some(part))].map(picture).into()
+}
+
+fn scene(glued: &Glued, rects: &[Cells], window: Option<Rect>, caption: String) -> Scene {
+    let combined = &glued.combined;
+    let user = |p: Point| combined.domain.user_from_lattice(p);
+    let points = combined.positions();
+    let tint = |piece: u32| TINTED.iter().position(|other| *other == piece as usize);
+    let block = |source: &Source| match *source {
+        Source::Tiled { block, .. } => tint(block).map(|at| at as u32),
+        Source::Inserted { .. } => None,
+    };
+    let options = PictureOptions {
+        window,
+        ..PictureOptions::default()
+    };
+    let blocks = TINTED.map(|piece| Rect::new(user(rects[piece].min), user(rects[piece].max)));
+    let set = SetPicture {
+        points: &points,
+        size: combined.domain.size(),
+        boundary: Boundary::Periodic,
+        radius: Some(combined.domain.radius()),
+        blocks: blocks.into(),
+        block_of: Some(combined.sources.iter().map(block).collect()),
+        caption,
+    };
+    let mut scene = set_scene(&set, &options);
+    let style = Style::filled(options.palette.eliminated);
+    if let Some(part) = window {
+        // Positions of a picture point down, within the part that is shown.
+        let flip = |[x, y]: [f64; 2]| [x, part.min[1] + part.max[1] - y];
+        let positions = points_of(glued).into_iter().map(flip);
+        let cross = |at| Shape::marker(Marker::Cross, at, 13.0, style);
+        above_samples(&mut scene, "eliminated", positions.map(cross).collect());
+    }
+    legend(&mut scene, &options.palette, window.is_some());
+    scene
+}
+
+/// Side of a legend's mark, its line and its text.
+const MARK: f64 = 12.0;
+const LINE: f64 = 34.0;
+const TEXT: f64 = 14.0;
+
+/// Adds a line below the picture that says what its marks are.
+fn legend(scene: &mut Scene, palette: &Palette, close: bool) {
+    let at = scene.height + 0.5 * LINE - 8.0;
+    let piece = palette.block_borders[0];
+    let disk = Style::default().with_stroke(Stroke::new(palette.disk, 1.4));
+    let entries = [
+        (
+            "sample, in the colour of its set",
+            Marker::Dot,
+            1.0,
+            Style::filled(piece),
+        ),
+        (
+            "inserted",
+            Marker::Diamond,
+            1.0,
+            Style::filled(palette.inserted),
+        ),
+        (
+            "eliminated",
+            Marker::Cross,
+            1.0,
+            Style::filled(palette.eliminated),
+        ),
+        ("disk of radius r", Marker::Dot, 1.6, disk),
+    ];
+    let mut group = Group::new("legend");
+    let mut x = 20.0 + 0.5 * MARK;
+    for (name, kind, size, style) in entries.into_iter().take(if close { 4 } else { 2 }) {
+        group
+            .shapes
+            .push(Shape::marker(kind, [x, at], size * MARK, style));
+        let mut text = Text::new([x + MARK + 4.0, at], name, TEXT, palette.text);
+        text.baseline = Baseline::Middle;
+        x += MARK + 4.0 + text_width(name, Font::Regular, TEXT) + 2.5 * MARK;
+        group.shapes.push(Shape::Text(text));
+    }
+    scene.groups.push(group);
+    scene.height += LINE;
+}
+
+/// Returns the positions of eliminated samples that lay in their own set's rectangle, each once.
+fn points_of(glued: &Glued) -> Vec<[f64; 2]> {
+    let lost = glued.combined.eliminated.iter().filter(|lost| lost.own);
+    let positions: HashSet<Point> = lost.map(|lost| lost.point).collect();
+    let user = |p| glued.combined.domain.user_from_lattice(p);
+    let mut positions: Vec<[f64; 2]> = positions.into_iter().map(user).collect();
+    positions.sort_by(|a, b| a[1].total_cmp(&b[1]).then(a[0].total_cmp(&b[0])));
+    positions
 }
 
 #[cfg(test)]

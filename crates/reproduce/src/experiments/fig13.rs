@@ -4,31 +4,32 @@
 mod against;
 mod claims;
 mod method;
-mod peaks;
-mod picture;
 mod rates;
+mod shown;
 mod spectra;
-mod speed;
-mod tables;
 
-use crate::error::ReproduceError;
+use serde_json::json;
+
+use crate::error::Result;
 use crate::machine::no_gpu;
 use crate::numbers::number;
 use crate::outcome::{Outcome, Picture};
+use crate::sets::Set;
 use crate::study::{Settings, Study};
 
 use super::timing::{LEAVES, TimingPlan};
-use crate::rates::{self as engine_rates, ONE_LEAF, median};
+use crate::rates::{self as engine_rates, ONE_LEAF, distinct, median};
+use crate::texts::text;
 use method::{Method, PATTERN, SetGroup};
 use rates::RateRound;
 use spectra::MethodSpectra;
 
 /// The paper's radii, of the unit square, and sets of each.
 fn groups(settings: &Settings) -> Vec<SetGroup> {
-    let radii = settings.pick(vec![0.01, 0.005, 0.0025], vec![0.01, 0.005]);
-    let sets = settings.pick(10, 3);
-    let group = |radius| SetGroup::of(settings, radius, sets);
-    radii.into_iter().map(group).collect()
+    let radii: &[f64] = settings.pick(&[0.01, 0.005, 0.0025], &[0.01, 0.005]);
+    let (sets, seed) = (settings.pick(10, 3), settings.seed);
+    let group = |&radius| SetGroup { radius, sets, seed };
+    radii.iter().map(group).collect()
 }
 
 /// The control stands with the smallest radius alone: what it shows does not depend on it.
@@ -53,151 +54,116 @@ fn methods(last: bool) -> Vec<Method> {
 
 fn spectra_units(settings: &Settings) -> Vec<(SetGroup, Method)> {
     let groups = groups(settings);
-    let last = groups.len() - 1;
-    let each = groups.iter().enumerate();
-    each.flat_map(|(index, group)| methods(index == last).into_iter().map(|one| (*group, one)))
-        .collect()
+    let each = (1..).zip(&groups);
+    let of = |(number, group): (usize, &SetGroup)| {
+        let (group, methods) = (*group, methods(number == groups.len()));
+        methods.into_iter().map(move |method| (group, method))
+    };
+    each.flat_map(of).collect()
 }
 
 fn plan(settings: &Settings) -> TimingPlan {
-    TimingPlan {
-        samples: settings.pick(2_000_000, 200_000),
-        rounds: settings.pick(10, 2),
-    }
+    let (samples, rounds) = settings.pick((2_000_000, 10), (200_000, 2));
+    TimingPlan { samples, rounds }
 }
 
 pub fn units(settings: &Settings) -> usize {
     spectra_units(settings).len() + plan(settings).rounds as usize
 }
 
-pub fn run(study: &Study<'_>) -> Result<Outcome, ReproduceError> {
-    let units = spectra_units(study.settings).into_iter();
-    let found: Result<Vec<MethodSpectra>, _> = units
-        .map(|(group, method)| unit(study, &group, method))
-        .collect();
-    let found = found?;
+pub fn run(study: &Study<'_>) -> Result<Outcome> {
+    let mut found: Vec<MethodSpectra> = Vec::new();
+    for (group, method) in spectra_units(study.settings) {
+        let SetGroup { radius, sets, .. } = group;
+        // A name that no file of other measures has.
+        let key = format!("groups-{radius}-{}", method.key());
+        let what = format!("{sets} sets of radius {radius}, {}", method.name());
+        found.push(study.unit(&key, &what, |control| {
+            spectra::measure(&group, method, control)
+        })?);
+    }
     let plan = plan(study.settings);
     let rounds = rates::run(plan, study)?;
     let timed: Vec<_> = rounds.iter().map(|round| round.timed.as_slice()).collect();
     let rows = engine_rates::rows(&timed, None);
     let against = against::against(&found);
     let mut pictures = spectra_pictures(study, &found)?;
-    pictures.push(picture::rates(&rows, plan.samples, plan.rounds)?);
+    pictures.push(shown::rates(&rows, plan.samples, plan.rounds)?);
     Ok(Outcome {
         claims: claims::claims(&against, &rows),
         pictures,
         tables: vec![
-            tables::quality(&found, &against),
-            tables::rates(&rows, rounds.len()),
-            tables::curves(&found),
+            shown::quality(&found, &against),
+            shown::rate_table(&rows),
+            shown::curves(&found),
         ],
         notes: notes(&found, &rounds),
     })
 }
 
-fn unit(
-    study: &Study<'_>,
-    group: &SetGroup,
-    method: Method,
-) -> Result<MethodSpectra, ReproduceError> {
-    // A name that no file of other measures has.
-    let key = format!("groups-{}-{}", group.radius, method.key());
-    let what = format!(
-        "{} sets of radius {}, {}",
-        group.sets,
-        group.radius,
-        method.name()
-    );
-    study.unit(&key, &what, |control| {
-        spectra::measure(group, method, control)
-    })
-}
-
 /// The figures show one set of each method, made anew.
-fn spectra_pictures(
-    study: &Study<'_>,
-    found: &[MethodSpectra],
-) -> Result<Vec<Picture>, ReproduceError> {
+fn spectra_pictures(study: &Study<'_>, found: &[MethodSpectra]) -> Result<Vec<Picture>> {
     let control = study.control("the pictures");
     let picture = |group: SetGroup, names, columns: Vec<(Method, Method)>| {
         let of = |method: Method| {
             let same = |one: &&MethodSpectra| one.radius.to_bits() == group.radius.to_bits();
             found.iter().filter(same).find(|one| one.method == method)
         };
-        let columns = columns.into_iter();
-        let columns: Vec<(&MethodSpectra, &MethodSpectra)> = columns
-            .filter_map(|(one, below)| Some((of(one)?, of(below)?)))
-            .collect();
-        let sets: Result<Vec<_>, _> = (columns.iter())
-            .map(|(one, _)| group.set(one.method, 0, &control))
-            .collect();
-        picture::spectra(names, &columns, &sets?)
+        let both = |(one, below)| Some((of(one)?, of(below)?));
+        let columns: Vec<_> = columns.into_iter().filter_map(both).collect();
+        let set = |(one, _): &(&MethodSpectra, _)| group.set(one.method, 0, &control);
+        let sets: Vec<Set> = columns.iter().map(set).collect::<Result<_>>()?;
+        shown::spectra(names, &columns, &sets)
     };
     let groups = groups(study.settings);
     let each = groups.iter().map(|group| {
         let names = ("spectra", "Reference and KDRT");
-        picture(*group, names, picture::columns(&LEAVES))
+        picture(*group, names, shown::columns(&LEAVES))
     });
-    let mut pictures: Vec<Picture> = each.collect::<Result<_, _>>()?;
+    let mut pictures: Vec<Picture> = each.collect::<Result<_>>()?;
     if let Some(group) = groups.last() {
         let names = ("regular", "Where regularity shows");
-        pictures.push(picture(*group, names, picture::regular())?);
+        pictures.push(picture(*group, names, shown::regular())?);
     }
     Ok(pictures)
 }
 
 fn notes(found: &[MethodSpectra], rounds: &[RateRound]) -> Vec<String> {
-    let mut notes = vec![HOW.to_owned()];
-    let whole: Vec<String> = (found.iter())
-        .filter(|one| one.method.leaf().is_some() && !one.method.tiles(one.radius))
-        .map(|one| format!("{} at radius {}", one.method.name(), one.radius))
-        .collect();
+    let mut notes = vec![text("fig13/how", &json!({}))];
+    let is_whole =
+        |one: &&MethodSpectra| one.method.leaf().is_some() && !one.method.tiles(one.radius);
+    let whole = found.iter().filter(is_whole);
+    let whole = whole.map(|one| format!("{} at radius {}", one.method.name(), one.radius));
+    let whole: Vec<String> = whole.collect();
     if !whole.is_empty() {
-        notes.push(format!(
-            "A block is split only where both halves can be as long as the leaf. Here the domain is a single block, a part of the pattern or \
-             all of it: nothing was tiled, and no verdict on tiles rests on it: {}.",
-            whole.join(", ")
-        ));
+        notes.push(text("fig13/whole", &json!({ "methods": whole.join(", ") })));
     }
-    let shared: Vec<String> = (found.iter())
-        .filter_map(|one| match one.method {
-            Method::OnePattern { .. } => Some(format!(
-                "{} dB at radius {}",
-                number(one.excess, 2),
-                one.radius
-            )),
-            _ => None,
-        })
-        .collect();
-    notes.push(format!(
-        "Sets with one pattern in common repeat each other as well as themselves: with a leaf of {ONE_LEAF} r their anisotropy is {} above that of noise. \
-         The table has them beside sets of the same leaf whose patterns differ.",
-        shared.join(", ")
+    let shared = found
+        .iter()
+        .filter(|one| matches!(one.method, Method::OnePattern { .. }));
+    let shared = shared.map(|one| format!("{} dB at radius {}", number(one.excess, 2), one.radius));
+    let excess = shared.collect::<Vec<_>>().join(", ");
+    notes.push(text(
+        "fig13/shared",
+        &json!({ "leaf": ONE_LEAF, "excess": excess }),
     ));
-    let sides = rounds.iter().take(1).flat_map(|round| &round.patterns);
-    let pattern = |(side, _): &(f64, f64)| {
-        let all = rounds.iter().flat_map(|round| &round.patterns);
-        let seconds = all.filter(|(of, _)| of.to_bits() == side.to_bits());
+    let all = || rounds.iter().flat_map(|round| &round.patterns);
+    let pattern = |side: f64| {
+        let seconds = all().filter(|(of, _)| of.to_bits() == side.to_bits());
         let median = median(seconds.map(|(_, seconds)| 1e3 * seconds));
-        let median = median.unwrap_or(f64::NAN);
-        format!("that of {side} r takes {} ms", number(median, 3))
+        format!(
+            "that of {side} r takes {} ms",
+            number(median.unwrap_or(f64::NAN), 3)
+        )
     };
-    let patterns: Vec<String> = sides.map(pattern).collect();
-    notes.push(format!(
-        "Rates are those of making a set in memory, on the lattice and in canonical order. In each round every engine makes one set with one seed; \
-         those of KDRT must be the same points, of which one copy is verified. Making a pattern, once, is not in the rates: {}. On all \
-         threads the reference sampler makes nine sets, which are combined.",
-        patterns.join(", ")
-    ));
-    notes.extend(no_gpu().map(|why| format!("No rate of a GPU: {why}.")));
+    let patterns = distinct(all().map(|(side, _)| *side))
+        .into_iter()
+        .map(pattern);
+    let patterns = patterns.collect::<Vec<_>>().join(", ");
+    notes.push(text("fig13/rates", &json!({ "patterns": patterns })));
+    notes.extend(no_gpu().map(|why| text("fig13/no-gpu", &json!({ "why": why }))));
     notes
 }
-
-const HOW: &str = "Periodic unit square. The paper's patterns are larger than the largest block (section 3.1.2), and blocks may be twice as long as the \
-leaf: leaves of 20 and 40 r have the default pattern of 100 r, those of 80 r one of 200 r. A leaf of 80 r with the default pattern is looked at, too: \
-that pattern is periodic, so that a run succeeds, but its blocks contain parts of it twice. Every set has its own seed and its own pattern, but where one pattern for all is \
-said; every set is verified. The control is a small reference set side by side with itself, a valid set with the regularity that tilings are feared for: it \
-shows that the measures find it. Frequencies are nu = |k| / sqrt(N), so that radii are on one scale.";
 
 #[cfg(test)]
 mod tests {

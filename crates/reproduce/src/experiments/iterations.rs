@@ -4,17 +4,18 @@
 mod counts;
 mod variants;
 
-use tilescope_core::{Order, Parameters};
+use serde_json::json;
+use tilescope_analysis::measures::poisson_interval;
+use tilescope_core::{Order, Summary};
 
 use crate::control::Control;
-use crate::error::ReproduceError;
-use crate::experiments::common::{counted, poisson_interval, seed, seeded, square};
-use crate::numbers::percent;
+use crate::error::Result;
+use crate::experiments::common::{MISSED, seeded, square};
 use crate::outcome::{Claim, Outcome, Verdict};
 use crate::sets::Set;
 use crate::study::{Settings, Study};
+use crate::texts::{claim, text};
 use counts::{InsertionCase, IterationCounts};
-use variants::SetCounts;
 
 /// Sets of each case, as in the paper.
 const SETS: usize = 10;
@@ -45,21 +46,22 @@ pub fn units(settings: &Settings) -> usize {
     cases().len() * SETS + variants::units(settings)
 }
 
-pub fn run(study: &Study<'_>) -> Result<Outcome, ReproduceError> {
+pub fn run(study: &Study<'_>) -> Result<Outcome> {
     let settings = study.settings;
     let mut found = Vec::new();
     for case in cases() {
         for index in 0..SETS {
             let key = format!("{}-{index}", case.key());
             let what = format!("set {} of {SETS}, {}", index + 1, case.name());
+            let seed = settings.seed_of(index as u64);
             found.push(study.unit(&key, &what, |control| {
-                measure(case, index, settings, control)
+                measure(case, seed, samples(settings), control)
             })?);
         }
     }
     let compared = variants::compare(study)?;
-    let mut printed: Vec<SetCounts> = compared.iter().map(SetCounts::from).collect();
-    printed.extend(variants::printed(study)?);
+    let mut printed: Vec<Summary> = compared.iter().map(|one| one.printed.clone()).collect();
+    printed.extend(variants::large_printed(study)?);
     Ok(Outcome {
         claims: claims(&found, &printed),
         pictures: vec![
@@ -72,27 +74,19 @@ pub fn run(study: &Study<'_>) -> Result<Outcome, ReproduceError> {
             variants::printed_table(&printed),
             counts::by_set(&found),
         ],
-        notes: vec![NOTE.to_owned()],
+        notes: vec![text("iterations/how", &json!({}))],
     })
 }
 
-const NOTE: &str = "Every set has a seed of its own and a pattern of its own (side 100 r), so that no two sets repeat each other's \
-gaps. The paper does not say which leaf it used; both ends of the range that it recommends are here, each with the order of \
-its loop (by index) and with this program's default (own block first). An iteration is a round in which samples were inserted; \
-the last look, which finds nothing, is not counted.";
-
 fn measure(
     case: InsertionCase,
-    index: usize,
-    settings: &Settings,
+    seed: u64,
+    samples: f64,
     control: &Control<'_>,
-) -> Result<IterationCounts, ReproduceError> {
-    let parameters = Parameters {
-        order: case.order,
-        ..square(samples(settings), case.leaf)
-    };
-    let seed = seed(settings, index);
-    let (set, summary) = Set::kdrt(&seeded(parameters, seed), control)?;
+) -> Result<IterationCounts> {
+    let mut parameters = seeded(square(samples, case.leaf), seed);
+    parameters.order = case.order;
+    let (set, summary) = Set::kdrt(&parameters, control)?;
     let report = set.verified(&format!("{}, seed {seed}", case.name()), control)?;
     Ok(IterationCounts {
         case,
@@ -103,95 +97,45 @@ fn measure(
     })
 }
 
-/// A way to make sets, and the counts of its sets.
-struct Arrangement {
-    name: &'static str,
-    section: &'static str,
-    /// A sentence that says what counts as an iteration.
-    counts: &'static str,
-    sets: Vec<SetCounts>,
+fn claims(found: &[IterationCounts], printed: &[Summary]) -> Vec<Claim> {
+    let staged: Vec<Summary> = found.iter().map(|one| one.summary.clone()).collect();
+    let both = [("printed", printed), ("staged", &staged)];
+    both.into_iter()
+        .flat_map(|(how, sets)| [suffices(how, sets), rare(how, sets)])
+        .collect()
 }
 
-fn claims(found: &[IterationCounts], printed: &[SetCounts]) -> Vec<Claim> {
-    let printed = Arrangement {
-        name: "Algorithm 4 as printed",
-        section: "section 3.2.3",
-        counts: "The first loop of Algorithm 4 inserts while it eliminates and counts as one iteration, as does each round of its \
-                 second loop that inserts anything.",
-        sets: printed.to_vec(),
-    };
-    let staged = Arrangement {
-        name: "in this program's arrangement in stages",
-        section: crate::outcome::BEYOND,
-        counts: "Here all conflicts are resolved before the first insertion, which the paper does not do.",
-        sets: found.iter().map(SetCounts::from).collect(),
-    };
-    vec![
-        suffices(&printed),
-        rare(&printed),
-        suffices(&staged),
-        rare(&staged),
-    ]
-}
-
-fn suffices(way: &Arrangement) -> Claim {
-    let counts = || way.sets.iter().map(|set| set.inserted.len());
+fn suffices(how: &str, sets: &[Summary]) -> Claim {
+    let counts = || sets.iter().map(|set| set.inserted.len());
     let (least, most) = (counts().min().unwrap_or(0), counts().max().unwrap_or(0));
-    let within = counts().filter(|count| *count <= PAPER).count();
-    let range = if least == most {
-        most.to_string()
-    } else {
-        format!("{least} to {most}")
-    };
-    let large = |set: &&SetCounts| set.count as f64 >= 0.9 * PAPER_SAMPLES;
-    let large = way.sets.iter().filter(large).count();
-    let (sets, are) = (way.sets.len(), if large == 1 { "is" } else { "are" });
-    let smallest = way.sets.iter().map(|set| set.count).min().unwrap_or(0);
-    let claim = format!("Two iterations of insertion suffice ({})", way.name);
-    let paper = "2 iterations for each of 10 sets of 10 million samples";
-    Claim::new(
-        [&claim, way.section, paper],
-        format!(
-            "{range} iterations; {within} of {sets} sets need no more than {PAPER}; {large} of {sets} sets {are} of the paper's size \
-             (the smallest has {} samples)",
-            counted(smallest),
-        ),
-        Verdict::if_known(most > PAPER || large >= ENOUGH, most <= PAPER),
-        format!(
-            "Holds if no set needs more than {PAPER} and at least {ENOUGH} sets have the paper's size, which is 9 million \
-             samples or more; smaller sets can refute it but not confirm it. That is {large} here. {}",
-            way.counts
-        ),
-    )
+    let large = sets
+        .iter()
+        .filter(|set| set.count as f64 >= 0.9 * PAPER_SAMPLES)
+        .count();
+    let verdict = Verdict::if_known(most > PAPER || large >= ENOUGH, most <= PAPER);
+    let values = json!({
+        "range": if least == most { most.to_string() } else { format!("{least} to {most}") },
+        "within": counts().filter(|count| *count <= PAPER).count(), "allowed": PAPER,
+        "sets": sets.len(), "large": large, "are": if large == 1 { "is" } else { "are" },
+        "smallest": sets.iter().map(|set| set.count).min().unwrap_or(0), "enough": ENOUGH,
+    });
+    claim(&format!("iterations/suffices-{how}"), verdict, &values)
 }
 
-fn rare(way: &Arrangement) -> Claim {
+fn rare(how: &str, sets: &[Summary]) -> Claim {
     let after = |from: usize| -> usize {
-        let late = |set: &SetCounts| set.inserted.iter().skip(from).sum::<usize>();
-        way.sets.iter().map(late).sum()
+        let late = |set: &Summary| set.inserted.iter().skip(from).sum::<usize>();
+        sets.iter().map(late).sum()
     };
     let (late, inserted) = (after(PAPER), after(0));
-    let of_all = |count: f64| count / inserted.max(1) as f64;
-    let share = of_all(late as f64);
-    let [low, high] = poisson_interval(late).map(of_all);
-    let claim = format!("Gaps that need more iterations are rare ({})", way.name);
-    Claim::new(
-        [&claim, way.section, "special cases rarely showed"],
-        format!(
-            "{} of {} inserted samples came after iteration {PAPER}: {}",
-            counted(late),
-            counted(inserted),
-            percent(share, 2)
-        ),
-        Verdict::if_known(low > RARE || high <= RARE, high <= RARE),
-        format!(
-            "Holds if at most {} % of all inserted samples come after iteration {PAPER}, and the 99 % interval of a Poisson variable tells \
-             (it ends at {}). {}",
-            100.0 * RARE,
-            percent(high, 2),
-            way.counts
-        ),
-    )
+    let share = |count: f64| count / inserted.max(1) as f64;
+    let [low, high] = poisson_interval(late, MISSED).map(share);
+    let verdict = Verdict::if_known(low > RARE || high <= RARE, high <= RARE);
+    let values = json!({
+        "late": late, "inserted": inserted, "share": share(late as f64),
+        "allowed": PAPER, "rare": RARE, "high": high,
+    });
+    claim(&format!("iterations/rare-{how}"), verdict, &values)
 }
 
 #[cfg(test)]
@@ -199,7 +143,6 @@ mod tests {
     use super::*;
     use crate::experiment::Experiment;
     use crate::study::tests::quick_run;
-    use tilescope_core::Summary;
 
     fn found(count: usize, inserted: &[usize]) -> IterationCounts {
         IterationCounts {
@@ -220,9 +163,9 @@ mod tests {
 
     /// Of sets made in stages, and of the same made as printed with one iteration less.
     fn both(found: &[IterationCounts]) -> Vec<Claim> {
-        let printed = |one: &IterationCounts| SetCounts {
-            count: one.summary.count,
+        let printed = |one: &IterationCounts| Summary {
             inserted: one.summary.inserted[..1].to_vec(),
+            ..one.summary.clone()
         };
         claims(found, &found.iter().map(printed).collect::<Vec<_>>())
     }
@@ -232,7 +175,8 @@ mod tests {
         assert_eq!(of[1].verdict, Verdict::Reproduced);
         let staged: Vec<Verdict> = of[2..].iter().map(|claim| claim.verdict).collect();
         // The same numbers as printed have the same verdicts.
-        let same = claims(&[], &found.iter().map(SetCounts::from).collect::<Vec<_>>());
+        let same = found.iter().map(|one| one.summary.clone());
+        let same = claims(&[], &same.collect::<Vec<_>>());
         assert_eq!([same[0].verdict, same[1].verdict], staged[..]);
         staged
     }
@@ -263,10 +207,7 @@ mod tests {
         let small = found(10_000, &[1000, 5, 1]);
         assert_eq!(verdicts(&[small]), [NotReproduced, Reproduced]);
         // None late of a hundred does not say that one in a hundred is too many.
-        let few = SetCounts {
-            count: 10_000,
-            inserted: vec![95, 5],
-        };
+        let few = found(10_000, &[95, 5]).summary;
         assert_eq!(claims(&[], &[few])[1].verdict, NotComparable);
     }
 

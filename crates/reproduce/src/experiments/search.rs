@@ -3,19 +3,20 @@
 
 mod gaps;
 mod picture;
-mod witness;
 
-use rayon::prelude::*;
-use tilescope_core::{Parameters, Search, Sequential, Variant};
+use serde_json::json;
+use tilescope_analysis::measures::poisson_interval;
+use tilescope_core::{Parameters, Search, Variant};
 
 use crate::control::Control;
-use crate::error::ReproduceError;
-use crate::experiments::common::{counted, poisson_interval, seed, seeded, square};
-use crate::numbers::number;
+use crate::error::Result;
+use crate::experiments::common::{MISSED, largest, seeded, square};
+use crate::numbers::count;
 use crate::outcome::{Claim, Outcome, Verdict};
-use crate::sets::{Set, pattern};
+use crate::sets::{Set, sequential};
 use crate::study::{Settings, Study};
-use gaps::{GapCounts, GapStatistics};
+use crate::texts::{claim, text};
+use gaps::{GapCounts, GapStatistics, a_million};
 
 /// Fewer samples than this cannot confirm that there are no gaps in practice.
 const ENOUGH: usize = 1_000_000;
@@ -36,60 +37,43 @@ impl SearchCase {
         }
     }
 
-    fn key(self) -> String {
-        let variant = match self.variant {
-            Variant::Staged => "staged",
-            Variant::AsPrinted => "printed",
-        };
-        format!("{variant}-{}", self.leaf)
-    }
-
-    fn parameters(self, settings: &Settings, index: usize) -> Parameters {
-        let base = Parameters {
-            variant: self.variant,
-            ..square(self.amounts(settings).1, self.leaf)
-        };
-        seeded(base, seed(settings, index))
+    fn parameters(self, samples: f64, seed: u64) -> Parameters {
+        let mut parameters = seeded(square(samples, self.leaf), seed);
+        parameters.variant = self.variant;
+        parameters
     }
 }
 
 fn cases(settings: &Settings) -> Vec<SearchCase> {
-    let leaves = settings.pick(vec![10.0, 20.0, 40.0, 80.0], vec![20.0, 40.0]);
-    let of = |variant| {
-        let case = move |leaf: &f64| SearchCase {
-            leaf: *leaf,
-            variant,
-        };
-        leaves.iter().map(case).collect::<Vec<_>>()
-    };
-    [of(Variant::Staged), of(Variant::AsPrinted)].concat()
+    let leaves: &[f64] = settings.pick(&[10.0, 20.0, 40.0, 80.0], &[20.0, 40.0]);
+    let variants = [Variant::Staged, Variant::AsPrinted].into_iter();
+    let of = |variant| leaves.iter().map(move |&leaf| SearchCase { leaf, variant });
+    variants.flat_map(of).collect()
 }
 
 pub fn units(settings: &Settings) -> usize {
     cases(settings).len()
 }
 
-pub fn run(study: &Study<'_>) -> Result<Outcome, ReproduceError> {
+pub fn run(study: &Study<'_>) -> Result<Outcome> {
     let settings = study.settings;
     let mut found: Vec<GapStatistics> = Vec::new();
     for case in cases(settings) {
-        let what = format!("{} r, {:?}", case.leaf, case.variant);
-        let sets: Vec<GapStatistics> = study.unit(&case.key(), &what, |control| {
-            let sets = 0..case.amounts(settings).0;
-            sets.into_par_iter()
-                .map(|index| measure(case, settings, index, control))
-                .collect()
-        })?;
-        found.extend(sets);
+        let (sets, samples) = case.amounts(settings);
+        let SearchCase { leaf, variant } = case;
+        let staged = variant == Variant::Staged;
+        let key = format!("{}-{leaf}", if staged { "staged" } else { "printed" });
+        let what = format!("{leaf} r, {variant:?}");
+        found.extend(study.sets(&key, &what, 0..sets, |seed, control| {
+            measure(case, samples, seed, control)
+        })?);
     }
     let control = study.control("the pictures");
     let mut pictures = vec![gaps::bars(&found)?];
     if let Some(worst) = gaps::worst(&found) {
-        let case = SearchCase {
-            leaf: worst.leaf,
-            variant: Variant::Staged,
-        };
-        let parameters = case.parameters(settings, worst.index);
+        let (leaf, variant) = (worst.leaf, Variant::Staged);
+        let case = SearchCase { leaf, variant };
+        let parameters = case.parameters(case.amounts(settings).1, worst.seed);
         let (set, _) = make(&parameters, Search::TwoRadii, &control)?;
         pictures.extend(picture::witnesses(&set, &worst.two.worst)?);
     }
@@ -97,126 +81,79 @@ pub fn run(study: &Study<'_>) -> Result<Outcome, ReproduceError> {
         claims: claims(&found),
         pictures,
         tables: vec![gaps::by_leaf(&found), gaps::by_set(&found)],
-        notes: vec![NOTE.to_owned()],
+        notes: vec![text("search/how", &json!({}))],
     })
 }
 
-const NOTE: &str = "A detector fills the circumcentre of itself and two samples that it sees. The three samples around a gap lie up to \
-twice the gap's circumradius apart, which is more than 2 r: a place is out of sight when none of its three sites has both others \
-within 2 r, so that no detector at all could find it. In stages only inserted samples are detectors after the first iteration; \
-Algorithm 4 as printed keeps every mark, so that all samples near a loss look again in each round. Every set has a seed and a \
-pattern of its own.";
-
 /// Makes a set, and returns it with the number of samples that were inserted.
-fn make(
-    parameters: &Parameters,
-    search: Search,
-    control: &Control<'_>,
-) -> Result<(Set, usize), ReproduceError> {
-    let parameters = Parameters {
-        search,
-        ..*parameters
+fn make(parameters: &Parameters, search: Search, control: &Control<'_>) -> Result<(Set, usize)> {
+    let mut parameters = *parameters;
+    parameters.search = search;
+    let (set, summary) = if parameters.variant == Variant::Staged {
+        Set::kdrt(&parameters, control)?
+    } else {
+        let run = sequential(&parameters, control)?;
+        (Set::of_run(&run), run.summary())
     };
-    if parameters.variant == Variant::Staged {
-        let (set, summary) = Set::kdrt(&parameters, control)?;
-        return Ok((set, summary.inserted.iter().sum()));
-    }
-    let engine = Sequential::new(&parameters, pattern(&parameters.pattern, control)?)?;
-    let run = engine.finish(&mut control.observer())?;
-    let inserted = run.summary().inserted.iter().sum();
-    Ok((Set::of(&run.domain, &run.points()), inserted))
+    Ok((set, summary.inserted.iter().sum()))
 }
 
 fn measure(
     case: SearchCase,
-    settings: &Settings,
-    index: usize,
+    samples: f64,
+    seed: u64,
     control: &Control<'_>,
-) -> Result<GapStatistics, ReproduceError> {
-    let parameters = case.parameters(settings, index);
-    let judged = |search| -> Result<GapCounts, ReproduceError> {
+) -> Result<GapStatistics> {
+    let parameters = case.parameters(samples, seed);
+    let judged = |search| -> Result<GapCounts> {
         let (set, inserted) = make(&parameters, search, control)?;
         GapCounts::of(&set, inserted, control)
     };
     Ok(GapStatistics {
         leaf: case.leaf,
         printed: case.variant == Variant::AsPrinted,
-        index,
-        seed: parameters.seed,
+        seed,
         two: judged(Search::TwoRadii)?,
         four: judged(Search::Complete)?,
     })
 }
 
 fn claims(found: &[GapStatistics]) -> Vec<Claim> {
-    let sight = gaps::sight(found);
-    let again = "Here every marked sample looks again in each round.";
-    let enough = "2r is enough in practice, not proved";
-    let follows = "follows from theorem 3.2";
-    let of = |printed, pick: fn(&GapStatistics) -> &GapCounts| -> Vec<&GapCounts> {
-        let fits = found.iter().filter(|one| one.printed == printed);
-        fits.map(pick).collect()
+    let one = |id: &str, printed: bool, pick: fn(&GapStatistics) -> &GapCounts| {
+        let sets = found.iter().filter(|one| one.printed == printed);
+        judged(id, &sets.map(pick).collect::<Vec<_>>())
     };
-    let two = |printed| ("Looking 2r far leaves no gap", of(printed, |one| &one.two));
-    let four = |printed| ("Looking 4r far leaves no gap", of(printed, |one| &one.four));
     vec![
-        claim(two(true), AS_PRINTED, enough, again),
-        claim(four(true), AS_PRINTED, follows, again),
-        claim(two(false), IN_STAGES, enough, &sight),
-        claim(four(false), IN_STAGES, follows, ""),
+        one("search/two-printed", true, |one| &one.two),
+        one("search/four-printed", true, |one| &one.four),
+        one("search/two-staged", false, |one| &one.two),
+        one("search/four-staged", false, |one| &one.four),
     ]
 }
 
-/// Ways to make sets, and the sections of their claims.
-const AS_PRINTED: [&str; 2] = ["Algorithm 4 as printed", "section 3.2.2"];
-const IN_STAGES: [&str; 2] = [
-    "in this program's arrangement in stages",
-    crate::outcome::BEYOND,
-];
-
-fn claim(
-    (claim, sets): (&str, Vec<&GapCounts>),
-    [way, section]: [&str; 2],
-    paper: &str,
-    more: &str,
-) -> Claim {
+/// Returns the claim that sets have no gap.
+fn judged(id: &str, sets: &[&GapCounts]) -> Claim {
     let holes: usize = sets.iter().map(|one| one.holes).sum();
     let samples: usize = sets.iter().map(|one| one.count).sum();
-    let worst = sets
-        .iter()
-        .map(|one| one.covering_radius)
-        .fold(0.0, f64::max);
-    let holds = holes == 0 && sets.iter().all(|one| one.centers == 0);
-    let rule = "Holds if the verifier finds no gap in any set; less than a million samples can refute it but not confirm it.";
-    Claim::new(
-        [&format!("{claim} ({way})"), section, paper],
-        format!(
-            "{} in {} sets of {} samples in all ({}); covering radius up to {} r",
-            match holes {
-                0 => "no gap".to_owned(),
-                1 => "1 gap".to_owned(),
-                _ => format!("{} gaps", counted(holes)),
-            },
-            sets.len(),
-            counted(samples),
-            rate(holes, samples),
-            number(worst, 7)
-        ),
+    let holds = sets.iter().all(|one| one.holes == 0 && one.centers == 0);
+    let ends = poisson_interval(holes, MISSED).map(|gaps| a_million(gaps, samples));
+    let rate = json!({ "rate": a_million(holes as f64, samples), "ends": ends });
+    let values = json!({
+        "holes": match holes {
+            0 => "no gap".to_owned(),
+            1 => "1 gap".to_owned(),
+            _ => format!("{} gaps", count(holes as u64)),
+        },
+        "sets": sets.len(), "samples": samples,
+        "rate": text(if holes == 0 { "search/none" } else { "search/some" }, &rate),
+        "covering": largest(sets.iter().map(|one| one.covering_radius)),
+        "centers": sets.iter().map(|one| one.centers).sum::<u64>(),
+        "out": sets.iter().map(|one| one.out_of_sight).sum::<usize>(),
+    });
+    claim(
+        id,
         Verdict::if_known(!holds || samples >= ENOUGH, holds),
-        format!("{rule} {more}").trim_end(),
-    )
-}
-
-/// Returns how frequent gaps are; without any gap, how frequent they may be with 99 % confidence.
-fn rate(holes: usize, samples: usize) -> String {
-    let a_million = |gaps: f64| number(1e6 * gaps / samples.max(1) as f64, 2);
-    let [low, high] = poisson_interval(holes).map(a_million);
-    if holes == 0 {
-        return format!("with 99 % confidence at most {high} a million");
-    }
-    format!(
-        "{} a million, with 99 % confidence {low} to {high}",
-        a_million(holes as f64)
+        &values,
     )
 }
 

@@ -3,14 +3,14 @@
 
 use serde::Serialize;
 use serde::de::DeserializeOwned;
+use serde_json::{Value, json};
 use tilescope_analysis::measures::Summary;
-use tilescope_core::{Parameters, Point};
+use tilescope_core::Parameters;
 
-use super::common::seed;
 use crate::control::Control;
 use crate::engines::Engines;
-use crate::error::ReproduceError;
-use crate::rates::{other_set, sized};
+use crate::error::Result;
+use crate::rates::sized;
 use crate::study::Study;
 
 /// Leaf sizes that are timed, in radii.
@@ -31,13 +31,13 @@ impl TimingPlan {
         self,
         study: &Study<'_>,
         what: &str,
-        open: impl Fn(&Control<'_>) -> Result<Engines, ReproduceError>,
-        round: impl Fn(&Parameters, &Engines, &Control<'_>) -> Result<T, ReproduceError>,
-    ) -> Result<Vec<T>, ReproduceError> {
+        open: impl Fn(&Control<'_>) -> Result<Engines>,
+        round: impl Fn(&Parameters, &Engines, &Control<'_>) -> Result<T>,
+    ) -> Result<Vec<T>> {
         let rounds = self.rounds;
         let mut opened = None;
         let one = |number: u64| {
-            let base = sized(self.samples, seed(study.settings, number as usize))?;
+            let base = sized(self.samples, study.settings.seed_of(number))?;
             let key = format!("{what}-{number}");
             let what = format!("{what}, round {} of {rounds}", number + 1);
             study.unit(&key, &what, |control| {
@@ -50,14 +50,6 @@ impl TimingPlan {
         };
         (0..rounds).map(one).collect()
     }
-}
-
-/// Fails where an engine's set is not the one that was verified.
-pub fn same(name: &str, points: &[Point], verified: &[Point]) -> Result<(), ReproduceError> {
-    if points == verified {
-        return Ok(());
-    }
-    Err(other_set(name))
 }
 
 /// Quartiles of fewer values would be interpolations.
@@ -81,29 +73,22 @@ pub const fn whisker_words(rounds: usize) -> &'static str {
     }
 }
 
-/// Returns key and heading of columns with both ends of [`whisker`] of so many rounds.
-pub const fn whisker_columns(rounds: usize) -> [(&'static str, &'static str); 2] {
-    if rounds < FEW {
-        [("least", "least"), ("most", "most")]
+/// Adds both ends of [`whisker`] to a row of a table, in units of which a second, or one a second, has so many.
+pub fn whiskered(summary: &Summary, scale: f64, mut row: Value) -> Value {
+    let keys = if summary.count < FEW {
+        ["least", "most"]
     } else {
-        [
-            ("quartile_1", "first quartile"),
-            ("quartile_3", "third quartile"),
-        ]
+        ["quartile_1", "quartile_3"]
+    };
+    for (key, end) in keys.into_iter().zip(whisker(summary)) {
+        row[key] = json!(scale * end);
     }
+    row
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_set_that_is_not_the_verified_one_has_no_rate() {
-        let points = [Point::new(1, 2), Point::new(3, 4)];
-        assert!(same("a", &points, &points).is_ok());
-        let other = [Point::new(1, 2), Point::new(3, 5)];
-        assert!(same("a", &points, &other).is_err());
-    }
 
     #[test]
     fn few_values_have_no_quartiles() {
@@ -114,6 +99,5 @@ mod tests {
         assert_eq!(of(&[1.0, 2.0, 3.0, 4.0]), [1, 4]);
         assert_eq!(of(&[1.0, 2.0, 3.0, 4.0, 5.0]), [2, 4]);
         assert_eq!(whisker_words(2), "from least to most");
-        assert_eq!(whisker_columns(5)[0].0, "quartile_1");
     }
 }

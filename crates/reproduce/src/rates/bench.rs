@@ -9,7 +9,7 @@ use tilescope_core::{Key, Parameters, Pattern, Plane, Stream, Window};
 use super::{EngineRate, EngineTime, median, rows, sized, timed, times};
 use crate::control::{Control, Watch};
 use crate::engines::{Engine, Engines};
-use crate::error::ReproduceError;
+use crate::error::{ReproduceError, Result};
 
 /// The settings of a bench.
 #[derive(Clone, Debug)]
@@ -77,11 +77,7 @@ impl Bench {
     pub const WINDOW_SAMPLES: f64 = 10_000.0;
 
     /// Times the CPU's engines and windows.
-    pub fn cpu(
-        &self,
-        watch: &dyn Watch,
-        is_valid: JudgeWindow<'_>,
-    ) -> Result<CpuRates, ReproduceError> {
+    pub fn cpu(&self, watch: &dyn Watch, is_valid: JudgeWindow<'_>) -> Result<CpuRates> {
         let base = self.base()?;
         let of_plane = sized(self.plane, self.seed)?;
         let open = Engines::open(&self.threads, Vec::new())?;
@@ -90,25 +86,13 @@ impl Bench {
         let generate = || Pattern::generate(&base.pattern, &mut control.observer());
         let (pattern, pattern_seconds) = timed(generate);
         let pattern = Arc::new(pattern?);
-        let threads = self.threads.iter();
-        let mut engines: Vec<Engine> = threads
-            .map(|&threads| Engine::Parallel { threads })
-            .collect();
+        let parallel = |&threads: &usize| Engine::Parallel { threads };
+        let mut engines: Vec<Engine> = self.threads.iter().map(parallel).collect();
         if self.sequential {
             engines.insert(0, Engine::Sequential);
         }
-        let rounds = self.rounds(&base, watch, |parameters, control| {
-            let from_scratch = [Engine::Reference];
-            let mut all = times(&open, &from_scratch, parameters, &pattern, control)?;
-            for &leaf in &self.leaves {
-                let parameters = Parameters {
-                    leaf,
-                    ..*parameters
-                };
-                all.extend(times(&open, &engines, &parameters, &pattern, control)?);
-            }
-            Ok(all)
-        })?;
+        let each = [&[Engine::Reference][..], &engines];
+        let rounds = self.rounds(&open, each, (&base, &pattern), watch)?;
         let rounds: Vec<&[EngineTime]> = rounds.iter().map(Vec::as_slice).collect();
         Ok(CpuRates {
             pattern_seconds,
@@ -118,7 +102,7 @@ impl Bench {
     }
 
     /// Returns the parameters of the first round's sets. Fails if a leaf size is not possible with them.
-    pub(super) fn base(&self) -> Result<Parameters, ReproduceError> {
+    pub(super) fn base(&self) -> Result<Parameters> {
         let base = sized(self.samples, self.seed)?;
         base.validate_sequential()?;
         for &leaf in &self.leaves {
@@ -127,21 +111,29 @@ impl Bench {
         Ok(base)
     }
 
-    /// Carries out all rounds, each with a seed of its own.
+    /// Carries out all rounds, each with a seed of its own: engines that make one set, and those that make one of each
+    /// leaf size.
     pub(super) fn rounds(
         &self,
-        base: &Parameters,
+        open: &Engines,
+        [once, by_leaf]: [&[Engine]; 2],
+        (base, pattern): (&Parameters, &Arc<Pattern>),
         watch: &dyn Watch,
-        round: impl Fn(&Parameters, &Control<'_>) -> Result<Vec<EngineTime>, ReproduceError>,
-    ) -> Result<Vec<Vec<EngineTime>>, ReproduceError> {
-        let one = |number: u64| {
-            let seed = self.seed.wrapping_add(number);
+    ) -> Result<Vec<Vec<EngineTime>>> {
+        let round = |number: u64| {
             let what = format!("round {} of {}", number + 1, self.rounds);
             let control = Control::new(watch, number as usize, what);
             control.go_on()?;
-            round(&Parameters { seed, ..*base }, &control)
+            let mut parameters = *base;
+            parameters.seed = self.seed.wrapping_add(number);
+            let mut all = times(open, once, &parameters, pattern, &control)?;
+            for &leaf in &self.leaves {
+                parameters.leaf = leaf;
+                all.extend(times(open, by_leaf, &parameters, pattern, &control)?);
+            }
+            Ok(all)
         };
-        (0..self.rounds).map(one).collect()
+        (0..self.rounds).map(round).collect()
     }
 
     fn windows(
@@ -149,7 +141,7 @@ impl Bench {
         parameters: &Parameters,
         pattern: &Pattern,
         is_valid: JudgeWindow<'_>,
-    ) -> Result<WindowTimes, ReproduceError> {
+    ) -> Result<WindowTimes> {
         let (plane, plane_seconds) = timed(|| Plane::new(parameters, pattern));
         let plane = plane?;
         let side = (Self::WINDOW_SAMPLES / 0.7).sqrt() * parameters.radius;

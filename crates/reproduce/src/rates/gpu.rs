@@ -7,10 +7,10 @@ use serde::{Deserialize, Serialize};
 use tilescope_core::{Parameters, Pattern, Stage};
 use tilescope_gpu::{Gpu, GpuSweep, Options, PassReport};
 
-use super::{Bench, EngineRate, EngineTime, rows, timed, times};
+use super::{Bench, EngineRate, EngineTime, rows, timed};
 use crate::control::{Control, Watch};
 use crate::engines::{Engine, Engines};
-use crate::error::ReproduceError;
+use crate::error::Result;
 
 /// Bytes copied at a time to measure the speed of the device's memory, and how often: long enough that the start does
 /// not matter.
@@ -58,30 +58,18 @@ pub struct GpuRates {
 
 impl Bench {
     /// Times a GPU against the parallel engine on all threads.
-    pub fn gpu(&self, gpu: &Arc<Gpu>, watch: &dyn Watch) -> Result<GpuRates, ReproduceError> {
+    pub fn gpu(&self, gpu: &Arc<Gpu>, watch: &dyn Watch) -> Result<GpuRates> {
         let base = self.base()?;
         let control = Control::new(watch, 0, "the first run".to_owned());
         let pattern = Pattern::of_spec(&base.pattern, &mut control.observer())?;
         let open = Engines::open(&[], vec![Arc::clone(gpu)])?;
         let adapter = gpu.report().name.clone();
         let engines = [Engine::parallel(), Engine::Gpu { adapter }];
-        let first = Parameters {
-            leaf: *self.leaves.first().unwrap_or(&base.leaf),
-            ..base
-        };
+        let leaf = *self.leaves.first().unwrap_or(&base.leaf);
+        let first = Parameters { leaf, ..base };
         let (made, first_seconds) = timed(|| open.make(&engines[1], &first, &pattern, &control));
         drop(made?);
-        let rounds = self.rounds(&base, watch, |parameters, control| {
-            let mut all = Vec::new();
-            for &leaf in &self.leaves {
-                let parameters = Parameters {
-                    leaf,
-                    ..*parameters
-                };
-                all.extend(times(&open, &engines, &parameters, &pattern, control)?);
-            }
-            Ok(all)
-        })?;
+        let rounds = self.rounds(&open, [&[], &engines], (&base, &pattern), watch)?;
         let rounds: Vec<&[EngineTime]> = rounds.iter().map(Vec::as_slice).collect();
         let run = run_timed(gpu, &first, &pattern, &control, |report| {
             let stage = match report.stage {
@@ -109,7 +97,7 @@ pub(crate) fn run_timed(
     pattern: &Arc<Pattern>,
     control: &Control<'_>,
     names: impl Fn(&PassReport) -> [String; 2],
-) -> Result<GpuRun, ReproduceError> {
+) -> Result<GpuRun> {
     let options = Options {
         timed: true,
         ..Options::default()

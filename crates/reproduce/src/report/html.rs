@@ -114,18 +114,9 @@ fn picture(out: &mut String, path: &Path, caption: &str) {
 
 /// Returns text as it may stand in a data address between double quotes.
 fn in_address(text: &str) -> String {
-    let mut out = String::with_capacity(text.len() + text.len() / 8);
-    for letter in text.chars() {
-        match letter {
-            '%' => out.push_str("%25"),
-            '#' => out.push_str("%23"),
-            '"' => out.push_str("%22"),
-            '<' => out.push_str("%3C"),
-            '>' => out.push_str("%3E"),
-            '&' => out.push_str("%26"),
-            '\n' | '\r' | '\t' => out.push(' '),
-            _ => out.push(letter),
-        }
+    let mut out = text.replace(['\n', '\r', '\t'], " ");
+    for letter in ['%', '#', '"', '<', '>', '&'] {
+        out = out.replace(letter, &format!("%{:02X}", letter as u32));
     }
     out
 }

@@ -4,7 +4,6 @@ use std::fmt::Write;
 
 use super::{Block, Span, TITLE};
 
-/// Returns the page.
 pub fn page(blocks: &[Block]) -> String {
     let mut out = format!("# {TITLE}\n");
     for block in blocks {

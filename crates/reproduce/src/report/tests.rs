@@ -7,6 +7,11 @@ use crate::machine::Machine;
 use crate::numbers::{csv, number, readable};
 use crate::outcome::{BEYOND, Cell, Claim, Column, Table, Verdict};
 
+fn column(key: &str, head: &str, digits: usize) -> Column {
+    let (key, head) = (key.to_owned(), head.to_owned());
+    Column { key, head, digits }
+}
+
 fn finished() -> Finished {
     Finished {
         experiment: Experiment::Fig12,
@@ -26,13 +31,10 @@ fn finished() -> Finished {
         tables: vec![Table {
             name: "sets".to_owned(),
             title: "Sets".to_owned(),
-            columns: vec![
-                Column::new("name", "name", 3),
-                Column::new("rate", "rate, 1/s", 3),
-            ],
+            columns: vec![column("name", "name", 3), column("rate", "rate, 1/s", 3)],
             rows: vec![
-                vec!["a,b".into(), 1_234_567.0.into()],
-                vec!["c".into(), f64::NAN.into()],
+                vec![Cell::of("a,b".into()), Cell::of(1_234_567.0.into())],
+                vec![Cell::of("c".into()), Cell::of(f64::NAN.into())],
             ],
             shown: true,
         }],

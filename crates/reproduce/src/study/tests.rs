@@ -3,6 +3,7 @@
 use std::ops::ControlFlow;
 
 use super::*;
+use crate::error::ReproduceError;
 use crate::outcome::Outcome;
 
 /// A watch that lets everything finish.
@@ -15,7 +16,7 @@ impl Watch for Idle {
 }
 
 /// Carries out something with the control of a study of its own.
-pub fn alone(settings: &Settings, work: impl FnOnce(&Control<'_>) -> Result<(), ReproduceError>) {
+pub fn alone(settings: &Settings, work: impl FnOnce(&Control<'_>) -> Result<()>) {
     studied(Experiment::Fig12, settings, |study| {
         work(&study.control("test"))
     })
@@ -26,8 +27,8 @@ pub fn alone(settings: &Settings, work: impl FnOnce(&Control<'_>) -> Result<(), 
 pub fn studied<T>(
     experiment: Experiment,
     settings: &Settings,
-    work: impl FnOnce(&Study<'_>) -> Result<T, ReproduceError>,
-) -> Result<T, ReproduceError> {
+    work: impl FnOnce(&Study<'_>) -> Result<T>,
+) -> Result<T> {
     let folder = tempfile::tempdir().unwrap();
     let parts = Parts::open(folder.path().join("parts"), "test".into(), false)?;
     work(&Study::new(experiment, settings, 0, parts, &Idle))

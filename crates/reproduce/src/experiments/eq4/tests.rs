@@ -51,8 +51,7 @@ fn verdicts_follow_from_the_numbers() {
 fn what_is_counted_is_what_there_is() {
     alone(&Settings::default(), |control| {
         let parameters = square(4_000.0, 12.0);
-        let engine = Sequential::new(&parameters, pattern(&parameters.pattern, control)?)?;
-        let run = engine.finish(&mut control.observer())?;
+        let run = sequential(&parameters, control)?;
         let found = counts(12.0, &run);
         let summary = run.summary();
         assert_eq!(

@@ -1,13 +1,15 @@
 //! What the paper says about quality, and the verdicts that follow from the errors.
 
+use serde_json::{Value, json};
 use tilescope_analysis::measures::Summary;
 
 use super::looks::LOW;
 use super::results::{DENSE, Ratio, SamplerResults};
 use super::samplers::Sampler;
-use crate::numbers::{number, percent};
+use crate::numbers::number;
 use crate::outcome::{Claim, Verdict};
 use crate::rule::Rule;
+use crate::texts::{claim, text};
 
 /// Low frequencies are suppressed if they have at most this part of the power of independent samples.
 pub const SUPPRESSED: f64 = 0.2;
@@ -17,7 +19,6 @@ const ALIKE: f64 = 0.05;
 /// samples goes with the inverse root of their number: they would have to be half as many again.
 const CLEARLY: f64 = 1.224_744_871_391_589;
 
-/// Returns the claims.
 pub fn claims(all: &[SamplerResults]) -> Vec<Claim> {
     let find = |sampler: Sampler| all.iter().find(|one| one.sampler == sampler);
     let (Some(random), Some(reference), Some(kdrt)) = (
@@ -31,7 +32,8 @@ pub fn claims(all: &[SamplerResults]) -> Vec<Claim> {
         suppressed(random, reference, kdrt),
         plate_alike(reference, kdrt),
         plate_better(random, reference, kdrt),
-        bnot(),
+        // No set of BNOT is made here.
+        claim("fig10/bnot", Verdict::NotComparable, &json!({})),
         horizon_alike(random, reference, kdrt),
         scene(all),
     ]
@@ -48,13 +50,11 @@ fn words(ratio: Option<Ratio>) -> String {
     }
 }
 
-fn mean(errors: &[f64]) -> String {
-    number(errors.iter().sum::<f64>() / errors.len() as f64, 3)
-}
-
-fn deviation(errors: &[f64]) -> String {
-    let summary = Summary::of(errors.iter().copied());
-    summary.map_or_else(String::new, |summary| number(summary.deviation, 2))
+/// Returns mean and deviation of errors.
+fn spread(errors: Vec<f64>) -> Value {
+    let both = |summary: Summary| [summary.mean, summary.deviation];
+    let [mean, deviation] = Summary::of(errors).map_or([f64::NAN; 2], both);
+    json!({ "mean": mean, "deviation": deviation })
 }
 
 fn alike(ratio: Option<Ratio>) -> Verdict {
@@ -68,67 +68,40 @@ fn clearly(ratios: &[Option<Ratio>]) -> Verdict {
 }
 
 /// Returns why there is no verdict; empty if there is one.
-fn undecided(verdict: Verdict, ratios: &[Option<Ratio>]) -> &'static str {
+fn undecided(verdict: Verdict, ratios: &[Option<Ratio>]) -> String {
     let known = |ratio: &Option<Ratio>| ratio.is_some_and(|ratio| ratio.interval.is_some());
-    match verdict {
-        Verdict::NotComparable if ratios.iter().all(known) => {
-            " Not comparable: the interval holds the limit."
-        }
-        Verdict::NotComparable => " Not comparable: a single set has no interval.",
-        _ => "",
+    if verdict != Verdict::NotComparable {
+        return String::new();
     }
+    let known = ratios.iter().all(known);
+    text(
+        if known {
+            "fig10/holds-limit"
+        } else {
+            "fig10/single"
+        },
+        &json!({}),
+    )
 }
 
 fn suppressed(random: &SamplerResults, reference: &SamplerResults, kdrt: &SamplerResults) -> Claim {
     let [random, reference, kdrt] = [random, reference, kdrt].map(|one| one.spectrum.low);
-    Claim::new(
-        [
-            "Low frequencies of KDRT and of MPS are suppressed against uniform random samples",
-            "section 4.1.3, figure 10, row 2",
-            "suppressed power at low frequencies explains the advantage",
-        ],
-        format!(
-            "mean power at \u{3bd} \u{2264} {LOW}: KDRT {}, reference {}, uniform random {}",
-            number(kdrt, 3),
-            number(reference, 3),
-            number(random, 3)
-        ),
-        Verdict::of(reference.max(kdrt) <= SUPPRESSED * random),
-        format!(
-            "Reproduced if the mean power of both at relative frequencies up to {LOW} is at most {} of that of uniform random \
-             samples.",
-            percent(SUPPRESSED, 2)
-        ),
-    )
+    let verdict = Verdict::of(reference.max(kdrt) <= SUPPRESSED * random);
+    let values = json!({
+        "low": LOW, "kdrt": kdrt, "reference": reference, "random": random, "suppressed": SUPPRESSED,
+    });
+    claim("fig10/suppressed", verdict, &values)
 }
 
 fn plate_alike(reference: &SamplerResults, kdrt: &SamplerResults) -> Claim {
     let (ours, theirs) = (kdrt.plate_errors(), reference.plate_errors());
     let ratio = Ratio::of(&ours, &theirs);
     let verdict = alike(ratio);
-    Claim::new(
-        [
-            "KDRT renders the zone plate as well as MPS does",
-            "section 4.1.3, figure 10, row 3",
-            "similar quality",
-        ],
-        format!(
-            "RMSE {} with KDRT, {} with the reference sampler: ratio {}; deviations between sets {} and {}",
-            mean(&ours),
-            mean(&theirs),
-            words(ratio),
-            deviation(&ours),
-            deviation(&theirs)
-        ),
-        verdict,
-        format!(
-            "Reproduced if the 95 % interval of the ratio of errors, from {} sets each, lies within {} of 1, not reproduced if it lies \
-             beyond.{} The reference sampler is that of Ebeida et al. 2012.",
-            ours.len().min(theirs.len()),
-            percent(ALIKE, 2),
-            undecided(verdict, &[ratio])
-        ),
-    )
+    let values = json!({
+        "sets": ours.len().min(theirs.len()), "kdrt": spread(ours), "reference": spread(theirs),
+        "ratio": words(ratio), "alike": ALIKE, "undecided": undecided(verdict, &[ratio]),
+    });
+    claim("fig10/plate-alike", verdict, &values)
 }
 
 fn plate_better(
@@ -139,40 +112,11 @@ fn plate_better(
     let worse = random.plate_errors();
     let ratios = [kdrt, reference].map(|one| Ratio::of(&worse, &one.plate_errors()));
     let verdict = clearly(&ratios);
-    Claim::new(
-        [
-            "Both render the zone plate clearly better than uniform random samples",
-            "section 4.1.3, figure 10, row 3",
-            "visibly less noise",
-        ],
-        format!(
-            "RMSE {} with uniform random samples: {} times that of KDRT, {} times that of the reference sampler",
-            mean(&worse),
-            words(ratios[0]),
-            words(ratios[1])
-        ),
-        verdict,
-        format!(
-            "Reproduced if the 95 % intervals of both ratios lie above {}: independent samples would have to be half as many again; not \
-             reproduced if one lies below.{} The paper shows pictures and gives no number.",
-            number(CLEARLY, 3),
-            undecided(verdict, &ratios)
-        ),
-    )
-}
-
-fn bnot() -> Claim {
-    Claim::new(
-        [
-            "KDRT renders the zone plate about as well as BNOT does",
-            "section 4.1.3, figure 10, row 3",
-            "similar quality",
-        ],
-        "not rendered: no set of BNOT is made here".to_owned(),
-        Verdict::NotComparable,
-        "BNOT (de Goes et al. 2012) is not part of this program. tilescope analyze compares the spectrum and the distances of a file \
-         with those of other sets: tilescope analyze bnot.txt --against kdrt-*.npy.",
-    )
+    let values = json!({
+        "random": spread(worse)["mean"], "ratios": ratios.map(words), "clearly": CLEARLY,
+        "undecided": undecided(verdict, &ratios),
+    });
+    claim("fig10/plate-better", verdict, &values)
 }
 
 fn horizon_alike(
@@ -183,33 +127,16 @@ fn horizon_alike(
     let ratio = Ratio::of(&kdrt.overall(), &reference.overall());
     let better = [kdrt, reference].map(|one| Ratio::of(&random.densest(), &one.densest()));
     let densest = kdrt.horizons.last().and_then(|sets| sets.first());
-    let per_pixel = densest.map_or(0, |one| one.per_pixel);
     let verdict = Verdict::of_all([alike(ratio), clearly(&better)]);
-    Claim::new(
-        [
-            "A rendered scene is as free of aliasing and noise with KDRT as with MPS, and more so than with uniform random samples",
-            "section 4.1.3, figure 10, row 4",
-            "similar quality; uniform random samples are noisier",
-        ],
-        format!(
-            "horizon: KDRT's RMSE is {} times the reference sampler's; at {per_pixel} samples per pixel that of uniform random samples \
-             is {} times KDRT's and {} times the reference sampler's",
-            words(ratio),
-            words(better[0]),
-            words(better[1])
-        ),
-        verdict,
-        format!(
-            "A checkerboard up to its horizon with a known integral over each pixel stands in for the paper's scene. Reproduced if the \
-             95 % interval of the first ratio, a geometric mean over all numbers of samples, lies within {} of 1 and those of the \
-             others above {}; not reproduced if one lies beyond its limit.{}",
-            percent(ALIKE, 2),
-            number(CLEARLY, 3),
-            undecided(verdict, &[ratio, better[0], better[1]])
-        ),
-    )
+    let values = json!({
+        "ratio": words(ratio), "better": better.map(words), "alike": ALIKE, "clearly": CLEARLY,
+        "per_pixel": densest.map_or(0, |one| one.per_pixel),
+        "undecided": undecided(verdict, &[ratio, better[0], better[1]]),
+    });
+    claim("fig10/horizon-alike", verdict, &values)
 }
 
+/// The paper's scene is not rendered.
 fn scene(all: &[SamplerResults]) -> Claim {
     let slope = |one: &SamplerResults| {
         Some(format!(
@@ -219,21 +146,16 @@ fn scene(all: &[SamplerResults]) -> Claim {
         ))
     };
     let slopes: Vec<String> = all.iter().filter_map(slope).collect();
+    let values = json!({ "dense": DENSE, "slopes": slopes.join(", ") });
     let exponents = if slopes.is_empty() {
         String::new()
     } else {
-        let slopes = slopes.join(", ");
-        format!("; exponents of the horizon's RMSE by samples per pixel, from {DENSE} on: {slopes}")
+        text("fig10/exponents", &values)
     };
-    Claim::new(
-        [
-            "San Miguel, path traced with 200 million camera rays, looks alike with BNOT, MPS and KDRT",
-            "figure 10, row 4",
-            "similar anti-aliasing and noise",
-        ],
-        format!("not rendered{exponents}"),
+    claim(
+        "fig10/scene",
         Verdict::NotComparable,
-        "The scene and its path tracer are not part of this program; the horizon stands in for them.",
+        &json!({ "exponents": exponents }),
     )
 }
 

@@ -1,16 +1,17 @@
 //! Charts of errors by local frequency and by samples per pixel, and of power.
 
-use tilescope_figures::chart::{Axis, Level, LineChart, Look, Panel, Series};
+use tilescope_figures::chart::{Level, LineChart, Panel, Series};
 
 use super::pictures::BLACK;
 use super::plate::NYQUIST;
 use super::results::SamplerResults;
 use super::samplers::Sampler;
+use crate::experiments::common::{curve, reference};
+use crate::texts::chart;
 
 /// Places of a curve, and its band if there is one everywhere.
 type Curve = (Vec<[f64; 2]>, Option<Vec<[f64; 2]>>);
 
-/// Returns the charts, in rows.
 pub fn panels(all: &[SamplerResults]) -> Vec<Vec<Panel>> {
     let rows = [vec![plate(all), horizon(all)], vec![power(all)]];
     let rows = rows.map(|row| {
@@ -21,42 +22,38 @@ pub fn panels(all: &[SamplerResults]) -> Vec<Vec<Panel>> {
 }
 
 /// Returns the curves of those samplers that have one.
-fn series(all: &[SamplerResults], curve: impl Fn(&SamplerResults) -> Option<Curve>) -> Vec<Series> {
+fn series(
+    all: &[SamplerResults],
+    curve_of: impl Fn(&SamplerResults) -> Option<Curve>,
+) -> Vec<Series> {
     let each = all.iter().enumerate().filter_map(|(index, one)| {
-        let (points, band) = curve(one).filter(|(points, _)| !points.is_empty())?;
-        Some(Series {
-            name: one.sampler.name().to_owned(),
-            look: Look::Numbered(index),
-            points,
-            band,
-        })
+        let (points, band) = curve_of(one).filter(|(points, _)| !points.is_empty())?;
+        let curve = curve(one.sampler.name(), index, points);
+        Some(Series { band, ..curve })
     });
     each.collect()
 }
 
 fn plate(all: &[SamplerResults]) -> LineChart {
-    let series = series(all, |one| Some((one.classes(), None)));
-    let ends = series.iter().filter_map(|series| series.points.last());
-    let end = ends.map(|point| point[0]).fold(NYQUIST, f64::max);
-    LineChart {
-        title: "Zone plate".to_owned(),
-        x: Axis::new("local frequency, cycles per pixel").with_range(0.0, end),
-        y: Axis::new("RMSE"),
-        series,
-        levels: Vec::new(),
-    }
+    let mut chart = chart(
+        "fig10/plate",
+        series(all, |one| Some((one.classes(), None))),
+    );
+    let ends = chart
+        .series
+        .iter()
+        .filter_map(|series| series.points.last());
+    chart.x.range = Some([0.0, ends.map(|point| point[0]).fold(NYQUIST, f64::max)]);
+    chart
 }
 
 fn horizon(all: &[SamplerResults]) -> LineChart {
     let mut series = series(all, |one| Some(logarithms(one)));
     series.extend(all.first().and_then(independent));
-    LineChart {
-        title: "Horizon".to_owned(),
-        x: Axis::new("samples per pixel").with_ticks(powers_of_two()),
-        y: Axis::new("RMSE").with_ticks(round_numbers()),
-        series,
-        levels: Vec::new(),
-    }
+    let mut chart = chart("fig10/horizon", series);
+    chart.x.ticks = Some(powers_of_two());
+    chart.y.ticks = Some(round_numbers());
+    chart
 }
 
 /// Ticks of logarithms to base 2.
@@ -80,16 +77,13 @@ fn power(all: &[SamplerResults]) -> LineChart {
         let power = &one.spectrum.power;
         (one.sampler != Sampler::Grid).then(|| (power.clone(), None))
     };
-    LineChart {
-        title: "Power".to_owned(),
-        x: Axis::new("relative frequency \u{3bd}"),
-        y: Axis::new("radial mean power").with_range(0.0, BLACK),
-        series: series(all, curve),
-        levels: vec![Level {
-            name: "independent samples".to_owned(),
-            y: 1.0,
-        }],
-    }
+    let mut chart = chart("fig10/power", series(all, curve));
+    chart.y.range = Some([0.0, BLACK]);
+    chart.levels = vec![Level {
+        name: "independent samples".to_owned(),
+        y: 1.0,
+    }];
+    chart
 }
 
 /// The power law with exponent -1/2, as for independent samples, through the last point of a sampler's curve.
@@ -97,12 +91,8 @@ fn independent(one: &SamplerResults) -> Option<Series> {
     let (points, _) = logarithms(one);
     let (first, last) = (points.first()?, points.last()?);
     let at = |x: f64| [x, last[1] - 0.5 * (x - last[0]) * 2_f64.log10()];
-    (first[0] < last[0]).then(|| Series {
-        name: "exponent \u{2212}1/2".to_owned(),
-        look: Look::Reference,
-        points: vec![at(first[0]), at(last[0])],
-        band: None,
-    })
+    let line = || vec![at(first[0]), at(last[0])];
+    (first[0] < last[0]).then(|| reference("exponent \u{2212}1/2", line()))
 }
 
 /// The horizon's curve as logarithms: samples per pixel to base 2, errors to base 10.

@@ -1,4 +1,5 @@
-//! Reconstruction of an image from samples: Gaussian weights over the sum of weights, or the mean of each pixel.
+//! Reconstruction of an image from samples: Gaussian weights over the sum of weights, or the mean of each pixel. Values
+//! are shown as shades of grey.
 //! The same samples give the same bits on any number of threads.
 
 use rayon::prelude::*;
@@ -67,13 +68,12 @@ fn band_of(
     let mut sums = vec![[0.0; 2]; rows.len() * side];
     let near = band.saturating_sub(1)..(band + 2).min(bins.len());
     for at in bins[near].iter().flatten() {
-        let [left, top] = at.map(first_pixel);
-        let (across, down) = (weights(at[0], left), weights(at[1], top));
+        let (across, down) = (touched(at[0]), touched(at[1]));
         let mut value = None;
-        for (row, wy) in reached(top, &down).filter(|(row, _)| rows.contains(row)) {
+        for (row, wy) in down.filter(|(row, _)| rows.contains(row)) {
             let value = *value.get_or_insert_with(|| function(*at));
             let line = &mut sums[(row - rows.start) * side..][..side];
-            for (column, wx) in reached(left, &across).filter(|(column, _)| *column < side) {
+            for (column, wx) in across.clone().filter(|(column, _)| *column < side) {
                 line[column][0] += wx * wy * value;
                 line[column][1] += wx * wy;
             }
@@ -86,14 +86,11 @@ fn band_of(
     }
 }
 
-/// Returns the first pixel whose centre a sample reaches; it may lie outside.
-fn first_pixel(at: f64) -> i64 {
-    (at - REACH - 0.5).ceil() as i64
-}
-
-/// Returns the weights of pixels from `first` on, along one axis; zero beyond the reach.
-fn weights(at: f64, first: i64) -> [f64; TOUCHED] {
-    std::array::from_fn(|index| {
+/// Returns the pixels along an axis whose centres a sample reaches, with their weights. They may lie beyond the upper
+/// end of the image.
+fn touched(at: f64) -> impl Iterator<Item = (usize, f64)> + Clone {
+    let first = (at - REACH - 0.5).ceil() as i64;
+    let weights: [f64; TOUCHED] = std::array::from_fn(|index| {
         let away = (first + index as i64) as f64 + 0.5 - at;
         let within = away.abs() <= REACH;
         if within {
@@ -101,16 +98,9 @@ fn weights(at: f64, first: i64) -> [f64; TOUCHED] {
         } else {
             0.0
         }
-    })
-}
-
-/// Returns pixels from `first` on that exist at the lower end, with their weights.
-fn reached(first: i64, weights: &[f64; TOUCHED]) -> impl Iterator<Item = (usize, f64)> + '_ {
-    let pixels = weights.iter().enumerate();
-    pixels.filter_map(move |(index, weight)| {
-        let pixel = usize::try_from(first + index as i64).ok()?;
-        (*weight > 0.0).then_some((pixel, *weight))
-    })
+    });
+    let pixels = (first..).zip(weights).filter(|(_, weight)| *weight > 0.0);
+    pixels.filter_map(|(pixel, weight)| Some((usize::try_from(pixel).ok()?, weight)))
 }
 
 /// Returns the mean of a function at the samples in each of `side` x `side` pixels, in pixel coordinates. A pixel without
@@ -155,9 +145,28 @@ fn nearest(pixels: &[Vec<[f64; 2]>], side: usize, index: usize) -> Option<[f64; 
     })
 }
 
+/// Errors of this size and beyond are black or white.
+pub const ERROR_SHOWN: f64 = 0.5;
+
+/// Returns the shade of a value from -1 to 1.
+pub fn shade(value: f64) -> u8 {
+    (127.5 + 127.5 * value).round().clamp(0.0, 255.0) as u8
+}
+
+/// Returns the shade of an error; zero is middle grey.
+pub fn error_shade(error: f64) -> u8 {
+    shade(error / ERROR_SHOWN)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn shades_reach_from_black_to_white() {
+        assert_eq!([-2.0, -1.0, 0.0, 1.0].map(shade), [0, 0, 128, 255]);
+        assert_eq!([-0.5, 0.0, 0.5].map(error_shade), [0, 128, 255]);
+    }
 
     fn samples(side: usize, along: usize) -> Vec<[f64; 2]> {
         let step = (side + 2 * MARGIN) as f64 / along as f64;
@@ -181,14 +190,16 @@ mod tests {
 
     #[test]
     fn weights_are_those_of_the_gaussian_and_end_at_the_reach() {
-        for at in [4.0, 4.25, 4.5, 4.999, 0.1] {
-            let first = first_pixel(at);
-            let weights = weights(at, first);
-            let reached: Vec<_> = weights.iter().filter(|w| **w > 0.0).collect();
+        for at in [4.0, 4.25, 4.5, 4.999, 2.1] {
+            let reached: Vec<_> = touched(at).collect();
             assert!((4..=5).contains(&reached.len()), "{at}");
-            let before = (first - 1) as f64 + 0.5 - at;
-            assert!(before < -REACH, "{at}");
-            let peak = weights.iter().fold(0.0_f64, |a, b| a.max(*b));
+            let away = |pixel: usize| pixel as f64 + 0.5 - at;
+            let [first, last] = [reached[0].0, reached[reached.len() - 1].0];
+            assert!(
+                away(first) - 1.0 < -REACH && away(last) + 1.0 > REACH,
+                "{at}"
+            );
+            let peak = reached.iter().fold(0.0_f64, |a, b| a.max(b.1));
             let nearest = ((at - 0.5).round() + 0.5 - at) / SIGMA;
             assert!((peak - (-0.5 * nearest * nearest).exp()).abs() < 1e-12);
         }

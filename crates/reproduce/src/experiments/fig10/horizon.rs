@@ -3,11 +3,10 @@
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::filter::pixel_means;
+use super::filter::{pixel_means, shade};
 use super::samplers::Sampler;
-use super::shades::shade;
 use crate::control::Control;
-use crate::error::ReproduceError;
+use crate::error::Result;
 use crate::study::Settings;
 
 /// Height of the eye above the board, in cells.
@@ -29,13 +28,6 @@ pub struct Horizon {
 }
 
 impl Horizon {
-    /// Returns the size for the settings.
-    pub fn of(settings: &Settings) -> Self {
-        Self {
-            side: settings.pick(256, 128),
-        }
-    }
-
     fn sky(self) -> usize {
         self.side / SKY
     }
@@ -89,6 +81,33 @@ impl Horizon {
         }
         sum
     }
+
+    /// Returns how wrong the image is that the samples of a set in the unit square give.
+    fn errors(
+        self,
+        (index, per_pixel): (u64, usize),
+        points: &[[f64; 2]],
+        exact: &[f64],
+    ) -> HorizonErrors {
+        let side = self.side;
+        let placed: Vec<[f64; 2]> = points
+            .iter()
+            .map(|at| at.map(|v| v * side as f64))
+            .collect();
+        let image = pixel_means(&placed, |at| self.value(at), side);
+        let board = self.sky() * side..;
+        let pairs = image.values[board.clone()].iter().zip(&exact[board]);
+        let squares: f64 = pairs.clone().map(|(a, b)| (a - b).powi(2)).sum();
+        let shown = index == 0 && per_pixel == SHOWN;
+        HorizonErrors {
+            index,
+            per_pixel,
+            count: points.len(),
+            rmse: (squares / pairs.len() as f64).sqrt(),
+            empty: image.empty as f64 / (side * side) as f64,
+            shades: shown.then(|| image.values.iter().map(|v| shade(*v)).collect()),
+        }
+    }
 }
 
 /// Returns the largest `v` below `from` at which `quotient / v` is a whole number; 0 if there is none.
@@ -127,68 +146,31 @@ pub struct HorizonErrors {
     pub shades: Option<Vec<u8>>,
 }
 
-/// A sampler at a number of samples per pixel.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct HorizonTask {
-    pub sampler: Sampler,
-    pub per_pixel: usize,
-    pub horizon: Horizon,
-    pub sets: u64,
+pub fn per_pixel(settings: &Settings) -> &'static [usize] {
+    settings.pick(&[1, 2, 4, 8, 16], &[1, 4, 16])
 }
 
-impl HorizonTask {
-    /// Returns what a sampler is to render.
-    pub fn of(sampler: Sampler, settings: &Settings) -> Vec<Self> {
-        let horizon = Horizon::of(settings);
-        let each: &[usize] = settings.pick(&[1, 2, 4, 8, 16], &[1, 4, 16]);
-        let task = |&per_pixel: &usize| Self {
-            sampler,
-            per_pixel,
-            horizon,
-            sets: sampler.sets(settings.pick(5, 3)),
-        };
-        each.iter().map(task).collect()
-    }
+/// Returns the image and how many sets render it.
+pub fn amounts(settings: &Settings) -> (Horizon, u64) {
+    let (side, sets) = settings.pick((256, 5), (128, 3));
+    (Horizon { side }, sets)
+}
 
-    fn count(&self) -> usize {
-        self.per_pixel * self.horizon.side * self.horizon.side
-    }
-
-    /// Renders all sets.
-    pub fn carry_out(
-        &self,
-        settings: &Settings,
-        control: &Control<'_>,
-    ) -> Result<Vec<HorizonErrors>, ReproduceError> {
-        let exact = self.horizon.exact();
-        (0..self.sets)
-            .map(|index| {
-                let which = (self.count(), index);
-                let points = self.sampler.points(which, settings, control)?;
-                Ok(self.rendered(index, &points, &exact))
-            })
-            .collect()
-    }
-
-    fn rendered(&self, index: u64, points: &[[f64; 2]], exact: &[f64]) -> HorizonErrors {
-        let side = self.horizon.side;
-        let placed: Vec<[f64; 2]> = (points.iter())
-            .map(|at| at.map(|v| v * side as f64))
-            .collect();
-        let image = pixel_means(&placed, |at| self.horizon.value(at), side);
-        let board = self.horizon.sky() * side..;
-        let pairs = image.values[board.clone()].iter().zip(&exact[board]);
-        let squares: f64 = pairs.clone().map(|(a, b)| (a - b).powi(2)).sum();
-        let shown = index == 0 && self.per_pixel == SHOWN;
-        HorizonErrors {
-            index,
-            per_pixel: self.per_pixel,
-            count: points.len(),
-            rmse: (squares / pairs.len() as f64).sqrt(),
-            empty: image.empty as f64 / (side * side) as f64,
-            shades: shown.then(|| image.values.iter().map(|v| shade(*v)).collect()),
-        }
-    }
+/// Renders an image from each set of a sampler.
+pub fn errors(
+    sampler: Sampler,
+    per_pixel: usize,
+    (horizon, sets): (Horizon, u64),
+    settings: &Settings,
+    control: &Control<'_>,
+) -> Result<Vec<HorizonErrors>> {
+    let exact = horizon.exact();
+    let one = |index| {
+        let count = per_pixel * horizon.side * horizon.side;
+        let points = sampler.points((count, index), settings, control)?;
+        Ok(horizon.errors((index, per_pixel), &points, &exact))
+    };
+    (0..sampler.sets(sets)).map(one).collect()
 }
 
 #[cfg(test)]
@@ -251,15 +233,11 @@ mod tests {
         let settings = Settings::default();
         alone(&settings, |control| {
             for sampler in [Sampler::Random, Sampler::Jittered, Sampler::Kdrt] {
-                let rmse = |per_pixel| -> Result<f64, ReproduceError> {
-                    let task = HorizonTask {
-                        sampler,
-                        per_pixel,
-                        horizon: Horizon { side: 64 },
-                        sets: 1,
-                    };
-                    let found = task.carry_out(&settings, control)?;
-                    assert_eq!(found, task.carry_out(&settings, control)?);
+                let rmse = |per_pixel| -> Result<f64> {
+                    let one = (Horizon { side: 64 }, 1);
+                    let made = || errors(sampler, per_pixel, one, &settings, control);
+                    let found = made()?;
+                    assert_eq!(found, made()?);
                     Ok(found[0].rmse)
                 };
                 assert!(rmse(16)? < 0.6 * rmse(2)?, "{sampler:?}");

@@ -6,7 +6,7 @@ use tilescope_analysis::{Boundary, Region};
 
 use super::samplers::Sampler;
 use crate::control::Control;
-use crate::error::ReproduceError;
+use crate::error::{ReproduceError, Result};
 use crate::study::Settings;
 
 /// Relative frequencies up to this one are low.
@@ -32,72 +32,58 @@ pub struct MeanSpectrum {
     pub reach: f64,
 }
 
-/// A sampler and its sets.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SpectrumTask {
-    pub sampler: Sampler,
-    pub count: usize,
-    pub sets: u64,
+/// Returns samples of a set, and sets.
+pub fn amounts(settings: &Settings) -> (usize, u64) {
+    settings.pick((25_000, 10), (12_800, 4))
 }
 
-impl SpectrumTask {
-    pub fn of(sampler: Sampler, settings: &Settings) -> Self {
-        Self {
-            sampler,
-            count: settings.pick(25_000, 12_800),
-            sets: sampler.sets(settings.pick(10, 4)),
-        }
+/// Returns the mean spectrum of sets of about `count` samples.
+pub fn spectrum(
+    sampler: Sampler,
+    (count, sets): (usize, u64),
+    settings: &Settings,
+    control: &Control<'_>,
+) -> Result<MeanSpectrum> {
+    let region = Region {
+        width: 1.0,
+        height: 1.0,
+        boundary: Boundary::Periodic,
+    };
+    let (sets, window) = (sampler.sets(sets), window(count));
+    let mut mean = MeanPeriodogram::default();
+    for index in 0..sets {
+        let points = sampler.points((count, index), settings, control)?;
+        mean.add(&Periodogram::of(
+            &points,
+            region,
+            &window,
+            &control.analysis(),
+        )?)?;
     }
+    let nothing = || ReproduceError::Engine("a sampler without a set has no spectrum".to_owned());
+    let mean = mean.mean().ok_or_else(nothing)?;
+    let spectrum = Spectrum::of(&mean)?;
+    let finite = |power: &f64| if power.is_finite() { *power } else { 0.0 };
+    Ok(MeanSpectrum {
+        sets,
+        count: mean.samples.round() as usize,
+        low: low(&spectrum),
+        reach: spectrum.picture_reach[0],
+        power: spectrum.power(),
+        picture: spectrum.picture.power.iter().map(finite).collect(),
+    })
+}
 
-    pub fn carry_out(
-        &self,
-        settings: &Settings,
-        control: &Control<'_>,
-    ) -> Result<MeanSpectrum, ReproduceError> {
-        let region = Region {
-            width: 1.0,
-            height: 1.0,
-            boundary: Boundary::Periodic,
-        };
-        let window = window(self.count);
-        let mut mean = MeanPeriodogram::default();
-        for index in 0..self.sets {
-            let points = (self.sampler).points((self.count, index), settings, control)?;
-            mean.add(&Periodogram::of(
-                &points,
-                region,
-                &window,
-                &control.analysis(),
-            )?)?;
-        }
-        let mean = mean.mean().ok_or_else(|| {
-            ReproduceError::Engine("a sampler without a set has no spectrum".to_owned())
-        })?;
-        let spectrum = Spectrum::of(&mean)?;
-        let power = spectrum.power();
-        Ok(MeanSpectrum {
-            sets: self.sets,
-            count: mean.samples.round() as usize,
-            low: low(&spectrum),
-            reach: spectrum.picture_reach[0],
-            power,
-            picture: (spectrum.picture.power.iter())
-                .map(|power| if power.is_finite() { *power } else { 0.0 })
-                .collect(),
-        })
-    }
-
-    /// Returns about [`DRAWN`] samples in a corner of the first set, scaled to the unit square.
-    pub fn corner(
-        &self,
-        settings: &Settings,
-        control: &Control<'_>,
-    ) -> Result<Vec<[f64; 2]>, ReproduceError> {
-        let points = (self.sampler).points((self.count, 0), settings, control)?;
-        let part = (DRAWN as f64 / points.len().max(1) as f64).sqrt().min(1.0);
-        let scaled = points.iter().map(|at| at.map(|v| v / part));
-        Ok(scaled.filter(|at| at.iter().all(|v| *v < 1.0)).collect())
-    }
+/// Returns about [`DRAWN`] samples in a corner of the first set, scaled to the unit square.
+pub fn corner(
+    sampler: Sampler,
+    settings: &Settings,
+    control: &Control<'_>,
+) -> Result<Vec<[f64; 2]>> {
+    let points = sampler.points((amounts(settings).0, 0), settings, control)?;
+    let part = (DRAWN as f64 / points.len().max(1) as f64).sqrt().min(1.0);
+    let scaled = points.iter().map(|at| at.map(|v| v / part));
+    Ok(scaled.filter(|at| at.iter().all(|v| *v < 1.0)).collect())
 }
 
 /// Returns the window of frequencies that [`CELLS`] squares along an axis fill, up to about [`Spectrum::MAX_NU`].
@@ -128,14 +114,7 @@ mod tests {
     fn noise_has_power_one_at_low_frequencies_and_maximal_sets_little() {
         let settings = Settings::default();
         alone(&settings, |control| {
-            let look = |sampler| {
-                let task = SpectrumTask {
-                    sampler,
-                    count: 4000,
-                    sets: 2,
-                };
-                task.carry_out(&settings, control)
-            };
+            let look = |sampler| spectrum(sampler, (4000, 2), &settings, control);
             let random = look(Sampler::Random)?;
             assert!((random.low - 1.0).abs() < 0.1, "{}", random.low);
             let kdrt = look(Sampler::Kdrt)?;
@@ -147,8 +126,7 @@ mod tests {
                 kdrt.reach
             );
             assert!(kdrt.picture.iter().all(|power| power.is_finite()));
-            let task = SpectrumTask::of(Sampler::Kdrt, &settings);
-            let corner = task.corner(&settings, control)?;
+            let corner = corner(Sampler::Kdrt, &settings, control)?;
             assert!(corner.len().abs_diff(DRAWN) < 100, "{}", corner.len());
             Ok(())
         });

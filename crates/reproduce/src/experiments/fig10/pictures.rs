@@ -1,23 +1,25 @@
 //! The pictures: the figure as the paper has it, zone plates, their errors and horizons pixel by pixel.
 
+use serde_json::{Value, json};
 use tilescope_analysis::measures::Spectrum;
 use tilescope_figures::Bitmap;
 use tilescope_figures::chart::{Axis, Panel, TileChart, TileContent};
 
 use super::curves;
-use super::horizon::{Horizon, SHOWN};
+use super::filter::{ERROR_SHOWN, shade};
+use super::horizon::{self, Horizon, SHOWN};
 use super::looks::{CELLS, LOW, MeanSpectrum};
-use super::plate::{EDGE, NYQUIST, Plate, PlateErrors};
+use super::plate::{EDGE, NYQUIST, Plate};
 use super::results::SamplerResults;
-use super::shades::{ERROR_SHOWN, shade};
-use crate::error::ReproduceError;
-use crate::experiments::common::{picture, power_scale};
-use crate::numbers::{count, number};
+use crate::error::Result;
+use crate::experiments::common::{picture, power_scale, tile, whole_ticks};
+use crate::numbers::number;
 use crate::outcome::Picture;
 use crate::study::Settings;
+use crate::texts::text;
 
 /// Side of a tile of the whole figure: twice the cells of a spectrum.
-const TILE: usize = 2 * CELLS;
+const TILE: f64 = 2.0 * CELLS as f64;
 /// Power that is black.
 pub const BLACK: f64 = 3.0;
 /// Powers below this are the transform's error.
@@ -25,49 +27,39 @@ const NOTHING: f64 = 1e-9;
 /// Spectra whose edge is further than this part from that of the axis have one of their own.
 const OFF_AXIS: f64 = 0.02;
 /// Side of the tile of a zone plate or a horizon.
-const LARGE: usize = 512;
+const LARGE: f64 = 512.0;
 
 /// Returns the pictures; `corners` are about a thousand samples of each sampler.
 pub fn pictures(
     all: &[SamplerResults],
     corners: &[Vec<[f64; 2]>],
     settings: &Settings,
-) -> Result<Vec<Picture>, ReproduceError> {
+) -> Result<Vec<Picture>> {
     let plate = all.first().and_then(|one| one.plates.first());
     let plate = Plate {
         side: plate.map_or(1, |one| one.side),
     };
-    let caption = format!(
-        "Left: error of the zone plate by local frequency, a mean over sets; the image's Nyquist frequency is {NYQUIST}. Right: error \
-         of the horizon by samples per pixel, on logarithmic scales, with 95 % bands over sets. Below: radial mean power of the \
-         samples; that of a grid is a few peaks."
-    );
-    let title = "Error by frequency and by number of samples, and power";
+    let exact = plate.exact();
+    let sharp = json!({ "side": plate.side, "edge": EDGE });
+    let plates = plate_tiles(all, 0, "fig10/errors")?;
+    let wrong = json!({ "error": ERROR_SHOWN });
+    let errors = plate_tiles(all, 1, "fig10/parts")?;
+    let nyquist = json!({ "nyquist": NYQUIST });
     Ok(vec![
         comparison(all, corners)?,
-        plates(all, plate)?,
-        errors(all, plate)?,
-        horizons(all, Horizon::of(settings))?,
-        picture("curves", title, caption, curves::panels(all))?,
+        sheet("fig10/zone-plate", &sharp, (&exact, true), plates)?,
+        sheet("fig10/zone-plate-error", &wrong, (&exact, true), errors)?,
+        horizons(all, horizon::amounts(settings).0)?,
+        picture("fig10/curves", &nyquist, curves::panels(all))?,
     ])
-}
-
-fn tile(side: usize, title: &str, note: String, content: TileContent) -> TileChart {
-    TileChart {
-        title: title.to_owned(),
-        note,
-        y: None,
-        side: Some(side as f64),
-        content,
-    }
 }
 
 /// A square image; the part that a tile of `side` pixels shows, with pixels as large as a whole number: its left part, and the lower
 /// or the upper one.
-fn shades(image: &[u8], side: usize, lower: bool) -> Result<TileContent, ReproduceError> {
+fn shades(image: &[u8], side: f64, lower: bool) -> Result<TileContent> {
     let columns = image.len().isqrt();
-    let pixel = (side as f64 / columns as f64).round().max(1.0) as usize;
-    let kept = columns.min(side / pixel);
+    let pixel = (side / columns as f64).round().max(1.0);
+    let kept = columns.min((side / pixel) as usize);
     let skipped = if lower { columns - kept } else { 0 };
     let lines = image.chunks(columns).skip(skipped).take(kept);
     let kept_shades = lines.flat_map(|line| &line[..kept]).copied();
@@ -76,87 +68,53 @@ fn shades(image: &[u8], side: usize, lower: bool) -> Result<TileContent, Reprodu
 }
 
 /// Samples, spectrum, zone plate and horizon of each sampler, as in the paper.
-fn comparison(
-    all: &[SamplerResults],
-    corners: &[Vec<[f64; 2]>],
-) -> Result<Picture, ReproduceError> {
+fn comparison(all: &[SamplerResults], corners: &[Vec<[f64; 2]>]) -> Result<Picture> {
     let reach = (all.first()).map_or(Spectrum::MAX_NU, |one| one.spectrum.reach);
     let (mut samples, mut spectra, mut plates, mut boards) = (vec![], vec![], vec![], vec![]);
     for (one, places) in all.iter().zip(corners) {
         let dots = TileContent::Dots(places.clone());
         let note = format!("{} samples", places.len());
-        samples.push(tile(TILE, one.sampler.name(), note, dots));
+        samples.push(tile(Some(TILE), one.sampler.name(), note, dots));
         spectra.push(spectrum(&one.spectrum, reach)?);
         let plate = plate_content(one, 0, TILE)?;
-        plates.push(tile(TILE, "", plate_note(one, error_words), plate));
+        plates.push(tile(Some(TILE), "", plate_note(one, "fig10/errors"), plate));
         let (note, board) = horizon_content(one, TILE)?;
-        boards.push(tile(TILE, "", note, board));
+        boards.push(tile(Some(TILE), "", note, board));
     }
-    let names = [
-        "samples",
-        "power spectrum, \u{3bd}",
-        "zone plate",
-        "horizon",
+    let axis = |name| Axis::new(name).with_range(-reach, reach);
+    let rows = [
+        (axis("samples"), samples),
+        (
+            axis("power spectrum, \u{3bd}").with_ticks(whole_ticks(reach)),
+            spectra,
+        ),
+        (axis("zone plate"), plates),
+        (axis("horizon"), boards),
     ];
-    let mut rows = Vec::new();
-    for (name, mut row) in names.into_iter().zip([samples, spectra, plates, boards]) {
-        let axis = Axis::new(name).with_range(-reach, reach);
+    let row = |(axis, mut row): (Axis, Vec<TileChart>)| -> Vec<Panel> {
         if let Some(first) = row.first_mut() {
-            let ticked = name.starts_with("power");
-            first.y = Some(if ticked {
-                axis.with_ticks(whole(reach))
-            } else {
-                axis
-            });
+            first.y = Some(axis);
         }
-        rows.push(row.into_iter().map(Panel::Tile).collect::<Vec<_>>());
-    }
+        row.into_iter().map(Panel::Tile).collect()
+    };
+    let mut rows = rows.map(row);
     rows[0].push(power_scale(BLACK));
-    picture("comparison", "Quality of integration", caption(all), rows)
-}
-
-/// Ticks at whole numbers.
-fn whole(reach: f64) -> Vec<(f64, String)> {
-    let most = reach as i32;
-    let label = |value: i32| value.to_string().replace('-', "\u{2212}");
-    (-most..=most)
-        .map(|value| (f64::from(value), label(value)))
-        .collect()
-}
-
-fn caption(all: &[SamplerResults]) -> String {
-    let sets = all.iter().map(|one| one.spectrum.sets).max().unwrap_or(0);
     let first = all.first().and_then(|one| one.plates.first());
-    format!(
-        "Rows: a part of a set; the mean power spectrum of up to {sets} sets to \u{3bd} = {}, white 0, black {BLACK} and above; the lower \
-         left part of the zone plate from {} samples, Gaussian filter; a horizon at {SHOWN} samples per pixel, mean of each pixel. RMSE \
-         is that of the whole image from the first set, the one shown; SNR is the exact image's mean square over that of the error. The tables \
-         have means over sets.",
-        Spectrum::MAX_NU,
-        first.map_or_else(String::new, |one| count(one.count as u64))
-    )
+    let values = json!({
+        "sets": all.iter().map(|one| one.spectrum.sets).max(), "nu": Spectrum::MAX_NU, "black": BLACK,
+        "samples": first.map(|one| one.count), "shown": SHOWN,
+    });
+    picture("fig10/comparison", &values, rows.into())
 }
 
-fn error_words(plate: &PlateErrors) -> String {
-    let [rmse, signal] = [plate.rmse, plate.signal_db].map(|value| number(value, 3));
-    format!("RMSE {rmse}, SNR {signal} dB")
-}
-
-fn parts_words(plate: &PlateErrors) -> String {
-    let [below, above] = [plate.below, plate.above].map(|value| number(value, 3));
-    format!("RMSE {below} below Nyquist, {above} above")
-}
-
-fn plate_note(one: &SamplerResults, words: fn(&PlateErrors) -> String) -> String {
-    one.plates.first().map_or_else(String::new, words)
+/// Returns the text `id` on the first set's zone plate.
+fn plate_note(one: &SamplerResults, id: &str) -> String {
+    let first = one.plates.first();
+    first.map_or_else(String::new, |plate| text(id, &json!(plate)))
 }
 
 /// The image of the first set, or its error.
-fn plate_content(
-    one: &SamplerResults,
-    which: usize,
-    side: usize,
-) -> Result<TileContent, ReproduceError> {
+fn plate_content(one: &SamplerResults, which: usize, side: f64) -> Result<TileContent> {
     let images = one.plates.first().and_then(|plate| plate.shades.as_ref());
     images.map_or(Ok(TileContent::Empty), |images| {
         shades(&images[which], side, true)
@@ -164,10 +122,7 @@ fn plate_content(
 }
 
 /// The image of the first set, and what is written below it.
-fn horizon_content(
-    one: &SamplerResults,
-    side: usize,
-) -> Result<(String, TileContent), ReproduceError> {
+fn horizon_content(one: &SamplerResults, side: f64) -> Result<(String, TileContent)> {
     let first = one.horizons.iter().filter_map(|sets| sets.first());
     let mut images = first.filter_map(|set| Some((set.rmse, set.shades.as_deref()?)));
     let Some((rmse, image)) = images.next() else {
@@ -178,7 +133,7 @@ fn horizon_content(
 }
 
 /// A spectrum, low powers white; it says so if it does not reach as far as the axis.
-fn spectrum(spectrum: &MeanSpectrum, shown: f64) -> Result<TileChart, ReproduceError> {
+fn spectrum(spectrum: &MeanSpectrum, shown: f64) -> Result<TileChart> {
     let mut note = if spectrum.low < NOTHING {
         format!("no power to \u{3bd} = {LOW}")
     } else {
@@ -191,95 +146,50 @@ fn spectrum(spectrum: &MeanSpectrum, shown: f64) -> Result<TileChart, ReproduceE
     let image: Vec<u8> = powers
         .map(|power| shade(1.0 - 2.0 * power / BLACK))
         .collect();
-    Ok(tile(TILE, "", note, shades(&image, TILE, true)?))
+    Ok(tile(Some(TILE), "", note, shades(&image, TILE, true)?))
 }
 
 /// Returns the picture of large tiles, two in a row, the exact image first.
 fn sheet(
-    [name, title]: [&str; 2],
-    caption: String,
+    id: &str,
+    values: &Value,
     (exact, lower): (&[f64], bool),
     others: Vec<TileChart>,
-) -> Result<Picture, ReproduceError> {
+) -> Result<Picture> {
     let exact: Vec<u8> = exact.iter().map(|value| shade(*value)).collect();
-    let exact = tile(LARGE, "exact", String::new(), shades(&exact, LARGE, lower)?);
-    let tiles: Vec<Panel> = std::iter::once(exact)
-        .chain(others)
-        .map(Panel::Tile)
-        .collect();
-    let rows = tiles.chunks(2).map(<[Panel]>::to_vec).collect();
-    picture(name, title, caption, rows)
+    let exact = tile(
+        Some(LARGE),
+        "exact",
+        String::new(),
+        shades(&exact, LARGE, lower)?,
+    );
+    let tiles: Vec<Panel> = [exact].into_iter().chain(others).map(Panel::Tile).collect();
+    picture(id, values, tiles.chunks(2).map(<[Panel]>::to_vec).collect())
 }
 
 /// The images of the zone plate, or their errors.
-fn plate_tiles(
-    all: &[SamplerResults],
-    which: usize,
-    words: fn(&PlateErrors) -> String,
-) -> Result<Vec<TileChart>, ReproduceError> {
+fn plate_tiles(all: &[SamplerResults], which: usize, note: &str) -> Result<Vec<TileChart>> {
     let each = all.iter().filter(|one| !one.plates.is_empty());
     each.map(|one| {
         let content = plate_content(one, which, LARGE)?;
         Ok(tile(
-            LARGE,
+            Some(LARGE),
             one.sampler.name(),
-            plate_note(one, words),
+            plate_note(one, note),
             content,
         ))
     })
     .collect()
 }
 
-fn plates(all: &[SamplerResults], size: Plate) -> Result<Picture, ReproduceError> {
-    let caption = format!(
-        "The zone plate about the lower left corner, {0} \u{d7} {0} pixels, whose local frequency reaches {EDGE} cycles per pixel at the \
-         right and upper edge. The exact image is grey where a pixel sees several rings, but for the hundredth that the Gaussian \
-         lets through about 1 cycle per pixel: what else is seen there is aliasing, or noise. Images and RMSE are those of the first set.",
-        size.side
-    );
-    let names = ["zone-plate", "Zone plate sin(x\u{b2} + y\u{b2})"];
-    sheet(
-        names,
-        caption,
-        (&size.exact(), true),
-        plate_tiles(all, 0, error_words)?,
-    )
-}
-
-fn errors(all: &[SamplerResults], size: Plate) -> Result<Picture, ReproduceError> {
-    let caption = format!(
-        "The exact zone plate, and what is too dark and too bright in the others: grey is right, black \u{2212}{ERROR_SHOWN}, white {ERROR_SHOWN}. \
-         First set."
-    );
-    let names = [
-        "zone-plate-error",
-        "Zone plate: difference from the exact image",
-    ];
-    sheet(
-        names,
-        caption,
-        (&size.exact(), true),
-        plate_tiles(all, 1, parts_words)?,
-    )
-}
-
-fn horizons(all: &[SamplerResults], horizon: Horizon) -> Result<Picture, ReproduceError> {
+fn horizons(all: &[SamplerResults], horizon: Horizon) -> Result<Picture> {
     let mut tiles = Vec::new();
     for one in all.iter().filter(|one| !one.horizons.is_empty()) {
         let (note, content) = horizon_content(one, LARGE)?;
-        tiles.push(tile(LARGE, one.sampler.name(), note, content));
+        tiles.push(tile(Some(LARGE), one.sampler.name(), note, content));
     }
-    let caption = format!(
-        "A checkerboard up to its horizon, {0} \u{d7} {0} pixels: exact means, and means of {SHOWN} samples per pixel. First set.",
-        horizon.side
-    );
-    let title = format!("Horizon at {SHOWN} samples per pixel");
-    sheet(
-        ["horizon", &title],
-        caption,
-        (&horizon.exact(), false),
-        tiles,
-    )
+    let values = json!({ "side": horizon.side, "shown": SHOWN });
+    sheet("fig10/horizon", &values, (&horizon.exact(), false), tiles)
 }
 
 #[cfg(test)]
@@ -289,7 +199,7 @@ mod tests {
     #[test]
     fn the_part_that_does_not_fit_is_cut_off_on_the_right_and_above_or_below() {
         let image: Vec<u8> = (0..16).collect();
-        let of = |side, lower| match shades(&image, side, lower).unwrap() {
+        let of = |side: i32, lower| match shades(&image, side.into(), lower).unwrap() {
             TileContent::Pixels(bitmap) => bitmap,
             _ => panic!("no pixels"),
         };

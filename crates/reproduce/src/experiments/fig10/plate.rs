@@ -6,11 +6,10 @@ use std::f64::consts::PI;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::filter::{MARGIN, SIGMA, gaussian};
+use super::filter::{Filtered, MARGIN, SIGMA, error_shade, gaussian, shade};
 use super::samplers::Sampler;
-use super::shades::{error_shade, shade};
 use crate::control::Control;
-use crate::error::ReproduceError;
+use crate::error::Result;
 use crate::study::Settings;
 
 /// Local frequency at the right and the upper edge, in cycles per pixel; the image's own Nyquist frequency is 1/2.
@@ -30,7 +29,6 @@ pub struct Plate {
 }
 
 impl Plate {
-    /// Returns x and y per pixel.
     fn step(self) -> f64 {
         (PI * EDGE / self.side as f64).sqrt()
     }
@@ -66,7 +64,7 @@ impl Plate {
     }
 
     /// Returns the image that samples of the unit square give; they reach beyond it on all sides.
-    fn render(self, points: &[[f64; 2]]) -> super::filter::Filtered {
+    fn render(self, points: &[[f64; 2]]) -> Filtered {
         let scale = (self.side + 2 * MARGIN) as f64;
         let placed: Vec<[f64; 2]> = points
             .iter()
@@ -109,69 +107,48 @@ pub struct PlateErrors {
 }
 
 /// A sum of squares and how many.
-#[derive(Clone, Copy, Default)]
-struct Squares {
-    sum: f64,
-    count: f64,
+type Squares = (f64, f64);
+
+fn add((sum, count): &mut Squares, value: f64) {
+    *sum += value * value;
+    *count += 1.0;
 }
 
-impl Squares {
-    fn add(&mut self, value: f64) {
-        self.sum += value * value;
-        self.count += 1.0;
-    }
-
-    fn root(self) -> f64 {
-        (self.sum / self.count.max(1.0)).sqrt()
-    }
+fn root((sum, count): Squares) -> f64 {
+    (sum / count.max(1.0)).sqrt()
 }
 
-/// How large a zone plate is and from how many samples.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PlateTask {
-    pub sampler: Sampler,
-    pub count: usize,
-    pub plate: Plate,
-    pub sets: u64,
+/// Returns the zone plate, samples of a set, and sets.
+pub fn amounts(settings: &Settings) -> (Plate, usize, u64) {
+    let (count, side, sets) = settings.pick((1_000_000, 512, 5), (250_000, 256, 3));
+    (Plate { side }, count, sets)
 }
 
-impl PlateTask {
-    pub fn of(sampler: Sampler, settings: &Settings) -> Self {
-        let (count, side) = settings.pick((1_000_000, 512), (250_000, 256));
-        Self {
-            sampler,
-            count,
-            plate: Plate { side },
-            sets: sampler.sets(settings.pick(5, 3)),
-        }
-    }
-
-    /// Renders set number `index`.
-    pub fn carry_out(
-        &self,
-        index: u64,
-        settings: &Settings,
-        control: &Control<'_>,
-    ) -> Result<PlateErrors, ReproduceError> {
-        let points = (self.sampler).points((self.count, index), settings, control)?;
-        control.go_on()?;
-        let exact = self.plate.exact();
-        let image = self.plate.render(&points);
-        let errors: Vec<f64> = (image.values.iter().zip(&exact))
-            .map(|(found, exact)| found - exact)
-            .collect();
-        let shades = || {
-            let result = image.values.iter().map(|v| shade(*v)).collect();
-            [result, errors.iter().map(|v| error_shade(*v)).collect()]
-        };
-        Ok(PlateErrors {
-            index,
-            count: points.len(),
-            empty: image.empty,
-            shades: (index == 0).then(shades),
-            ..measured(self.plate, &exact, &errors)
-        })
-    }
+/// Renders a zone plate from a set, which is given by about how many samples it has and by its number.
+pub fn errors(
+    sampler: Sampler,
+    (count, index): (usize, u64),
+    plate: Plate,
+    settings: &Settings,
+    control: &Control<'_>,
+) -> Result<PlateErrors> {
+    let points = sampler.points((count, index), settings, control)?;
+    control.go_on()?;
+    let exact = plate.exact();
+    let image = plate.render(&points);
+    let pairs = image.values.iter().zip(&exact);
+    let errors: Vec<f64> = pairs.map(|(found, exact)| found - exact).collect();
+    let shades = || {
+        let result = image.values.iter().map(|v| shade(*v)).collect();
+        [result, errors.iter().map(|v| error_shade(*v)).collect()]
+    };
+    Ok(PlateErrors {
+        index,
+        count: points.len(),
+        empty: image.empty,
+        shades: (index == 0).then(shades),
+        ..measured(plate, &exact, &errors)
+    })
 }
 
 fn measured(plate: Plate, exact: &[f64], errors: &[f64]) -> PlateErrors {
@@ -181,29 +158,32 @@ fn measured(plate: Plate, exact: &[f64], errors: &[f64]) -> PlateErrors {
     for (index, (error, exact)) in errors.iter().zip(exact).enumerate() {
         let frequency = plate.frequency(index);
         let class = ((frequency / CLASS) as usize).min(classes.len() - 1);
-        classes[class].add(*error);
         let part = if frequency < NYQUIST {
             &mut below
         } else {
             &mut above
         };
-        part.add(*error);
-        all.add(*error);
-        signal.add(*exact);
+        for squares in [&mut classes[class], part, &mut all] {
+            add(squares, *error);
+        }
+        add(&mut signal, *exact);
     }
-    let full = classes.iter().enumerate();
-    let full = full.filter(|one| one.1.count >= MIN_PIXELS);
+    let full = classes
+        .iter()
+        .enumerate()
+        .filter(|one| one.1.1 >= MIN_PIXELS);
+    let middle = |class: usize| (class as f64 + 0.5) * CLASS;
     PlateErrors {
         index: 0,
         count: 0,
         side: plate.side,
         empty: 0,
-        rmse: all.root(),
-        below: below.root(),
-        above: above.root(),
-        signal_db: 20.0 * (signal.root() / all.root()).log10(),
+        rmse: root(all),
+        below: root(below),
+        above: root(above),
+        signal_db: 20.0 * (root(signal) / root(all)).log10(),
         classes: full
-            .map(|(class, squares)| [(class as f64 + 0.5) * CLASS, squares.root()])
+            .map(|(class, squares)| [middle(class), root(*squares)])
             .collect(),
         shades: None,
     }
@@ -267,15 +247,8 @@ mod tests {
     fn errors_fall_with_samples_and_threads_change_nothing() {
         let settings = Settings::default();
         alone(&settings, |control| {
-            let rendered = |count, sampler| {
-                let task = PlateTask {
-                    sampler,
-                    count,
-                    plate: Plate { side: 64 },
-                    sets: 1,
-                };
-                task.carry_out(0, &settings, control)
-            };
+            let plate = Plate { side: 64 };
+            let rendered = |count, sampler| errors(sampler, (count, 0), plate, &settings, control);
             for sampler in [Sampler::Random, Sampler::Jittered, Sampler::Kdrt] {
                 let (few, many) = (rendered(10_000, sampler)?, rendered(160_000, sampler)?);
                 assert!(

@@ -13,36 +13,28 @@ pub const DENSE: usize = 4;
 /// The level of confidence bands.
 pub const LEVEL: f64 = 0.95;
 
-/// Everything about one sampler.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SamplerResults {
     pub sampler: Sampler,
     pub spectrum: MeanSpectrum,
-    /// Zone plates, a set each.
     pub plates: Vec<PlateErrors>,
     /// Images of the horizon, by samples per pixel, a set each.
     pub horizons: Vec<Vec<HorizonErrors>>,
 }
 
 impl SamplerResults {
-    /// Returns the errors of the zone plates.
     pub fn plate_errors(&self) -> Vec<f64> {
         self.plates.iter().map(|plate| plate.rmse).collect()
     }
 
     /// Returns the middle of each class of local frequency and the error there, a mean over sets.
     pub fn classes(&self) -> Vec<[f64; 2]> {
-        let Some(first) = self.plates.first() else {
-            return Vec::new();
-        };
-        let mean = |class: usize| {
+        let classes = self.plates.first().map_or(&[][..], |first| &first.classes);
+        let mean = |(class, [frequency, _]): (usize, &[f64; 2])| {
             let errors = self.plates.iter().map(|plate| plate.classes[class][1]);
-            errors.sum::<f64>() / self.plates.len() as f64
+            [*frequency, errors.sum::<f64>() / self.plates.len() as f64]
         };
-        let classes = first.classes.iter().enumerate();
-        classes
-            .map(|(class, [frequency, _])| [*frequency, mean(class)])
-            .collect()
+        classes.iter().enumerate().map(mean).collect()
     }
 
     /// Returns the horizon's error by samples per pixel.
@@ -64,8 +56,7 @@ impl SamplerResults {
     pub fn slope(&self) -> Option<f64> {
         let mut curve = self.curve();
         curve.retain(|at| at.per_pixel >= DENSE as f64);
-        let places = curve.iter().map(|at| [at.per_pixel.log10(), at.log]);
-        (curve.len() > 2).then(|| slope(places))
+        (curve.len() > 2).then(|| slope(curve.iter().map(|at| [at.per_pixel.log10(), at.log])))
     }
 
     /// Returns the horizon's errors at the most samples per pixel.

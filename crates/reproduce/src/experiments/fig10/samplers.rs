@@ -2,12 +2,10 @@
 //! reference sampler and of KDRT are verified here.
 
 use rayon::prelude::*;
-use tilescope_core::{
-    Boundary, Domain, Key, MAXIMAL_DENSITY, Parameters, PatternSpec, Stream, radius_estimate,
-};
+use tilescope_core::{Boundary, Domain, Key, MAXIMAL_DENSITY, Parameters, Stream, radius_estimate};
 
 use crate::control::Control;
-use crate::error::ReproduceError;
+use crate::error::Result;
 use crate::sets::Set;
 use crate::study::Settings;
 
@@ -43,23 +41,21 @@ impl Sampler {
 
     /// Returns its name for readers.
     pub const fn name(self) -> &'static str {
-        match self {
-            Self::Random => "uniform random",
-            Self::Jittered => "jittered",
-            Self::Grid => "regular grid",
-            Self::Reference => "reference (MPS)",
-            Self::Kdrt => "KDRT",
-        }
+        self.words()[0]
     }
 
     /// Returns its name in keys of units.
     pub const fn key(self) -> &'static str {
+        self.words()[1]
+    }
+
+    const fn words(self) -> [&'static str; 2] {
         match self {
-            Self::Random => "random",
-            Self::Jittered => "jittered",
-            Self::Grid => "grid",
-            Self::Reference => "reference",
-            Self::Kdrt => "kdrt",
+            Self::Random => ["uniform random", "random"],
+            Self::Jittered => ["jittered", "jittered"],
+            Self::Grid => ["regular grid", "grid"],
+            Self::Reference => ["reference (MPS)", "reference"],
+            Self::Kdrt => ["KDRT", "kdrt"],
         }
     }
 
@@ -74,18 +70,20 @@ impl Sampler {
         (count, index): (usize, u64),
         settings: &Settings,
         control: &Control<'_>,
-    ) -> Result<Vec<[f64; 2]>, ReproduceError> {
+    ) -> Result<Vec<[f64; 2]>> {
         control.go_on()?;
-        let seed = settings.seed.wrapping_mul(1000).wrapping_add(index);
+        let seed = settings.seed_of(index);
         let along = (count as f64).sqrt().round().max(1.0) as u32;
         match self {
             Self::Random => Ok(draws(count as u32, seed, |_, place| place)),
-            Self::Jittered => Ok(draws(along * along, seed, |cell, at| {
-                in_cell(cell, at, along)
-            })),
-            Self::Grid => Ok((0..along * along)
-                .map(|cell| in_cell(cell, [0.5; 2], along))
-                .collect()),
+            Self::Jittered => {
+                let place = |cell, at| in_cell(cell, at, along);
+                Ok(draws(along * along, seed, place))
+            }
+            Self::Grid => {
+                let cells = 0..along * along;
+                Ok(cells.map(|cell| in_cell(cell, [0.5; 2], along)).collect())
+            }
             Self::Reference => {
                 let radius = (MAXIMAL_DENSITY / count as f64).sqrt();
                 let domain = Domain::from_size([1.0; 2], radius, Boundary::Periodic)?;
@@ -99,26 +97,20 @@ impl Sampler {
     }
 }
 
-fn verified(set: Set, what: &str, control: &Control<'_>) -> Result<Vec<[f64; 2]>, ReproduceError> {
+fn verified(set: Set, what: &str, control: &Control<'_>) -> Result<Vec<[f64; 2]>> {
     set.verified(&format!("{what}, {} samples", set.points.len()), control)?;
     Ok(set.points)
 }
 
-fn kdrt(count: usize, seed: u64, index: u64) -> Result<Parameters, ReproduceError> {
-    let parameters = Parameters {
+fn kdrt(count: usize, seed: u64, index: u64) -> Result<Parameters> {
+    let mut parameters = Parameters {
         seed,
         leaf: LEAF,
-        pattern: PatternSpec {
-            seed: index % PATTERNS,
-            ..PatternSpec::default()
-        },
         ..Parameters::default()
     };
-    let radius = radius_estimate(&parameters, count as u64)?;
-    Ok(Parameters {
-        radius,
-        ..parameters
-    })
+    parameters.pattern.seed = index % PATTERNS;
+    parameters.radius = radius_estimate(&parameters, count as u64)?;
+    Ok(parameters)
 }
 
 /// Returns `count` places made from draws in the unit square.
@@ -147,7 +139,7 @@ mod tests {
     fn jittered_samples_are_one_in_each_cell_and_random_ones_are_not() {
         alone(&Settings::default(), |control| {
             let settings = Settings::default();
-            let full = |sampler: Sampler| -> Result<usize, ReproduceError> {
+            let full = |sampler: Sampler| -> Result<usize> {
                 let points = sampler.points((900, 0), &settings, control)?;
                 let mut cells = vec![0; 900];
                 for at in &points {

@@ -1,5 +1,7 @@
 //! Medians of the times and shares of all rounds, by leaf size.
 
+use std::collections::BTreeSet;
+
 use tilescope_analysis::measures::Summary;
 
 use super::stages::{Procedure, StageRound, StageTimes};
@@ -46,43 +48,40 @@ impl LeafTimes {
 /// Returns a row for each leaf size in the sequence of the rounds. Iterations that not every round has count as no
 /// time there.
 pub fn rows(rounds: &[StageRound]) -> Vec<LeafTimes> {
-    let Some(first) = rounds.first() else {
-        return Vec::new();
-    };
-    let row = |index: usize| {
-        let of: Vec<&StageTimes> = (rounds.iter())
-            .filter_map(|round| round.timed.get(index))
-            .collect();
-        let whole = |one: &StageTimes| one.seconds.iter().map(|(_, seconds)| seconds).sum::<f64>();
-        let mut all: Vec<Procedure> = of
+    let leaves = rounds.first().map_or(0, |first| first.timed.len());
+    let of = |index: usize| {
+        rounds
             .iter()
-            .flat_map(|one| &one.seconds)
-            .map(|(of, _)| *of)
-            .collect();
-        all.sort_unstable();
-        all.dedup();
-        let each = all.into_iter().filter_map(|procedure| {
-            let seconds = |one: &&StageTimes| {
-                let found = one.seconds.iter().find(|(of, _)| *of == procedure);
-                found.map_or(0.0, |(_, seconds)| *seconds)
-            };
-            let shares = of.iter().map(|one| seconds(one) / whole(one));
-            Some((
-                procedure,
-                Summary::of(of.iter().map(seconds))?,
-                Summary::of(shares)?,
-            ))
-        });
-        Some(LeafTimes {
-            leaf: first.timed[index].leaf,
-            printed: first.timed[index].printed,
-            procedures: each.collect(),
-            whole: Summary::of(of.iter().map(|one| whole(one)))?,
-            parallel: Summary::of(of.iter().filter_map(|one| one.parallel)),
-            count: first.timed[index].summary.count,
-        })
+            .filter_map(move |round| round.timed.get(index))
     };
-    (0..first.timed.len()).filter_map(row).collect()
+    (0..leaves)
+        .filter_map(|index| row(&of(index).collect::<Vec<_>>()))
+        .collect()
+}
+
+/// Returns the row of a leaf size, of its times in each round.
+fn row(times: &[&StageTimes]) -> Option<LeafTimes> {
+    let whole = |one: &StageTimes| one.seconds.iter().map(|(_, seconds)| seconds).sum::<f64>();
+    let each = times.iter().flat_map(|one| &one.seconds).map(|(of, _)| *of);
+    let procedures: BTreeSet<Procedure> = each.collect();
+    let of = |procedure: Procedure| {
+        let seconds = |one: &StageTimes| {
+            let found = one.seconds.iter().find(|(of, _)| *of == procedure);
+            found.map_or(0.0, |(_, seconds)| *seconds)
+        };
+        let shares = times.iter().map(|one| seconds(one) / whole(one));
+        let seconds = Summary::of(times.iter().map(|one| seconds(one)))?;
+        Some((procedure, seconds, Summary::of(shares)?))
+    };
+    let first = times.first()?;
+    Some(LeafTimes {
+        leaf: first.leaf,
+        printed: first.printed,
+        procedures: procedures.into_iter().filter_map(of).collect(),
+        whole: Summary::of(times.iter().map(|one| whole(one)))?,
+        parallel: Summary::of(times.iter().filter_map(|one| one.parallel)),
+        count: first.summary.count,
+    })
 }
 
 /// Returns the passes of each stage of GPUs, by their names, with the medians of their seconds.

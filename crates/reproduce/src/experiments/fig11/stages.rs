@@ -6,18 +6,17 @@ use std::time::Instant;
 
 use serde::{Deserialize, Serialize};
 use tilescope_core::{
-    Parameters, Pattern, PatternSpec, Point, Progress, Sequential, Stage, Summary, Variant,
-    radius_estimate,
+    Parameters, Pattern, Point, Progress, Sequential, Stage, Summary, Variant, radius_estimate,
 };
 use tilescope_gpu::PassReport;
 
 use crate::control::Control;
 use crate::engines::{Engine, Engines};
-use crate::error::ReproduceError;
-use crate::experiments::timing::{LEAVES, TimingPlan, same};
-use crate::machine::gpus;
-use crate::rates::{ONE_LEAF, PassTimes, run_timed, timed};
-use crate::sets::{Set, pattern, pattern_side};
+use crate::error::Result;
+use crate::experiments::timing::{LEAVES, TimingPlan};
+use crate::machine::GPUS;
+use crate::rates::{ONE_LEAF, PassTimes, other_set, run_timed, timed};
+use crate::sets::{Set, fitting, pattern};
 use crate::study::Study;
 
 /// The algorithm as printed is timed with so many times fewer samples: it takes about twenty times as long for each.
@@ -73,7 +72,6 @@ pub struct StageTimes {
     pub parallel: Option<f64>,
 }
 
-/// A round.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct StageRound {
     pub timed: Vec<StageTimes>,
@@ -81,8 +79,7 @@ pub struct StageRound {
     pub passes: Vec<(String, PassTimes)>,
 }
 
-/// Carries out all rounds.
-pub fn run(plan: TimingPlan, study: &Study<'_>) -> Result<Vec<StageRound>, ReproduceError> {
+pub fn run(plan: TimingPlan, study: &Study<'_>) -> Result<Vec<StageRound>> {
     let fewer = plan.samples / FEWER;
     plan.run(
         study,
@@ -98,10 +95,10 @@ pub fn run(plan: TimingPlan, study: &Study<'_>) -> Result<Vec<StageRound>, Repro
                 radius: radius_estimate(base, fewer)?,
                 ..*base
             };
-            let pattern = pattern_of(ONE_LEAF, control)?;
+            let pattern = pattern(&fitting(ONE_LEAF), control)?;
             timed.push(verified(&printed, &pattern, control)?.0);
             let mut passes = Vec::new();
-            for gpu in gpus() {
+            for gpu in GPUS.iter() {
                 let open = engines.gpu(&gpu.name)?;
                 let by_stage = |report: &PassReport| [report.stage.to_string(), String::new()];
                 let run = run_timed(&open, base, &pattern, control, by_stage)?;
@@ -112,26 +109,15 @@ pub fn run(plan: TimingPlan, study: &Study<'_>) -> Result<Vec<StageRound>, Repro
     )
 }
 
-/// Returns a pattern that blocks of a leaf size fit into.
-fn pattern_of(leaf: f64, control: &Control<'_>) -> Result<Arc<Pattern>, ReproduceError> {
-    let spec = PatternSpec {
-        side: pattern_side(leaf),
-        ..PatternSpec::default()
-    };
-    pattern(&spec, control)
-}
-
 /// Times the sequential engine's stages and the parallel engine for the same set.
-fn staged(
-    parameters: &Parameters,
-    engines: &Engines,
-    control: &Control<'_>,
-) -> Result<StageTimes, ReproduceError> {
-    let pattern = pattern_of(parameters.leaf, control)?;
+fn staged(parameters: &Parameters, engines: &Engines, control: &Control<'_>) -> Result<StageTimes> {
+    let pattern = pattern(&fitting(parameters.leaf), control)?;
     let (times, points) = verified(parameters, &pattern, control)?;
     let all = Engine::parallel();
     let (made, seconds) = timed(|| engines.make(&all, parameters, &pattern, control));
-    same(&all.name(), &made?, &points)?;
+    if made? != points {
+        return Err(other_set(&all.name()));
+    }
     Ok(StageTimes {
         parallel: Some(seconds),
         ..times
@@ -143,7 +129,7 @@ fn verified(
     parameters: &Parameters,
     pattern: &Arc<Pattern>,
     control: &Control<'_>,
-) -> Result<(StageTimes, Vec<Point>), ReproduceError> {
+) -> Result<(StageTimes, Vec<Point>)> {
     let printed = parameters.variant == Variant::AsPrinted;
     let mut engine = Sequential::new(parameters, Arc::clone(pattern))?;
     let mut seconds = Vec::new();

@@ -6,9 +6,7 @@ use super::spectra::{MethodSpectra, difference};
 /// A leaf size at a radius against the reference sampler.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Against {
-    /// The radius of the sets, in user units.
     pub radius: f64,
-    /// How the sets were made.
     pub method: Method,
     /// Relative RMS difference of the radial mean power from that of the reference sets.
     pub difference: f64,
@@ -32,7 +30,6 @@ impl Against {
         self.difference / self.chance
     }
 
-    /// Whether there is a tiling to judge.
     pub fn tiled(&self) -> bool {
         self.method.tiles(self.radius)
     }

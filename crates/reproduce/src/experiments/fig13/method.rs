@@ -1,12 +1,11 @@
 //! Makes the sets of figure 13: the methods, and the radius and seeds of a group of sets.
 
 use serde::{Deserialize, Serialize};
-use tilescope_core::{Domain, Parameters, PatternSpec, Point, Rect};
+use tilescope_core::{Domain, Parameters, Point, Rect};
 
 use crate::control::Control;
-use crate::error::ReproduceError;
+use crate::error::Result;
 use crate::sets::{Set, pattern_side};
-use crate::study::Settings;
 
 /// Side in radii of the default pattern.
 pub const PATTERN: f64 = 100.0;
@@ -32,26 +31,36 @@ pub enum Method {
 
 impl Method {
     pub fn name(self) -> String {
-        match self {
-            Self::Reference => "reference".to_owned(),
-            Self::Again => "reference, other seeds".to_owned(),
-            Self::Kdrt { leaf, side } if self.fits() && side <= PATTERN => {
-                format!("KDRT, leaf {leaf} r")
-            }
-            Self::Kdrt { leaf, side } => format!("KDRT, leaf {leaf} r, pattern {side} r"),
-            Self::OnePattern { leaf } => format!("KDRT, leaf {leaf} r, one pattern"),
-            Self::Copies => format!("{COPIES} x {COPIES} copies (control)"),
-        }
+        self.words()[0].clone()
     }
 
     /// Returns its name in files.
     pub fn key(self) -> String {
+        self.words()[1].clone()
+    }
+
+    fn words(self) -> [String; 2] {
+        let words = |name: &str, key: &str| [name.to_owned(), key.to_owned()];
         match self {
-            Self::Reference => "reference".to_owned(),
-            Self::Again => "again".to_owned(),
-            Self::Kdrt { leaf, side } => format!("leaf-{leaf}-of-{side}"),
-            Self::OnePattern { leaf } => format!("one-pattern-{leaf}"),
-            Self::Copies => "copies".to_owned(),
+            Self::Reference => words("reference", "reference"),
+            Self::Again => words("reference, other seeds", "again"),
+            Self::Kdrt { leaf, side } => {
+                let default = self.fits() && side <= PATTERN;
+                let pattern = if default {
+                    String::new()
+                } else {
+                    format!(", pattern {side} r")
+                };
+                words(
+                    &format!("KDRT, leaf {leaf} r{pattern}"),
+                    &format!("leaf-{leaf}-of-{side}"),
+                )
+            }
+            Self::OnePattern { leaf } => words(
+                &format!("KDRT, leaf {leaf} r, one pattern"),
+                &format!("one-pattern-{leaf}"),
+            ),
+            Self::Copies => words(&format!("{COPIES} x {COPIES} copies (control)"), "copies"),
         }
     }
 
@@ -103,47 +112,22 @@ pub struct SetGroup {
 }
 
 impl SetGroup {
-    pub const fn of(settings: &Settings, radius: f64, sets: u64) -> Self {
-        Self {
-            radius,
-            sets,
-            seed: settings.seed,
-        }
-    }
-
-    fn parameters(&self) -> Parameters {
-        Parameters {
-            radius: self.radius,
-            ..Parameters::default()
-        }
-    }
-
     /// Samples of a set, about.
     pub fn samples(&self) -> f64 {
         0.698 / (self.radius * self.radius)
     }
 
     /// Returns the set of a method by its number.
-    pub fn set(
-        &self,
-        method: Method,
-        number: u64,
-        control: &Control<'_>,
-    ) -> Result<Set, ReproduceError> {
+    pub fn set(&self, method: Method, number: u64, control: &Control<'_>) -> Result<Set> {
         let seed = self.seed.wrapping_mul(1000).wrapping_add(number);
-        let base = self.parameters();
+        let base = Parameters {
+            radius: self.radius,
+            ..Parameters::default()
+        };
         let domain = base.validate()?;
         let tiled = |leaf, side, of_pattern| {
-            let parameters = Parameters {
-                leaf,
-                seed,
-                pattern: PatternSpec {
-                    side,
-                    seed: of_pattern,
-                    ..base.pattern
-                },
-                ..base
-            };
+            let mut parameters = Parameters { leaf, seed, ..base };
+            (parameters.pattern.side, parameters.pattern.seed) = (side, of_pattern);
             Set::kdrt(&parameters, control).map(|(set, _)| set)
         };
         match method {
@@ -157,7 +141,7 @@ impl SetGroup {
 }
 
 /// Returns a domain full of copies of one periodic set. Its sides are whole multiples of the copies' on the lattice.
-fn copies(domain: &Domain, seed: u64, control: &Control<'_>) -> Result<Set, ReproduceError> {
+fn copies(domain: &Domain, seed: u64, control: &Control<'_>) -> Result<Set> {
     let side = domain.rect().max.x / COPIES;
     let rect = Rect {
         min: Point::default(),
@@ -176,7 +160,9 @@ fn copies(domain: &Domain, seed: u64, control: &Control<'_>) -> Result<Set, Repr
 mod tests {
     use super::*;
     use crate::sets::pattern;
+    use crate::study::Settings;
     use crate::study::tests::alone;
+    use tilescope_core::PatternSpec;
 
     #[test]
     fn methods_tile_where_runs_have_more_than_one_block() {

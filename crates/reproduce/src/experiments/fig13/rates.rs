@@ -3,18 +3,17 @@
 use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
-use tilescope_core::{Parameters, Pattern, PatternSpec};
+use tilescope_core::{Parameters, Pattern};
 
 use crate::control::Control;
 use crate::engines::{Engine, Engines};
-use crate::error::ReproduceError;
+use crate::error::Result;
 use crate::experiments::timing::{LEAVES, TimingPlan};
-use crate::machine::gpus;
+use crate::machine::GPUS;
 use crate::rates::{EngineTime, timed, times};
-use crate::sets::pattern_side;
+use crate::sets::fitting;
 use crate::study::Study;
 
-/// A round.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct RateRound {
     pub timed: Vec<EngineTime>,
@@ -29,7 +28,7 @@ fn engines() -> Vec<Engine> {
         engines.insert(1, Engine::parallel());
     }
     let name = |gpu: &tilescope_gpu::AdapterReport| gpu.name.clone();
-    engines.extend(gpus().iter().map(|gpu| Engine::Gpu { adapter: name(gpu) }));
+    engines.extend(GPUS.iter().map(|gpu| Engine::Gpu { adapter: name(gpu) }));
     engines
 }
 
@@ -40,13 +39,12 @@ fn references() -> Vec<Engine> {
     }
 }
 
-/// Carries out all rounds.
-pub fn run(plan: TimingPlan, study: &Study<'_>) -> Result<Vec<RateRound>, ReproduceError> {
+pub fn run(plan: TimingPlan, study: &Study<'_>) -> Result<Vec<RateRound>> {
     plan.run(study, "rates", warm, round)
 }
 
 /// Opens the engines and makes a small set with each: the first one of a GPU compiles its passes.
-fn warm(control: &Control<'_>) -> Result<Engines, ReproduceError> {
+fn warm(control: &Control<'_>) -> Result<Engines> {
     let open = Engines::open_all()?;
     let base = Parameters::default();
     let pattern = Arc::new(Pattern::generate(&base.pattern, &mut control.observer())?);
@@ -56,20 +54,12 @@ fn warm(control: &Control<'_>) -> Result<Engines, ReproduceError> {
     Ok(open)
 }
 
-fn round(
-    base: &Parameters,
-    open: &Engines,
-    control: &Control<'_>,
-) -> Result<RateRound, ReproduceError> {
+fn round(base: &Parameters, open: &Engines, control: &Control<'_>) -> Result<RateRound> {
     let (mut all, mut patterns) = (Vec::new(), Vec::new());
-    let mut pattern = |leaf: f64| -> Result<Arc<Pattern>, ReproduceError> {
-        let side = pattern_side(leaf);
-        let spec = PatternSpec {
-            side,
-            ..PatternSpec::default()
-        };
+    let mut pattern = |leaf: f64| -> Result<Arc<Pattern>> {
+        let spec = fitting(leaf);
         let (pattern, seconds) = timed(|| Pattern::generate(&spec, &mut control.observer()));
-        patterns.push((side, seconds));
+        patterns.push((spec.side, seconds));
         Ok(Arc::new(pattern?))
     };
     let of_base = pattern(base.leaf)?;

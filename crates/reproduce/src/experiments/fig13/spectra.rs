@@ -2,21 +2,14 @@
 //! themselves are not kept.
 
 use serde::{Deserialize, Serialize};
-use tilescope_analysis::Report;
 use tilescope_analysis::measures::{
-    Annulus, Average, FrequencyWindow, MeanPeriodogram, Periodogram, PowerCurve, RadialProfile,
-    Spectrum, Summary, anisotropy_reference_db,
+    Annulus, Average, MeanPeriodogram, Peaks, Periodogram, PowerCurve, Spectrum, Summary,
 };
 
 use super::method::{Method, SetGroup};
-use super::peaks::Peaks;
 use crate::control::Control;
-use crate::error::ReproduceError;
-use crate::sets::Set;
-
-/// Frequencies, of each opposite pair one, that an annulus must have for its anisotropy to count: a variance of few
-/// is biased.
-const MIN_PAIRS: u64 = 100;
+use crate::error::{ReproduceError, Result};
+use crate::experiments::common::{ends, largest};
 
 /// The measurements of the sets of one method and radius.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -81,132 +74,60 @@ pub struct MeanPicture {
 }
 
 /// Makes, verifies and measures the sets of a method.
-pub fn measure(
-    group: &SetGroup,
-    method: Method,
-    control: &Control<'_>,
-) -> Result<MethodSpectra, ReproduceError> {
-    let mut sums = Sums::default();
+pub fn measure(group: &SetGroup, method: Method, control: &Control<'_>) -> Result<MethodSpectra> {
+    let go_on = control.analysis();
+    let mut mean = MeanPeriodogram::default();
+    // Frequencies and mean power of the spectra that follow from g(r).
+    let mut smooth: Option<(Vec<f64>, Average)> = None;
+    let (mut reports, mut alone) = (Vec::new(), Vec::new());
     for number in 0..group.sets {
         let set = group.set(method, number, control)?;
         let name = format!("{}, radius {}, set {number}", method.name(), group.radius);
-        let report = set.verified(&name, control)?;
+        reports.push(set.verified(&name, control)?);
         let window = Spectrum::window(group.samples(), set.region);
-        sums.add(&set, &report, &window, control)?;
-    }
-    sums.found(group, method)
-}
-
-#[derive(Default)]
-struct Sums {
-    mean: MeanPeriodogram,
-    reports: Vec<Report>,
-    /// Frequencies and mean power of the spectra that follow from g(r).
-    smooth: Option<(Vec<f64>, Average)>,
-    excess: Vec<f64>,
-}
-
-impl Sums {
-    fn add(
-        &mut self,
-        set: &Set,
-        report: &Report,
-        window: &FrequencyWindow,
-        control: &Control<'_>,
-    ) -> Result<(), ReproduceError> {
-        let go_on = control.analysis();
-        let periodogram = Periodogram::of(&set.points, set.region, window, &go_on)?;
-        self.excess
-            .push(excess(&Spectrum::of(&periodogram)?.profile));
-        self.mean.add(&periodogram)?;
+        let periodogram = Periodogram::of(&set.points, set.region, &window, &go_on)?;
+        alone.push(Spectrum::of(&periodogram)?.profile.anisotropy_excess_db());
+        mean.add(&periodogram)?;
         if let Some(curve) = PowerCurve::of_samples(&set.points, set.region, &go_on)? {
             let powers = curve.powers();
-            self.smooth
-                .get_or_insert_with(|| (curve.frequencies().to_vec(), Average::new(powers.len())))
-                .1
-                .add(powers)?;
+            let first = || (curve.frequencies().to_vec(), Average::new(powers.len()));
+            smooth.get_or_insert_with(first).1.add(powers)?;
         }
-        self.reports.push(report.clone());
-        Ok(())
     }
-
-    fn found(&self, group: &SetGroup, method: Method) -> Result<MethodSpectra, ReproduceError> {
-        let nothing = || ReproduceError::Engine("there is no set to look at".to_owned());
-        let mean = self.mean.mean().ok_or_else(nothing)?;
-        let spectrum = Spectrum::of(&mean)?;
-        let counts = self.reports.iter().map(|report| report.count as f64);
-        let least = self.reports.iter().map(|report| report.min_distance);
-        let most = self.reports.iter().map(|report| report.covering_radius);
-        let alone = Summary::of(self.excess.iter().copied()).ok_or_else(nothing)?;
-        let (frequencies, powers) = self.smooth.as_ref().ok_or_else(nothing)?;
-        let smooth = PowerCurve::new(frequencies.clone(), powers.means().to_vec())?;
-        Ok(MethodSpectra {
-            radius: group.radius,
-            method,
-            sets: group.sets,
-            count: spread(counts).ok_or_else(nothing)?,
-            min_distance: least.fold(f64::INFINITY, f64::min) / group.radius,
-            covering_radius: most.fold(0.0, f64::max) / group.radius,
-            nyquist: smooth.effective_nyquist_psa().filter(|nu| *nu > 0.0),
-            oscillation: smooth.oscillation(),
-            excess: excess(&spectrum.profile),
-            excess_alone: alone.mean,
-            excess_reach: excess_reach(&spectrum.profile),
-            peaks: Peaks::of(&mean),
-            picture: grid(&spectrum),
-            curves: curves(&spectrum),
-        })
-    }
-}
-
-/// Mean and standard deviation.
-fn spread(values: impl Iterator<Item = f64>) -> Option<[f64; 2]> {
-    Summary::of(values).map(|summary| [summary.mean, summary.deviation])
-}
-
-/// How far the anisotropy lies above that of noise, in decibels: all annuli alike.
-pub fn excess(profile: &RadialProfile) -> f64 {
-    let ratios = profile.annuli.iter().filter(|annulus| many(annulus));
-    let ratios = ratios.map(|annulus| 10_f64.powf(0.1 * annulus.anisotropy_db));
-    let mean = Summary::of(ratios).map_or(f64::NAN, |summary| summary.mean);
-    10.0 * mean.log10() - anisotropy_reference_db(profile.sets)
-}
-
-/// Whether an annulus has frequencies enough for its anisotropy to count.
-fn many(annulus: &Annulus) -> bool {
-    annulus.count >= 2 * MIN_PAIRS && annulus.anisotropy_db.is_finite()
-}
-
-/// Standard deviation of variance over squared mean, in parts of it, among so many independent means of `sets`
-/// exponential values: by the moments of the gamma distribution, to first order.
-fn noise_deviation(pairs: f64, sets: u64) -> f64 {
-    ((2.0 + 2.0 / sets as f64) / pairs).sqrt()
-}
-
-/// How many standard deviations hold a normal variable with probability 95 %, and 99 %.
-const NORMAL: [f64; 2] = [1.959_964, 2.575_829];
-
-/// Returns where the anisotropy of an annulus of sets without preferred directions lies with probability 95 %, in
-/// decibels.
-fn noise(annulus: &Annulus, sets: u64) -> [f64; 2] {
-    let reach = NORMAL[0] * noise_deviation(0.5 * annulus.count as f64, sets);
-    [-reach, reach].map(|off| 10.0 * (1.0 + off).log10() + anisotropy_reference_db(sets))
-}
-
-/// Returns how far [`excess`] may be from zero by chance alone, in decibels.
-fn excess_reach(profile: &RadialProfile) -> f64 {
-    let annuli = profile.annuli.iter().filter(|annulus| many(annulus));
-    let [sum, count] = annuli.fold([0.0; 2], |[sum, count], annulus| {
-        let deviation = noise_deviation(0.5 * annulus.count as f64, profile.sets);
-        [sum + deviation * deviation, count + 1.0]
-    });
-    10.0 * (1.0 + NORMAL[1] * sum.sqrt() / count).log10()
+    let nothing = || ReproduceError::Engine("there is no set to look at".to_owned());
+    let mean = mean.mean().ok_or_else(nothing)?;
+    let spectrum = Spectrum::of(&mean)?;
+    let (frequencies, powers) = smooth.ok_or_else(nothing)?;
+    let smooth = PowerCurve::new(frequencies, powers.means().to_vec())?;
+    let counts = Summary::of(reports.iter().map(|report| report.count as f64));
+    let counts = counts.ok_or_else(nothing)?;
+    let [least, _] = ends(reports.iter().map(|report| report.min_distance));
+    Ok(MethodSpectra {
+        radius: group.radius,
+        method,
+        sets: group.sets,
+        count: [counts.mean, counts.deviation],
+        min_distance: least / group.radius,
+        covering_radius: largest(reports.iter().map(|one| one.covering_radius)) / group.radius,
+        nyquist: smooth.effective_nyquist_psa().filter(|nu| *nu > 0.0),
+        oscillation: smooth.oscillation(),
+        excess: spectrum.profile.anisotropy_excess_db(),
+        excess_alone: Summary::of(alone).ok_or_else(nothing)?.mean,
+        excess_reach: spectrum.profile.anisotropy_excess_reach_db(),
+        peaks: Peaks::of(&mean),
+        picture: grid(&spectrum),
+        curves: curves(&spectrum),
+    })
 }
 
 fn curves(spectrum: &Spectrum) -> Curves {
     let (profile, sets) = (&spectrum.profile, spectrum.profile.sets);
-    let anisotropy = |annulus: &Annulus| many(annulus).then_some(annulus.anisotropy_db);
-    let noise = |annulus: &Annulus| many(annulus).then(|| noise(annulus, sets));
+    let anisotropy = |annulus: &Annulus| annulus.has_anisotropy().then_some(annulus.anisotropy_db);
+    let noise = |annulus: &Annulus| {
+        annulus
+            .has_anisotropy()
+            .then(|| annulus.anisotropy_noise_db(sets))
+    };
     let [nu, power] = [0, 1].map(|axis| spectrum.power().iter().map(|p| p[axis]).collect());
     Curves {
         nu,

@@ -2,17 +2,19 @@
 //! seen them.
 
 use serde::{Deserialize, Serialize};
-use tilescope_analysis::{Report, Tessellation, VerifyOptions};
+use serde_json::{Value, json};
+use tilescope_analysis::measures::poisson_interval;
+use tilescope_analysis::{Gap, Report, Tessellation, VerifyOptions};
 use tilescope_figures::chart::{Bar, BarGroup};
 
-use super::witness::{CellIndex, HAIR, Witness};
 use crate::control::Control;
-use crate::error::ReproduceError;
-use crate::experiments::common::{bar_picture, poisson_interval};
-use crate::numbers::{drawn_count, drawn_number};
+use crate::error::{ReproduceError, Result};
+use crate::experiments::common::{MISSED, bar_picture, largest};
+use crate::numbers::drawn;
 use crate::outcome::{Picture, Table};
-use crate::sets::Set;
-use crate::table::{TypedTable, table};
+use crate::rates::distinct;
+use crate::sets::{Set, shortest};
+use crate::texts::{table, text};
 
 /// Centres of gaps that are examined in each set, at most.
 const MAX_CENTERS: usize = 100_000;
@@ -20,6 +22,53 @@ const MAX_CENTERS: usize = 100_000;
 const KEPT: usize = 4;
 /// Centres between two looks at whether the caller stopped the work.
 const ASK: usize = 1024;
+
+/// The largest distance of sites from the circle that they define, in radii.
+const HAIR: f64 = 1e-6;
+
+/// A position without a sample within r, and the three samples nearest to it.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub struct Witness {
+    pub center: [f64; 2],
+    pub distance: f64,
+    /// The samples, relative to the centre.
+    pub sites: [[f64; 2]; 3],
+}
+
+impl Witness {
+    /// Returns the centre of a gap with those three of `samples`, by their indices, that are nearest to it.
+    pub fn of(gap: &Gap, set: &Set, samples: &[usize]) -> Self {
+        let [x, y] = gap.center;
+        let away = |index: &usize| {
+            let at = set.points[*index];
+            shortest([at[0] - x, at[1] - y], &set.region)
+        };
+        let reach = gap.distance + HAIR * set.radius;
+        let near = samples
+            .iter()
+            .map(away)
+            .filter(|[x, y]| x.hypot(*y) <= reach);
+        let mut near: Vec<[f64; 2]> = near.collect();
+        near.sort_by(|a, b| a[1].atan2(a[0]).total_cmp(&b[1].atan2(b[0])));
+        Self {
+            center: gap.center,
+            distance: gap.distance,
+            sites: [0, 1, 2].map(|k| near.get(k).copied().unwrap_or([f64::NAN; 2])),
+        }
+    }
+
+    /// Returns the distances between the sites: of the second and third, first and third, first and second.
+    pub fn sides(&self) -> [f64; 3] {
+        let [a, b, c] = self.sites;
+        [(b, c), (a, c), (a, b)].map(|(p, q)| (p[0] - q[0]).hypot(p[1] - q[1]))
+    }
+
+    /// Returns whether no site has both others within 2r: two of the three sides are longer.
+    pub fn out_of_sight(&self, radius: f64) -> bool {
+        let long = |side: &&f64| **side > 2.0 * radius;
+        self.sides().iter().filter(long).count() >= 2
+    }
+}
 
 /// The gaps of one set: the verifier's counts, and which detectors could see them.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
@@ -40,14 +89,12 @@ pub struct GapCounts {
 }
 
 impl GapCounts {
-    pub fn of(set: &Set, inserted: usize, control: &Control<'_>) -> Result<Self, ReproduceError> {
+    pub fn of(set: &Set, inserted: usize, control: &Control<'_>) -> Result<Self> {
         let options = VerifyOptions {
             witnesses: MAX_CENTERS,
             ..VerifyOptions::default()
         };
-        let (points, region, radius) = (&set.points, set.region, set.radius);
-        let report =
-            tilescope_analysis::verify(points, region, radius, &options, &control.analysis())?;
+        let report = set.judged(&options, control)?;
         if report.conflicts > 0 {
             return Err(ReproduceError::Invalid {
                 what: "a set with gaps".to_owned(),
@@ -55,52 +102,42 @@ impl GapCounts {
                 gaps: report.gaps,
             });
         }
-        let base = Self {
+        let mut found = Self {
             count: report.count,
             inserted,
             centers: report.gaps,
-            covering_radius: report.covering_radius / radius,
+            covering_radius: report.covering_radius / set.radius,
             ..Self::default()
         };
-        if report.gaps == 0 {
-            return Ok(base);
+        if report.gaps > 0 {
+            found.take_apart(set, &report, control)?;
         }
-        base.apart(set, &report, control)
+        Ok(found)
     }
 
-    /// Takes the gaps apart.
-    fn apart(
-        self,
-        set: &Set,
-        report: &Report,
-        control: &Control<'_>,
-    ) -> Result<Self, ReproduceError> {
+    /// Counts the holes, and the centres that are out of sight.
+    fn take_apart(&mut self, set: &Set, report: &Report, control: &Control<'_>) -> Result<()> {
         let limit = (1.0 + report.covering_tolerance) * set.radius;
         let parts = Tessellation::of(&set.points, set.region, set.radius)?;
-        let holes = || parts.gaps.iter().filter(|gap| gap.deepest.1 > limit);
-        let mut worst = Vec::new();
-        let mut out_of_sight = 0;
+        for hole in parts.gaps.iter().filter(|gap| gap.deepest.1 > limit) {
+            self.holes += 1;
+            self.area += hole.area / set.radius.powi(2);
+        }
         let mut seen = Vec::new();
-        let near = CellIndex::of(set, report.covering_radius + HAIR * set.radius);
         for (index, gap) in report.worst_gaps.iter().enumerate() {
             if index % ASK == 0 {
                 control.go_on()?;
             }
-            let witness = near.witness(gap.center, gap.distance);
-            out_of_sight += usize::from(witness.out_of_sight(set.radius));
             let hole = parts.gap_at(gap.center);
-            if worst.len() < KEPT && !seen.contains(&hole) {
+            let samples = hole.map_or(&[][..], |hole| &parts.gaps[hole].sites);
+            let witness = Witness::of(gap, set, samples);
+            self.out_of_sight += usize::from(witness.out_of_sight(set.radius));
+            if self.worst.len() < KEPT && !seen.contains(&hole) {
                 seen.push(hole);
-                worst.push(witness);
+                self.worst.push(witness);
             }
         }
-        Ok(Self {
-            holes: holes().count(),
-            area: holes().map(|gap| gap.area).sum::<f64>() / set.radius.powi(2),
-            out_of_sight,
-            worst,
-            ..self
-        })
+        Ok(())
     }
 }
 
@@ -109,7 +146,6 @@ impl GapCounts {
 pub struct GapStatistics {
     pub leaf: f64,
     pub printed: bool,
-    pub index: usize,
     pub seed: u64,
     pub two: GapCounts,
     pub four: GapCounts,
@@ -123,18 +159,8 @@ pub fn worst(found: &[GapStatistics]) -> Option<&GapStatistics> {
     gaps.max_by(|a, b| a.two.covering_radius.total_cmp(&b.two.covering_radius))
 }
 
-/// Returns how many gaps no detector could have seen.
-pub fn sight(found: &[GapStatistics]) -> String {
-    let staged = || found.iter().filter(|one| !one.printed);
-    let centers: u64 = staged().map(|one| one.two.centers).sum();
-    let out: usize = staged().map(|one| one.two.out_of_sight).sum();
-    format!(
-        "Of {centers} centres of empty circles {out} were out of every sample's sight: none of their three sites has both others \
-         within 2 r. The rest had such a site, but it was no detector."
-    )
-}
-
-fn share(part: f64, whole: usize) -> f64 {
+/// Returns how many there are in a million samples.
+pub fn a_million(part: f64, whole: usize) -> f64 {
     1e6 * part / whole.max(1) as f64
 }
 
@@ -146,10 +172,7 @@ fn of(found: &[GapStatistics], leaf: f64, printed: bool) -> Vec<&GapStatistics> 
 }
 
 fn leaves(found: &[GapStatistics]) -> Vec<f64> {
-    let mut leaves: Vec<f64> = found.iter().map(|one| one.leaf).collect();
-    leaves.sort_by(f64::total_cmp);
-    leaves.dedup();
-    leaves
+    distinct(found.iter().map(|one| one.leaf))
 }
 
 type Kind = (&'static str, bool, fn(&GapStatistics) -> &GapCounts);
@@ -162,24 +185,19 @@ const KINDS: [Kind; 4] = [
 ];
 
 /// Returns bars of the gaps in a million samples, by leaf.
-pub fn bars(found: &[GapStatistics]) -> Result<Picture, ReproduceError> {
+pub fn bars(found: &[GapStatistics]) -> Result<Picture> {
     let group = |leaf: &f64| {
         let bar = |(kind, (name, printed, pick)): (usize, &Kind)| {
             let sets = of(found, *leaf, *printed);
             let holes: usize = sets.iter().map(|one| pick(one).holes).sum();
             let samples: usize = sets.iter().map(|one| pick(one).count).sum();
-            let spread = poisson_interval(holes).map(|gaps| share(gaps, samples));
+            let ends = poisson_interval(holes, MISSED).map(|gaps| a_million(gaps, samples));
+            let values = json!({ "holes": holes, "samples": samples, "ends": ends });
             Bar {
                 name: (*name).to_owned(),
-                value: share(holes as f64, samples),
-                whisker: Some(spread),
-                text: format!(
-                    "{} gaps in {} samples (99 %: {} to {} a million)",
-                    drawn_count(holes),
-                    drawn_count(samples),
-                    drawn_number(spread[0], 2),
-                    drawn_number(spread[1], 2)
-                ),
+                value: a_million(holes as f64, samples),
+                whisker: Some(ends),
+                text: drawn(&text("search/bar", &values)),
                 color: kind,
             }
         };
@@ -189,97 +207,43 @@ pub fn bars(found: &[GapStatistics]) -> Result<Picture, ReproduceError> {
         }
     };
     let groups = leaves(found).iter().map(group).collect();
-    let title = "Gaps left in a million samples (99 % intervals)";
-    let caption = "Gaps in a million samples that runs leave when detectors look 2 r and 4 r far, by the shortest edge of a block, as \
-                   printed and in stages. Whiskers: 99 % intervals of a Poisson variable; behind each bar what was counted.";
-    let bars = ("gaps in a million samples", groups);
-    bar_picture("gaps", title, caption.to_owned(), bars)
+    bar_picture("search/gaps", &json!({}), groups)
 }
 
-/// Sets that a row of a table sums up.
-type Sets<'a> = Vec<&'a GapStatistics>;
-
-fn total(sets: &Sets<'_>, count: fn(&GapCounts) -> usize) -> usize {
-    sets.iter().map(|one| count(&one.two)).sum()
-}
-
-fn most(sets: &Sets<'_>, value: fn(&GapStatistics) -> f64) -> f64 {
-    sets.iter().map(|one| value(one)).fold(0.0, f64::max)
-}
-
-/// Returns a table of sums over sets; `third` is its third column, a count of them or their seed.
-fn sums<'a>(
-    [name, title]: [&str; 2],
-    rows: impl IntoIterator<Item = Sets<'a>>,
-    (key, digits, third): (&str, usize, fn(&Sets<'_>) -> u64),
-) -> TypedTable<Sets<'a>> {
-    let variant = |printed: bool| if printed { "as printed" } else { "in stages" };
-    table(name, title, rows)
-        .column("variant", "variant", 3, |sets| variant(sets[0].printed))
-        .column("leaf_r", "leaf, r", 3, |sets| sets[0].leaf)
-        .column(key, key, digits, third)
-        .column("samples", "samples", 9, |sets| total(sets, |two| two.count))
-        .column("inserted", "inserted, 2 r", 7, |sets| {
-            total(sets, |two| two.inserted)
-        })
-        .column("gaps_2r", "gaps, 2 r", 6, |sets| {
-            total(sets, |two| two.holes)
-        })
-        .column("gaps_2r_per_million", "gaps a million, 2 r", 4, |sets| {
-            share(
-                total(sets, |two| two.holes) as f64,
-                total(sets, |two| two.count),
-            )
-        })
-        .column("places_2r", "centres, 2 r", 6, |sets| {
-            sets.iter().map(|one| one.two.centers).sum::<u64>()
-        })
-        .column("out_of_sight", "out of sight", 6, |sets| {
-            total(sets, |two| two.out_of_sight)
-        })
-        .column("area_2r", "area of gaps, r^2", 3, |sets| {
-            sets.iter().map(|one| one.two.area).sum::<f64>()
-        })
-        .column("covering_2r", "covering radius, 2 r", 7, |sets| {
-            most(sets, |one| one.two.covering_radius)
-        })
-        .column("gaps_4r", "gaps, 4 r", 6, |sets| {
-            sets.iter().map(|one| one.four.holes).sum::<usize>()
-        })
-        .column("covering_4r", "covering radius, 4 r", 7, |sets| {
-            most(sets, |one| one.four.covering_radius)
-        })
+/// Returns the sums of a row of a table over sets.
+fn sums(sets: &[&GapStatistics]) -> Value {
+    let total =
+        |count: fn(&GapCounts) -> usize| sets.iter().map(|one| count(&one.two)).sum::<usize>();
+    let holes = total(|two| two.holes);
+    json!({
+        "variant": if sets[0].printed { "as printed" } else { "in stages" }, "leaf_r": sets[0].leaf,
+        "samples": total(|two| two.count), "inserted": total(|two| two.inserted), "gaps_2r": holes,
+        "gaps_2r_per_million": a_million(holes as f64, total(|two| two.count)),
+        "places_2r": sets.iter().map(|one| one.two.centers).sum::<u64>(),
+        "out_of_sight": total(|two| two.out_of_sight),
+        "area_2r": sets.iter().map(|one| one.two.area).sum::<f64>(),
+        "covering_2r": largest(sets.iter().map(|one| one.two.covering_radius)),
+        "gaps_4r": sets.iter().map(|one| one.four.holes).sum::<usize>(),
+        "covering_4r": largest(sets.iter().map(|one| one.four.covering_radius)),
+    })
 }
 
 /// Returns the numbers of each leaf, over its sets.
 pub fn by_leaf(found: &[GapStatistics]) -> Table {
     let leaves = leaves(found);
-    let leaves = |printed| leaves.iter().map(move |leaf| of(found, *leaf, printed));
-    let names = ["leaves", "Gaps left by looking 2 r and 4 r far"];
-    let rows = leaves(true).chain(leaves(false));
-    sums(names, rows, ("sets", 3, |sets| sets.len() as u64)).shown()
+    let rows = [true, false].into_iter();
+    let rows = rows.flat_map(|printed| leaves.iter().map(move |leaf| of(found, *leaf, printed)));
+    table("search/leaves", rows, |sets| {
+        let mut row = sums(&sets);
+        row["sets"] = json!(sets.len());
+        row
+    })
 }
 
-/// Returns the numbers of every seed.
 pub fn by_set(found: &[GapStatistics]) -> Table {
-    let rows = found.iter().map(|one| vec![one]);
-    sums(
-        ["sets", "Every seed"],
-        rows,
-        ("seed", 6, |sets| sets[0].seed),
-    )
-    .hidden()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn intervals_of_counts_are_the_known_ones_and_none_seen_is_not_none() {
-        let close = |a: [f64; 2], b: [f64; 2]| (0..2).all(|k| (a[k] - b[k]).abs() < 1e-3);
-        assert!(close(poisson_interval(0), [0.0, 5.298]));
-        assert!(close(poisson_interval(1), [0.005, 7.430]));
-        assert!(close(poisson_interval(10), [3.717, 21.398]));
-    }
+    table("search/sets", found, |one| {
+        let mut row = sums(&[one]);
+        row["seed"] = json!(one.seed);
+        row
+    })
 }

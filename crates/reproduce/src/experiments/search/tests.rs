@@ -19,7 +19,6 @@ fn found(printed: bool, two: usize, four: usize) -> GapStatistics {
     GapStatistics {
         leaf: 20.0,
         printed,
-        index: 0,
         seed: 1,
         two: judged(two),
         four: judged(four),

@@ -2,17 +2,16 @@
 //! inserted. Tests of these counts are in `offsets`.
 
 use serde::{Deserialize, Serialize};
-use tilescope_analysis::measures::{ClassCounts, DistanceClasses, PositionClasses};
+use tilescope_analysis::measures::{DistanceClasses, PositionClasses};
 use tilescope_core::{
-    Domain, Fate, Insertion, Order, Origin, Parameters, Point, R, Rect, Run, Sequential,
-    reference_sample,
+    Domain, Fate, Insertion, Order, Origin, Parameters, Point, R, Rect, Run, reference_sample,
 };
 
 use super::gaps::Gaps;
 use crate::control::Control;
-use crate::error::ReproduceError;
+use crate::error::Result;
 use crate::experiments::common::seeded;
-use crate::sets::{Set, pattern, region};
+use crate::sets::{Set, region, sequential};
 
 /// Where classes of distances from a border begin, in radii.
 pub const EDGES: [f64; 14] = [
@@ -21,7 +20,6 @@ pub const EDGES: [f64; 14] = [
 /// How much denser the moved set is at its densest place: a bias that must be seen.
 pub const MOVED: f64 = 0.05;
 
-/// Counts of one set.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct SetCounts {
     pub count: u64,
@@ -40,16 +38,10 @@ pub struct SetCounts {
     pub skipped: u64,
 }
 
-/// Counts of the sets of one seed, and each class's share of the area.
+/// Counts of the sets of one seed, in the sequence of `offsets::NAMES`, and each class's share of the area.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct SeedCounts {
-    pub reference: SetCounts,
-    /// The reference set with a bias put in.
-    pub moved: SetCounts,
-    pub circumcentre: SetCounts,
-    pub uniform: SetCounts,
-    /// Circumcentres again, samples eliminated in random order.
-    pub random: SetCounts,
+    pub sets: [SetCounts; 5],
     pub block_shares: Vec<f64>,
     pub domain_shares: Vec<f64>,
     pub side_shares: Vec<f64>,
@@ -63,17 +55,12 @@ impl SeedCounts {
         cells: usize,
         seed: u64,
         control: &Control<'_>,
-    ) -> Result<Self, ReproduceError> {
+    ) -> Result<Self> {
         let base = seeded(*parameters, seed);
-        let pattern = pattern(&base.pattern, control)?;
-        let run = |insertion, order| -> Result<Run, ReproduceError> {
-            let parameters = Parameters {
-                insertion,
-                order,
-                ..base
-            };
-            let engine = Sequential::new(&parameters, pattern.clone())?;
-            Ok(engine.finish(&mut control.observer())?)
+        let run = |insertion, order| {
+            let mut parameters = base;
+            (parameters.insertion, parameters.order) = (insertion, order);
+            sequential(&parameters, control)
         };
         let circumcentre = run(Insertion::Circumcentre, base.order)?;
         let uniform = run(Insertion::Uniform, base.order)?;
@@ -81,16 +68,28 @@ impl SeedCounts {
         let domain = circumcentre.domain;
         let own = seed ^ (1 << 40);
         let reference = reference_sample(domain, own, &mut control.observer())?;
-        let eye = Counter::of(&circumcentre, cells);
+        let rects = circumcentre
+            .blocks
+            .leaves
+            .iter()
+            .map(|block| block.rect)
+            .collect();
+        let counter = Counter {
+            domain,
+            cells,
+            rects,
+        };
         let survivors = survivors(&circumcentre);
         let gaps = Gaps::of(&survivors, region(&domain), domain.radius())?;
         Ok(Self {
-            reference: eye.verified(&reference, "reference", control)?,
-            moved: eye.count(&moved(&domain, &reference))?,
-            circumcentre: eye.run(&circumcentre, &gaps, control)?,
-            uniform: eye.run(&uniform, &gaps, control)?,
-            random: eye.verified(&random.points(), "random order", control)?,
-            block_shares: shares(&eye.rects),
+            sets: [
+                counter.verified(&reference, "reference", control)?,
+                counter.count(&moved(&domain, &reference))?,
+                counter.run(&circumcentre, &gaps, control)?,
+                counter.run(&uniform, &gaps, control)?,
+                counter.verified(&random.points(), "random order", control)?,
+            ],
+            block_shares: shares(&counter.rects),
             domain_shares: shares(&[domain.rect()]),
             side_shares: side_shares(&domain),
         })
@@ -99,18 +98,13 @@ impl SeedCounts {
 
 /// Returns the tiled samples that are in the result, in user units.
 fn survivors(run: &Run) -> Vec<[f64; 2]> {
-    let samples = run
-        .samples
-        .origins
-        .iter()
-        .zip(&run.samples.fates)
-        .zip(&run.samples.points);
-    samples
-        .filter(|((origin, fate), _)| {
-            matches!(origin, Origin::Tiled { .. }) && **fate == Fate::Kept
-        })
-        .map(|(_, point)| run.domain.user_from_lattice(*point))
-        .collect()
+    let all = &run.samples;
+    let samples = all.origins.iter().zip(&all.fates).zip(&all.points);
+    let survived = samples.filter(|((origin, fate), _)| {
+        matches!(origin, Origin::Tiled { .. }) && **fate == Fate::Kept
+    });
+    let user = |(_, point): (_, &Point)| run.domain.user_from_lattice(*point);
+    survived.map(user).collect()
 }
 
 /// Returns a set that is denser towards the middle of the domain's width.
@@ -124,26 +118,16 @@ fn moved(domain: &Domain, points: &[Point]) -> Vec<Point> {
     points.iter().map(place).collect()
 }
 
-/// What counts.
+/// Counts samples by place.
 struct Counter {
     domain: Domain,
     /// Cells along each side of the domain.
     cells: usize,
-    /// Blocks.
     rects: Vec<Rect>,
 }
 
 impl Counter {
-    /// Counts by the blocks of a run.
-    fn of(run: &Run, cells: usize) -> Self {
-        Self {
-            domain: run.domain,
-            cells,
-            rects: run.blocks.leaves.iter().map(|block| block.rect).collect(),
-        }
-    }
-
-    fn count(&self, points: &[Point]) -> Result<SetCounts, ReproduceError> {
+    fn count(&self, points: &[Point]) -> Result<SetCounts> {
         let classes = PositionClasses {
             region: region(&self.domain),
             columns: self.cells,
@@ -161,30 +145,18 @@ impl Counter {
         })
     }
 
-    fn verified(
-        &self,
-        points: &[Point],
-        what: &str,
-        control: &Control<'_>,
-    ) -> Result<SetCounts, ReproduceError> {
+    fn verified(&self, points: &[Point], what: &str, control: &Control<'_>) -> Result<SetCounts> {
         Set::of(&self.domain, points).verified(what, control)?;
         self.count(points)
     }
 
-    fn run(
-        &self,
-        run: &Run,
-        gaps: &Gaps<'_>,
-        control: &Control<'_>,
-    ) -> Result<SetCounts, ReproduceError> {
+    fn run(&self, run: &Run, gaps: &Gaps<'_>, control: &Control<'_>) -> Result<SetCounts> {
         let seed = run.parameters.seed;
         let what = format!("{:?}, seed {seed}", run.parameters.insertion);
         let counted = self.verified(&run.points(), &what, control)?;
         let samples = run.samples.origins.iter().zip(&run.samples.points);
-        let inserted: Vec<Point> = samples
-            .filter(|(origin, _)| matches!(origin, Origin::Inserted { .. }))
-            .map(|(_, point)| *point)
-            .collect();
+        let inserted = samples.filter(|(origin, _)| matches!(origin, Origin::Inserted { .. }));
+        let inserted: Vec<Point> = inserted.map(|(_, point)| *point).collect();
         let user = |p: &Point| self.domain.user_from_lattice(*p);
         let places: Vec<[f64; 2]> = inserted.iter().map(user).collect();
         let ranked = gaps.ranked(&places, seed);
@@ -198,7 +170,7 @@ impl Counter {
 }
 
 /// Counts points by how far inside their rectangle they are; rectangles tile the domain.
-fn depths(points: &[Point], rects: &[Rect]) -> Result<Vec<u64>, ReproduceError> {
+fn depths(points: &[Point], rects: &[Rect]) -> Result<Vec<u64>> {
     let depth = |p: &Point| {
         let inside = rects.iter().find(|rect| rect.contains(*p));
         inside.map(|rect| f64::from(rect.depth(*p)) / f64::from(R))
@@ -243,19 +215,6 @@ fn shares(rects: &[Rect]) -> Vec<f64> {
         (deeper(EDGES[class]) - end) / whole
     };
     (0..EDGES.len()).map(share).collect()
-}
-
-/// Joins the counts of all seeds.
-pub fn joined(
-    seeds: &[SeedCounts],
-    counts: impl Fn(&SeedCounts) -> Vec<u64>,
-    shares: impl Fn(&SeedCounts) -> Vec<f64>,
-) -> Result<ClassCounts, ReproduceError> {
-    let mut all = ClassCounts::new(seeds.first().map_or(1, |seed| counts(seed).len()))?;
-    for seed in seeds {
-        all.add_run(&counts(seed), &shares(seed))?;
-    }
-    Ok(all)
 }
 
 #[cfg(test)]

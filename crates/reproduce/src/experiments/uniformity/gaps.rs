@@ -7,7 +7,9 @@ use tilescope_analysis::tessellation::GapRegion;
 use tilescope_analysis::{Region, Tessellation};
 use tilescope_core::threefry2x32_20;
 
-use crate::error::ReproduceError;
+use crate::error::Result;
+use crate::experiments::common::largest;
+use crate::sets::shortest;
 
 /// Uniform places that a sample is ranked among: ranks are 0 to this number.
 const PLACES: usize = 39;
@@ -41,11 +43,7 @@ pub struct Ranked {
 }
 
 impl<'a> Gaps<'a> {
-    pub fn of(
-        survivors: &'a [[f64; 2]],
-        region: Region,
-        radius: f64,
-    ) -> Result<Self, ReproduceError> {
+    pub fn of(survivors: &'a [[f64; 2]], region: Region, radius: f64) -> Result<Self> {
         let parts = Tessellation::of(survivors, region, radius)?;
         Ok(Self {
             survivors,
@@ -62,7 +60,7 @@ impl<'a> Gaps<'a> {
             skipped: 0,
         };
         for (index, &place) in inserted.iter().enumerate() {
-            let mut draws = Draws::new(seed, index as u32);
+            let mut draws = draws(seed, index as u32);
             match self.rank(place, &inserted[..index], &mut draws) {
                 Some(rank) => ranked.classes[rank * CLASSES / (PLACES + 1)] += 1,
                 None => ranked.skipped += 1,
@@ -72,7 +70,12 @@ impl<'a> Gaps<'a> {
     }
 
     /// Returns how many of the uniform places are nearer to a sample than `place` is.
-    fn rank(&self, place: [f64; 2], earlier: &[[f64; 2]], draws: &mut Draws) -> Option<usize> {
+    fn rank(
+        &self,
+        place: [f64; 2],
+        earlier: &[[f64; 2]],
+        draws: &mut impl FnMut() -> f64,
+    ) -> Option<usize> {
         let near = |gap: &&Gap| self.distance(place, gap.region.deepest.0.into()) <= gap.reach;
         let gap = (self.each.iter().filter(near)).find(|gap| gap.region.contains(place))?;
         let around = gap.reach + 2.0 * self.radius;
@@ -102,24 +105,16 @@ impl<'a> Gaps<'a> {
     }
 
     fn distance(&self, a: [f64; 2], b: [f64; 2]) -> f64 {
-        let around = |k: usize, period: f64| {
-            let d = a[k] - b[k];
-            d - period * (d / period).round()
-        };
-        around(0, self.region.width).hypot(around(1, self.region.height))
+        let [x, y] = shortest([a[0] - b[0], a[1] - b[1]], &self.region);
+        x.hypot(y)
     }
 }
 
 impl Gap {
     fn new(region: GapRegion) -> Self {
         let deepest = region.deepest.0;
-        let away = |p: &DVec2| p.distance(deepest);
-        let reach = region
-            .fill
-            .as_flattened()
-            .iter()
-            .map(away)
-            .fold(0.0, f64::max);
+        let corners = region.fill.as_flattened().iter();
+        let reach = largest(corners.map(|corner| corner.distance(deepest)));
         let mut total = 0.0;
         let area = |[a, b, c]: &[DVec2; 3]| {
             total += 0.5 * (b - a).perp_dot(c - a).abs();
@@ -133,14 +128,14 @@ impl Gap {
     }
 
     /// Returns a uniform place of the triangles.
-    fn draw(&self, draws: &mut Draws) -> [f64; 2] {
+    fn draw(&self, draws: &mut impl FnMut() -> f64) -> [f64; 2] {
         let Some(total) = self.areas.last() else {
             return self.region.deepest.0.into();
         };
-        let at = draws.next() * total;
+        let at = draws() * total;
         let triangle = self.areas.partition_point(|area| *area <= at);
         let [a, b, c] = self.region.fill[triangle.min(self.areas.len() - 1)];
-        let (mut s, mut t) = (draws.next(), draws.next());
+        let (mut s, mut t) = (draws(), draws());
         if s + t > 1.0 {
             (s, t) = (1.0 - s, 1.0 - t);
         }
@@ -148,23 +143,12 @@ impl Gap {
     }
 }
 
-/// Uniform numbers in [0, 1), for one sample of one run.
-pub struct Draws {
-    key: [u32; 2],
-    counter: [u32; 2],
-}
-
-impl Draws {
-    pub const fn new(seed: u64, index: u32) -> Self {
-        Self {
-            key: [seed as u32, (seed >> 32) as u32],
-            counter: [index, 0],
-        }
-    }
-
-    pub fn next(&mut self) -> f64 {
-        let [word, _] = threefry2x32_20(self.key, self.counter);
-        self.counter[1] += 1;
+/// Returns what draws uniform numbers in [0, 1), for one sample of one run.
+pub fn draws(seed: u64, index: u32) -> impl FnMut() -> f64 {
+    let mut counter = 0;
+    move || {
+        let [word, _] = threefry2x32_20([seed as u32, (seed >> 32) as u32], [index, counter]);
+        counter += 1;
         f64::from(word) / 2f64.powi(32)
     }
 }
@@ -195,7 +179,7 @@ mod tests {
             let deepest: Vec<[f64; 2]> = deepest.collect();
             let mut uniform = Vec::new();
             for (index, gap) in gaps.each.iter().enumerate() {
-                let mut draws = Draws::new(7, index as u32);
+                let mut draws = draws(7, index as u32);
                 let inside = (0..500)
                     .map(|_| gap.draw(&mut draws))
                     .find(|p| gap.region.contains(*p));

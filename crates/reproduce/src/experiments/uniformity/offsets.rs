@@ -1,50 +1,49 @@
 //! How far the counts of each way to make sets are from uniform and from the reference sampler's.
 
-use tilescope_analysis::measures::{Deviation, Uniformity, student_quantile};
+use serde::Serialize;
+use tilescope_analysis::measures::{ClassCounts, Deviation, Uniformity, student_quantile};
 
-use super::bias::{ClassBias, MISSED, PairedBias, bias};
-use super::counted::{EDGES, SeedCounts, SetCounts, joined};
+use super::counted::{EDGES, SeedCounts, SetCounts};
 use super::gaps::CLASSES;
-use crate::error::ReproduceError;
+use crate::error::Result;
 
 /// Confidence of intervals.
-pub const LEVEL: f64 = 0.99;
+const LEVEL: f64 = 0.99;
+/// What intervals miss, of one statement or of several together.
+const MISSED: f64 = 1.0 - LEVEL;
 /// Where the bands of distances from a block's border begin, in classes: at 0, 1 r and 3 r.
-pub const BANDS: [usize; 3] = [0, 4, 9];
+const BANDS: [usize; 3] = [0, 4, 9];
 
 /// Bands and strips by which places are judged.
-const BLOCK_BANDS: [&str; 3] = [
+const PLACES: [&str; 8] = [
     "within 1 r of a block's border",
     "1 r to 3 r from a block's border",
     "deeper than 3 r in a block",
-];
-const DOMAIN_BANDS: [&str; 3] = [
     "within 1 r of the domain's border",
     "1 r to 3 r from the domain's border",
     "deeper than 3 r in the domain",
-];
-const SIDES: [&str; 2] = [
     "within 1 r after the domain's border",
     "within 1 r before the domain's border",
 ];
 /// Number of intervals that must hold together: one for the grid and one for each band and strip.
-pub const JUDGED: usize = 1 + BLOCK_BANDS.len() + DOMAIN_BANDS.len() + SIDES.len();
+pub const JUDGED: usize = 1 + PLACES.len();
 
-/// Everything that was counted.
 pub struct UniformityResults {
-    /// The reference sampler's sets.
-    pub reference: SamplerUniformity,
-    /// The control: reference sets with a known bias.
-    pub moved: SamplerUniformity,
-    /// KDRT with insertion at circumcentres.
-    pub circumcentre: SamplerUniformity,
-    /// KDRT with uniform insertion.
-    pub uniform: SamplerUniformity,
-    /// The same as `circumcentre` with samples eliminated in random order.
-    pub random: SamplerUniformity,
+    /// The sets of each way to make them, in the sequence of [`NAMES`].
+    pub all: [SamplerUniformity; 5],
     /// Insertion at circumcentres against uniform insertion.
     pub paired: PairedBias,
 }
+
+/// The ways to make sets: by the reference sampler; the control, reference sets with a known bias; by KDRT with
+/// insertion at circumcentres, with uniform insertion, and at circumcentres with samples eliminated in random order.
+pub const NAMES: [&str; 5] = [
+    "reference sampler",
+    "reference, moved",
+    "circumcentres",
+    "uniform insertion",
+    "circumcentres, random order",
+];
 
 /// Sets that were made in one way.
 pub struct SamplerUniformity {
@@ -75,7 +74,7 @@ pub struct SamplerUniformity {
 }
 
 /// How far a density is from the reference sampler's.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize)]
 pub struct DensityOffset {
     /// The difference, relative to the reference sampler's density.
     pub relative: f64,
@@ -106,59 +105,47 @@ impl DensityOffset {
     }
 }
 
-type Pick = fn(&SeedCounts) -> &SetCounts;
-
 impl UniformityResults {
-    pub fn of(seeds: &[SeedCounts]) -> Result<Self, ReproduceError> {
-        let subject = |name, pick| SamplerUniformity::of(name, seeds, pick);
+    pub fn of(seeds: &[SeedCounts]) -> Result<Self> {
+        let of = |way| SamplerUniformity::of(seeds, way);
         Ok(Self {
-            reference: subject("reference sampler", |seed| &seed.reference)?,
-            moved: subject("reference, moved", |seed| &seed.moved)?,
-            circumcentre: subject("circumcentres", |seed| &seed.circumcentre)?,
-            uniform: subject("uniform insertion", |seed| &seed.uniform)?,
-            random: subject("circumcentres, random order", |seed| &seed.random)?,
+            all: [of(0)?, of(1)?, of(2)?, of(3)?, of(4)?],
             paired: PairedBias::of(seeds),
         })
-    }
-
-    pub fn all(&self) -> [&SamplerUniformity; 5] {
-        [
-            &self.reference,
-            &self.moved,
-            &self.circumcentre,
-            &self.uniform,
-            &self.random,
-        ]
     }
 }
 
 impl SamplerUniformity {
-    fn of(name: &'static str, seeds: &[SeedCounts], pick: Pick) -> Result<Self, ReproduceError> {
+    fn of(seeds: &[SeedCounts], way: usize) -> Result<Self> {
         let even = |classes: usize| vec![1.0 / classes as f64; classes];
-        let test = |counts: &dyn Fn(&SeedCounts) -> Vec<u64>,
-                    shares: &dyn Fn(&SeedCounts) -> Vec<f64>|
-         -> Result<Uniformity, ReproduceError> {
-            Ok(joined(seeds, counts, shares)?.uniformity(LEVEL)?)
+        let own = |seed: &SeedCounts| seed.sets[way].clone();
+        let test = |counts: &dyn Fn(SetCounts) -> Vec<u64>,
+                    shares: &dyn Fn(&SeedCounts) -> Vec<f64>| {
+            uniformity(seeds, &|seed| counts(own(seed)), shares)
         };
-        let cells = |s: &SeedCounts| even(s.reference.cells.len());
-        let blocks = |s: &SeedCounts| s.block_shares.clone();
-        let domain = |s: &SeedCounts| s.domain_shares.clone();
-        let ranked = seeds.iter().any(|s| pick(s).ranks.iter().sum::<u64>() > 0);
-        let ranks = || test(&|s| pick(s).ranks.clone(), &|_| even(CLASSES));
-        let count = |pick: Pick| seeds.iter().map(|seed| pick(seed).count).sum::<u64>() as f64;
+        let ranked = seeds
+            .iter()
+            .any(|seed| seed.sets[way].ranks.iter().sum::<u64>() > 0);
+        let ranks = || test(&|set| set.ranks, &|_| even(CLASSES));
+        let inserted = seeds.iter().map(|seed| &seed.sets[way].inserted);
+        let count = |way: usize| seeds.iter().map(|seed| seed.sets[way].count).sum::<u64>() as f64;
         Ok(Self {
-            name,
+            name: NAMES[way],
             sets: seeds.len() as u64,
-            density: count(pick) / count(|seed| &seed.reference),
-            cells: test(&|s| pick(s).cells.clone(), &cells)?,
-            blocks: test(&|s| pick(s).blocks.clone(), &blocks)?,
-            domain: test(&|s| pick(s).domain.clone(), &domain)?,
-            wide: test(&|s| banded(&pick(s).blocks), &|s| banded(&blocks(s)))?,
-            frame: test(&|s| banded(&pick(s).domain), &|s| banded(&domain(s)))?,
-            sides: test(&|s| pick(s).sides.clone(), &|s| s.side_shares.clone())?,
+            density: count(way) / count(0),
+            cells: test(&|set| set.cells, &|seed| even(seed.sets[way].cells.len()))?,
+            blocks: test(&|set| set.blocks, &|seed| seed.block_shares.clone())?,
+            domain: test(&|set| set.domain, &|seed| seed.domain_shares.clone())?,
+            wide: test(&|set| banded(&set.blocks), &|seed| {
+                banded(&seed.block_shares)
+            })?,
+            frame: test(&|set| banded(&set.domain), &|seed| {
+                banded(&seed.domain_shares)
+            })?,
+            sides: test(&|set| set.sides, &|seed| seed.side_shares.clone())?,
             inside: ranked.then(ranks).transpose()?,
-            inserted: total(seeds, |seed| &pick(seed).inserted),
-            skipped: seeds.iter().map(|seed| pick(seed).skipped).sum(),
+            inserted: total(&inserted.collect::<Vec<_>>()),
+            skipped: seeds.iter().map(|seed| seed.sets[way].skipped).sum(),
         })
     }
 
@@ -189,9 +176,9 @@ impl SamplerUniformity {
     /// Returns what is judged of places besides the grid: bands and strips not narrower than 1 r, against the sets' own mean,
     /// with intervals that hold together with the grid's.
     pub fn places(&self) -> Vec<(&'static str, DensityOffset)> {
-        let all = (self.wide.deviations.iter().zip(BLOCK_BANDS))
-            .chain(self.frame.deviations.iter().zip(DOMAIN_BANDS))
-            .chain(self.sides.deviations.iter().zip(SIDES));
+        let [wide, frame, sides] =
+            [&self.wide, &self.frame, &self.sides].map(|one| &one.deviations);
+        let all = wide.iter().chain(frame).chain(sides).zip(PLACES);
         let own = |(class, name): (&Deviation, &'static str)| {
             let off = DensityOffset {
                 relative: class.relative,
@@ -214,31 +201,127 @@ impl SamplerUniformity {
             .deviations
             .iter()
             .map(|class| self.against(class).relative);
-        off.fold(
-            0.0,
-            |worst: f64, one| if one.abs() > worst.abs() { one } else { worst },
-        )
+        off.max_by(|a, b| a.abs().total_cmp(&b.abs()))
+            .unwrap_or(0.0)
     }
 
-    /// Returns the p-value of the chi-square test that ranks are uniform, and Cramer's V.
-    pub fn ranks(&self) -> (f64, f64) {
-        let test = self.inside.as_ref().map(|inside| inside.chi_square);
-        test.map_or((f64::NAN, f64::NAN), |test| {
-            (test.probability, test.cramers_v)
-        })
-    }
-
-    pub fn rank_count(&self) -> u64 {
-        self.inside.as_ref().map_or(0, |inside| inside.samples)
-    }
-
-    /// Returns the shares of the lowest and of the highest class of ranks.
-    pub fn extreme_ranks(&self) -> [f64; 2] {
-        let Some(inside) = &self.inside else {
-            return [f64::NAN; 2];
+    /// Returns the test of ranks in gaps; without inserted samples its numbers are NaN.
+    pub fn ranks(&self) -> RankTest {
+        let mut ranks = RankTest {
+            count: 0,
+            extremes: [f64::NAN; 2],
+            probability: f64::NAN,
+            effect: f64::NAN,
         };
-        let share = |class: usize| inside.deviations[class].observed as f64 / inside.samples as f64;
-        [share(0), share(CLASSES - 1)]
+        if let Some(inside) = &self.inside {
+            let share =
+                |class: usize| inside.deviations[class].observed as f64 / inside.samples as f64;
+            ranks.count = inside.samples;
+            ranks.extremes = [share(0), share(CLASSES - 1)];
+            ranks.probability = inside.chi_square.probability;
+            ranks.effect = inside.chi_square.cramers_v;
+        }
+        ranks
+    }
+}
+
+/// The test that inserted samples have each rank in their gap as often.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct RankTest {
+    pub count: u64,
+    /// Shares of the lowest and of the highest class of ranks.
+    pub extremes: [f64; 2],
+    /// The p-value of the chi-square test, and Cramer's V.
+    pub probability: f64,
+    pub effect: f64,
+}
+
+/// Density within 1 r of blocks' borders by circumcentres, less that by uniform insertion: same seeds, patterns and blocks.
+#[derive(Clone, Copy, Debug)]
+pub struct PairedBias {
+    /// The difference, in shares of the reference sampler's density.
+    pub difference: DensityOffset,
+    /// In standard deviations of the difference of a pair.
+    pub effect: f64,
+    /// The share of the excess by circumcentres that uniform insertion does not have.
+    pub removed: DensityOffset,
+}
+
+impl PairedBias {
+    pub fn of(seeds: &[SeedCounts]) -> Self {
+        let sets = seeds.len() as f64;
+        let near = |classes: &[u64]| classes[..BANDS[1]].iter().sum::<u64>() as f64;
+        let share = |seed: &SeedCounts| seed.block_shares[..BANDS[1]].iter().sum::<f64>();
+        let count = |seed: &SeedCounts| seed.sets[0].count as f64;
+        let mean = seeds.iter().map(count).sum::<f64>() / sets;
+        let expected = mean * seeds.iter().map(share).sum::<f64>() / sets;
+        let pair = |seed: &SeedCounts| {
+            let [_, _, circumcentre, uniform, _] =
+                seed.sets.each_ref().map(|set| near(&set.blocks));
+            let excess = circumcentre - mean * share(seed);
+            ((circumcentre - uniform) / expected, excess / expected)
+        };
+        Self::from_pairs(&seeds.iter().map(pair).collect::<Vec<_>>())
+    }
+
+    /// Of the differences and of the excesses of circumcentres, by seed.
+    fn from_pairs(pairs: &[(f64, f64)]) -> Self {
+        let sets = pairs.len() as f64;
+        let quantile = student_quantile(MISSED, sets - 1.0);
+        let estimate = |value: &dyn Fn(&(f64, f64)) -> f64| {
+            let mean = pairs.iter().map(value).sum::<f64>() / sets;
+            let square: f64 = pairs.iter().map(|pair| (value(pair) - mean).powi(2)).sum();
+            (mean, (square / (sets - 1.0)).sqrt())
+        };
+        let off = |relative: f64, deviation: f64| {
+            let reach = quantile * deviation / sets.sqrt();
+            DensityOffset {
+                relative,
+                interval: [relative - reach, relative + reach],
+            }
+        };
+        let (difference, spread) = estimate(&|pair| pair.0);
+        let (excess, _) = estimate(&|pair| pair.1);
+        // A ratio of means varies as the differences less the ratio times the excesses.
+        let ratio = difference / excess;
+        let (_, left) = estimate(&|pair| pair.0 - ratio * pair.1);
+        Self {
+            difference: off(difference, spread),
+            effect: difference / spread,
+            removed: off(ratio, left / excess.abs()),
+        }
+    }
+}
+
+/// How far the true shares of classes are from uniform, once the noise that the spread between sets predicts is taken off.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct ClassBias {
+    /// Root mean square relative deviation, and an interval for it.
+    pub rms: f64,
+    pub interval: [f64; 2],
+    /// By how many standard deviations of noise there is more than noise.
+    pub sigmas: f64,
+}
+
+/// Returns the bias of counts of at least two runs; its interval misses it with probability `missed`.
+fn bias(test: &Uniformity, missed: f64) -> ClassBias {
+    let classes = test.deviations.len() as f64;
+    let quantile = student_quantile(MISSED, test.runs as f64 - 1.0);
+    let noise =
+        |class: &Deviation| (0.5 * (class.interval[1] - class.interval[0]) / quantile).powi(2);
+    let noise = test.deviations.iter().map(noise).sum::<f64>() / classes;
+    let squares = test.deviations.iter().map(|class| class.relative.powi(2));
+    let square = squares.sum::<f64>() / classes;
+    let excess = square - noise;
+    // A square of bias plus noise varies with the noise alone and with the product of both.
+    let alone = noise * (2.0 / classes).sqrt();
+    let error = ((2.0 * noise.powi(2) + 4.0 * noise * excess.max(0.0)) / classes).sqrt();
+    let reach = student_quantile(missed, f64::INFINITY) * error;
+    let root = |square: f64| square.max(0.0).sqrt();
+    ClassBias {
+        rms: root(excess),
+        interval: [root(excess - reach), root(excess + reach)],
+        sigmas: excess / alone,
     }
 }
 
@@ -251,20 +334,29 @@ fn banded<T: Copy + std::iter::Sum>(classes: &[T]) -> Vec<T> {
     (0..BANDS.len()).map(band).collect()
 }
 
-fn total(seeds: &[SeedCounts], pick: impl Fn(&SeedCounts) -> &Vec<u64>) -> Vec<u64> {
-    let mut all: Vec<u64> = Vec::new();
+/// Tests the counts of all seeds together.
+fn uniformity(
+    seeds: &[SeedCounts],
+    counts: &dyn Fn(&SeedCounts) -> Vec<u64>,
+    shares: &dyn Fn(&SeedCounts) -> Vec<f64>,
+) -> Result<Uniformity> {
+    let mut all = ClassCounts::new(seeds.first().map_or(1, |seed| counts(seed).len()))?;
     for seed in seeds {
-        let counts = pick(seed);
-        all.resize(all.len().max(counts.len()), 0);
-        for (sum, count) in all.iter_mut().zip(counts) {
-            *sum += count;
-        }
+        all.add_run(&counts(seed), &shares(seed))?;
     }
-    all
+    Ok(all.uniformity(LEVEL)?)
+}
+
+/// Adds up counts by class.
+fn total(each: &[&Vec<u64>]) -> Vec<u64> {
+    let classes = each.iter().map(|counts| counts.len()).max().unwrap_or(0);
+    let sum = |class| each.iter().filter_map(|counts| counts.get(class)).sum();
+    (0..classes).map(sum).collect()
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::gaps::draws;
     use super::*;
 
     #[test]
@@ -285,5 +377,73 @@ mod tests {
         let wider = (two.interval[1] - 0.1) / 0.1;
         assert!((wider - 2.807 / 2.576).abs() < 0.005, "{wider}");
         assert!((two.interval[0] + two.interval[1] - 0.2).abs() < 1e-12);
+    }
+
+    const PARTS: usize = 100;
+
+    /// Counts of 40 runs whose means rise by twice `slope` from the first class to the last.
+    fn sloped(slope: f64, stream: u64) -> Uniformity {
+        let mut all = ClassCounts::new(PARTS).unwrap();
+        let shares = vec![1.0 / PARTS as f64; PARTS];
+        for run in 0..40 {
+            let mut draws = draws(stream, run);
+            let count = |class: usize| {
+                let noise = 30.0 * (draws() + draws() - 1.0);
+                (200.0 * (1.0 + slope * (class as f64 / 49.5 - 1.0)) + noise).round() as u64
+            };
+            all.add_run(&(0..PARTS).map(count).collect::<Vec<_>>(), &shares)
+                .unwrap();
+        }
+        all.uniformity(LEVEL).unwrap()
+    }
+
+    #[test]
+    fn noise_is_no_bias_and_a_slope_is_one_of_its_size() {
+        let none = bias(&sloped(0.0, 9), MISSED);
+        assert!(
+            none.sigmas.abs() < 4.0 && none.interval[1] < 0.01,
+            "{none:?}"
+        );
+        let some = bias(&sloped(0.1, 9), MISSED);
+        assert!(
+            some.sigmas > 20.0 && (some.rms - 0.1 / 3f64.sqrt()).abs() < 0.005,
+            "{some:?}"
+        );
+    }
+
+    #[test]
+    fn the_interval_covers_a_bias_near_the_threshold_as_often_as_it_says() {
+        const TRIALS: u64 = 400;
+        let slope = 0.02;
+        let ramp = (0..PARTS).map(|class| (class as f64 / 49.5 - 1.0).powi(2));
+        let truth = slope * (ramp.sum::<f64>() / PARTS as f64).sqrt();
+        let (mut covered, mut narrow) = (0, 0);
+        for trial in 0..TRIALS {
+            let bias = bias(&sloped(slope, 1000 + trial), MISSED);
+            covered += u64::from((bias.interval[0]..=bias.interval[1]).contains(&truth));
+            // The error of noise without a bias.
+            let error = bias.rms.powi(2) / bias.sigmas;
+            narrow += u64::from((bias.rms.powi(2) - truth.powi(2)).abs() <= 2.576 * error);
+        }
+        let [covered, narrow] = [covered, narrow].map(|count| count as f64 / TRIALS as f64);
+        assert!((0.97..1.0).contains(&covered), "{covered}");
+        assert!(narrow < 0.9, "{narrow}");
+    }
+
+    #[test]
+    fn pairs_tell_a_difference_that_is_smaller_than_what_both_share() {
+        let mut draws = draws(5, 0);
+        let pairs: Vec<(f64, f64)> = (0..50)
+            .map(|_| {
+                let both = 0.2 * (draws() - 0.5);
+                (0.004 + 0.004 * (draws() - 0.5), 0.04 + both)
+            })
+            .collect();
+        let paired = PairedBias::from_pairs(&pairs);
+        let [low, high] = paired.difference.interval;
+        assert!(low > 0.0 && high <= 0.006);
+        assert!((paired.removed.interval[0]..=paired.removed.interval[1]).contains(&0.1));
+        let none: Vec<(f64, f64)> = pairs.iter().map(|pair| (pair.0 - 0.004, pair.1)).collect();
+        assert!(PairedBias::from_pairs(&none).difference.around_zero());
     }
 }

@@ -1,51 +1,42 @@
 //! Charts, maps and tables of what was counted.
 
+use serde_json::json;
 use tilescope_analysis::measures::Uniformity;
 use tilescope_figures::Bitmap;
-use tilescope_figures::chart::{
-    Axis, ColorScale, Level, LineChart, Panel, Series, TileChart, TileContent,
-};
+use tilescope_figures::chart::{ColorScale, Level, LineChart, Panel, Series, TileContent};
 
 use super::counted::EDGES;
 use super::gaps::CLASSES;
 use super::offsets::{SamplerUniformity, UniformityResults};
-use crate::error::ReproduceError;
-use crate::experiments::common::{chart, curve, picture};
-use crate::numbers::{number, signed};
+use crate::error::Result;
+use crate::experiments::common::{curve, picture, tile};
+use crate::numbers::signed;
 use crate::outcome::{Picture, Table};
-use crate::table::table;
+use crate::texts::{chart, table};
 
 /// Largest distance from a border that charts show, in radii.
 const FAR: f64 = 10.0;
 
-pub fn pictures(found: &UniformityResults, cells: usize) -> Result<Vec<Picture>, ReproduceError> {
-    let UniformityResults {
-        reference,
-        circumcentre,
-        uniform,
-        random,
-        ..
-    } = found;
+/// Sets with the number of their curve.
+type Subject<'a> = (usize, &'a SamplerUniformity);
+
+pub fn pictures(found: &UniformityResults, cells: usize) -> Result<Vec<Picture>> {
+    let [reference, _, circumcentre, uniform, random] = &found.all;
     let four = [(1, reference), (0, circumcentre), (2, uniform), (3, random)];
-    let borders = chart_of("By distance from the nearest block border", &four, |one| {
-        &one.blocks
-    });
-    let domain = chart_of("By distance from the domain's border", &four, |one| {
-        &one.domain
-    });
-    let ranks = ranks(&[(0, circumcentre), (2, uniform)]);
-    let inserted = inserted(&[(0, circumcentre), (2, uniform)]);
-    let caption = format!(
-        "Density against the reference sampler's mean, with bands of 99 % confidence, and where samples are inserted; {} sets each. \
-         A gap's places are ranked by their distance from the nearest sample.",
-        circumcentre.sets
-    );
-    let curves = vec![
-        vec![Panel::Lines(borders), Panel::Lines(domain)],
-        vec![Panel::Lines(ranks), Panel::Lines(inserted)],
+    let two = [(0, circumcentre), (2, uniform)];
+    let borders = [
+        [
+            density("uniformity/blocks", &four, |one| &one.blocks),
+            density("uniformity/domain", &four, |one| &one.domain),
+        ],
+        [ranks(&two), inserted(&two)],
     ];
-    let borders = picture("borders", "Where samples are", caption, curves)?;
-    Ok(vec![borders, maps(found, cells)?])
+    let borders = borders.map(|row| row.map(Panel::Lines).into());
+    let values = json!({ "sets": circumcentre.sets });
+    Ok(vec![
+        picture("uniformity/borders", &values, borders.into())?,
+        maps(found, cells)?,
+    ])
 }
 
 /// Returns the middle of a class of distances.
@@ -54,12 +45,12 @@ fn middle(class: usize) -> Option<f64> {
     Some(0.5 * (EDGES[class] + end)).filter(|x| *x < FAR)
 }
 
-fn chart_of(
-    title: &str,
-    subjects: &[(usize, &SamplerUniformity)],
+fn density(
+    id: &str,
+    subjects: &[Subject<'_>],
     pick: fn(&SamplerUniformity) -> &Uniformity,
 ) -> LineChart {
-    let series = |&(number, subject): &(usize, &SamplerUniformity)| {
+    let series = |&(number, subject): &Subject<'_>| {
         let (mut points, mut band) = (Vec::new(), Vec::new());
         for (class, deviation) in pick(subject).deviations.iter().enumerate() {
             if let Some(x) = middle(class) {
@@ -73,37 +64,25 @@ fn chart_of(
             ..curve(subject.name, number, points)
         }
     };
-    let mut chart = chart(
-        title,
-        "distance, r",
-        "density, % from the reference",
-        subjects.iter().map(series).collect(),
-    );
-    chart.x = Axis::new("distance, r").with_range(0.0, 7.0);
+    let mut chart = chart(id, subjects.iter().map(series).collect());
+    chart.x.range = Some([0.0, 7.0]);
     chart
 }
 
-fn ranks(subjects: &[(usize, &SamplerUniformity)]) -> LineChart {
-    let series = |&(number, subject): &(usize, &SamplerUniformity)| {
-        let inside = subject.inside.as_ref()?;
-        let classes = inside.deviations.len() as f64;
-        let place = |class: usize| (class as f64 + 0.5) / classes;
-        let points = (0..)
-            .zip(&inside.deviations)
-            .map(|(class, of)| [place(class), 1.0 + of.relative]);
-        let band = inside
-            .deviations
-            .iter()
-            .map(|of| of.interval.map(|end| 1.0 + end));
+fn ranks(subjects: &[Subject<'_>]) -> LineChart {
+    let series = |&(number, subject): &Subject<'_>| {
+        let ranks = &subject.inside.as_ref()?.deviations;
+        let place = |class: usize| (class as f64 + 0.5) / ranks.len() as f64;
+        let points = ranks.iter().enumerate();
+        let points = points.map(|(class, of)| [place(class), 1.0 + of.relative]);
+        let band = ranks.iter().map(|of| of.interval.map(|end| 1.0 + end));
         Some(Series {
             band: Some(band.collect()),
             ..curve(subject.name, number, points.collect())
         })
     };
     let mut chart = chart(
-        "Inserted samples by rank in their gap",
-        "rank among places of the gap (1: farthest from all samples)",
-        "samples, 1 for uniform",
+        "uniformity/ranks",
         subjects.iter().filter_map(series).collect(),
     );
     chart.x.range = Some([0.0, 1.0]);
@@ -114,27 +93,18 @@ fn ranks(subjects: &[(usize, &SamplerUniformity)]) -> LineChart {
     chart
 }
 
-fn inserted(subjects: &[(usize, &SamplerUniformity)]) -> LineChart {
-    let series = |&(number, subject): &(usize, &SamplerUniformity)| {
+fn inserted(subjects: &[Subject<'_>]) -> LineChart {
+    let series = |&(number, subject): &Subject<'_>| {
         let total = subject.inserted.iter().sum::<u64>().max(1) as f64;
         let mut sum = 0;
         let mut points = vec![[0.0, 0.0]];
-        for (class, count) in subject.inserted.iter().enumerate() {
+        for (end, count) in EDGES[1..].iter().zip(&subject.inserted) {
             sum += count;
-            points.extend(
-                EDGES
-                    .get(class + 1)
-                    .map(|end| [*end, 100.0 * sum as f64 / total]),
-            );
+            points.push([*end, 100.0 * sum as f64 / total]);
         }
         curve(subject.name, number, points)
     };
-    let mut chart = chart(
-        "Inserted samples nearer to a block border than",
-        "distance, r",
-        "inserted samples, %",
-        subjects.iter().map(series).collect(),
-    );
+    let mut chart = chart("uniformity/inserted", subjects.iter().map(series).collect());
     chart.x.range = Some([0.0, 5.0]);
     chart.y.range = Some([0.0, 105.0]);
     chart
@@ -146,7 +116,7 @@ pub fn tables(found: &UniformityResults) -> Vec<Table> {
 
 /// Returns each test with its effect.
 fn tests(found: &UniformityResults) -> Table {
-    let rows = found.all().into_iter().flat_map(|one| {
+    let rows = found.all.iter().flat_map(|one| {
         let of = [
             ("cells of the domain", Some(&one.cells)),
             ("distance from block borders", Some(&one.blocks)),
@@ -154,87 +124,57 @@ fn tests(found: &UniformityResults) -> Table {
             ("side of the domain's border", Some(&one.sides)),
             ("rank in the gap", one.inside.as_ref()),
         ];
-        let of = of.into_iter();
-        of.filter_map(move |(by, test)| Some((one.name, by, test?)))
+        of.into_iter()
+            .filter_map(|(by, test)| Some((one.name, by, test?)))
     });
-    let title = "Each test; probabilities as if samples were independent, which makes them too large but for ranks";
-    table("tests", title, rows)
-        .column("sets_by", "sets by", 3, |row| row.0)
-        .column("classes_by", "classes by", 3, |row| row.1)
-        .column("sets", "sets", 4, |row| row.2.runs)
-        .column("samples", "samples", 8, |row| row.2.samples)
-        .column("classes", "classes", 4, |row| row.2.deviations.len())
-        .column("chi_square", "chi-square", 5, |row| {
-            row.2.chi_square.statistic
+    table("uniformity/tests", rows, |(name, by, test)| {
+        let chi_square = &test.chi_square;
+        json!({
+            "sets_by": name, "classes_by": by, "sets": test.runs, "samples": test.samples,
+            "classes": test.deviations.len(), "chi_square": chi_square.statistic,
+            "chi_square_by_freedom": chi_square.statistic / chi_square.freedom as f64,
+            "probability": chi_square.probability, "cramers_v": chi_square.cramers_v,
+            "largest_percent": 100.0 * test.largest_deviation(),
         })
-        .column("chi_square_by_freedom", "by degree of freedom", 4, |row| {
-            row.2.chi_square.statistic / row.2.chi_square.freedom as f64
-        })
-        .column("probability", "probability", 3, |row| {
-            row.2.chi_square.probability
-        })
-        .column("cramers_v", "Cramer's V", 3, |row| {
-            row.2.chi_square.cramers_v
-        })
-        .column("largest_percent", "largest deviation, %", 3, |row| {
-            100.0 * row.2.largest_deviation()
-        })
-        .shown()
+    })
 }
 
 /// Returns densities by distance from both kinds of border.
 fn distances(found: &UniformityResults) -> Table {
-    let rows = found.all().into_iter().flat_map(|one| {
+    let rows = found.all.iter().flat_map(|one| {
         let borders = [("block", &one.blocks), ("domain", &one.domain)].into_iter();
         borders.flat_map(move |(border, test)| {
             let classes = test.deviations.iter().enumerate();
             classes.map(move |(class, deviation)| (one, border, class, deviation))
         })
     });
-    let interval =
-        |one: &SamplerUniformity, class| one.against(class).interval.map(|end| 100.0 * end);
-    table("distances", "Density by distance from borders", rows)
-        .column("sets_by", "sets by", 3, |row| row.0.name)
-        .column("border", "border of", 3, |row| row.1)
-        .column("from_r", "from, r", 3, |row| EDGES[row.2])
-        .column("observed", "samples", 8, |row| row.3.observed)
-        .column("expected", "at the reference's density", 8, |row| {
-            row.3.expected * row.0.density.recip()
-        })
-        .column("deviation_percent", "deviation, %", 3, |row| {
-            100.0 * row.0.against(row.3).relative
-        })
-        .column("low_percent", "99 % from, %", 3, |row| {
-            interval(row.0, row.3)[0]
-        })
-        .column("high_percent", "to, %", 3, |row| interval(row.0, row.3)[1])
-        .column("inserted", "inserted", 7, |row| {
-            let inserted = row.0.inserted.get(row.2).copied();
-            inserted.filter(|_| row.1 == "block")
-        })
-        .hidden()
+    table(
+        "uniformity/distances",
+        rows,
+        |(one, border, class, deviation)| {
+            let off = one.against(deviation);
+            let [low, high] = off.interval.map(|end| 100.0 * end);
+            json!({
+                "sets_by": one.name, "border": border, "from_r": EDGES[class],
+                "observed": deviation.observed, "expected": deviation.expected * one.density.recip(),
+                "deviation_percent": 100.0 * off.relative, "low_percent": low, "high_percent": high,
+                "inserted": one.inserted.get(class).filter(|_| border == "block"),
+            })
+        },
+    )
 }
 
-/// Returns inserted samples by rank.
 fn in_gaps(found: &UniformityResults) -> Table {
-    let rows = found.all().into_iter().flat_map(|one| {
+    let rows = found.all.iter().flat_map(|one| {
         let ranks = one.inside.iter().flat_map(|inside| &inside.deviations);
         ranks.enumerate().map(move |(class, of)| (one, class, of))
     });
-    table("ranks", "Inserted samples by rank in their gap", rows)
-        .column("sets_by", "sets by", 3, |row| row.0.name)
-        .column("rank_from", "rank from", 2, |row| {
-            row.1 as f64 / CLASSES as f64
+    table("uniformity/ranks", rows, |(one, class, of)| {
+        json!({
+            "sets_by": one.name, "rank_from": class as f64 / CLASSES as f64, "observed": of.observed,
+            "expected": of.expected, "deviation_percent": 100.0 * of.relative, "skipped": one.skipped,
         })
-        .column("observed", "samples", 7, |row| row.2.observed)
-        .column("expected", "uniform", 7, |row| row.2.expected)
-        .column("deviation_percent", "deviation, %", 3, |row| {
-            100.0 * row.2.relative
-        })
-        .column("skipped", "samples without rank: gap too small", 5, |row| {
-            row.0.skipped
-        })
-        .hidden()
+    })
 }
 
 /// Deviation at which colours end.
@@ -251,7 +191,6 @@ const COLORS: [[u8; 3]; 5] = [
 const MAPS: usize = 3;
 const SIDE: f64 = 380.0;
 
-/// Returns the colour of a deviation.
 fn color(deviation: f64) -> [u8; 3] {
     let steps = (COLORS.len() - 1) as f64;
     let at = (0.5 * (deviation / END).clamp(-1.0, 1.0) + 0.5) * steps;
@@ -264,35 +203,29 @@ fn color(deviation: f64) -> [u8; 3] {
 }
 
 /// Returns the maps of all sets: how far each cell of the domain is from the mean.
-fn maps(found: &UniformityResults, cells: usize) -> Result<Picture, ReproduceError> {
-    let [reference, moved, others @ ..] = found.all();
+fn maps(found: &UniformityResults, cells: usize) -> Result<Picture> {
+    let [reference, moved, others @ ..] = &found.all;
     let mut tiles = Vec::new();
-    for one in [&[reference], &others[..], &[moved]].concat() {
+    for one in [reference].into_iter().chain(others).chain([moved]) {
         let rows = one.cells.deviations.chunks(cells).rev().flatten();
         let colors: Vec<[u8; 3]> = rows.map(|cell| color(cell.relative)).collect();
-        tiles.push(Panel::Tile(TileChart {
-            title: one.name.to_owned(),
-            note: String::new(),
-            y: None,
-            side: Some(SIDE),
-            content: TileContent::Cells(Bitmap::rgb(cells, &colors)?),
-        }));
+        let content = TileContent::Cells(Bitmap::rgb(cells, &colors)?);
+        tiles.push(Panel::Tile(tile(
+            Some(SIDE),
+            one.name,
+            String::new(),
+            content,
+        )));
     }
-    let ends = [-100.0 * END, 100.0 * END];
     let mut rows: Vec<Vec<Panel>> = tiles.chunks(MAPS).map(<[Panel]>::to_vec).collect();
     let deviation = |step: i32| END * (f64::from(step) / 31.5 - 1.0);
-    let [low, high] = ends.map(|end| format!("{} %", signed(end, 2)));
+    let [low, high] = [-END, END].map(|end| format!("{} %", signed(100.0 * end, 2)));
     rows[0].push(Panel::Scale(ColorScale {
         ends: [format!("samples of a cell, from the mean: {low}"), high],
         colors: (0..64).map(|step| color(deviation(step))).collect(),
     }));
-    let caption = format!(
-        "Samples in each of {cells} x {cells} cells of the domain, against the mean: blue fewer, red more, from {} % to +{} %. \
-         The last map is the control with a bias put in.",
-        number(ends[0], 2),
-        number(ends[1], 2)
-    );
-    picture("maps", "Samples by place in the domain", caption, rows)
+    let values = json!({ "cells": cells, "low": -END, "high": END });
+    picture("uniformity/maps", &values, rows)
 }
 
 #[cfg(test)]

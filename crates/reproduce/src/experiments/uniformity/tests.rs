@@ -24,9 +24,8 @@ struct Made {
 
 /// Counts with these deviations and a noise of their own.
 fn counted(made: Made, stream: u32, index: usize) -> SetCounts {
-    let mut draws = gaps::Draws::new(stream.into(), index as u32);
-    let mut noisy =
-        |mean: f64| (mean + mean.sqrt() * (draws.next() + draws.next() - 1.0)).round() as u64;
+    let mut draws = gaps::draws(stream.into(), index as u32);
+    let mut noisy = |mean: f64| (mean + mean.sqrt() * (draws() + draws() - 1.0)).round() as u64;
     let slope = |class: usize| made.middle * (class as f64 / 31.5 - 1.0);
     let cells: Vec<u64> = (0..CELLS)
         .map(|k| noisy(1500.0 * (1.0 + slope(k))))
@@ -76,11 +75,13 @@ fn verdicts(reference: Made, moved: Made, circumcentre: Made, uniform: Made) -> 
 fn with_random([reference, moved, circumcentre, uniform, random]: [Made; 5]) -> Vec<Verdict> {
     let even = vec![1.0 / EDGES.len() as f64; EDGES.len()];
     let seed = |index: usize| SeedCounts {
-        reference: counted(reference, 1, index),
-        moved: counted(moved, 2, index),
-        circumcentre: counted(circumcentre, 3, index),
-        uniform: counted(uniform, 4, index),
-        random: counted(random, 5, index),
+        sets: [
+            counted(reference, 1, index),
+            counted(moved, 2, index),
+            counted(circumcentre, 3, index),
+            counted(uniform, 4, index),
+            counted(random, 5, index),
+        ],
         block_shares: even.clone(),
         domain_shares: even.clone(),
         side_shares: vec![0.05, 0.05, 0.9],

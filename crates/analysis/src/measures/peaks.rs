@@ -2,14 +2,16 @@
 //! chance allows among so many. The lowest rings are left out: a mean of few frequencies is not known well enough.
 
 use serde::{Deserialize, Serialize};
-use tilescope_analysis::measures::{Periodogram, chi_square_quantile};
+
+use super::distributions::chi_square_quantile;
+use super::periodogram::Periodogram;
 
 /// Frequencies, of each opposite pair one, that a ring must have.
 const MIN_FREQUENCIES: usize = 100;
 /// Probability with which chance alone may pass the limit.
 const CHANCE: f64 = 0.01;
 
-/// The frequency that stands out most.
+/// The frequency that stands out most, of a periodogram whose radial mean is smooth.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Peaks {
     /// Its power over the radial mean at its frequency.
@@ -18,34 +20,29 @@ pub struct Peaks {
     pub limit: f64,
     /// Frequencies, of each opposite pair one, above the limit.
     pub above: usize,
-    /// Frequencies looked at.
-    pub frequencies: usize,
 }
 
 impl Peaks {
     /// Returns the peaks of a mean periodogram.
+    #[must_use]
     pub fn of(periodogram: &Periodogram) -> Self {
         let rings = rings(periodogram);
         let means: Vec<[f64; 2]> = rings.iter().filter_map(|ring| mean(ring)).collect();
         let whole = || rings.iter().filter(|ring| ring.len() >= MIN_FREQUENCIES);
         let frequencies: usize = whole().map(Vec::len).sum();
         let limit = limit(periodogram.sets as f64, frequencies as f64);
-        let ratios = whole().flatten();
-        let ratios = ratios.map(|[length, power]| power / between(&means, *length));
-        let (mut highest, mut above) = (0.0_f64, 0);
-        for ratio in ratios {
-            highest = highest.max(ratio);
-            above += usize::from(ratio > limit);
-        }
+        let ratio = |[length, power]: &[f64; 2]| power / between(&means, *length);
+        let ratios: Vec<f64> = whole().flatten().map(ratio).collect();
+        let above = ratios.iter().filter(|ratio| **ratio > limit).count();
         Self {
-            highest,
+            highest: ratios.into_iter().fold(0.0, f64::max),
             limit,
             above,
-            frequencies,
         }
     }
 
-    /// Returns how many times the limit it is.
+    /// Returns how many times the limit the highest power is.
+    #[must_use]
     pub fn over(&self) -> f64 {
         self.highest / self.limit
     }
@@ -97,8 +94,8 @@ fn rings(periodogram: &Periodogram) -> Vec<Vec<[f64; 2]>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use tilescope_analysis::measures::FrequencyWindow;
-    use tilescope_analysis::{Boundary, Region};
+    use crate::measures::FrequencyWindow;
+    use crate::region::{Boundary, Region};
 
     /// Exponential powers, the mean of `sets`.
     fn noise(sets: u64) -> Periodogram {

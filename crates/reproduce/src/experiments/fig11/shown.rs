@@ -1,0 +1,116 @@
+//! The figure, each procedure's share of a run for every leaf size, and its numbers.
+
+use serde_json::json;
+use tilescope_analysis::measures::Summary;
+use tilescope_figures::chart::{Bar, BarGroup};
+
+use super::rows::LeafTimes;
+use super::stages::StageRound;
+use crate::error::Result;
+use crate::experiments::common::bar_picture;
+use crate::experiments::timing::{TimingPlan, whisker, whisker_words, whiskered};
+use crate::numbers::{drawn_count, drawn_number as number};
+use crate::outcome::{Picture, Table};
+use crate::rates::PassTimes;
+use crate::texts::table;
+
+pub fn shares(rows: &[LeafTimes], plan: TimingPlan) -> Result<Picture> {
+    let values = json!({
+        "samples": number(plan.samples as f64, 3), "rounds": plan.rounds,
+        "whiskers": whisker_words(plan.rounds as usize),
+    });
+    let groups = rows.iter().map(group).collect();
+    bar_picture("fig11/procedures", &values, groups)
+}
+
+fn group(row: &LeafTimes) -> BarGroup {
+    // Iterations that most rounds lack are in the table.
+    let most = row
+        .procedures
+        .iter()
+        .filter(|(_, seconds, _)| seconds.quartiles[1] > 0.0);
+    let each = most.map(|(procedure, seconds, share)| {
+        let median = 100.0 * share.quartiles[1];
+        Bar {
+            name: procedure.name(),
+            value: median,
+            whisker: Some(whisker(share).map(|part| 100.0 * part)),
+            text: format!(
+                "{} %, {} ms",
+                number(median, 2),
+                number(1e3 * seconds.quartiles[1], 3)
+            ),
+            color: usize::from(!procedure.is_first()),
+        }
+    });
+    BarGroup {
+        heading: format!(
+            "Leaf {} r{}: {} ms, {} samples",
+            row.leaf,
+            if row.printed {
+                ", Algorithm 4 as printed"
+            } else {
+                ""
+            },
+            number(1e3 * row.whole.quartiles[1], 3),
+            drawn_count(row.count)
+        ),
+        bars: each.collect(),
+    }
+}
+
+pub fn stages(rows: &[LeafTimes]) -> Table {
+    type Row<'a> = (String, String, &'a Summary, Option<f64>);
+    let rows = rows.iter().flat_map(|row| -> Vec<Row<'_>> {
+        let share = |share: &Summary| Some(100.0 * share.quartiles[1]);
+        let each = row.procedures.iter();
+        let each = each.map(|(of, seconds, part)| (row.name(), of.name(), seconds, share(part)));
+        let whole = (row.name(), "all".to_owned(), &row.whole, Some(100.0));
+        let parallel = "parallel engine, all stages on all threads";
+        let parallel = row
+            .parallel
+            .iter()
+            .map(|seconds| (row.name(), parallel.to_owned(), seconds, None));
+        each.chain([whole]).chain(parallel).collect()
+    });
+    table(
+        "fig11/procedures",
+        rows,
+        |(run, procedure, seconds, share)| {
+            whiskered(
+                seconds,
+                1e3,
+                json!({
+                    "run": run, "procedure": procedure, "milliseconds": 1e3 * seconds.quartiles[1],
+                    "share_percent": share,
+                }),
+            )
+        },
+    )
+}
+
+/// Returns how many samples the procedures of the first round worked on.
+pub fn counts(rounds: &[StageRound]) -> Table {
+    let at = |values: &[usize], index: usize| values.get(index).copied();
+    let rows = rounds.iter().take(1).flat_map(|round| &round.timed);
+    table("fig11/counts", rows, |one| {
+        let (detectors, inserted) = (&one.detectors, &one.summary.inserted);
+        json!({
+            "leaf_r": one.leaf, "variant": if one.printed { "as printed" } else { "staged" },
+            "blocks": one.summary.blocks, "tiled": one.summary.tiled,
+            "eliminated": one.summary.eliminated,
+            "detectors_1": at(detectors, 0), "inserted_1": at(inserted, 0),
+            "detectors_2": at(detectors, 1), "inserted_2": at(inserted, 1),
+            "inserted_later": inserted.iter().skip(2).sum::<usize>(), "samples": one.summary.count,
+        })
+    })
+}
+
+pub fn passes(passes: &[(String, PassTimes)]) -> Table {
+    table("fig11/passes", passes, |(adapter, one)| {
+        json!({
+            "adapter": adapter, "stage": one.stage, "passes": one.times,
+            "milliseconds": one.seconds.map(|seconds| 1e3 * seconds),
+        })
+    })
+}
