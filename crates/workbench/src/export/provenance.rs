@@ -1,4 +1,4 @@
-//! Exported sets of samples, and the provenance in files: parameters, digests, program.
+//! The samples that are exported, and the provenance of exported files: parameters, digests, program.
 
 use std::collections::BTreeMap;
 
