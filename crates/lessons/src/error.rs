@@ -1,4 +1,4 @@
-//! Faults of a lesson file: the line, what is wrong, what is allowed, and the nearest right word.
+//! Faults of a lesson file: the line, and a message with the allowed values and the nearest right word.
 
 /// A fault of a lesson or of a translation.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -6,7 +6,7 @@
 pub struct LessonError {
     /// The line of the file, from 1.
     pub line: usize,
-    /// What is wrong, and what is allowed.
+    /// The fault, and the allowed values.
     pub message: String,
 }
 

@@ -69,7 +69,7 @@ impl Fields {
     }
 
     /// Reads the field of a key, if there is one.
-    pub fn optional<T>(
+    pub(crate) fn optional<T>(
         &self,
         key: &str,
         read: impl FnOnce(&Field) -> Result<T, LessonError>,

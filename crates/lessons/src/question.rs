@@ -511,7 +511,12 @@ impl Question {
     /// # Errors
     ///
     /// An answer of another kind, or with unknown options, items or samples; a fault of the lesson's expressions.
-    pub fn grade(&self, answer: &Answer, step: usize, scene: &Scene) -> Result<Grade, LessonError> {
+    pub(crate) fn grade(
+        &self,
+        answer: &Answer,
+        step: usize,
+        scene: &Scene,
+    ) -> Result<Grade, LessonError> {
         let score = self.score(answer, step, scene)?;
         let known = || {
             let mut wrong = self.wrong.iter();

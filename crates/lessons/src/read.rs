@@ -65,7 +65,7 @@ impl Lesson {
     ///
     /// # Errors
     ///
-    /// The first fault of the file, with its line, what is allowed, and the nearest right word.
+    /// The first fault of the file, with its line, the allowed values, and the nearest right word.
     pub fn read(name: &str, text: &str) -> Result<Self, LessonError> {
         if text.len() > MAX_BYTES {
             let length = text.len();
@@ -187,7 +187,7 @@ impl<'a> Reader<'a> {
         }
         let name = slug(title);
         self.check_name(&name, line)?;
-        // A step shows what the step before it showed, unless it says otherwise.
+        // A step begins with the scene of the step before it.
         let scene = self.steps.last().map(|step| step.scene.clone());
         self.steps.push(Step {
             name,

@@ -27,7 +27,7 @@ pub struct Entry {
     pub hints: u32,
     /// Whether the learner gave up.
     pub given_up: bool,
-    /// How sure the learner was, from 0 to 3, if they said so.
+    /// How sure the learner was, from 0 to 3, if they chose it.
     pub confidence: Option<u8>,
     /// Seconds from the question to its end.
     pub seconds: f64,

@@ -64,7 +64,7 @@ impl Vote {
     ///
     /// # Errors
     ///
-    /// A sentence that names the wrong word and what is allowed.
+    /// A sentence with the wrong word and the allowed ones.
     pub fn read(text: &str, options: usize) -> Result<Self, String> {
         let lower = text.to_lowercase();
         let words: Vec<&str> = lower

@@ -124,8 +124,7 @@ pub fn extension(path: &Path) -> Option<String> {
 }
 
 /// Returns the path of the picture of a scene, counted from 0, of `count` scenes: `talk.png` becomes `talk-07.png`.
-#[must_use]
-pub fn scene_path(path: &Path, index: usize, count: usize) -> PathBuf {
+pub(crate) fn scene_path(path: &Path, index: usize, count: usize) -> PathBuf {
     let digits = count.to_string().len();
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     let extension = extension(path).unwrap_or_default();

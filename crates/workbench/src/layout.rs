@@ -423,7 +423,7 @@ impl Layout {
     }
 
     /// Ends hiding these panels, without opening their tabs.
-    pub fn show_all(&mut self, panels: PanelSet) {
+    pub(crate) fn show_all(&mut self, panels: PanelSet) {
         panels.panels().for_each(|panel| self.hidden.remove(panel));
         self.root.leave(self.hidden);
     }
@@ -641,7 +641,7 @@ mod tests {
         let mut layout = whole.clone();
         layout.hide(Panel::Canvas);
         assert_eq!(layout, whole, "the canvas stays");
-        // The next tab opens in the place of a hidden one, and a hidden panel comes back where it was.
+        // The next tab opens instead of a hidden one, and a hidden panel comes back at its former position.
         layout.open(Panel::Events);
         layout.hide(Panel::Events);
         assert!(layout.is_whole() && layout.shows(Panel::Parameters));

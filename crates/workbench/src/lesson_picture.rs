@@ -42,7 +42,7 @@ pub struct PictureStyle {
 /// # Errors
 ///
 /// A sentence, if the run cannot be made, has no such moment, or the lesson has a fault.
-pub fn step_at(
+pub(crate) fn step_at(
     lesson: &Arc<Lesson>,
     translation: &Arc<Translation>,
     index: usize,

@@ -294,7 +294,7 @@ pub struct Lessons {
     pub language: String,
     /// What the learner did.
     pub results: Results,
-    /// The time in seconds since 1970, set by whoever shows the window.
+    /// The time in seconds since 1970, which the window or page sets.
     pub now: f64,
 }
 
@@ -316,8 +316,7 @@ impl Default for Lessons {
 
 impl Lessons {
     /// Returns whether a page has to load the lessons that come with the program.
-    #[must_use]
-    pub fn wants_shelf(&self) -> bool {
+    pub(crate) fn wants_shelf(&self) -> bool {
         self.shelf.is_empty() && (self.lists || self.wanted.is_some())
     }
 

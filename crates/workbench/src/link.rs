@@ -11,15 +11,15 @@ mod warnings;
 mod write;
 
 pub use content::{LinkContent, NamedMoment};
-pub use parameters::excess;
+pub(crate) use parameters::excess;
 pub use read::COLOURINGS;
 #[cfg(test)]
 pub use read::keys;
 pub use read::read;
-pub use text::{name as choice_name, named as choice_named, slug};
-pub use warnings::LinkWarnings;
-pub use warnings::quoted;
-pub use write::layer_name;
+pub(crate) use text::slug;
+pub use text::{name as choice_name, named as choice_named};
+pub use warnings::{LinkWarnings, quoted};
+pub(crate) use write::layer_name;
 pub use write::{Link, write};
 
 /// The version of links that this program writes, and the newest that it reads.

@@ -20,7 +20,7 @@ const TITLE: usize = 70;
 /// # Errors
 ///
 /// A sentence: no scenes, or a run that a lesson cannot name.
-pub fn lesson_of(
+pub(crate) fn lesson_of(
     scenes: &[SavedScene],
     parameters: &Parameters,
     has_own_pattern: bool,

@@ -243,8 +243,7 @@ impl TalkRecord {
     }
 
     /// Returns the lines over a step.
-    #[must_use]
-    pub fn strokes_in(&self, key: &str) -> &[PenStroke] {
+    pub(crate) fn strokes_in(&self, key: &str) -> &[PenStroke] {
         self.strokes.get(key).map_or(&[], Vec::as_slice)
     }
 

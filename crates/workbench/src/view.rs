@@ -202,15 +202,13 @@ impl Parts<'_> {
 }
 
 /// Returns the camera at `center`, in r, with `scale` screen points per r; `None` if one is not valid.
-#[must_use]
-pub fn sound_camera(center: DVec2, scale: f64) -> Option<Camera> {
+pub(crate) fn sound_camera(center: DVec2, scale: f64) -> Option<Camera> {
     let may_be = is_near(center) && (MIN_SCALE..=MAX_SCALE).contains(&scale);
     may_be.then_some(Camera { center, scale })
 }
 
 /// Returns whether both coordinates of `place`, in r, are within [`MAX_OFFSET`] of the origin.
-#[must_use]
-pub fn is_near(place: DVec2) -> bool {
+pub(crate) fn is_near(place: DVec2) -> bool {
     place.abs().cmple(DVec2::splat(MAX_OFFSET)).all()
 }
 

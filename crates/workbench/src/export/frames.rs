@@ -68,8 +68,7 @@ pub fn count(
 }
 
 /// Returns the number of ticks between frames to propose.
-#[must_use]
-pub fn every_at_first(session: &Session, range: &Range<usize>, clock: Clock) -> usize {
+pub(crate) fn every_at_first(session: &Session, range: &Range<usize>, clock: Clock) -> usize {
     number(session, range, clock) / AT_FIRST + 1
 }
 

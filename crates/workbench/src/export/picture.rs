@@ -32,7 +32,7 @@ use tilescope_drawing::palette::{DARK, LIGHT, Palette};
 /// The most samples that a picture draws.
 pub const MAX_DRAWN: usize = 1_000_000;
 
-/// The view of a picture: the visible part of the plane, how it is drawn, and what is written below it.
+/// The view of a picture: the visible part of the plane, its style, and the caption and legend below it.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct PictureView {
     /// The camera of the canvas.
@@ -70,8 +70,7 @@ impl PictureView {
     }
 
     /// Returns why a picture, or a frame of an animation, of this size is refused.
-    #[must_use]
-    pub fn size_refusal(&self, scale: f64, animated: bool) -> Option<ExportRefusal> {
+    pub(crate) fn size_refusal(&self, scale: f64, animated: bool) -> Option<ExportRefusal> {
         let [width, height] = self.pixels(scale);
         let most = if animated {
             MAX_FRAME_PIXELS

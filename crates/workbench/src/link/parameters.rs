@@ -160,9 +160,8 @@ fn fit(p: &mut Parameters, run: &str, warnings: &mut LinkWarnings) {
     }
 }
 
-/// Returns the parameters that a link to a run cannot reproduce, because they exceed what a link may ask for.
-#[must_use]
-pub fn excess(p: &Parameters) -> Vec<String> {
+/// Returns the parameters that a link to a run cannot reproduce, because they exceed the limits of links.
+pub(crate) fn excess(p: &Parameters) -> Vec<String> {
     let domain = p.validate_sequential();
     let samples = domain.map_or(0.0, |domain| domain.area_radii() * MAXIMAL_DENSITY);
     let mut excess = Vec::new();

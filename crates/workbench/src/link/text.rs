@@ -6,7 +6,7 @@ use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
 use serde::Serialize;
 use serde_json::Value;
 
-/// The decimal places of numbers that need not be exact: a thousandth of a screen point at most scales.
+/// The decimals of numbers that need not be exact: a thousandth of a screen point at most scales.
 const DECIMALS: i32 = 6;
 
 /// Returns a text with everything escaped but letters, digits and `-._~`, so that no mail or chat cuts the address.
@@ -64,7 +64,7 @@ pub fn base64(bytes: &[u8]) -> String {
 }
 
 /// Returns the bytes of a base64 text; `None` if it is not one.
-pub fn from_base64(text: &str) -> Option<Vec<u8>> {
+pub(crate) fn from_base64(text: &str) -> Option<Vec<u8>> {
     BASE64.decode(text).ok()
 }
 
@@ -114,8 +114,7 @@ pub fn named<T: Serialize + Copy>(all: &[T], text: &str) -> Option<T> {
 }
 
 /// Returns a name of the window as written in links: in lower case, with hyphens.
-#[must_use]
-pub fn slug(name: &str) -> String {
+pub(crate) fn slug(name: &str) -> String {
     name.to_lowercase().replace(' ', "-")
 }
 

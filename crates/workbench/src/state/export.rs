@@ -371,8 +371,7 @@ impl ExportSource<'_> {
     }
 
     /// Returns the moment in a few words.
-    #[must_use]
-    pub fn moment_name(&self) -> String {
+    pub(crate) fn moment_name(&self) -> String {
         let stage = self.run.current_stage().map(|stage| stage.to_string());
         let stage = tilescope_session::words::sentence(&stage.unwrap_or_default());
         let stage = stage.trim_end_matches('.');

@@ -19,8 +19,7 @@ const NO_LESSON: &str = "no lesson is open";
 impl State {
     /// Returns the lesson that is open, or the list of lessons, or `null`. While a question is open it holds nothing from
     /// after the question's moment.
-    #[must_use]
-    pub fn lesson_json(&self) -> Value {
+    pub(crate) fn lesson_json(&self) -> Value {
         let lessons = &self.lessons;
         if lessons.lists {
             let labels = lesson_labels(&lessons.language);

@@ -157,7 +157,7 @@ impl State {
     }
 
     /// Opens a lesson, or shows a notice with the fault for which it cannot be read.
-    pub fn open_lesson(&mut self, name: &str, text: &str, source: LessonSource) {
+    pub(crate) fn open_lesson(&mut self, name: &str, text: &str, source: LessonSource) {
         let lesson = match Lesson::read(name, text) {
             Ok(lesson) => lesson,
             Err(error) => {
@@ -189,7 +189,7 @@ impl State {
     }
 
     /// Opens a lesson from a file.
-    pub fn open_lesson_file(&mut self, path: &Path) {
+    pub(crate) fn open_lesson_file(&mut self, path: &Path) {
         let name = path
             .file_stem()
             .map(|name| name.to_string_lossy().into_owned());
@@ -634,7 +634,7 @@ mod tests {
         assert!(state.lessons.open.is_none() && state.verdict().is_some());
     }
 
-    /// Everything that the state says and holds about the run, as text.
+    /// Returns everything that the state contains and shows of the run, as text.
     fn told(state: &State) -> String {
         let run = &state.runs.first;
         let session = run.session.as_ref().unwrap();
@@ -642,7 +642,7 @@ mod tests {
         let recording = debugger.recording();
         let events =
             (0..recording.len()).map(|event| tilescope_debugger::sentence(recording, event));
-        // What pages are sent, but what the run was made from.
+        // The JSON for pages, without the parameters of the run.
         let mut sent = state.to_json();
         sent["parameters"] = serde_json::Value::Null;
         format!(

@@ -134,7 +134,7 @@ impl State {
     /// # Errors
     ///
     /// Those of [`lesson_of`].
-    pub fn lesson_of_scenes(&self) -> Result<String, String> {
+    pub(crate) fn lesson_of_scenes(&self) -> Result<String, String> {
         let (Some(session), Some(debugger)) = (&self.runs.first.session, &self.runs.first.debugger)
         else {
             return Err("There is no session with events.".to_owned());
@@ -268,8 +268,7 @@ impl State {
     }
 
     /// Returns everything that another window needs to continue this talk.
-    #[must_use]
-    pub fn kept_of_talk(&self) -> Kept {
+    pub(crate) fn kept_of_talk(&self) -> Kept {
         let (Some(talk), Some(open)) = (&self.talks.open, &self.lessons.open) else {
             return Kept::default();
         };
@@ -736,7 +735,7 @@ mod tests {
         assert!(notice.contains("what comes next"), "{notice}");
     }
 
-    /// The notes get notes and answers; what pages and scripts are told holds neither.
+    /// The JSON for the notes has notes and answers; that for pages and scripts has neither.
     #[test]
     fn what_pages_are_told_holds_no_note_and_no_answer() {
         let mut state = presented("survivors");
