@@ -173,7 +173,7 @@ fn ask(html: &mut String, question: &Question, labels: &LessonLabels) {
             let mut options = options
                 .iter()
                 .zip(plots)
-                .map(|(text, plot)| inline(text) + &plot);
+                .map(|(text, plot)| inline(text) + plot.as_str());
             list(html, &mut options);
         }
         Form::Trace { options, .. } => list(html, &mut options.iter().map(|text| inline(text))),

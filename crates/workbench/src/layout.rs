@@ -255,9 +255,19 @@ impl LayoutTile {
 
     /// Returns the tabs that directly contain a panel.
     fn tabs_around(&mut self, panel: Panel) -> Option<&mut Vec<Self>> {
+        let is_here = self.children().any(|tile| *tile == Self::Panel(panel));
         match self {
-            Self::Tabs { tiles, .. } if tiles.contains(&Self::Panel(panel)) => Some(tiles),
-            _ => self.children_mut().find_map(|tile| tile.tabs_around(panel)),
+            Self::Panel(_) => None,
+            Self::Tabs { tiles, .. } => {
+                if is_here {
+                    return Some(tiles);
+                }
+                tiles.iter_mut().find_map(|tile| tile.tabs_around(panel))
+            }
+            Self::Linear { tiles, .. } => {
+                let mut tiles = tiles.iter_mut();
+                tiles.find_map(|(tile, _)| tile.tabs_around(panel))
+            }
         }
     }
 
@@ -272,8 +282,9 @@ impl LayoutTile {
     /// Returns the first visible tabs.
     fn seen_tabs(&mut self) -> Option<&mut Vec<Self>> {
         match self {
+            Self::Panel(_) => None,
             Self::Tabs { tiles, .. } => Some(tiles),
-            _ => self.children_mut().find_map(Self::seen_tabs),
+            Self::Linear { tiles, .. } => tiles.iter_mut().find_map(|(tile, _)| tile.seen_tabs()),
         }
     }
 

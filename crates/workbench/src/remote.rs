@@ -132,7 +132,7 @@ pub enum RequestError {
     #[error("the request is not a JSON object: {0}")]
     NoObject(String),
     /// The request is unknown: the value of "do".
-    #[error("\"do\" is {0}; it must be one of {}", choices(REQUESTS.map(|(name, _)| name)))]
+    #[error("\"do\" is {0}; it must be one of {known}", known = choices(REQUESTS.map(|(name, _)| name)))]
     Unknown(String),
     /// A field does not belong to this request.
     #[error("\"{action}\" has no field \"{field}\"")]

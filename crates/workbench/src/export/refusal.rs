@@ -40,14 +40,14 @@ pub enum ExportRefusal {
     Scale(String),
     /// The number of ticks from frame to frame, as typed, is not a whole number within the limits.
     #[error(
-        "A frame for every \"{0}\" steps: it must be a whole number from 1 to {}.",
-        grouped(MAX_EVERY)
+        "A frame for every \"{0}\" steps: it must be a whole number from 1 to {most}.",
+        most = grouped(MAX_EVERY)
     )]
     Every(String),
     /// The time for a frame, as typed, is not within the limits.
     #[error(
-        "The delay is \"{0}\" ms; it must be a whole number from {MIN_DELAY_MS} to {}.",
-        grouped(MAX_DELAY_MS as usize)
+        "The delay is \"{0}\" ms; it must be a whole number from {MIN_DELAY_MS} to {most}.",
+        most = grouped(MAX_DELAY_MS as usize)
     )]
     Delay(String),
     /// The range is empty.

@@ -249,6 +249,8 @@ fn three_digits(number: f64, toward: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use tilescope_core::{Order, Search};
+
     use super::*;
 
     fn of(pairs: &[(&str, &str)]) -> (Parameters, LinkWarnings) {

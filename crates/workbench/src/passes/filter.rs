@@ -25,7 +25,7 @@ pub enum FilterError {
         columns: Vec<String>,
     },
     /// The other side is not a whole number of 64 bits.
-    #[error("{0:?} is not a whole number between {} and {}", i64::MIN, i64::MAX)]
+    #[error("{0:?} is not a whole number between {least} and {most}", least = i64::MIN, most = i64::MAX)]
     NotANumber(String),
 }
 
@@ -151,7 +151,7 @@ mod tests {
         let filter = Filter::parse(text, &columns()).unwrap();
         let rows = [([3, -1], false), ([5, 2], true), ([9, -1], true)];
         let pass = |(row, (values, changed)): (usize, &([i64; 2], bool))| {
-            filter.lets_pass(row, values, *changed).then_some(row)
+            filter.accepts(row, values, *changed).then_some(row)
         };
         rows.iter().enumerate().filter_map(pass).collect()
     }

@@ -145,13 +145,10 @@ impl OnCanvas<'_> {
             return [format!("{pass}: on its way"), String::new()];
         };
         let (buffer, counts) = (rows.table.name.as_str(), rows.shown.counts());
-        let side = match rows.shown.side() {
-            PassSide::Before => "before",
-            PassSide::After | PassSide::Both => "after",
-        };
+        let side = side_text(rows.shown.side());
         let start = format!("{pass}, buffer {buffer}, {side}: ");
         if let Some(why) = rows.places.unplaced() {
-            return [start + why, String::new()];
+            return [format!("{start}{why}"), String::new()];
         }
         if rows.places.are_cells() && counts.rows == 0 && !rows.shown.is_filtered() {
             return [start, "no row changed; a filter shows others".to_owned()];
@@ -162,6 +159,14 @@ impl OnCanvas<'_> {
             changed => format!("{} changed", grouped(changed)),
         };
         [format!("{start}{count}, "), changed]
+    }
+}
+
+/// Returns the name of the side whose places are shown.
+const fn side_text(side: PassSide) -> &'static str {
+    match side {
+        PassSide::Before => "before",
+        PassSide::After | PassSide::Both => "after",
     }
 }
 

@@ -818,7 +818,7 @@ mod tests {
         );
         let question = state.lessons.open_question().unwrap().clone();
         let (Answer::Pick(right), tilescope_lessons::Form::Pick { candidates, .. }) =
-            (question.right_answer(), &question.form)
+            (question.right_answer(0), &question.form)
         else {
             panic!("samples are picked");
         };
