@@ -408,8 +408,9 @@ impl Now {
         let found = cached(&self.unsure, self.cursor(), || {
             let set = self.set()?;
             self.spend(SET)?;
-            let ids = set.ids.iter().copied();
-            Ok(ids.filter(|&s| self.unsure(s.into())).min())
+            let mut ids = set.ids.clone();
+            ids.sort_unstable();
+            Ok(ids.into_iter().find(|&s| self.unsure(s.into())))
         });
         found.map(sample_or_unit)
     }

@@ -1,5 +1,5 @@
 //! Pictures of a lesson's steps: of the next step for a lecturer's notes, and of all steps for handouts. Begin with
-//! [`step_at`] and [`picture`].
+//! `step_at` and [`picture`].
 
 use std::sync::Arc;
 
@@ -70,7 +70,7 @@ pub(crate) fn step_at(
     Ok(open)
 }
 
-/// Draws a step that [`step_at`] returned, with the lecturer's strokes over it.
+/// Draws a step at its moment, with the lecturer's strokes over it.
 #[must_use]
 pub fn picture(open: &OpenLesson, style: PictureStyle, strokes: &[PenStroke]) -> Scene {
     let [width, height] = style.size;

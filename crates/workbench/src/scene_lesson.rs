@@ -72,7 +72,7 @@ pub(crate) fn lesson_of(
 ///
 /// # Errors
 ///
-/// Those of the session's file, and those of [`lesson_of`].
+/// Those of the session's file; no scenes, or a run that a lesson cannot name.
 pub fn lesson_of_session(text: &str) -> Result<String, String> {
     let saved = Session::from_json(text).map_err(|error| error.to_string())?;
     lesson_of(&saved.scenes, &saved.parameters, saved.pattern.is_some())
