@@ -1,4 +1,5 @@
-//! Answers and keys. Both are plain data: an answer comes from a window, a page or a file, and keys are pinned.
+//! Answers of learners, and keys: the right answers. Both are plain data, as answers come from windows, pages and files,
+//! and the keys of shipped lessons are kept in files.
 
 use std::fmt;
 
@@ -40,6 +41,24 @@ pub enum CutAxis {
     Y,
 }
 
+impl CutAxis {
+    /// Returns its name, "x" or "y".
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::X => "x",
+            Self::Y => "y",
+        }
+    }
+
+    pub(crate) const fn other(self) -> Self {
+        match self {
+            Self::X => Self::Y,
+            Self::Y => Self::X,
+        }
+    }
+}
+
 /// How the power of a band changes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -71,7 +90,7 @@ impl fmt::Display for Change {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Key {
-    /// All samples that are right; of a question for one sample, any of them.
+    /// All samples that are right. A question for one sample accepts any of them.
     Pick(Vec<u32>),
     /// Right places.
     Place(Vec<[f64; 2]>),
@@ -105,6 +124,13 @@ fn list<T: fmt::Display>(
     Ok(())
 }
 
+/// Returns the indices of numbers, the smallest number first.
+pub(crate) fn sorted(ranks: &[f64]) -> Vec<usize> {
+    let mut order: Vec<usize> = (0..ranks.len()).collect();
+    order.sort_by(|&a, &b| ranks[a].total_cmp(&ranks[b]));
+    order
+}
+
 /// Returns a number with at most four decimals.
 pub(crate) fn short(number: f64) -> f64 {
     (number * 1e4).round() / 1e4
@@ -114,19 +140,10 @@ impl fmt::Display for Key {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Pick(samples) => list(f, samples),
-            Self::Place(places) => list(
-                f,
-                places
-                    .iter()
-                    .map(|[x, y]| format!("({} {})", short(*x), short(*y))),
-            ),
+            Self::Place(places) => list(f, places.iter().map(|at| Answer::Place(*at))),
             Self::Number(number) => write!(f, "{}", short(*number)),
             Self::Choice(option) => write!(f, "{}", letter(*option)),
-            Self::Order(ranks) => {
-                let mut order: Vec<usize> = (0..ranks.len()).collect();
-                order.sort_by(|&a, &b| ranks[a].total_cmp(&ranks[b]));
-                list(f, order.into_iter().map(letter))
-            }
+            Self::Order(ranks) => list(f, sorted(ranks).into_iter().map(letter)),
             Self::Cut {
                 axis,
                 legal: [low, high],

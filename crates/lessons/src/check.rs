@@ -1,5 +1,5 @@
-//! Checks a lesson as its learners will meet it: over many seeds, with a learner who knows everything, one who guesses, and
-//! one with the known misconceptions.
+//! Checks a lesson before learners see it: its questions are asked of the runs of many seeds, and answered by a learner who
+//! knows everything, by one who guesses, and by one with the known misconceptions. Begin with [`check`].
 
 use std::collections::{BTreeMap, HashMap};
 use std::fmt::Write as _;
@@ -8,10 +8,10 @@ use std::sync::Arc;
 use tilescope_core::{Key as DrawKey, Observer, Parameters, Pattern, SampleError, Stream, below};
 use tilescope_debugger::Recording;
 
-use crate::answer::{Answer, Change, CutAxis, Key};
+use crate::answer::{Answer, Change, CutAxis, Key, letter};
 use crate::error::LessonError;
 use crate::learner::{Arrival, Learner};
-use crate::lesson::{Gate, GateKind, Lesson};
+use crate::lesson::{Gate, GateKind, Lesson, Text};
 use crate::prose;
 use crate::question::{Form, Question};
 use crate::scene::{Scene, record};
@@ -25,21 +25,21 @@ pub const MAX_ASK_WORDS: usize = 60;
 pub const MAX_SHARE: f64 = 0.6;
 /// The smallest share of seeds that have the moment of a question.
 const MIN_FITTING: f64 = 0.5;
-/// From so many seeds on, shares of options are looked at.
+/// The number of seeds from which on the shares of options are checked.
 const MIN_SEEDS_FOR_SHARES: usize = 10;
-/// How well a learner who guesses may do on average.
+/// The largest mean score of a learner who guesses.
 const MAX_GUESSED: f64 = 0.75;
 /// The most faults that are listed of one question.
 const MAX_FAULTS: usize = 3;
 
-/// What checking a lesson found.
+/// The result of checking a lesson.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Checked {
     /// The faults, by line.
     pub faults: Vec<LessonError>,
-    /// The keys of all questions and seeds, to be pinned.
+    /// The keys of all questions and seeds, as they are kept in a file.
     pub keys: String,
-    /// How many questions were asked of how many runs.
+    /// How many questions were asked, counting each run.
     pub questions: usize,
     /// The mean score of the learner who knows everything.
     pub perfect: f64,
@@ -84,29 +84,20 @@ impl Runs {
         Ok(recording)
     }
 
-    /// Forgets the recordings; patterns stay.
+    /// Drops the recordings; patterns stay.
     pub fn clear(&mut self) {
         self.recordings.clear();
     }
 }
 
-/// Sums of scores.
-#[derive(Default)]
-struct Scores {
-    perfect: (f64, usize),
-    guessing: (f64, usize),
-    misconceived: (f64, usize),
+/// The scores of the three learners: perfect, guessing, misconceived.
+type Scores = [Vec<f64>; 3];
+
+fn mean(scores: &[f64]) -> f64 {
+    scores.iter().sum::<f64>() / scores.len().max(1) as f64
 }
 
-fn add(sum: &mut (f64, usize), score: f64) {
-    *sum = (sum.0 + score, sum.1 + 1);
-}
-
-fn mean((sum, count): (f64, usize)) -> f64 {
-    if count == 0 { 0.0 } else { sum / count as f64 }
-}
-
-/// What was found about one gate.
+/// The findings about one gate.
 #[derive(Default)]
 struct OfGate {
     keys: BTreeMap<(bool, u64), String>,
@@ -116,15 +107,14 @@ struct OfGate {
     faults: Vec<LessonError>,
 }
 
-/// Returns the seeds and steps that are asked, with no seed for that of the lesson: by seed, so that the steps of a seed
-/// share its runs.
+/// Returns the seeds and steps to ask, with no seed for the step's own run. They are sorted by seed, so that the steps of a
+/// seed share its runs.
 fn runs_asked(lesson: &Lesson, seeds: usize) -> Vec<(Option<u64>, usize)> {
-    let mut asked: Vec<(Option<u64>, usize)> =
-        (0..lesson.steps.len()).map(|step| (None, step)).collect();
+    let mut asked = Vec::new();
     for (index, step) in lesson.steps.iter().enumerate() {
         let practice = step.gate.as_ref().and_then(|gate| gate.practice.clone());
-        let practice = practice.into_iter().flatten().take(seeds);
-        asked.extend(practice.map(|seed| (Some(seed), index)));
+        let practice = practice.into_iter().flatten().take(seeds).map(Some);
+        asked.extend([None].into_iter().chain(practice).map(|seed| (seed, index)));
     }
     asked.sort_unstable();
     asked
@@ -213,24 +203,19 @@ pub fn check(
             let _ = writeln!(checked.keys, "  {name}: {key}");
         }
     }
-    checked.perfect = mean(scores.perfect);
-    checked.guessing = mean(scores.guessing);
-    checked.misconceived = mean(scores.misconceived);
-    if scores.perfect.1 > 0 {
-        let wrong = |message: String| LessonError::new(1, message);
-        if checked.perfect < 0.999_999 {
-            checked.faults.push(wrong(format!(
-                "the key of some question scores less than 1: {}",
-                checked.perfect
-            )));
-        }
-        if checked.guessing > MAX_GUESSED {
-            checked.faults.push(wrong(format!(
-                "whoever guesses scores {:.2}; at most {MAX_GUESSED}",
-                checked.guessing
-            )));
-        }
+    let [perfect, guessing, misconceived] = scores.each_ref().map(|scores| mean(scores));
+    let mut wrong = |message: String| checked.faults.push(LessonError::new(1, message));
+    if !scores[0].is_empty() && perfect < 0.999_999 {
+        wrong(format!(
+            "the key of some question scores less than 1: {perfect}"
+        ));
     }
+    if guessing > MAX_GUESSED {
+        wrong(format!(
+            "guessing scores {guessing:.2}; at most {MAX_GUESSED} is allowed"
+        ));
+    }
+    (checked.perfect, checked.guessing, checked.misconceived) = (perfect, guessing, misconceived);
     checked.faults.sort_by_key(|fault| fault.line);
     Ok(checked)
 }
@@ -277,7 +262,7 @@ fn shares(gate: &Gate, found: &OfGate) -> Vec<LessonError> {
         for (option, times) in &found.options {
             let share = *times as f64 / found.fitting as f64;
             if share > MAX_SHARE {
-                let letter = crate::answer::letter(*option);
+                let letter = letter(*option);
                 faults.push(wrong(format!(
                     "option {letter} is right in {:.0}% of the seeds; at most {:.0}%, or \"practice: none\"",
                     100.0 * share, 100.0 * MAX_SHARE
@@ -288,8 +273,8 @@ fn shares(gate: &Gate, found: &OfGate) -> Vec<LessonError> {
     faults
 }
 
-/// Asks the question of a step in a run, and lets the three learners answer it. None if the run does not have the moment,
-/// or the step no question.
+/// Asks the question of a step in a run, and grades the answers of the three learners. Returns `None` if the run lacks the
+/// moment, or the step a question.
 fn ask(
     lesson: &Lesson,
     index: usize,
@@ -299,25 +284,18 @@ fn ask(
 ) -> Result<Option<Question>, LessonError> {
     let step = &lesson.steps[index];
     let Some(scene) = Scene::find(recording, &step.scene)? else {
-        return if practised {
-            Ok(None)
-        } else {
-            Err(LessonError::new(
-                step.scene.line,
-                "the run has no such moment",
-            ))
-        };
+        let missing = LessonError::new(step.scene.line, "the run has no such moment");
+        return if practised { Ok(None) } else { Err(missing) };
     };
     for text in step.text.iter().chain(&step.after) {
-        scene.fill(text, step.line)?;
+        scene.fill(&Text::new(text.as_str(), step.line))?;
     }
     scene.camera(&step.scene.camera)?;
     let Some(gate) = &step.gate else {
         return Ok(None);
     };
     let question = Question::of(gate, &scene)?;
-    let mut learn = |answers: &mut dyn FnMut(&Question, usize, usize) -> Option<Answer>,
-                     sum: fn(&mut Scores) -> &mut (f64, usize)| {
+    let mut learn = |who: usize, answers: &dyn Fn(usize, usize) -> Option<Answer>| {
         let mut learner = Learner::new(Arc::new(lesson.clone()), Arc::new(Translation::default()));
         learner.go(index);
         if practised {
@@ -329,61 +307,36 @@ fn ask(
         }
         for attempt in 0..100 {
             let (_, traced) = learner.tries();
-            let Some(answer) = answers(&question, traced, attempt) else {
+            let Some(answer) = answers(traced, attempt) else {
                 return Ok(());
             };
             let feedback = learner.answer(&answer, 1.0)?;
-            // All but a trace are judged by their first answer.
+            // Only a trace takes several answers; of other questions the first answer counts.
             if feedback.is_done || !matches!(question.key(), Key::Trace(_)) {
                 break;
             }
         }
-        let score = if let Some(entry) = learner.take_entries().pop() {
-            entry.score
-        } else {
-            learner.give_up(1.0);
-            learner.give_up(1.0);
-            learner
-                .take_entries()
-                .pop()
-                .map_or(0.0, |entry| entry.score)
-        };
-        add(sum(scores), score);
+        // A question that was answered wrongly ends when the learner gives up, which takes two calls.
+        learner.give_up(1.0);
+        learner.give_up(1.0);
+        let entry = learner.take_entries().pop();
+        scores[who].push(entry.map_or(0.0, |entry| entry.score));
         Ok(())
     };
-    learn(
-        &mut |question, traced, _| Some(right(question, traced)),
-        |scores| &mut scores.perfect,
-    )?;
+    learn(0, &|traced, _| Some(question.right_answer(traced)))?;
     let key =
         DrawKey::from_seed(recording.run().parameters.seed).derive(Stream::Throw, index as u32);
-    learn(
-        &mut |question, _, attempt| Some(guess(question, key, attempt as u32)),
-        |scores| &mut scores.guessing,
-    )?;
-    learn(
-        &mut |question, _, attempt| {
-            if attempt == 0 {
-                misconception(gate, question)
-            } else {
-                None
-            }
-        },
-        |scores| &mut scores.misconceived,
-    )?;
+    learn(1, &|_, attempt| Some(guess(&question, key, attempt as u32)))?;
+    learn(2, &|_, attempt| {
+        let believed = (attempt == 0).then(|| misconception(gate, &question));
+        believed.flatten()
+    })?;
     Ok(Some(question))
 }
 
-fn right(question: &Question, traced: usize) -> Answer {
-    match question.key() {
-        Key::Trace(events) => Answer::Choice(events[traced.min(events.len() - 1)]),
-        _ => question.right_answer(),
-    }
-}
-
-/// Returns the answer of somebody who believes the first known misconception, if there is one.
+/// Returns the answer of a learner with the first known misconception, if there is one.
 fn misconception(gate: &Gate, question: &Question) -> Option<Answer> {
-    if let Some(wrong) = question.wrong_answers().first() {
+    if let Some(wrong) = question.wrong.first() {
         return Some(match (&wrong.answer, &question.form) {
             (Answer::Pick(samples), Form::Pick { several: false, .. }) => {
                 let Key::Pick(right) = question.key() else {

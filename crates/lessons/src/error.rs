@@ -1,4 +1,4 @@
-//! Faults of a lesson file: the line, what is wrong, what is allowed, and the nearest right word.
+//! Faults of a lesson file: the line, and a message with the allowed values and the nearest right word.
 
 /// A fault of a lesson or of a translation.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -6,7 +6,7 @@
 pub struct LessonError {
     /// The line of the file, from 1.
     pub line: usize,
-    /// What is wrong, and what is allowed.
+    /// The fault, and the allowed values.
     pub message: String,
 }
 
@@ -25,27 +25,20 @@ impl LessonError {
     pub fn unknown(line: usize, what: &str, word: &str, known: &[&str]) -> Self {
         let meant = nearest(word, known)
             .map_or_else(String::new, |near| format!(" Did you mean \"{near}\"?"));
-        let list = known.join(", ");
-        Self::new(
-            line,
-            format!(
-                "there is no {what} \"{}\".{meant} There are: {list}.",
-                shortened(word)
-            ),
-        )
+        let (word, list) = (shortened(word), known.join(", "));
+        let message = format!("there is no {what} \"{word}\".{meant} There are: {list}.");
+        Self::new(line, message)
     }
 }
 
-/// Returns the known word that is most like a word, if one is alike.
+/// Returns the known word that is most similar to a word, if one is similar.
 #[must_use]
 pub fn nearest<'a>(word: &str, known: &[&'a str]) -> Option<&'a str> {
     let word: String = word.chars().take(40).collect();
     let likeness = |known: &&str| strsim::jaro_winkler(&word, known);
-    let best = known
-        .iter()
-        .copied()
-        .max_by(|a, b| likeness(a).total_cmp(&likeness(b)))?;
-    (likeness(&best) > 0.7).then_some(best)
+    let words = known.iter().copied();
+    let best = words.max_by(|a, b| likeness(a).total_cmp(&likeness(b)));
+    best.filter(|best| likeness(best) > 0.7)
 }
 
 /// Returns a text with at most 60 characters, to be quoted.

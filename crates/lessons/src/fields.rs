@@ -1,6 +1,8 @@
-//! The fields of a directive: lines of the form `key: value`. A line that begins with two spaces continues the one before.
+//! The fields of a directive: lines of the form `key: value`. A line that begins with two spaces continues the line before
+//! it. `read.rs` says which fields there are.
 
 use crate::error::{LessonError, shortened};
+use crate::lesson::Text;
 
 /// A line of a directive.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -13,7 +15,7 @@ pub(crate) struct Field {
 /// The fields of a directive.
 #[derive(Clone, Debug)]
 pub(crate) struct Fields {
-    /// What holds the fields, for messages: "a choice gate".
+    /// The directive in words, for messages: "a choice gate".
     pub of: String,
     pub line: usize,
     pub all: Vec<Field>,
@@ -27,23 +29,17 @@ impl Fields {
             if text.trim().is_empty() || text.starts_with('#') {
                 continue;
             }
+            let wrong = |message: String| LessonError::new(number, message);
             if let Some(more) = text.strip_prefix("  ") {
-                let last = all.last_mut().ok_or_else(|| {
-                    LessonError::new(
-                        number,
-                        "this line continues another, but there is none before it",
-                    )
-                })?;
+                let none = "this line continues another, but there is none before it";
+                let last = all.last_mut().ok_or_else(|| wrong(none.to_owned()))?;
                 last.value.push(' ');
                 last.value.push_str(more.trim());
                 continue;
             }
             let (key, value) = text.split_once(':').ok_or_else(|| {
                 let text = shortened(text);
-                LessonError::new(
-                    number,
-                    format!("\"{text}\" is not of the form \"key: value\""),
-                )
+                wrong(format!("\"{text}\" is not of the form \"key: value\""))
             })?;
             all.push(Field {
                 key: key.trim().to_owned(),
@@ -55,7 +51,7 @@ impl Fields {
         Ok(Self { of, line, all })
     }
 
-    /// Refuses fields that are not known, and known ones that are there twice; those in `many` may be.
+    /// Refuses unknown fields, and fields that occur twice; those in `many` may occur several times.
     pub fn only(&self, once: &[&str], many: &[&str]) -> Result<(), LessonError> {
         let known: Vec<&str> = once.iter().chain(many).copied().collect();
         for (index, Field { key, line, .. }) in self.all.iter().enumerate() {
@@ -70,6 +66,15 @@ impl Fields {
             }
         }
         Ok(())
+    }
+
+    /// Reads the field of a key, if there is one.
+    pub(crate) fn optional<T>(
+        &self,
+        key: &str,
+        read: impl FnOnce(&Field) -> Result<T, LessonError>,
+    ) -> Result<Option<T>, LessonError> {
+        self.get(key).map(read).transpose()
     }
 
     /// Returns the field of a key, if there is one.
@@ -87,7 +92,7 @@ impl Fields {
         Ok(field)
     }
 
-    /// Returns the fields of a key that may be there several times.
+    /// Returns the fields of a key that may occur several times.
     pub fn many(&self, key: &str) -> impl Iterator<Item = &Field> {
         self.all.iter().filter(move |field| field.key == key)
     }
@@ -97,17 +102,33 @@ impl Field {
     /// Returns the value as a number between limits.
     pub fn number(&self, limits: [f64; 2]) -> Result<f64, LessonError> {
         let [low, high] = limits;
-        let number = self.value.replace(',', ".").parse::<f64>();
-        number
-            .ok()
-            .filter(|x| (low..=high).contains(x))
-            .ok_or_else(|| {
-                let Self { key, value, .. } = self;
-                let value = shortened(value);
-                let message =
-                    format!("\"{key}\" is {value}; allowed are numbers from {low} to {high}");
-                LessonError::new(self.line, message)
-            })
+        let Self { key, value, .. } = self;
+        let number = value.replace(',', ".").parse::<f64>().ok();
+        number.filter(|x| (low..=high).contains(x)).ok_or_else(|| {
+            let value = shortened(value);
+            self.wrong(format!(
+                "\"{key}\" is {value}; allowed are numbers from {low} to {high}"
+            ))
+        })
+    }
+
+    /// Returns the field with a part of its value.
+    pub fn part(&self, value: &str) -> Self {
+        let value = value.to_owned();
+        Self {
+            value,
+            ..self.clone()
+        }
+    }
+
+    /// Returns the value as a text.
+    pub fn text(&self) -> Text {
+        Text::new(self.value.as_str(), self.line)
+    }
+
+    /// Returns a fault of this field.
+    pub fn wrong(&self, message: impl Into<String>) -> LessonError {
+        LessonError::new(self.line, message)
     }
 
     /// Returns the parts of the value before and after a word; the second may be missing.
@@ -120,11 +141,8 @@ impl Field {
 
     /// Returns the number of seeds `first..last`, both included.
     pub fn seeds(&self) -> Result<std::ops::RangeInclusive<u64>, LessonError> {
-        let text = self
-            .value
-            .strip_prefix("seeds")
-            .unwrap_or(&self.value)
-            .trim();
+        let text = self.value.strip_prefix("seeds");
+        let text = text.unwrap_or(&self.value).trim();
         let read = || {
             let (first, last) = text.split_once("..")?;
             let (first, last): (u64, u64) = (first.trim().parse().ok()?, last.trim().parse().ok()?);
@@ -132,13 +150,12 @@ impl Field {
         };
         read().ok_or_else(|| {
             let value = shortened(&self.value);
-            let message = format!(
+            self.wrong(format!(
                 "\"{value}\" is not of the form \"seeds 1..40\", with at most {MAX_SEEDS} seeds"
-            );
-            LessonError::new(self.line, message)
+            ))
         })
     }
 }
 
-/// The most seeds that a gate is practised with.
+/// The most seeds of practice of a question.
 pub const MAX_SEEDS: u64 = 1_000;

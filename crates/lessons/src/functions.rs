@@ -1,7 +1,8 @@
-//! What expressions of lessons can ask of a run, besides the names and functions of the debugger. Lengths and positions
-//! are in r; events are numbered from 1.
+//! The functions that expressions of lessons may call, besides the names and functions of the debugger. Lengths and
+//! positions are in r; events are numbered from 1. Begin with [`register`]; `names.rs` says what each function gives.
 
 use std::collections::HashMap;
+use std::hash::Hash;
 use std::sync::atomic::{AtomicI64, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -18,18 +19,18 @@ use tilescope_debugger::{
 
 use crate::fields::Field;
 use crate::parameters::{MAX_SAMPLES, with_parameter};
-use crate::sets::{Measure, PointSet};
+use crate::sets::{Measure, PointSet, position, radii};
 
 /// How many searches and computations the expressions of one question may make.
 const MAX_WORK: i64 = 1_000;
-/// What a computation of the whole set costs.
+/// The cost of a computation over the whole set, in searches.
 const SET: i64 = 4;
-/// What another run costs.
+/// The cost of another run, in searches.
 const RUN: i64 = 80;
 
 type Found<T> = Result<T, Box<EvalAltResult>>;
 
-/// The run and the moment that expressions are about, with what they have computed.
+/// The run and the moment that expressions are about, and the results computed so far.
 pub(crate) struct Now {
     pub recording: Arc<Recording>,
     pub cursor: AtomicUsize,
@@ -50,15 +51,25 @@ fn wrong(message: impl Into<String>) -> Box<EvalAltResult> {
     message.into().into()
 }
 
-fn radii(units: impl Into<f64>) -> f64 {
-    units.into() / f64::from(R)
+/// Returns the value of a key, computed by `make` the first time.
+fn cached<K: Eq + Hash, V: Clone>(
+    known: &Mutex<HashMap<K, V>>,
+    key: K,
+    make: impl FnOnce() -> Found<V>,
+) -> Found<V> {
+    if let Some(value) = lock(known).get(&key) {
+        return Ok(value.clone());
+    }
+    let value = make()?;
+    lock(known).insert(key, value.clone());
+    Ok(value)
 }
 
 fn id(s: i64) -> u32 {
     u32::try_from(s).unwrap_or(NONE)
 }
 
-/// Returns a place as expressions have it.
+/// Returns a place as a value of expressions, [x, y].
 pub(crate) fn place([x, y]: [f64; 2]) -> Dynamic {
     vec![Dynamic::from(x), Dynamic::from(y)].into()
 }
@@ -94,29 +105,20 @@ impl Now {
 
     /// Returns the events that match a query.
     pub fn events(&self, text: &str) -> Found<Arc<Vec<usize>>> {
-        if let Some(found) = lock(&self.found).get(text) {
-            return Ok(Arc::clone(found));
-        }
-        self.spend(1)?;
-        let query = Query::parse(text).map_err(|error| wrong(error.to_string()))?;
-        let found = Arc::new(query.find_all(&self.recording, usize::MAX));
-        lock(&self.found).insert(text.to_owned(), Arc::clone(&found));
-        Ok(found)
+        cached(&self.found, text.to_owned(), || {
+            self.spend(1)?;
+            let query = Query::parse(text).map_err(|error| wrong(error.to_string()))?;
+            Ok(Arc::new(query.find_all(&self.recording, usize::MAX)))
+        })
     }
 
-    fn next(&self, text: &str) -> Found<Dynamic> {
+    /// Returns the first event of a query that is still to come, or the last one that has happened.
+    fn nearest(&self, text: &str, is_next: bool) -> Found<Dynamic> {
         let (events, cursor) = (self.events(text)?, self.cursor());
         let at = events.partition_point(|&event| event < cursor);
-        Ok(events
-            .get(at)
-            .map_or(Dynamic::UNIT, |&event| self.map(event)))
-    }
-
-    fn previous(&self, text: &str) -> Found<Dynamic> {
-        let (events, cursor) = (self.events(text)?, self.cursor());
-        let at = events.partition_point(|&event| event < cursor);
-        let last = at.checked_sub(1).and_then(|at| events.get(at));
-        Ok(last.map_or(Dynamic::UNIT, |&event| self.map(event)))
+        let index = if is_next { Some(at) } else { at.checked_sub(1) };
+        let event = index.and_then(|index| events.get(index));
+        Ok(maybe(event.map(|&event| self.map(event))))
     }
 
     /// Returns an event as a map.
@@ -220,27 +222,20 @@ impl Now {
     /// Returns the valid samples.
     pub fn set(&self) -> Found<Arc<PointSet>> {
         let cursor = self.cursor();
-        if let Some(set) = lock(&self.sets).get(&cursor) {
-            return Ok(Arc::clone(set));
-        }
-        self.spend(SET)?;
-        let set = Arc::new(PointSet::at(&self.recording, cursor));
-        lock(&self.sets).insert(cursor, Arc::clone(&set));
-        Ok(set)
+        cached(&self.sets, cursor, || {
+            self.spend(SET)?;
+            Ok(Arc::new(PointSet::at(&self.recording, cursor)))
+        })
     }
 
     /// Returns the result of the run with other parameters, such as `leaf=10 seed=3`.
     fn set_with(&self, changes: &str) -> Found<Arc<PointSet>> {
-        if let Some(set) = lock(&self.runs).get(changes) {
-            return Ok(Arc::clone(set));
-        }
-        self.spend(RUN)?;
-        let run = sample(&self.changed(changes)?, &mut Unobserved);
-        let set = Arc::new(PointSet::of_run(
-            &run.map_err(|error| wrong(error.to_string()))?,
-        ));
-        lock(&self.runs).insert(changes.to_owned(), Arc::clone(&set));
-        Ok(set)
+        cached(&self.runs, changes.to_owned(), || {
+            self.spend(RUN)?;
+            let run = sample(&self.changed(changes)?, &mut Unobserved);
+            let run = run.map_err(|error| wrong(error.to_string()))?;
+            Ok(Arc::new(PointSet::of_run(&run)))
+        })
     }
 
     fn changed(&self, changes: &str) -> Found<tilescope_core::Parameters> {
@@ -270,41 +265,27 @@ impl Now {
 
     /// Returns the gaps of the valid samples.
     pub fn tessellation(&self) -> Found<Arc<Tessellation>> {
-        let cursor = self.cursor();
-        if let Some(found) = lock(&self.gaps).get(&cursor) {
-            return Ok(Arc::clone(found));
-        }
-        let set = self.set()?;
-        self.spend(SET)?;
-        let made = Tessellation::of(&set.points, set.region, 1.0);
-        let made = Arc::new(made.map_err(|error| wrong(error.to_string()))?);
-        lock(&self.gaps).insert(cursor, Arc::clone(&made));
-        Ok(made)
+        cached(&self.gaps, self.cursor(), || {
+            let set = self.set()?;
+            self.spend(SET)?;
+            let made = Tessellation::of(&set.points, set.region, 1.0);
+            Ok(Arc::new(made.map_err(|error| wrong(error.to_string()))?))
+        })
     }
 
     fn deepest_near(&self, x: f64, y: f64) -> Found<Dynamic> {
         let (set, found) = (self.set()?, self.tessellation()?);
-        let distance = |gap: &&tilescope_analysis::tessellation::GapRegion| {
-            set.distance([x, y], gap.deepest.0.into())
-        };
-        let nearest = found
-            .gaps
-            .iter()
-            .min_by(|a, b| distance(a).total_cmp(&distance(b)));
-        Ok(nearest.map_or(Dynamic::UNIT, |gap| place(gap.deepest.0.into())))
+        let distance = |at: [f64; 2]| set.distance([x, y], at);
+        let deepest = found.gaps.iter().map(|gap| gap.deepest.0.into());
+        let nearest = deepest.min_by(|a, b| distance(*a).total_cmp(&distance(*b)));
+        Ok(maybe(nearest.map(place)))
     }
 
     fn deepest(&self) -> Found<Dynamic> {
         let found = self.tessellation()?;
-        let largest = found
-            .gaps
-            .iter()
-            .max_by(|a, b| a.deepest.1.total_cmp(&b.deepest.1));
-        Ok(largest.map_or(Dynamic::UNIT, |gap| place(gap.deepest.0.into())))
-    }
-
-    fn conflicts_of(&self, s: i64) -> i64 {
-        self.conflicts_with(s).len() as i64
+        let deepest = found.gaps.iter().map(|gap| gap.deepest);
+        let largest = deepest.max_by(|a, b| a.1.total_cmp(&b.1));
+        Ok(maybe(largest.map(|(at, _)| place(at.into()))))
     }
 
     /// Returns the valid samples closer than r to a sample, by number.
@@ -321,17 +302,12 @@ impl Now {
 
     fn conflict(&self, s: i64, k: i64) -> Dynamic {
         let index = usize::try_from(k).unwrap_or(usize::MAX);
-        let other = self.conflicts_with(s).get(index).copied();
-        other.map_or(Dynamic::UNIT, |other| i64::from(other).into())
+        sample_or_unit(self.conflicts_with(s).get(index).copied())
     }
 
     fn fate(&self, s: i64) -> Option<Fate> {
-        self.recording
-            .run()
-            .samples
-            .fates
-            .get(id(s) as usize)
-            .copied()
+        let fates = &self.recording.run().samples.fates;
+        fates.get(id(s) as usize).copied()
     }
 
     fn lost_to(&self, s: i64) -> Option<u32> {
@@ -347,26 +323,24 @@ impl Now {
 
     fn conflicts(&self) -> Found<i64> {
         let set = self.set()?;
-        let both = set.ids.iter().map(|&s| self.conflicts_of(s.into()));
-        Ok(both.sum::<i64>() / 2)
+        let ids = set.ids.iter();
+        let both: usize = ids.map(|&s| self.conflicts_with(s.into()).len()).sum();
+        Ok(both as i64 / 2)
+    }
+
+    /// Returns the position of a sample.
+    fn point(&self, s: i64) -> Option<[f64; 2]> {
+        self.recording.point(id(s)).map(position)
     }
 
     fn far(&self, s: i64, to: [f64; 2]) -> Found<f64> {
         let set = self.set()?;
-        let point = self.recording.point(id(s));
-        Ok(point.map_or(f64::NAN, |p| set.distance([radii(p.x), radii(p.y)], to)))
+        Ok(self.point(s).map_or(f64::NAN, |at| set.distance(at, to)))
     }
 
     fn apart(&self, a: rhai::Array, b: rhai::Array) -> Found<f64> {
         let read = |place: rhai::Array| place_of(&Dynamic::from(place)).map_err(wrong);
         Ok(self.set()?.distance(read(a)?, read(b)?))
-    }
-
-    fn position(&self, s: i64) -> Dynamic {
-        let point = self.recording.point(id(s));
-        point.map_or(Dynamic::UNIT, |point| {
-            place([radii(point.x), radii(point.y)])
-        })
     }
 
     fn within(&self, x: f64, y: f64, d: f64) -> Found<i64> {
@@ -376,18 +350,13 @@ impl Now {
     }
 
     fn seam_of(&self, s: i64) -> f64 {
-        let point = self.recording.point(id(s));
-        point.map_or(f64::NAN, |point| {
-            self.seam(radii(point.x), radii(point.y)).1
-        })
+        self.point(s).map_or(f64::NAN, |[x, y]| self.seam(x, y).1)
     }
 
     fn block_size(&self, b: i64) -> Dynamic {
         let leaf = self.recording.run().blocks.leaves.get(id(b) as usize);
-        leaf.map_or(Dynamic::UNIT, |leaf| {
-            let (min, max) = (leaf.rect.min, leaf.rect.max);
-            place([radii(max.x - min.x), radii(max.y - min.y)])
-        })
+        let size = leaf.map(|leaf| [leaf.rect.width(), leaf.rect.height()]);
+        maybe(size.map(|size| place(size.map(radii))))
     }
 
     fn parameter(&self, name: &str) -> Found<Dynamic> {
@@ -427,45 +396,37 @@ impl Now {
             (ranking.rank(point, own), s)
         };
         let earlier = |s: u32| -> Vec<u32> {
-            let Some(point) = self.recording.point(s) else {
-                return Vec::new();
-            };
-            let near = self
-                .recording
-                .valid_near(point, R, self.cursor())
-                .into_iter();
-            near.filter(|&t| t != s && self.distance(s, t) < 1.0 && turn(t) < turn(s))
-                .collect()
+            let mut others = self.conflicts_with(s.into());
+            others.retain(|&other| turn(other) < turn(s));
+            others
         };
         let before = earlier(id(s));
         !before.is_empty() && !before.iter().any(|&t| earlier(t).is_empty())
     }
 
     fn first_unsure(&self) -> Found<Dynamic> {
-        let cursor = self.cursor();
-        if let Some(found) = lock(&self.unsure).get(&cursor) {
-            return Ok(maybe(*found));
-        }
-        let set = self.set()?;
-        self.spend(SET)?;
-        let mut ids = set.ids.clone();
-        ids.sort_unstable();
-        let found = ids.into_iter().find(|&s| self.unsure(s.into()));
-        lock(&self.unsure).insert(cursor, found);
-        Ok(maybe(found))
+        let found = cached(&self.unsure, self.cursor(), || {
+            let set = self.set()?;
+            self.spend(SET)?;
+            let mut ids = set.ids.clone();
+            ids.sort_unstable();
+            Ok(ids.into_iter().find(|&s| self.unsure(s.into())))
+        });
+        found.map(sample_or_unit)
     }
 
+    /// Returns the event at which elimination takes a sample.
     fn turn_of(&self, s: u32) -> usize {
-        let events = self.recording.events_of(s).iter();
-        let takes = |event: usize| {
-            self.recording
-                .event(event)
-                .is_some_and(|e| matches!(e.kind(), EventKind::Take | EventKind::Keep))
+        let takes = |event: &usize| {
+            let event = self.recording.event(*event);
+            event.is_some_and(|e| matches!(e.kind(), EventKind::Take | EventKind::Keep))
         };
-        events
-            .map(|&event| event as usize)
-            .find(|&event| takes(event))
-            .unwrap_or(usize::MAX)
+        let mut events = self
+            .recording
+            .events_of(s)
+            .iter()
+            .map(|&event| event as usize);
+        events.find(takes).unwrap_or(usize::MAX)
     }
 
     /// Returns the nearest place on an edge of a block, and its distance.
@@ -517,7 +478,7 @@ impl Now {
     }
 }
 
-/// Lets expressions call the functions about `now`.
+/// Registers the functions about `now` for expressions.
 pub(crate) fn register(engine: &mut Engine, now: &Arc<Now>) {
     macro_rules! function {
         ($name:literal, |$of:ident $(, $argument:ident: $type:ty)*| $value:expr) => {{
@@ -532,8 +493,8 @@ pub(crate) fn register(engine: &mut Engine, now: &Arc<Now>) {
     function!("odd_run", |now| now.recording.run().parameters.seed % 2
         == 1);
     engine.register_fn("exists", |value: Dynamic| !value.is_unit());
-    function!("next", |now, query: &str| now.next(query));
-    function!("previous", |now, query: &str| now.previous(query));
+    function!("next", |now, query: &str| now.nearest(query, true));
+    function!("previous", |now, query: &str| now.nearest(query, false));
     function!("count", |now, query: &str| now
         .events(query)
         .map(|events| events.len() as i64));
@@ -542,7 +503,7 @@ pub(crate) fn register(engine: &mut Engine, now: &Arc<Now>) {
         now.fate(s),
         Some(Fate::Eliminated { .. })
     ));
-    function!("lost_to", |now, s: i64| maybe(now.lost_to(s)));
+    function!("lost_to", |now, s: i64| sample_or_unit(now.lost_to(s)));
     function!("kept", |now, s: i64| now.fate(s) == Some(Fate::Kept));
     function!("inserted", |now, s: i64| matches!(
         now.origin(s),
@@ -564,7 +525,8 @@ pub(crate) fn register(engine: &mut Engine, now: &Arc<Now>) {
         .set()
         .map(|set| set.points.len() as i64));
     function!("conflicts", |now| now.conflicts());
-    function!("conflicts_of", |now, s: i64| now.conflicts_of(s));
+    function!("conflicts_of", |now, s: i64| now.conflicts_with(s).len()
+        as i64);
     function!("conflict", |now, s: i64, k: i64| now.conflict(s, k));
     function!("covered", |now, x: f64, y: f64| {
         now.set().map(|set| {
@@ -574,7 +536,7 @@ pub(crate) fn register(engine: &mut Engine, now: &Arc<Now>) {
     });
     function!("nearest", |now, x: f64, y: f64| {
         now.set()
-            .map(|set| maybe(set.nearest([x, y]).map(|(sample, _)| sample)))
+            .map(|set| sample_or_unit(set.nearest([x, y]).map(|(sample, _)| sample)))
     });
     function!("far", |now, s: i64, x: f64, y: f64| now.far(s, [x, y]));
     function!("apart", |now, a: rhai::Array, b: rhai::Array| now
@@ -586,7 +548,7 @@ pub(crate) fn register(engine: &mut Engine, now: &Arc<Now>) {
     function!("deepest_near", |now, x: f64, y: f64| now.deepest_near(x, y));
     function!("seam", |now, x: f64, y: f64| now.seam(x, y).1);
     function!("on_seam", |now, x: f64, y: f64| place(now.seam(x, y).0));
-    function!("position", |now, s: i64| now.position(s));
+    function!("position", |now, s: i64| maybe(now.point(s).map(place)));
     function!("within", |now, x: f64, y: f64, d: f64| now.within(x, y, d));
     function!("seam_of", |now, s: i64| now.seam_of(s));
     function!("block_size", |now, b: i64| now.block_size(b));
@@ -598,22 +560,27 @@ pub(crate) fn register(engine: &mut Engine, now: &Arc<Now>) {
     function!("parts_at", |now, changes: &str| now.parts_at(changes));
 }
 
-fn maybe(sample: Option<u32>) -> Dynamic {
-    sample.map_or(Dynamic::UNIT, |sample| i64::from(sample).into())
+/// Returns a value, or `()` if there is none.
+fn maybe(value: Option<Dynamic>) -> Dynamic {
+    value.unwrap_or(Dynamic::UNIT)
+}
+
+fn sample_or_unit(sample: Option<u32>) -> Dynamic {
+    maybe(sample.map(|sample| i64::from(sample).into()))
+}
+
+/// Returns a number, whole or not.
+pub(crate) fn number_of(value: &Dynamic) -> Option<f64> {
+    let whole = || value.as_int().map(|whole| whole as f64);
+    value.as_float().or_else(|_| whole()).ok()
 }
 
 /// Returns the place of a value [x, y].
 pub(crate) fn place_of(value: &Dynamic) -> Result<[f64; 2], String> {
-    let number = |value: &Dynamic| {
-        value
-            .as_float()
-            .or_else(|_| value.as_int().map(|whole| whole as f64))
-            .ok()
-    };
     let read = || {
         let array = value.read_lock::<rhai::Array>()?;
         match &array[..] {
-            [x, y] => Some([number(x)?, number(y)?]),
+            [x, y] => Some([number_of(x)?, number_of(y)?]),
             _ => None,
         }
     };

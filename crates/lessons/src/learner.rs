@@ -1,14 +1,15 @@
-//! A learner's way through a lesson: first try, fix until right, hints, giving up, practice with other runs. Whoever shows
-//! the lesson makes the runs and says what time it is.
+//! A learner in a lesson: tries until the answer is right, hints, giving up, practice with other runs. Callers make the
+//! runs and pass the time. Begin with [`Learner`]; `question.rs` grades the answers.
 
+use std::ops::RangeInclusive;
 use std::sync::Arc;
 
 use tilescope_core::Parameters;
 use tilescope_debugger::Recording;
 
-use crate::answer::{Answer, CutAxis, Key, letter, short};
+use crate::answer::{Answer, Key, letter, short, sorted};
 use crate::error::LessonError;
-use crate::lesson::{Lesson, Step};
+use crate::lesson::{Lesson, Step, Text};
 use crate::question::{Form, Question};
 use crate::results::Entry;
 use crate::scene::Scene;
@@ -27,14 +28,14 @@ pub struct Learner {
     entries: Vec<Entry>,
 }
 
-/// What the learner has done about a question.
+/// The learner's tries at a question.
 #[derive(Clone, Debug, Default, PartialEq)]
 struct Attempt {
     tries: u32,
     hints: u32,
     /// The answer of the first try and its score; of a trace, once it is complete.
     first: Option<(String, f64)>,
-    /// How many events of a trace are right, and at how many the first try was.
+    /// The number of events of a trace that are right now, and of those that were right at the first try.
     traced: (usize, usize),
     /// Whether the last answer to the event of a trace was wrong.
     missed: bool,
@@ -44,10 +45,10 @@ struct Attempt {
     confidence: Option<u8>,
 }
 
-/// How far a question is.
+/// The state of a question.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Progress {
-    /// It is open: what follows is not shown.
+    /// It is open: nothing after its moment is shown.
     #[default]
     Open,
     /// It was answered rightly.
@@ -65,14 +66,14 @@ pub enum Arrival {
     NoMoment,
 }
 
-/// What is said to an answer.
+/// The response to an answer.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Feedback {
-    /// From 0 to 1.
+    /// The score of the answer, from 0 to 1.
     pub score: f64,
     /// Whether the question is done.
     pub is_done: bool,
-    /// What is said to a known wrong answer.
+    /// The sentence for a known wrong answer.
     pub sentence: Option<String>,
 }
 
@@ -113,19 +114,27 @@ impl Learner {
     /// Returns a text of the lesson in the learner's language, with the values of its expressions once the moment is there.
     #[must_use]
     pub fn words(&self, text: &str) -> String {
+        let filled = |scene: &Scene| scene.fill(&Text::new(text, self.step().line));
         match &self.scene {
-            Some(scene) => scene
-                .fill(text, self.step().line)
-                .unwrap_or_else(|error| error.message),
+            Some(scene) => filled(scene).unwrap_or_else(|error| error.message),
             None => self.translation.of(text).to_owned(),
         }
     }
 
-    /// Goes to a step, which must exist. What was open there before is asked anew.
+    /// Goes to a step, at most the last one. Its question is asked anew.
     pub fn go(&mut self, step: usize) {
         self.step = step.min(self.lesson.steps.len() - 1);
-        (self.seed, self.scene, self.question) = (None, None, None);
+        self.restart(None);
+    }
+
+    /// Asks the question of the step anew, with the run of a seed of practice or the step's own.
+    fn restart(&mut self, seed: Option<u64>) {
+        (self.seed, self.scene, self.question) = (seed, None, None);
         self.attempt = Attempt::default();
+    }
+
+    fn seeds(&self) -> Option<RangeInclusive<u64>> {
+        self.step().gate.as_ref()?.practice.clone()
     }
 
     /// Returns whether the next step may be shown: there is one, and no question is open.
@@ -134,35 +143,25 @@ impl Learner {
         self.step + 1 < self.lesson.steps.len() && !self.is_open()
     }
 
-    /// Begins to practise the question with another run, if it can be practised. `draw` is any number; the seed is drawn
-    /// by it.
+    /// Begins to practise the question with another run, if it can be practised. `draw` is any number that chooses the
+    /// seed.
     pub fn practise(&mut self, draw: u64) -> bool {
-        let Some(seeds) = self
-            .step()
-            .gate
-            .as_ref()
-            .and_then(|gate| gate.practice.clone())
-        else {
+        let Some(seeds) = self.seeds() else {
             return false;
         };
-        let (count, last) = (seeds.end() - seeds.start() + 1, self.seed);
+        let count = seeds.end() - seeds.start() + 1;
         let mut seed = seeds.start() + draw % count;
-        if last == Some(seed) && count > 1 {
+        if self.seed == Some(seed) && count > 1 {
             seed = seeds.start() + (draw + 1) % count;
         }
-        (self.seed, self.scene, self.question) = (Some(seed), None, None);
-        self.attempt = Attempt::default();
+        self.restart(Some(seed));
         true
     }
 
     /// Begins to practise the question with the run of a seed, if that is one of its seeds.
     pub fn practise_seed(&mut self, seed: u64) -> bool {
-        let gate = self.step().gate.as_ref();
-        let seeds = gate.and_then(|gate| gate.practice.clone());
-        let Some(seeds) = seeds.filter(|seeds| seeds.contains(&seed)) else {
-            return false;
-        };
-        self.practise(seed - seeds.start())
+        let seeds = self.seeds().filter(|seeds| seeds.contains(&seed));
+        seeds.is_some_and(|seeds| self.practise(seed - seeds.start()))
     }
 
     /// Returns the seed of practice, if the step is practised.
@@ -196,11 +195,8 @@ impl Learner {
             return Ok(Arrival::NoMoment);
         };
         scene.speak(&self.translation);
-        self.question = step
-            .gate
-            .as_ref()
-            .map(|gate| Question::of(gate, &scene))
-            .transpose()?;
+        let gate = step.gate.as_ref();
+        self.question = gate.map(|gate| Question::of(gate, &scene)).transpose()?;
         self.scene = Some(scene);
         self.attempt.begun = time;
         Ok(Arrival::Here)
@@ -218,7 +214,7 @@ impl Learner {
         self.question.as_ref()
     }
 
-    /// Returns how far the question is.
+    /// Returns the state of the question.
     #[must_use]
     pub const fn progress(&self) -> Progress {
         self.attempt.state
@@ -236,29 +232,24 @@ impl Learner {
         self.step().gate.is_some() && self.attempt.state == Progress::Open
     }
 
-    /// Returns the cursor that is shown: the moment of the step; after the answer that of the event that decides.
+    /// Returns the cursor to show: the moment of the step; after the answer, the moment after the deciding event.
     #[must_use]
     pub fn cursor(&self) -> Option<usize> {
         let scene = self.scene.as_ref()?;
         Some(match &self.question {
             Some(question) if !self.is_open() => question.decided,
-            Some(question) => question
-                .traced
-                .get(self.attempt.traced.0)
-                .copied()
-                .unwrap_or(question.cursor),
+            Some(question) => {
+                let traced = question.traced.get(self.attempt.traced.0);
+                traced.copied().unwrap_or(question.cursor)
+            }
             None => scene.cursor(),
         })
     }
 
-    /// Returns the veil: while a question is open, nothing after this cursor may be shown.
+    /// Returns the last cursor that may be shown while a question is open.
     #[must_use]
     pub fn limit(&self) -> Option<usize> {
-        if self.is_open() {
-            self.cursor().or(Some(0))
-        } else {
-            None
-        }
+        self.is_open().then(|| self.cursor().unwrap_or(0))
     }
 
     /// Sets how sure the learner is, from 0 to 3; it is recorded and not graded.
@@ -266,19 +257,16 @@ impl Learner {
         self.attempt.confidence = Some(confidence.min(3));
     }
 
-    /// Takes an answer at a time in seconds.
+    /// Grades an answer that is given at a time in seconds.
     ///
     /// # Errors
     ///
-    /// An answer that is not of the question's kind, and one when no question is open; it does not count as a try.
+    /// An answer that is not of the question's kind, or given while no question is open; it does not count as a try.
     pub fn answer(&mut self, answer: &Answer, time: f64) -> Result<Feedback, LessonError> {
-        let step = self.step().line;
-        let closed = || LessonError::new(step, "no question is open");
-        if !self.is_open() {
-            return Err(closed());
-        }
-        let (Some(question), Some(scene)) = (&self.question, &self.scene) else {
-            return Err(closed());
+        let is_open = self.is_open();
+        let asked = self.question.as_ref().zip(self.scene.as_ref());
+        let Some((question, scene)) = asked.filter(|_| is_open) else {
+            return Err(LessonError::new(self.step().line, "no question is open"));
         };
         let attempt = &mut self.attempt;
         let grade = question.grade(answer, attempt.traced.0, scene)?;
@@ -299,9 +287,8 @@ impl Learner {
                 attempt.missed = true;
             }
         } else {
-            attempt
-                .first
-                .get_or_insert_with(|| (answer.to_string(), grade.score));
+            let given = || (answer.to_string(), grade.score);
+            attempt.first.get_or_insert_with(given);
             if grade.is_right() {
                 attempt.state = Progress::Right;
             }
@@ -339,8 +326,7 @@ impl Learner {
         true
     }
 
-    /// Reveals the answer without recording anything, as a lecturer does who has let a class vote. Returns whether a
-    /// question was open.
+    /// Reveals the answer without recording an entry, after the votes of a class. Returns whether a question was open.
     pub fn reveal(&mut self) -> bool {
         let is_open = self.is_open() && self.question.is_some();
         if is_open {
@@ -358,15 +344,11 @@ impl Learner {
     fn note(&mut self, time: f64) {
         let attempt = &self.attempt;
         let (answer, score) = attempt.first.clone().unwrap_or((String::new(), 0.0));
-        let gate = self
-            .step()
-            .gate
-            .as_ref()
-            .map_or_else(String::new, |gate| gate.name.clone());
+        let gate = self.step().gate.as_ref();
         let entry = Entry {
             lesson: self.lesson.name.clone(),
             hash: self.lesson.hash.clone(),
-            gate,
+            gate: gate.map_or_else(String::new, |gate| gate.name.clone()),
             seed: self.parameters().seed,
             practised: self.seed.is_some(),
             answer,
@@ -386,7 +368,7 @@ impl Learner {
         std::mem::take(&mut self.entries)
     }
 
-    /// Returns the right answer in words, for whoever gave up.
+    /// Returns the right answer in words, for a learner who gave up.
     #[must_use]
     pub fn right_answer(&self) -> Option<String> {
         let question = self.question.as_ref()?;
@@ -405,28 +387,21 @@ impl Learner {
                 },
                 _,
             ) => {
-                let name = if *axis == CutAxis::X { "x" } else { "y" };
-                format!("{name} = {} \u{2013} {} r", short(*low), short(*high))
+                let [low, high] = [low, high].map(|end| short(*end));
+                format!("{} = {low} \u{2013} {high} r", axis.name())
             }
-            (Key::Trace(events), Form::Trace { options, .. }) => {
-                let texts = events
-                    .iter()
-                    .filter_map(|&option| options.get(option).map(String::as_str));
-                texts.collect::<Vec<_>>().join(" ")
-            }
-            (Key::Order(_), Form::Order { items }) => match question.right_answer() {
-                Answer::Order(order) => {
-                    let texts = order
-                        .iter()
-                        .filter_map(|&item| items.get(item).map(String::as_str));
-                    texts.collect::<Vec<_>>().join("; ")
-                }
-                _ => String::new(),
-            },
+            (Key::Trace(events), Form::Trace { options, .. }) => texts(options, events, " "),
+            (Key::Order(ranks), Form::Order { items }) => texts(items, &sorted(ranks), "; "),
             (Key::Number(number), Form::Number { unit }) => {
                 format!("{} {unit}", short(*number)).trim().to_owned()
             }
             (key, _) => key.to_string(),
         })
     }
+}
+
+/// Returns the texts of these indices, joined.
+fn texts(texts: &[String], indices: &[usize], between: &str) -> String {
+    let chosen = indices.iter().filter_map(|&index| texts.get(index));
+    chosen.map(String::as_str).collect::<Vec<_>>().join(between)
 }

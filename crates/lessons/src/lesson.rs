@@ -1,9 +1,11 @@
-//! A lesson as its file says it: steps with their texts, runs, questions and notes.
+//! A lesson as it is in its file: steps with their texts, runs, questions and notes. `read.rs` reads it; nothing here is
+//! computed from a run.
 
 use std::ops::RangeInclusive;
 
 use tilescope_core::Parameters;
 
+use crate::error::LessonError;
 use crate::moment::Moment;
 
 /// The most bytes of a lesson file.
@@ -90,7 +92,7 @@ pub enum Camera {
     /// The whole domain.
     #[default]
     Fit,
-    /// The place of a sample or place, an expression, with so many r around it.
+    /// The sample or place that an expression gives, with so many r around it.
     At(Text, f64),
 }
 
@@ -112,12 +114,12 @@ pub struct Gate {
     pub ask: Text,
     /// What the learner does.
     pub kind: GateKind,
-    /// Known wrong answers, each with what is said to them.
+    /// Known wrong answers, each with the sentence that the learner then reads.
     pub wrong: Vec<Wrong>,
     /// A hint.
     pub hint: Option<Text>,
-    /// The query of the event that decides; the next event that matches it is shown after the answer. None if the moment
-    /// that is shown decides.
+    /// The query of the deciding event; the next event that matches it is shown after the answer. None if the moment of
+    /// the question decides.
     pub decided: Option<Text>,
     /// Layers that are shown after the answer, besides those of the step.
     pub shows: Vec<String>,
@@ -132,8 +134,8 @@ pub struct Gate {
 pub struct Wrong {
     /// The expression of the answer, of the same kind as the key's.
     pub answer: Text,
-    /// What is said to it.
-    pub sentence: String,
+    /// The sentence that the learner then reads.
+    pub sentence: Text,
 }
 
 /// A choice: a text and when it is right.
@@ -143,8 +145,8 @@ pub struct ChoiceOption {
     pub text: Text,
     /// An expression that is true if the option is right.
     pub when: Text,
-    /// What is said to whoever chose it, if it is wrong.
-    pub sentence: Option<String>,
+    /// The sentence for a learner who chose it although it is wrong.
+    pub sentence: Option<Text>,
 }
 
 /// What the learner does, and where the key comes from.
@@ -213,6 +215,18 @@ pub enum GateKind {
     },
 }
 
+impl Text {
+    pub(crate) fn new(text: impl Into<String>, line: usize) -> Self {
+        let text = text.into();
+        Self { text, line }
+    }
+
+    /// Returns a fault of this text.
+    pub(crate) fn wrong(&self, message: impl Into<String>) -> LessonError {
+        LessonError::new(self.line, message)
+    }
+}
+
 impl GateKind {
     /// The names of all kinds.
     pub const NAMES: [&str; 8] = [
@@ -260,7 +274,7 @@ impl Lesson {
             .filter_map(|step| Some((step, step.gate.as_ref()?)))
     }
 
-    /// Returns every text that a learner reads, with its line: what a translation replaces.
+    /// Returns every text that a learner reads: a translation replaces them.
     #[must_use]
     pub fn texts(&self) -> Vec<&str> {
         let mut texts = vec![self.title.as_str(), self.objective.as_str()];
@@ -284,7 +298,12 @@ impl Gate {
             GateKind::Choice { options, .. } | GateKind::Trace { options, .. } => {
                 for option in options {
                     texts.push(&option.text.text);
-                    texts.extend(option.sentence.as_deref());
+                    texts.extend(
+                        option
+                            .sentence
+                            .as_ref()
+                            .map(|sentence| sentence.text.as_str()),
+                    );
                 }
             }
             GateKind::Order { items } => {
@@ -293,7 +312,7 @@ impl Gate {
             GateKind::Number { unit, .. } => texts.push(unit),
             _ => {}
         }
-        texts.extend(self.wrong.iter().map(|wrong| wrong.sentence.as_str()));
+        texts.extend(self.wrong.iter().map(|wrong| wrong.sentence.text.as_str()));
         texts.extend(self.hint.iter().map(|hint| hint.text.as_str()));
         texts
     }

@@ -2,10 +2,10 @@
 //! key is computed from the recording.
 //!
 //! Begin with [`Lesson::read`], which reads a file; [`Scene::find`] finds the moment of a step in a recording, and
-//! [`Question::of`] computes the question and its key there. [`Learner`] is what a window or a page drives. The format is
-//! described for authors in `assets/lessons/README.md`.
+//! [`Question::of`] computes the question and its key there. A window or a page controls a [`Learner`]. For authors
+//! `assets/lessons/README.md` describes the format.
 //!
-//! Architecture invariant: this crate has no window, no files and no clock.
+//! This crate opens no window, reads no files and asks no clock: callers pass texts, runs and times.
 //!
 //! ~~~
 //! use tilescope_core::{Pattern, Unobserved};
@@ -68,7 +68,7 @@ pub use lesson::{
     Camera, ChoiceOption, Gate, GateKind, LAYERS, Lesson, MAX_BYTES, SceneSpec, Step, Text, Wrong,
 };
 pub use moment::Moment;
-pub use names::{FUNCTIONS, PROPERTIES};
+pub use names::{PROPERTIES, functions};
 pub use parameters::MAX_SAMPLES;
 pub use prose::{Span, Style, plain, spans, words};
 pub use question::{Curve, Form, Grade, MAX_CANDIDATES, Question, WrongAnswer};

@@ -1,5 +1,5 @@
-//! Moments of a run as lessons name them: `start`, `end`, `end of tile`, `before QUERY`, `after QUERY`, or the anchor of an
-//! event such as `eliminate.eliminate.1`.
+//! The names of moments in lessons: `start`, `end`, `end of tile`, `before QUERY`, `after QUERY`, or the anchor of an event
+//! such as `eliminate.eliminate.1`; and the cursors that they stand for in a recording.
 
 use tilescope_core::Stage;
 use tilescope_debugger::{Anchor, Query, Recording};
@@ -15,9 +15,9 @@ pub enum Moment {
     End,
     /// The end of a stage.
     EndOf(Stage),
-    /// Just before an event that a query accepts.
+    /// Just before an event that matches a query.
     Before(Query),
-    /// Just after an event that a query accepts.
+    /// Just after an event that matches a query.
     After(Query),
     /// Just after the event of an anchor.
     At(Anchor),
@@ -68,11 +68,10 @@ impl Moment {
             Self::EndOf(stage) => recording.end_of(*stage).into_iter().collect(),
             Self::Before(query) => found(query),
             Self::After(query) => found(query).into_iter().map(|event| event + 1).collect(),
-            Self::At(anchor) => recording
-                .anchored(anchor)
-                .map(|event| event + 1)
-                .into_iter()
-                .collect(),
+            Self::At(anchor) => {
+                let event = recording.anchored(anchor).into_iter();
+                event.map(|event| event + 1).collect()
+            }
         }
     }
 }
@@ -84,12 +83,10 @@ fn stage(name: &str, line: usize) -> Result<Stage, LessonError> {
         "eliminate" => Stage::Eliminate,
         "finish" => Stage::Finish,
         _ => {
-            let number = name
-                .strip_prefix("iterate-")
-                .and_then(|number| number.parse().ok());
-            Stage::Iterate(
-                number.ok_or_else(|| LessonError::unknown(line, "stage", name, &STAGES))?,
-            )
+            let number = name.strip_prefix("iterate-");
+            let number = number.and_then(|number| number.parse().ok());
+            let unknown = || LessonError::unknown(line, "stage", name, &STAGES);
+            Stage::Iterate(number.ok_or_else(unknown)?)
         }
     })
 }

@@ -1,119 +1,52 @@
-//! The names of the functions that expressions may call, and of an event's properties.
+//! The names of the functions that expressions may call, and of an event's properties. `functions.rs` has the functions.
 
-/// The functions, each with its meaning.
-pub const FUNCTIONS: [(&str, &str); 37] = [
-    (
-        "next(query)",
-        "the next event that matches a query, as a map, or () if there is none",
-    ),
-    (
-        "previous(query)",
-        "the last event before this moment that matches a query",
-    ),
-    (
-        "count(query)",
-        "how many events of the whole run match a query",
-    ),
-    ("exists(value)", "whether a value is not ()"),
-    ("valid(s)", "whether a sample is valid at this moment"),
-    ("lost(s)", "whether a sample is eliminated, now or later"),
-    ("lost_to(s)", "the sample that eliminates it"),
-    ("kept(s)", "whether a sample is in the result"),
-    ("inserted(s)", "whether a sample is an inserted one"),
-    (
-        "own(s)",
-        "whether a tiled sample lies in its own block, not in the margin around it",
-    ),
-    (
-        "marked(s)",
-        "whether elimination makes a sample a gap detector",
-    ),
-    (
-        "turn(s)",
-        "the number of the event at which elimination takes a sample",
-    ),
-    (
-        "unsure(s)",
-        "whether a sample's fate is open when every sample has only looked at its own conflicts",
-    ),
-    (
-        "first_unsure()",
-        "the valid sample with the smallest number whose fate is open then, or ()",
-    ),
-    ("samples()", "how many samples are valid"),
-    (
-        "conflicts()",
-        "how many pairs of valid samples are closer than r",
-    ),
-    (
-        "conflicts_of(s)",
-        "how many valid samples are closer than r to a sample",
-    ),
-    (
-        "conflict(s, k)",
-        "the k-th valid sample closer than r to a sample, from 0 and by number, or ()",
-    ),
-    (
-        "covered(x, y)",
-        "whether a place lies in the disk of a valid sample",
-    ),
-    ("nearest(x, y)", "the valid sample nearest to a place"),
-    ("far(s, x, y)", "how far a sample is from a place"),
-    (
-        "apart(place, other)",
-        "the distance of two places, each [x, y]",
-    ),
-    (
-        "odd_run()",
-        "whether the run's seed is odd: in a condition, it varies which answer is right",
-    ),
-    ("gaps()", "how many gaps the valid samples leave"),
-    (
-        "deepest()",
-        "the deepest place [x, y] of the largest gap, or ()",
-    ),
-    (
-        "deepest_near(x, y)",
-        "the deepest place of the gap nearest to a place",
-    ),
-    (
-        "seam(x, y)",
-        "how far a place is from the nearest edge of a block",
-    ),
-    (
-        "on_seam(x, y)",
-        "the place on the nearest edge of a block, [x, y]",
-    ),
-    ("position(s)", "the place of a sample, [x, y]"),
-    (
-        "within(x, y, d)",
-        "how many valid samples are closer than d to a place",
-    ),
-    (
-        "seam_of(s)",
-        "how far a sample is from the nearest edge of a block",
-    ),
-    ("block_size(b)", "the sides of a block, [width, height]"),
-    ("parameter(name)", "a parameter of the run"),
-    (
-        "measure(name)",
-        "a measure of the valid samples: density, packing, closest, covering, peak, low-power, anisotropy",
-    ),
-    (
-        "measure_with(name, changes)",
-        "the same of the result with other parameters, such as \"leaf=10\"",
-    ),
-    (
-        "same_points(engine)",
-        "whether an engine (\"parallel\") makes the same points",
-    ),
-    (
-        "parts_at(changes)",
-        "the number of the event in which the run with other parameters first differs",
-    ),
-];
+/// The functions, one on a line: how it is called, a colon, its meaning.
+const FUNCTIONS: &str = r#"
+next(query): the next event that matches a query, as a map, or () if there is none
+previous(query): the last event before this moment that matches a query
+count(query): how many events of the whole run match a query
+exists(value): whether a value is not ()
+valid(s): whether a sample is valid at this moment
+lost(s): whether a sample is eliminated, now or later
+lost_to(s): the sample that eliminates it
+kept(s): whether a sample is in the result
+inserted(s): whether a sample is an inserted one
+own(s): whether a tiled sample lies in its own block, not in the margin around it
+marked(s): whether elimination makes a sample a gap detector
+turn(s): the number of the event at which elimination takes a sample
+unsure(s): whether a sample's fate is open when every sample has only looked at its own conflicts
+first_unsure(): the valid sample with the smallest number whose fate is open then, or ()
+samples(): how many samples are valid
+conflicts(): how many pairs of valid samples are closer than r
+conflicts_of(s): how many valid samples are closer than r to a sample
+conflict(s, k): the k-th valid sample closer than r to a sample, from 0 and by number, or ()
+covered(x, y): whether a place lies in the disk of a valid sample
+nearest(x, y): the valid sample nearest to a place
+far(s, x, y): how far a sample is from a place
+apart(place, other): the distance of two places, each [x, y]
+odd_run(): whether the run's seed is odd: in a condition, it varies which answer is right
+gaps(): how many gaps the valid samples leave
+deepest(): the deepest place [x, y] of the largest gap, or ()
+deepest_near(x, y): the deepest place of the gap nearest to a place
+seam(x, y): how far a place is from the nearest edge of a block
+on_seam(x, y): the place on the nearest edge of a block, [x, y]
+position(s): the place of a sample, [x, y]
+within(x, y, d): how many valid samples are closer than d to a place
+seam_of(s): how far a sample is from the nearest edge of a block
+block_size(b): the sides of a block, [width, height]
+parameter(name): a parameter of the run
+measure(name): a measure of the valid samples: density, packing, closest, covering, peak, low-power, anisotropy
+measure_with(name, changes): the same of the result with other parameters, such as "leaf=10"
+same_points(engine): whether an engine ("parallel") makes the same points
+parts_at(changes): the number of the event in which the run with other parameters first differs
+"#;
 
-/// What an event's map holds.
+/// Returns the functions that expressions may call: how each is called, and its meaning.
+pub fn functions() -> impl Iterator<Item = (&'static str, &'static str)> {
+    FUNCTIONS.lines().filter_map(|line| line.split_once(": "))
+}
+
+/// The properties that an event's map may have.
 pub const PROPERTIES: [&str; 20] = [
     "event", "kind", "a", "b", "sites", "x", "y", "distance", "verdict", "block", "found",
     "turned", "axis", "plane", "x0", "y0", "x1", "y1", "count", "len",

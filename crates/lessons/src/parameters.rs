@@ -1,4 +1,4 @@
-//! Parameters of a run by their names in lessons.
+//! Changes a parameter of a run by its name in lessons. `read.rs` lists the names.
 
 use serde_json::Value;
 use tilescope_core::Parameters;
@@ -14,7 +14,7 @@ pub(crate) fn with_parameter(
     parameters: &Parameters,
     field: &Field,
 ) -> Result<Parameters, LessonError> {
-    let Field { key, value, line } = field;
+    let Field { key, value, .. } = field;
     let json = match value.as_str() {
         "yes" | "true" => Value::Bool(true),
         "no" | "false" => Value::Bool(false),
@@ -36,9 +36,6 @@ pub(crate) fn with_parameter(
         serde_json::from_value(all)
     };
     read().map_err(|error: serde_json::Error| {
-        LessonError::new(
-            *line,
-            format!("\"{key}\" cannot be {}: {error}", shortened(value)),
-        )
+        field.wrong(format!("\"{key}\" cannot be {}: {error}", shortened(value)))
     })
 }

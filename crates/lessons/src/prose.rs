@@ -1,5 +1,5 @@
-//! The text of lessons: paragraphs of Markdown with emphasis, strong emphasis and code, and nothing else. Texts stay as
-//! they are written until they are shown, so that a translation can replace them.
+//! The paragraphs of lessons: Markdown with emphasis, strong emphasis and code only, and expressions in braces. They are
+//! parsed when they are shown and not before, so that a translation can replace them.
 
 use pulldown_cmark::{Event, Options, Parser, Tag, TagEnd};
 
@@ -27,7 +27,7 @@ pub struct Span {
     pub style: Style,
 }
 
-/// Returns the parts of a paragraph. Marks that are not shown, such as those of links, are left out; their text stays.
+/// Returns the parts of a paragraph. Other marks, such as those of links, are left out; their text stays.
 #[must_use]
 pub fn spans(paragraph: &str) -> Vec<Span> {
     let mut spans: Vec<Span> = Vec::new();

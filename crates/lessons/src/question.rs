@@ -1,15 +1,18 @@
-//! A question about a moment of a run: what the learner sees, and the key, which is computed from the recording.
+//! A question about a moment of a run: its form, which the learner sees, and its key, which is computed from the recording.
+//! Begin with [`Question::of`]; [`Question::grade`] compares an answer with the key. `learner.rs` counts tries and hints.
+
+use std::sync::Arc;
 
 use tilescope_core::stages::blocks::Axis;
-use tilescope_core::{Key as DrawKey, R, RunEvent, Stream, below};
+use tilescope_core::{Key as DrawKey, RunEvent, Stream, below};
 
-use crate::answer::{Answer, Change, CutAxis, Key, letter};
+use crate::answer::{Answer, Change, CutAxis, Key, letter, sorted};
 use crate::error::LessonError;
 use crate::lesson::{ChoiceOption, Gate, GateKind, Text};
 use crate::scene::Scene;
-use crate::sets;
+use crate::sets::{self, PointSet, position};
 
-/// How far from a right place a place still scores, in r.
+/// How far from a right place an answer still scores, in r.
 const PLACE_REACH: f64 = 0.5;
 /// The most samples in the list of a question.
 pub const MAX_CANDIDATES: usize = 24;
@@ -17,7 +20,7 @@ pub const MAX_CANDIDATES: usize = 24;
 /// A curve beside an option: mean power by frequency in 1/r.
 pub type Curve = Vec<[f64; 2]>;
 
-/// What a learner sees of a question, and answers with.
+/// The form of a question: what the learner chooses from or types.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Form {
@@ -28,9 +31,9 @@ pub enum Form {
         /// Whether several may be selected.
         several: bool,
     },
-    /// A place; those of the list stand for a pointer.
+    /// A place of the domain.
     Place {
-        /// Places of the list, in r.
+        /// Places to choose from without a pointer, in r.
         candidates: Vec<[f64; 2]>,
     },
     /// A number in a unit.
@@ -80,49 +83,48 @@ pub enum Form {
 pub struct WrongAnswer {
     /// The answer.
     pub answer: Answer,
-    /// What is said to it.
+    /// The sentence that the learner then reads.
     pub sentence: String,
 }
 
 /// A question about a moment of a run.
 #[derive(Clone, Debug)]
 pub struct Question {
-    /// What it asks; of a trace, at each of its events.
+    /// Its text; of a trace, one text for each event.
     asks: Vec<String>,
-    /// The samples that the question names, as for `asks`.
+    /// The samples that each text names.
     named: Vec<Vec<u32>>,
-    /// What the learner sees and answers with.
+    /// What the learner chooses from or types.
     pub form: Form,
     /// A hint.
     pub hint: Option<String>,
     /// The moment, as the number of events that have happened.
     pub cursor: usize,
-    /// The moment after the event that decides; the question's own if it is known already.
+    /// The moment after the deciding event; the question's own moment if that decides.
     pub decided: usize,
     /// The moments at which the events of a trace are predicted.
     pub traced: Vec<usize>,
     pub(crate) key: Key,
     pub(crate) wrong: Vec<WrongAnswer>,
-    /// What is said to each option, if it is wrong.
+    /// The sentence for each wrong option, if it has one.
     sentences: Vec<Option<String>>,
     tolerance: f64,
     region: Option<Text>,
     line: usize,
 }
 
-/// What an answer is worth.
+/// The grade of an answer.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Grade {
-    /// From 0 to 1.
+    /// The score, from 0 to 1.
     pub score: f64,
-    /// What is said to a known wrong answer.
+    /// The sentence for a known wrong answer.
     pub sentence: Option<String>,
 }
 
 impl Grade {
     /// Returns whether the answer is right.
-    #[must_use]
-    pub fn is_right(&self) -> bool {
+    pub(crate) fn is_right(&self) -> bool {
         self.score > 0.999
     }
 }
@@ -138,22 +140,18 @@ impl Question {
         let mut question = Self::unchecked(gate, scene)?;
         for wrong in &gate.wrong {
             let answer = question.wrong_answer(&gate.kind, &wrong.answer, scene)?;
-            let grade = question.score(&answer, scene)?;
-            if grade > 0.999 {
-                let line = wrong.answer.line;
-                return Err(LessonError::new(
-                    line,
-                    format!("the wrong answer {answer} is right here"),
-                ));
+            if question.score(&answer, 0, scene)? > 0.999 {
+                let message = format!("the wrong answer {answer} is right here");
+                return Err(wrong.answer.wrong(message));
             }
-            let sentence = scene.fill(&wrong.sentence, wrong.answer.line)?;
+            let sentence = scene.fill(&wrong.sentence)?;
             question.wrong.push(WrongAnswer { answer, sentence });
         }
         Ok(question)
     }
 
     fn unchecked(gate: &Gate, scene: &Scene) -> Result<Self, LessonError> {
-        let fill = |text: &Text| scene.fill(&text.text, text.line);
+        let fill = |text: &Text| scene.fill(text);
         let cursor = scene.cursor();
         let mut question = Self {
             asks: vec![fill(&gate.ask)?],
@@ -189,10 +187,8 @@ impl Question {
             } => {
                 let right = scene.places(right)?;
                 let mut places: Vec<[f64; 2]> = right.iter().take(1).copied().collect();
-                for candidate in candidates
-                    .iter()
-                    .chain(gate.wrong.iter().map(|wrong| &wrong.answer))
-                {
+                let wrong = gate.wrong.iter().map(|wrong| &wrong.answer);
+                for candidate in candidates.iter().chain(wrong) {
                     places.push(scene.place(candidate)?);
                 }
                 shuffle(&mut places, seed);
@@ -237,6 +233,27 @@ impl Question {
         LessonError::new(self.line, message)
     }
 
+    /// Returns the valid samples of the moment.
+    fn valid(&self, scene: &Scene) -> Result<Arc<PointSet>, LessonError> {
+        let set = scene.now.set();
+        set.map_err(|error| self.wrong(error.to_string()))
+    }
+
+    /// Takes the sentences of options, and returns their texts.
+    fn texts(
+        &mut self,
+        scene: &Scene,
+        options: &[ChoiceOption],
+    ) -> Result<Vec<String>, LessonError> {
+        for option in options {
+            let sentence = option.sentence.as_ref();
+            let filled = sentence.map(|text| scene.fill(text)).transpose()?;
+            self.sentences.push(filled);
+        }
+        let texts = options.iter().map(|option| scene.fill(&option.text));
+        texts.collect()
+    }
+
     fn pick(
         &mut self,
         scene: &Scene,
@@ -244,27 +261,21 @@ impl Question {
         candidates: &Text,
         several: bool,
     ) -> Result<(), LessonError> {
-        let set = scene
-            .now
-            .set()
-            .map_err(|error| self.wrong(error.to_string()))?;
-        let candidates_line = candidates.line;
-        let candidates = scene.filter(candidates, &set.ids)?;
-        if candidates.len() < 2 || candidates.len() > MAX_CANDIDATES {
-            let message = format!(
-                "the list has {} samples; it has from 2 to {MAX_CANDIDATES}",
-                candidates.len()
-            );
-            return Err(LessonError::new(candidates_line, message));
+        let set = self.valid(scene)?;
+        let listed = candidates;
+        let candidates = scene.filter(listed, &set.ids)?;
+        let count = candidates.len();
+        if !(2..=MAX_CANDIDATES).contains(&count) {
+            let message =
+                format!("the list has {count} samples; it must have from 2 to {MAX_CANDIDATES}");
+            return Err(listed.wrong(message));
         }
         let right = scene.filter(answer, &candidates)?;
-        if right.is_empty() || right.len() == candidates.len() {
-            let message = if right.is_empty() {
-                "no sample of the list is right"
-            } else {
-                "every sample of the list is right"
-            };
-            return Err(LessonError::new(answer.line, message));
+        if right.is_empty() {
+            return Err(answer.wrong("no sample of the list is right"));
+        }
+        if right.len() == count {
+            return Err(answer.wrong("every sample of the list is right"));
         }
         self.form = Form::Pick {
             candidates,
@@ -281,20 +292,8 @@ impl Question {
         curves: &[Text],
         seed: u64,
     ) -> Result<(), LessonError> {
-        let mut right = Vec::new();
-        let mut texts = Vec::new();
-        for (index, option) in options.iter().enumerate() {
-            texts.push(scene.fill(&option.text.text, option.text.line)?);
-            let sentence = option.sentence.as_ref();
-            self.sentences.push(
-                sentence
-                    .map(|text| scene.fill(text, option.text.line))
-                    .transpose()?,
-            );
-            if scene.truth(&option.when, |_| {})? {
-                right.push(index);
-            }
-        }
+        let texts = self.texts(scene, options)?;
+        let right = right_options(scene, options)?;
         let [index] = right[..] else {
             let letters: String = right.iter().map(|&index| letter(index)).collect();
             let which = if right.is_empty() {
@@ -306,25 +305,18 @@ impl Question {
         };
         let mut drawn = Vec::new();
         for curve in curves {
-            let power = scene
-                .set(curve, seed)?
-                .power()
-                .map_err(|error| LessonError::new(curve.line, error))?;
-            drawn.push(power);
+            drawn.push(power(scene, curve, seed)?);
         }
         if let Some(own) = drawn.get(index) {
             // The curve of the right option must be the one nearest to the spectrum of the samples that are shown.
-            let shown = scene
-                .now
-                .set()
-                .map_err(|error| self.wrong(error.to_string()))?;
-            let shown = shown.power().map_err(|error| self.wrong(error))?;
+            let shown = self.valid(scene)?.power();
+            let shown = shown.map_err(|error| self.wrong(error))?;
             let best = sets::rms(&shown, own);
-            if drawn
+            let mut others = drawn
                 .iter()
                 .enumerate()
-                .any(|(other, curve)| other != index && sets::rms(&shown, curve) <= best)
-            {
+                .filter(|(other, _)| *other != index);
+            if others.any(|(_, curve)| sets::rms(&shown, curve) <= best) {
                 return Err(self.wrong(
                     "another curve is nearer to the spectrum than that of the right option",
                 ));
@@ -340,35 +332,24 @@ impl Question {
 
     fn cut(&mut self, scene: &Scene, seed: u64) -> Result<(), LessonError> {
         let run = scene.recording().run();
-        let next = scene
-            .recording()
-            .event(scene.cursor())
-            .and_then(tilescope_debugger::Event::run_event);
+        let next = scene.recording().event(scene.cursor());
+        let next = next.and_then(tilescope_debugger::Event::run_event);
         let Some(RunEvent::Split { index, .. }) = next else {
             return Err(
                 self.wrong("the next event must be a split: begin with \"moment: before split\"")
             );
         };
-        let split = run
-            .blocks
-            .splits
-            .get(index as usize)
-            .ok_or_else(|| self.wrong("there is no such split"))?;
-        let radii = |units: i32| f64::from(units) / f64::from(R);
-        let (min, max) = (split.rect.min, split.rect.max);
-        let (low, high) = ([radii(min.x), radii(min.y)], [radii(max.x), radii(max.y)]);
-        let (axis, of) = match split.axis {
-            Axis::X => (CutAxis::X, 0),
-            Axis::Y => (CutAxis::Y, 1),
+        let split = run.blocks.splits.get(index as usize);
+        let split = split.ok_or_else(|| self.wrong("there is no such split"))?;
+        let [low, high] = [split.rect.min, split.rect.max].map(position);
+        let axis = match split.axis {
+            Axis::X => CutAxis::X,
+            Axis::Y => CutAxis::Y,
         };
+        let other = axis.other();
+        let (of, across) = (axis as usize, other as usize);
         let leaf = run.parameters.leaf;
         let legal = [low[of] + leaf, high[of] - leaf];
-        let other = if axis == CutAxis::X {
-            CutAxis::Y
-        } else {
-            CutAxis::X
-        };
-        let across = 1 - of;
         let mut candidates = vec![
             (axis, 0.5 * (legal[0] + legal[1])),
             (axis, low[of] + 0.4 * leaf),
@@ -393,13 +374,7 @@ impl Question {
         bands: &[[f64; 2]],
         seed: u64,
     ) -> Result<(), LessonError> {
-        let power = |text: &Text| {
-            scene
-                .set(text, seed)?
-                .power()
-                .map_err(|error| LessonError::new(text.line, error))
-        };
-        let (before, after) = (power(from)?, power(to)?);
+        let (before, after) = (power(scene, from, seed)?, power(scene, to, seed)?);
         let end = |power: &[sets::MeanPower]| power.last().map_or(0.0, |at| at.frequency);
         let last = end(&before).min(end(&after));
         if let Some([_, high]) = bands.iter().find(|[_, high]| *high > last) {
@@ -434,19 +409,13 @@ impl Question {
         steps: usize,
         options: &[ChoiceOption],
     ) -> Result<(), LessonError> {
-        let query = scene.fill(&events.text, events.line)?;
-        let found = scene
-            .now
-            .events(&query)
-            .map_err(|error| LessonError::new(events.line, error.to_string()))?;
-        let from = found.partition_point(|&event| event < scene.cursor());
-        let traced: Vec<usize> = found[from..].iter().copied().take(steps).collect();
+        let (_, mut traced) = coming(scene, events)?;
+        traced.truncate(steps);
         if traced.len() < steps {
-            let message = format!(
-                "only {} events follow that match, and {steps} are asked for",
-                traced.len()
-            );
-            return Err(LessonError::new(events.line, message));
+            let count = traced.len();
+            let message =
+                format!("only {count} events follow that match, and {steps} are asked for");
+            return Err(events.wrong(message));
         }
         let mut right = Vec::new();
         let mut there = Scene::at(scene.recording(), scene.cursor());
@@ -454,14 +423,9 @@ impl Question {
         (self.asks, self.named) = (Vec::new(), Vec::new());
         for &event in &traced {
             there.go(event);
-            self.asks.push(there.fill(&ask.text, ask.line)?);
+            self.asks.push(there.fill(ask)?);
             self.named.push(there.samples_in(ask)?);
-            let mut holds = Vec::new();
-            for (index, option) in options.iter().enumerate() {
-                if there.truth(&option.when, |_| {})? {
-                    holds.push(index);
-                }
-            }
+            let holds = right_options(&there, options)?;
             let [index] = holds[..] else {
                 let message = format!(
                     "{} options are right at event {}; exactly one must be",
@@ -472,19 +436,8 @@ impl Question {
             };
             right.push(index);
         }
-        let texts: Result<Vec<String>, LessonError> = options
-            .iter()
-            .map(|o| scene.fill(&o.text.text, o.text.line))
-            .collect();
-        for option in options {
-            let sentence = option.sentence.as_ref();
-            let filled = sentence.map(|text| scene.fill(text, option.text.line));
-            self.sentences.push(filled.transpose()?);
-        }
-        self.form = Form::Trace {
-            options: texts?,
-            steps,
-        };
+        let options = self.texts(scene, options)?;
+        self.form = Form::Trace { options, steps };
         self.key = Key::Trace(right);
         self.decided = traced.last().map_or(self.cursor, |&last| last + 1);
         self.traced = traced;
@@ -501,10 +454,7 @@ impl Question {
             (GateKind::Pick { .. }, Form::Pick { candidates, .. }) => {
                 let found = scene.filter(text, candidates)?;
                 if found.is_empty() {
-                    return Err(LessonError::new(
-                        text.line,
-                        "no sample of the list is this wrong answer",
-                    ));
+                    return Err(text.wrong("no sample of the list is this wrong answer"));
                 }
                 Answer::Pick(found)
             }
@@ -513,22 +463,18 @@ impl Question {
         })
     }
 
-    /// Returns what is asked; of a trace, at one of its events.
+    /// Returns the text of the question; of a trace, for the event of this index.
     #[must_use]
     pub fn ask(&self, step: usize) -> &str {
-        self.asks
-            .get(step)
-            .or(self.asks.last())
-            .map_or("", String::as_str)
+        let ask = self.asks.get(step).or(self.asks.last());
+        ask.map_or("", String::as_str)
     }
 
-    /// Returns the samples that the question names, as for [`Self::ask`].
+    /// Returns the samples that [`Self::ask`] names.
     #[must_use]
     pub fn named(&self, step: usize) -> &[u32] {
-        self.named
-            .get(step)
-            .or(self.named.last())
-            .map_or(&[], Vec::as_slice)
+        let named = self.named.get(step).or(self.named.last());
+        named.map_or(&[], Vec::as_slice)
     }
 
     /// Returns the key.
@@ -537,21 +483,9 @@ impl Question {
         &self.key
     }
 
-    /// Returns the known wrong answers.
-    #[must_use]
-    pub fn wrong_answers(&self) -> &[WrongAnswer] {
-        &self.wrong
-    }
-
-    /// Returns an answer that is right; of a trace, its first event's.
-    #[must_use]
-    pub fn right_answer(&self) -> Answer {
-        self.right_answer_at(0)
-    }
-
     /// Returns an answer that is right; of a trace, at the event of this index.
     #[must_use]
-    pub fn right_answer_at(&self, event: usize) -> Answer {
+    pub fn right_answer(&self, event: usize) -> Answer {
         match (&self.key, &self.form) {
             (Key::Pick(right), Form::Pick { several: false, .. }) => {
                 Answer::Pick(right[..1].to_vec())
@@ -560,11 +494,7 @@ impl Question {
             (Key::Place(right), _) => Answer::Place(right.first().copied().unwrap_or_default()),
             (Key::Number(number), _) => Answer::Number(*number),
             (Key::Choice(option), _) => Answer::Choice(*option),
-            (Key::Order(ranks), _) => {
-                let mut order: Vec<usize> = (0..ranks.len()).collect();
-                order.sort_by(|&a, &b| ranks[a].total_cmp(&ranks[b]));
-                Answer::Order(order)
-            }
+            (Key::Order(ranks), _) => Answer::Order(sorted(ranks)),
             (Key::Cut { axis, legal }, _) => Answer::Cut {
                 axis: *axis,
                 at: 0.5 * (legal[0] + legal[1]),
@@ -576,38 +506,28 @@ impl Question {
         }
     }
 
-    /// Returns what an answer is worth. Of a trace, `step` is the event that is predicted.
+    /// Returns the grade of an answer; of a trace, to the event of the index `step`.
     ///
     /// # Errors
     ///
-    /// An answer of another kind, or of options, items or samples that there are not; a fault of the lesson's expressions.
-    pub fn grade(&self, answer: &Answer, step: usize, scene: &Scene) -> Result<Grade, LessonError> {
-        if let (Key::Trace(right), Answer::Choice(option)) = (&self.key, answer) {
-            self.check_option(*option)?;
-            let is_right = right.get(step) == Some(option);
-            let sentence = self
-                .sentences
-                .get(*option)
-                .cloned()
-                .flatten()
-                .filter(|_| !is_right);
-            return Ok(Grade {
-                score: f64::from(u8::from(is_right)),
-                sentence,
-            });
-        }
-        let score = self.score(answer, scene)?;
-        let mut sentence = None;
-        if score <= 0.999 {
-            sentence = match answer {
-                Answer::Choice(option) => self.sentences.get(*option).cloned().flatten(),
-                _ => self
-                    .wrong
-                    .iter()
-                    .find(|wrong| self.is_like(&wrong.answer, answer))
-                    .map(|wrong| wrong.sentence.clone()),
-            };
-        }
+    /// An answer of another kind, or with unknown options, items or samples; a fault of the lesson's expressions.
+    pub(crate) fn grade(
+        &self,
+        answer: &Answer,
+        step: usize,
+        scene: &Scene,
+    ) -> Result<Grade, LessonError> {
+        let score = self.score(answer, step, scene)?;
+        let known = || {
+            let mut wrong = self.wrong.iter();
+            let known = wrong.find(|wrong| self.is_like(&wrong.answer, answer));
+            known.map(|wrong| wrong.sentence.clone())
+        };
+        let sentence = match answer {
+            _ if score > 0.999 => None,
+            Answer::Choice(option) => self.sentences.get(*option).cloned().flatten(),
+            _ => known(),
+        };
         Ok(Grade { score, sentence })
     }
 
@@ -618,11 +538,8 @@ impl Question {
         if option < options.len() {
             return Ok(());
         }
-        Err(self.wrong(format!(
-            "there is no option {}; there are {}",
-            option + 1,
-            options.len()
-        )))
+        let (number, count) = (option + 1, options.len());
+        Err(self.wrong(format!("there is no option {number}; there are {count}")))
     }
 
     /// Returns whether an answer is a known wrong one.
@@ -642,7 +559,9 @@ impl Question {
         }
     }
 
-    fn score(&self, answer: &Answer, scene: &Scene) -> Result<f64, LessonError> {
+    /// Returns the score of an answer, from 0 to 1.
+    fn score(&self, answer: &Answer, step: usize, scene: &Scene) -> Result<f64, LessonError> {
+        let worth = |is_right: bool| f64::from(u8::from(is_right));
         match (&self.key, &self.form, answer) {
             (
                 Key::Pick(right),
@@ -655,17 +574,15 @@ impl Question {
                 let mut samples = samples.clone();
                 samples.sort_unstable();
                 samples.dedup();
-                if samples.is_empty() || !*several && samples.len() > 1 {
-                    return Err(self.wrong(if *several {
-                        "no sample is selected"
-                    } else {
-                        "one sample is asked for"
-                    }));
+                if !*several && samples.len() != 1 {
+                    return Err(self.wrong("one sample is asked for"));
+                }
+                if samples.is_empty() {
+                    return Err(self.wrong("no sample is selected"));
                 }
                 if let Some(other) = samples.iter().find(|s| !candidates.contains(s)) {
-                    return Err(
-                        self.wrong(format!("sample {other} is not one of the numbered ones"))
-                    );
+                    let message = format!("sample {other} is not one of the numbered ones");
+                    return Err(self.wrong(message));
                 }
                 let hits = samples.iter().filter(|s| right.contains(s)).count() as f64;
                 Ok(if *several {
@@ -688,42 +605,40 @@ impl Question {
             }
             (Key::Choice(right), _, Answer::Choice(option)) => {
                 self.check_option(*option)?;
-                Ok(f64::from(u8::from(right == option)))
+                Ok(worth(right == option))
             }
             (Key::Order(ranks), _, Answer::Order(items)) => {
                 let mut sorted = items.clone();
                 sorted.sort_unstable();
                 if !sorted.iter().copied().eq(0..ranks.len()) {
-                    return Err(self.wrong(format!(
-                        "an order names each of the {} items once",
-                        ranks.len()
-                    )));
+                    let count = ranks.len();
+                    return Err(
+                        self.wrong(format!("an order names each of the {count} items once"))
+                    );
                 }
                 let pairs = (0..items.len()).flat_map(|b| (0..b).map(move |a| (a, b)));
                 let (mut right, mut all) = (0.0, 0.0);
                 for (a, b) in pairs {
                     all += 1.0;
-                    right += f64::from(u8::from(ranks[items[a]] <= ranks[items[b]]));
+                    right += worth(ranks[items[a]] <= ranks[items[b]]);
                 }
                 Ok(right / f64::max(all, 1.0))
             }
             (Key::Cut { axis, legal }, _, Answer::Cut { axis: given, at }) => {
                 let is_legal = axis == given && (legal[0]..=legal[1]).contains(at);
-                Ok(0.5 * f64::from(u8::from(axis == given)) + 0.5 * f64::from(u8::from(is_legal)))
+                Ok(0.5 * worth(axis == given) + 0.5 * worth(is_legal))
             }
             (Key::Bands(right), _, Answer::Bands(changes)) => {
                 if changes.len() != right.len() {
-                    return Err(self.wrong(format!(
-                        "{} bands are asked for, not {}",
-                        right.len(),
-                        changes.len()
-                    )));
+                    let (wanted, given) = (right.len(), changes.len());
+                    return Err(self.wrong(format!("{wanted} bands are asked for, not {given}")));
                 }
                 let hits = right.iter().zip(changes).filter(|(a, b)| a == b).count();
                 Ok(hits as f64 / right.len() as f64)
             }
             (Key::Trace(right), _, Answer::Choice(option)) => {
-                Ok(f64::from(u8::from(right.first() == Some(option))))
+                self.check_option(*option)?;
+                Ok(worth(right.get(step) == Some(option)))
             }
             _ => Err(self.wrong("the answer is not of the kind that is asked for")),
         }
@@ -738,14 +653,9 @@ impl Question {
         if !place.iter().all(|x| x.is_finite()) {
             return Err(self.wrong("a place has two numbers"));
         }
-        let set = scene
-            .now
-            .set()
-            .map_err(|error| self.wrong(error.to_string()))?;
-        let nearest = right
-            .iter()
-            .map(|at| set.distance(*at, place))
-            .fold(f64::INFINITY, f64::min);
+        let set = self.valid(scene)?;
+        let distances = right.iter().map(|at| set.distance(*at, place));
+        let nearest = distances.fold(f64::INFINITY, f64::min);
         let mut off = (nearest - self.tolerance).max(0.0);
         if let Some(region) = &self.region {
             let holds = |[x, y]: [f64; 2]| {
@@ -778,24 +688,44 @@ fn curve(power: &[sets::MeanPower]) -> Curve {
     power.iter().map(|at| [at.frequency, at.mean]).collect()
 }
 
-/// Returns the moment after the event that decides.
+/// Returns the indices of the options that are right at a moment.
+fn right_options(scene: &Scene, options: &[ChoiceOption]) -> Result<Vec<usize>, LessonError> {
+    let mut right = Vec::new();
+    for (index, option) in options.iter().enumerate() {
+        if scene.truth(&option.when, |_| {})? {
+            right.push(index);
+        }
+    }
+    Ok(right)
+}
+
+/// Returns the spectrum of a point set.
+fn power(scene: &Scene, text: &Text, seed: u64) -> Result<Vec<sets::MeanPower>, LessonError> {
+    let power = scene.set(text, seed)?.power();
+    power.map_err(|error| text.wrong(error))
+}
+
+/// Returns a query with its values, and the events from the moment on that match it.
+fn coming(scene: &Scene, text: &Text) -> Result<(String, Vec<usize>), LessonError> {
+    let query = scene.fill(text)?;
+    let found = scene.now.events(&query);
+    let found = found.map_err(|error| text.wrong(error.to_string()))?;
+    let from = found.partition_point(|&event| event < scene.cursor());
+    Ok((query, found[from..].to_vec()))
+}
+
+/// Returns the moment after the deciding event.
 fn decided(gate: &Gate, scene: &Scene) -> Result<usize, LessonError> {
     let Some(text) = &gate.decided else {
         return Ok(scene.cursor());
     };
-    let query = scene.fill(&text.text, text.line)?;
-    let found = scene
-        .now
-        .events(&query)
-        .map_err(|error| LessonError::new(text.line, error.to_string()))?;
-    let at = found.partition_point(|&event| event < scene.cursor());
-    let event = found.get(at).ok_or_else(|| {
-        LessonError::new(
-            text.line,
-            format!("no event that matches \"{query}\" follows the question"),
-        )
-    })?;
-    Ok(event + 1)
+    let (query, events) = coming(scene, text)?;
+    let none = || {
+        text.wrong(format!(
+            "no event that matches \"{query}\" follows the question"
+        ))
+    };
+    Ok(events.first().ok_or_else(none)? + 1)
 }
 
 /// Shuffles items by a seed.

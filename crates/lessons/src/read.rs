@@ -1,5 +1,5 @@
 //! Reads a lesson file: front matter between lines of `---`, steps that begin with `# Title`, paragraphs, and directives
-//! in fences of three backticks.
+//! in fences of three backticks. Begin with [`Lesson::read`]. Expressions are only parsed here; `scene.rs` evaluates them.
 
 use std::fmt::Write as _;
 
@@ -65,13 +65,11 @@ impl Lesson {
     ///
     /// # Errors
     ///
-    /// The first fault of the file, with its line, what is allowed, and the nearest right word.
+    /// The first fault of the file, with its line, the allowed values, and the nearest right word.
     pub fn read(name: &str, text: &str) -> Result<Self, LessonError> {
         if text.len() > MAX_BYTES {
-            let message = format!(
-                "the file has {} bytes; a lesson has at most {MAX_BYTES}",
-                text.len()
-            );
+            let length = text.len();
+            let message = format!("the file has {length} bytes; a lesson has at most {MAX_BYTES}");
             return Err(LessonError::new(1, message));
         }
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
@@ -88,14 +86,12 @@ impl Lesson {
                 "the lesson has no steps; a step begins with a line such as \"# The first loss\"";
             return Err(LessonError::new(reader.at.max(1), message));
         }
-        let minutes = front
-            .get("minutes")
-            .map_or(Ok(10.0), |field| field.number([1.0, 120.0]))?;
+        let minutes = front.optional("minutes", |field| field.number([1.0, 120.0]))?;
         Ok(Self {
             name: name.to_owned(),
             title: front.need("title")?.value.clone(),
             objective: front.need("objective")?.value.clone(),
-            minutes: minutes as u32,
+            minutes: minutes.unwrap_or(10.0) as u32,
             hash: blake3::hash(text.as_bytes()).to_hex()[..16].to_owned(),
             steps,
         })
@@ -116,21 +112,17 @@ impl<'a> Reader<'a> {
         line
     }
 
-    /// Returns the lines up to one that `ends`, which is skipped.
-    fn up_to(
-        &mut self,
-        what: &str,
-        ends: impl Fn(&str) -> bool,
-    ) -> Result<Vec<&'a str>, LessonError> {
+    /// Returns the lines up to the line `end`, which is skipped; `fault` is the message if there is none.
+    fn up_to(&mut self, end: &str, fault: &str) -> Result<Vec<&'a str>, LessonError> {
         let begun = self.at;
         let mut lines = Vec::new();
         while let Some(line) = self.line() {
-            if ends(line) {
+            if line.trim_end() == end {
                 return Ok(lines);
             }
             lines.push(line);
         }
-        Err(LessonError::new(begun.max(1), format!("{what} has no end")))
+        Err(LessonError::new(begun.max(1), fault))
     }
 
     fn front_matter(&mut self) -> Result<Fields, LessonError> {
@@ -138,7 +130,7 @@ impl<'a> Reader<'a> {
             let message = "a lesson begins with a line \"---\", its title and its objective, and another line \"---\"";
             return Err(LessonError::new(1, message));
         }
-        let lines = self.up_to("the front matter", |line| line.trim_end() == "---")?;
+        let lines = self.up_to("---", "the front matter has no end")?;
         let fields = Fields::read("the front matter", 1, &lines)?;
         fields.only(&FRONT_MATTER, &[])?;
         Ok(fields)
@@ -155,8 +147,7 @@ impl<'a> Reader<'a> {
                 self.end_paragraph(&mut paragraph, number)?;
                 self.step(title.trim(), number)?;
             } else if line.starts_with('#') {
-                let message =
-                    "titles of steps begin with one \"#\" and a space; there are no others";
+                let message = "the title of a step begins with one \"#\" and a space; there are no other titles";
                 return Err(LessonError::new(number, message));
             } else if line.trim().is_empty() {
                 self.end_paragraph(&mut paragraph, number)?;
@@ -191,14 +182,12 @@ impl<'a> Reader<'a> {
 
     fn step(&mut self, title: &str, line: usize) -> Result<(), LessonError> {
         if self.steps.len() == MAX_STEPS {
-            return Err(LessonError::new(
-                line,
-                format!("a lesson has at most {MAX_STEPS} steps"),
-            ));
+            let message = format!("a lesson has at most {MAX_STEPS} steps");
+            return Err(LessonError::new(line, message));
         }
         let name = slug(title);
         self.check_name(&name, line)?;
-        // A step shows what the step before it showed, unless it says otherwise.
+        // A step begins with the scene of the step before it.
         let scene = self.steps.last().map(|step| step.scene.clone());
         self.steps.push(Step {
             name,
@@ -224,58 +213,40 @@ impl<'a> Reader<'a> {
         if name.is_empty() {
             return Err(LessonError::new(line, "the name has no letters or digits"));
         }
-        if let Some(other) = self.steps.iter().find(|step| step.name == name) {
-            let message = format!(
-                "the name \"{name}\" is taken by the step of line {}",
-                other.line
-            );
+        if let Some(Step { line: other, .. }) = self.steps.iter().find(|step| step.name == name) {
+            let message = format!("the step of line {other} has the name \"{name}\" already");
             return Err(LessonError::new(line, message));
         }
         Ok(())
     }
 
     fn directive(&mut self, info: &str, line: usize) -> Result<(), LessonError> {
-        let lines = self
-            .up_to("the directive", |line| line.trim_end() == "```")
-            .map_err(|_| {
-                LessonError::new(
-                    line,
-                    "the directive has no end; it ends with a line of three backticks",
-                )
-            })?;
+        let fault = "the directive has no end; it ends with a line of three backticks";
+        let lines = self.up_to("```", fault)?;
         let (kind, name) = info.split_once(' ').unwrap_or((info, ""));
         if !DIRECTIVES.contains(&kind) {
             return Err(LessonError::unknown(line, "directive", kind, &DIRECTIVES));
         }
-        let none = || LessonError::new(line, format!("a {kind} before the first step"));
-        if self.steps.is_empty() {
-            return Err(none());
+        let name = slug(name);
+        if kind == "gate" && self.steps.last().is_some_and(|step| step.name != name) {
+            self.check_name(&name, line)?;
         }
-        if kind == "gate" {
-            let name = slug(name);
-            let at = self.steps.len() - 1;
-            if self.steps[at].name != name {
-                self.check_name(&name, line)?;
-            }
-            if let Some(other) = &self.steps[at].gate {
-                let message = format!(
-                    "the step has a question already, in line {}; begin another step",
-                    other.line
-                );
+        let none = || LessonError::new(line, format!("a {kind} before the first step"));
+        let step = self.steps.last_mut().ok_or_else(none)?;
+        match (kind, &step.gate) {
+            ("gate", Some(Gate { line: other, .. })) => {
+                let message =
+                    format!("the step has a question already, in line {other}; begin another step");
                 return Err(LessonError::new(line, message));
             }
-            let gate = gate(name.clone(), line, &lines)?;
-            let step = &mut self.steps[at];
-            (step.name, step.gate) = (name, Some(gate));
-            return Ok(());
-        }
-        let step = self.steps.last_mut().ok_or_else(none)?;
-        match kind {
-            "note" => {
+            ("gate", None) => {
+                let gate = gate(name.clone(), line, &lines)?;
+                (step.name, step.gate) = (name, Some(gate));
+            }
+            ("note", _) => {
                 let text = lines.join("\n");
-                let paragraphs = text
-                    .split("\n\n")
-                    .map(|part| part.replace('\n', " ").trim().to_owned());
+                let paragraphs = text.split("\n\n");
+                let paragraphs = paragraphs.map(|part| part.replace('\n', " ").trim().to_owned());
                 step.notes
                     .extend(paragraphs.filter(|part| !part.is_empty()));
             }
@@ -294,26 +265,21 @@ fn slug(text: &str) -> String {
     words.collect::<Vec<_>>().join("-")
 }
 
-/// Changes a scene as a `run` directive says. Parameters and layers stay as they were if they are not named; the moment's
-/// condition and the camera do not.
+/// Changes a scene by a `run` directive. Parameters, moment and layers that it does not name stay; the condition of the
+/// moment and the camera do not.
 fn run(scene: &mut SceneSpec, fields: &Fields) -> Result<(), LessonError> {
     let known: Vec<&str> = PARAMETERS.iter().chain(&OF_RUN).copied().collect();
     fields.only(&known, &[])?;
     scene.line = fields.line;
-    for field in fields
-        .all
-        .iter()
-        .filter(|field| PARAMETERS.contains(&field.key.as_str()))
-    {
+    let is_parameter = |field: &&Field| PARAMETERS.contains(&field.key.as_str());
+    for field in fields.all.iter().filter(is_parameter) {
         scene.parameters = with_parameter(&scene.parameters, field)?;
     }
-    (scene.condition, scene.camera) = (None, Camera::Fit);
+    scene.camera = Camera::Fit;
     if let Some(field) = fields.get("moment") {
         scene.moment = Moment::read(&field.value, field.line)?;
     }
-    if let Some(field) = fields.get("where") {
-        scene.condition = Some(expression(&field.value, field.line, &[])?);
-    }
+    scene.condition = fields.optional("where", |field| expression(&field.text(), &[]))?;
     if let Some(field) = fields.get("layers") {
         scene.layers = match field.value.as_str() {
             "automatic" => None,
@@ -324,66 +290,66 @@ fn run(scene: &mut SceneSpec, fields: &Fields) -> Result<(), LessonError> {
         scene.camera = match field.split(" radii ") {
             ("fit", None) => Camera::Fit,
             (place, Some(radii)) => {
-                let radii = Field {
-                    value: radii.to_owned(),
-                    ..field.clone()
-                }
-                .number([2.0, 1_000.0])?;
-                Camera::At(expression(place, field.line, &[])?, radii)
+                let radii = field.part(radii).number([2.0, 1_000.0])?;
+                Camera::At(expression(&Text::new(place, field.line), &[])?, radii)
             }
             _ => {
                 let message = "the camera is \"fit\" or of the form \"EXPRESSION radii 12\", where the expression gives a \
                                sample or a place [x, y]";
-                return Err(LessonError::new(field.line, message));
+                return Err(field.wrong(message));
             }
         };
     }
-    let line = fields.line;
+    let wrong = |message: String| LessonError::new(fields.line, message);
     let domain = scene.parameters.validate();
-    let domain = domain.map_err(|error| LessonError::new(line, error.to_string()))?;
+    let domain = domain.map_err(|error| wrong(error.to_string()))?;
     let samples = domain.area_radii() * MAXIMAL_DENSITY;
     if samples > MAX_SAMPLES {
-        let message = format!(
+        return Err(wrong(format!(
             "the run would have about {samples:.0} samples; a lesson's has at most {MAX_SAMPLES}"
-        );
-        return Err(LessonError::new(line, message));
+        )));
     }
     Ok(())
 }
 
 fn layers(field: &Field) -> Result<Vec<String>, LessonError> {
-    let mut layers = Vec::new();
-    for name in field
+    let names = field
         .value
         .split([' ', ','])
-        .filter(|name| !name.is_empty())
-    {
-        if !LAYERS.contains(&name) {
-            return Err(LessonError::unknown(field.line, "layer", name, &LAYERS));
-        }
-        layers.push(name.to_owned());
-    }
-    Ok(layers)
+        .filter(|name| !name.is_empty());
+    let read = |name: &str| {
+        let known = LAYERS.contains(&name).then(|| name.to_owned());
+        known.ok_or_else(|| LessonError::unknown(field.line, "layer", name, &LAYERS))
+    };
+    names.map(read).collect()
 }
 
 /// Returns an expression that parses and uses only known names, and `more`.
-fn expression(text: &str, line: usize, more: &[&str]) -> Result<Text, LessonError> {
-    syntax::check(text, line, more)?;
-    Ok(Text {
-        text: text.to_owned(),
-        line,
-    })
+fn expression(text: &Text, more: &[&str]) -> Result<Text, LessonError> {
+    syntax::check(&text.text, text.line, more)?;
+    Ok(text.clone())
 }
 
-fn paragraph(text: &str, line: usize) -> Result<Text, LessonError> {
-    syntax::check_text(text, line)?;
-    if prose::plain(text).trim().is_empty() {
-        return Err(LessonError::new(line, "the text is empty"));
+fn paragraph(text: &Text) -> Result<Text, LessonError> {
+    let checked = sentence(text)?;
+    if prose::plain(&text.text).trim().is_empty() {
+        return Err(text.wrong("the text is empty"));
     }
-    Ok(Text {
-        text: text.to_owned(),
-        line,
-    })
+    Ok(checked)
+}
+
+/// Returns a text whose expressions in braces parse.
+fn sentence(text: &Text) -> Result<Text, LessonError> {
+    syntax::check_text(&text.text, text.line)?;
+    Ok(text.clone())
+}
+
+/// Returns a query; one with values of the moment is read when they are known.
+fn query(field: &Field) -> Result<Text, LessonError> {
+    if !field.value.contains('{') {
+        Moment::read(&format!("after {}", field.value), field.line)?;
+    }
+    sentence(&field.text())
 }
 
 /// The fields that every gate may have.
@@ -394,23 +360,15 @@ fn gate(name: String, line: usize, lines: &[&str]) -> Result<Gate, LessonError> 
     // The other fields are known only once the type is.
     let is_alike = |field: &&Field| nearest(&field.key, &["type"]).is_some();
     if let (None, Some(field)) = (fields.get("type"), fields.all.iter().find(is_alike)) {
-        return Err(LessonError::unknown(
-            field.line,
-            "field of a gate",
-            &field.key,
-            &["type"],
-        ));
+        let (line, what) = (field.line, "field of a gate");
+        return Err(LessonError::unknown(line, what, &field.key, &["type"]));
     }
     let named = fields.need("type")?;
-    if !GateKind::NAMES.contains(&named.value.as_str()) {
-        return Err(LessonError::unknown(
-            named.line,
-            "type of gate",
-            &named.value,
-            &GateKind::NAMES,
-        ));
+    let (name_line, named) = (named.line, named.value.clone());
+    if !GateKind::NAMES.contains(&named.as_str()) {
+        let (what, names) = ("type of gate", &GateKind::NAMES);
+        return Err(LessonError::unknown(name_line, what, &named, names));
     }
-    let named = named.value.clone();
     fields.of = format!("a {named} gate");
     let (once, many): (&[&str], &[&str]) = match named.as_str() {
         "pick" => (&["answer", "candidates", "several"], &["wrong"]),
@@ -425,22 +383,6 @@ fn gate(name: String, line: usize, lines: &[&str]) -> Result<Gate, LessonError> 
     let once: Vec<&str> = OF_GATE.iter().chain(once).copied().collect();
     fields.only(&once, many)?;
     let kind = kind(&named, &fields)?;
-    let ask = fields.need("ask")?;
-    let hint = fields
-        .get("hint")
-        .map(|field| paragraph(&field.value, field.line))
-        .transpose()?;
-    let decided = fields.get("decided").map(|field| {
-        syntax::check_text(&field.value, field.line)?;
-        // A query with values of the moment is read when they are known.
-        if !field.value.contains('{') {
-            Moment::read(&format!("after {}", field.value), field.line)?;
-        }
-        Ok(Text {
-            text: field.value.clone(),
-            line: field.line,
-        })
-    });
     let practice = match fields.get("practice") {
         None => Some(1..=40),
         Some(field) if field.value == "none" => None,
@@ -448,73 +390,56 @@ fn gate(name: String, line: usize, lines: &[&str]) -> Result<Gate, LessonError> 
     };
     Ok(Gate {
         name,
-        ask: paragraph(&ask.value, ask.line)?,
+        ask: paragraph(&fields.need("ask")?.text())?,
         wrong: wrongs(&named, &fields)?,
         kind,
-        hint,
-        decided: decided.transpose()?,
-        shows: fields.get("shows").map_or(Ok(Vec::new()), layers)?,
+        hint: fields.optional("hint", |field| paragraph(&field.text()))?,
+        decided: fields.optional("decided", query)?,
+        shows: fields.optional("shows", layers)?.unwrap_or_default(),
         practice,
         line,
     })
 }
 
 fn wrongs(kind: &str, fields: &Fields) -> Result<Vec<Wrong>, LessonError> {
-    let mut wrongs = Vec::new();
-    for field in fields.many("wrong") {
-        let (answer, Some(sentence)) = field.split("=>") else {
+    let more: &[&str] = if kind == "pick" { &["s"] } else { &[] };
+    let wrongs = fields.many("wrong").map(|field| {
+        let (answer, Some(said)) = field.split("=>") else {
             let message = "a wrong answer is of the form \"wrong: EXPRESSION => SENTENCE\"";
-            return Err(LessonError::new(field.line, message));
+            return Err(field.wrong(message));
         };
-        syntax::check_text(sentence, field.line)?;
-        let more: &[&str] = if kind == "pick" { &["s"] } else { &[] };
-        wrongs.push(Wrong {
-            answer: expression(answer, field.line, more)?,
-            sentence: sentence.to_owned(),
-        });
-    }
-    Ok(wrongs)
+        Ok(Wrong {
+            sentence: sentence(&Text::new(said, field.line))?,
+            answer: expression(&Text::new(answer, field.line), more)?,
+        })
+    });
+    wrongs.collect()
 }
 
 fn kind(named: &str, fields: &Fields) -> Result<GateKind, LessonError> {
-    let need = |key: &str, more: &[&str]| {
-        let field = fields.need(key)?;
-        expression(&field.value, field.line, more)
-    };
+    let need = |key: &str, more: &[&str]| expression(&fields.need(key)?.text(), more);
     let number = |key: &str, otherwise: f64, limits: [f64; 2]| {
-        fields
-            .get(key)
-            .map_or(Ok(otherwise), |field| field.number(limits))
+        let read = fields.optional(key, |field| field.number(limits))?;
+        Ok(read.unwrap_or(otherwise))
     };
+    let plain = |field: &Field| expression(&field.text(), &[]);
     Ok(match named {
         "pick" => GateKind::Pick {
             answer: need("answer", &["s"])?,
             candidates: need("candidates", &["s"])?,
-            several: match fields
-                .get("several")
-                .map(|field| (field.value.as_str(), field.line))
-            {
-                None | Some(("no", _)) => false,
-                Some(("yes", _)) => true,
-                Some((_, line)) => return Err(LessonError::new(line, "\"several\" is yes or no")),
+            several: match fields.get("several") {
+                None => false,
+                Some(field) if field.value == "no" => false,
+                Some(field) if field.value == "yes" => true,
+                Some(field) => return Err(field.wrong("\"several\" is yes or no")),
             },
         },
-        "place" => {
-            let candidates = fields.many("candidate");
-            GateKind::Place {
-                right: need("right", &[])?,
-                answer: fields
-                    .get("answer")
-                    .map(|f| expression(&f.value, f.line, &["x", "y"]))
-                    .transpose()?,
-                within: number("within", 0.25, [0.0, 2.0])?,
-                candidates: limited(
-                    candidates.map(|f| expression(&f.value, f.line, &[])),
-                    0,
-                    fields,
-                )?,
-            }
-        }
+        "place" => GateKind::Place {
+            right: need("right", &[])?,
+            answer: fields.optional("answer", |field| expression(&field.text(), &["x", "y"]))?,
+            within: number("within", 0.25, [0.0, 2.0])?,
+            candidates: limited("candidate", plain, 0, fields)?,
+        },
         "number" => GateKind::Number {
             answer: need("answer", &[])?,
             tolerance: number("tolerance", 0.0, [0.0, 1e9])?,
@@ -522,115 +447,84 @@ fn kind(named: &str, fields: &Fields) -> Result<GateKind, LessonError> {
                 .get("unit")
                 .map_or(String::new(), |field| field.value.clone()),
         },
-        "choice" => choice(fields)?,
+        "choice" => {
+            let (options, curves) = (options(fields)?, limited("curve", plain, 0, fields)?);
+            let [drawn, wanted] = [curves.len(), options.len()];
+            if drawn != 0 && drawn != wanted {
+                let message = format!(
+                    "there are {drawn} curves and {wanted} options; each option has one curve"
+                );
+                return Err(LessonError::new(fields.line, message));
+            }
+            GateKind::Choice { options, curves }
+        }
         "order" => {
-            let items = fields.many("item").map(|field| match field.split(" by: ") {
-                (text, Some(by)) => Ok((
-                    paragraph(text, field.line)?,
-                    expression(by, field.line, &[])?,
-                )),
-                _ => Err(LessonError::new(
-                    field.line,
-                    "an item is of the form \"item: TEXT by: EXPRESSION\"",
-                )),
-            });
+            let item = |field: &Field| {
+                let (text, Some(by)) = field.split(" by: ") else {
+                    let message = "an item is of the form \"item: TEXT by: EXPRESSION\"";
+                    return Err(field.wrong(message));
+                };
+                let [text, by] = [text, by].map(|part| Text::new(part, field.line));
+                Ok((paragraph(&text)?, expression(&by, &[])?))
+            };
             GateKind::Order {
-                items: limited(items, 3, fields)?,
+                items: limited("item", item, 3, fields)?,
             }
         }
         "bands" => GateKind::Bands {
             from: need("from", &[])?,
             to: need("to", &[])?,
-            bands: bands(fields)?,
+            bands: limited("band", band, 2, fields)?,
         },
-        "trace" => {
-            let events = fields.need("events")?;
-            syntax::check_text(&events.value, events.line)?;
-            if !events.value.contains('{') {
-                Moment::read(&format!("before {}", events.value), events.line)?;
-            }
-            GateKind::Trace {
-                events: Text {
-                    text: events.value.clone(),
-                    line: events.line,
-                },
-                steps: number("steps", 6.0, [1.0, MAX_TRACED as f64])? as usize,
-                options: options(fields, 2)?,
-            }
-        }
+        "trace" => GateKind::Trace {
+            events: query(fields.need("events")?)?,
+            steps: number("steps", 6.0, [1.0, MAX_TRACED as f64])? as usize,
+            options: options(fields)?,
+        },
         _ => GateKind::Cut,
     })
 }
 
-fn choice(fields: &Fields) -> Result<GateKind, LessonError> {
-    let curves = fields.many("curve");
-    let curves = limited(curves.map(|f| expression(&f.value, f.line, &[])), 0, fields)?;
-    let options = options(fields, 2)?;
-    if !curves.is_empty() && curves.len() != options.len() {
-        let message = format!(
-            "there are {} curves and {} options; each option has one",
-            curves.len(),
-            options.len()
-        );
-        return Err(LessonError::new(fields.line, message));
-    }
-    Ok(GateKind::Choice { options, curves })
-}
-
-fn bands(fields: &Fields) -> Result<Vec<[f64; 2]>, LessonError> {
-    let bands = fields.many("band").map(|field| {
-        let part = |text: &str| {
-            let value = text.to_owned();
-            Field {
-                value,
-                ..field.clone()
-            }
-            .number([0.0, 3.0])
-        };
-        match field.split("..") {
-            (low, Some(high)) => Ok([part(low)?, part(high)?]),
-            _ => Err(LessonError::new(
-                field.line,
-                "a band is of the form \"band: 0.2..0.5\", in 1/r",
-            )),
-        }
-    });
-    limited(bands, 2, fields)
+fn band(field: &Field) -> Result<[f64; 2], LessonError> {
+    let (low, Some(high)) = field.split("..") else {
+        return Err(field.wrong("a band is of the form \"band: 0.2..0.5\", in 1/r"));
+    };
+    let end = |text: &str| field.part(text).number([0.0, 3.0]);
+    Ok([end(low)?, end(high)?])
 }
 
 /// Returns the options `TEXT when: EXPRESSION => SENTENCE`; the sentence may be missing.
-fn options(fields: &Fields, least: usize) -> Result<Vec<ChoiceOption>, LessonError> {
-    let options = fields.many("option").map(|field| {
-        let line = field.line;
-        let (text, Some(rest)) = field.split(" when: ") else {
+fn options(fields: &Fields) -> Result<Vec<ChoiceOption>, LessonError> {
+    let option = |field: &Field| {
+        let text = |text: &str| Text::new(text.trim(), field.line);
+        let (shown, Some(rest)) = field.split(" when: ") else {
             let message = "an option is of the form \"option: TEXT when: EXPRESSION => SENTENCE\"; the sentence may be left out";
-            return Err(LessonError::new(line, message));
+            return Err(field.wrong(message));
         };
-        let (when, sentence) = match rest.split_once("=>") {
-            Some((when, sentence)) => (when.trim(), Some(sentence.trim().to_owned())),
+        let (when, said) = match rest.split_once("=>") {
+            Some((when, said)) => (when, Some(sentence(&text(said))?)),
             None => (rest, None),
         };
-        if let Some(sentence) = &sentence {
-            syntax::check_text(sentence, line)?;
-        }
-        Ok(ChoiceOption { text: paragraph(text, line)?, when: expression(when, line, &[])?, sentence })
-    });
-    limited(options, least, fields)
+        Ok(ChoiceOption {
+            text: paragraph(&text(shown))?,
+            when: expression(&text(when), &[])?,
+            sentence: said,
+        })
+    };
+    limited("option", option, 2, fields)
 }
 
-/// Returns the items, at least `least` and at most [`MAX_OPTIONS`].
+/// Reads the fields of a key, at least `least` and at most [`MAX_OPTIONS`].
 fn limited<T>(
-    items: impl Iterator<Item = Result<T, LessonError>>,
+    key: &str,
+    read: impl Fn(&Field) -> Result<T, LessonError>,
     least: usize,
     fields: &Fields,
 ) -> Result<Vec<T>, LessonError> {
-    let items: Vec<T> = items.collect::<Result<_, _>>()?;
-    if items.len() < least || items.len() > MAX_OPTIONS {
-        let message = format!(
-            "{} has from {least} to {MAX_OPTIONS} of these, not {}",
-            fields.of,
-            items.len()
-        );
+    let items: Vec<T> = fields.many(key).map(read).collect::<Result<_, _>>()?;
+    let (of, count) = (&fields.of, items.len());
+    if count < least || count > MAX_OPTIONS {
+        let message = format!("{of} has from {least} to {MAX_OPTIONS} of \"{key}\", not {count}");
         return Err(LessonError::new(fields.line, message));
     }
     Ok(items)

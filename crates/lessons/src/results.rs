@@ -1,10 +1,10 @@
-//! What is kept of learners, on their own machine: entries by question, exported as CSV and as xAPI statements. Keys are
-//! computed where the learner is, so results show what was learnt and prove nothing.
+//! The results of a learner, which stay on the learner's machine: an entry for each question, exported as CSV and as xAPI
+//! statements. Keys are computed on the same machine, so a learner can fake results: they are no proof for a grade.
 
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
-/// What a learner did about one question.
+/// The result of one question.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Entry {
     /// The lesson's name.
@@ -27,7 +27,7 @@ pub struct Entry {
     pub hints: u32,
     /// Whether the learner gave up.
     pub given_up: bool,
-    /// How sure the learner was, from 0 to 3, if they said so.
+    /// How sure the learner was, from 0 to 3, if they chose it.
     pub confidence: Option<u8>,
     /// Seconds from the question to its end.
     pub seconds: f64,
@@ -68,21 +68,7 @@ pub const MAX_BYTES: usize = 16_000_000;
 /// The most entries that are kept; of more, the newest.
 pub const MAX_ENTRIES: usize = 10_000;
 
-const COLUMNS: [&str; 13] = [
-    "learner",
-    "lesson",
-    "hash",
-    "gate",
-    "seed",
-    "practised",
-    "answer",
-    "score",
-    "tries",
-    "hints",
-    "given_up",
-    "confidence",
-    "seconds",
-];
+const COLUMNS: &str = "learner,lesson,hash,gate,seed,practised,answer,score,tries,hints,given_up,confidence,seconds,time";
 
 impl Results {
     /// Reads results.
@@ -118,14 +104,11 @@ impl Results {
         sum / (self.entries.len().max(1)) as f64
     }
 
-    /// Returns the best score of each question of a lesson, unpractised or not, with how often it was done.
+    /// Returns the best score of a question, practised or not, and how often it was done; `None` if it never was.
     #[must_use]
     pub fn of_gate(&self, lesson: &str, gate: &str) -> Option<(f64, usize)> {
-        let entries = self
-            .entries
-            .iter()
-            .filter(|entry| entry.lesson == lesson && entry.gate == gate);
-        entries.fold(None, |best, entry| {
+        let is_it = |entry: &&Entry| entry.lesson == lesson && entry.gate == gate;
+        self.entries.iter().filter(is_it).fold(None, |best, entry| {
             let (score, times) = best.unwrap_or((0.0, 0));
             Some((f64::max(score, entry.score), times + 1))
         })
@@ -134,10 +117,9 @@ impl Results {
     /// Returns xAPI statements, one for each entry.
     #[must_use]
     pub fn xapi(&self) -> Value {
-        let name = if self.learner.is_empty() {
-            "anonymous"
-        } else {
-            &self.learner
+        let name = match self.learner.as_str() {
+            "" => "anonymous",
+            name => name,
         };
         let statement = |entry: &Entry| {
             json!({
@@ -172,38 +154,37 @@ impl Results {
 /// None that a text in memory can cause.
 pub fn csv(all: &[Results]) -> Result<String, csv::Error> {
     let mut writer = csv::Writer::from_writer(Vec::new());
-    writer.write_record(COLUMNS.iter().chain(&["time"]))?;
+    writer.write_record(COLUMNS.split(','))?;
+    let yes_or_no = |is_so: bool| if is_so { "yes" } else { "no" };
     for results in all {
         for entry in &results.entries {
+            let confidence = entry.confidence.map(|sure| sure.to_string());
             writer.write_record([
                 results.learner.as_str(),
                 &entry.lesson,
                 &entry.hash,
                 &entry.gate,
                 &entry.seed.to_string(),
-                if entry.practised { "yes" } else { "no" },
+                yes_or_no(entry.practised),
                 &entry.answer,
                 &format!("{:.3}", entry.score),
                 &entry.tries.to_string(),
                 &entry.hints.to_string(),
-                if entry.given_up { "yes" } else { "no" },
-                &entry
-                    .confidence
-                    .map_or_else(String::new, |sure| sure.to_string()),
+                yes_or_no(entry.given_up),
+                &confidence.unwrap_or_default(),
                 &format!("{:.1}", entry.seconds),
                 &timestamp(entry.time),
             ])?;
         }
     }
-    let bytes = writer
-        .into_inner()
-        .map_err(|error| csv::Error::from(error.into_error()))?;
+    let bytes = writer.into_inner();
+    let bytes = bytes.map_err(|error| csv::Error::from(error.into_error()))?;
     Ok(String::from_utf8_lossy(&bytes).into_owned())
 }
 
 /// Returns a time in seconds since 1970 in the form of ISO 8601, in UTC.
 fn timestamp(time: f64) -> String {
-    // Times beyond the year 9999 and before 1970 are not ones at which a lesson was taken.
+    // Nobody took a lesson before 1970 or after the year 9999.
     let time = jiff::Timestamp::from_second(time.clamp(0.0, 253_402_300_000.0) as i64);
     time.map_or_else(|_| String::new(), |time| time.to_string())
 }

@@ -1,17 +1,17 @@
-//! A moment of a recorded run, about which expressions can be evaluated.
+//! A moment of a recorded run, and the values of expressions there. Begin with [`Scene::find`].
 
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
 use rhai::{Dynamic, Scope};
-use tilescope_core::{Observer, Parameters, Pattern, R, SampleError};
+use tilescope_core::{Observer, Parameters, Pattern, SampleError, Stage};
 use tilescope_debugger::{DEFAULT_BUDGET, Evaluator, Recording, State};
 
 use crate::error::LessonError;
-use crate::functions::{self, Now, place_of};
+use crate::functions::{self, Now, number_of, place_of};
 use crate::lesson::{Camera, SceneSpec, Text};
 use crate::prose;
-use crate::sets::PointSet;
+use crate::sets::{PointSet, position};
 use crate::translation::Translation;
 
 /// A moment of a run with its evaluator.
@@ -67,7 +67,7 @@ impl Scene {
             {
                 continue;
             }
-            // What follows has the whole budget of searches again.
+            // A new scene, so that the question has the whole budget of searches again.
             return Ok(Some(Self::at(recording, cursor)));
         }
         Ok(None)
@@ -81,12 +81,12 @@ impl Scene {
             .store(self.state.cursor(), Ordering::Relaxed);
     }
 
-    /// Says texts in another language from now on.
+    /// Sets the translation of its texts.
     pub(crate) fn speak(&mut self, translation: &Arc<Translation>) {
         self.translation = Arc::clone(translation);
     }
 
-    /// Says texts in the language of another scene.
+    /// Takes the translation of another scene.
     pub(crate) fn speak_as(&mut self, other: &Self) {
         self.translation = Arc::clone(&other.translation);
     }
@@ -112,17 +112,9 @@ impl Scene {
             .into_iter()
             .filter(|text| !COUNTS.iter().any(|word| text.contains(word)))
         {
-            let value = self.value(
-                &Text {
-                    text: expression,
-                    line: text.line,
-                },
-                |_| {},
-            )?;
-            let sample = value
-                .as_int()
-                .ok()
-                .and_then(|sample| u32::try_from(sample).ok());
+            let value = self.value(&Text::new(expression, text.line), |_| {})?;
+            let sample = value.as_int().ok();
+            let sample = sample.and_then(|sample| u32::try_from(sample).ok());
             let is_valid =
                 |&sample: &u32| self.now.recording.status(sample, self.cursor()).is_valid();
             if let Some(sample) = sample.filter(is_valid)
@@ -152,30 +144,23 @@ impl Scene {
         text: &Text,
         add: impl FnOnce(&mut Scope<'static>),
     ) -> Result<Dynamic, LessonError> {
-        let wrong = |message: String| LessonError::new(text.line, message);
-        let parsed = self
-            .evaluator
-            .parse(&text.text)
-            .map_err(|error| wrong(without_position(&error.to_string())))?;
-        self.evaluator
-            .evaluate(&parsed, &self.state, add)
-            .map_err(|error| wrong(without_position(&error.to_string())))
+        let parsed = self.evaluator.parse(&text.text);
+        let value = parsed.and_then(|parsed| self.evaluator.evaluate(&parsed, &self.state, add));
+        value.map_err(|error| text.wrong(without_position(&error.to_string())))
     }
 
-    /// Returns the values of an expression for each of `items`, named `name`.
+    /// Returns the items for which an expression holds; `s` is the item.
     pub(crate) fn filter(&self, text: &Text, items: &[u32]) -> Result<Vec<u32>, LessonError> {
-        let wrong = |message: String| LessonError::new(text.line, message);
-        let parsed = self
-            .evaluator
-            .parse(&text.text)
-            .map_err(|error| wrong(without_position(&error.to_string())))?;
+        let wrong =
+            |error: &dyn std::fmt::Display| text.wrong(without_position(&error.to_string()));
+        let parsed = self.evaluator.parse(&text.text);
+        let parsed = parsed.map_err(|error| wrong(&error))?;
         let mut found = Vec::new();
         for &item in items {
             let value = self.evaluator.evaluate(&parsed, &self.state, |scope| {
                 scope.push_constant("s", i64::from(item));
             });
-            let value = value.map_err(|error| wrong(without_position(&error.to_string())))?;
-            if as_truth(&value).map_err(wrong)? {
+            if as_truth(&value.map_err(|error| wrong(&error))?).map_err(|why| text.wrong(why))? {
                 found.push(item);
             }
         }
@@ -188,22 +173,17 @@ impl Scene {
         text: &Text,
         add: impl FnOnce(&mut Scope<'static>),
     ) -> Result<bool, LessonError> {
-        as_truth(&self.value(text, add)?).map_err(|message| LessonError::new(text.line, message))
+        as_truth(&self.value(text, add)?).map_err(|message| text.wrong(message))
     }
 
     /// Returns the number that an expression gives.
     pub(crate) fn number(&self, text: &Text) -> Result<f64, LessonError> {
         let value = self.value(text, |_| {})?;
-        let number = value
-            .as_float()
-            .or_else(|_| value.as_int().map(|whole| whole as f64));
-        number
-            .ok()
-            .filter(|number| number.is_finite())
-            .ok_or_else(|| {
-                let shown = tilescope_debugger::shown(&value);
-                LessonError::new(text.line, format!("this must give a number, not {shown}"))
-            })
+        let number = number_of(&value).filter(|number| number.is_finite());
+        number.ok_or_else(|| {
+            let shown = tilescope_debugger::shown(&value);
+            text.wrong(format!("this must give a number, not {shown}"))
+        })
     }
 
     /// Returns the place that an expression gives: [x, y], or a sample's.
@@ -213,7 +193,7 @@ impl Scene {
             Ok(sample) => self.position(sample),
             Err(_) => place_of(&value),
         };
-        place.map_err(|message| LessonError::new(text.line, message))
+        place.map_err(|message| text.wrong(message))
     }
 
     /// Returns the places that an expression gives: one, or an array of them.
@@ -226,43 +206,33 @@ impl Scene {
                 .then(|| array.iter().map(place_of).collect::<Result<Vec<_>, _>>())
         });
         match several {
-            Some(places) => places.map_err(|message| LessonError::new(text.line, message)),
+            Some(places) => places.map_err(|message| text.wrong(message)),
             None => Ok(vec![self.place(text)?]),
         }
     }
 
     fn position(&self, sample: i64) -> Result<[f64; 2], String> {
-        let point = u32::try_from(sample)
-            .ok()
-            .and_then(|sample| self.now.recording.point(sample));
-        let point = point.ok_or_else(|| format!("there is no sample {sample}"))?;
-        Ok([point.x, point.y].map(|units| f64::from(units) / f64::from(R)))
+        let id = u32::try_from(sample).ok();
+        let point = id.and_then(|id| self.now.recording.point(id));
+        point
+            .map(position)
+            .ok_or_else(|| format!("there is no sample {sample}"))
     }
 
-    /// Returns the point set of a name: `set` is the valid samples, `white` and `jittered` as many others, `tiled` those
-    /// at the end of tiling, and anything else the name of a parameter's change such as `leaf=10`.
+    /// Returns the point set of a name: `set` is the valid samples, `white` and `jittered` as many random ones; `tiled`,
+    /// `eliminated` and `result` are the samples at the end of tiling, of elimination and of the run.
     pub(crate) fn set(&self, text: &Text, seed: u64) -> Result<PointSet, LessonError> {
-        let wrong = |message: String| LessonError::new(text.line, message);
-        let value = self.value(text, |_| {})?;
-        let name = value
-            .into_string()
-            .map_err(|_| wrong("this must give a text".to_owned()))?;
+        let name = self.value(text, |_| {})?.into_string();
+        let name = name.map_err(|_| text.wrong("this must give a text"))?;
         let recording = &self.now.recording;
         let here = || PointSet::at(recording, self.cursor());
+        let after = |stage| PointSet::at(recording, recording.end_of(stage).unwrap_or(0));
         Ok(match name.as_str() {
             "set" => here(),
             "white" => here().white(seed),
             "jittered" => here().jittered(seed),
-            "tiled" => PointSet::at(
-                recording,
-                recording.end_of(tilescope_core::Stage::Tile).unwrap_or(0),
-            ),
-            "eliminated" => PointSet::at(
-                recording,
-                recording
-                    .end_of(tilescope_core::Stage::Eliminate)
-                    .unwrap_or(0),
-            ),
+            "tiled" => after(Stage::Tile),
+            "eliminated" => after(Stage::Eliminate),
             "result" => PointSet::at(recording, recording.len()),
             _ => {
                 let known = ["set", "white", "jittered", "tiled", "eliminated", "result"];
@@ -272,21 +242,19 @@ impl Scene {
     }
 
     /// Returns a text with the values of its expressions. Numbers that are not whole have two decimals.
-    pub(crate) fn fill(&self, text: &str, line: usize) -> Result<String, LessonError> {
+    pub(crate) fn fill(&self, text: &Text) -> Result<String, LessonError> {
         let value = |expression: &str| {
-            let text = Text {
-                text: expression.to_owned(),
-                line,
-            };
-            let value = self.value(&text, |_| {}).map_err(|error| error.message)?;
+            let expression = Text::new(expression, text.line);
+            let value = self.value(&expression, |_| {});
+            let value = value.map_err(|error| error.message)?;
             Ok(match value.as_float() {
                 Ok(number) if number.fract() == 0.0 => format!("{number:.0}"),
                 Ok(number) => format!("{number:.2}"),
                 Err(_) => tilescope_debugger::shown(&value),
             })
         };
-        prose::filled(self.translation.of(text), value)
-            .map_err(|message| LessonError::new(line, message))
+        let filled = prose::filled(self.translation.of(&text.text), value);
+        filled.map_err(|message| text.wrong(message))
     }
 
     /// Returns where the camera of a step looks, and how many r it shows; none for the whole domain.
@@ -303,20 +271,12 @@ impl Scene {
 }
 
 fn as_truth(value: &Dynamic) -> Result<bool, String> {
-    let shown = || {
-        format!(
-            "this must be true or false, not {}",
-            tilescope_debugger::shown(value)
-        )
-    };
-    value.as_bool().map_err(|_| shown())
+    let shown = || tilescope_debugger::shown(value);
+    let wrong = |_| format!("this must be true or false, not {}", shown());
+    value.as_bool().map_err(wrong)
 }
 
-/// Returns a fault without the line and position within the expression, which would be taken for those of the file.
-fn without_position(message: &str) -> String {
-    message
-        .split(" (line ")
-        .next()
-        .unwrap_or(message)
-        .to_owned()
+/// Returns a message without the line and column within the expression, which a reader would take for those of the file.
+fn without_position(message: &str) -> &str {
+    message.split(" (line ").next().unwrap_or(message)
 }

@@ -1,4 +1,4 @@
-//! Point sets that questions are about, in r, with their measures and spectra.
+//! The point sets of questions, in r, with their measures and spectra.
 
 use std::ops::ControlFlow;
 
@@ -46,7 +46,7 @@ const MEASURES: [(&str, Measure); 7] = [
     ("anisotropy", Measure::Anisotropy),
 ];
 
-/// The highest relative frequency of spectra: 3 / r for maximal sets.
+/// The highest relative frequency nu of spectra: 3 / r for maximal sets.
 const REACH_NU: f64 = 3.7;
 
 fn go_on(_: Progress) -> ControlFlow<()> {
@@ -77,12 +77,19 @@ fn region(domain: &Domain) -> Region {
     }
 }
 
-fn radii(units: i32) -> f64 {
-    f64::from(units) / f64::from(R)
+/// Returns a length in r.
+pub(crate) fn radii(units: impl Into<f64>) -> f64 {
+    units.into() / f64::from(R)
 }
 
-fn position(point: Point) -> [f64; 2] {
+/// Returns a position in r.
+pub(crate) fn position(point: Point) -> [f64; 2] {
     [radii(point.x), radii(point.y)]
+}
+
+/// Returns a number from 0 to 1 that is drawn from a word.
+fn share(word: u32) -> f64 {
+    f64::from(word) / 4_294_967_296.0
 }
 
 impl PointSet {
@@ -117,15 +124,20 @@ impl PointSet {
     /// Returns as many samples as this set has, drawn independently and uniformly: white noise.
     pub fn white(&self, seed: u64) -> Self {
         let key = Key::from_seed(seed).derive(Stream::Dart, 0);
-        let share = |word: u32| f64::from(word) / 4_294_967_296.0;
         let drawn = (0..self.points.len() as u32).map(|index| {
             let [x, y] = key.draw(Stream::Dart, index).map(share);
             [x * self.region.width, y * self.region.height]
         });
+        self.with(drawn.collect())
+    }
+
+    /// Returns other positions in the same region.
+    fn with(&self, points: Vec<[f64; 2]>) -> Self {
+        let (ids, region) = (Vec::new(), self.region);
         Self {
-            ids: Vec::new(),
-            points: drawn.collect(),
-            region: self.region,
+            ids,
+            points,
+            region,
         }
     }
 
@@ -135,7 +147,6 @@ impl PointSet {
         let side = (self.region.area() / self.points.len().max(1) as f64).sqrt();
         let [columns, rows] =
             [self.region.width, self.region.height].map(|extent| (extent / side).round().max(1.0));
-        let share = |word: u32| f64::from(word) / 4_294_967_296.0;
         let cells =
             (0..rows as u32).flat_map(|row| (0..columns as u32).map(move |column| (column, row)));
         let drawn = cells.zip(0..).map(|((column, row), index)| {
@@ -146,11 +157,7 @@ impl PointSet {
             ];
             [at[0] * self.region.width, at[1] * self.region.height]
         });
-        Self {
-            ids: Vec::new(),
-            points: drawn.collect(),
-            region: self.region,
-        }
+        self.with(drawn.collect())
     }
 
     /// Returns the distance of two places, around the domain if it is periodic.

@@ -13,7 +13,7 @@ pub struct Shipped {
     pub text: Cow<'static, str>,
     /// Its German translation.
     pub german: Cow<'static, str>,
-    /// Its pinned keys; empty in a browser.
+    /// The keys that it had when it was released, to compare with; empty in a browser.
     #[serde(skip)]
     pub keys: &'static str,
 }
@@ -30,7 +30,7 @@ macro_rules! shipped {
     };
 }
 
-/// Returns the lessons, in their order. In a browser there are none: the page loads what [`to_json`] wrote.
+/// Returns the lessons, in their order. In a browser there are none: the page loads the text of [`to_json`].
 #[must_use]
 pub fn lessons() -> Vec<Shipped> {
     #[cfg(target_arch = "wasm32")]
@@ -71,7 +71,7 @@ pub fn to_json(lessons: &[Shipped]) -> String {
     serde_json::to_string(lessons).unwrap_or_default()
 }
 
-/// Reads what [`to_json`] wrote.
+/// Reads the text of [`to_json`].
 ///
 /// # Errors
 ///

@@ -6,12 +6,12 @@ use rhai::Engine;
 use tilescope_debugger::{MAX_LENGTH, NAMES};
 
 use crate::error::LessonError;
-use crate::names::{FUNCTIONS, PROPERTIES};
+use crate::names::{self, PROPERTIES};
 use crate::prose;
 
-/// Words of the language.
+/// Words of the expression language.
 const KEYWORDS: [&str; 8] = ["true", "false", "if", "else", "in", "abs", "min", "max"];
-/// Functions of the language that lessons may use.
+/// Functions of the expression language that lessons may use.
 const BUILT_IN: [&str; 12] = [
     "abs", "sqrt", "round", "floor", "ceiling", "to_int", "to_float", "min", "max", "is_even",
     "is_odd", "sin",
@@ -44,16 +44,9 @@ pub(crate) fn check(text: &str, line: usize, more: &[&str]) -> Result<(), Lesson
         .chain(KEYWORDS)
         .chain(more.iter().copied())
         .collect();
-    let functions = FUNCTIONS
-        .iter()
-        .map(|(form, _)| form.split('(').next().unwrap_or(form));
+    let functions = names::functions().map(|(form, _)| form.split('(').next().unwrap_or(form));
     let functions: Vec<&str> = functions.chain(BUILT_IN).chain(OF_DEBUGGER).collect();
-    for Word {
-        name: word,
-        before,
-        after,
-    } in words(text)
-    {
+    for (before, word, after) in words(text) {
         match (before, after) {
             (Some('.'), _) if PROPERTIES.contains(&word) || functions.contains(&word) => {}
             (Some('.'), _) => {
@@ -77,15 +70,9 @@ pub(crate) fn check_text(text: &str, line: usize) -> Result<(), LessonError> {
         .try_for_each(|expression| check(expression, line, &[]))
 }
 
-/// A name in an expression, with the characters around it that are not spaces.
-struct Word<'a> {
-    name: &'a str,
-    before: Option<char>,
-    after: Option<char>,
-}
-
-/// Returns the names in an expression; texts in quotes are skipped.
-fn words(text: &str) -> Vec<Word<'_>> {
+/// Returns the names in an expression, each with the nearest characters before and after it that are not spaces; texts in
+/// quotes are skipped.
+fn words(text: &str) -> Vec<(Option<char>, &str, Option<char>)> {
     let mut words = Vec::new();
     let mut quote: Option<char> = None;
     let mut start: Option<usize> = None;
@@ -106,11 +93,7 @@ fn words(text: &str) -> Vec<Word<'_>> {
             if !word.starts_with(|c: char| c.is_ascii_digit()) {
                 let before = text[..from].trim_end().chars().next_back();
                 let after = text[at..].trim_start().chars().next();
-                words.push(Word {
-                    name: word,
-                    before,
-                    after,
-                });
+                words.push((before, word, after));
             }
         }
         if matches!(c, '"' | '\'' | '`') {

@@ -3,6 +3,7 @@
 
 use std::collections::HashMap;
 use std::fmt::Write as _;
+use std::mem::take;
 
 use crate::error::{LessonError, shortened};
 use crate::lesson::{Lesson, MAX_BYTES};
@@ -24,10 +25,9 @@ impl Translation {
     /// other expressions in braces than its original.
     pub fn read(text: &str) -> Result<Self, LessonError> {
         if text.len() > MAX_BYTES {
-            let message = format!(
-                "the file has {} bytes; a translation has at most {MAX_BYTES}",
-                text.len()
-            );
+            let length = text.len();
+            let message =
+                format!("the file has {length} bytes; a translation has at most {MAX_BYTES}");
             return Err(LessonError::new(1, message));
         }
         let mut read = Self::default();
@@ -41,11 +41,8 @@ impl Translation {
         for (number, text) in (1..).zip(text.lines()) {
             if let Some(quoted) = text.strip_prefix('>') {
                 if !translated.is_empty() {
-                    read.put(
-                        std::mem::take(&mut original),
-                        std::mem::take(&mut translated),
-                        line,
-                    )?;
+                    let [original, translated] = [&mut original, &mut translated].map(take);
+                    read.put(original, translated, line)?;
                 }
                 if original.is_empty() {
                     line = number;
@@ -82,9 +79,8 @@ impl Translation {
             Ok(found)
         };
         if sorted(&original)? != sorted(&translated)? {
-            return wrong(
-                "the translation has other expressions in braces than the original".to_owned(),
-            );
+            let message = "the translation has other expressions in braces than the original";
+            return wrong(message.to_owned());
         }
         if let Some((_, other)) = self.texts.get(&original) {
             return wrong(format!("the same text is translated in line {other}"));
@@ -96,9 +92,8 @@ impl Translation {
     /// Returns the translation of a text, or the text if there is none.
     #[must_use]
     pub fn of<'a>(&'a self, text: &'a str) -> &'a str {
-        self.texts
-            .get(text)
-            .map_or(text, |(translated, _)| translated)
+        let found = self.texts.get(text);
+        found.map_or(text, |(translated, _)| translated)
     }
 
     /// Returns the texts of a lesson that are not translated, and the lines of translations of texts that it does not have.
@@ -107,18 +102,15 @@ impl Translation {
         let texts = lesson.texts();
         let missing = texts.iter().filter(|text| !self.texts.contains_key(**text));
         let missing = missing.map(|text| (*text).to_owned()).collect();
-        let stale = self
-            .texts
-            .iter()
-            .filter(|(text, _)| !texts.contains(&text.as_str()));
-        let mut stale: Vec<LessonError> = stale
-            .map(|(text, (_, line))| {
-                LessonError::new(
-                    *line,
-                    format!("the lesson has no text \"{}\"", shortened(text)),
-                )
-            })
-            .collect();
+        let stale = self.texts.iter();
+        let stale = stale.filter(|(text, _)| !texts.contains(&text.as_str()));
+        let stale = stale.map(|(text, (_, line))| {
+            LessonError::new(
+                *line,
+                format!("the lesson has no text \"{}\"", shortened(text)),
+            )
+        });
+        let mut stale: Vec<LessonError> = stale.collect();
         stale.sort_by_key(|error| error.line);
         (missing, stale)
     }
@@ -132,10 +124,8 @@ impl Translation {
         for text in lesson.texts() {
             if !seen.contains(&text) {
                 seen.push(text);
-                let translated = self
-                    .texts
-                    .get(text)
-                    .map_or("TODO", |(translated, _)| translated);
+                let translated = self.texts.get(text);
+                let translated = translated.map_or("TODO", |(translated, _)| translated);
                 let _ = write!(file, "> {text}\n\n{translated}\n\n");
             }
         }

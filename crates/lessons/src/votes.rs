@@ -1,5 +1,5 @@
-//! Votes of a class on a question, as a lecturer types them, and what the share of right answers suggests doing. The
-//! method is that of peer instruction: vote, discuss with a neighbour, vote again.
+//! Votes of a class on a question, as a lecturer types them, and advice by the share of right answers. The method is peer
+//! instruction: vote, discuss with a neighbour, vote again.
 
 use serde::{Deserialize, Serialize};
 
@@ -9,7 +9,7 @@ use crate::error::nearest;
 /// The most votes for one option.
 pub const MAX_VOTES: u32 = 10_000;
 
-/// How many have answered rightly, by a look at the raised cards.
+/// The share of right answers, estimated from the raised cards.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum RightShare {
@@ -64,7 +64,7 @@ impl Vote {
     ///
     /// # Errors
     ///
-    /// A sentence that names the wrong word and what is allowed.
+    /// A sentence with the wrong word and the allowed ones.
     pub fn read(text: &str, options: usize) -> Result<Self, String> {
         let lower = text.to_lowercase();
         let words: Vec<&str> = lower
@@ -74,10 +74,8 @@ impl Vote {
         let [first, ..] = words.as_slice() else {
             return Err("Type counts such as A 12 B 30, or none, few, half or most.".to_owned());
         };
-        if let Some(share) = RightShare::ALL
-            .into_iter()
-            .find(|share| share.name() == *first)
-        {
+        let mut shares = RightShare::ALL.into_iter();
+        if let Some(share) = shares.find(|share| share.name() == *first) {
             return match words.len() {
                 1 => Ok(Self::Right(share)),
                 _ => Err(format!("\"{first}\" stands alone.")),
@@ -90,7 +88,7 @@ impl Vote {
         }
         let mut counts = vec![0; options];
         let mut at = 0;
-        let mut named = None;
+        let mut is_named = false;
         for word in words {
             let (letters, digits): (String, String) = (
                 word.chars().take_while(|c| c.is_alphabetic()).collect(),
@@ -101,15 +99,13 @@ impl Vote {
                     (0..options).find(|&option| letter(option).to_lowercase().eq(letters.chars()));
                 let last = letter(options - 1);
                 at = option.ok_or_else(|| wrong_word(&letters, last))?;
-                named = Some(());
+                is_named = true;
             }
             if digits.is_empty() {
                 continue;
             }
-            let count = digits
-                .parse::<u32>()
-                .ok()
-                .filter(|count| *count <= MAX_VOTES);
+            let count = digits.parse::<u32>().ok();
+            let count = count.filter(|count| *count <= MAX_VOTES);
             let count = count.ok_or_else(|| {
                 format!("\"{digits}\" is not a count: whole numbers up to {MAX_VOTES}.")
             })?;
@@ -121,7 +117,7 @@ impl Vote {
             *slot = count;
             at += 1;
         }
-        if named.is_some() && counts.iter().all(|&count| count == 0) {
+        if is_named && counts.iter().all(|&count| count == 0) {
             return Err("A count follows each letter: A 12 B 30.".to_owned());
         }
         Ok(Self::Counts(counts))

@@ -1,5 +1,5 @@
-//! The live analysis: measures the samples of the current moment, compares them with a reference, and finds the
-//! causes of a brush. It works in the background, part by part, and only while its panel is visible.
+//! The live analysis: measures the samples of the current moment, compares them with a reference, and finds the causes of a
+//! brush. It works in the background, part by part, and only while its panel is visible: begin with [`Analysis::want`].
 
 pub mod brush;
 pub mod measured;
@@ -44,7 +44,7 @@ pub enum AnalysisCommand {
 /// The measures of a moment.
 #[derive(Clone)]
 pub struct Known {
-    /// Which moment.
+    /// The moment.
     pub key: Key,
     /// The moment's name.
     pub name: String,
@@ -163,11 +163,8 @@ impl Analysis {
             wake();
             return;
         }
-        let refused = self
-            .failed
-            .as_ref()
-            .is_some_and(|(failed, _)| *failed == key);
-        if self.work.is_none() && self.stopped != Some(key) && !refused && !self.is_whole(shown) {
+        let is_refused = self.stopped == Some(key) || self.failure(shown).is_some();
+        if self.work.is_none() && !is_refused && !self.is_whole(shown) {
             self.begin(session, shown, wake);
         }
     }
@@ -179,7 +176,7 @@ impl Analysis {
         self.reference.rest();
     }
 
-    /// Moves a moment's measures to the end of the list, and drops incomplete ones of another.
+    /// Moves a moment's measures to the end of the list, and drops incomplete measures of other moments.
     fn look_at(&mut self, key: Key) {
         if let Some(index) = self.kept.iter().position(|known| known.key == key) {
             let known = self.kept.remove(index);
@@ -191,22 +188,22 @@ impl Analysis {
     fn begin(&mut self, session: &Arc<Session>, shown: &ShownMoment<'_>, wake: &Wake) {
         let key = key_of(shown);
         let growing = self.growing.clone().filter(|(known, _)| known.key == key);
-        let name = name_of(shown);
         let (part, job) = if let Some((known, set)) = growing {
             let Some(part) = known.measured.missing() else {
                 return;
             };
             let measured = MeasuredSet::clone(&known.measured);
-            let going_on = ContinueMeasuringTask {
+            let task = ContinueMeasuringTask {
                 measured,
                 part,
                 set,
             };
-            (part, task::start(wake, going_on))
+            (part, task::start(wake, task))
         } else {
-            let beginning = StartMeasuringTask(Still::of(session, shown.moment()));
-            (MeasurePart::Pairs, task::start(wake, beginning))
+            let task = StartMeasuringTask(Still::of(session, shown.moment()));
+            (MeasurePart::Pairs, task::start(wake, task))
         };
+        let name = name_of(shown);
         self.work = Some(MeasureWork {
             key,
             name,
@@ -227,10 +224,11 @@ impl Analysis {
         match outcome {
             Ok(Ok((set, measured))) => {
                 let whole = measured.missing().is_none();
+                let measured = Arc::new(measured);
                 let known = Known {
                     key,
                     name,
-                    measured: Arc::new(measured),
+                    measured,
                 };
                 if whole {
                     self.growing = None;
@@ -253,12 +251,13 @@ impl Analysis {
     pub fn settle(&mut self) -> bool {
         let found = self.marks.settle();
         let waited = self.reference.settle() || found;
-        let Some(work) = self.work.take() else {
-            return waited;
-        };
-        let outcome = work.job.wait();
-        self.take(work.key, work.name, outcome);
-        true
+        let work = self.work.take();
+        let is_working = work.is_some();
+        if let Some(work) = work {
+            let outcome = work.job.wait();
+            self.take(work.key, work.name, outcome);
+        }
+        waited || is_working
     }
 }
 
@@ -311,10 +310,9 @@ fn one_more(
 #[must_use]
 pub fn samples(still: &Still) -> Samples {
     let covering = still.covering().into_iter();
+    let points = covering.map(|(point, _)| [radii(point.x), radii(point.y)]);
     Samples {
-        points: covering
-            .map(|(point, _)| [radii(point.x), radii(point.y)])
-            .collect(),
+        points: points.collect(),
         region: region_of(still.session()),
         radius: 1.0,
     }

@@ -7,7 +7,7 @@ use tilescope_session::look::Look;
 use crate::command::AppearanceCommand;
 
 /// The appearance of moments.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Appearance {
     /// The layers that the user chose; `None` for those of the stage.
     pub chosen_layers: Option<Layers>,
@@ -21,22 +21,8 @@ pub struct Appearance {
     pub follows_events: bool,
     /// Whether the camera jumps instead of flying.
     pub reduced_motion: bool,
-    /// The user's choice of that, if any; otherwise the system's preference counts.
+    /// The user's choice of reduced motion, if any; otherwise the system's preference counts.
     motion_chosen: Option<bool>,
-}
-
-impl Default for Appearance {
-    fn default() -> Self {
-        Self {
-            chosen_layers: None,
-            colouring: Colouring::default(),
-            look: Look::Dark,
-            look_before: Look::Dark,
-            follows_events: false,
-            reduced_motion: false,
-            motion_chosen: None,
-        }
-    }
 }
 
 impl Appearance {
@@ -83,13 +69,13 @@ impl Appearance {
         self.motion_chosen
     }
 
-    /// Restores the user's earlier choice.
+    /// Restores the user's earlier choice of reduced motion.
     pub(crate) fn choose_motion(&mut self, chosen: Option<bool>) {
         self.motion_chosen = chosen.or(self.motion_chosen);
         self.reduced_motion = chosen.unwrap_or(self.reduced_motion);
     }
 
-    /// Sets the system's preference, which counts until the user chooses.
+    /// Sets the system's preference of reduced motion, which counts until the user chooses.
     pub(crate) fn prefer_reduced_motion(&mut self, reduced: bool) {
         self.reduced_motion = self.motion_chosen.unwrap_or(reduced);
     }

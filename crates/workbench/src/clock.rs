@@ -1,5 +1,5 @@
-//! Playback: the clock, which is the unit of a step of play and of the arrow keys, and the speed: ticks of the clock,
-//! or the whole run in a given time. It counts; `crate::state` moves the run.
+//! Playback: the clock, which is the unit of a step of playback and of the arrow keys, and the speed: ticks of the clock, or
+//! the whole run in a given time. Nothing moves here: `state/time.rs` moves the run.
 
 use std::ops::Range;
 
@@ -36,8 +36,7 @@ impl Clock {
     }
 
     /// Returns the duration of a tick at speed 1, in seconds.
-    #[must_use]
-    pub const fn tick_secs(self) -> f32 {
+    pub(crate) const fn tick_secs(self) -> f32 {
         match self {
             Self::Event => 0.25,
             Self::Line => 0.5,
@@ -60,7 +59,7 @@ pub struct Playback {
     pub clock: Clock,
     /// The factor of the speed.
     pub speed: f32,
-    /// The duration of the whole run, in seconds; if given, play goes at this pace instead of by ticks.
+    /// The duration of the whole run, in seconds; if given, playback takes this time instead of going by ticks.
     pub whole_run_secs: Option<f32>,
     /// The range of cursors that play loops over.
     pub range: Option<Range<usize>>,
@@ -97,8 +96,7 @@ impl Playback {
     }
 
     /// Returns the clock, or the one before it if the clock is that of passes.
-    #[must_use]
-    pub const fn clock_of_events(&self) -> Clock {
+    pub(crate) const fn clock_of_events(&self) -> Clock {
         match self.clock {
             Clock::Pass => self.without_passes,
             clock => clock,
@@ -124,7 +122,7 @@ impl Playback {
     }
 
     /// Plays by ticks at this speed.
-    pub const fn choose_speed(&mut self, speed: f32) {
+    pub(crate) const fn choose_speed(&mut self, speed: f32) {
         (self.speed, self.whole_run_secs) = (speed, None);
     }
 
@@ -135,8 +133,7 @@ impl Playback {
     }
 
     /// Returns whether steps follow each other so quickly that a transition between them could not be seen.
-    #[must_use]
-    pub fn is_fast(&self, transition_secs: f32) -> bool {
+    pub(crate) fn is_fast(&self, transition_secs: f32) -> bool {
         self.is_playing() && (self.pace_secs().is_some() || self.tick_secs() < transition_secs)
     }
 
@@ -206,9 +203,8 @@ impl Course {
     }
 
     fn before(&self, index: usize) -> (usize, f64) {
-        index
-            .checked_sub(1)
-            .map_or((0, 0.0), |last| self.ends[last])
+        let last = index.checked_sub(1);
+        last.map_or((0, 0.0), |last| self.ends[last])
     }
 }
 

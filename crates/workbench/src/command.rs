@@ -110,7 +110,7 @@ pub enum FormCommand {
     Preset(Preset),
     /// Returns to the parameters of the default session.
     Reset,
-    /// Uses the pattern that the parameters describe again.
+    /// Returns from a pattern of a file to the pattern that the parameters describe.
     GeneratedPattern,
 }
 
@@ -177,7 +177,7 @@ pub enum WindowCommand {
     CloseHelp,
 }
 
-/// A change of the view of a run, or of what is selected or pointed at.
+/// A change of the view of a run, of its selection, or of the sample under the pointer.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ViewCommand {
@@ -187,7 +187,7 @@ pub enum ViewCommand {
     Pan(Vec2),
     /// Zooms about a position on the screen.
     Zoom(Pos2, f64),
-    /// Selects the sample nearest to the middle of the view, or otherwise the place there.
+    /// Selects the sample nearest to the middle of the view, or the place in the middle if no sample is near.
     SelectMiddle,
     /// Shows the whole domain.
     Fit,
@@ -289,8 +289,7 @@ pub enum Command {
 
 impl ViewCommand {
     /// Returns whether the command moves the camera.
-    #[must_use]
-    pub const fn moves_camera(&self) -> bool {
+    pub(crate) const fn moves_camera(&self) -> bool {
         matches!(
             self,
             Self::Pan(_)
@@ -305,8 +304,8 @@ impl ViewCommand {
 }
 
 impl Command {
-    /// Returns whether a key may issue this command where the window is embedded in another page: not if it opens
-    /// something that is not shown there.
+    /// Returns whether a key may issue this command while the window is embedded in another page: it may not if the command
+    /// opens something that is not shown there.
     #[must_use]
     pub const fn works_in_frame(&self) -> bool {
         use AppearanceCommand as A;

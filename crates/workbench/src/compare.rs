@@ -1,5 +1,5 @@
-//! Two runs side by side: presets for the second run, the samples by which the two differ at a moment, and the
-//! event at which they diverge. The runs themselves are in [`crate::state`].
+//! Two runs side by side: presets for the second run, the samples by which the two differ at a moment, and the event at
+//! which they diverge. Begin with [`Comparison`]; `state/compare.rs` has the commands, and the runs themselves.
 
 pub mod difference;
 pub mod link;
@@ -43,7 +43,7 @@ pub enum CompareCommand {
 pub enum ComparePreset {
     /// The same with the next seed.
     NextSeed,
-    /// The same with the other search radius of detectors: the paper's 2 r, or what the proof needs.
+    /// The same with the other search radius of detectors: the paper's 2 r, or the radius of the proof.
     Search,
     /// The same with the other insertion.
     Insertion,
@@ -135,7 +135,10 @@ pub struct Comparison {
     pub shows_differences: bool,
     /// The samples by which the runs differ at the current moment.
     pub differences: Differences,
-    parting: Parting,
+    /// The search for the event at which two runs diverge: the generations of their sessions, and the running work.
+    search: Option<([u64; 2], Job<Divergence>)>,
+    /// The result of the last search, or why it failed.
+    found: Option<([u64; 2], Result<Divergence, String>)>,
 }
 
 impl Default for Comparison {
@@ -145,20 +148,10 @@ impl Default for Comparison {
             linked_playback: true,
             shows_differences: true,
             differences: Differences::default(),
-            parting: Parting::Unknown,
+            search: None,
+            found: None,
         }
     }
-}
-
-/// Generations of two sessions.
-type Pair = [u64; 2];
-
-/// The search for the event at which two runs diverge.
-enum Parting {
-    Unknown,
-    Pending(Pair, Job<Divergence>),
-    Known(Pair, Divergence),
-    Failed(Pair, String),
 }
 
 impl Comparison {
@@ -182,63 +175,45 @@ impl Comparison {
     /// Returns where two sessions diverge, once known.
     #[must_use]
     pub fn divergence(&self, a: &Session, b: &Session) -> Option<&Divergence> {
-        match &self.parting {
-            Parting::Known(pair, divergence) if *pair == [a.generation, b.generation] => {
-                Some(divergence)
-            }
-            _ => None,
-        }
+        let (pair, found) = self.found.as_ref()?;
+        let found = found.as_ref().ok()?;
+        (*pair == [a.generation, b.generation]).then_some(found)
     }
 
     /// Returns why the divergence could not be found.
     #[must_use]
     pub fn failure(&self) -> Option<&str> {
-        match &self.parting {
-            Parting::Failed(_, why) => Some(why),
-            _ => None,
-        }
+        let (_, found) = self.found.as_ref()?;
+        found.as_ref().err().map(String::as_str)
     }
 
     /// Starts looking in the background for where two sessions diverge, unless that is known or running.
     pub fn seek(&mut self, a: &Arc<Session>, b: &Arc<Session>, wake: &Wake) {
-        self.take();
+        let outcome = self.search.as_ref().and_then(|(_, job)| job.poll());
+        self.take(outcome);
         let wanted = [a.generation, b.generation];
-        let known = match &self.parting {
-            Parting::Unknown => false,
-            Parting::Pending(pair, _) | Parting::Known(pair, _) | Parting::Failed(pair, _) => {
-                *pair == wanted
-            }
-        };
-        if !known {
+        let searched = self.search.as_ref().map(|(pair, _)| *pair);
+        if searched.or(self.found.as_ref().map(|(pair, _)| *pair)) != Some(wanted) {
             let pair = [a, b].map(|session| SessionRef(Arc::clone(session)));
             let job = task::start(wake, DivergenceTask(pair));
-            self.parting = Parting::Pending(wanted, job);
+            (self.search, self.found) = (Some((wanted, job)), None);
         }
     }
 
-    fn take(&mut self) {
-        if let Parting::Pending(pair, job) = &self.parting
-            && let Some(outcome) = job.poll()
+    fn take(&mut self, outcome: Option<Result<Divergence, String>>) {
+        if let Some(outcome) = outcome
+            && let Some((pair, _)) = self.search.take()
         {
-            self.parting = known(*pair, outcome);
+            self.found = Some((pair, outcome));
         }
     }
 
     /// Waits for the running search.
     #[cfg(not(target_arch = "wasm32"))]
     pub fn settle(&mut self) {
-        if let Parting::Pending(pair, job) = &self.parting {
-            let outcome = job.wait();
-            self.parting = known(*pair, outcome);
-        }
+        let outcome = self.search.as_ref().map(|(_, job)| job.wait());
+        self.take(outcome);
         self.differences.settle();
-    }
-}
-
-fn known(pair: Pair, outcome: Result<Divergence, String>) -> Parting {
-    match outcome {
-        Ok(divergence) => Parting::Known(pair, divergence),
-        Err(failure) => Parting::Failed(pair, failure),
     }
 }
 
@@ -252,14 +227,10 @@ impl Task for DivergenceTask {
 
     fn run(self, _: &Monitor) -> Divergence {
         let [a, b] = &self.0;
-        divergence_of(a, b)
-    }
-}
-
-fn divergence_of(a: &Session, b: &Session) -> Divergence {
-    match (a.recording(), b.recording()) {
-        (Some(a), Some(b)) => first_divergence(a, b),
-        _ => first_divergence_of_runs(a.run(), b.run()),
+        match (a.recording(), b.recording()) {
+            (Some(a), Some(b)) => first_divergence(a, b),
+            _ => first_divergence_of_runs(a.run(), b.run()),
+        }
     }
 }
 

@@ -1,5 +1,5 @@
-//! The GPU for sampling: the choice of the engine, whether the device was opened and passed its self-test, and
-//! what a failure means for the next run. `tilescope_gpu` tests and computes.
+//! The GPU for sampling: the choice of the engine, whether the device was opened and passed its self-test, and whether the
+//! next run may use it after a failure. `state/gpu.rs` has the commands; `tilescope_gpu` tests and computes.
 
 use std::sync::Arc;
 
@@ -99,9 +99,18 @@ impl Device {
         }
     }
 
+    /// Returns why the device cannot be used now, or `None` if it is ready.
+    pub(crate) fn not_ready(&self) -> Option<String> {
+        let choose = "Choose the GPU as the engine first: it is opened and tested then.";
+        match self {
+            Self::Ready(_) => None,
+            Self::Unknown => Some(choose.to_owned()),
+            device => device.description(),
+        }
+    }
+
     /// Returns the state after opening and testing.
-    #[must_use]
-    pub fn from_test(outcome: Result<Result<Tried, GpuError>, String>) -> Self {
+    pub(crate) fn from_test(outcome: Result<Result<Tried, GpuError>, String>) -> Self {
         match outcome {
             Ok(Ok(tried)) if tried.test.passed => Self::Ready(tried),
             Ok(Ok(tried)) => Self::Refused(format!(
@@ -114,8 +123,8 @@ impl Device {
         }
     }
 
-    /// Notes a failure in a run. After a lost device it may be opened again; a run that did not fit changes
-    /// nothing; after any other failure the device is not used again.
+    /// Notes a failure in a run. A lost device may be opened again; a run that did not fit changes nothing; after any other
+    /// failure the device is not used again.
     pub fn failed(&mut self, error: &GpuError) {
         match error {
             GpuError::NotInOneGo { .. } | GpuError::TooLittleMemory { .. } => {}
@@ -126,7 +135,7 @@ impl Device {
 }
 
 /// Opens the adapter that `choice` names, and tests it.
-pub async fn open_and_test(choice: Choice) -> Result<Tried, GpuError> {
+pub(crate) async fn open_and_test(choice: Choice) -> Result<Tried, GpuError> {
     let gpu = Arc::new(Gpu::open(&choice).await?);
     let test = self_test(&gpu).await?;
     Ok(Tried { gpu, test })

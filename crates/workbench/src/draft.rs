@@ -1,5 +1,5 @@
-//! The parameters as typed, as text, and the check whether they can be run. The core decides what is valid;
-//! this module assigns its errors to fields.
+//! The parameters as typed, and whether they can be run. Begin with [`Draft`]. The core decides which parameters are valid;
+//! [`Draft::refusals`] assigns its errors to fields.
 
 use tilescope_core::{
     Boundary, Insertion, MAXIMAL_DENSITY, Order, ParameterError, Parameters, Search, Variant,
@@ -90,7 +90,7 @@ impl Preset {
         }
     }
 
-    /// Returns what to look at, in a sentence.
+    /// Returns its description, in a sentence.
     #[must_use]
     pub const fn explanation(self) -> &'static str {
         match self {
@@ -170,8 +170,7 @@ impl Default for Draft {
 
 impl Draft {
     /// Returns the draft with the texts of `parameters`.
-    #[must_use]
-    pub fn from_parameters(parameters: Parameters) -> Self {
+    pub(crate) fn from_parameters(parameters: Parameters) -> Self {
         let texts = FIELDS.map(|field| text_of(&parameters, field));
         Self {
             texts,
@@ -186,42 +185,29 @@ impl Draft {
         &self.texts[field as usize]
     }
 
-    /// Replaces the text of a field.
-    pub fn set_text(&mut self, field: Field, text: String) {
-        let value = text.trim();
-        let p = &mut self.parameters;
-        match field {
-            Field::Width => assign(&mut p.width, value),
-            Field::Height => assign(&mut p.height, value),
-            Field::Radius => assign(&mut p.radius, value),
-            Field::Seed => assign(&mut p.seed, value),
-            Field::Leaf => assign(&mut p.leaf, value),
-            Field::PatternSide => assign(&mut p.pattern.side, value),
-            Field::PatternSeed => assign(&mut p.pattern.seed, value),
+    /// Replaces the text of a field. A text that cannot be read leaves the value.
+    pub(crate) fn set_text(&mut self, field: Field, text: String) {
+        match number(&mut self.parameters, field) {
+            Number::Size(size) => *size = decimal(text.trim()).parse().unwrap_or(*size),
+            Number::Seed(seed) => *seed = text.trim().parse().unwrap_or(*seed),
         }
         self.texts[field as usize] = text;
-        // The radius is for the domain that there was.
+        // A typed number of samples applied to the former parameters.
         self.count = None;
     }
 
     /// Changes a parameter by so many small steps: lengths by 2%, sizes in r and seeds by 1.
     pub fn nudge(&mut self, field: Field, steps: i32) {
-        let p = &self.parameters;
-        let scaled = |value: f64| {
-            let value = value * 1.02_f64.powi(steps);
-            let short = format!("{value:.3e}").parse::<f64>();
-            short.unwrap_or(value).to_string()
-        };
-        let moved = |value: f64| (value + f64::from(steps)).to_string();
-        let counted = |seed: u64| seed.saturating_add_signed(i64::from(steps)).to_string();
-        let text = match field {
-            Field::Width => scaled(p.width),
-            Field::Height => scaled(p.height),
-            Field::Radius => scaled(p.radius),
-            Field::Seed => counted(p.seed),
-            Field::Leaf => moved(p.leaf),
-            Field::PatternSide => moved(p.pattern.side),
-            Field::PatternSeed => counted(p.pattern.seed),
+        let text = match number(&mut self.parameters, field) {
+            Number::Seed(seed) => seed.saturating_add_signed(i64::from(steps)).to_string(),
+            Number::Size(size) if matches!(field, Field::Leaf | Field::PatternSide) => {
+                (*size + f64::from(steps)).to_string()
+            }
+            Number::Size(size) => {
+                let scaled = *size * 1.02_f64.powi(steps);
+                let short = format!("{scaled:.3e}").parse::<f64>();
+                short.unwrap_or(scaled).to_string()
+            }
         };
         self.set_text(field, text);
     }
@@ -238,14 +224,14 @@ impl Draft {
     }
 
     /// Sets the radius to that of about so many samples, if the text is a number for which there is one.
-    pub fn set_count(&mut self, text: String) {
+    pub(crate) fn set_count(&mut self, text: String) {
         if let Ok(radius) = self.radius_of(&text) {
             self.set_text(Field::Radius, radius.to_string());
         }
         self.count = Some(text);
     }
 
-    /// Returns why the number of samples as typed cannot be had, if so.
+    /// Returns why there is no radius for the typed number of samples, or `None` if there is one.
     #[must_use]
     pub fn count_refusal(&self) -> Option<String> {
         self.radius_of(self.count.as_ref()?).err()
@@ -253,19 +239,15 @@ impl Draft {
 
     /// Returns the radius of about so many samples, with five significant digits.
     fn radius_of(&self, text: &str) -> Result<f64, String> {
-        let plain: String = text.trim().chars().filter(|c| *c != ',').collect();
-        let count: u64 = plain
+        let text = text.trim();
+        let count = text
+            .replace(',', "")
             .parse()
             .ok()
-            .filter(|&count| count > 0)
-            .ok_or_else(|| {
-                format!(
-                    "\"{}\" is not a whole number of samples from 1 on.",
-                    text.trim()
-                )
-            })?;
-        let radius = tilescope_core::radius_estimate(&self.parameters, count)
-            .map_err(|error| sentence(&error.to_string()))?;
+            .filter(|&count: &u64| count > 0);
+        let wrong = || format!("\"{text}\" is not a whole number of samples from 1 on.");
+        let radius = tilescope_core::radius_estimate(&self.parameters, count.ok_or_else(wrong)?);
+        let radius = radius.map_err(|error| sentence(&error.to_string()))?;
         Ok(format!("{radius:.4e}").parse().unwrap_or(radius))
     }
 
@@ -289,20 +271,15 @@ impl Draft {
         }
     }
 
-    /// Returns all errors, field by field: unreadable texts first, then what the core refuses. If empty, the draft can
+    /// Returns all errors, field by field: unreadable texts first, then errors of the core. If there are none, the draft can
     /// be run.
     #[must_use]
     pub fn refusals(&self) -> Vec<DraftRefusal> {
-        let mut refusals: Vec<DraftRefusal> = FIELDS
-            .into_iter()
-            .filter_map(|field| {
-                let reason = self.unreadable(field)?;
-                Some(DraftRefusal {
-                    field: Some(field),
-                    reason,
-                })
-            })
-            .collect();
+        let unreadable = |field| {
+            let (field, reason) = (Some(field), self.unreadable(field)?);
+            Some(DraftRefusal { field, reason })
+        };
+        let mut refusals: Vec<DraftRefusal> = FIELDS.into_iter().filter_map(unreadable).collect();
         if let Err(error) = self.parameters.validate_sequential() {
             let field = field_of(&error, &self.parameters);
             if !refusals.iter().any(|refusal| refusal.field == field) {
@@ -322,11 +299,9 @@ impl Draft {
 
     /// Returns the parameters, unless a text cannot be read, since the numbers are then those of an earlier text.
     fn read(&self) -> Option<&Parameters> {
-        let is_readable = |field| self.unreadable(field).is_none();
-        FIELDS
-            .into_iter()
-            .all(is_readable)
-            .then_some(&self.parameters)
+        let mut fields = FIELDS.into_iter();
+        let is_readable = fields.all(|field| self.unreadable(field).is_none());
+        is_readable.then_some(&self.parameters)
     }
 
     /// Returns the names of the parameters that differ from `made`.
@@ -356,15 +331,13 @@ impl Draft {
             ("gap search", p.search != made.search),
             ("Algorithm 4", p.variant != made.variant),
         ];
-        let chosen = chosen
-            .into_iter()
-            .filter_map(|(name, differs)| differs.then_some(name));
+        let chosen = chosen.into_iter().filter(|(_, differs)| *differs);
+        let chosen = chosen.map(|(name, _)| name);
         typed.map(|(_, name)| name).chain(chosen).collect()
     }
 
     /// Returns the expected number of samples of a run.
-    #[must_use]
-    pub fn expected_samples(&self) -> Option<f64> {
+    pub(crate) fn expected_samples(&self) -> Option<f64> {
         let domain = self.read()?.validate_sequential().ok()?;
         Some(domain.area_radii() * MAXIMAL_DENSITY)
     }
@@ -372,11 +345,10 @@ impl Draft {
     /// Returns whether so large a run keeps its result without its steps.
     #[must_use]
     pub fn keeps_result_only(&self) -> bool {
-        let is_staged = self.parameters.variant == Variant::Staged;
-        is_staged
-            && self
-                .expected_samples()
-                .is_some_and(|samples| samples > MAX_STAGED)
+        let samples = self
+            .expected_samples()
+            .filter(|samples| *samples > MAX_STAGED);
+        samples.is_some() && self.parameters.variant == Variant::Staged
     }
 
     /// Returns the smallest side of a pattern that does not repeat within a block, if the present one does.
@@ -387,28 +359,41 @@ impl Draft {
 
     fn unreadable(&self, field: Field) -> Option<String> {
         let text = self.text(field).trim();
-        match field {
-            Field::Seed | Field::PatternSeed => text
-                .parse::<u64>()
-                .err()
-                .map(|_| format!("\"{text}\" is not a whole number from 0 to {}.", u64::MAX)),
-            _ => decimal(text)
-                .parse::<f64>()
-                .err()
-                .map(|_| format!("\"{text}\" is not a number.")),
+        match number(&mut self.parameters.clone(), field) {
+            Number::Seed(_) if text.parse::<u64>().is_err() => Some(format!(
+                "\"{text}\" is not a whole number from 0 to {}.",
+                u64::MAX
+            )),
+            Number::Size(_) if decimal(text).parse::<f64>().is_err() => {
+                Some(format!("\"{text}\" is not a number."))
+            }
+            _ => None,
         }
     }
 }
 
-fn text_of(p: &Parameters, field: Field) -> String {
+/// The number of a field.
+enum Number<'a> {
+    Size(&'a mut f64),
+    Seed(&'a mut u64),
+}
+
+fn number(p: &mut Parameters, field: Field) -> Number<'_> {
     match field {
-        Field::Width => p.width.to_string(),
-        Field::Height => p.height.to_string(),
-        Field::Radius => p.radius.to_string(),
-        Field::Seed => p.seed.to_string(),
-        Field::Leaf => p.leaf.to_string(),
-        Field::PatternSide => p.pattern.side.to_string(),
-        Field::PatternSeed => p.pattern.seed.to_string(),
+        Field::Width => Number::Size(&mut p.width),
+        Field::Height => Number::Size(&mut p.height),
+        Field::Radius => Number::Size(&mut p.radius),
+        Field::Seed => Number::Seed(&mut p.seed),
+        Field::Leaf => Number::Size(&mut p.leaf),
+        Field::PatternSide => Number::Size(&mut p.pattern.side),
+        Field::PatternSeed => Number::Seed(&mut p.pattern.seed),
+    }
+}
+
+fn text_of(p: &Parameters, field: Field) -> String {
+    match number(&mut p.clone(), field) {
+        Number::Size(size) => size.to_string(),
+        Number::Seed(seed) => seed.to_string(),
     }
 }
 
@@ -422,15 +407,9 @@ fn decimal(text: &str) -> String {
     }
 }
 
-fn assign<T: std::str::FromStr>(value: &mut T, text: &str) {
-    if let Ok(read) = decimal(text).parse() {
-        *value = read;
-    }
-}
-
 fn field_of(error: &ParameterError, parameters: &Parameters) -> Option<Field> {
     match error {
-        // Such a side is wrong in r: the radius is to be changed if the side suits the default radius.
+        // The limits of sides are in r: if the side suits the default radius, the radius is at fault.
         ParameterError::SideTooShort { .. } | ParameterError::SideTooLong { .. }
             if suits_default_radius(parameters) =>
         {
@@ -453,12 +432,13 @@ fn field_of(error: &ParameterError, parameters: &Parameters) -> Option<Field> {
 
 fn suits_default_radius(parameters: &Parameters) -> bool {
     let radius = Parameters::default().radius;
-    let parameters = Parameters {
+    let domain = Parameters {
         radius,
         ..*parameters
-    };
+    }
+    .validate_sequential();
     !matches!(
-        parameters.validate_sequential(),
+        domain,
         Err(ParameterError::SideTooShort { .. } | ParameterError::SideTooLong { .. })
     )
 }

@@ -1,5 +1,6 @@
-//! Exports: samples with a certificate, pictures and animations, as values. [`write`] makes their files,
-//! `crate::state` fills in the export sheet.
+//! Exports as values: samples with a certificate, pictures and animations. An export goes through three files.
+//! `state/export.rs` keeps the sheet and decides whether an export may begin; [`refusal`] lists the reasons for which it may
+//! not. [`write`] makes the files in the background. `state/export/outcome.rs` starts that and shows a notice at the end.
 
 mod below;
 #[cfg(not(target_arch = "wasm32"))]
@@ -77,15 +78,11 @@ impl ExportKind {
     /// Returns the extensions of its files, the default first.
     #[must_use]
     pub fn extensions(self) -> Vec<&'static str> {
-        match self {
-            Self::Result | Self::Samples => {
-                // Both PLY formats have the same one.
-                let formats = Format::ALL.iter().filter(|f| **f != Format::PlyAscii);
-                formats.map(|format| format.extension()).collect()
-            }
-            Self::Picture | Self::Scenes => vec!["png", "svg"],
-            Self::Animation => vec!["gif", "apng", "png"],
-        }
+        let formats = self.formats().into_iter();
+        let mut extensions: Vec<_> = formats.flat_map(|(_, extensions)| extensions).collect();
+        // Both PLY formats have the same one.
+        extensions.dedup();
+        extensions
     }
 
     /// Returns its formats by name, with their extensions.
@@ -94,10 +91,8 @@ impl ExportKind {
         let named = |name: &str, extensions| (name.to_owned(), extensions);
         match self {
             Self::Result | Self::Samples => {
-                let formats = Format::ALL.iter();
-                formats
-                    .map(|format| (format.to_string(), vec![format.extension()]))
-                    .collect()
+                let row = |format: &Format| (format.to_string(), vec![format.extension()]);
+                Format::ALL.iter().map(row).collect()
             }
             Self::Picture | Self::Scenes => {
                 vec![named("PNG", vec!["png"]), named("SVG", vec!["svg"])]
@@ -129,8 +124,7 @@ pub fn extension(path: &Path) -> Option<String> {
 }
 
 /// Returns the path of the picture of a scene, counted from 0, of `count` scenes: `talk.png` becomes `talk-07.png`.
-#[must_use]
-pub fn scene_path(path: &Path, index: usize, count: usize) -> PathBuf {
+pub(crate) fn scene_path(path: &Path, index: usize, count: usize) -> PathBuf {
     let digits = count.to_string().len();
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     let extension = extension(path).unwrap_or_default();
@@ -147,7 +141,7 @@ pub enum ExportCommand {
     Close,
     /// Chooses the kind.
     Choose(ExportKind),
-    /// Sets the name of the file.
+    /// Sets the path of the file.
     Path(String),
     /// Chooses the number type of coordinates.
     Precision(Precision),
@@ -169,7 +163,7 @@ pub enum ExportCommand {
     Cancel,
 }
 
-/// Everything that an export needs, independent of the window's further changes.
+/// Everything that an export needs. Later changes in the window do not affect it.
 #[derive(Clone, serde::Serialize, serde::Deserialize)]
 pub struct ExportJob {
     /// The file.

@@ -1,6 +1,6 @@
-//! Saved sessions, layouts and point sets: the file sheet, and reading and writing in the background. Files
-//! arrive as bytes, natively from paths and in a browser as dropped or chosen files; [`read`] handles both
-//! alike.
+//! Saved sessions, layouts and point sets: the file sheet, and reading and writing in the background. Natively files come
+//! from paths, in a browser they are chosen or dropped; [`read()`] handles the bytes of both. `state/files.rs` carries out
+//! the commands.
 
 mod archive;
 mod read;
@@ -13,18 +13,21 @@ pub mod web;
 
 pub use archive::{PackError, packed, unpacked};
 #[cfg(not(target_arch = "wasm32"))]
-pub use disk::{browse, certificate_of};
+pub(crate) use disk::answered;
+#[cfg(not(target_arch = "wasm32"))]
+pub use disk::browse;
 pub use read::{Combined, Done, FileOutcome, FileSource, Opened, ReadTask, read};
 #[cfg(not(target_arch = "wasm32"))]
 pub use save::save;
-pub use save::{SaveTask, render, with_json};
+pub(crate) use save::with_json;
+pub use save::{SaveTask, render};
 pub use tilescope_session::incoming::{Incoming, MAX_FILES, NamedBytes, gather, refusals};
 
 use std::sync::Arc;
 
 use tilescope_session::jobs::Job;
 
-/// The purpose of a file.
+/// The purpose for which a file is chosen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Purpose {

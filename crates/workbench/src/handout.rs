@@ -1,5 +1,5 @@
 //! Handouts of lessons: one HTML file with a picture of each step, the questions, and space to write, which prints on A4
-//! and on Letter.
+//! and on Letter. Begin with [`HandoutTask`].
 
 use std::fmt::Write as _;
 use std::sync::Arc;
@@ -19,11 +19,12 @@ use crate::talk::TalkRecord;
 
 /// Width and height of a picture, in points.
 const PICTURE: [f64; 2] = [420.0, 330.0];
-/// Width and height of a plot, and the highest frequency and power in it.
+/// Width and height of a plot.
 const PLOT: [f64; 2] = [320.0, 90.0];
+/// The highest frequency, in 1/r, and the highest power of a plot.
 const REACH: [f64; 2] = [3.0, 3.0];
 
-/// The task of making a handout. Its outcome is the file, or a sentence that says why there is none.
+/// The task of making a handout. Its outcome is the file, or a sentence with the reason why there is none.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct HandoutTask {
     /// The lesson's name and text.
@@ -102,10 +103,8 @@ impl HandoutTask {
     ) -> Result<(), String> {
         let step = open.learner.step().clone();
         let key = format!("{}/{}", open.learner.lesson().name, step.name);
-        let strokes = self
-            .record
-            .as_ref()
-            .map_or(&[][..], |record| record.strokes_in(&key));
+        let record = self.record.as_ref();
+        let strokes = record.map_or(&[][..], |record| record.strokes_in(&key));
         let style = PictureStyle {
             size: PICTURE,
             dark: false,
@@ -153,9 +152,13 @@ impl HandoutTask {
     }
 }
 
-/// Writes a question and what there is to choose from.
+/// Writes a question with the options, items or bands to choose from.
 fn ask(html: &mut String, question: &Question, labels: &LessonLabels) {
     let _ = writeln!(html, "<p class=\"ask\">{}</p>", inline(question.ask(0)));
+    let choices = |html: &mut String, names: Vec<String>| {
+        let names = names.join(" &#160; ");
+        let _ = writeln!(html, "<p class=\"choices\">{names}</p>");
+    };
     let list = |html: &mut String, items: &mut dyn Iterator<Item = String>| {
         html.push_str("<ol class=\"options\" type=\"A\">\n");
         for item in items {
@@ -165,40 +168,24 @@ fn ask(html: &mut String, question: &Question, labels: &LessonLabels) {
     };
     match &question.form {
         Form::Choice { options, curves } => {
-            let plots = |index: usize| {
-                curves
-                    .get(index)
-                    .map_or_else(String::new, |curve| plot(&[curve]))
-            };
-            let options = options.iter().enumerate();
-            list(
-                html,
-                &mut options.map(|(index, text)| inline(text) + plots(index).as_str()),
-            );
+            let plots = curves.iter().map(|curve| plot(&[curve]));
+            let plots = plots.chain(std::iter::repeat(String::new()));
+            let mut options = options
+                .iter()
+                .zip(plots)
+                .map(|(text, plot)| inline(text) + plot.as_str());
+            list(html, &mut options);
         }
         Form::Trace { options, .. } => list(html, &mut options.iter().map(|text| inline(text))),
         Form::Order { items } => list(html, &mut items.iter().map(|text| inline(text))),
         Form::Pick { candidates, .. } => {
-            let numbers: Vec<String> = candidates.iter().map(u32::to_string).collect();
-            let _ = writeln!(
-                html,
-                "<p class=\"choices\">{}</p>",
-                numbers.join(" &#160; ")
-            );
+            choices(html, candidates.iter().map(u32::to_string).collect());
         }
         Form::Place { candidates } => {
-            let letters: Vec<String> = (0..candidates.len())
-                .map(|k| letter(k).to_string())
-                .collect();
-            let _ = writeln!(
-                html,
-                "<p class=\"choices\">{}</p>",
-                letters.join(" &#160; ")
-            );
+            let letters = (0..candidates.len()).map(letter);
+            choices(html, letters.map(String::from).collect());
         }
-        Form::Number { unit } => {
-            let _ = writeln!(html, "<p class=\"choices\">_______ {}</p>", escape(unit));
-        }
+        Form::Number { unit } => choices(html, vec![format!("_______ {}", escape(unit))]),
         Form::Cut { candidates, .. } => {
             let cuts = candidates.iter().map(|(axis, at)| match axis {
                 CutAxis::X => format!("{}, x = {at:.1} r", labels.vertical),
@@ -282,7 +269,7 @@ fn inline(paragraph: &str) -> String {
     parts.collect()
 }
 
-/// Returns a picture as an address. Several pictures within one document would share the names of their parts.
+/// Returns a picture as a data URL, so that the names of its parts do not clash with those of other pictures in the document.
 fn data_url(svg: &str) -> String {
     let mut url = "data:image/svg+xml,".to_owned();
     for c in svg.chars() {

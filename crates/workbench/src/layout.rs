@@ -1,5 +1,5 @@
-//! The layout of the window as data: the panels, their default places, and how a panel is brought into view.
-//! `tilescope-app` shows it as tiles that can be dragged and draws the panels.
+//! The layout of the window as data: the panels, their default positions, and how a panel is brought into view. Begin with
+//! [`Layout`]. `tilescope-app` shows it as tiles that can be dragged, and draws the panels.
 //!
 //! [`mod@text`] writes a layout as a short text, for links and files; `old` reads the form of earlier versions.
 
@@ -11,8 +11,8 @@ pub mod text;
 
 pub use old::OldLayout;
 
-/// A panel of the window. Its content is in `panels/registry.rs` of `tilescope-app`; all else is a row of
-/// [`ROWS`]. Earlier versions saved the aliases.
+/// A panel of the window. Its content is in `panels/registry.rs` of `tilescope-app`; its name, letter and default position
+/// are in [`ROWS`]. Earlier versions saved the aliases.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Panel {
@@ -60,7 +60,7 @@ pub enum Panel {
     Legend,
 }
 
-/// The default place of a panel.
+/// A default position in the window.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Slot {
     Left,
@@ -78,7 +78,7 @@ struct PanelRow {
     name: &'static str,
     /// Its letter in links; the same in every version.
     letter: char,
-    /// Its default place, and its position among the tabs there.
+    /// Its default position, and its index among the tabs there.
     slot: (Slot, u8),
 }
 
@@ -145,7 +145,7 @@ pub const MAX_DEPTH: usize = 24;
 pub const MAX_TILES: usize = 100;
 
 /// The direction in which the tiles of a container are arranged.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 pub enum Direction {
     /// Side by side.
     Horizontal,
@@ -348,7 +348,7 @@ impl PanelSet {
         self.0 &= !panel.bit();
     }
 
-    /// Returns the panels, the most useful first.
+    /// Returns the panels in the set, the most useful first.
     pub fn panels(self) -> impl Iterator<Item = Panel> {
         Panel::all().filter(move |panel| self.has(*panel))
     }
@@ -362,11 +362,11 @@ impl FromIterator<Panel> for PanelSet {
     }
 }
 
-/// The places of the panels.
+/// The layout of the panels.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(into = "String", try_from = "String")]
 pub struct Layout {
-    /// The tile that fills the window. It contains hidden panels too, which so keep their places.
+    /// The tile that fills the window. It contains hidden panels, too, so that they come back at the same position.
     pub root: LayoutTile,
     /// The panels that are hidden; never the canvas.
     hidden: PanelSet,
@@ -377,10 +377,8 @@ impl Default for Layout {
         let tabs = |slot| {
             let mut rows: Vec<&PanelRow> = ROWS.iter().filter(|row| row.slot.0 == slot).collect();
             rows.sort_by_key(|row| row.slot.1);
-            let tiles = rows
-                .iter()
-                .map(|row| LayoutTile::Panel(row.panel))
-                .collect();
+            let tiles = rows.iter().map(|row| LayoutTile::Panel(row.panel));
+            let tiles = tiles.collect();
             LayoutTile::Tabs { tiles, open: 0 }
         };
         let linear = |axis, tiles| LayoutTile::Linear { axis, tiles };
@@ -427,7 +425,7 @@ impl Layout {
         self.hidden
     }
 
-    /// Hides a panel; it keeps its place. The canvas stays.
+    /// Hides a panel; it keeps its position. The canvas stays.
     pub fn hide(&mut self, panel: Panel) {
         if panel != Panel::Canvas {
             self.hidden.insert(panel);
@@ -436,7 +434,7 @@ impl Layout {
     }
 
     /// Ends hiding these panels, without opening their tabs.
-    pub fn show_all(&mut self, panels: PanelSet) {
+    pub(crate) fn show_all(&mut self, panels: PanelSet) {
         panels.panels().for_each(|panel| self.hidden.remove(panel));
         self.root.leave(self.hidden);
     }
@@ -488,8 +486,7 @@ impl Layout {
         self.root = self.root.pruned()?;
         let there = self.root.add_panels(0)?;
         for panel in Panel::all().filter(|panel| there & panel.bit() == 0) {
-            let around = self.root.tabs_around(NEIGHBOUR).is_some();
-            let tabs = if around {
+            let tabs = if self.root.tabs_with(NEIGHBOUR).is_some() {
                 self.root.tabs_around(NEIGHBOUR)
             } else {
                 self.root.seen_tabs()
@@ -552,17 +549,15 @@ impl<L: Fn(Panel) -> Vec2> Room<L> {
             LayoutTile::Linear { axis, tiles } => (axis.index(), tiles),
         };
         // Hidden tiles keep their shares, which do not count.
-        let seen = tiles.iter_mut();
-        let mut tiles: Vec<_> = seen
-            .filter(|(tile, _)| !tile.is_hidden(self.hidden))
-            .collect();
+        let seen = tiles
+            .iter_mut()
+            .filter(|(tile, _)| !tile.is_hidden(self.hidden));
+        let mut tiles: Vec<_> = seen.collect();
         let room = (size[axis] - self.gaps(tiles.len())).max(0.0);
         let total: f32 = tiles.iter().map(|(_, share)| share).sum();
         let whole = if total == 0.0 { 1.0 } else { total };
-        let lengths: Vec<f32> = tiles
-            .iter()
-            .map(|(_, share)| room * share / whole)
-            .collect();
+        let lengths = tiles.iter().map(|(_, share)| room * share / whole);
+        let lengths: Vec<f32> = lengths.collect();
         let least: Vec<f32> = tiles.iter().map(|(tile, _)| self.of(tile)[axis]).collect();
         let enlarged = enlarged(&lengths, &least);
         let is_same = enlarged == lengths;
@@ -586,26 +581,19 @@ impl Direction {
     }
 }
 
-/// Lengths of the same sum that are at least `least`; the larger ones keep their proportions. The lengths
-/// themselves if there is not enough room.
+/// Returns lengths of the same sum that are at least `least`; the larger ones keep their proportions. If there is not enough
+/// room, returns the lengths themselves.
 fn enlarged(lengths: &[f32], least: &[f32]) -> Vec<f32> {
     let (room, needed) = (lengths.iter().sum::<f32>(), least.iter().sum::<f32>());
-    if needed > room
-        || lengths
-            .iter()
-            .zip(least)
-            .all(|(length, least)| length >= least)
-    {
+    let mut pairs = lengths.iter().zip(least);
+    if needed > room || pairs.all(|(length, least)| length >= least) {
         return lengths.to_vec();
     }
     let mut is_small = vec![false; lengths.len()];
     loop {
         let sum = |of: &[f32], small: bool| -> f32 {
-            let parts = of.iter().zip(&is_small);
-            parts
-                .filter(|(_, is)| **is == small)
-                .map(|(part, _)| *part)
-                .sum()
+            let parts = of.iter().zip(&is_small).filter(|(_, is)| **is == small);
+            parts.map(|(part, _)| *part).sum()
         };
         let left = room - sum(least, true);
         let shared = sum(lengths, false).max(f32::MIN_POSITIVE);
@@ -664,7 +652,7 @@ mod tests {
         let mut layout = whole.clone();
         layout.hide(Panel::Canvas);
         assert_eq!(layout, whole, "the canvas stays");
-        // The next tab opens in the place of a hidden one, and a hidden panel comes back where it was.
+        // The next tab opens instead of a hidden one, and a hidden panel comes back at its former position.
         layout.open(Panel::Events);
         layout.hide(Panel::Events);
         assert!(layout.is_whole() && layout.shows(Panel::Parameters));

@@ -1,7 +1,11 @@
-//! The words around a lesson, in the languages that lessons are translated into.
+//! The words around a lesson, in the languages that lessons are translated into: `assets/lesson-labels.json` has them.
+
+use std::collections::BTreeMap;
+use std::sync::LazyLock;
 
 /// The names of controls, hints and verdicts, for the window's panel and for the page's.
-#[derive(Debug, serde::Serialize)]
+#[derive(Debug, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
 #[allow(missing_docs)]
 pub struct LessonLabels {
     pub lessons: &'static str,
@@ -61,127 +65,13 @@ pub struct LessonLabels {
     pub no_address: &'static str,
 }
 
-const ENGLISH: LessonLabels = LessonLabels {
-    lessons: "Lessons",
-    intro: "New here? Begin with the first one: five steps, no jargon. Every lesson stops a run and asks what happens next.",
-    close: "Close the lesson",
-    close_list: "Close the list",
-    other_language: "Deutsch",
-    answer: "Answer",
-    hint: "Hint",
-    give_up: "Give up",
-    show_answer: "Give up: show the answer",
-    sure: "Sure? A guess teaches more.",
-    the_answer: "The answer:",
-    back: "Back",
-    next: "Next",
-    waits: "The question is open: answer it, or give up.",
-    more: "More lessons",
-    again: "Again, with another run",
-    why: "Why: the events",
-    right: "Right.",
-    right_now: "Right now.",
-    not_quite: "Partly right. Try again.",
-    wrong: "Not so. Try again.",
-    makes_run: "The run is being made\u{2026}",
-    cannot_show: "This step cannot be shown:",
-    answered: "answered",
-    own: "A lesson of your own is a text file: drop it on the window.",
-    tour: "The tour of the window",
-    results: "Your results",
-    no_results: "None yet. They are kept on this machine and nowhere else.",
-    some_results: "{count} questions answered, {share} right at the first try. They are kept on this machine and nowhere else.",
-    name: "Name in saved files",
-    save: "Save as",
-    clear: "Clear",
-    number: "Number",
-    pick_several: "Click the samples on the canvas, or choose numbers here.",
-    pick_one: "Click the sample on the canvas, or choose its number here.",
-    place: "Click the place on the canvas, or choose a letter.",
-    your_point: "Your point:",
-    order: "Choose what comes first, then what comes next. A second click takes it back.",
-    cut: "Choose the direction, then click where the cut goes; or choose one of the list.",
-    vertical: "vertical",
-    horizontal: "horizontal",
-    up: "up",
-    same: "same",
-    down: "down",
-    step: "Step",
-    of: "of",
-    present: "Present",
-    vote_now: "Vote now.",
-    first_vote: "First vote",
-    second_vote: "Second vote",
-    none_right: "nobody is right",
-    few_right: "few are right",
-    half_right: "about half are right",
-    most_right: "most are right",
-    no_address: "The notes have a field for the page's address.",
-};
+static LABELS: LazyLock<BTreeMap<&str, LessonLabels>> = LazyLock::new(|| {
+    let text = include_str!("../../../assets/lesson-labels.json");
+    serde_json::from_str(text).expect("the labels are valid")
+});
 
-const GERMAN: LessonLabels = LessonLabels {
-    lessons: "Lektionen",
-    intro: "Neu hier? Beginne mit der ersten: fünf Schritte, keine Fachwörter. Jede Lektion hält einen Lauf an und fragt, was als Nächstes geschieht.",
-    close: "Lektion schließen",
-    close_list: "Liste schließen",
-    other_language: "English",
-    answer: "Antworten",
-    hint: "Hinweis",
-    give_up: "Aufgeben",
-    show_answer: "Aufgeben: Antwort zeigen",
-    sure: "Sicher? Wer rät, lernt mehr.",
-    the_answer: "Die Antwort:",
-    back: "Zurück",
-    next: "Weiter",
-    waits: "Die Frage ist offen: beantworte sie oder gib auf.",
-    more: "Weitere Lektionen",
-    again: "Noch einmal, mit einem anderen Lauf",
-    why: "Warum: die Ereignisse",
-    right: "Richtig.",
-    right_now: "Jetzt richtig.",
-    not_quite: "Zum Teil richtig. Versuche es noch einmal.",
-    wrong: "So ist es nicht. Versuche es noch einmal.",
-    makes_run: "Der Lauf wird gemacht\u{2026}",
-    cannot_show: "Dieser Schritt kann nicht gezeigt werden:",
-    answered: "beantwortet",
-    own: "Eine eigene Lektion ist eine Textdatei: ziehe sie ins Fenster.",
-    tour: "Die Tour durch das Fenster",
-    results: "Deine Ergebnisse",
-    no_results: "Noch keine. Sie bleiben auf diesem Rechner und nirgends sonst.",
-    some_results: "{count} Fragen beantwortet, {share} beim ersten Versuch richtig. Die Ergebnisse bleiben auf diesem Rechner und nirgends sonst.",
-    name: "Name in Dateien",
-    save: "Sichern als",
-    clear: "Löschen",
-    number: "Zahl",
-    pick_several: "Klicke die Punkte im Bild an, oder wähle hier ihre Nummern.",
-    pick_one: "Klicke den Punkt im Bild an, oder wähle hier seine Nummer.",
-    place: "Klicke die Stelle im Bild an, oder wähle einen Buchstaben.",
-    your_point: "Dein Punkt:",
-    order: "Wähle, was zuerst kommt, dann das Nächste. Ein zweiter Klick nimmt es zurück.",
-    cut: "Wähle die Richtung, klicke dann, wo der Schnitt liegt; oder wähle einen aus der Liste.",
-    vertical: "senkrecht",
-    horizontal: "waagrecht",
-    up: "mehr",
-    same: "gleich",
-    down: "weniger",
-    step: "Schritt",
-    of: "von",
-    present: "Vortragen",
-    vote_now: "Jetzt abstimmen.",
-    first_vote: "Erste Abstimmung",
-    second_vote: "Zweite Abstimmung",
-    none_right: "niemand hat recht",
-    few_right: "wenige haben recht",
-    half_right: "etwa die Hälfte hat recht",
-    most_right: "die meisten haben recht",
-    no_address: "In den Notizen ist ein Feld für die Adresse der Seite.",
-};
-
-/// Returns the words of a language; English for those that have none.
+/// Returns the words of a language; English if it has none.
 #[must_use]
 pub fn lesson_labels(language: &str) -> &'static LessonLabels {
-    match language {
-        "de" => &GERMAN,
-        _ => &ENGLISH,
-    }
+    LABELS.get(language).unwrap_or(&LABELS["en"])
 }

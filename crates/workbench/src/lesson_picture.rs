@@ -1,4 +1,5 @@
-//! Pictures of a lesson's steps: for the lecturer, who sees the next step before the class does, and for handouts.
+//! Pictures of a lesson's steps: of the next step for a lecturer's notes, and of all steps for handouts. Begin with
+//! `step_at` and [`picture`].
 
 use std::sync::Arc;
 
@@ -8,6 +9,7 @@ use serde::{Deserialize, Serialize};
 use tilescope_core::{Pattern, SampleError, Unobserved};
 use tilescope_debugger::Recording;
 use tilescope_drawing::camera::Camera;
+use tilescope_drawing::palette::{DARK, LIGHT};
 use tilescope_figures::{Group, Scene, Shape, Stroke, Style, Text, to_pixels, to_svg};
 use tilescope_lessons::{Arrival, Learner, Lesson, Translation, record};
 use tilescope_session::jobs::{Job, Monitor};
@@ -34,13 +36,13 @@ pub struct PictureStyle {
     pub dark: bool,
 }
 
-/// Returns a lesson's step at its moment, with its question open. `last` is the run of another step, which is used again if it
-/// is the same.
+/// Returns a lesson's step at its moment, with its question open. `last` is the run of another step, which is used again if
+/// the parameters are equal.
 ///
 /// # Errors
 ///
 /// A sentence, if the run cannot be made, has no such moment, or the lesson has a fault.
-pub fn step_at(
+pub(crate) fn step_at(
     lesson: &Arc<Lesson>,
     translation: &Arc<Translation>,
     index: usize,
@@ -57,10 +59,8 @@ pub fn step_at(
             made.map_err(|error: SampleError| error.to_string())?
         }
     };
-    let arrival = learner
-        .arrive(&run, 0.0)
-        .map_err(|error| error.to_string())?;
-    if arrival == Arrival::NoMoment {
+    let arrival = learner.arrive(&run, 0.0);
+    if arrival.map_err(|error| error.to_string())? == Arrival::NoMoment {
         let line = learner.step().scene.line;
         return Err(format!("line {line}: the run has no such moment"));
     }
@@ -70,20 +70,16 @@ pub fn step_at(
     Ok(open)
 }
 
-/// Draws a step that [`step_at`] returned, with the lecturer's strokes over it.
+/// Draws a step at its moment, with the lecturer's strokes over it.
 #[must_use]
 pub fn picture(open: &OpenLesson, style: PictureStyle, strokes: &[PenStroke]) -> Scene {
     let [width, height] = style.size;
     let frame = Rect::from_min_size(Pos2::ZERO, style.size.map(|side| side as f32).into());
-    let palette = if style.dark {
-        &tilescope_drawing::palette::DARK
-    } else {
-        &tilescope_drawing::palette::LIGHT
-    };
+    let palette = if style.dark { &DARK } else { &LIGHT };
     let Some((run, cursor)) = open.run.as_ref().zip(open.learner.cursor()) else {
         return Scene::new(width, height, color(palette.outside));
     };
-    // Nothing after the moment is in the session, so that none of it is drawn.
+    // The session ends at the moment, so that nothing later is drawn.
     let session = Session::from_recording(Arc::new(run.until(cursor)), 0);
     let size = session.size_radii();
     let camera = open.camera().map_or_else(
@@ -108,11 +104,7 @@ pub fn picture(open: &OpenLesson, style: PictureStyle, strokes: &[PenStroke]) ->
     let mut scene = thumbnail(&session, &MomentView { moment, view });
     let is_periodic = session.run().domain.is_periodic();
     let place = |at: DVec2| {
-        let turns = if is_periodic {
-            ((at - camera.center) / size).round()
-        } else {
-            DVec2::ZERO
-        };
+        let turns = ((at - camera.center) / size).round() * f64::from(u8::from(is_periodic));
         let at = camera.screen_from_domain(frame, at - turns * size);
         [f64::from(at.x), f64::from(at.y)]
     };
@@ -122,9 +114,8 @@ pub fn picture(open: &OpenLesson, style: PictureStyle, strokes: &[PenStroke]) ->
         let corners = [low, [high[0], low[1]], high, [low[0], high[1]], low];
         let stroke = Stroke::new(color(palette.accent), 2.0);
         let sides = corners.windows(2);
-        marks
-            .shapes
-            .extend(sides.map(|side| Shape::line(side[0], side[1], stroke)));
+        let sides = sides.map(|side| Shape::line(side[0], side[1], stroke));
+        marks.shapes.extend(sides);
     }
     for mark in open.marks() {
         let ink = color(match mark.kind {
@@ -134,14 +125,12 @@ pub fn picture(open: &OpenLesson, style: PictureStyle, strokes: &[PenStroke]) ->
             MarkKind::Right => palette.inserted,
         });
         let at = place(mark.at);
-        marks
-            .shapes
-            .push(Shape::circle(at, 7.0, Style::stroked(ink, 1.6)));
+        let circle = Shape::circle(at, 7.0, Style::stroked(ink, 1.6));
+        marks.shapes.push(circle);
         if !mark.label.is_empty() {
             let corner = [at[0] + 9.0, at[1] - 5.0];
-            marks
-                .shapes
-                .push(Shape::Text(Text::new(corner, mark.label, 12.0, ink)));
+            let label = Text::new(corner, mark.label, 12.0, ink);
+            marks.shapes.push(Shape::Text(label));
         }
     }
     scene.groups.push(marks);
@@ -156,14 +145,11 @@ pub fn picture(open: &OpenLesson, style: PictureStyle, strokes: &[PenStroke]) ->
     scene
 }
 
-/// Returns the layers of these names; names of no layer are left out.
+/// Returns the layers of these names; unknown names are left out.
 pub(crate) fn layers_named(names: &[String]) -> Layers {
     let mut chosen = Layers::none();
-    for name in names {
-        let named = Layer::ALL
-            .into_iter()
-            .find(|&layer| layer_name(layer) == *name);
-        if let Some(layer) = named.filter(|&layer| !chosen.has(layer)) {
+    for layer in Layer::ALL {
+        if names.contains(&layer_name(layer)) {
             chosen.toggle(layer);
         }
     }
@@ -194,8 +180,8 @@ pub struct StepPictureTask {
     pub as_svg: bool,
 }
 
-/// What a picture of a step depends on: the lesson's name, the hash of the lesson that is open, the index of the step, and how
-/// it is drawn.
+/// Everything that a picture of a step depends on: the lesson's name, the hash of the open lesson, the index of the step, and
+/// the style.
 pub(crate) type PictureKey = (String, String, usize, PictureStyle);
 
 /// The picture of the step that follows in a talk.
@@ -213,7 +199,7 @@ impl NextPicture {
         self.drawn.as_ref()
     }
 
-    /// Takes what was drawn. Returns whether another picture is wanted; if none is, drops the old one.
+    /// Takes a finished picture. Returns whether another picture is wanted; if no picture is wanted, drops the old one.
     pub(crate) fn wants(&mut self, wanted: Option<&PictureKey>) -> bool {
         if let Some(outcome) = self.drawing.as_ref().and_then(Job::poll) {
             self.take(outcome);
@@ -224,16 +210,13 @@ impl NextPicture {
         self.key.as_ref() != wanted
     }
 
-    /// Waits for another picture from now on.
+    /// Sets the key and the job of the picture that is wanted now.
     pub(crate) fn draw(&mut self, key: Option<PictureKey>, job: Job<StepPicture>) {
         (self.key, self.drawing, self.drawn) = (key, Some(job), None);
     }
 
     fn take(&mut self, outcome: Result<StepPicture, String>) {
-        let drawn = outcome.unwrap_or_else(|fault| StepPicture {
-            fault: Some(fault),
-            ..StepPicture::default()
-        });
+        let drawn = outcome.unwrap_or_else(StepPicture::failed);
         (self.drawing, self.drawn) = (None, Some(drawn));
     }
 
@@ -255,41 +238,36 @@ impl Task for StepPictureTask {
     const NAME: &'static str = "picture of a step";
 
     fn run(self, _: &Monitor) -> StepPicture {
-        let failed = |fault: String| StepPicture {
+        self.drawn().unwrap_or_else(StepPicture::failed)
+    }
+}
+
+impl StepPicture {
+    fn failed(fault: String) -> Self {
+        Self {
             fault: Some(fault),
-            ..StepPicture::default()
-        };
+            ..Self::default()
+        }
+    }
+}
+
+impl StepPictureTask {
+    fn drawn(&self) -> Result<StepPicture, String> {
         let (name, text) = &self.lesson;
-        let lesson = match Lesson::read(name, text) {
-            Ok(lesson) => Arc::new(lesson),
-            Err(error) => return failed(error.to_string()),
-        };
-        if self.index >= lesson.steps.len() {
-            return failed(format!("the lesson has {} steps", lesson.steps.len()));
+        let lesson = Lesson::read(name, text).map_err(|error| error.to_string())?;
+        let count = lesson.steps.len();
+        if self.index >= count {
+            return Err(format!("the lesson has {count} steps"));
         }
-        let open = match step_at(&lesson, &Arc::default(), self.index, &mut None) {
-            Ok(open) => open,
-            Err(fault) => return failed(fault),
-        };
+        let open = step_at(&Arc::new(lesson), &Arc::default(), self.index, &mut None)?;
         let scene = picture(&open, self.style, &[]);
+        let mut drawn = StepPicture::default();
         if self.as_svg {
-            return match to_svg(&scene) {
-                Ok(svg) => StepPicture {
-                    svg: Some(svg),
-                    ..StepPicture::default()
-                },
-                Err(error) => failed(error.to_string()),
-            };
+            drawn.svg = Some(to_svg(&scene).map_err(|error| error.to_string())?);
+        } else {
+            let pixels = to_pixels(&scene, SHARPNESS).map_err(|error| error.to_string())?;
+            drawn.pixels = Some(Arc::new(pixels.into()));
         }
-        match to_pixels(&scene, SHARPNESS) {
-            Ok(pixels) => StepPicture {
-                pixels: Some(Arc::new(Thumbnail {
-                    size: [pixels.width as usize, pixels.height as usize],
-                    rgba: pixels.rgba,
-                })),
-                ..StepPicture::default()
-            },
-            Err(error) => failed(error.to_string()),
-        }
+        Ok(drawn)
     }
 }

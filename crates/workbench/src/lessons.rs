@@ -1,5 +1,5 @@
-//! Lessons: what a user can do in one, the lesson that is open, and the answer that is being put together. The crate
-//! `tilescope-lessons` reads, asks and grades.
+//! Lessons: their commands, the lesson that is open, and the answer that is being put together. `state/lessons.rs` carries
+//! out the commands; the crate `tilescope-lessons` reads lessons, asks questions and grades answers.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -38,9 +38,9 @@ pub enum LessonCommand {
     GiveUp,
     /// Asks the question again of another run. The number draws the run.
     Practise(u64),
-    /// Says how sure one is, from 0 to 3.
+    /// Notes how sure the learner is, from 0 to 3.
     Sure(u8),
-    /// Says texts in a language, such as `de`; `en` is that of the lessons.
+    /// Shows texts in a language, such as `de`; `en` is that of the lessons.
     Language(String),
     /// Opens a lesson from a file, which is read again whenever it changes.
     File(PathBuf),
@@ -70,7 +70,7 @@ pub enum DraftCommand {
     Type(String),
     /// Chooses the axis of a cut.
     Axis(CutAxis),
-    /// Says how a band changes.
+    /// Chooses how a band changes.
     Band(usize, Change),
 }
 
@@ -158,22 +158,21 @@ impl AnswerDraft {
         }
     }
 
-    /// Returns the answer, or what it still lacks.
+    /// Returns the answer; or, as a sentence, what is missing.
     pub fn answer(&self, question: &Question) -> Result<Answer, &'static str> {
         match &question.form {
             Form::Pick { .. } if self.samples.is_empty() => {
                 Err("Select a sample: on the canvas, or by its number.")
             }
             Form::Pick { .. } => Ok(Answer::Pick(self.samples.clone())),
-            Form::Place { .. } => self
-                .place
-                .map(Answer::Place)
-                .ok_or("Put a point: on the canvas, or by its letter."),
+            Form::Place { .. } => {
+                let place = self.place.map(Answer::Place);
+                place.ok_or("Put a point: on the canvas, or by its letter.")
+            }
             Form::Number { .. } => {
-                let number = self.text.trim().replace(',', ".").parse::<f64>();
+                let number = self.text.trim().replace(',', ".").parse().ok();
+                let number = number.filter(|number: &f64| number.is_finite());
                 number
-                    .ok()
-                    .filter(|number| number.is_finite())
                     .map(Answer::Number)
                     .ok_or("Type a number, such as 12 or 0.5.")
             }
@@ -181,21 +180,15 @@ impl AnswerDraft {
                 self.option.map(Answer::Choice).ok_or("Choose an option.")
             }
             Form::Order { items } if self.order.len() < items.len() => {
-                Err("Put every item in its place: choose what comes first, then what comes next.")
+                Err("Sort all items: choose the first one, then the next.")
             }
             Form::Order { .. } => Ok(Answer::Order(self.order.clone())),
             Form::Cut { .. } => {
-                let axis = self
-                    .axis
-                    .ok_or("Choose whether the cut is vertical or horizontal.")?;
-                let place = self
-                    .place
-                    .ok_or("Click where the cut goes, or choose one of the list.")?;
-                let at = if axis == CutAxis::X {
-                    place[0]
-                } else {
-                    place[1]
-                };
+                let axis = self.axis;
+                let axis = axis.ok_or("Choose whether the cut is vertical or horizontal.")?;
+                let place = self.place;
+                let place = place.ok_or("Click where the cut goes, or choose one of the list.")?;
+                let at = place[axis as usize];
                 Ok(Answer::Cut { axis, at })
             }
             Form::Bands { bands, .. } => {
@@ -221,7 +214,7 @@ pub enum LessonSource {
 
 /// The lesson that is open.
 pub struct OpenLesson {
-    /// The learner's way through it.
+    /// The learner in it.
     pub learner: Learner,
     /// Where it comes from.
     pub source: LessonSource,
@@ -229,9 +222,9 @@ pub struct OpenLesson {
     pub(crate) text: String,
     /// The answer that is being put together.
     pub draft: AnswerDraft,
-    /// What was said to the last answer.
+    /// The response to the last answer.
     pub feedback: Option<Feedback>,
-    /// What an answer still lacks, or a fault of the lesson.
+    /// Why no answer could be given: what is missing, or a fault of the lesson.
     pub lacking: Option<String>,
     /// The fault that keeps the step from being shown.
     pub fault: Option<LessonError>,
@@ -289,7 +282,7 @@ pub struct Lessons {
     pub shelf: Vec<shipped::Shipped>,
     /// The lesson to be opened once the shelf is there.
     pub wanted: Option<WantedLesson>,
-    /// Whether the page around the canvas shows the texts.
+    /// Whether the page around the canvas shows the lesson's texts instead of the window.
     pub on_page: bool,
     /// The answer that was given last.
     pub last: Option<GivenAnswer>,
@@ -301,7 +294,7 @@ pub struct Lessons {
     pub language: String,
     /// What the learner did.
     pub results: Results,
-    /// The time in seconds since 1970, set by whoever shows the window.
+    /// The time in seconds since 1970, which the window or page sets.
     pub now: f64,
 }
 
@@ -323,8 +316,7 @@ impl Default for Lessons {
 
 impl Lessons {
     /// Returns whether a page has to load the lessons that come with the program.
-    #[must_use]
-    pub fn wants_shelf(&self) -> bool {
+    pub(crate) fn wants_shelf(&self) -> bool {
         self.shelf.is_empty() && (self.lists || self.wanted.is_some())
     }
 
@@ -334,41 +326,50 @@ impl Lessons {
         self.shelf.iter().find(|lesson| lesson.name == name)
     }
 
-    /// Returns the veil: while a question is open, nothing after this cursor is shown.
+    /// Returns the last cursor that may be shown while a question is open.
     #[must_use]
     pub fn veil(&self) -> Option<usize> {
-        self.open.as_ref()?.learner.limit()
+        self.learner()?.limit()
+    }
+
+    pub(crate) fn learner(&self) -> Option<&Learner> {
+        self.open.as_ref().map(|open| &open.learner)
+    }
+
+    /// Returns the index of a step of the open lesson.
+    pub(crate) fn step_named(&self, name: &str) -> Option<usize> {
+        self.learner()?.lesson().step_named(name)
     }
 
     /// Returns the question that is open.
     #[must_use]
     pub fn open_question(&self) -> Option<&Question> {
-        let open = self.open.as_ref()?;
-        open.learner.question().filter(|_| open.learner.is_open())
+        let learner = self.learner()?;
+        learner.question().filter(|_| learner.is_open())
     }
 }
 
 /// A mark of a lesson on the canvas.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mark {
-    /// Where it is, in r.
+    /// Its position, in r.
     pub at: DVec2,
     /// Its label; empty if it has none.
     pub label: String,
-    /// What it stands for.
+    /// Its meaning.
     pub kind: MarkKind,
 }
 
-/// What a mark stands for.
+/// The meaning of a mark.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MarkKind {
     /// A sample that the question names.
     Named,
     /// A sample or place of the list.
     Listed,
-    /// What is selected.
+    /// A sample or place that is selected.
     Chosen,
-    /// What is right, once it is known.
+    /// A right sample or place, after the answer.
     Right,
 }
 
@@ -376,7 +377,7 @@ pub enum MarkKind {
 pub type MarkedBox = [DVec2; 2];
 
 impl OpenLesson {
-    /// Returns a lesson in which nothing was done yet.
+    /// Returns a lesson that was just opened.
     pub(crate) fn new(learner: Learner, source: LessonSource) -> Self {
         Self {
             learner,
@@ -438,24 +439,18 @@ impl OpenLesson {
                 }
             }
             Form::Place { candidates } => {
-                let listed = candidates.iter().enumerate();
-                marks.extend(
-                    listed.map(|(k, &at)| mark(at.into(), letter(k).to_string(), MarkKind::Listed)),
-                );
+                for (index, &at) in candidates.iter().enumerate() {
+                    marks.push(mark(at.into(), letter(index).to_string(), MarkKind::Listed));
+                }
+                let chosen = self.draft.place.filter(|_| !is_done);
+                let chosen = chosen.map(|at| mark(at.into(), String::new(), MarkKind::Chosen));
+                marks.extend(chosen);
+                if let (Key::Place(right), true) = (question.key(), is_done) {
+                    let right = right.iter();
+                    marks.extend(right.map(|&at| mark(at.into(), String::new(), MarkKind::Right)));
+                }
             }
             _ => {}
-        }
-        if let (Form::Place { .. }, Some(place), false) =
-            (&question.form, self.draft.place, is_done)
-        {
-            marks.push(mark(place.into(), String::new(), MarkKind::Chosen));
-        }
-        if let (Key::Place(right), true) = (question.key(), is_done) {
-            marks.extend(
-                right
-                    .iter()
-                    .map(|&at| mark(at.into(), String::new(), MarkKind::Right)),
-            );
         }
         for &sample in question.named(step) {
             if !marks.iter().any(|mark| mark.label == sample.to_string()) {
@@ -480,18 +475,16 @@ impl OpenLesson {
         Some(([low, high], line))
     }
 
-    /// Returns why what was asked about happened: the event that decides and its causes, the nearest first, in words. Empty
-    /// while the question is open.
+    /// Returns the reasons for the right answer, in words: the deciding event and its causes, the nearest first. Empty while
+    /// the question is open.
     #[must_use]
     pub fn reasons(&self) -> Vec<String> {
         let Some((question, run)) = self.learner.question().zip(self.run.as_ref()) else {
             return Vec::new();
         };
-        let Some(event) = question
-            .decided
-            .checked_sub(1)
-            .filter(|_| !self.learner.is_open() && question.decided > question.cursor)
-        else {
+        let is_known = !self.learner.is_open() && question.decided > question.cursor;
+        let event = question.decided.checked_sub(1);
+        let Some(event) = event.filter(|_| is_known) else {
             return Vec::new();
         };
         let causes = tilescope_debugger::why::causes(run, event);

@@ -1,7 +1,10 @@
 //! The state of a Tilescope window and every command that changes it, independent of any window system.
 //!
 //! [`State`] is made of parts, and [`Command`]s alone change them: buttons, keys, links, pages and scripts issue the same
-//! ones. Begin with `state.rs`; `command.rs` lists what a user can do. It draws no widgets and depends on no egui.
+//! ones. Begin with `state.rs`; `command.rs` lists all actions of a user. It draws no widgets and depends on no egui.
+//!
+//! A subject often has two modules of one name: [`export`] has its values and background work, `state/export.rs` its
+//! commands. Refusals are sentences: a function `..._refusal` returns why something cannot be done now, or `None`.
 //!
 //! ```
 //! use std::convert::Infallible;

@@ -1,6 +1,6 @@
-//! Permalinks: a run and its view as the fragment of an address, readable and short. Links may come from
-//! anywhere: each part is checked by itself and limited, and parts that are changed or ignored are named in
-//! warnings. `crate::state` opens links.
+//! Permalinks: a run and its view as the fragment of an address, readable and short. Links may come from anywhere: each
+//! part is checked by itself and limited, and warnings name the parts that are changed or ignored. Begin with [`read()`] and
+//! [`write()`]; `state/link.rs` makes links of what is shown, and opens them.
 
 mod content;
 mod parameters;
@@ -11,15 +11,15 @@ mod warnings;
 mod write;
 
 pub use content::{LinkContent, NamedMoment};
-pub use parameters::excess;
+pub(crate) use parameters::excess;
 pub use read::COLOURINGS;
 #[cfg(test)]
 pub use read::keys;
 pub use read::read;
-pub use text::{name as choice_name, named as choice_named, slug};
-pub use warnings::LinkWarnings;
-pub use warnings::quoted;
-pub use write::layer_name;
+pub(crate) use text::slug;
+pub use text::{name as choice_name, named as choice_named};
+pub use warnings::{LinkWarnings, quoted};
+pub(crate) use write::layer_name;
 pub use write::{Link, write};
 
 /// The version of links that this program writes, and the newest that it reads.

@@ -1,6 +1,5 @@
-//! The passes of a run on a GPU, one by one: their times, their buffers before and after, and the comparison
-//! with the CPU. [`Passes`] is the state, [`PassCommand`]s change it; `tilescope-app` shows it. Everything
-//! shown was measured.
+//! The passes of a run on a GPU, one by one: their times, their buffers before and after, and the comparison with the CPU.
+//! Begin with [`Passes`], the state; [`PassCommand`]s change it, and `tilescope-app` shows it. All times are measured.
 
 pub mod csv;
 mod device;
@@ -33,39 +32,39 @@ use device::{Arrival, DeviceRun, Survey, Walker};
 #[derive(Clone, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum PassCommand {
-    /// Go to a pass, by its index in the run.
+    /// Goes to a pass, by its index in the run.
     Select(usize),
-    /// To the pass before.
+    /// Goes to the pass before.
     Previous,
-    /// To the next pass.
+    /// Goes to the next pass.
     Next,
-    /// To the first pass.
+    /// Goes to the first pass.
     First,
-    /// To the last pass.
+    /// Goes to the last pass.
     Last,
-    /// Show a buffer of the pass, by its index.
+    /// Shows a buffer of the pass, by its index.
     Buffer(usize),
-    /// Show one side of the pass.
+    /// Shows one side of the pass.
     Side(PassSide),
-    /// Show the rows that a filter lets pass.
+    /// Shows only the rows that satisfy a filter.
     Filter(String),
-    /// Select a row of the buffer, or none.
+    /// Selects a row of the buffer, or none.
     PickRow(Option<u32>),
-    /// Point at a row of the buffer, or at none.
+    /// Points at a row of the buffer, or at none.
     PointRow(Option<u32>),
-    /// Show the rows on the canvas, or only in the table.
+    /// Shows the rows on the canvas, too, or only in the table.
     OnCanvas(bool),
-    /// Open the canvas, fly to the selected row, if there is one, and choose passes as the clock.
+    /// Opens the canvas, flies to the selected row, if there is one, and chooses passes as the clock.
     ShowCanvas,
-    /// Stop what runs in the background.
+    /// Stops the work in the background.
     Cancel,
-    /// Run and list all passes again.
+    /// Runs and lists all passes again.
     Again,
-    /// The file to write to.
+    /// Sets the file to write to.
     Path(String),
-    /// Write the rows shown to that file; on the web, offer their bytes.
+    /// Writes the rows shown to that file; in a browser, downloads them.
     Export,
-    /// Run again, with one word changed after a pass, or unchanged.
+    /// Runs again, with one word changed after a pass, or unchanged.
     Fault(Option<Fault>),
 }
 
@@ -184,14 +183,14 @@ impl Passes {
         }
         let has_arrived = match &self.work {
             PassWork::Idle => false,
-            PassWork::Survey(job) => match job.poll() {
-                Some(outcome) => self.surveyed(outcome),
-                None => false,
-            },
-            PassWork::Visit(job) => match job.poll() {
-                Some(outcome) => self.visited(outcome),
-                None => false,
-            },
+            PassWork::Survey(job) => {
+                let outcome = job.poll();
+                outcome.is_some_and(|outcome| self.surveyed(outcome))
+            }
+            PassWork::Visit(job) => {
+                let outcome = job.poll();
+                outcome.is_some_and(|outcome| self.visited(outcome))
+            }
         };
         self.go_on();
         is_written || has_arrived
@@ -221,13 +220,8 @@ impl Passes {
             return true;
         }
         let of_stage = |pass: &PassEntry| pass.report.stage == stage;
-        match self.entries.iter().rposition(of_stage) {
-            Some(pass) => {
-                self.select(pass);
-                true
-            }
-            None => false,
-        }
+        let pass = self.entries.iter().rposition(of_stage);
+        pass.inspect(|&pass| self.select(pass)).is_some()
     }
 
     /// Returns the stage of the selected pass, and whether that pass ends it.
@@ -239,8 +233,7 @@ impl Passes {
     }
 
     /// Returns the last stage that is complete after the selected pass. The blocks are complete before the first pass.
-    #[must_use]
-    pub fn whole_stage(&self) -> Option<Stage> {
+    pub(crate) fn whole_stage(&self) -> Option<Stage> {
         let passed = self.entries.get(..=self.selected?)?;
         let ends = |entry: &&PassEntry| entry.badge != Badge::Intermediate;
         let last = passed.iter().rev().find(ends);
@@ -304,15 +297,14 @@ impl Passes {
     }
 
     /// Returns where the selected row lies, in r, if it has a position.
-    #[must_use]
-    pub fn picked_position(&self) -> Option<DVec2> {
+    pub(crate) fn picked_position(&self) -> Option<DVec2> {
         let rows = self.on_canvas()?.rows?;
         let spot = rows.places.of(rows.shown.picked()? as usize).first()?;
         Some(tilescope_session::units::position(placed::middle(spot)))
     }
 
     /// Notes the moment of the timeline at a command of the passes.
-    pub const fn note_moment(&mut self, moment: Option<Moment>) {
+    pub(crate) const fn note_moment(&mut self, moment: Option<Moment>) {
         self.moment = moment;
     }
 
@@ -369,8 +361,7 @@ impl Passes {
     }
 
     /// Returns the name and bytes of an exported file where there is no file system; taken once.
-    #[must_use]
-    pub const fn take_download(&mut self) -> Option<(String, Vec<u8>)> {
+    pub(crate) const fn take_download(&mut self) -> Option<(String, Vec<u8>)> {
         self.download.take()
     }
 

@@ -1,10 +1,10 @@
-//! What a lecturer draws over the canvas: lines in domain coordinates, in a few colours that are told apart.
+//! The lines that a lecturer draws over the canvas, in domain coordinates and in a few distinguishable colours.
 
 use ecolor::Color32;
 use serde::{Deserialize, Serialize};
 
-/// The colours of the pen, for dark and for light canvases. Of many random colours with enough contrast these are the most
-/// different, also with the usual kinds of colour blindness.
+/// The colours of the pen, for dark and for light canvases. Among many random colours with enough contrast these differ the
+/// most, also with the usual kinds of colour blindness.
 const COLORS: [[u32; 2]; 4] = [
     [0x00fd_db1a, 0x00e8_1834],
     [0x0089_deff, 0x003e_64f4],

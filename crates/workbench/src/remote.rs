@@ -1,5 +1,5 @@
-//! Requests of a page that embeds the window, as JSON: strictly validated, with the limits of links.
-//! `state/remote.rs` answers them; the page in `web/` decides which origins may send them.
+//! Requests of a page that embeds the window, as JSON: strictly validated, with the limits of links. Begin with [`read`];
+//! `state/remote.rs` answers requests, and the page in `web/` decides which origins may send them.
 
 use glam::DVec2;
 
@@ -13,7 +13,7 @@ use tilescope_session::look::Look;
 use tilescope_session::words::grouped;
 
 use crate::clock::{Clock, SPEEDS};
-use crate::lessons::{DraftCommand, WantedLesson};
+use crate::lessons::{LessonCommand, WantedLesson};
 use crate::link::{
     COLOURINGS, MAX_PATTERN_SIDE, MAX_SAMPLES, choice_name, choice_named, layer_name, quoted,
 };
@@ -58,8 +58,7 @@ pub struct Wanted {
     pub camera: Option<Camera>,
     /// Whether the whole domain is shown instead.
     pub whole: bool,
-    /// The visible layers.
-    /// `None` within for those of the stage.
+    /// The visible layers; `None` within for those of the stage.
     pub layers: Option<Option<Layers>>,
     /// The property of samples that their colour shows.
     pub colouring: Option<Colouring>,
@@ -97,52 +96,23 @@ pub enum Request {
     Play(Option<f32>),
     /// Stops playing.
     Pause,
-    /// Does something in a lesson.
+    /// Asks something of lessons.
     Lesson(LessonRequest),
 }
 
-/// What a page asks of lessons.
+/// A request about lessons.
 #[derive(Clone, Debug, PartialEq)]
 pub enum LessonRequest {
     /// Opens a lesson that comes with the program.
     Open(WantedLesson),
-    /// Opens a lesson from its text.
-    Text {
-        /// The name for it.
-        name: String,
-        /// The text.
-        text: String,
-    },
-    /// Opens the list of lessons, or closes it.
-    List,
     /// Starts the tour of the window.
     Tour,
     /// Presents the lesson that is open; not in a frame.
     Present,
-    /// Changes the language.
-    Language(String),
-    /// Goes to the next step or the one before.
-    Step(Direction),
-    /// Goes to the step of this name.
-    Go(String),
-    /// Closes the lesson.
-    Leave,
-    /// Shows the hint.
-    Hint,
-    /// Gives up; the first time, asks whether to.
-    GiveUp,
-    /// Asks the question again of another run, drawn by this number.
-    Practise(u64),
-    /// Changes the answer that is being put together.
-    Draft(DraftCommand),
-    /// Gives an answer, or the one that was put together.
-    Answer(Option<Value>),
-    /// Names the learner in saved results.
-    Name(String),
-    /// Saves the results in this format.
-    Save(String),
-    /// Removes the results.
-    Clear,
+    /// Gives this answer.
+    Answer(Value),
+    /// Issues a command.
+    Command(LessonCommand),
 }
 
 /// What `act` may be in a request about a lesson.
@@ -156,20 +126,14 @@ const RESULT_FORMATS: [&str; 3] = ["json", "csv", "xapi"];
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum RequestError {
     /// It is too long.
-    #[error("the request has {bytes} bytes; at most {MAX_BYTES} are read")]
-    TooLong {
-        /// Its length.
-        bytes: usize,
-    },
+    #[error("the request has {0} bytes; at most {MAX_BYTES} are read")]
+    TooLong(usize),
     /// It is not a JSON object.
     #[error("the request is not a JSON object: {0}")]
     NoObject(String),
-    /// The request is unknown.
-    #[error("\"do\" is {found}; it must be one of {}", choices(REQUESTS.map(|(name, _)| name)))]
-    Unknown {
-        /// The given value.
-        found: String,
-    },
+    /// The request is unknown: the value of "do".
+    #[error("\"do\" is {0}; it must be one of {known}", known = choices(REQUESTS.map(|(name, _)| name)))]
+    Unknown(String),
     /// A field does not belong to this request.
     #[error("\"{action}\" has no field \"{field}\"")]
     UnknownField {
@@ -212,15 +176,14 @@ pub enum RequestError {
 /// Reads a request.
 pub fn read(text: &str) -> Result<Request, RequestError> {
     if text.len() > MAX_BYTES {
-        return Err(RequestError::TooLong { bytes: text.len() });
+        return Err(RequestError::TooLong(text.len()));
     }
     let fields: Map<String, Value> =
         serde_json::from_str(text).map_err(|error| RequestError::NoObject(error.to_string()))?;
     let action = fields.get("do").cloned().unwrap_or(Value::Null);
     let known = |(name, _): &&(&str, &[&str])| action.as_str() == Some(*name);
     let Some((name, known)) = REQUESTS.iter().find(known) else {
-        let found = shown(&action);
-        return Err(RequestError::Unknown { found });
+        return Err(RequestError::Unknown(shown(&action)));
     };
     only(name, &fields, known)?;
     match *name {
@@ -311,14 +274,14 @@ fn step(fields: &Map<String, Value>) -> Result<Request, RequestError> {
 
 fn seek(fields: &Map<String, Value>) -> Result<Request, RequestError> {
     match ["event", "stage", "part", "next", "previous"].map(|field| fields.get(field)) {
-        [None, None, None, Some(value), None] => Ok(Request::SeekTarget(
-            target("next", value)?,
-            Direction::Forwards,
-        )),
-        [None, None, None, None, Some(value)] => Ok(Request::SeekTarget(
-            target("previous", value)?,
-            Direction::Backwards,
-        )),
+        [None, None, None, Some(value), None] => {
+            let target = target("next", value)?;
+            Ok(Request::SeekTarget(target, Direction::Forwards))
+        }
+        [None, None, None, None, Some(value)] => {
+            let target = target("previous", value)?;
+            Ok(Request::SeekTarget(target, Direction::Backwards))
+        }
         [Some(value), None, None, None, None] => {
             let event = value.as_u64().and_then(|event| usize::try_from(event).ok());
             let event = event.ok_or_else(|| wrong("event", value, "a whole number from 0 on"))?;
@@ -346,82 +309,76 @@ fn lesson(fields: &Map<String, Value>) -> Result<LessonRequest, RequestError> {
         Some(Value::String(text)) => Ok(Some(text.clone())),
         Some(value) => Err(wrong(field, value, "a text")),
     };
-    let seed = |field: &str| match fields.get(field) {
-        None => Ok(None),
-        Some(value) => match value.as_u64() {
-            Some(seed) => Ok(Some(seed)),
-            None => Err(wrong(field, value, "a whole number from 0 on")),
-        },
+    let seed = |field: &str| {
+        let read = |value: &Value| {
+            let seed = value.as_u64();
+            seed.ok_or_else(|| wrong(field, value, "a whole number from 0 on"))
+        };
+        fields.get(field).map(read).transpose()
     };
     let chosen = ["open", "text", "go", "language", "act", "save", "learner"];
     let mut chosen = chosen
         .into_iter()
         .filter(|field| fields.contains_key(*field));
     let (Some(field), None) = (chosen.next(), chosen.next()) else {
-        let fields = "\"open\", \"text\", \"go\", \"language\", \"act\", \"save\" and \"learner\"";
         return Err(RequestError::OneOf {
             action: "lesson",
-            fields,
+            fields: "\"open\", \"text\", \"go\", \"language\", \"act\", \"save\" and \"learner\"",
         });
     };
     let value = text(field)?.unwrap_or_default();
-    Ok(match field {
-        "open" => LessonRequest::Open(WantedLesson {
-            name: value,
-            step: text("step")?,
-            practice: seed("practice")?,
-        }),
-        "text" => LessonRequest::Text {
-            name: text("name")?.unwrap_or_else(|| "lesson".to_owned()),
-            text: value,
-        },
-        "go" => match value.as_str() {
-            "next" => LessonRequest::Step(Direction::Forwards),
-            "back" => LessonRequest::Step(Direction::Backwards),
-            _ => LessonRequest::Go(value),
-        },
-        "language" => LessonRequest::Language(value),
-        "learner" => LessonRequest::Name(value),
-        "save" if RESULT_FORMATS.contains(&value.as_str()) => LessonRequest::Save(value),
-        "save" => {
-            let formats = format!("one of {}", choices(RESULT_FORMATS));
-            return Err(wrong("save", &fields["save"], formats));
+    let one_of = |names: &[&str]| {
+        let names = choices(names.iter().copied());
+        Err(wrong(field, &fields[field], format!("one of {names}")))
+    };
+    Ok(LessonRequest::Command(match (field, value.as_str()) {
+        ("open", _) => {
+            return Ok(LessonRequest::Open(WantedLesson {
+                name: value,
+                step: text("step")?,
+                practice: seed("practice")?,
+            }));
         }
-        _ => match value.as_str() {
-            "list" => LessonRequest::List,
-            "tour" => LessonRequest::Tour,
-            "present" => LessonRequest::Present,
-            "leave" => LessonRequest::Leave,
-            "hint" => LessonRequest::Hint,
-            "give-up" => LessonRequest::GiveUp,
-            "clear" => LessonRequest::Clear,
-            "again" => LessonRequest::Practise(seed("practice")?.unwrap_or(0)),
-            _ => {
-                return Err(wrong(
-                    "act",
-                    &fields["act"],
-                    format!("one of {}", choices(ACTS)),
-                ));
-            }
-        },
-    })
+        ("act", "tour") => return Ok(LessonRequest::Tour),
+        ("act", "present") => return Ok(LessonRequest::Present),
+        ("text", _) => {
+            let name = text("name")?.unwrap_or_else(|| "lesson".to_owned());
+            LessonCommand::Read(name, value)
+        }
+        ("go", "next") => LessonCommand::Step(Direction::Forwards),
+        ("go", "back") => LessonCommand::Step(Direction::Backwards),
+        ("go", _) => LessonCommand::Go(value),
+        ("language", _) => LessonCommand::Language(value),
+        ("learner", _) => LessonCommand::Name(value),
+        ("save", name) if RESULT_FORMATS.contains(&name) => LessonCommand::SaveResults(value),
+        ("save", _) => return one_of(&RESULT_FORMATS),
+        ("act", "list") => LessonCommand::ToggleList,
+        ("act", "leave") => LessonCommand::Leave,
+        ("act", "hint") => LessonCommand::Hint,
+        ("act", "give-up") => LessonCommand::GiveUp,
+        ("act", "clear") => LessonCommand::ClearResults,
+        ("act", "again") => LessonCommand::Practise(seed("practice")?.unwrap_or(0)),
+        _ => return one_of(&ACTS),
+    }))
 }
 
 fn answer(fields: &Map<String, Value>) -> Result<LessonRequest, RequestError> {
-    match (fields.get("value"), fields.get("draft")) {
-        (value, None) => Ok(LessonRequest::Answer(value.cloned())),
+    let command = match (fields.get("value"), fields.get("draft")) {
+        (Some(value), None) => return Ok(LessonRequest::Answer(value.clone())),
+        (None, None) => LessonCommand::Answer,
         (None, Some(draft)) => {
-            let command = serde_json::from_value(draft.clone());
             let wanted = "a change of the answer, such as {\"choose\": 0}";
-            command
-                .map(LessonRequest::Draft)
-                .map_err(|_| wrong("draft", draft, wanted))
+            let command = serde_json::from_value(draft.clone());
+            LessonCommand::Draft(command.map_err(|_| wrong("draft", draft, wanted))?)
         }
-        _ => Err(RequestError::OneOf {
-            action: "answer",
-            fields: "\"value\" and \"draft\"",
-        }),
-    }
+        _ => {
+            return Err(RequestError::OneOf {
+                action: "answer",
+                fields: "\"value\" and \"draft\"",
+            });
+        }
+    };
+    Ok(LessonRequest::Command(command))
 }
 
 fn target(field: &str, value: &Value) -> Result<Target, RequestError> {
@@ -556,8 +513,7 @@ fn lay_over(
                 let exact = value.as_str().filter(|_| field == "seed");
                 let exact = exact.and_then(|text| text.parse::<u64>().ok());
                 let value = &exact.map_or_else(|| value.clone(), Value::from);
-                let as_before = same_kind(current, value);
-                if !as_before {
+                if !same_kind(current, value) {
                     let wanted = format!("of the kind of {current}");
                     return Err(wrong(field, value, wanted));
                 }

@@ -20,25 +20,22 @@ const TITLE: usize = 70;
 /// # Errors
 ///
 /// A sentence: no scenes, or a run that a lesson cannot name.
-pub fn lesson_of(
+pub(crate) fn lesson_of(
     scenes: &[SavedScene],
     parameters: &Parameters,
     has_own_pattern: bool,
 ) -> Result<String, String> {
     if scenes.is_empty() {
-        return Err(
-            "There are no scenes: add some, with captions, and present them then.".to_owned(),
-        );
+        let text = "There are no scenes: add some, with captions, and present them then.";
+        return Err(text.to_owned());
     }
     let generated = PatternSpec {
         side: parameters.pattern.side,
         ..PatternSpec::default()
     };
     if has_own_pattern || parameters.pattern != generated {
-        return Err(
-            "The run has a pattern of its own, which a lesson cannot name: only its side can be chosen there."
-                .to_owned(),
-        );
+        let text = "The run has a pattern of its own, which a lesson cannot name: only its side can be chosen there.";
+        return Err(text.to_owned());
     }
     let mut text =
         "---\ntitle: Scenes\nobjective: You have seen the scenes of this session.\n".to_owned();
@@ -47,15 +44,12 @@ pub fn lesson_of(
     for (index, scene) in scenes.iter().enumerate() {
         let (caption, note) = split_caption(&scene.caption);
         let (title, rest) = titled(caption);
-        let is_new = !titles
+        let is_taken = titles
             .iter()
             .any(|other| other.eq_ignore_ascii_case(&title));
         let has_letters = title.chars().any(|c| c.is_ascii_alphanumeric());
-        let title = if is_new && has_letters {
-            title
-        } else {
-            format!("Scene {}", index + 1)
-        };
+        let title = Some(title).filter(|_| has_letters && !is_taken);
+        let title = title.unwrap_or_else(|| format!("Scene {}", index + 1));
         let _ = write!(text, "\n# {title}\n\n```run\n");
         if index == 0 {
             run(&mut text, parameters);
@@ -65,7 +59,7 @@ pub fn lesson_of(
         for paragraph in paragraphs(&rest) {
             let _ = write!(text, "\n{paragraph}\n");
         }
-        let notes: Vec<String> = paragraphs(note).collect();
+        let notes = paragraphs(note);
         if !notes.is_empty() {
             let _ = write!(text, "\n```note\n{}\n```\n", notes.join("\n\n"));
         }
@@ -78,7 +72,7 @@ pub fn lesson_of(
 ///
 /// # Errors
 ///
-/// Those of the session's file, and those of [`lesson_of`].
+/// Those of the session's file; no scenes, or a run that a lesson cannot name.
 pub fn lesson_of_session(text: &str) -> Result<String, String> {
     let saved = Session::from_json(text).map_err(|error| error.to_string())?;
     lesson_of(&saved.scenes, &saved.parameters, saved.pattern.is_some())
@@ -99,7 +93,7 @@ fn titled(caption: &str) -> (String, String) {
     (first.to_owned(), rest.trim().to_owned())
 }
 
-/// Returns a text without the marks that mean something in lessons.
+/// Returns a text without the characters that lessons read as marks.
 fn plain(text: &str) -> String {
     let lines = text.trim().lines().map(|line| {
         let line = line.trim_start_matches(['#', '`', ' ', '\t']);
@@ -108,14 +102,10 @@ fn plain(text: &str) -> String {
     lines.collect::<Vec<_>>().join("\n")
 }
 
-fn paragraphs(text: &str) -> impl Iterator<Item = String> {
+fn paragraphs(text: &str) -> Vec<String> {
     let text = plain(text);
-    let parts: Vec<String> = text
-        .split("\n\n")
-        .map(|part| part.trim().to_owned())
-        .filter(|part| !part.is_empty())
-        .collect();
-    parts.into_iter()
+    let parts = text.split("\n\n").map(|part| part.trim().to_owned());
+    parts.filter(|part| !part.is_empty()).collect()
 }
 
 /// Writes the parameters of a run.
@@ -158,11 +148,8 @@ fn moment(text: &mut String, scene: &SavedScene) {
     let placed = camera.and_then(|camera| Some((camera.placed(camera.event, true)?, camera.radii)));
     if let Some((center, radii)) = placed {
         let radii = radii.clamp(2.0, 1_000.0);
-        let _ = writeln!(
-            text,
-            "camera: [{:.4}, {:.4}] radii {radii:.3}",
-            center.x, center.y
-        );
+        let [x, y] = center.to_array();
+        let _ = writeln!(text, "camera: [{x:.4}, {y:.4}] radii {radii:.3}");
     }
 }
 

@@ -24,11 +24,9 @@ pub(crate) fn view_of_scene(
     let cursor = marked.cursor()?;
     let is_same_run = matches!(marked, Marked::Here(_));
     let (saved, _) = SavedView::from_json(&scene.view, &SavedView::default());
-    let is_pattern = session.stages.get(session.stage_at(cursor)) == Some(&Stage::Pattern);
-    let domain = if is_pattern {
-        units::size(session.run().pattern.domain())
-    } else {
-        session.size_radii()
+    let domain = match session.stages.get(session.stage_at(cursor)) {
+        Some(Stage::Pattern) => units::size(session.run().pattern.domain()),
+        _ => session.size_radii(),
     };
     let canvas = Rect::from_min_size(Pos2::ZERO, size.map(|side| side as f32).into());
     let recording = debugger.recording();
@@ -38,16 +36,17 @@ pub(crate) fn view_of_scene(
         let center = camera.placed(place.map(units::position), is_same_run)?;
         sound_camera(center, size[0].min(size[1]) / camera.radii)
     });
+    let selection = if is_same_run {
+        saved.selection
+    } else {
+        Selection::Nothing
+    };
     let view = PictureView {
         camera: camera.unwrap_or_else(|| Camera::fitting(domain, canvas)),
         size,
         chosen_layers: saved.appearance.chosen_layers,
         colouring: saved.appearance.colouring,
-        selection: if is_same_run {
-            saved.selection
-        } else {
-            Selection::Nothing
-        },
+        selection,
         dark,
         print: false,
         caption: scene.caption.clone(),

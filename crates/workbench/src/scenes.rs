@@ -16,7 +16,7 @@ pub enum SceneCommand {
     Caption(usize, String),
     /// Removes a scene.
     Remove(usize),
-    /// Moves a scene to another place in the list.
+    /// Moves a scene from one index of the list to another.
     Move(usize, usize),
     /// Shows a scene.
     Show(usize),

@@ -1,6 +1,6 @@
-//! The state of the window, and [`State::apply`], the only way in which commands change it. It has parts,
-//! listed in [`State`]; what a part needs of another is an effect ([`effects`]), which the state carries out.
-//! Tests drive it without a window.
+//! The state of the window, and [`State::apply`], through which every command goes. Begin there: `dispatch` passes a command
+//! to one of the parts that [`State`] lists, each in a file of `state/`. A part that needs something of another part asks
+//! for an effect ([`effects`]), which the state carries out. No window is needed, so that tests and scripts use the state.
 
 use tilescope_core::Stage;
 
@@ -71,7 +71,7 @@ pub enum FullScreen {
     /// It can.
     #[default]
     Free,
-    /// It is to enter or leave full screen now.
+    /// The user asked to enter or leave full screen.
     Asked,
     /// It cannot, and why.
     Refused(&'static str),
@@ -120,7 +120,7 @@ pub struct State {
     pub links: Links,
     /// Messages to the user.
     pub messages: Messages,
-    /// The run that was shown before scenes were presented.
+    /// The run that was shown before scenes were presented, and that comes back afterwards.
     set_aside: Option<Box<RunView>>,
     history: undo::History,
     jobs: JobContext,
@@ -199,7 +199,7 @@ impl State {
         refusal.or_else(|| self.gpu.waiting())
     }
 
-    /// Applies a command. This is the only way in which the user changes the state.
+    /// Applies a command. The user changes the state by commands only.
     pub fn apply(&mut self, command: Command) {
         if self.refuse_veiled(&command) {
             return;
@@ -299,13 +299,13 @@ impl State {
         }
     }
 
-    /// Restores the user's earlier choice of motion.
+    /// Restores the user's earlier choice of reduced motion.
     pub fn choose_motion(&mut self, chosen: Option<bool>) {
         self.appearance.choose_motion(chosen);
         self.end_flights();
     }
 
-    /// Sets the system's preference of motion, which counts until the user chooses.
+    /// Sets the system's preference of reduced motion, which counts until the user chooses.
     pub fn prefer_reduced_motion(&mut self, reduced: bool) {
         self.appearance.prefer_reduced_motion(reduced);
         self.end_flights();
@@ -354,6 +354,13 @@ impl State {
     /// Runs `act` on playback and the run that it moves, and carries out the effects they ask for.
     fn in_time<T>(&mut self, act: impl FnOnce(&mut Time, &mut RunView, &mut Context) -> T) -> T {
         self.with(|state, context| act(&mut state.time, &mut state.runs.first, context))
+    }
+
+    /// Stops making and reading sessions, and closes the notice.
+    fn stop_making(&mut self) {
+        self.files.stop_reading();
+        self.runs.first.sampling = None;
+        (self.links.arriving, self.messages.notice) = (None, None);
     }
 
     fn carry_out_effects(&mut self, which: Which, effects: Vec<Effect>) {

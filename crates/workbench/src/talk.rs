@@ -11,7 +11,7 @@ use tilescope_session::jobs::Job;
 
 use crate::pen::{MAX_POINTS, PenStroke};
 
-/// What a lecturer does.
+/// An action of a lecturer.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum TalkCommand {
@@ -42,7 +42,7 @@ pub enum TalkCommand {
     Next,
     /// Goes back.
     Previous,
-    /// Blanks the projector, or shows it again.
+    /// Makes the stage black, or ends that.
     Blank,
     /// Opens the window with the notes, or closes it.
     ToggleNotes,
@@ -78,11 +78,11 @@ pub enum TalkCommand {
     Address(String),
     /// Keeps drawings and votes with the session, or does not.
     Keep(bool),
-    /// Takes back what an earlier window of the same talk had, as [`Kept`] in JSON.
+    /// Continues a talk of an earlier window, [`Kept`] as JSON.
     Restore(String),
 }
 
-/// What the pointer does on the stage.
+/// The effect of the pointer on the stage.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Tool {
@@ -113,14 +113,11 @@ impl TalkPart {
         let scale = minutes.map_or(1.0, |minutes| {
             f64::from(minutes) / f64::from(lesson.minutes)
         });
+        let planned = lesson.planned_secs().into_iter();
         Self {
             name: lesson.name.clone(),
             title: lesson.title.clone(),
-            secs: lesson
-                .planned_secs()
-                .iter()
-                .map(|secs| secs * scale)
-                .collect(),
+            secs: planned.map(|secs| secs * scale).collect(),
         }
     }
 }
@@ -131,11 +128,11 @@ impl TalkPart {
 pub struct TalkRecord {
     /// The votes, at most two for a question.
     pub votes: BTreeMap<String, Vec<Vote>>,
-    /// What was drawn.
+    /// The lines.
     pub strokes: BTreeMap<String, Vec<PenStroke>>,
 }
 
-/// What outlives the windows of a talk.
+/// A talk as it is kept when its windows are closed.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Kept {
@@ -153,14 +150,14 @@ pub struct Kept {
     pub record: TalkRecord,
 }
 
-/// What covers the stage.
+/// A cover over the whole stage.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Cover {
     /// The code of the link for phones.
     Code,
     /// Black, until the lecturer goes on.
     Blank,
-    /// Black: the last step is behind.
+    /// Black, after the last step.
     Over,
 }
 
@@ -187,7 +184,7 @@ pub struct Talk {
     pub step_begun: f64,
     /// Whether "next" was pressed at the open question: the class votes, and another press reveals.
     pub is_voting: bool,
-    /// What covers the stage, if anything does.
+    /// The cover over the stage, if there is one.
     pub cover: Option<Cover>,
     /// The windows.
     pub windows: TalkWindows,
@@ -199,7 +196,7 @@ pub struct Talk {
     pub is_drawing: bool,
     /// Where the laser points, in r.
     pub pointer: Option<[f64; 2]>,
-    /// What is wrong with the vote that was typed, if anything is.
+    /// The fault of the vote that was typed, if it has one.
     pub vote_fault: Option<String>,
 }
 
@@ -233,11 +230,8 @@ impl Talk {
         let here = self.parts.get(self.part).map_or(&[][..], |part| &part.secs);
         let before: f64 = here.iter().take(step).sum();
         let all = self.parts.iter().map(of).sum();
-        [
-            earlier + before,
-            here.get(step).copied().unwrap_or(0.0),
-            all,
-        ]
+        let this = here.get(step).copied().unwrap_or(0.0);
+        [earlier + before, this, all]
     }
 }
 
@@ -248,9 +242,8 @@ impl TalkRecord {
         self.votes.get(key).map_or(&[], Vec::as_slice)
     }
 
-    /// Returns what was drawn in a step.
-    #[must_use]
-    pub fn strokes_in(&self, key: &str) -> &[PenStroke] {
+    /// Returns the lines over a step.
+    pub(crate) fn strokes_in(&self, key: &str) -> &[PenStroke] {
         self.strokes.get(key).map_or(&[], Vec::as_slice)
     }
 
@@ -288,15 +281,13 @@ impl TalkRecord {
 /// Returns the QR code of a text, row by row, true where it is dark; None for an empty text or one that is too long.
 #[must_use]
 pub fn code(text: &str) -> Option<Vec<Vec<bool>>> {
-    let code = fast_qr::QRBuilder::new(text)
-        .build()
-        .ok()
-        .filter(|_| !text.is_empty())?;
+    let code = fast_qr::QRBuilder::new(text).build().ok();
+    let code = code.filter(|_| !text.is_empty())?;
     let row = |y: usize| (0..code.size).map(|x| code[y][x].value()).collect();
     Some((0..code.size).map(row).collect())
 }
 
-/// Returns what the last of some votes suggests doing; `key` is that of the question.
+/// Returns the advice by the last vote; `key` is that of the question.
 #[must_use]
 pub fn advised(votes: &[Vote], key: Option<&Key>) -> Option<Advice> {
     let right = match key {
@@ -314,7 +305,7 @@ pub(crate) type HandoutFile = (String, Option<PathBuf>);
 pub struct Talks {
     /// The handout that is being made, and its file.
     pub(crate) handout: Option<(HandoutFile, Job<Result<String, String>>)>,
-    /// The talk that is given.
+    /// The talk, while it is given.
     pub open: Option<Box<Talk>>,
     /// Votes and drawings.
     pub record: TalkRecord,
@@ -322,6 +313,6 @@ pub struct Talks {
     pub is_kept: bool,
     /// The address of the page that the code for phones leads to.
     pub address: String,
-    /// The talk to be given once the lessons are loaded.
+    /// The command that begins a talk, to be carried out once the lessons are loaded.
     pub(crate) wanted: Option<TalkCommand>,
 }

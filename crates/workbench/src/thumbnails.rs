@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 use tilescope_debugger::{Debugger, SavedScene};
-use tilescope_figures::to_pixels;
+use tilescope_figures::{Pixels, to_pixels};
 use tilescope_session::jobs::{Job, Monitor, Wake};
 use tilescope_session::session::Session;
 use tilescope_session::task::{self, SessionRef, Task};
@@ -29,8 +29,16 @@ pub struct Thumbnail {
     pub rgba: Vec<u8>,
 }
 
-/// What a picture depends on.
-#[derive(PartialEq)]
+impl From<Pixels> for Thumbnail {
+    fn from(pixels: Pixels) -> Self {
+        Self {
+            size: [pixels.width as usize, pixels.height as usize],
+            rgba: pixels.rgba,
+        }
+    }
+}
+
+/// Everything that a picture depends on.
 struct ThumbnailKey {
     /// The session's generation.
     generation: u64,
@@ -96,21 +104,16 @@ impl Thumbnails {
             }
         }
         let scenes = &debugger.scenes;
-        self.0
-            .retain(|(key, _)| scenes.iter().any(|scene| key.is_of(session, scene, dark)));
+        let is_there =
+            |key: &ThumbnailKey| scenes.iter().any(|scene| key.is_of(session, scene, dark));
+        self.0.retain(|(key, _)| is_there(key));
         for scene in scenes {
-            if self
-                .0
-                .iter()
-                .any(|(_, drawn)| matches!(drawn, Drawn::Pending(_)))
-            {
+            let mut drawn = self.0.iter();
+            if drawn.any(|(_, drawn)| matches!(drawn, Drawn::Pending(_))) {
                 return;
             }
-            if self
-                .0
-                .iter()
-                .any(|(key, _)| key.is_of(session, scene, dark))
-            {
+            let mut drawn = self.0.iter();
+            if drawn.any(|(key, _)| key.is_of(session, scene, dark)) {
                 continue;
             }
             let key = ThumbnailKey {
@@ -121,7 +124,7 @@ impl Thumbnails {
                     ..scene.clone()
                 },
             };
-            // This run may not have the moment.
+            // A run without the scene's moment has no picture of it.
             let size = THUMBNAIL_SIZE.map(|side| LAID_OUT * side);
             let shown = view_of_scene(session, debugger, scene, size, dark);
             let drawn = shown.map_or(Drawn::Done(None), |shown| {
@@ -147,9 +150,6 @@ impl Task for ThumbnailTask {
     fn run(self, _: &Monitor) -> Self::Outcome {
         let scene = thumbnail(&self.session, &self.shown);
         let pixels = to_pixels(&scene, SHARPNESS / LAID_OUT).ok()?;
-        Some(Thumbnail {
-            size: [pixels.width as usize, pixels.height as usize],
-            rgba: pixels.rgba,
-        })
+        Some(pixels.into())
     }
 }

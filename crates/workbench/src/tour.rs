@@ -15,12 +15,12 @@ pub struct TourScene {
     /// The moment, the view and the caption.
     #[serde(flatten)]
     pub scene: SavedScene,
-    /// What the scene offers to do.
+    /// The button of the scene, if it has one.
     #[serde(default)]
     pub offer: Option<Offer>,
 }
 
-/// Something that a button does.
+/// A button with the commands that it issues.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 pub struct Offer {
     /// The text of the button.

@@ -1,5 +1,5 @@
-//! The view of a session, as saved with it: camera, layers, colours, panels, selection, clock, the second run.
-//! Views are read from untrusted files: each part is checked by itself.
+//! The view of a session, as it is saved with the session: camera, layers, colours, panels, selection, clock, the second
+//! run. Views come from untrusted files: each part is checked by itself. `state/view.rs` makes and applies them.
 
 use glam::DVec2;
 
@@ -16,7 +16,7 @@ use crate::compare::Comparison;
 use crate::layout::{Layout, OldLayout, text};
 use tilescope_drawing::camera::{Camera, MAX_SCALE, MIN_SCALE};
 
-/// The farthest that any domain reaches from the origin, in r.
+/// The largest coordinate that a view may have, in r: no domain reaches so far from the origin.
 pub const MAX_OFFSET: f64 = 200_000.0;
 
 /// The widest view of a scene across its shorter side, in r.
@@ -58,47 +58,27 @@ impl Default for SavedView {
     }
 }
 
-#[derive(Clone, Copy, Serialize, Deserialize)]
-struct SavedCamera {
-    center: DVec2,
-    scale: f64,
-}
-
-#[derive(Clone, Copy, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-enum SavedSelection {
-    Sample(u32),
-    Place(DVec2),
-}
-
 impl SavedView {
     /// Returns the view as JSON.
     #[must_use]
     pub fn to_json(&self) -> Value {
-        let Appearance {
-            chosen_layers,
-            colouring,
-            look,
-            ..
-        } = &self.appearance;
+        let appearance = &self.appearance;
         let mut map = Map::new();
         let mut put = |name: &str, value: Value| {
             map.insert(name.to_owned(), value);
         };
-        if let Some(Camera { center, scale }) = self.camera {
-            put("camera", json!(SavedCamera { center, scale }));
+        if let Some(camera) = self.camera {
+            put("camera", json!(camera));
         }
         put("fitted", json!(self.camera.is_none()));
-        let layers =
-            chosen_layers.map(|layers| json!(layers.iter().map(Layer::name).collect::<Vec<_>>()));
+        let names = |layers: Layers| json!(layers.iter().map(Layer::name).collect::<Vec<_>>());
+        let layers = appearance.chosen_layers.map(names);
         put("layers", layers.unwrap_or_else(|| json!(AUTOMATIC)));
-        put("colouring", json!(colouring));
-        put("look", json!(look));
+        put("colouring", json!(appearance.colouring));
+        put("look", json!(appearance.look));
         put("layout", json!(self.layout));
-        match self.selection {
-            Selection::Nothing => {}
-            Selection::Sample(id) => put("selection", json!(SavedSelection::Sample(id))),
-            Selection::Place(place) => put("selection", json!(SavedSelection::Place(place))),
+        if self.selection != Selection::Nothing {
+            put("selection", json!(self.selection));
         }
         put("clock", json!(self.playback.clock_of_events()));
         match self.playback.whole_run_secs {
@@ -115,8 +95,8 @@ impl SavedView {
         Value::Object(map)
     }
 
-    /// Returns the saved view, read over the current view `now`, and the names of the invalid parts. Parts that are
-    /// missing or invalid stay as in `now`; without a saved second run there is none.
+    /// Returns the saved view, and the names of its invalid parts. Parts that are missing or invalid are those of `now`,
+    /// the current view; without a saved second run there is none.
     #[must_use]
     pub fn from_json(value: &Value, now: &Self) -> (Self, Vec<&'static str>) {
         let mut parts = Parts {
@@ -124,7 +104,9 @@ impl SavedView {
             dropped: Vec::new(),
         };
         let mut view = now.clone();
-        let camera = parts.take("camera", camera);
+        let camera = parts.take("camera", |Camera { center, scale }| {
+            sound_camera(center, scale)
+        });
         match parts.take("fitted", Some) {
             Some(true) => view.camera = None,
             _ => view.camera = camera.or(view.camera),
@@ -196,10 +178,10 @@ impl Parts<'_> {
     fn take<S: DeserializeOwned, T>(
         &mut self,
         name: &'static str,
-        sense: impl FnOnce(S) -> Option<T>,
+        check: impl FnOnce(S) -> Option<T>,
     ) -> Option<T> {
         let value = self.value.get(name).filter(|value| !value.is_null())?;
-        let taken = serde_json::from_value(value.clone()).ok().and_then(sense);
+        let taken = serde_json::from_value(value.clone()).ok().and_then(check);
         if taken.is_none() {
             self.dropped.push(name);
         }
@@ -211,28 +193,22 @@ impl Parts<'_> {
         &mut self,
         value: &mut T,
         name: &'static str,
-        sense: impl FnOnce(S) -> Option<T>,
+        check: impl FnOnce(S) -> Option<T>,
     ) {
-        if let Some(taken) = self.take(name, sense) {
+        if let Some(taken) = self.take(name, check) {
             *value = taken;
         }
     }
 }
 
-fn camera(saved: SavedCamera) -> Option<Camera> {
-    sound_camera(saved.center, saved.scale)
-}
-
-/// Returns the camera at `center`, in r, with `scale` screen points per r, if both are valid.
-#[must_use]
-pub fn sound_camera(center: DVec2, scale: f64) -> Option<Camera> {
+/// Returns the camera at `center`, in r, with `scale` screen points per r; `None` if one is not valid.
+pub(crate) fn sound_camera(center: DVec2, scale: f64) -> Option<Camera> {
     let may_be = is_near(center) && (MIN_SCALE..=MAX_SCALE).contains(&scale);
     may_be.then_some(Camera { center, scale })
 }
 
 /// Returns whether both coordinates of `place`, in r, are within [`MAX_OFFSET`] of the origin.
-#[must_use]
-pub fn is_near(place: DVec2) -> bool {
+pub(crate) fn is_near(place: DVec2) -> bool {
     place.abs().cmple(DVec2::splat(MAX_OFFSET)).all()
 }
 
@@ -260,11 +236,13 @@ fn layers(saved: Value) -> Option<Option<Layers>> {
     Some(Some(layers))
 }
 
-fn selection(saved: SavedSelection) -> Option<Selection> {
-    match saved {
-        SavedSelection::Sample(id) => Some(Selection::Sample(id)),
-        SavedSelection::Place(place) => is_near(place).then_some(Selection::Place(place)),
-    }
+fn selection(saved: Selection) -> Option<Selection> {
+    let is_valid = match saved {
+        Selection::Nothing => false,
+        Selection::Sample(_) => true,
+        Selection::Place(place) => is_near(place),
+    };
+    is_valid.then_some(saved)
 }
 
 /// Returns the parameters of a second run from a file, limited like those of a session.

@@ -1,4 +1,4 @@
-//! All kinds of tasks by name, for workers.
+//! Every kind of background task, by its name, for workers on a page. A new task needs a line here.
 
 use tilescope_session::jobs::Monitor;
 use tilescope_session::task::{Task, TaskError, run};

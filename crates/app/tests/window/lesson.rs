@@ -45,7 +45,7 @@ fn right(harness: &Harness<'_, App>) -> Vec<usize> {
         .as_ref()
         .expect("a lesson");
     let (_, traced) = open.learner.tries();
-    match (question.right_answer_at(traced), &question.form) {
+    match (question.right_answer(traced), &question.form) {
         (Answer::Choice(option), _) => vec![option],
         (Answer::Pick(samples), Form::Pick { candidates, .. }) => {
             let place = |sample: &u32| candidates.iter().position(|other| other == sample);
@@ -171,7 +171,7 @@ fn drafts(harness: &Harness<'_, App>) -> Vec<DraftCommand> {
     let question = lessons.open_question().expect("a question");
     let (_, traced) = lessons.open.as_ref().expect("a lesson").learner.tries();
     let chosen = |all: Vec<usize>| all.into_iter().map(DraftCommand::Choose).collect();
-    match question.right_answer_at(traced) {
+    match question.right_answer(traced) {
         Answer::Choice(option) => chosen(vec![option]),
         Answer::Pick(samples) => samples.into_iter().map(DraftCommand::Pick).collect(),
         Answer::Place(place) => vec![DraftCommand::Place(place)],

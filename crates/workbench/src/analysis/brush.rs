@@ -82,7 +82,7 @@ pub type Outcome = Result<Cause, Option<String>>;
 /// The causes of the brush at the current moment, if known.
 #[derive(Default)]
 pub struct Marks {
-    /// The request of the frame before.
+    /// The moment and the brush of the frame before.
     asked: Option<Of>,
     work: Option<(Of, Job<Outcome>)>,
     found: Option<(Of, BrushedCause)>,
@@ -266,14 +266,15 @@ fn strongest(shares: &[f32], mean: f32) -> f32 {
 fn describe(cause: &Cause) -> String {
     match cause {
         Cause::Pairs { total, pairs } => {
-            let count = counted(*total as usize, "pair", "pairs");
+            let (count, kept) = (
+                counted(*total as usize, "pair", "pairs"),
+                grouped(pairs.len()),
+            );
+            let cut = format!("; the {kept} lowest in the domain are kept");
             let cut = if *total > pairs.len() as u64 {
-                format!(
-                    "; the {} lowest in the domain are kept",
-                    grouped(pairs.len())
-                )
+                &cut
             } else {
-                String::new()
+                ""
             };
             format!("{count}, joined by lines on the canvas{cut}.")
         }

@@ -7,6 +7,7 @@ use tilescope_analysis::measures::{
     FrequencyWindow, MeasureError, PairCorrelation, Periodogram, PowerCurve, Spectrum,
 };
 use tilescope_analysis::{Progress, Region, Report, VerifyError, VerifyOptions, verify};
+use tilescope_session::words::{counted, sentence};
 
 /// The size of a set from which the spectrum of its low frequencies is measured first.
 const ROUGH_FROM: usize = 20_000;
@@ -38,8 +39,8 @@ pub struct MeasuredSet {
     pub radius: f64,
     /// The pair correlation.
     pub pairs: Option<Arc<PairCorrelation>>,
-    /// Conflicts, gaps, distances and density; or why there is no verdict. The other parts are measured all the
-    /// same.
+    /// Conflicts, gaps, distances and density; or why there is no verdict. Without a verdict the other parts are measured,
+    /// too.
     pub report: Option<Result<Arc<Report>, String>>,
     /// The spectrum of low frequencies, until the whole one is known.
     pub rough: Option<Arc<Spectrum>>,
@@ -135,8 +136,7 @@ impl MeasuredSet {
                 let options = VerifyOptions::default();
                 let report = match verify(points, region, set.radius, &options, control) {
                     Err(VerifyError::Cancelled) => return Err(MeasureError::Cancelled),
-                    other => other
-                        .map_err(|error| tilescope_session::words::sentence(&error.to_string())),
+                    other => other.map_err(|error| sentence(&error.to_string())),
                 };
                 self.report = Some(report.map(Arc::new));
             }
@@ -164,13 +164,9 @@ impl MeasuredSet {
     /// Returns all measures of `set`, without the spectrum of low frequencies.
     pub fn whole(set: &Samples, control: Control<'_>) -> Result<Self, MeasureError> {
         let mut measured = Self::nothing(set);
-        for part in [
-            MeasurePart::Pairs,
-            MeasurePart::Report,
-            MeasurePart::Spectrum,
-        ] {
-            measured.measure(part, set, control)?;
-        }
+        measured.measure(MeasurePart::Pairs, set, control)?;
+        measured.measure(MeasurePart::Report, set, control)?;
+        measured.measure(MeasurePart::Spectrum, set, control)?;
         Ok(measured)
     }
 
@@ -221,8 +217,8 @@ pub fn refusal(error: &MeasureError) -> Option<String> {
         MeasureError::Cancelled => None,
         MeasureError::TooFew { count, limit } => Some(format!(
             "{}; at least {limit} are needed to be measured.",
-            tilescope_session::words::counted(*count, "sample stands", "samples stand")
+            counted(*count, "sample stands", "samples stand")
         )),
-        error => Some(tilescope_session::words::sentence(&error.to_string())),
+        error => Some(sentence(&error.to_string())),
     }
 }

@@ -7,6 +7,7 @@ use tilescope_core::{Boundary as Border, Pattern, PatternSpec, Unobserved};
 use tilescope_session::jobs::{Job, Monitor, Wake};
 use tilescope_session::task::{self, Task};
 use tilescope_session::units::radii;
+use tilescope_session::words::grouped;
 
 use super::measured::{MeasuredSet, Samples, refusal};
 
@@ -44,12 +45,8 @@ impl Reference {
     /// Returns its description.
     #[must_use]
     pub fn name(&self) -> String {
-        let count = self.measured().map_or_else(String::new, |measured| {
-            format!(
-                ", {} samples",
-                tilescope_session::words::grouped(measured.samples)
-            )
-        });
+        let count = self.measured().map(|measured| grouped(measured.samples));
+        let count = count.map_or_else(String::new, |count| format!(", {count} samples"));
         format!("dart throwing, {} r periodic{count}", SPEC.side)
     }
 
@@ -99,25 +96,21 @@ impl Task for MeasureReferenceTask {
     const NAME: &'static str = "measure the reference";
 
     fn run(self, monitor: &Monitor) -> Self::Outcome {
-        measure(monitor)
+        let pattern = Pattern::of_spec(&SPEC, &mut Unobserved);
+        let pattern = pattern.map_err(|error| error.to_string())?;
+        let domain = pattern.domain();
+        let points = pattern.samples().iter();
+        let points = points.map(|point| [radii(point.x), radii(point.y)]);
+        let set = Samples {
+            points: points.collect(),
+            region: Region {
+                width: radii(domain.width()),
+                height: radii(domain.height()),
+                boundary: Boundary::Periodic,
+            },
+            radius: 1.0,
+        };
+        let measured = MeasuredSet::whole(&set, &|progress| monitor.follow(progress));
+        measured.map_err(|error| refusal(&error).unwrap_or_default())
     }
-}
-
-fn measure(monitor: &Monitor) -> Result<MeasuredSet, String> {
-    let pattern = Pattern::of_spec(&SPEC, &mut Unobserved).map_err(|error| error.to_string())?;
-    let domain = pattern.domain();
-    let samples = pattern.samples().iter();
-    let set = Samples {
-        points: samples
-            .map(|point| [radii(point.x), radii(point.y)])
-            .collect(),
-        region: Region {
-            width: radii(domain.width()),
-            height: radii(domain.height()),
-            boundary: Boundary::Periodic,
-        },
-        radius: 1.0,
-    };
-    MeasuredSet::whole(&set, &|progress| monitor.follow(progress))
-        .map_err(|error| refusal(&error).unwrap_or_default())
 }

@@ -36,8 +36,7 @@ impl ReferenceFile {
 }
 
 /// Returns a domain in words, in user units.
-#[must_use]
-pub fn domain_text(region: Region) -> String {
+pub(crate) fn domain_text(region: Region) -> String {
     let border = match region.boundary {
         Boundary::Periodic => "periodic",
         Boundary::Bounded => "bounded",
@@ -50,16 +49,12 @@ fn refusal(name: &str, region: Region, guessed: bool, run: Region) -> Option<Str
     let fits = region.boundary == run.boundary
         && same(region.width, run.width)
         && same(region.height, run.height);
-    let guess = if guessed {
-        ", taken for one of the unit square because it has no certificate,"
-    } else {
-        ""
-    };
+    let guess = ", taken for one of the unit square because it has no certificate,";
+    let guess = if guessed { guess } else { "" };
+    let [own, other] = [region, run].map(domain_text);
     (!fits).then(|| {
         format!(
-            "{name}{guess} is a set on a domain of {}, and this run's domain is {}: only sets on the same domain can be compared.",
-            domain_text(region),
-            domain_text(run)
+            "{name}{guess} is a set on a domain of {own}, and this run's domain is {other}: only sets on the same domain can be compared."
         )
     })
 }
@@ -76,39 +71,38 @@ pub fn of(
     monitor: &Monitor,
 ) -> Result<ReferenceFile, String> {
     let named = |text: &str| format!("{name}: {text}");
-    let certificate = read.certificate.as_ref();
     let torus = read.detection.format.is_unit_torus();
-    let region = certificate.map_or(
-        Region {
-            width: 1.0,
-            height: 1.0,
-            boundary: if torus {
-                Boundary::Periodic
-            } else {
-                run.boundary
-            },
+    let unit = Region {
+        width: 1.0,
+        height: 1.0,
+        boundary: if torus {
+            Boundary::Periodic
+        } else {
+            run.boundary
         },
-        |certificate| certificate.region,
-    );
+    };
+    let certificate = read.certificate.as_ref();
+    let region = certificate.map_or(unit, |certificate| certificate.region);
     let guessed = certificate.is_none() && !torus;
     if let Some(why) = refusal(last_part(name), region, guessed, run) {
         return Err(why);
     }
-    let set = Samples {
-        points: read.set.points,
-        region,
-        radius,
-    };
-    if set.points.len() < 3 {
+    let points = read.set.points;
+    if points.len() < 3 {
         return Err(named(
             "fewer than 3 samples, which are too few to be measured",
         ));
     }
-    let measured =
-        MeasuredSet::whole(&set, &|progress| monitor.follow(progress)).map_err(|error| {
-            let why = measured::refusal(&error);
-            why.map_or_else(|| named("cancelled"), |why| named(&why))
-        })?;
+    let set = Samples {
+        points,
+        region,
+        radius,
+    };
+    let measured = MeasuredSet::whole(&set, &|progress| monitor.follow(progress));
+    let measured = measured.map_err(|error| {
+        let why = measured::refusal(&error);
+        named(why.as_deref().unwrap_or("cancelled"))
+    })?;
     Ok(ReferenceFile {
         path: name.to_owned(),
         guessed,

@@ -77,10 +77,8 @@ impl Differences {
     }
 
     fn take(&mut self) {
-        let outcome = self
-            .work
-            .as_ref()
-            .and_then(|(key, job)| Some((*key, job.poll()?)));
+        let work = self.work.as_ref();
+        let outcome = work.and_then(|(key, job)| Some((*key, job.poll()?)));
         if let Some((key, outcome)) = outcome {
             self.work = None;
             match outcome {

@@ -9,12 +9,11 @@ use tilescope_session::session::Session;
 /// left out of a tape, as single events then cannot be matched.
 #[must_use]
 pub fn common(a: &Session, b: &Session, divergence: Option<&Divergence>) -> Option<[usize; 2]> {
-    let whole = |session: &Session| {
-        session
-            .recording()
-            .is_some_and(|recording| recording.tape().left_out() == 0)
+    let is_whole = |session: &&Session| {
+        let recording = session.recording();
+        recording.is_some_and(|recording| recording.tape().left_out() == 0)
     };
-    if !whole(a) || !whole(b) {
+    if ![a, b].iter().all(is_whole) {
         return None;
     }
     match divergence {
@@ -52,9 +51,8 @@ pub fn corresponding(
         return moment_at(to, end.max(b));
     }
     let bounds = |session: &Session, stage: usize, least: usize| {
-        let start = stage
-            .checked_sub(1)
-            .and_then(|before| session.stage_end(before));
+        let start = stage.checked_sub(1);
+        let start = start.and_then(|before| session.stage_end(before));
         let end = session.stage_end(stage).unwrap_or(0);
         (start.unwrap_or(0).max(least.min(end)), end)
     };
@@ -67,9 +65,6 @@ pub fn corresponding(
 
 /// Returns the moment of a session after this many events, or at its end.
 fn moment_at(session: &Session, cursor: usize) -> Moment {
-    let last = session.stages.len() - 1;
-    let cursor = session
-        .stage_end(last)
-        .map_or(cursor, |end| cursor.min(end));
-    Moment::at(session, cursor)
+    let end = session.stage_end(session.stages.len() - 1);
+    Moment::at(session, cursor.min(end.unwrap_or(cursor)))
 }

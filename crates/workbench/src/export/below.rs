@@ -1,4 +1,4 @@
-//! What is written below an exported picture: the caption of a scene, and a legend.
+//! The lines below an exported picture: the caption of a scene, and a legend.
 
 use ecolor::Color32;
 use emath::Vec2;
@@ -30,12 +30,12 @@ const SPACE: f64 = 0.01;
 const LINE_HEIGHT: f64 = 1.5;
 /// Room for a symbol before its meaning, and between entries, relative to the font size of the legend.
 const SYMBOL_WIDTH: f64 = 1.6;
-/// The font size at which symbols have the size that they are drawn at in the window.
+/// The font size in the window, which the size of the symbols is made for.
 const FONT_OF_SYMBOLS: f64 = 12.5;
 
 /// The layout below a picture, in points from the left edge of its frame and from the frame's lower edge.
 pub(super) struct Below {
-    /// The height of it all.
+    /// The height of caption and legend together.
     pub(super) height: f64,
     lines: Vec<String>,
     entries: Vec<LegendEntry>,
@@ -119,7 +119,7 @@ impl Below {
     }
 }
 
-/// Returns a shape of a symbol at its place in the picture.
+/// Returns a shape of a symbol at its position in the picture.
 fn placed(shape: SymbolShape, middle: [f64; 2], scale: f64) -> Shape {
     let [x, y] = middle;
     let on = |at: Vec2| [x + scale * f64::from(at.x), y + scale * f64::from(at.y)];

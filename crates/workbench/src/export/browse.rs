@@ -6,6 +6,7 @@ use tilescope_session::jobs::{Job, Wake};
 
 use super::ExportKind;
 use super::form::ExportForm;
+use crate::files::answered;
 
 /// Opens the system's dialog; the job ends with the chosen file, or `None`.
 #[must_use]
@@ -34,9 +35,5 @@ pub fn browse(form: &ExportForm, wake: &Wake) -> Job<Option<PathBuf>> {
     if let Some(folder) = path.parent().filter(|folder| folder.is_dir()) {
         dialog = dialog.set_directory(folder);
     }
-    // The dialog must be made on the window's thread; waiting for it must not.
-    let answer = dialog.save_file();
-    Job::start(wake, move |_| {
-        pollster::block_on(answer).map(|file| file.path().to_owned())
-    })
+    answered(wake, dialog.save_file())
 }

@@ -75,20 +75,19 @@ fn subject<'a>(
     causes: Option<&'a BrushedCause>,
     geometry: &'a Geometry,
 ) -> Subject<'a> {
+    let (selected, place) = match view.selection {
+        Selection::Nothing => (None, None),
+        Selection::Sample(id) => (Some(id), None),
+        Selection::Place(place) => (None, Some(place)),
+    };
     Subject {
         shown,
         camera: view.camera,
         layers: view.layers(shown.stage),
         colouring: view.colouring,
         hovered: None,
-        selected: match view.selection {
-            Selection::Sample(id) => Some(id),
-            Selection::Place(_) | Selection::Nothing => None,
-        },
-        place: match view.selection {
-            Selection::Place(place) => Some(place),
-            Selection::Sample(_) | Selection::Nothing => None,
-        },
+        selected,
+        place,
         witness_mark: None,
         geometry,
         contrast: None,

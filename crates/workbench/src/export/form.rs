@@ -1,6 +1,8 @@
-//! The export sheet as filled in: a file name, and numbers as typed, with their checks.
+//! The export sheet as filled in: a path, and numbers as typed, with their checks. `state/export.rs` fills it in.
 
+use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
+use std::str::FromStr;
 
 use tilescope_formats::Precision;
 
@@ -50,7 +52,7 @@ pub struct ExportForm {
     pub print: bool,
     /// Whether a legend is below a picture.
     pub legend: bool,
-    /// How many scenes there are to be pictured.
+    /// The number of scenes.
     pub scenes: usize,
     /// Whether an animation shows the whole run instead of the stage shown or the loop.
     pub whole_run: bool,
@@ -106,7 +108,7 @@ impl ExportForm {
         self.asked = false;
     }
 
-    /// Checks whether the file exists already.
+    /// Notes whether the file exists already.
     pub fn look(&mut self) {
         self.taken = if self.path.trim().is_empty() {
             None
@@ -139,8 +141,7 @@ impl ExportForm {
         } else if self.kind.format(self.file()).is_some() {
             None
         } else {
-            let known = self.kind.extensions();
-            Some(ExportRefusal::Extension { known })
+            Some(ExportRefusal::Extension(self.kind.extensions()))
         }
     }
 
@@ -152,30 +153,34 @@ impl ExportForm {
 
     /// Returns the scale.
     pub fn scale(&self) -> Result<f64, ExportRefusal> {
-        let scale = self.scale.trim().parse().ok();
-        let within = scale.filter(|scale| (MIN_SCALE..=MAX_SCALE).contains(scale));
-        let text = || self.scale.clone();
-        within.ok_or_else(|| ExportRefusal::Scale { text: text() })
+        within(&self.scale, MIN_SCALE..=MAX_SCALE, ExportRefusal::Scale)
     }
 
     /// Returns the ticks from frame to frame.
     pub fn every(&self) -> Result<usize, ExportRefusal> {
-        let every = self.every.trim().parse().ok();
-        let within = every.filter(|every| (1..=MAX_EVERY).contains(every));
-        let text = || self.every.clone();
-        within.ok_or_else(|| ExportRefusal::Every { text: text() })
+        within(&self.every, 1..=MAX_EVERY, ExportRefusal::Every)
     }
 
     /// Returns the hundredths of a second for a frame.
     pub fn delay(&self) -> Result<u16, ExportRefusal> {
-        let delay = self.delay.trim().parse().ok();
-        let within = delay.filter(|delay| (MIN_DELAY_MS..=MAX_DELAY_MS).contains(delay));
-        let text = || self.delay.clone();
-        let hundredths = |ms: u32| u16::try_from((ms + 5) / 10).ok();
-        within
-            .and_then(hundredths)
-            .ok_or_else(|| ExportRefusal::Delay { text: text() })
+        let delay = within(
+            &self.delay,
+            MIN_DELAY_MS..=MAX_DELAY_MS,
+            ExportRefusal::Delay,
+        )?;
+        Ok(((delay + 5) / 10) as u16)
     }
+}
+
+/// Returns the number in a text, if it is within limits.
+fn within<T: FromStr + PartialOrd>(
+    text: &str,
+    limits: RangeInclusive<T>,
+    refusal: fn(String) -> ExportRefusal,
+) -> Result<T, ExportRefusal> {
+    let number = text.trim().parse().ok();
+    let number = number.filter(|number| limits.contains(number));
+    number.ok_or_else(|| refusal(text.to_owned()))
 }
 
 #[cfg(test)]
@@ -204,7 +209,7 @@ mod tests {
         form.path = "film.SVG".to_owned();
         assert!(matches!(
             form.name_refusal(),
-            Some(ExportRefusal::Extension { .. })
+            Some(ExportRefusal::Extension(_))
         ));
         form.kind = ExportKind::Picture;
         form.choose(ExportKind::Picture);

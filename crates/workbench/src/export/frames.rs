@@ -13,8 +13,8 @@ pub const MAX_FRAMES: usize = 600;
 /// The approximate number of frames proposed for an animation.
 const AT_FIRST: usize = 120;
 
-/// The inputs that determine the number of frames: the session's generation, the range, the clock and the ticks from
-/// frame to frame.
+/// Everything that the number of frames depends on: the session's generation, the range, the clock and the ticks from frame
+/// to frame.
 pub type Key = (u64, Range<usize>, Clock, usize);
 
 /// The number of frames for a key, or why there are none.
@@ -46,11 +46,7 @@ pub fn frames(
     Ok(cursors)
 }
 
-/// Returns the number of frames that [`frames`] would return, with the same errors.
-///
-/// # Errors
-///
-/// As [`frames`].
+/// Returns the number of frames that [`frames`] would return, or the same error.
 pub fn count(
     session: &Session,
     range: &Range<usize>,
@@ -72,8 +68,7 @@ pub fn count(
 }
 
 /// Returns the number of ticks between frames to propose.
-#[must_use]
-pub fn every_at_first(session: &Session, range: &Range<usize>, clock: Clock) -> usize {
+pub(crate) fn every_at_first(session: &Session, range: &Range<usize>, clock: Clock) -> usize {
     number(session, range, clock) / AT_FIRST + 1
 }
 

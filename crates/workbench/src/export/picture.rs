@@ -27,11 +27,12 @@ use super::refusal::ExportRefusal;
 use super::surface::{color, rect};
 use tilescope_drawing::brushed::BrushedCause;
 use tilescope_drawing::camera::Camera;
+use tilescope_drawing::palette::{DARK, LIGHT, Palette};
 
 /// The most samples that a picture draws.
 pub const MAX_DRAWN: usize = 1_000_000;
 
-/// The view of a picture: the visible part of the plane, how it is drawn, and what is written below it.
+/// The view of a picture: the visible part of the plane, its style, and the caption and legend below it.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct PictureView {
     /// The camera of the canvas.
@@ -48,7 +49,7 @@ pub struct PictureView {
     pub dark: bool,
     /// Whether it is coloured for print instead: dark on white.
     pub print: bool,
-    /// The caption below it; empty for none.
+    /// The caption below the picture; empty for none.
     pub caption: String,
     /// The legend below it, if any.
     pub legend: Option<Legend>,
@@ -69,8 +70,7 @@ impl PictureView {
     }
 
     /// Returns why a picture, or a frame of an animation, of this size is refused.
-    #[must_use]
-    pub fn size_refusal(&self, scale: f64, animated: bool) -> Option<ExportRefusal> {
+    pub(crate) fn size_refusal(&self, scale: f64, animated: bool) -> Option<ExportRefusal> {
         let [width, height] = self.pixels(scale);
         let most = if animated {
             MAX_FRAME_PIXELS
@@ -88,12 +88,8 @@ impl PictureView {
     }
 
     /// Returns the colours.
-    pub(super) const fn palette(&self) -> &'static tilescope_drawing::palette::Palette {
-        if self.is_dark() {
-            &tilescope_drawing::palette::DARK
-        } else {
-            &tilescope_drawing::palette::LIGHT
-        }
+    pub(super) const fn palette(&self) -> &'static Palette {
+        if self.is_dark() { &DARK } else { &LIGHT }
     }
 
     const fn is_dark(&self) -> bool {
@@ -102,10 +98,11 @@ impl PictureView {
 
     /// Returns the colour around the domain.
     pub(super) const fn outside(&self) -> Color32 {
+        let palette = self.palette();
         if self.print {
-            self.palette().domain
+            palette.domain
         } else {
-            self.palette().outside
+            palette.outside
         }
     }
 
@@ -157,9 +154,8 @@ pub fn scene(
 /// Returns the description of a view for files.
 #[must_use]
 pub fn described(view: &PictureView) -> String {
-    let layers = view
-        .chosen_layers
-        .map(|layers| json!(layers.iter().map(Layer::name).collect::<Vec<_>>()));
+    let named = |layers: Layers| json!(layers.iter().map(Layer::name).collect::<Vec<_>>());
+    let layers = view.chosen_layers.map(named);
     json!({
         "center_radii": view.camera.center,
         "points_per_radius": view.camera.scale,
@@ -213,10 +209,11 @@ fn drawn(
         debugger: debugger.as_ref(),
         stage: moment.stage,
     };
+    let palette = view.palette();
     let background = if view.print {
-        view.outside()
+        palette.domain
     } else {
-        view.palette().panel
+        palette.panel
     };
     let [width, height] = view.paper();
     let mut scene = Scene::new(width, height, color(background));

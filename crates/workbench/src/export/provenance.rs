@@ -1,4 +1,4 @@
-//! Exported sets of samples, and the provenance in files: parameters, digests, program.
+//! The samples that are exported, and the provenance of exported files: parameters, digests, program.
 
 use std::collections::BTreeMap;
 
@@ -9,8 +9,7 @@ use tilescope_formats::{PointSet, Provenance};
 use tilescope_session::session::Session;
 
 /// Returns samples of a run by id, with their origins.
-#[must_use]
-pub fn point_set(run: &Run, ids: &[u32]) -> PointSet {
+pub(crate) fn point_set(run: &Run, ids: &[u32]) -> PointSet {
     let samples = &run.samples;
     let provenance = |&id: &u32| match samples.origins[id as usize] {
         Origin::Tiled { block, pattern, .. } => Provenance::tiled(block, pattern),
@@ -38,8 +37,7 @@ pub const fn method(session: &Session) -> &'static str {
 
 /// Returns the parameters of a session by name, for its certificate; for a combination its layout. A pattern from a
 /// file is given by the file's name and digest.
-#[must_use]
-pub fn parameter_map(session: &Session) -> BTreeMap<String, Value> {
+pub(crate) fn parameter_map(session: &Session) -> BTreeMap<String, Value> {
     if let Some(combination) = &session.combination {
         return BTreeMap::from([("layout".to_owned(), combination.stated.clone())]);
     }

@@ -1,4 +1,5 @@
-//! The reasons for which an export is refused before anything is written.
+//! The reasons for which an export does not begin, as sentences for the user. `state/export.rs` decides on them, and
+//! `form.rs` for names and numbers as typed. An export that fails after it has begun has a `WriteError` (`write.rs`).
 
 use tilescope_session::words::grouped;
 
@@ -31,36 +32,24 @@ pub enum ExportRefusal {
     /// No file was named.
     #[error("Name a file.")]
     NoName,
-    /// The extension is unknown.
-    #[error("The extension chooses the format: {}.", .known.iter().map(|e| format!(".{e}")).collect::<Vec<_>>().join(" "))]
-    Extension {
-        /// The known extensions.
-        known: Vec<&'static str>,
-    },
-    /// The scale is not a number within the limits.
-    #[error("The scale is \"{text}\"; it must be a number from {MIN_SCALE} to {MAX_SCALE}.")]
-    Scale {
-        /// As typed.
-        text: String,
-    },
-    /// The number of ticks from frame to frame is not a whole number within the limits.
+    /// The extension is none of these.
+    #[error("The extension chooses the format: {}.", .0.iter().map(|e| format!(".{e}")).collect::<Vec<_>>().join(" "))]
+    Extension(Vec<&'static str>),
+    /// The scale as typed is not a number within the limits.
+    #[error("The scale is \"{0}\"; it must be a number from {MIN_SCALE} to {MAX_SCALE}.")]
+    Scale(String),
+    /// The number of ticks from frame to frame, as typed, is not a whole number within the limits.
     #[error(
-        "A frame for every \"{text}\" steps: it must be a whole number from 1 to {}.",
-        grouped(MAX_EVERY)
+        "A frame for every \"{0}\" steps: it must be a whole number from 1 to {most}.",
+        most = grouped(MAX_EVERY)
     )]
-    Every {
-        /// As typed.
-        text: String,
-    },
-    /// The time for a frame is not within the limits.
+    Every(String),
+    /// The time for a frame, as typed, is not within the limits.
     #[error(
-        "The delay is \"{text}\" ms; it must be a whole number from {MIN_DELAY_MS} to {}.",
-        grouped(MAX_DELAY_MS as usize)
+        "The delay is \"{0}\" ms; it must be a whole number from {MIN_DELAY_MS} to {most}.",
+        most = grouped(MAX_DELAY_MS as usize)
     )]
-    Delay {
-        /// As typed.
-        text: String,
-    },
+    Delay(String),
     /// The range is empty.
     #[error("The range from event {} to event {} is empty: there is nothing to animate.", grouped(*.start), grouped(*.end))]
     EmptyRange {
@@ -95,15 +84,12 @@ pub enum ExportRefusal {
         /// Longest side.
         side: usize,
     },
-    /// Too many samples are in view.
+    /// About so many samples are in view.
     #[error(
         "About {} samples are in view; pictures draw {} at most. Zoom in.",
-        grouped(*.samples), grouped(MAX_DRAWN)
+        grouped(*.0), grouped(MAX_DRAWN)
     )]
-    TooManySamples {
-        /// The number of them.
-        samples: usize,
-    },
+    TooManySamples(usize),
     /// The canvas has not been shown yet.
     #[error("There is no canvas to take the picture from.")]
     NoCanvas,

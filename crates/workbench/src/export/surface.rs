@@ -1,4 +1,4 @@
-//! The surface of exported pictures: turns what the parts of a drawing draw into shapes of `tilescope_figures`.
+//! The surface of exported pictures: the parts of a drawing become shapes of `tilescope_figures` on it.
 
 use ecolor::Color32;
 use emath::{Pos2, Rect, Vec2, vec2};

@@ -1,5 +1,6 @@
 //! Makes the files of an export in the background: in memory, or natively on the disk, where a file is written
-//! completely or not at all. Both give the same bytes.
+//! completely or not at all. Both give the same bytes. [`WriteError`] says why an export fails once it has begun;
+//! `refusal.rs` lists the reasons for which it does not begin.
 
 use std::io::{self, Write};
 use std::ops::ControlFlow;
@@ -10,7 +11,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use serde_json::json;
 use tilescope_analysis::Report;
 use tilescope_figures::{
-    AnimationError, FigureError, Scene, to_pixels, to_png, to_svg, write_apng, write_gif,
+    AnimationError, FigureError, to_pixels, to_png, to_svg, write_apng, write_gif,
 };
 use tilescope_formats::{
     ExportContext, ExportError, FormatError, PointSet, Warning, certificate_path, export_bytes,
@@ -29,12 +30,12 @@ use tilescope_session::verification::region_of;
 /// The longest animation that is made in memory, in bytes.
 pub const MAX_ANIMATION_BYTES: usize = 512 << 20;
 
-/// An exported file.
+/// A finished export.
 #[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 pub struct Written {
-    /// The file.
+    /// The path that was chosen.
     pub path: PathBuf,
-    /// Its contents.
+    /// The content of the file, or of the files beside it.
     pub what: What,
 }
 
@@ -98,20 +99,14 @@ pub enum WriteError {
     #[error(transparent)]
     Pack(#[from] crate::files::PackError),
     /// It failed in a worker; the error arrives as text.
-    #[error("{message}")]
-    InWorker {
-        /// The error in words.
-        message: String,
-    },
-    /// The path ends with no name.
-    #[error("{path} names no file")]
-    NoName {
-        /// The path.
-        path: String,
-    },
+    #[error("{0}")]
+    InWorker(String),
+    /// This path ends without a file name.
+    #[error("{0} names no file")]
+    NoName(String),
 }
 
-/// A [`WriteError`] as it is sent: whether it was cancelled, and its message.
+/// A [`WriteError`] as a worker sends it: whether the user cancelled, and the message.
 #[derive(Serialize, Deserialize)]
 struct SentError(bool, String);
 
@@ -127,7 +122,7 @@ impl<'de> Deserialize<'de> for WriteError {
         Ok(if cancelled {
             Self::Cancelled
         } else {
-            Self::InWorker { message }
+            Self::InWorker(message)
         })
     }
 }
@@ -138,81 +133,69 @@ impl<'de> Deserialize<'de> for WriteError {
 ///
 /// [`WriteError`]; no new file is left then, and an existing one is unchanged.
 #[cfg(not(target_arch = "wasm32"))]
-pub fn write(order: &ExportJob, monitor: &Monitor) -> Result<Written, WriteError> {
-    let written = match &order.content {
-        ExportContent::Samples { .. } => write_samples(order, monitor),
-        ExportContent::Picture { .. } => picture(order, monitor).and_then(|bytes| {
-            write_whole(&order.path, &bytes)?;
-            Ok(What::Picture)
-        }),
-        ExportContent::Scenes { .. } => scenes(order, monitor).and_then(|files| {
-            let count = files.len();
-            for (path, bytes) in files {
-                write_whole(&path, &bytes)?;
-            }
-            Ok(What::Scenes { count })
-        }),
+pub fn write(job: &ExportJob, monitor: &Monitor) -> Result<Written, WriteError> {
+    let written = match &job.content {
+        ExportContent::Samples { .. } => write_samples(job, monitor),
+        ExportContent::Picture { .. } | ExportContent::Scenes { .. } => pictures(job, monitor)
+            .and_then(|files| {
+                for (path, bytes) in &files {
+                    write_whole(path, bytes)?;
+                }
+                Ok(what(job))
+            }),
         ExportContent::Animation { .. } => {
-            let written = write_through(&order.path, |file| animate(order, file, monitor));
-            written.map(|()| animation(order))
+            let written = write_through(&job.path, |file| animate(job, file, monitor));
+            written.map(|()| what(job))
         }
     };
-    finish(order, written, monitor)
+    finish(job, written, monitor)
 }
 
-/// Makes what was ordered in memory: the bytes that [`write()`] puts on a disk. Samples are read back from them, verified
-/// and certified.
+/// Makes the files of an export in memory: the same bytes that [`write()`] puts on a disk. Samples are read back from them,
+/// verified and certified.
 ///
 /// # Errors
 ///
 /// [`WriteError`].
-pub fn render(order: &ExportJob, monitor: &Monitor) -> Result<Outgoing, WriteError> {
-    let name = name_of(&order.path)?;
+pub fn render(job: &ExportJob, monitor: &Monitor) -> Result<Outgoing, WriteError> {
+    let name = name_of(&job.path)?;
     let mut files = Vec::new();
-    let made = match &order.content {
-        ExportContent::Samples { .. } => render_samples(order, &name, &mut files, monitor),
-        ExportContent::Picture { .. } => picture(order, monitor).map(|bytes| {
-            files.push(NamedBytes::new(name, bytes));
-            What::Picture
-        }),
-        ExportContent::Scenes { .. } => scenes(order, monitor).and_then(|made| {
-            let count = made.len();
-            for (path, bytes) in made {
-                files.push(NamedBytes::new(name_of(&path)?, bytes));
-            }
-            Ok(What::Scenes { count })
-        }),
+    let made = match &job.content {
+        ExportContent::Samples { .. } => render_samples(job, &name, &mut files, monitor),
+        ExportContent::Picture { .. } | ExportContent::Scenes { .. } => pictures(job, monitor)
+            .and_then(|made| {
+                for (path, bytes) in made {
+                    files.push(NamedBytes::new(name_of(&path)?, bytes));
+                }
+                Ok(what(job))
+            }),
         ExportContent::Animation { .. } => {
             let mut bytes = Limited(Vec::new());
-            animate(order, &mut bytes, monitor).map(|()| {
+            animate(job, &mut bytes, monitor).map(|()| {
                 files.push(NamedBytes::new(name, bytes.0));
-                animation(order)
+                what(job)
             })
         }
     };
-    let written = finish(order, made, monitor)?;
+    let written = finish(job, made, monitor)?;
     Ok(Outgoing { files, written })
 }
 
 fn name_of(path: &Path) -> Result<String, WriteError> {
-    let name = path.file_name().ok_or_else(|| WriteError::NoName {
-        path: path.display().to_string(),
-    })?;
-    Ok(name.to_string_lossy().into_owned())
+    let name = path.file_name();
+    let none = || WriteError::NoName(path.display().to_string());
+    Ok(name.ok_or_else(none)?.to_string_lossy().into_owned())
 }
 
 fn finish(
-    order: &ExportJob,
+    job: &ExportJob,
     made: Result<What, WriteError>,
     monitor: &Monitor,
 ) -> Result<Written, WriteError> {
+    let path = job.path.clone();
+    let written = made.map(|what| Written { path, what });
     // An error after cancellation is the cancellation.
-    let what = made.map_err(|error| match error {
-        _ if monitor.is_cancelled() => WriteError::Cancelled,
-        error => error,
-    })?;
-    let path = order.path.clone();
-    Ok(Written { path, what })
+    written.map_err(|error| go_on(monitor).err().unwrap_or(error))
 }
 
 fn go_on(monitor: &Monitor) -> Result<(), WriteError> {
@@ -223,8 +206,13 @@ fn go_on(monitor: &Monitor) -> Result<(), WriteError> {
 }
 
 /// Returns the samples of an export, the context for their certificate, and whether they are the result.
-fn samples(order: &ExportJob) -> (PointSet, ExportContext, bool) {
-    let (session, run) = (&*order.session, order.session.run());
+fn samples(
+    job: &ExportJob,
+    monitor: &Monitor,
+) -> Result<(PointSet, ExportContext, bool), WriteError> {
+    monitor.set_activity("verifying what was written");
+    go_on(monitor)?;
+    let (session, run) = (&*job.session, job.session.run());
     let mut context = ExportContext::new(region_of(session), run.domain.radius());
     method(session).clone_into(&mut context.method);
     context.parameters = parameter_map(session);
@@ -232,7 +220,7 @@ fn samples(order: &ExportJob) -> (PointSet, ExportContext, bool) {
     if let ExportContent::Samples {
         moment: wanted,
         precision,
-    } = &order.content
+    } = &job.content
     {
         context.precision = *precision;
         moment = wanted.as_ref();
@@ -245,18 +233,15 @@ fn samples(order: &ExportJob) -> (PointSet, ExportContext, bool) {
         }
         None => point_set(run, &run.result),
     };
-    (set, context, moment.is_none())
+    Ok((set, context, moment.is_none()))
 }
 
-const VERIFYING: &str = "verifying what was written";
-
 #[cfg(not(target_arch = "wasm32"))]
-fn write_samples(order: &ExportJob, monitor: &Monitor) -> Result<What, WriteError> {
-    monitor.set_activity(VERIFYING);
-    go_on(monitor)?;
-    let (set, context, result) = samples(order);
-    let control = |progress| monitor.follow(progress);
-    let exported = export(&order.path, &set, &context, &control)?;
+fn write_samples(job: &ExportJob, monitor: &Monitor) -> Result<What, WriteError> {
+    let (set, context, result) = samples(job, monitor)?;
+    let exported = export(&job.path, &set, &context, &|progress| {
+        monitor.follow(progress)
+    })?;
     Ok(What::Samples {
         certificate: exported.certificate_path,
         report: Box::new(exported.report),
@@ -266,16 +251,13 @@ fn write_samples(order: &ExportJob, monitor: &Monitor) -> Result<What, WriteErro
 }
 
 fn render_samples(
-    order: &ExportJob,
+    job: &ExportJob,
     name: &str,
     files: &mut Vec<NamedBytes>,
     monitor: &Monitor,
 ) -> Result<What, WriteError> {
-    monitor.set_activity(VERIFYING);
-    go_on(monitor)?;
-    let (set, context, result) = samples(order);
-    let control = |progress| monitor.follow(progress);
-    let exported = export_bytes(name, &set, &context, &control)?;
+    let (set, context, result) = samples(job, monitor)?;
+    let exported = export_bytes(name, &set, &context, &|progress| monitor.follow(progress))?;
     let certificate = certificate_path(Path::new(name));
     let beside = certificate.to_string_lossy().into_owned();
     files.push(NamedBytes::new(name, exported.data));
@@ -288,62 +270,55 @@ fn render_samples(
     })
 }
 
-fn picture(order: &ExportJob, monitor: &Monitor) -> Result<Vec<u8>, WriteError> {
-    let ExportContent::Picture {
-        shown,
-        causes,
-        scale,
-    } = &order.content
-    else {
-        return Ok(Vec::new());
+/// Returns the files of a picture or of the scenes; all are drawn before the first one is written.
+fn pictures(job: &ExportJob, monitor: &Monitor) -> Result<Vec<(PathBuf, Vec<u8>)>, WriteError> {
+    let (shown, causes, scale, is_one) = match &job.content {
+        ExportContent::Picture {
+            shown,
+            causes,
+            scale,
+        } => (std::slice::from_ref(shown), causes.clone(), *scale, true),
+        ExportContent::Scenes { shown, scale } => (&shown[..], None, *scale, false),
+        _ => return Ok(Vec::new()),
     };
-    monitor.set_activity("drawing");
-    let causes = causes
-        .clone()
-        .map(|cause| BrushedCause { serial: 0, cause });
-    let scene = scene(&order.session, shown, causes.as_ref());
-    monitor.set_fraction(0.3);
-    go_on(monitor)?;
-    let bytes = encoded(&scene, order, *scale)?;
-    monitor.set_fraction(0.9);
-    go_on(monitor)?;
-    Ok(bytes)
-}
-
-/// Returns a picture in the format of the file's extension.
-fn encoded(scene: &Scene, order: &ExportJob, scale: f64) -> Result<Vec<u8>, WriteError> {
-    Ok(match extension(&order.path).as_deref() {
-        Some("svg") => to_svg(scene)?.into_bytes(),
-        _ => to_png(scene, scale)?,
-    })
-}
-
-/// Returns the files of the scenes: all are drawn before the first one is written.
-fn scenes(order: &ExportJob, monitor: &Monitor) -> Result<Vec<(PathBuf, Vec<u8>)>, WriteError> {
-    let ExportContent::Scenes { shown, scale } = &order.content else {
-        return Ok(Vec::new());
-    };
+    let causes = causes.map(|cause| BrushedCause { serial: 0, cause });
     let count = shown.len();
     let mut files = Vec::new();
     for (index, shown) in shown.iter().enumerate() {
-        monitor.set_activity(&format!("scene {} of {count}", index + 1));
+        let (path, activity) = if is_one {
+            (job.path.clone(), "drawing".to_owned())
+        } else {
+            let activity = format!("scene {} of {count}", index + 1);
+            (scene_path(&job.path, index, count), activity)
+        };
+        monitor.set_activity(&activity);
         monitor.set_fraction(index as f32 / count as f32);
         go_on(monitor)?;
-        let bytes = encoded(&scene(&order.session, shown, None), order, *scale)?;
-        files.push((scene_path(&order.path, index, count), bytes));
+        let drawn = scene(&job.session, shown, causes.as_ref());
+        monitor.set_fraction((index as f32 + 0.3) / count as f32);
+        go_on(monitor)?;
+        let bytes = match extension(&path).as_deref() {
+            Some("svg") => to_svg(&drawn)?.into_bytes(),
+            _ => to_png(&drawn, scale)?,
+        };
+        files.push((path, bytes));
     }
+    go_on(monitor)?;
     Ok(files)
 }
 
-fn animation(order: &ExportJob) -> What {
-    let frames = match &order.content {
-        ExportContent::Animation { cursors, .. } => cursors.len(),
-        _ => 0,
-    };
-    What::Animation { frames }
+/// Returns the content of an export that has no samples.
+const fn what(job: &ExportJob) -> What {
+    match &job.content {
+        ExportContent::Scenes { shown, .. } => What::Scenes { count: shown.len() },
+        ExportContent::Animation { cursors, .. } => What::Animation {
+            frames: cursors.len(),
+        },
+        _ => What::Picture,
+    }
 }
 
-fn animate(order: &ExportJob, out: &mut dyn Write, monitor: &Monitor) -> Result<(), WriteError> {
+fn animate(job: &ExportJob, out: &mut dyn Write, monitor: &Monitor) -> Result<(), WriteError> {
     let ExportContent::Animation {
         cursors,
         view,
@@ -351,11 +326,11 @@ fn animate(order: &ExportJob, out: &mut dyn Write, monitor: &Monitor) -> Result<
         delay,
         clock,
         every,
-    } = &order.content
+    } = &job.content
     else {
         return Err(AnimationError::NoFrames.into());
     };
-    let session = &*order.session;
+    let session = &*job.session;
     let mut metadata = provenance(session);
     let range = described_range(cursors, *clock, *every, *delay);
     metadata.push(("Range".to_owned(), range));
@@ -371,7 +346,7 @@ fn animate(order: &ExportJob, out: &mut dyn Write, monitor: &Monitor) -> Result<
         }
     };
     let frames = cursors.iter().map(draw);
-    match extension(&order.path).as_deref() {
+    match extension(&job.path).as_deref() {
         Some("gif") => write_gif(frames, *delay, &metadata, out, &mut tell)?,
         _ => write_apng(frames, *delay, &metadata, out, &mut tell)?,
     }

@@ -6,7 +6,6 @@ use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
 use tilescope_debugger::{MAX_BYTES, PatternFile};
-use tilescope_formats::certificate_path;
 use tilescope_session::incoming::disk::{plain_file, read_limited};
 use tilescope_session::incoming::{Unread, begins_as_object, holds_document, pick};
 use tilescope_session::jobs::{Job, Monitor, Wake};
@@ -20,12 +19,6 @@ fn sentence(unread: Unread) -> String {
         Unread::Stopped => "cancelled: the file was not read".to_owned(),
         Unread::Failed(why) => why,
     }
-}
-
-/// Returns the path of a point set's certificate.
-#[must_use]
-pub fn certificate_of(path: &str) -> PathBuf {
-    certificate_path(Path::new(path))
 }
 
 /// Returns the first bytes of a file.
@@ -42,11 +35,8 @@ pub(super) fn gather_paths(
     purpose: Option<Purpose>,
     monitor: &Monitor,
 ) -> Result<(Incoming, Vec<String>), String> {
-    let names: Vec<String> = paths
-        .iter()
-        .map(|path| path.to_string_lossy().into_owned())
-        .collect();
-    let names: Vec<&str> = names.iter().map(String::as_str).collect();
+    let names: Vec<_> = paths.iter().map(|path| path.to_string_lossy()).collect();
+    let names: Vec<&str> = names.iter().map(|name| &**name).collect();
     let holds = |k: usize| {
         let may_be = begins_as_object(&head(&paths[k]).unwrap_or_default());
         may_be
@@ -77,10 +67,8 @@ pub(super) fn find_pattern(
     if let Some(beside) = beside.filter(|beside| beside != path && beside.is_file()) {
         // A file of the same name may be a different one.
         let found = read_pattern(&beside, monitor);
-        if found
-            .as_ref()
-            .is_ok_and(|found| found.file.digest == file.digest)
-        {
+        let is_it = |found: &OwnPattern| found.file.digest == file.digest;
+        if found.as_ref().is_ok_and(is_it) {
             return found;
         }
     }
@@ -110,17 +98,20 @@ pub fn browse(form: &FileForm, wake: &Wake) -> Job<Option<PathBuf>> {
         Purpose::Combination => dialog = dialog.add_filter("Layouts", &["json"]),
         Purpose::Pattern | Purpose::Against => {}
     }
-    // The dialog must be made on the window's thread; waiting for it must not.
     if form.purpose == Purpose::Save {
-        let name = path
-            .file_name()
-            .map_or(SESSION_NAME.into(), |name| name.to_string_lossy());
-        let answer = dialog.set_file_name(name).save_file();
-        return Job::start(wake, move |_| {
-            pollster::block_on(answer).map(|file| file.path().to_owned())
-        });
+        let name = path.file_name();
+        let name = name.map_or(SESSION_NAME.into(), |name| name.to_string_lossy());
+        return answered(wake, dialog.set_file_name(name).save_file());
     }
-    let answer = dialog.pick_file();
+    answered(wake, dialog.pick_file())
+}
+
+/// Waits for the file that is chosen in a dialog. The dialog must be opened on the window's thread, and the wait must be on
+/// another.
+pub(crate) fn answered(
+    wake: &Wake,
+    answer: impl Future<Output = Option<rfd::FileHandle>> + Send + 'static,
+) -> Job<Option<PathBuf>> {
     Job::start(wake, move |_| {
         pollster::block_on(answer).map(|file| file.path().to_owned())
     })

@@ -1,5 +1,5 @@
-//! Reads files that are opened: computes sessions again, makes combinations of layouts, and takes point sets as
-//! patterns or measures them. The result depends on the bytes alone.
+//! Reads files that are opened: computes sessions again, makes combinations of layouts, and takes point sets as patterns or
+//! measures them. The result depends on the bytes alone. Begin with [`read`].
 
 #[cfg(not(target_arch = "wasm32"))]
 use std::path::PathBuf;
@@ -181,10 +181,8 @@ fn opened(gathered: (Incoming, Vec<String>)) -> Result<(Incoming, Vec<String>), 
 /// it.
 fn open(incoming: &Incoming, generation: u64, monitor: &Monitor) -> Made {
     if !incoming.is_document() && incoming.point_set().is_ok() {
-        let name = &incoming.name;
-        return Err(format!(
-            "{name} is a point set, not a saved session; drop it on the window to use it"
-        ));
+        let hint = "is a point set, not a saved session; drop it on the window to use it";
+        return Err(format!("{} {hint}", incoming.name));
     }
     match serde_json::from_str(incoming.text()?) {
         Ok(value) if holds_combination(&value) => combination(incoming, generation, monitor),
@@ -198,15 +196,15 @@ fn combination(incoming: &Incoming, generation: u64, monitor: &Monitor) -> Made 
     let text = incoming.text()?;
     let value = serde_json::from_str::<Value>(text).unwrap_or_default();
     if value.get("cursor").is_some() && !holds_combination(&value) {
+        let name = &incoming.name;
         return Err(format!(
-            "{} is the saved session of a run, not a combination",
-            incoming.name
+            "{name} is the saved session of a run, not a combination"
         ));
     }
-    let saved = match value.get("combination") {
-        Some(_) => Some(SavedCombination::from_json(text).map_err(|error| named(&error))?),
-        None => None,
-    };
+    let saved = value
+        .get("combination")
+        .map(|_| SavedCombination::from_json(text));
+    let saved = saved.transpose().map_err(|error| named(&error))?;
     let layout = match &saved {
         Some(saved) => saved.layout().map_err(|error| named(&error))?,
         None => Layout::from_json(text.as_bytes()).map_err(|error| named(&error))?,
@@ -249,10 +247,8 @@ fn session(incoming: &Incoming, generation: u64, monitor: &Monitor) -> Made {
     };
     // Check here, in the background, that the session fits the recording.
     Debugger::resume(&saved, Arc::clone(&recording)).map_err(|error| named(&error))?;
-    let recipe = Recipe {
-        parameters: saved.parameters,
-        own,
-    };
+    let parameters = saved.parameters;
+    let recipe = Recipe { parameters, own };
     let session = Session::from_recording(recording, generation).with(&recipe);
     Ok(Done::Opened(Box::new(Opened {
         path: incoming.name.clone(),
@@ -279,22 +275,16 @@ fn find_pattern(
     if let Some(folder) = &incoming.folder {
         return super::disk::find_pattern(file, folder, monitor);
     }
-    Err(
-        "it did not come with the session; open both at once, and the pattern's certificate"
-            .to_owned(),
-    )
+    let missing =
+        "it did not come with the session; open both at once, and the pattern's certificate";
+    Err(missing.to_owned())
 }
 
 /// Measures a point set on the domain of the run.
 fn against(incoming: &Incoming, run: Option<(Region, f64)>, monitor: &Monitor) -> Made {
     let (region, radius) = run.ok_or("there is no run to compare a file with")?;
-    let file = reference_file::of(
-        incoming.point_set()?,
-        &incoming.name,
-        region,
-        radius,
-        monitor,
-    )?;
+    let set = incoming.point_set()?;
+    let file = reference_file::of(set, &incoming.name, region, radius, monitor)?;
     Ok(Done::Against {
         file: Box::new(file),
         no_pattern: None,

@@ -22,8 +22,7 @@ pub struct SaveTask {
 }
 
 /// Returns the name of a session's file, with `.json` added if it has no extension.
-#[must_use]
-pub fn with_json(path: String) -> String {
+pub(crate) fn with_json(path: String) -> String {
     let last = last_part(&path);
     let has_ending = last.trim_start_matches('.').contains('.');
     let is_folder = last.is_empty() || last.chars().all(|c| c == '.');

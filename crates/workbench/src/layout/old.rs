@@ -45,14 +45,8 @@ struct Tabs {
 #[derive(Deserialize)]
 struct Linear {
     children: Vec<Id>,
-    dir: Dir,
+    dir: Direction,
     shares: Shares,
-}
-
-#[derive(Deserialize)]
-enum Dir {
-    Horizontal,
-    Vertical,
 }
 
 #[derive(Deserialize)]
@@ -72,7 +66,7 @@ impl OldLayout {
 }
 
 impl Tree {
-    /// Returns the tile of an id; `None` if a tile is missing or contains itself.
+    /// Returns the tile of an id; `None` if a tile is missing, or they are too many or nested too deeply.
     fn tile(&self, id: Id, depth: usize, left: &mut usize) -> Option<LayoutTile> {
         *left = left.checked_sub(1)?;
         if depth > MAX_DEPTH {
@@ -89,18 +83,15 @@ impl Tree {
                 },
             },
             Saved::Container(Container::Linear(linear)) => LayoutTile::Linear {
-                axis: match linear.dir {
-                    Dir::Horizontal => Direction::Horizontal,
-                    Dir::Vertical => Direction::Vertical,
+                axis: linear.dir,
+                tiles: {
+                    let share = |id| linear.shares.shares.get(id).copied().unwrap_or(1.0);
+                    let tiles = linear
+                        .children
+                        .iter()
+                        .map(|id| Some((tile(id)?, share(id))));
+                    tiles.collect::<Option<_>>()?
                 },
-                tiles: linear
-                    .children
-                    .iter()
-                    .map(|id| {
-                        let share = linear.shares.shares.get(id);
-                        Some((tile(id)?, share.copied().unwrap_or(1.0)))
-                    })
-                    .collect::<Option<_>>()?,
             },
         })
     }

@@ -10,7 +10,6 @@ const MAX_SHARE: f32 = 100.0;
 const END: char = '-';
 /// The mark before the open tab.
 const OPEN: char = '_';
-
 /// The mark before the hidden panels.
 const HIDDEN: char = '.';
 

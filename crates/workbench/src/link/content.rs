@@ -1,4 +1,4 @@
-//! The content of a link, as values.
+//! The content of a link, as values. `write.rs` writes it as text, `read.rs` reads it.
 
 use tilescope_core::Parameters;
 use tilescope_core::combine::file::Layout as Combination;

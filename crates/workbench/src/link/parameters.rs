@@ -1,14 +1,15 @@
-//! The parameters of a run in a link: writes those that differ from a base, and reads them, corrected to the
-//! nearest that may be sampled.
+//! The parameters of a run in a link: writes those that differ from a base, and reads them, corrected to the nearest
+//! parameters that a link may ask for. Keys and values in links stand for parts of [`Parameters`] as JSON.
 
+use serde::Deserialize;
+use serde_json::{Value, json};
 use tilescope_core::{
     Boundary, Insertion, MAX_SIDE_RADII, MAXIMAL_DENSITY, MIN_LEAF_RADII, MIN_PATTERN_SIDE_RADII,
-    MIN_SIDE_RADII_BOUNDED, MIN_SIDE_RADII_PERIODIC, Order, Parameters, SIDE_LIMITS, Search,
-    Variant,
+    MIN_SIDE_RADII_BOUNDED, MIN_SIDE_RADII_PERIODIC, Parameters, SIDE_LIMITS, Variant,
 };
 use tilescope_session::words::grouped;
 
-use super::text::{exact, finite, name, named};
+use super::text::{exact, finite};
 use super::warnings::{LinkWarnings, quoted};
 use super::{MAX_PATTERN_SIDE, MAX_SAMPLES};
 
@@ -31,35 +32,23 @@ pub const KEYS: [&str; 13] = [
 /// The last key, as its allowed values depend on the insertion.
 pub const VARIANT: &str = "variant";
 
-const BOUNDARIES: [Boundary; 2] = [Boundary::Periodic, Boundary::Bounded];
-const ORDERS: [Order; 4] = [
-    Order::Index,
-    Order::Random,
-    Order::OwnBlockFirst,
-    Order::PhaseGroup,
-];
-const INSERTIONS: [Insertion; 2] = [Insertion::Circumcentre, Insertion::Uniform];
-const SEARCHES: [Search; 2] = [Search::Complete, Search::TwoRadii];
-const VARIANTS: [Variant; 2] = [Variant::Staged, Variant::AsPrinted];
-const SWITCH: [&str; 2] = ["no", "yes"];
+/// Returns the part of parameters, as JSON, that a key stands for.
+fn part<'a>(all: &'a mut Value, key: &str) -> &'a mut Value {
+    match key.strip_prefix("pattern") {
+        Some("") => &mut all["pattern"]["side"],
+        Some(rest) => &mut all["pattern"][&rest[1..]],
+        None => &mut all[key],
+    }
+}
 
 /// Returns the value of a key as written in a link.
 fn value(p: &Parameters, key: &str) -> String {
-    match key {
-        "seed" => p.seed.to_string(),
-        "width" => exact(p.width),
-        "height" => exact(p.height),
-        "radius" => exact(p.radius),
-        "boundary" => name(&p.boundary),
-        "leaf" => exact(p.leaf),
-        "pattern" => exact(p.pattern.side),
-        "pattern-boundary" => name(&p.pattern.boundary),
-        "pattern-seed" => p.pattern.seed.to_string(),
-        "dihedral" => SWITCH[usize::from(p.dihedral)].to_owned(),
-        "order" => name(&p.order),
-        "insertion" => name(&p.insertion),
-        "search" => name(&p.search),
-        _ => name(&p.variant),
+    match part(&mut json!(p), key) {
+        Value::Bool(false) => "no".to_owned(),
+        Value::Bool(true) => "yes".to_owned(),
+        Value::String(name) => name.clone(),
+        Value::Number(number) if number.is_f64() => number.as_f64().map_or_else(String::new, exact),
+        other => other.to_string(),
     }
 }
 
@@ -75,36 +64,29 @@ pub fn differing(
     })
 }
 
-/// Sets the parameter of a key; returns whether the text is valid. Sizes are checked against each other later.
-fn take(p: &mut Parameters, key: &str, text: &str) -> bool {
-    fn put<T>(field: &mut T, read: Option<T>) -> bool {
-        let is_there = read.is_some();
-        if let Some(read) = read {
-            *field = read;
+/// Returns the parameters with that of a key changed; `None` if the text is invalid. Sizes are checked against each other
+/// later.
+fn changed(p: &Parameters, key: &str, text: &str) -> Option<Parameters> {
+    let mut all = json!(p);
+    let part = part(&mut all, key);
+    *part = match &*part {
+        Value::Bool(_) => json!(match text {
+            "no" => false,
+            "yes" => true,
+            _ => return None,
+        }),
+        Value::Number(number) if number.is_f64() => {
+            let limits = match key {
+                "width" | "height" => SIDE_LIMITS[0]..=SIDE_LIMITS[1],
+                // All positive numbers.
+                _ => f64::from_bits(1)..=f64::MAX,
+            };
+            json!(finite(text).filter(|number| limits.contains(number))?)
         }
-        is_there
-    }
-    let positive = || finite(text).filter(|&number| number > 0.0);
-    let side = || finite(text).filter(|side| (SIDE_LIMITS[0]..=SIDE_LIMITS[1]).contains(side));
-    match key {
-        "seed" => put(&mut p.seed, text.parse().ok()),
-        "width" => put(&mut p.width, side()),
-        "height" => put(&mut p.height, side()),
-        "radius" => put(&mut p.radius, positive()),
-        "boundary" => put(&mut p.boundary, named(&BOUNDARIES, text)),
-        "leaf" => put(&mut p.leaf, positive()),
-        "pattern" => put(&mut p.pattern.side, positive()),
-        "pattern-boundary" => put(&mut p.pattern.boundary, named(&BOUNDARIES, text)),
-        "pattern-seed" => put(&mut p.pattern.seed, text.parse().ok()),
-        "dihedral" => put(
-            &mut p.dihedral,
-            SWITCH.iter().position(|s| *s == text).map(|k| k == 1),
-        ),
-        "order" => put(&mut p.order, named(&ORDERS, text)),
-        "insertion" => put(&mut p.insertion, named(&INSERTIONS, text)),
-        "search" => put(&mut p.search, named(&SEARCHES, text)),
-        _ => put(&mut p.variant, named(&VARIANTS, text)),
-    }
+        Value::Number(_) => json!(text.parse::<u64>().ok()?),
+        _ => json!(text),
+    };
+    Parameters::deserialize(all).ok()
 }
 
 /// Returns the parameters of a link: `base` changed by `texts`, corrected to the limits. `run` is appended to the names
@@ -117,15 +99,17 @@ pub fn read<'a>(
 ) -> Parameters {
     let mut parameters = *base;
     for key in KEYS.into_iter().chain([VARIANT]) {
-        if let Some(text) = texts(key)
-            && !take(&mut parameters, key, text)
-        {
-            let (text, used) = (quoted(text), value(base, key));
+        let Some(text) = texts(key) else {
+            continue;
+        };
+        let read = changed(&parameters, key, text);
+        if read.is_none() {
+            let (text, used, name) = (quoted(text), value(base, key), name_of(key));
             warnings.add(format!(
-                "The link asked for {}{run} {text}; {used} is used instead.",
-                name_of(key)
+                "The link asked for {name}{run} {text}; {used} is used instead."
             ));
         }
+        parameters = read.unwrap_or(parameters);
     }
     fit(&mut parameters, run, warnings);
     parameters
@@ -176,9 +160,8 @@ fn fit(p: &mut Parameters, run: &str, warnings: &mut LinkWarnings) {
     }
 }
 
-/// Returns the parameters that a link to a run cannot reproduce, because they exceed what a link may ask for.
-#[must_use]
-pub fn excess(p: &Parameters) -> Vec<String> {
+/// Returns the parameters that a link to a run cannot reproduce, because they exceed the limits of links.
+pub(crate) fn excess(p: &Parameters) -> Vec<String> {
     let domain = p.validate_sequential();
     let samples = domain.map_or(0.0, |domain| domain.area_radii() * MAXIMAL_DENSITY);
     let mut excess = Vec::new();
@@ -236,12 +219,12 @@ fn fit_radius(p: &mut Parameters, run: &str, warnings: &mut LinkWarnings) {
     }
 }
 
-/// Returns the next number of three digits above.
+/// Returns the next larger number of three digits.
 fn up(number: f64) -> f64 {
     three_digits(number, 1.000_001)
 }
 
-/// Returns the next number of three digits below.
+/// Returns the next smaller number of three digits.
 fn down(number: f64) -> f64 {
     three_digits(number, 0.999_999)
 }
@@ -266,6 +249,8 @@ fn three_digits(number: f64, toward: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use tilescope_core::{Order, Search};
+
     use super::*;
 
     fn of(pairs: &[(&str, &str)]) -> (Parameters, LinkWarnings) {

@@ -27,30 +27,9 @@ use crate::layout;
 use crate::lessons::WantedLesson;
 use crate::view::{sound_camera, speed, whole_run};
 
-const OTHERS: [&str; 22] = [
-    "v",
-    "combine",
-    "at",
-    "stage",
-    "camera",
-    "layers",
-    "colouring",
-    "look",
-    "select",
-    "clock",
-    "speed",
-    "whole-run",
-    "loop",
-    "b",
-    "break",
-    "watch",
-    "mark",
-    "mark-view",
-    "layout",
-    "lesson",
-    "step",
-    "practice",
-];
+/// The keys of a link besides the parameters of its runs.
+const OTHERS: &str = "v combine at stage camera layers colouring look select clock speed whole-run loop b break watch mark \
+     mark-view layout lesson step practice";
 
 /// Every colouring, in the sequence of their numbers in links.
 pub const COLOURINGS: [Colouring; 3] = [Colouring::Block, Colouring::Provenance, Colouring::Age];
@@ -84,13 +63,15 @@ struct LinkReader {
 /// Returns every key except those of a second run, which are prefixed by `b.`.
 #[cfg(test)]
 pub fn keys() -> impl Iterator<Item = &'static str> {
-    OTHERS.into_iter().chain(KEYS).chain([VARIANT])
+    OTHERS.split(' ').chain(KEYS).chain([VARIANT])
 }
 
 /// Returns whether a link of this version may have this key.
 fn is_known(key: &str) -> bool {
     let of_run = |key: &str| KEYS.contains(&key) || key == VARIANT;
-    OTHERS.contains(&key) || of_run(key) || key.strip_prefix("b.").is_some_and(of_run)
+    OTHERS.split(' ').any(|other| other == key)
+        || of_run(key)
+        || key.strip_prefix("b.").is_some_and(of_run)
 }
 
 impl LinkReader {
@@ -131,8 +112,6 @@ impl LinkReader {
     }
 
     fn lesson(&mut self, content: &mut LinkContent) {
-        let name =
-            |text: &str| (!text.is_empty() && text.len() <= MAX_TEXT).then(|| text.to_owned());
         let Some(lesson) = self.take("lesson", name) else {
             return;
         };
@@ -159,10 +138,10 @@ impl LinkReader {
         }
     }
 
-    /// Returns the value of a key as `sense` reads it; warns if it is invalid.
-    fn take<T>(&mut self, key: &str, sense: impl FnOnce(&str) -> Option<T>) -> Option<T> {
+    /// Returns the value of a key, read by `read`; warns if it is invalid.
+    fn take<T>(&mut self, key: &str, read: impl FnOnce(&str) -> Option<T>) -> Option<T> {
         let text = self.pairs.get(key)?;
-        let taken = sense(text);
+        let taken = read(text);
         if taken.is_none() {
             let text = quoted(text);
             self.warnings.add(format!(
@@ -180,9 +159,7 @@ impl LinkReader {
                 parameters::read(texts, &Parameters::default(), "", &mut self.warnings);
         }
         let at = self.take("at", |text| text.parse().ok());
-        let stage = self.take("stage", |text| {
-            (!text.is_empty() && text.len() <= MAX_TEXT).then(|| text.to_owned())
-        });
+        let stage = self.take("stage", name);
         content.moment = match (at, stage) {
             (Some(cursor), _) => NamedMoment::Event(cursor),
             (None, Some(stage)) => NamedMoment::Stage(stage),
@@ -248,10 +225,8 @@ impl LinkReader {
     fn second(&mut self, content: &mut LinkContent) {
         let Some(names) = self.pairs.get("b") else {
             if self.pairs.keys().any(|key| key.starts_with("b.")) {
-                self.warnings.add(
-                    "The link has parameters of a second run but none (\"b\"); they were left out."
-                        .to_owned(),
-                );
+                let text = "The link has parameters of a second run but not the run (\"b\"); they were left out.";
+                self.warnings.add(text.to_owned());
             }
             return;
         };
@@ -321,6 +296,10 @@ impl LinkReader {
         }
         taken
     }
+}
+
+fn name(text: &str) -> Option<String> {
+    (!text.is_empty() && text.len() <= MAX_TEXT).then(|| text.to_owned())
 }
 
 fn short(text: &str) -> Option<String> {

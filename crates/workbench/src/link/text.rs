@@ -1,25 +1,22 @@
 //! The syntax of links: percent encoding, lists, base64 for addresses, numbers, names.
 
+use base64::Engine as _;
+use base64::alphabet::URL_SAFE;
+use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
 use serde::Serialize;
 use serde_json::Value;
 
-/// The decimal places of numbers that need not be exact: a thousandth of a screen point at most scales.
+/// The decimals of numbers that need not be exact: a thousandth of a screen point at most scales.
 const DECIMALS: i32 = 6;
 
 /// Returns a text with everything escaped but letters, digits and `-._~`, so that no mail or chat cuts the address.
 pub fn escaped(text: &str) -> String {
-    let mut escaped = String::with_capacity(text.len());
-    for &byte in text.as_bytes() {
-        if byte.is_ascii_alphanumeric() || b"-._~".contains(&byte) {
-            escaped.push(char::from(byte));
-        } else {
-            escaped.push('%');
-            for digit in [byte >> 4, byte & 15] {
-                escaped.push(char::from(b"0123456789ABCDEF"[usize::from(digit)]));
-            }
-        }
-    }
-    escaped
+    let byte = |byte: u8| match byte {
+        b'-' | b'.' | b'_' | b'~' => char::from(byte).to_string(),
+        _ if byte.is_ascii_alphanumeric() => char::from(byte).to_string(),
+        _ => format!("%{byte:02X}"),
+    };
+    text.bytes().map(byte).collect()
 }
 
 /// Returns the keys and values of a fragment, read as `URLSearchParams` does: escapes are decoded, and invalid ones are
@@ -52,39 +49,23 @@ pub fn items(list: &str) -> Vec<String> {
     items
 }
 
-const SIX_BITS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-_";
+/// Base64 for addresses, without padding. The unused bits of the last character are not checked.
+const BASE64: GeneralPurpose = GeneralPurpose::new(
+    &URL_SAFE,
+    GeneralPurposeConfig::new()
+        .with_encode_padding(false)
+        .with_decode_padding_mode(DecodePaddingMode::RequireNone)
+        .with_decode_allow_trailing_bits(true),
+);
 
 /// Returns bytes as base64 for addresses, without padding.
 pub fn base64(bytes: &[u8]) -> String {
-    let mut text = String::with_capacity(bytes.len().div_ceil(3) * 4);
-    for chunk in bytes.chunks(3) {
-        let byte = |k: usize| u32::from(chunk.get(k).copied().unwrap_or(0));
-        let bits = byte(0) << 16 | byte(1) << 8 | byte(2);
-        for k in 0..=chunk.len() {
-            text.push(char::from(SIX_BITS[(bits >> (18 - 6 * k) & 63) as usize]));
-        }
-    }
-    text
+    BASE64.encode(bytes)
 }
 
 /// Returns the bytes of a base64 text; `None` if it is not one.
-pub fn from_base64(text: &str) -> Option<Vec<u8>> {
-    let mut bytes = Vec::with_capacity(text.len() / 4 * 3);
-    for chunk in text.as_bytes().chunks(4) {
-        let mut bits = 0;
-        for k in 0..4 {
-            let six = match chunk.get(k) {
-                Some(byte) => SIX_BITS.iter().position(|other| other == byte)?,
-                None => 0,
-            };
-            bits = bits << 6 | six as u32;
-        }
-        if chunk.len() == 1 {
-            return None;
-        }
-        bytes.extend_from_slice(&bits.to_be_bytes()[1..chunk.len()]);
-    }
-    Some(bytes)
+pub(crate) fn from_base64(text: &str) -> Option<Vec<u8>> {
+    BASE64.decode(text).ok()
 }
 
 /// Returns the shortest text that reads as exactly this number.
@@ -133,8 +114,7 @@ pub fn named<T: Serialize + Copy>(all: &[T], text: &str) -> Option<T> {
 }
 
 /// Returns a name of the window as written in links: in lower case, with hyphens.
-#[must_use]
-pub fn slug(name: &str) -> String {
+pub(crate) fn slug(name: &str) -> String {
     name.to_lowercase().replace(' ', "-")
 }
 

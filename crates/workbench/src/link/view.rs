@@ -16,8 +16,8 @@ pub(super) fn layers_text(layers: Layers) -> String {
     layers.iter().map(layer_name).collect::<Vec<_>>().join(",")
 }
 
-/// Returns the layers of a list, and the names in it that are unknown. If none of those named exists, `None` for the
-/// layers of the stage: closer to the intention than an empty canvas.
+/// Returns the layers of a list, and the unknown names in it. If all names are unknown, the layers are `None`, those of the
+/// stage: that is closer to the intention than an empty canvas.
 pub(super) fn read_layers(names: &str) -> (Option<Layers>, Vec<&str>) {
     let (mut layers, mut unknown) = (Layers::none(), Vec::new());
     for name in names.split(',').filter(|name| !name.is_empty()) {

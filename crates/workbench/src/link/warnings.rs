@@ -47,7 +47,7 @@ impl LinkWarnings {
     }
 }
 
-/// Text from outside, shortened and on one line, so that it can be shown.
+/// Returns a text from outside, shortened and on one line, so that it can be shown.
 #[must_use]
 pub fn quoted(text: &str) -> String {
     let plain = |c: char| if c.is_control() { '\u{fffd}' } else { c };

@@ -1,4 +1,4 @@
-//! Writes a link: everything that differs from an empty link, in a fixed order, up to a limited length.
+//! Writes a link: all parts that differ from an empty link, in a fixed order, up to a limited length.
 
 use std::ops::Range;
 
@@ -28,8 +28,7 @@ pub struct Link {
 }
 
 /// Returns the name of a layer in a link.
-#[must_use]
-pub fn layer_name(layer: Layer) -> String {
+pub(crate) fn layer_name(layer: Layer) -> String {
     match layer {
         Layer::Circumcircles => "circumcircles".to_owned(),
         layer => slug(layer.name()),
@@ -166,11 +165,8 @@ impl Writer {
         let (Some(parameters), links) = (&content.view.second, &content.view.links) else {
             return;
         };
-        let names: Vec<&str> = LINKS
-            .into_iter()
-            .zip(links)
-            .filter_map(|(name, on)| on.then_some(name))
-            .collect();
+        let names = LINKS.into_iter().zip(links);
+        let names: Vec<&str> = names.filter_map(|(name, on)| on.then_some(name)).collect();
         self.put("b", names.join(","));
         self.parameters("b.", parameters, &content.parameters);
     }
@@ -194,19 +190,11 @@ impl Writer {
                 Some(anchor) => format!("@{}@{anchor}", escaped(&item(&mark.run))),
                 None => format!("@{}", escaped(&item(&mark.run))),
             };
-            Some(format!(
-                "{}{run}{colon}{}",
-                mark.event,
-                escaped(&item(&note))
-            ))
+            let note = escaped(&item(&note));
+            Some(format!("{}{run}{colon}{note}", mark.event))
         };
-        self.list(
-            "break",
-            "breakpoints",
-            MAX_STOPS,
-            &content.breakpoints,
-            breakpoint,
-        );
+        let breakpoints = &content.breakpoints;
+        self.list("break", "breakpoints", MAX_STOPS, breakpoints, breakpoint);
         self.list("watch", "watches", MAX_STOPS, &content.watches, watch);
         let written = self.list("mark", "scenes", MAX_SCENES, &content.scenes, mark);
         self.views(&content.scenes[..written]);
@@ -259,7 +247,7 @@ impl Writer {
         taken
     }
 
-    /// Written last, as the layout is the first to be left out for lack of room.
+    /// Writes the layout of the panels. It comes last, so that it is the first part to be left out for lack of room.
     fn panels(&mut self, content: &LinkContent) {
         let first = layout::text::written(&LinkContent::default().view.layout);
         let layout = layout::text::written(&content.view.layout);

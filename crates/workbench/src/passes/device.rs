@@ -1,5 +1,5 @@
-//! The background work on the device: runs all passes once, comparing stages with the CPU, and then visits
-//! single passes, reading their buffers before and after. It can be cancelled between passes.
+//! The background work on the device: [`survey`] runs all passes once and compares stages with the CPU; [`visit`] reads the
+//! buffers before and after a single pass. Both can be cancelled between passes.
 
 use std::ops::ControlFlow;
 use std::sync::Arc;
@@ -124,7 +124,7 @@ impl Walker {
         self.stepper.table(name, rows.max(1)).await
     }
 
-    /// Returns buffers of a pass of `stage`, with the places of their rows.
+    /// Returns buffers of a pass of `stage`, and where their rows lie in the plane.
     async fn side(
         &self,
         names: &[Name],
@@ -164,12 +164,9 @@ pub(super) async fn survey(subject: DeviceRun, monitor: Arc<Monitor>) -> Survey 
 impl Survey {
     async fn run(&mut self, subject: &DeviceRun, monitor: &Monitor) -> Result<(), Stop> {
         let parameters = &subject.parameters;
-        let mut observer = |_: Progress| {
-            if monitor.is_cancelled() {
-                ControlFlow::Break(())
-            } else {
-                ControlFlow::Continue(())
-            }
+        let mut observer = |_: Progress| match continue_unless_cancelled(monitor) {
+            Ok(()) => ControlFlow::Continue(()),
+            Err(_) => ControlFlow::Break(()),
         };
         monitor.set_activity("making the pattern");
         let pattern = Pattern::of_spec(&parameters.pattern, &mut observer)?;
@@ -190,9 +187,8 @@ impl Survey {
             if let Some(stage) = walker.stepper.ended_stage() {
                 cpu.advance(stage, &mut observer)?;
                 let run = walker.stepper.run().await?;
-                badge = cpu
-                    .compare(stage, &run)
-                    .map_or(Badge::Equal, Badge::Differs);
+                let difference = cpu.compare(stage, &run);
+                badge = difference.map_or(Badge::Equal, Badge::Differs);
             }
             if let Some(report) = walker.stepper.reports().last().cloned() {
                 monitor.set_activity(&format!("pass {}, {}", walker.passed(), report.stage));
@@ -267,7 +263,7 @@ impl Arrival {
             monitor.set_activity(&format!("running pass {next} of {last}"));
             monitor.set_fraction(next as f32 / (last + 1) as f32);
             if !walker.step().await? {
-                return Err(another_way(goal));
+                return Err(other_passes(goal));
             }
         }
         between(walker, goal, replayed, monitor).await
@@ -289,7 +285,7 @@ async fn between(
     let reports = walker.stepper.reports();
     let same = |name| name == goal.entry.report.name;
     if !is_there || !reports.last().is_some_and(|report| same(report.name)) {
-        return Err(another_way(goal));
+        return Err(other_passes(goal));
     }
     let after = walker.side(&names, stage, monitor).await?;
     let mut visit = Visit {
@@ -308,10 +304,10 @@ async fn between(
     Ok(visit)
 }
 
-fn another_way(goal: &Goal) -> Stop {
+/// Returns the failure that the run does not have the same passes again.
+fn other_passes(goal: &Goal) -> Stop {
+    let (number, name) = (goal.pass + 1, goal.entry.report.name);
     Stop::Failed(format!(
-        "The run's passes have changed: pass {} is no longer {}. List the passes again.",
-        goal.pass + 1,
-        goal.entry.report.name,
+        "The run's passes have changed: pass {number} is no longer {name}. List the passes again."
     ))
 }

@@ -13,12 +13,9 @@ pub enum FilterError {
     Empty,
     /// A condition is not a comparison.
     #[error(
-        "{text:?} is not a condition; write column>number, with >, >=, <, <=, = or !=, or changed"
+        "{0:?} is not a condition; write column>number, with >, >=, <, <=, = or !=, or changed"
     )]
-    NoComparison {
-        /// The condition.
-        text: String,
-    },
+    NoComparison(String),
     /// No column has the name.
     #[error("no column is called {name:?}; there are: {}", columns.join(", "))]
     NoSuchColumn {
@@ -28,11 +25,8 @@ pub enum FilterError {
         columns: Vec<String>,
     },
     /// The other side is not a whole number of 64 bits.
-    #[error("{text:?} is not a whole number between {} and {}", i64::MIN, i64::MAX)]
-    NotANumber {
-        /// The text in place of a number.
-        text: String,
-    },
+    #[error("{0:?} is not a whole number between {least} and {most}", least = i64::MIN, most = i64::MAX)]
+    NotANumber(String),
 }
 
 /// How a value is compared.
@@ -85,7 +79,7 @@ pub struct Filter {
 
 impl Filter {
     /// Reads a filter for a table with `columns`: conditions such as `x>5`, `iteration 1 != -1`, `row<100` or
-    /// `changed`, separated by commas. An empty text lets every row pass.
+    /// `changed`, separated by commas. Every row satisfies an empty text.
     ///
     /// Fails with the first condition that cannot be read.
     pub fn parse(text: &str, columns: &[String]) -> Result<Self, FilterError> {
@@ -98,15 +92,15 @@ impl Filter {
         Ok(Self { conditions })
     }
 
-    /// Returns whether it lets every row pass.
+    /// Returns whether it has no condition.
     #[must_use]
     pub const fn is_empty(&self) -> bool {
         self.conditions.is_empty()
     }
 
-    /// Returns whether it lets a row pass: its number, its values and whether it changed.
+    /// Returns whether a row satisfies it: its number, its values and whether it changed.
     #[must_use]
-    pub fn lets_pass(&self, row: usize, values: &[i64], changed: bool) -> bool {
+    pub fn accepts(&self, row: usize, values: &[i64], changed: bool) -> bool {
         self.conditions.iter().all(|condition| match *condition {
             Condition::Changed => changed,
             Condition::Row(comparison, number) => comparison.holds(row as i64, number),
@@ -124,19 +118,15 @@ fn condition(text: &str, columns: &[String]) -> Result<Condition, FilterError> {
     if text.eq_ignore_ascii_case("changed") {
         return Ok(Condition::Changed);
     }
-    let no_comparison = || FilterError::NoComparison {
-        text: text.to_owned(),
-    };
+    let no_comparison = || FilterError::NoComparison(text.to_owned());
     let at = text.find(['<', '>', '=', '!']).ok_or_else(no_comparison)?;
     let (name, rest) = (text[..at].trim(), &text[at..]);
-    let (sign, comparison) = COMPARISONS
-        .into_iter()
-        .find(|(sign, _)| rest.starts_with(sign))
-        .ok_or_else(no_comparison)?;
+    let mut comparisons = COMPARISONS.into_iter();
+    let comparison = comparisons.find(|(sign, _)| rest.starts_with(sign));
+    let (sign, comparison) = comparison.ok_or_else(no_comparison)?;
     let number = rest[sign.len()..].trim();
-    let number = number.parse().map_err(|_| FilterError::NotANumber {
-        text: number.to_owned(),
-    })?;
+    let not_a_number = |_| FilterError::NotANumber(number.to_owned());
+    let number = number.parse().map_err(not_a_number)?;
     if let Some(column) = columns.iter().position(|c| c.eq_ignore_ascii_case(name)) {
         return Ok(Condition::Column(column, comparison, number));
     }
@@ -161,7 +151,7 @@ mod tests {
         let filter = Filter::parse(text, &columns()).unwrap();
         let rows = [([3, -1], false), ([5, 2], true), ([9, -1], true)];
         let pass = |(row, (values, changed)): (usize, &([i64; 2], bool))| {
-            filter.lets_pass(row, values, *changed).then_some(row)
+            filter.accepts(row, values, *changed).then_some(row)
         };
         rows.iter().enumerate().filter_map(pass).collect()
     }

@@ -113,12 +113,9 @@ pub fn refusal(parameters: &Parameters) -> Option<String> {
         Ok(domain) => domain.area_radii() * MAXIMAL_DENSITY,
         Err(error) => return Some(sentence(&error.to_string())),
     };
+    let [count, most] = [expected.round(), MAX_STAGED].map(|count| grouped(count as usize));
     (expected > MAX_STAGED).then(|| {
-        format!(
-            "About {} samples are expected; passes can be inspected in runs of up to {} samples.",
-            grouped(expected.round() as usize),
-            grouped(MAX_STAGED as usize),
-        )
+        format!("About {count} samples are expected; passes can be inspected in runs of up to {most} samples.")
     })
 }
 
@@ -130,15 +127,11 @@ pub fn duration_text(seconds: f64) -> String {
         s if s < 1.0 => (s * 1e3, "ms"),
         s => (s, "s"),
     };
-    let digits = if value < 10.0 {
-        2
-    } else {
-        usize::from(value < 100.0)
-    };
+    let digits = usize::from(value < 10.0) + usize::from(value < 100.0);
     format!("{value:.digits$} {unit}")
 }
 
-/// Returns what a pass does with a buffer, in a word.
+/// Returns the access of a pass to a buffer, in a word.
 #[must_use]
 pub const fn access_text(access: Access) -> &'static str {
     match access {

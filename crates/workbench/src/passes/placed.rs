@@ -1,8 +1,6 @@
-//! The places of a visited buffer's rows on the canvas: which rows have places, how many, and their description
-//! in words.
+//! The rows of a visited buffer on the canvas: where they lie in the plane, how many are shown, and a description in words.
 
 use tilescope_core::{Point, Rect};
-use tilescope_gpu::layout::Name;
 use tilescope_gpu::{RowPlace, RowPlaces};
 use tilescope_session::words::{counted, grouped};
 
@@ -18,14 +16,14 @@ pub struct PlacedRows {
 }
 
 impl PlacedRows {
-    /// Returns the places of both sides.
+    /// Returns the places before and after the pass.
     #[must_use]
     pub fn new(before: RowPlaces, after: RowPlaces) -> Self {
         let after = (after != before).then_some(after);
         Self { before, after }
     }
 
-    /// Returns the places of a side: of both, those afterwards.
+    /// Returns the places of a side; of both sides, those after the pass.
     #[must_use]
     pub fn side(&self, side: PassSide) -> &RowPlaces {
         match side {
@@ -38,11 +36,11 @@ impl PlacedRows {
 /// How many rows are on the canvas.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct PlacedCounts {
-    /// All that have places.
+    /// All rows that have a place in the plane.
     pub rows: usize,
-    /// Those of them that the pass changed.
+    /// The rows among these that the pass changed.
     pub changed: usize,
-    /// Those of them that lie in the domain; others lie in the halo or were dropped outside its border.
+    /// The rows among these that lie in the domain; others lie in the halo or were dropped outside its border.
     pub inside: usize,
 }
 
@@ -64,12 +62,8 @@ impl<'a> Rows<'a> {
     /// that a filter selects are drawn.
     #[must_use]
     pub fn marks(&self, row: u32) -> &'a [RowPlace] {
-        marks(
-            self.places,
-            row as usize,
-            self.table,
-            self.shown.is_filtered(),
-        )
+        let is_filtered = self.shown.is_filtered();
+        marks(self.places, row as usize, self.table, is_filtered)
     }
 
     /// Returns whether a place begins in the domain, not in the halo around it or beyond its border.
@@ -150,30 +144,22 @@ impl OnCanvas<'_> {
         let Some(rows) = &self.rows else {
             return [format!("{pass}: on its way"), String::new()];
         };
-        let buffer = buffer_text(rows.table.name);
-        let counts = rows.shown.counts();
-        if let Some(why) = rows.places.unplaced() {
-            return [
-                format!("{pass}, {buffer}, {}: {why}", side_text(rows.shown.side())),
-                String::new(),
-            ];
-        }
+        let (buffer, counts) = (rows.table.name.as_str(), rows.shown.counts());
         let side = side_text(rows.shown.side());
+        let start = format!("{pass}, buffer {buffer}, {side}: ");
+        if let Some(why) = rows.places.unplaced() {
+            return [format!("{start}{why}"), String::new()];
+        }
         if rows.places.are_cells() && counts.rows == 0 && !rows.shown.is_filtered() {
-            let none = "no row changed; a filter shows others".to_owned();
-            return [format!("{pass}, {buffer}, {side}: "), none];
+            return [start, "no row changed; a filter shows others".to_owned()];
         }
         let count = counted(counts.rows, "row", "rows");
         let changed = match counts.changed {
             0 => "none changed".to_owned(),
             changed => format!("{} changed", grouped(changed)),
         };
-        [format!("{pass}, {buffer}, {side}: {count}, "), changed]
+        [format!("{start}{count}, "), changed]
     }
-}
-
-fn buffer_text(name: Name) -> String {
-    format!("buffer {}", name.as_str())
 }
 
 /// Returns the name of the side whose places are shown.

@@ -1,4 +1,4 @@
-//! The choice of a visited pass' buffer, side and rows. It is kept from pass to pass.
+//! The choice of buffer, side and rows in the table of a visited pass. It is kept from pass to pass.
 
 use tilescope_gpu::layout::{Access, Name};
 
@@ -93,7 +93,7 @@ impl ShownBuffer {
         self.counts
     }
 
-    /// Returns what the canvas shows of the rows.
+    /// Returns the rows to show on the canvas.
     #[must_use]
     pub fn on_canvas<'a>(&'a self, visit: &'a Visit) -> Option<Rows<'a>> {
         Some(Rows {
@@ -113,12 +113,12 @@ impl ShownBuffer {
         let index = visit.buffers.iter().position(chosen);
         let index = index.or_else(|| visit.buffers.iter().position(changed));
         let index = index.unwrap_or(0);
-        let name = |table: Option<&BufferTable>| table.map(|table| table.name);
-        if name(visit.buffers.get(index)) != self.entered {
+        let entered = visit.buffers.get(index).map(|table| table.name);
+        if entered != self.entered {
             // The selected row belongs to the former buffer.
             self.picked = None;
         }
-        self.entered = name(visit.buffers.get(index));
+        self.entered = entered;
         self.buffer = index;
         self.pointed = None;
         self.refresh(Some(visit));
@@ -173,7 +173,7 @@ impl ShownBuffer {
         self.widths = table.widths(self.side);
         let passes = |&row: &u32| {
             let row = row as usize;
-            filter.lets_pass(row, table.side(self.side, row), table.is_changed(row))
+            filter.accepts(row, table.side(self.side, row), table.is_changed(row))
         };
         self.rows = (0..table.rows() as u32).filter(passes).collect();
         self.is_filtered = !filter.is_empty();

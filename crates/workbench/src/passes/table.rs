@@ -145,9 +145,8 @@ impl BufferTable {
     pub fn widths(&self, side: PassSide) -> Vec<usize> {
         let mut widths: Vec<usize> = self.columns.iter().map(String::len).collect();
         let digits = |value: i64| {
-            value
-                .checked_abs()
-                .map_or(20, |v| digits_of(v) + usize::from(value < 0))
+            let log = value.unsigned_abs().checked_ilog10().unwrap_or(0);
+            log as usize + 1 + usize::from(value < 0)
         };
         for row in 0..self.rows() {
             let both = side == PassSide::Both && self.is_changed(row);
@@ -162,13 +161,6 @@ impl BufferTable {
             }
         }
         widths
-    }
-}
-
-const fn digits_of(value: i64) -> usize {
-    match value.checked_ilog10() {
-        Some(log) => log as usize + 1,
-        None => 1,
     }
 }
 

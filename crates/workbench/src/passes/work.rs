@@ -1,4 +1,5 @@
-//! The work of the passes: starting to list, visit or export, and taking the results.
+//! The background work of the passes: starts to list, visit or export them, and takes the results. `device.rs` does the
+//! work.
 
 use tilescope_session::jobs::Job;
 use tilescope_session::words::{counted, sentence};
@@ -92,7 +93,7 @@ impl Passes {
             Ok(visit) => {
                 if Some(visit.pass) == self.selected {
                     self.is_wanted = false;
-                    // It may have been cancelled too late.
+                    // The visit may have ended before it was cancelled.
                     self.notice = None;
                 }
                 self.shown.enter(&visit);
@@ -115,9 +116,8 @@ impl Passes {
             PassWork::Visit(job) => {
                 job.cancel();
                 self.is_wanted = false;
-                self.notice = Some(
-                    "Cancelled: this pass was not visited. Select it again to visit it.".to_owned(),
-                );
+                let text = "Cancelled: this pass was not visited. Select it again to visit it.";
+                self.notice = Some(text.to_owned());
             }
         }
     }
@@ -139,13 +139,11 @@ impl Passes {
         let path = std::path::PathBuf::from(self.path().trim());
         let rows = counted(self.shown.rows().len(), "row", "rows");
         self.export_result = None;
-        self.export = Some(Job::start(
-            &self.wake,
-            move |_| match tilescope_formats::write_whole(&path, text.as_bytes()) {
-                Ok(()) => Ok(format!("{rows} written to {}.", path.display())),
-                Err(error) => Err(sentence(&error.to_string())),
-            },
-        ));
+        self.export = Some(Job::start(&self.wake, move |_| {
+            let written = tilescope_formats::write_whole(&path, text.as_bytes());
+            let done = written.map(|()| format!("{rows} written to {}.", path.display()));
+            done.map_err(|error| sentence(&error.to_string()))
+        }));
     }
 
     #[cfg(target_arch = "wasm32")]

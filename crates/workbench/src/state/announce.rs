@@ -1,4 +1,4 @@
-//! Announcements for screen readers: the last event or stage, the verdict, notices, each when it is new.
+//! Announcements for screen readers: the last event or stage, the verdict and the notice, each when it changes.
 
 use tilescope_session::sentence::{happened, name_in};
 

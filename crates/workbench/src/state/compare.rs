@@ -1,5 +1,5 @@
-//! The comparison in the state: its commands, and how the second run follows the first. Differences are
-//! computed in [`crate::compare`].
+//! The comparison in the state: its commands, and how the second run follows the first. [`crate::compare`] computes the
+//! differences.
 
 use std::sync::Arc;
 
@@ -10,10 +10,12 @@ use super::{RunView, State};
 use crate::command::{ViewCommand, Which};
 use crate::compare::link::{common, corresponding};
 use crate::compare::{CompareCommand, ComparePreset, Comparison};
-use crate::device::{Device, EngineChoice};
+use crate::device::EngineChoice;
+use crate::draft::Draft;
 use crate::layout::Panel;
 use tilescope_drawing::subject::{Contrast, Subject};
 use tilescope_session::moment::Moment;
+use tilescope_session::session::Session;
 
 impl State {
     pub(super) fn apply_to_comparison(&mut self, command: CompareCommand) {
@@ -48,13 +50,7 @@ impl State {
             return Some(super::combine::NO_PARAMETERS.to_owned());
         }
         if preset == ComparePreset::Engine && self.other_engine() == EngineChoice::Gpu {
-            return match &self.gpu.device {
-                Device::Ready(_) => None,
-                Device::Unknown => Some(
-                    "Choose the GPU as the engine first: it is opened and tested then.".to_owned(),
-                ),
-                device => device.description(),
-            };
+            return self.gpu.device.not_ready();
         }
         let first = &session.run().parameters;
         let second = preset.parameters(first, &self.form.draft.parameters);
@@ -62,13 +58,19 @@ impl State {
         refused.map(|error| tilescope_session::words::sentence(&error.to_string()))
     }
 
-    /// Returns why one cannot go to the divergence of the two runs, or `None` if one can.
+    /// Returns the sessions of the two runs, and the comparison.
+    fn compared(&self) -> Option<[&Arc<Session>; 2]> {
+        let (side, _) = self.runs.second.as_ref()?;
+        Some([self.runs.first.session.as_ref()?, side.session.as_ref()?])
+    }
+
+    /// Returns why the window cannot go to the divergence of the two runs, or `None` if it can.
     #[must_use]
     pub fn parting_refusal(&self) -> Option<&'static str> {
-        let Some((side, comparison)) = &self.runs.second else {
+        let Some((_, comparison)) = &self.runs.second else {
             return Some("There is no second run.");
         };
-        let (Some(first), Some(second)) = (&self.runs.first.session, &side.session) else {
+        let Some([first, second]) = self.compared() else {
             return Some("The second run is not ready yet.");
         };
         match comparison.divergence(first, second) {
@@ -80,18 +82,10 @@ impl State {
     }
 
     /// Returns the engine other than the one that made the session.
-    #[must_use]
-    pub fn other_engine(&self) -> EngineChoice {
-        let by_gpu = self
-            .runs
-            .first
-            .session
-            .as_ref()
-            .is_some_and(|session| session.engine != "CPU");
-        if by_gpu {
-            EngineChoice::Cpu
-        } else {
-            EngineChoice::Gpu
+    fn other_engine(&self) -> EngineChoice {
+        match &self.runs.first.session {
+            Some(session) if session.engine != "CPU" => EngineChoice::Cpu,
+            _ => EngineChoice::Gpu,
         }
     }
 
@@ -134,17 +128,15 @@ impl State {
         let (side, _) = self.runs.second.get_or_insert_default();
         let viewport = side.viewport;
         *side = RunView::default();
-        side.debugger = session
-            .recording()
-            .map(|recording| Debugger::new(Arc::clone(recording), DEFAULT_BUDGET));
+        let recording = session.recording().map(Arc::clone);
+        side.debugger = recording.map(|recording| Debugger::new(recording, DEFAULT_BUDGET));
         if let (Some(debugger), Some((cursor, _))) = (&mut side.debugger, cursor) {
             debugger.jump(cursor);
         }
         side.rows = session.outline.as_ref().map(OutlineRows::new);
-        (side.stage, side.camera, side.viewport) =
-            (self.runs.first.stage, self.runs.first.camera, viewport);
-        (side.fitted, side.before_pattern) =
-            (self.runs.first.fitted, self.runs.first.before_pattern);
+        let first = &self.runs.first;
+        (side.stage, side.camera, side.viewport) = (first.stage, first.camera, viewport);
+        (side.fitted, side.before_pattern) = (first.fitted, first.before_pattern);
         side.session = Some(session);
         self.on(Which::Second, |run, context| run.verify(context));
     }
@@ -161,14 +153,10 @@ impl State {
             self.on(Which::First, |run, context| run.put_stops(stops, context));
             self.runs.second = Some((side, comparison));
         }
-        let runs = self
-            .runs
-            .first
-            .session
-            .as_ref()
-            .filter(|session| session.combination.is_none());
-        if let Some(session) = runs {
-            self.form.draft = crate::draft::Draft::from_parameters(session.run().parameters);
+        if let Some(session) = &self.runs.first.session
+            && session.combination.is_none()
+        {
+            self.form.draft = Draft::from_parameters(session.run().parameters);
             self.form.own_pattern.clone_from(&session.own);
             self.forget_changes();
         }
@@ -199,16 +187,19 @@ impl State {
     }
 
     fn follow_second(&mut self) {
-        let (Some(at), Some((side, comparison))) = (self.second_at(), &self.runs.second) else {
+        let (Some(at), Some([first, second])) = (self.second_at(), self.compared()) else {
             return;
         };
-        let (Some(first), Some(second)) = (&self.runs.first.session, &side.session) else {
-            return;
-        };
-        let common = common(first, second, comparison.divergence(first, second));
-        let common = common.map(|[a, b]| [b, a]);
+        let common = self.common().map(|[a, b]| [b, a]);
         let to = corresponding(second, at, first, common);
         self.runs.first.go_to(to);
+    }
+
+    /// Returns the cursors up to which the two runs are equal, if they are known.
+    fn common(&self) -> Option<[usize; 2]> {
+        let (_, comparison) = self.runs.second.as_ref()?;
+        let [first, second] = self.compared()?;
+        common(first, second, comparison.divergence(first, second))
     }
 
     /// Makes the second run follow the first as far as the two are linked.
@@ -223,15 +214,10 @@ impl State {
         if !comparison.linked_playback {
             return;
         }
-        let (Some(at), Some((side, comparison))) = (self.runs.first.moment(), &self.runs.second)
-        else {
+        let (Some(at), Some([first, second])) = (self.runs.first.moment(), self.compared()) else {
             return;
         };
-        let (Some(first), Some(second)) = (&self.runs.first.session, &side.session) else {
-            return;
-        };
-        let common = common(first, second, comparison.divergence(first, second));
-        let to = corresponding(first, at, second, common);
+        let to = corresponding(first, at, second, self.common());
         if self.second_at() != Some(to) {
             self.on(Which::Second, |run, _| run.go_to(to));
         }
@@ -286,10 +272,8 @@ impl State {
     /// Goes to the divergence of the two runs: in both, the first event that differs is the last one that has
     /// happened.
     fn go_to_divergence(&mut self) {
-        let Some((side, comparison)) = &self.runs.second else {
-            return;
-        };
-        let (Some(first), Some(second)) = (&self.runs.first.session, &side.session) else {
+        let (Some((_, comparison)), Some([first, second])) = (&self.runs.second, self.compared())
+        else {
             return;
         };
         let cursors = match comparison.divergence(first, second) {
@@ -315,19 +299,13 @@ impl State {
         let (a, b) = (self.shown()?, side.shown()?);
         let difference = comparison.differences.of(&a, &b)?;
         let (first, second) = (&difference.first[..], &difference.second[..]);
-        comparison.shows_differences.then_some(if from_second {
-            Contrast {
-                here: second,
-                there: first,
-                other: a.session,
-            }
+        let (here, there, other) = if from_second {
+            (second, first, a.session)
         } else {
-            Contrast {
-                here: first,
-                there: second,
-                other: b.session,
-            }
-        })
+            (first, second, b.session)
+        };
+        let contrast = Contrast { here, there, other };
+        comparison.shows_differences.then_some(contrast)
     }
 
     /// Returns the subject of the second canvas.

@@ -1,5 +1,5 @@
-//! The interface between parts of the state: what a part may use while it applies a command, and the effects it
-//! asks for.
+//! The interface between parts of the state: the data that a part may use while it applies a command, and the effects that
+//! it asks for.
 
 use tilescope_session::incoming::NamedBytes;
 use tilescope_session::jobs::Wake;

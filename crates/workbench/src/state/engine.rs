@@ -1,4 +1,4 @@
-//! Makes runs with the chosen engine, and runs the passes of the GPU for inspection.
+//! Makes runs with the chosen engine, and opens the passes of the GPU. `state/gpu.rs` chooses the engine.
 
 use tilescope_session::jobs::Job;
 use tilescope_session::limits::MAX_PASSES_ON_A_PAGE;
@@ -6,11 +6,11 @@ use tilescope_session::recipe::Recipe;
 use tilescope_session::sampling::SampleTask;
 use tilescope_session::session::Session;
 use tilescope_session::task;
-use tilescope_session::words::sentence;
+use tilescope_session::words::{grouped, sentence};
 
 use super::{State, Which};
 use crate::clock::Clock;
-use crate::device::{Device, EngineChoice};
+use crate::device::EngineChoice;
 use crate::layout::Panel;
 use crate::passes::{OnCanvas, PassCommand, Passes};
 
@@ -59,30 +59,21 @@ impl State {
             return Some("There is no session yet.".to_owned());
         };
         if session.combination.is_some() {
-            return Some(
-                "This is a combination of sets, made on the CPU; the passes are those of a run."
-                    .to_owned(),
-            );
+            let text =
+                "This is a combination of sets, made on the CPU; the passes are those of a run.";
+            return Some(text.to_owned());
         }
         if session.own.is_some() {
-            return Some(
-                "This session's pattern comes from a file; passes can be inspected only with a generated pattern."
-                    .to_owned(),
-            );
+            let text = "This session's pattern comes from a file; passes can be inspected only with a generated pattern.";
+            return Some(text.to_owned());
         }
         if cfg!(target_arch = "wasm32") && session.summary.count > MAX_PASSES_ON_A_PAGE {
+            let most = grouped(MAX_PASSES_ON_A_PAGE);
             return Some(format!(
-                "A page shows the passes of runs of up to {} samples; the native program has no such limit.",
-                tilescope_session::words::grouped(MAX_PASSES_ON_A_PAGE)
+                "A page shows the passes of runs of up to {most} samples; the native program has no such limit."
             ));
         }
-        match &self.gpu.device {
-            Device::Ready(_) => None,
-            Device::Unknown => {
-                Some("Choose the GPU as the engine first: it is opened and tested then.".to_owned())
-            }
-            device => device.description(),
-        }
+        self.gpu.device.not_ready()
     }
 
     pub(super) fn open_passes(&mut self) {

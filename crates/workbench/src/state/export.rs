@@ -1,4 +1,7 @@
-//! Exports in the state: the commands of the export sheet, and making an [`ExportJob`] of it.
+//! Exports in the state: the commands of the export sheet, and whether an export may begin. Begin with
+//! [`Exports::prospect`], which says what would be exported or why nothing can be, and [`Exports::job`]. `outcome.rs` starts
+//! the export and shows the notice at its end. While a question of a lesson is open, `state/lessons.rs` (`veiled`) refuses
+//! all commands of the sheet before they arrive here.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -9,6 +12,7 @@ use tilescope_drawing::brushed::BrushedCause;
 use tilescope_session::jobs::Job;
 use tilescope_session::layers::Layers;
 use tilescope_session::selection::Selection;
+use tilescope_session::session::Session;
 use tilescope_session::words::{counted, grouped};
 
 use super::effects::Context;
@@ -169,10 +173,8 @@ impl Exports {
         let (Some(form), Some(session)) = (&self.sheet, &source.run.session) else {
             return Err(ExportRefusal::NoSession);
         };
-        let refusal = source
-            .kind_refusal(form.kind)
-            .or_else(|| form.name_refusal());
-        if let Some(refusal) = refusal {
+        let refusal = source.kind_refusal(form.kind);
+        if let Some(refusal) = refusal.or_else(|| form.name_refusal()) {
             return Err(refusal);
         }
         match form.kind {
@@ -212,14 +214,9 @@ impl Exports {
         source: ExportSource<'_>,
     ) -> Result<usize, ExportRefusal> {
         let key = frames_key(form, source)?;
-        let session = source
-            .run
-            .session
-            .as_ref()
-            .ok_or(ExportRefusal::NoSession)?;
         match &self.frames {
             Some(known) if known.key == key => known.frames.clone(),
-            _ => count(session, &key.1, key.2, key.3),
+            _ => count(source.session()?, &key.1, key.2, key.3),
         }
     }
 
@@ -230,17 +227,16 @@ impl Exports {
         let Some(form) = self.sheet.as_ref().filter(animation) else {
             return;
         };
-        let Ok(key) = frames_key(form, source) else {
-            return;
-        };
-        if self.frames.as_ref().is_none_or(|known| known.key != key) {
+        if let Ok(key) = frames_key(form, source)
+            && self.frames.as_ref().is_none_or(|known| known.key != key)
+        {
             let frames = self.frame_count(form, source);
             self.frames = Some(Count { key, frames });
         }
     }
 
     /// Returns the export that the sheet describes.
-    pub fn order(&self, source: ExportSource<'_>) -> Result<ExportJob, ExportRefusal> {
+    pub fn job(&self, source: ExportSource<'_>) -> Result<ExportJob, ExportRefusal> {
         self.prospect(source)?;
         let (Some(form), Some(session)) = (&self.sheet, &source.run.session) else {
             return Err(ExportRefusal::NoSession);
@@ -290,6 +286,10 @@ impl Exports {
 }
 
 impl ExportSource<'_> {
+    fn session(&self) -> Result<&Arc<Session>, ExportRefusal> {
+        self.run.session.as_ref().ok_or(ExportRefusal::NoSession)
+    }
+
     /// Returns why nothing of a kind can be exported now, independent of the sheet.
     #[must_use]
     pub fn kind_refusal(&self, kind: ExportKind) -> Option<ExportRefusal> {
@@ -371,8 +371,7 @@ impl ExportSource<'_> {
     }
 
     /// Returns the moment in a few words.
-    #[must_use]
-    pub fn moment_name(&self) -> String {
+    pub(crate) fn moment_name(&self) -> String {
         let stage = self.run.current_stage().map(|stage| stage.to_string());
         let stage = tilescope_session::words::sentence(&stage.unwrap_or_default());
         let stage = stage.trim_end_matches('.');
@@ -383,7 +382,7 @@ impl ExportSource<'_> {
     }
 }
 
-/// Returns what the picture of a sheet shows, and its scale.
+/// Returns the moment and the view of the sheet's picture, and its scale.
 fn checked_view(
     form: &ExportForm,
     source: ExportSource<'_>,
@@ -396,7 +395,8 @@ fn checked_view(
     Ok((shown, scale))
 }
 
-/// Returns what the pictures of the scenes show, and their scale. Scenes that this run does not have are left out.
+/// Returns the moments and views of the scenes, and the scale of their pictures. Scenes that this run does not have are left
+/// out.
 fn checked_scenes(
     form: &ExportForm,
     source: ExportSource<'_>,
@@ -428,15 +428,10 @@ fn checked_scale(
     source: ExportSource<'_>,
     view: &PictureView,
 ) -> Result<f64, ExportRefusal> {
-    let session = source
-        .run
-        .session
-        .as_ref()
-        .ok_or(ExportRefusal::NoSession)?;
     let (low, high) = view.camera.visible(source.run.viewport);
-    let samples = session.index.count_in(low, high);
+    let samples = source.session()?.index.count_in(low, high);
     if samples > MAX_DRAWN {
-        return Err(ExportRefusal::TooManySamples { samples });
+        return Err(ExportRefusal::TooManySamples(samples));
     }
     let scale = if form.has_scale() { form.scale()? } else { 1.0 };
     let animated = form.kind == ExportKind::Animation;
@@ -450,13 +445,9 @@ fn size_text(view: &PictureView, scale: f64) -> String {
 }
 
 fn frames_key(form: &ExportForm, source: ExportSource<'_>) -> Result<Key, ExportRefusal> {
-    let session = source
-        .run
-        .session
-        .as_ref()
-        .ok_or(ExportRefusal::NoSession)?;
+    let generation = source.session()?.generation;
     let range = source.range(form).ok_or(ExportRefusal::NoEvents)?;
-    Ok((session.generation, range, form.clock, form.every()?))
+    Ok((generation, range, form.clock, form.every()?))
 }
 
 fn fill_in(form: &mut ExportForm, command: ExportCommand) {
@@ -477,5 +468,4 @@ fn fill_in(form: &mut ExportForm, command: ExportCommand) {
 }
 
 mod outcome;
-pub use outcome::ExportTask;
-pub use outcome::Outcome;
+pub use outcome::{ExportTask, Outcome};

@@ -1,4 +1,4 @@
-//! Files in the state: the commands of the file sheet, and starting to read and write.
+//! Files in the state: the commands of the file sheet, and starting to read and write. `outcome.rs` takes the results.
 
 #[cfg(not(target_arch = "wasm32"))]
 use std::path::{Path, PathBuf};
@@ -157,10 +157,11 @@ impl FileState {
     ) {
         let run = run.session.as_ref();
         let run = run.map(|session| (region_of(session), session.run().domain.radius()));
+        let generation = context.next_generation();
         let task = ReadTask {
             purpose,
             source,
-            generation: context.next_generation(),
+            generation,
             run,
         };
         let job = task::start(&context.wake, task);
@@ -291,23 +292,15 @@ impl State {
     /// Returns why the session cannot be saved, or `None` if it can.
     #[must_use]
     pub fn save_refusal(&self) -> Option<&'static str> {
-        if self.runs.first.session.is_none() {
-            Some("There is no session yet.")
-        } else if let Some(combination) = self.combination() {
-            (combination.files > 0).then_some(
-                "This combination has sets from files, which a saved session would not contain; keep its layout instead.",
-            )
-        } else if self.runs.first.debugger.is_none() {
-            Some(
-                "Only a session with events can be saved; a larger run is reproduced by its parameters.",
-            )
-        } else {
-            None
+        let Some(session) = &self.runs.first.session else {
+            return Some("There is no session yet.");
+        };
+        let events = "Only a session with events can be saved; a larger run is reproduced by its parameters.";
+        let files = "This combination has sets from files, which a saved session would not contain; keep its layout instead.";
+        match &session.combination {
+            Some(combination) => (combination.files > 0).then_some(files),
+            None => self.runs.first.debugger.is_none().then_some(events),
         }
-    }
-
-    fn combination(&self) -> Option<&tilescope_session::combination::Combination> {
-        self.runs.first.session.as_ref()?.combination.as_ref()
     }
 
     /// Returns the current combination in saved form, with its view.
@@ -320,10 +313,8 @@ impl State {
     /// Returns the current session in saved form, with its view.
     #[must_use]
     pub fn saved(&self) -> Option<tilescope_debugger::Session> {
-        let (debugger, session) = (
-            self.runs.first.debugger.as_ref()?,
-            self.runs.first.session.as_ref()?,
-        );
+        let run = &self.runs.first;
+        let (debugger, session) = (run.debugger.as_ref()?, run.session.as_ref()?);
         let mut saved = debugger.session();
         saved.view = self.view().to_json();
         if let (Some(record), Some(view)) = (self.saved_record(), saved.view.as_object_mut()) {

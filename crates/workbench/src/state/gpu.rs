@@ -1,4 +1,4 @@
-//! The choice of the engine, and the state of the GPU.
+//! The choice of the engine, opening and testing the GPU, and both in words. `state/engine.rs` makes runs with them.
 
 use std::sync::Arc;
 
@@ -25,8 +25,8 @@ pub struct GpuState {
     pub device: Device,
     /// Why the last GPU run or test failed, if one did.
     pub failure: Option<String>,
-    /// The description of what draws the window, on a page only. There a GPU that passed its test samples
-    /// without being chosen.
+    /// The description of the graphics that draw the window, on a page only. There a GPU that passed its test samples without
+    /// being chosen.
     pub(super) display: Option<String>,
     /// A part of the name of the adapter to open; `None` for the fastest.
     adapter: Option<String>,
@@ -165,7 +165,7 @@ impl GpuState {
     }
 
     /// Returns the engine of the next run, which is of `variant`: in a line, and in full. `None` if the choice alone
-    /// says it all.
+    /// is enough to know.
     #[must_use]
     pub fn engine_text(&self, variant: Variant) -> Option<(&'static str, String)> {
         let is_free = self.engine == EngineChoice::Auto && self.display.is_some();
@@ -182,51 +182,40 @@ impl GpuState {
             Device::Unknown if is_free && self.failure.is_some() => "CPU: the GPU failed.",
             _ => return None,
         };
-        let test = self
-            .device
-            .description()
-            .filter(|_| self.device.ready().is_some());
-        let all: Vec<String> = self.chosen(variant).into_iter().chain(test).collect();
-        let all = if all.is_empty() {
-            self.device.description()?
-        } else {
-            all.join(" ")
+        let device = self.device.description();
+        let all = match (self.chosen(variant), device) {
+            (Some(why), Some(test)) if self.device.ready().is_some() => format!("{why} {test}"),
+            (Some(why), _) => why,
+            (None, device) => device?,
         };
         Some((line, all))
     }
 
-    /// Returns why the program chose the engine of the next run, which is of `variant`, and what draws the window;
-    /// `None` unless the program chooses.
+    /// Returns the engine of the next run, which is of `variant`, with the reason, and the graphics that draw the window;
+    /// `None` except on a page.
     #[must_use]
     pub fn chosen(&self, variant: Variant) -> Option<String> {
         let display = self.display.as_ref()?;
         let takes = self.takes(self.engine);
-        let engine = match &self.device {
-            _ if self.engine == EngineChoice::Cpu => {
-                "The CPU engine samples in a worker, as chosen.".to_owned()
-            }
-            Device::Unknown => {
-                let failure = self.failure.as_deref().unwrap_or_default();
-                let text = format!("The CPU engine samples in a worker. {failure}");
-                text.trim_end().to_owned()
-            }
-            Device::Testing(_) => {
-                "The CPU engine samples in a worker while the GPU is opened and tested.".to_owned()
-            }
+        let why: &str = match &self.device {
+            _ if self.engine == EngineChoice::Cpu => ", as chosen.",
+            Device::Unknown => match &self.failure {
+                Some(failure) => &format!(". {failure}"),
+                None => ".",
+            },
+            Device::Testing(_) => " while the GPU is opened and tested.",
             Device::Ready(_) if takes && variant == Variant::AsPrinted => {
-                "The CPU engine samples in a worker: it alone runs Algorithm 4 as printed."
-                    .to_owned()
+                ": it alone runs Algorithm 4 as printed."
             }
             Device::Ready(_) if takes => {
-                "The GPU samples: it passed its test against the CPU.".to_owned()
+                let engine = "The GPU samples: it passed its test against the CPU.";
+                return Some(format!("{engine} {display} draws."));
             }
-            Device::Ready(_) => {
-                format!("The CPU engine samples in a worker. {ON_CPU}")
-            }
-            Device::Refused(reason) => {
-                format!("The CPU engine samples in a worker, as no GPU can. {reason}")
-            }
+            Device::Ready(_) => &format!(". {ON_CPU}"),
+            Device::Refused(reason) => &format!(", as no GPU can. {reason}"),
         };
-        Some(format!("{engine} {display} draws."))
+        Some(format!(
+            "The CPU engine samples in a worker{why} {display} draws."
+        ))
     }
 }

@@ -1,15 +1,15 @@
-//! The lesson as JSON, for pages that show its texts beside the canvas, and their requests.
+//! The open lesson as JSON, for pages that show its texts beside the canvas, and the answers to their requests about
+//! lessons. `remote.rs` reads the requests.
 
 use serde_json::{Value, json};
 use tilescope_debugger::Direction;
-use tilescope_lessons::{
-    Answer, Change, CutAxis, Form, Lesson, Progress, Translation, letter, spans,
-};
+use tilescope_lessons::{Answer, CutAxis, Form, Lesson, Progress, Translation, letter, spans};
 
 use super::State;
 use crate::command::Command;
 use crate::lesson_labels::lesson_labels;
 use crate::lessons::{DraftCommand, LessonCommand, OpenLesson, WantedLesson};
+use crate::link::quoted;
 use crate::remote::{LessonRequest, RequestError};
 use crate::scenes::SceneCommand;
 use crate::talk::TalkCommand;
@@ -17,10 +17,9 @@ use crate::talk::TalkCommand;
 const NO_LESSON: &str = "no lesson is open";
 
 impl State {
-    /// Returns the lesson that is open, or the list of lessons: `null` if neither is. While a question is open this says
-    /// nothing of what follows.
-    #[must_use]
-    pub fn lesson_json(&self) -> Value {
+    /// Returns the lesson that is open, or the list of lessons, or `null`. While a question is open it holds nothing from
+    /// after the question's moment.
+    pub(crate) fn lesson_json(&self) -> Value {
         let lessons = &self.lessons;
         if lessons.lists {
             let labels = lesson_labels(&lessons.language);
@@ -33,21 +32,15 @@ impl State {
         let lesson = learner.lesson();
         let step = learner.step();
         let paragraphs = |texts: &[String]| -> Value {
+            let texts = texts.iter();
             texts
-                .iter()
                 .map(|text| json!(spans(&learner.words(text))))
                 .collect()
         };
-        let after = if learner.is_open() {
-            Value::Null
-        } else {
-            paragraphs(&step.after)
-        };
+        let after = (!learner.is_open()).then(|| paragraphs(&step.after));
         let score = |gate: &str| {
-            lessons
-                .results
-                .of_gate(&lesson.name, gate)
-                .map(|(score, _)| score)
+            let found = lessons.results.of_gate(&lesson.name, gate);
+            found.map(|(score, _)| score)
         };
         let steps = lesson.steps.iter().map(|step| {
             let gate = step.gate.as_ref();
@@ -88,13 +81,11 @@ impl State {
         let entries = lessons.shelf.iter().filter_map(|shipped| {
             let lesson = Lesson::read(&shipped.name, &shipped.text).ok()?;
             let german = Translation::read(&shipped.german).ok();
-            let german = german
-                .filter(|_| lessons.language == "de")
-                .unwrap_or_default();
+            let german = german.filter(|_| lessons.language == "de");
+            let german = german.unwrap_or_default();
             let gates: Vec<_> = lesson.gates().map(|(_, gate)| &gate.name).collect();
-            let done = gates
-                .iter()
-                .filter(|gate| lessons.results.of_gate(&shipped.name, gate).is_some());
+            let is_done = |gate: &&&String| lessons.results.of_gate(&shipped.name, gate).is_some();
+            let done = gates.iter().filter(is_done);
             Some(json!({
                 "name": shipped.name,
                 "title": german.of(&lesson.title),
@@ -112,260 +103,194 @@ impl State {
         })
     }
 
-    /// Does what a page asks of lessons. Returns what it is told.
+    /// Carries out a request about lessons; returns the answer.
     pub(super) fn answer_of_lesson(
         &mut self,
         request: LessonRequest,
     ) -> Result<Value, RequestError> {
-        let refused = |why: &str| RequestError::Refused(why.to_owned());
-        let is_open = self.lessons.open.is_some();
+        let refused = |why: String| Err(RequestError::Refused(why));
         let command = match request {
             LessonRequest::Open(wanted) => {
                 let (shelf, name) = (&self.lessons.shelf, &wanted.name);
-                if !shelf.is_empty() && !shelf.iter().any(|shipped| shipped.name == *name) {
-                    let names: Vec<&str> =
-                        shelf.iter().map(|shipped| shipped.name.as_ref()).collect();
-                    let why = format!(
-                        "there is no lesson \"{name}\"; there are {}",
-                        names.join(", ")
-                    );
-                    return Err(RequestError::Refused(why));
+                if !shelf.is_empty() && self.lessons.shipped(name).is_none() {
+                    let names: Vec<&str> = shelf.iter().map(|other| other.name.as_ref()).collect();
+                    let names = names.join(", ");
+                    return refused(format!("there is no lesson \"{name}\"; there are {names}"));
                 }
                 self.open_wanted(wanted);
                 return Ok(self.lesson_json());
             }
-            LessonRequest::Text { name, text } => {
-                Lesson::read(&name, &text)
-                    .map_err(|error| RequestError::Refused(error.to_string()))?;
-                LessonCommand::Read(name, text)
-            }
-            LessonRequest::List => LessonCommand::ToggleList,
-            LessonRequest::Language(language) => LessonCommand::Language(language),
-            LessonRequest::Name(name) => LessonCommand::Name(name),
-            LessonRequest::Save(format) => LessonCommand::SaveResults(format),
-            LessonRequest::Clear => LessonCommand::ClearResults,
             LessonRequest::Tour => {
                 self.lessons.lists = false;
                 self.apply(Command::Scene(SceneCommand::Tour));
                 return Ok(self.lesson_json());
             }
-            _ if !is_open => return Err(refused(NO_LESSON)),
+            LessonRequest::Present | LessonRequest::Answer(_) if self.lessons.open.is_none() => {
+                return refused(NO_LESSON.to_owned());
+            }
             LessonRequest::Present if self.window.embedding.is_some() => {
-                return Err(refused("a player in a frame presents nothing"));
+                return refused("a player in a frame presents nothing".to_owned());
             }
             LessonRequest::Present => {
                 self.apply(Command::Talk(TalkCommand::Lesson { from_start: false }));
                 return Ok(Value::Null);
             }
-            LessonRequest::Step(direction) => {
-                let may = self
-                    .lessons
-                    .open
-                    .as_ref()
-                    .is_some_and(|open| open.learner.may_go_on());
-                if direction == Direction::Forwards && !may {
-                    return Err(refused("the question is open, or this is the last step"));
-                }
-                LessonCommand::Step(direction)
-            }
-            LessonRequest::Go(name) => {
-                let open = self.lessons.open.as_ref();
-                if open
-                    .and_then(|open| open.learner.lesson().step_named(&name))
-                    .is_none()
-                {
-                    let name = crate::link::quoted(&name);
-                    return Err(RequestError::Refused(format!(
-                        "the lesson has no step \"{name}\""
-                    )));
-                }
-                LessonCommand::Go(name)
-            }
-            LessonRequest::Leave => LessonCommand::Leave,
-            LessonRequest::Hint => LessonCommand::Hint,
-            LessonRequest::GiveUp => LessonCommand::GiveUp,
-            LessonRequest::Practise(draw) => LessonCommand::Practise(draw),
-            LessonRequest::Draft(command) => LessonCommand::Draft(command),
-            LessonRequest::Answer(None) => LessonCommand::Answer,
-            LessonRequest::Answer(Some(value)) => {
-                let draft = self.draft_of(&value)?;
-                for command in draft {
+            LessonRequest::Answer(value) => {
+                for command in self.draft_of(&value)? {
                     self.apply(Command::Lesson(LessonCommand::Draft(command)));
                 }
                 LessonCommand::Answer
             }
+            LessonRequest::Command(command) => match self.lesson_refusal(&command) {
+                Some(why) => return refused(why),
+                None => command,
+            },
         };
         self.apply(Command::Lesson(command));
         Ok(self.lesson_json())
     }
 
-    /// Returns the commands that put together the answer that a value stands for.
+    /// Returns why a page may not issue a command now, or `None` if it may.
+    fn lesson_refusal(&self, command: &LessonCommand) -> Option<String> {
+        use LessonCommand as L;
+        match (command, self.lessons.learner()) {
+            (L::Read(name, text), _) => Lesson::read(name, text)
+                .err()
+                .map(|error| error.to_string()),
+            (
+                L::ToggleList | L::Language(_) | L::Name(_) | L::SaveResults(_) | L::ClearResults,
+                _,
+            ) => None,
+            (_, None) => Some(NO_LESSON.to_owned()),
+            (L::Step(Direction::Forwards), Some(learner)) if !learner.may_go_on() => {
+                Some("the question is open, or this is the last step".to_owned())
+            }
+            (L::Go(name), Some(learner)) if learner.lesson().step_named(name).is_none() => {
+                Some(format!("the lesson has no step \"{}\"", quoted(name)))
+            }
+            _ => None,
+        }
+    }
+
+    /// Returns the commands that put together an answer with this value.
     fn draft_of(&self, value: &Value) -> Result<Vec<DraftCommand>, RequestError> {
         let Some(question) = self.lessons.open_question() else {
             return Err(RequestError::Refused("no question is open".to_owned()));
         };
-        let wrong = |wanted: &str| {
-            let found = crate::link::quoted(&value.to_string());
-            RequestError::Value {
-                field: "value".to_owned(),
-                found,
-                wanted: wanted.to_owned(),
-            }
-        };
-        let index = |value: &Value| value.as_u64().and_then(|index| usize::try_from(index).ok());
-        let mut commands = vec![DraftCommand::Clear];
-        match &question.form {
-            Form::Choice { options, .. } | Form::Trace { options, .. } => {
-                let chosen = index(value).filter(|&chosen| chosen < options.len());
-                let last = options.len() - 1;
-                let wanted = || wrong(&format!("the index of an option, from 0 to {last}"));
-                commands.push(DraftCommand::Choose(chosen.ok_or_else(wanted)?));
-            }
-            Form::Pick { candidates, .. } => {
-                let ids = value.as_array().into_iter().flatten();
-                let ids = ids.map(|id| index(id).and_then(|id| u32::try_from(id).ok()));
-                let ids: Option<Vec<u32>> = ids.collect();
-                let listed = |ids: &Vec<u32>| ids.iter().all(|id| candidates.contains(id));
-                let ids = ids.filter(|ids| value.is_array() && listed(ids));
-                let ids = ids.ok_or_else(|| wrong("a list of samples that the question lists"))?;
-                commands.extend(ids.into_iter().map(DraftCommand::Pick));
-            }
-            Form::Place { .. } => {
-                let place = serde_json::from_value(value.clone()).ok();
-                let place = place.filter(|[x, y]: &[f64; 2]| x.is_finite() && y.is_finite());
-                commands.push(DraftCommand::Place(
-                    place.ok_or_else(|| wrong("a place [x, y], in r"))?,
-                ));
-            }
-            Form::Number { .. } => {
-                let text = match value {
-                    Value::String(text) => text.clone(),
-                    Value::Number(number) => number.to_string(),
-                    _ => return Err(wrong("a number")),
-                };
-                commands.push(DraftCommand::Type(text));
-            }
-            Form::Order { items } => {
-                let order = value.as_array().into_iter().flatten();
-                let order: Option<Vec<usize>> = order.map(index).collect();
-                let count = items.len();
-                let order = order.filter(|order| {
-                    let mut sorted = order.clone();
-                    sorted.sort_unstable();
-                    sorted.into_iter().eq(0..count)
-                });
-                let wanted = || {
-                    wrong(&format!(
+        let read = |kind: &str| serde_json::from_value::<Answer>(json!({ kind: value })).ok();
+        let commands = match &question.form {
+            Form::Choice { options, .. } | Form::Trace { options, .. } => match read("choice") {
+                Some(Answer::Choice(index)) if index < options.len() => {
+                    Ok(vec![DraftCommand::Choose(index)])
+                }
+                _ => Err(format!(
+                    "the index of an option, from 0 to {}",
+                    options.len() - 1
+                )),
+            },
+            Form::Pick { candidates, .. } => match read("pick") {
+                Some(Answer::Pick(ids)) if ids.iter().all(|id| candidates.contains(id)) => {
+                    Ok(ids.into_iter().map(DraftCommand::Pick).collect())
+                }
+                _ => Err("a list of samples that the question lists".to_owned()),
+            },
+            Form::Place { .. } => match read("place") {
+                Some(Answer::Place(at)) if at.iter().all(|x| x.is_finite()) => {
+                    Ok(vec![DraftCommand::Place(at)])
+                }
+                _ => Err("a place [x, y], in r".to_owned()),
+            },
+            Form::Number { .. } => match value {
+                Value::String(text) => Ok(vec![DraftCommand::Type(text.clone())]),
+                Value::Number(number) => Ok(vec![DraftCommand::Type(number.to_string())]),
+                _ => Err("a number".to_owned()),
+            },
+            Form::Order { items } => match read("order") {
+                Some(Answer::Order(order)) if is_order(&order, items.len()) => {
+                    Ok(order.into_iter().map(DraftCommand::Choose).collect())
+                }
+                _ => {
+                    let count = items.len();
+                    Err(format!(
                         "a list of the {count} items' indices, from 0, in their order"
                     ))
-                };
-                commands.extend(
-                    order
-                        .ok_or_else(wanted)?
-                        .into_iter()
-                        .map(DraftCommand::Choose),
-                );
-            }
-            Form::Cut { .. } => {
-                let cut = serde_json::from_value::<Answer>(json!({ "cut": value })).ok();
-                let Some(Answer::Cut { axis, at }) = cut.filter(|_| value.is_object()) else {
-                    return Err(wrong(
-                        "an object {\"axis\": \"x\" or \"y\", \"at\": where, in r}",
-                    ));
-                };
-                commands.extend([DraftCommand::Axis(axis), DraftCommand::Place([at, at])]);
-            }
-            Form::Bands { bands, .. } => {
-                let changes: Option<Vec<Change>> = serde_json::from_value(value.clone()).ok();
-                let changes = changes.filter(|changes| changes.len() == bands.len());
-                let wanted = || wrong("a list of \"up\", \"same\" or \"down\", one for each band");
-                let changes = changes.ok_or_else(wanted)?.into_iter().enumerate();
-                commands.extend(changes.map(|(band, change)| DraftCommand::Band(band, change)));
-            }
-        }
-        Ok(commands)
+                }
+            },
+            Form::Cut { .. } => match read("cut") {
+                Some(Answer::Cut { axis, at }) if value.is_object() => Ok(vec![
+                    DraftCommand::Axis(axis),
+                    DraftCommand::Place([at, at]),
+                ]),
+                _ => Err("an object {\"axis\": \"x\" or \"y\", \"at\": where, in r}".to_owned()),
+            },
+            Form::Bands { bands, .. } => match read("bands") {
+                Some(Answer::Bands(changes)) if changes.len() == bands.len() => {
+                    let changes = changes.into_iter().enumerate();
+                    Ok(changes
+                        .map(|(band, change)| DraftCommand::Band(band, change))
+                        .collect())
+                }
+                _ => Err("a list of \"up\", \"same\" or \"down\", one for each band".to_owned()),
+            },
+        };
+        let commands: Vec<DraftCommand> = commands.map_err(|wanted| RequestError::Value {
+            field: "value".to_owned(),
+            found: quoted(&value.to_string()),
+            wanted,
+        })?;
+        Ok([DraftCommand::Clear].into_iter().chain(commands).collect())
     }
 }
 
 /// Returns the question with the answer that is being put together; the right answer once it is known.
 fn question_json(open: &OpenLesson) -> Value {
     let learner = &open.learner;
-    let Some(question) = learner.question() else {
+    let Some((question, gate)) = learner.question().zip(learner.step().gate.as_ref()) else {
         return Value::Null;
     };
     let draft = &open.draft;
     let (tries, traced) = learner.tries();
+    let is_open = learner.is_open();
     let texts =
         |options: &[String]| -> Value { options.iter().map(|text| json!(spans(text))).collect() };
-    let (kind, mut form) = match &question.form {
-        Form::Choice { options, curves } => (
-            "choice",
-            json!({ "options": texts(options), "curves": curves, "chosen": draft.option }),
-        ),
-        Form::Trace { options, steps } => (
-            "trace",
-            json!({ "options": texts(options), "chosen": draft.option, "at": (traced + 1).min(*steps), "steps": steps }),
-        ),
+    let mut form = match &question.form {
+        Form::Choice { options, curves } => {
+            json!({ "options": texts(options), "curves": curves, "chosen": draft.option })
+        }
+        Form::Trace { options, steps } => {
+            let at = (traced + 1).min(*steps);
+            json!({ "options": texts(options), "chosen": draft.option, "at": at, "steps": steps })
+        }
         Form::Pick {
             candidates,
             several,
-        } => (
-            "pick",
-            json!({ "samples": candidates, "several": several, "chosen": draft.samples }),
-        ),
+        } => json!({ "samples": candidates, "several": several, "chosen": draft.samples }),
         Form::Place { candidates } => {
-            let letters: Vec<String> = (0..candidates.len())
-                .map(|index| letter(index).to_string())
-                .collect();
-            (
-                "place",
-                json!({ "places": candidates, "letters": letters, "chosen": draft.place }),
-            )
+            let letters: Vec<char> = (0..candidates.len()).map(letter).collect();
+            json!({ "places": candidates, "letters": letters, "chosen": draft.place })
         }
-        Form::Number { unit } => ("number", json!({ "unit": unit, "text": draft.text })),
-        Form::Order { items } => (
-            "order",
-            json!({ "items": texts(items), "order": draft.order }),
-        ),
+        Form::Number { unit } => json!({ "unit": unit, "text": draft.text }),
+        Form::Order { items } => json!({ "items": texts(items), "order": draft.order }),
         Form::Cut { candidates, .. } => {
-            let cuts = candidates.iter().map(|(axis, at)| {
-                let name = if *axis == CutAxis::X { "x" } else { "y" };
-                json!({ "axis": name, "at": at })
-            });
-            let axis = draft
-                .axis
-                .map(|axis| if axis == CutAxis::X { "x" } else { "y" });
-            (
-                "cut",
-                json!({ "cuts": cuts.collect::<Value>(), "axis": axis, "place": draft.place }),
-            )
+            let cut = |(axis, at): &(CutAxis, f64)| json!({ "axis": axis, "at": at });
+            let cuts: Value = candidates.iter().map(cut).collect();
+            json!({ "cuts": cuts, "axis": draft.axis, "place": draft.place })
         }
         Form::Bands { bands, curves } => {
-            let shown = if learner.is_open() {
-                &curves[..1]
-            } else {
-                &curves[..]
-            };
-            (
-                "bands",
-                json!({ "bands": bands, "curves": shown, "changes": draft.bands }),
-            )
+            let shown = if is_open { &curves[..1] } else { &curves[..] };
+            json!({ "bands": bands, "curves": shown, "changes": draft.bands })
         }
     };
-    let gate = learner.step().gate.as_ref();
-    let is_open = learner.is_open();
-    let key = learner
-        .right_answer()
-        .filter(|_| learner.progress() == Progress::GivenUp);
+    let has_given_up = learner.progress() == Progress::GivenUp;
     let common = json!({
-        "type": kind,
-        "name": gate.map(|gate| gate.name.as_str()),
+        "type": gate.kind.name(),
+        "name": gate.name,
         "ask": spans(question.ask(traced)),
         "open": is_open,
         "tries": tries,
         "hint": question.hint.is_some(),
-        "practice": gate.is_some_and(|gate| gate.practice.is_some()),
-        "key": key,
+        "practice": gate.practice.is_some(),
+        "key": learner.right_answer().filter(|_| has_given_up),
     });
     if let (Some(form), Value::Object(common)) = (form.as_object_mut(), common) {
         form.extend(common);
@@ -373,8 +298,15 @@ fn question_json(open: &OpenLesson) -> Value {
     form
 }
 
+/// Returns whether indices name each of so many items once.
+fn is_order(order: &[usize], count: usize) -> bool {
+    let mut sorted = order.to_vec();
+    sorted.sort_unstable();
+    sorted.into_iter().eq(0..count)
+}
+
 impl OpenLesson {
-    /// Returns what is said of the last answer, in a language.
+    /// Returns the verdict on the last answer, in a language.
     #[must_use]
     pub fn verdict(&self, language: &str) -> Option<&'static str> {
         let feedback = self.feedback.as_ref()?;

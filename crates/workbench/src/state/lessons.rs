@@ -1,6 +1,6 @@
-//! Lessons in the state, and the veil: while a question is open the window has the run only up to the question's moment.
-//! What is not there cannot be shown, said, linked or exported. [`veiled`] lists the commands that would make or show
-//! another run, and are refused meanwhile.
+//! Lessons in the state: opening them, going from step to step, and giving answers. While a question is open, the window
+//! holds the run only up to the question's moment, so that nothing can show, link or export a later moment. [`veiled`] lists
+//! the commands that would make or show another run, and are refused meanwhile.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -16,7 +16,7 @@ use tilescope_session::words::sentence;
 use super::{State, Which};
 use crate::command::{Command, ViewCommand, WindowCommand};
 use crate::device::EngineChoice;
-use crate::files::{FileCommand, Purpose};
+use crate::files::{FileCommand, FileForm, Purpose};
 use crate::lesson_picture::layers_named;
 use crate::lessons::{
     AnswerDraft, DraftCommand, GivenAnswer, LessonCommand, LessonSource, OpenLesson, WantedLesson,
@@ -24,12 +24,12 @@ use crate::lessons::{
 use crate::scenes::SceneCommand;
 use crate::talk::TalkCommand;
 
-/// The name of files of results.
+/// The name of files with results.
 const RESULTS: &str = "tilescope-results";
 /// The most seeds of practice that are tried for a moment.
 const MAX_MISSED: u64 = 50;
 
-/// Returns whether a command would show what an open question asks about: another run, or one made again.
+/// Returns whether a command would show the answer to an open question, as it shows or makes a whole run.
 #[must_use]
 pub const fn veiled(command: &Command) -> bool {
     matches!(
@@ -63,7 +63,7 @@ impl State {
         is_refused
     }
 
-    /// Gives the answer that is put together what is selected on the canvas.
+    /// Adds a selection on the canvas to the answer that is being put together.
     pub(super) fn draft_from_canvas(&mut self, command: &Command) {
         let Command::View(Which::First, ViewCommand::Pick(selection)) = command else {
             return;
@@ -74,7 +74,7 @@ impl State {
             Selection::Nothing => return,
         };
         self.change_draft(draft);
-        // A place on a sample is a place, too.
+        // The question may ask for a place, which can be that of a sample.
         if let Selection::Sample(sample) = *selection
             && self.lessons.open_question().is_some()
             && let Some(session) = &self.runs.first.session
@@ -113,17 +113,10 @@ impl State {
             LessonCommand::Read(name, text) => self.open_lesson(&name, &text, LessonSource::Text),
             LessonCommand::Leave => self.leave_lesson(),
             LessonCommand::Step(direction) => self.step_lesson(direction),
-            LessonCommand::Go(name) => {
-                let index = self
-                    .lessons
-                    .open
-                    .as_ref()
-                    .and_then(|open| open.learner.lesson().step_named(&name));
-                match index {
-                    Some(index) => self.enter_step(index),
-                    None => self.tell(format!("The lesson has no step \"{name}\"."), true),
-                }
-            }
+            LessonCommand::Go(name) => match self.lessons.step_named(&name) {
+                Some(index) => self.enter_step(index),
+                None => self.tell(format!("The lesson has no step \"{name}\"."), true),
+            },
             LessonCommand::Draft(command) => self.change_draft(command),
             LessonCommand::Answer => self.answer_question(),
             LessonCommand::Hint => {
@@ -133,11 +126,8 @@ impl State {
             }
             LessonCommand::GiveUp => {
                 let now = self.lessons.now;
-                if self
-                    .lessons
-                    .open
-                    .as_mut()
-                    .is_some_and(|open| open.learner.give_up(now))
+                if let Some(open) = &mut self.lessons.open
+                    && open.learner.give_up(now)
                 {
                     self.note_answer(0.0, true);
                     self.reveal();
@@ -166,8 +156,8 @@ impl State {
         }
     }
 
-    /// Opens a lesson; one that cannot be read is named in a notice with its fault.
-    pub fn open_lesson(&mut self, name: &str, text: &str, source: LessonSource) {
+    /// Opens a lesson, or shows a notice with the fault for which it cannot be read.
+    pub(crate) fn open_lesson(&mut self, name: &str, text: &str, source: LessonSource) {
         let lesson = match Lesson::read(name, text) {
             Ok(lesson) => lesson,
             Err(error) => {
@@ -176,7 +166,7 @@ impl State {
         };
         let translation = self.translation(name, &source);
         let step = match &self.lessons.open {
-            // A file that was changed is shown at the step that was shown.
+            // A file that has changed opens at the step that was shown.
             Some(open) if open.source == source && open.learner.lesson().name == name => {
                 let before = open.learner.step().name.clone();
                 lesson.step_named(&before).unwrap_or(0)
@@ -199,15 +189,12 @@ impl State {
     }
 
     /// Opens a lesson from a file.
-    pub fn open_lesson_file(&mut self, path: &Path) {
+    pub(crate) fn open_lesson_file(&mut self, path: &Path) {
         let name = path
             .file_stem()
-            .map(|name| name.to_string_lossy().into_owned())
-            .unwrap_or_default();
-        let changed = std::fs::metadata(path)
-            .and_then(|data| data.modified())
-            .ok();
-        let length = std::fs::metadata(path).map_or(0, |data| data.len());
+            .map(|name| name.to_string_lossy().into_owned());
+        let data = std::fs::metadata(path).ok();
+        let length = data.as_ref().map_or(0, std::fs::Metadata::len);
         let text = if length > MAX_BYTES as u64 {
             Err(format!(
                 "it has {length} bytes; a lesson has at most {MAX_BYTES}"
@@ -216,11 +203,14 @@ impl State {
             std::fs::read_to_string(path).map_err(|error| error.to_string())
         };
         match text {
-            Ok(text) => self.open_lesson(&name, &text, LessonSource::File(path.to_owned())),
+            Ok(text) => {
+                let source = LessonSource::File(path.to_owned());
+                self.open_lesson(&name.unwrap_or_default(), &text, source);
+            }
             Err(error) => self.tell(format!("{}: {error}.", path.display()), true),
         }
         if let Some(open) = &mut self.lessons.open {
-            open.changed = changed;
+            open.changed = data.and_then(|data| data.modified().ok());
         }
     }
 
@@ -232,10 +222,8 @@ impl State {
         let LessonSource::File(path) = open.source.clone() else {
             return;
         };
-        let changed = std::fs::metadata(&path)
-            .and_then(|data| data.modified())
-            .ok();
-        if changed.is_some() && changed != open.changed {
+        let changed = std::fs::metadata(&path).and_then(|data| data.modified());
+        if changed.is_ok_and(|changed| Some(changed) != open.changed) {
             self.open_lesson_file(&path);
         }
     }
@@ -315,48 +303,41 @@ impl State {
                 true
             }
             FileCommand::Go => {
-                let sheet = self
-                    .files
-                    .sheet
-                    .as_ref()
-                    .filter(|sheet| sheet.purpose == Purpose::Open);
-                let path = sheet.map(|sheet| PathBuf::from(&sheet.path));
-                let path = path.filter(|path| is_lesson(&path.to_string_lossy()));
-                path.inspect(|path| {
-                    self.files.sheet = None;
-                    self.open_lesson_file(path);
-                })
-                .is_some()
+                let opens =
+                    |sheet: &&FileForm| sheet.purpose == Purpose::Open && is_lesson(&sheet.path);
+                let sheet = self.files.sheet.as_ref().filter(opens);
+                let Some(path) = sheet.map(|sheet| PathBuf::from(&sheet.path)) else {
+                    return false;
+                };
+                self.files.sheet = None;
+                self.open_lesson_file(&path);
+                true
             }
             _ => false,
         }
     }
 
+    /// Returns the translation of a lesson that comes with the program into the chosen language.
     fn translation(&self, name: &str, source: &LessonSource) -> Arc<Translation> {
-        let shipped = self
-            .lessons
-            .shipped(name)
-            .filter(|_| *source == LessonSource::Shipped);
-        let german = shipped.filter(|_| self.lessons.language == "de");
-        let read = german.and_then(|shipped| Translation::read(&shipped.german).ok());
+        let is_german = *source == LessonSource::Shipped && self.lessons.language == "de";
+        let shipped = self.lessons.shipped(name).filter(|_| is_german);
+        let read = shipped.and_then(|shipped| Translation::read(&shipped.german).ok());
         Arc::new(read.unwrap_or_default())
     }
 
-    /// Says texts in another language. The question that is open is asked anew.
+    /// Shows texts in another language. The question that is open is asked anew.
     fn speak(&mut self, language: String) {
         self.lessons.language = language;
-        let Some(open) = &self.lessons.open else {
-            return;
-        };
-        let (lesson, index) = (Arc::clone(open.learner.lesson()), open.learner.index());
-        let translation = self.translation(&lesson.name, &open.source);
-        if let Some(open) = &mut self.lessons.open {
+        if let Some(mut open) = self.lessons.open.take() {
+            let (lesson, index) = (Arc::clone(open.learner.lesson()), open.learner.index());
+            let translation = self.translation(&lesson.name, &open.source);
             open.learner = Learner::new(lesson, translation);
+            self.lessons.open = Some(open);
+            self.enter_step(index);
         }
-        self.enter_step(index);
     }
 
-    /// Closes the lesson and the list; what it showed stays. Returns the run that it showed.
+    /// Closes the lesson and the list. Returns the whole run of the step.
     pub(super) fn close_lesson(&mut self) -> Option<Arc<Recording>> {
         (self.lessons.wanted, self.lessons.lists) = (None, false);
         let open = self.lessons.open.take()?;
@@ -406,11 +387,8 @@ impl State {
         (open.draft, open.feedback, open.lacking) = (AnswerDraft::default(), None, None);
         (open.fault, open.hint) = (None, None);
         let parameters = open.learner.parameters();
-        let same = open
-            .run
-            .clone()
-            .filter(|run| run.run().parameters == parameters);
-        if let Some(run) = same {
+        let run = open.run.clone();
+        if let Some(run) = run.filter(|run| run.run().parameters == parameters) {
             self.arrive_at_step(&run);
         } else {
             open.run = None;
@@ -422,13 +400,10 @@ impl State {
 
     /// Takes a session that was made for the lesson. Returns it if it was made for something else.
     pub(super) fn take_for_lesson(&mut self, session: Session) -> Option<Session> {
-        let wanted = self
-            .lessons
-            .open
-            .as_ref()
-            .map(|open| (open.run.is_none(), open.learner.parameters()));
+        let open = self.lessons.open.as_ref().filter(|open| open.run.is_none());
+        let wanted = open.map(|open| open.learner.parameters());
         let recording = session.recording().filter(|recording| {
-            wanted == Some((true, recording.run().parameters)) && session.own.is_none()
+            wanted == Some(recording.run().parameters) && session.own.is_none()
         });
         let Some(recording) = recording.map(Arc::clone) else {
             return Some(session);
@@ -454,22 +429,13 @@ impl State {
                 open.learner.practise(draw);
                 self.show_step();
             }
-            Ok(Arrival::NoMoment) => {
+            arrived => {
                 let line = open.learner.step().scene.line;
-                open.fault = Some(LessonError::new(line, "the run has no such moment"));
-                self.show_nothing();
+                let missing = || LessonError::new(line, "the run has no such moment");
+                open.fault = Some(arrived.err().unwrap_or_else(missing));
+                // The step has no moment, so the start of the run is shown.
+                self.show_run_of_lesson(run, Some(0));
             }
-            Err(fault) => {
-                open.fault = Some(fault);
-                self.show_nothing();
-            }
-        }
-    }
-
-    /// Shows the start of the run, since the step has no moment in it.
-    fn show_nothing(&mut self) {
-        if let Some(run) = self.lessons.open.as_ref().and_then(|open| open.run.clone()) {
-            self.show_run_of_lesson(&run, Some(0));
         }
     }
 
@@ -481,12 +447,9 @@ impl State {
         let (Some(run), Some(cursor)) = (open.run.clone(), open.learner.cursor()) else {
             return;
         };
-        self.show_run_of_lesson(&run, open.learner.limit());
-        let Some(open) = &self.lessons.open else {
-            return;
-        };
         let camera = open.camera();
         self.appearance.chosen_layers = open.layers().map(|names| layers_named(&names));
+        self.show_run_of_lesson(&run, open.learner.limit());
         self.on(Which::First, |run, context| {
             let before = run.stage;
             run.jump(cursor);
@@ -499,7 +462,7 @@ impl State {
         });
     }
 
-    /// Shows a run, or what had happened in it up to a cursor. It is not verified: a verdict would answer questions.
+    /// Shows a run, whole or up to a cursor. It is not verified, as a verdict would answer questions.
     fn show_run_of_lesson(&mut self, run: &Arc<Recording>, limit: Option<usize>) {
         self.jobs.generation += 1;
         let shown = match limit {
@@ -536,7 +499,7 @@ impl State {
                 (open.lacking, open.feedback) = (None, Some(feedback));
                 self.note_answer(score, false);
                 if let Some(open) = self.lessons.open.as_mut().filter(|_| goes_on) {
-                    // The next event of a trace is answered anew; any other answer stays to be seen.
+                    // The next event of a trace needs a new answer; any other answer stays visible.
                     if open.learner.is_open() {
                         open.draft = AnswerDraft::default();
                     }
@@ -547,7 +510,7 @@ impl State {
         }
     }
 
-    /// Keeps what pages around the window are told of an answer.
+    /// Keeps the last answer for pages that embed the window.
     fn note_answer(&mut self, score: f64, given_up: bool) {
         let Some(open) = &self.lessons.open else {
             return;
@@ -568,7 +531,7 @@ impl State {
         });
     }
 
-    /// Shows what an answer has revealed: the event that decides, or the next moment of a trace.
+    /// Shows the moment after an answer: that of the deciding event, or the next one of a trace.
     fn reveal(&mut self) {
         if let Some(open) = &mut self.lessons.open {
             let entries = open.learner.take_entries();
@@ -671,7 +634,7 @@ mod tests {
         assert!(state.lessons.open.is_none() && state.verdict().is_some());
     }
 
-    /// Everything that the state says and holds about the run, as text.
+    /// Returns everything that the state contains and shows of the run, as text.
     fn told(state: &State) -> String {
         let run = &state.runs.first;
         let session = run.session.as_ref().unwrap();
@@ -679,7 +642,7 @@ mod tests {
         let recording = debugger.recording();
         let events =
             (0..recording.len()).map(|event| tilescope_debugger::sentence(recording, event));
-        // What pages are sent, but what the run was made from.
+        // The JSON for pages, without the parameters of the run.
         let mut sent = state.to_json();
         sent["parameters"] = serde_json::Value::Null;
         format!(
@@ -855,7 +818,7 @@ mod tests {
         );
         let question = state.lessons.open_question().unwrap().clone();
         let (Answer::Pick(right), tilescope_lessons::Form::Pick { candidates, .. }) =
-            (question.right_answer(), &question.form)
+            (question.right_answer(0), &question.form)
         else {
             panic!("samples are picked");
         };

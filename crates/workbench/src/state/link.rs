@@ -1,5 +1,5 @@
-//! Permalinks in the state: writing the link to what is shown, and opening links. The run is made first, then
-//! moment, view and the rest are applied.
+//! Permalinks in the state: makes the link to what is shown, and opens links. Begin with [`State::link`] and
+//! [`State::open_link`]. To open one, its run is made first; then moment, view and the rest are applied.
 
 use serde_json::{Value, json};
 use tilescope_core::Parameters;
@@ -39,7 +39,8 @@ impl State {
         Link { left_out, ..link }
     }
 
-    /// Returns the link to the step of the lesson that is open: it names no run, so that it tells nothing of what follows.
+    /// Returns the link to the step of the open lesson. It names no run, so that it does not show what happens after the
+    /// question.
     fn lesson_link(&self) -> Option<Link> {
         let lessons = &self.lessons;
         let lesson = match (&lessons.wanted, &lessons.open) {
@@ -51,10 +52,8 @@ impl State {
             },
             (None, Some(_)) => {
                 let left_out = vec!["the lesson, which comes from a file".to_owned()];
-                return Some(Link {
-                    fragment: String::new(),
-                    left_out,
-                });
+                let fragment = String::new();
+                return Some(Link { fragment, left_out });
             }
             (None, None) => return None,
         };
@@ -157,12 +156,13 @@ impl State {
         let Link { fragment, left_out } = self.link();
         let base = self.links.base.as_deref();
         self.links.copied = Some(format!("{}#{fragment}", base.unwrap_or_default()));
-        let mut text = "The link is copied".to_owned();
-        text.push_str(if base.is_some() {
-            "."
-        } else {
-            ": put it behind the address of any Tilescope page, or open it with tilescope --link."
-        });
+        let hint = match base {
+            Some(_) => ".",
+            None => {
+                ": put it behind the address of any Tilescope page, or open it with tilescope --link."
+            }
+        };
+        let mut text = format!("The link is copied{hint}");
         if !left_out.is_empty() {
             text = format!("{text} It leaves out {}.", left_out.join("; "));
         }
@@ -176,10 +176,8 @@ impl State {
         } else {
             "the address bar holds the link, too"
         };
-        self.tell(
-            format!("The browser did not let the link be copied: {whence}."),
-            true,
-        );
+        let text = format!("The browser did not let the link be copied: {whence}.");
+        self.tell(text, true);
     }
 
     /// Opens a link: a fragment with or without its `#`, or a whole address. Parts that are invalid, unknown or
@@ -191,17 +189,9 @@ impl State {
     }
 
     pub(super) fn open_content(&mut self, content: LinkContent, mut warnings: LinkWarnings) {
-        self.files.stop_reading();
-        (
-            self.runs.first.sampling,
-            self.links.arriving,
-            self.messages.notice,
-        ) = (None, None, None);
-        (
-            self.files.sheet,
-            self.files.exports.sheet,
-            self.window.finder,
-        ) = (None, None, None);
+        self.stop_making();
+        (self.files.sheet, self.files.exports.sheet) = (None, None);
+        self.window.finder = None;
         self.close_lesson();
         if let Some(wanted) = content.lesson {
             self.tell_of_link(&warnings);
@@ -258,14 +248,8 @@ impl State {
             return;
         }
         let shown_before = warnings.clone();
-        let is_there = |state: &Self| {
-            state
-                .messages
-                .notice
-                .as_ref()
-                .map(|notice| notice.text == shown_before.text())
-        };
-        let shown = is_there(self);
+        let notice = self.messages.notice.as_ref();
+        let shown = notice.map(|notice| notice.text == shown_before.text());
         if shown == Some(true) {
             self.messages.notice = None;
         }
@@ -286,9 +270,8 @@ impl State {
         self.take_moment(&content.moment, warnings);
         self.take_linked_stops(content, warnings);
         for part in self.look_as(&content.view) {
-            warnings.add(format!(
-                "The link's {part} does not fit this run and was left out."
-            ));
+            let text = format!("The link's {part} does not fit this run and was left out.");
+            warnings.add(text);
         }
         self.follow_first();
     }
@@ -347,10 +330,8 @@ impl State {
         let stops = content.breakpoints.len() + content.watches.len() + content.scenes.len();
         let Some(debugger) = &mut self.runs.first.debugger else {
             if stops > 0 {
-                warnings.add(
-                    "This run has no events: breakpoints, watches and scenes were left out."
-                        .to_owned(),
-                );
+                let text = "This run has no events: breakpoints, watches and scenes were left out.";
+                warnings.add(text.to_owned());
             }
             return;
         };

@@ -3,6 +3,7 @@
 use serde_json::{Value, json};
 use tilescope_core::Parameters;
 use tilescope_debugger::{Direction, Target, moves};
+use tilescope_session::layers::Layers;
 use tilescope_session::recipe::Recipe;
 use tilescope_session::sentence::happened;
 use tilescope_session::words::{grouped, stage_name};
@@ -17,7 +18,7 @@ use crate::remote::{self, Request, RequestError, Wanted};
 use crate::view::AUTOMATIC;
 use tilescope_drawing::camera::Camera;
 
-const VEILED: &str = "a question of the lesson is open; answer it, or close the lesson";
+const QUESTION_OPEN: &str = "a question of the lesson is open; answer it, or close the lesson";
 const NO_EVENTS: &str = "this session has no events; seek a stage";
 
 impl State {
@@ -36,12 +37,12 @@ impl State {
         let mut dropped = None;
         let is_other_run = matches!(request, Request::Link(_) | Request::Parameters(_));
         if is_other_run && self.lessons.veil().is_some() {
-            return Err(RequestError::Refused(VEILED.to_owned()));
+            return refused(QUESTION_OPEN);
         }
         match request {
             Request::Lesson(request) => {
-                let told = self.answer_of_lesson(request)?;
-                return Ok(json!({"ok": true, "lesson": told}));
+                let lesson = self.answer_of_lesson(request)?;
+                return Ok(json!({"ok": true, "lesson": lesson}));
             }
             Request::State => return Ok(json!({"ok": true, "state": self.to_json()})),
             Request::Link(link) => {
@@ -71,12 +72,8 @@ impl State {
     /// Starts a run with other parameters; the view stays as it is.
     fn load(&mut self, parameters: Parameters) {
         self.close_lesson();
-        self.files.stop_reading();
-        (
-            self.messages.notice,
-            self.links.arriving,
-            self.form.own_pattern,
-        ) = (None, None, None);
+        self.stop_making();
+        self.form.own_pattern = None;
         self.form.draft = Draft::from_parameters(parameters);
         self.start_sampling(Which::First, Recipe::from(parameters), self.gpu.engine);
     }
@@ -88,20 +85,21 @@ impl State {
             Some(_) => "a run is being made; wait until \"ready\" is true in the state",
             None => "there is no session yet; wait until \"ready\" is true in the state",
         };
-        Err(RequestError::Refused(why.to_owned()))
+        refused(why)
     }
 
     fn step_by(&mut self, forwards: bool, unit: Clock) -> Result<(), RequestError> {
         self.need_session()?;
         if let Some(why) = self.runs.first.clock_refusal(unit) {
-            return Err(RequestError::Refused(why.to_owned()));
+            return refused(why);
         }
         let clock = std::mem::replace(&mut self.time.playback.clock, unit);
-        self.apply(if forwards {
-            Command::Time(TimeCommand::StepForward)
+        let step = if forwards {
+            TimeCommand::StepForward
         } else {
-            Command::Time(TimeCommand::StepBack)
-        });
+            TimeCommand::StepBack
+        };
+        self.apply(Command::Time(step));
         self.time.playback.clock = clock;
         Ok(())
     }
@@ -109,12 +107,13 @@ impl State {
     fn seek_event(&mut self, event: usize) -> Result<(), RequestError> {
         self.need_session()?;
         let Some((_, len)) = self.cursor() else {
-            return Err(RequestError::Refused(NO_EVENTS.to_owned()));
+            return refused(NO_EVENTS);
         };
         if event > len {
             let len = grouped(len);
-            let why = format!("event {event} is beyond the last one; there are {len}");
-            return Err(RequestError::Refused(why));
+            return refused(format!(
+                "event {event} is beyond the last one; there are {len}"
+            ));
         }
         self.apply(Command::Time(TimeCommand::Jump(event)));
         Ok(())
@@ -125,8 +124,7 @@ impl State {
         let names: Vec<String> = stages.map(|&stage| slug(&stage_name(stage))).collect();
         let Some(index) = self.stage_named(stage) else {
             let (stage, names) = (crate::link::quoted(stage), names.join(", "));
-            let why = format!("there is no stage \"{stage}\"; there are {names}");
-            return Err(RequestError::Refused(why));
+            return refused(format!("there is no stage \"{stage}\"; there are {names}"));
         };
         self.apply(Command::Time(TimeCommand::ShowStage(index)));
         Ok(())
@@ -134,23 +132,22 @@ impl State {
 
     fn seek_part(&mut self, part: f64) -> Result<(), RequestError> {
         let last = self.need_session()?.stages.len() - 1;
-        self.apply(match self.cursor() {
-            Some((_, len)) => {
-                Command::Time(TimeCommand::Jump((part * len as f64).round() as usize))
-            }
-            None => Command::Time(TimeCommand::ShowStage((part * last as f64).round() as usize)),
-        });
+        let of = |all: usize| (part * all as f64).round() as usize;
+        self.apply(Command::Time(match self.cursor() {
+            Some((_, len)) => TimeCommand::Jump(of(len)),
+            None => TimeCommand::ShowStage(of(last)),
+        }));
         Ok(())
     }
 
     fn seek_target(&mut self, target: Target, direction: Direction) -> Result<(), RequestError> {
         self.need_session()?;
         let Some(debugger) = &self.runs.first.debugger else {
-            return Err(RequestError::Refused(NO_EVENTS.to_owned()));
+            return refused(NO_EVENTS);
         };
         let (recording, cursor) = (debugger.recording(), debugger.state().cursor());
         if moves::arrive(recording, cursor, target, direction).is_none() {
-            return Err(RequestError::Refused(none_there(target, direction)));
+            return refused(none_there(target, direction));
         }
         self.apply(Command::Time(TimeCommand::RunTo(target, direction)));
         Ok(())
@@ -161,10 +158,10 @@ impl State {
             let camera = self.runs.first.camera;
             self.runs.first.take_camera(wanted.camera, camera);
         }
-        self.appearance.chosen_layers = wanted.layers.unwrap_or(self.appearance.chosen_layers);
-        self.appearance.colouring = wanted.colouring.unwrap_or(self.appearance.colouring);
-        self.appearance
-            .choose_look(wanted.look.unwrap_or(self.appearance.look));
+        let appearance = &mut self.appearance;
+        appearance.chosen_layers = wanted.layers.unwrap_or(appearance.chosen_layers);
+        appearance.colouring = wanted.colouring.unwrap_or(appearance.colouring);
+        appearance.choose_look(wanted.look.unwrap_or(appearance.look));
         self.runs.first.follow_pattern();
         self.follow_first();
     }
@@ -173,10 +170,8 @@ impl State {
     fn view_json(&self) -> Value {
         let camera = self.view().camera;
         let numbers = |camera: Camera| json!([camera.center[0], camera.center[1], camera.scale]);
-        let layers = self
-            .appearance
-            .chosen_layers
-            .map(|layers| json!(layers.iter().map(layer_name).collect::<Vec<_>>()));
+        let names = |layers: Layers| json!(layers.iter().map(layer_name).collect::<Vec<_>>());
+        let layers = self.appearance.chosen_layers.map(names);
         json!({
             "camera": camera.map_or_else(|| json!(remote::WHOLE), numbers),
             "layers": layers.unwrap_or_else(|| json!(AUTOMATIC)),
@@ -230,8 +225,12 @@ impl State {
     }
 }
 
-/// The largest number up to which a 64-bit float, as in JavaScript, represents all whole numbers.
+/// The largest number up to which the numbers of JavaScript, 64-bit floats, represent all whole numbers.
 const MAX_EXACT: u64 = 1 << 53;
+
+fn refused<T>(why: impl Into<String>) -> Result<T, RequestError> {
+    Err(RequestError::Refused(why.into()))
+}
 
 /// Returns a seed as JSON: as text if a number would be rounded.
 fn seed(seed: u64) -> Value {

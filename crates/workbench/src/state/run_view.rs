@@ -1,17 +1,17 @@
-//! A run and its view: the session, its verification, the moment, the camera and the selection. There is one
-//! for the run that the panels show and one for a second run beside it.
+//! A run and its view: the session, its verification, the moment, the camera and the selection. There is one for the run
+//! that the panels show, and one for a second run beside it. Begin with [`RunView`]; each file of `run_view/` has the
+//! commands of one aspect.
 
-use glam::DVec2;
 use std::sync::Arc;
 
-use tilescope_session::selection::Selection;
-
 use emath::Rect;
+use glam::DVec2;
 use tilescope_core::{Parameters, Stage};
 use tilescope_debugger::{Debugger, OutlineRows, Stops};
 use tilescope_session::geometry::Geometry;
 use tilescope_session::jobs::Job;
 use tilescope_session::moment::{Moment, ShownMoment};
+use tilescope_session::selection::Selection;
 use tilescope_session::session::{MakeError, Session};
 use tilescope_session::verification::{Verdict, WitnessMark};
 
@@ -28,10 +28,8 @@ mod time;
 mod transition;
 mod work;
 
-pub use debug::FindEventsTask;
-pub use debug::{EventQuery, FoundEvents, MAX_FOUND};
-pub use hits::CountHitsTask;
-pub use hits::{Hits, MAX_HITS};
+pub use debug::{EventQuery, FindEventsTask, FoundEvents, MAX_FOUND};
+pub use hits::{CountHitsTask, Hits, MAX_HITS};
 pub(super) use time::{next_line, none_there};
 pub(super) use transition::TRANSITION_SECS;
 
@@ -136,7 +134,7 @@ impl RunView {
         })
     }
 
-    /// Returns the moment that is shown, without references into the run.
+    /// Returns the moment that is shown, as a value without references to the run.
     #[must_use]
     pub fn moment(&self) -> Option<Moment> {
         self.shown().map(|shown| shown.moment())
@@ -172,7 +170,7 @@ impl RunView {
         }
     }
 
-    /// Returns the subject of its canvas, without contrast and causes, which are known only for the first run.
+    /// Returns the subject of its canvas, without the causes of the brush, which only the first run has.
     pub(super) fn subject<'a>(
         &'a self,
         appearance: &Appearance,

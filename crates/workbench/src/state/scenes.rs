@@ -1,4 +1,4 @@
-//! Making, changing and showing scenes.
+//! Scenes in the state: makes, changes and shows them, draws their small pictures, and shows the tour.
 
 use serde_json::{Value, json};
 use tilescope_debugger::{Debugger, Direction, Marked, SavedScene};
@@ -52,11 +52,10 @@ impl State {
 
     /// Draws the pictures of the scenes while their panel is open.
     pub(super) fn follow_thumbnails(&mut self) {
-        let run = &self.runs.first;
+        let (run, dark) = (&self.runs.first, self.appearance.look.is_dark());
         if let (Some(session), Some(debugger)) = (&run.session, &run.debugger)
             && self.window.shows(Panel::Scenes)
         {
-            let dark = self.appearance.look.is_dark();
             let wake = &self.jobs.wake;
             self.thumbnails.follow(session, debugger, dark, wake);
         }
@@ -122,7 +121,7 @@ impl State {
         }
     }
 
-    /// Keeps the shown scene the same one after a scene was moved.
+    /// Corrects the index of the shown scene after a scene was moved.
     fn follow_moved_scene(&mut self, from: usize, to: usize) {
         if let Some(ShownScene { list, index }) = &mut self.scene
             && *list == SceneList::Own
@@ -217,15 +216,13 @@ impl State {
     }
 
     fn arrive_at(&mut self, scene: &SavedScene) {
-        let marked = self.runs.first.debugger.as_ref();
-        let Some(marked) = marked.map(|debugger| debugger.marked(scene)) else {
+        let Some(debugger) = &self.runs.first.debugger else {
             return;
         };
+        let marked = debugger.marked(scene);
         let Some(cursor) = marked.cursor() else {
-            return self.tell(
-                "This run has no such moment: the scene was made in another run.".to_owned(),
-                false,
-            );
+            let text = "This run has no such moment: the scene was made in another run.";
+            return self.tell(text.to_owned(), false);
         };
         self.time.playback.stop();
         self.on(Which::First, |run, _| {
@@ -287,7 +284,7 @@ mod tests {
         while state.advance(0.1) {}
     }
 
-    /// Returns what a scene is made of.
+    /// Returns the cursor, the camera and the layers of the state.
     fn seen(state: &State) -> (Option<(usize, usize)>, Camera, bool, bool) {
         let run = &state.runs.first;
         let layers = state.appearance.layers(state.current_stage());
@@ -378,7 +375,7 @@ mod tests {
             let place = run.current_place().unwrap();
             (run.camera.screen_from_domain(run.viewport, place), place)
         };
-        // The event is at the same place of the view, though at another one of the domain.
+        // The event has the same position in the view, but another one in the domain.
         assert!(at.distance(there) < 0.1, "{at:?} {there:?}");
         assert!(place.distance(run.current_place().unwrap()) > 1.0);
     }

@@ -1,4 +1,5 @@
-//! Presenter mode in the state: starting a talk, going on and back, votes, drawings, and the picture of the next step.
+//! Presenter mode in the state: starts a talk, goes on and back, takes votes and drawings, makes handouts, and draws the
+//! picture of the next step. `talk.rs` has the commands and the data, `state/talk_told.rs` the lecturer's notes as JSON.
 
 use std::path::PathBuf;
 
@@ -20,14 +21,14 @@ impl State {
     /// Returns the key of the step that is shown, for votes and drawings.
     #[must_use]
     pub fn talk_key(&self) -> String {
-        let Some(open) = &self.lessons.open else {
-            return String::new();
-        };
-        let (lesson, step) = (&open.learner.lesson().name, &open.learner.step().name);
-        format!("{lesson}/{step}")
+        let learner = self.lessons.learner();
+        let key =
+            learner.map(|learner| format!("{}/{}", learner.lesson().name, learner.step().name));
+        key.unwrap_or_default()
     }
 
     pub(super) fn apply_to_talk(&mut self, command: TalkCommand) {
+        let key = self.talk_key();
         match command {
             TalkCommand::Lesson { from_start } => self.present_lesson(from_start),
             TalkCommand::First => {
@@ -54,23 +55,17 @@ impl State {
             TalkCommand::Vote(text) => self.vote(&text),
             TalkCommand::Restore(kept) => self.restore_talk(&kept),
             TalkCommand::Draw(at) => {
-                let key = self.talk_key();
                 if let Some(talk) = &mut self.talks.open {
                     let (begins, color) = (!talk.is_drawing, talk.color);
                     talk.is_drawing = true;
                     self.talks.record.draw(&key, at, color, begins);
                 }
             }
-            TalkCommand::UndoStroke => {
-                let key = self.talk_key();
-                self.talks.record.undo(&key);
-            }
+            TalkCommand::UndoStroke => self.talks.record.undo(&key),
             TalkCommand::ClearStrokes => {
-                let key = self.talk_key();
                 self.talks.record.strokes.remove(&key);
             }
             TalkCommand::Unvote => {
-                let key = self.talk_key();
                 if let Some(votes) = self.talks.record.votes.get_mut(&key) {
                     votes.pop();
                 }
@@ -139,23 +134,19 @@ impl State {
     /// # Errors
     ///
     /// Those of [`lesson_of`].
-    pub fn lesson_of_scenes(&self) -> Result<String, String> {
+    pub(crate) fn lesson_of_scenes(&self) -> Result<String, String> {
         let (Some(session), Some(debugger)) = (&self.runs.first.session, &self.runs.first.debugger)
         else {
             return Err("There is no session with events.".to_owned());
         };
-        lesson_of(
-            &debugger.scenes,
-            &session.run().parameters,
-            session.own.is_some(),
-        )
+        let has_own_pattern = session.own.is_some();
+        lesson_of(&debugger.scenes, &session.run().parameters, has_own_pattern)
     }
 
     fn begin_talk(&mut self, parts: Vec<TalkPart>) {
         self.talks.open = Some(Box::new(Talk::new(parts, self.lessons.now)));
         self.begin_step();
-        self.window.finder = None;
-        self.window.help = None;
+        (self.window.finder, self.window.help) = (None, None);
         self.lessons.lists = false;
     }
 
@@ -186,8 +177,7 @@ impl State {
                 // The run is being made.
                 return;
             }
-            if !talk.is_voting {
-                talk.is_voting = true;
+            if !std::mem::replace(&mut talk.is_voting, true) {
                 return;
             }
             learner.reveal();
@@ -250,33 +240,24 @@ impl State {
         talk.part = part;
         let name = talk.parts[part].name.clone();
         self.apply_to_lessons(LessonCommand::Open(name));
-        let len = self
-            .lessons
-            .open
-            .as_ref()
-            .map_or(1, |open| open.learner.lesson().steps.len());
         if at_end {
-            self.enter_step(len - 1);
+            self.enter_step(usize::MAX);
         }
         self.begin_step();
     }
 
     fn vote(&mut self, text: &str) {
         let key = self.talk_key();
-        let options = match self
+        let question = self
             .lessons
-            .open
-            .as_ref()
-            .and_then(|open| open.learner.question())
-        {
-            Some(question) => match &question.form {
-                Form::Choice { options, .. } | Form::Trace { options, .. } => options.len(),
-                Form::Place { candidates } => candidates.len(),
-                Form::Order { items } => items.len(),
-                _ => 0,
-            },
-            None => 0,
-        };
+            .learner()
+            .and_then(|learner| learner.question());
+        let options = question.map_or(0, |question| match &question.form {
+            Form::Choice { options, .. } | Form::Trace { options, .. } => options.len(),
+            Form::Place { candidates } => candidates.len(),
+            Form::Order { items } => items.len(),
+            _ => 0,
+        });
         let vote = Vote::read(text, options);
         if let Some(talk) = &mut self.talks.open {
             talk.vote_fault = vote.as_ref().err().cloned();
@@ -286,9 +267,8 @@ impl State {
         }
     }
 
-    /// Returns what another window of the same talk needs to go on with it.
-    #[must_use]
-    pub fn kept_of_talk(&self) -> Kept {
+    /// Returns everything that another window needs to continue this talk.
+    pub(crate) fn kept_of_talk(&self) -> Kept {
         let (Some(talk), Some(open)) = (&self.talks.open, &self.lessons.open) else {
             return Kept::default();
         };
@@ -306,7 +286,7 @@ impl State {
 
     fn restore_talk(&mut self, text: &str) {
         let Ok(kept) = serde_json::from_str::<Kept>(text) else {
-            let text = "What the notes kept of the talk cannot be read.";
+            let text = "The talk that the notes kept cannot be read.";
             return self.tell(text.to_owned(), true);
         };
         if self.lessons.shelf.is_empty() {
@@ -337,9 +317,7 @@ impl State {
             self.go_to_part(part, false);
         }
         self.talks.record = kept.record;
-        let open = self.lessons.open.as_ref();
-        let index = open.and_then(|open| open.learner.lesson().step_named(&kept.step));
-        if let Some(index) = index {
+        if let Some(index) = self.lessons.step_named(&kept.step) {
             self.go_in_talk(index);
         }
     }
@@ -364,21 +342,18 @@ impl State {
         }
     }
 
-    /// Returns what the picture of the next step shows; None in the last step and without a talk.
+    /// Returns the key of the picture of the next step; `None` in the last step and without a talk.
     fn next_in_picture(&self) -> Option<PictureKey> {
         let (talk, open) = (self.talks.open.as_ref()?, self.lessons.open.as_ref()?);
         let lesson = open.learner.lesson();
         let index = open.learner.index() + 1;
-        let is_last = index == lesson.steps.len();
-        let (name, index) = if is_last {
+        let (name, index) = if index == lesson.steps.len() {
             (talk.parts.get(talk.part + 1)?.name.clone(), 0)
         } else {
             (lesson.name.clone(), index)
         };
-        let style = PictureStyle {
-            size: NEXT,
-            dark: self.appearance.look.is_dark(),
-        };
+        let (size, dark) = (NEXT, self.appearance.look.is_dark());
+        let style = PictureStyle { size, dark };
         // A lesson's file may change while it is presented.
         Some((name, lesson.hash.clone(), index, style))
     }
@@ -397,14 +372,12 @@ impl State {
             return self.tell("Open a lesson first.".to_owned(), false);
         };
         let name = open.learner.lesson().name.clone();
-        let german = self
-            .lessons
-            .shipped(&name)
-            .map(|shipped| shipped.german.to_string());
         let is_german = self.lessons.language == "de" && open.source == LessonSource::Shipped;
+        let shipped = self.lessons.shipped(&name).filter(|_| is_german);
+        let german = shipped.map(|shipped| shipped.german.to_string());
         let task = HandoutTask {
             lesson: (name.clone(), open.text.clone()),
-            language: (self.lessons.language.clone(), german.filter(|_| is_german)),
+            language: (self.lessons.language.clone(), german),
             answers,
             notes,
             // The drawings of a talk are printed if they are kept.
@@ -473,24 +446,22 @@ impl State {
         wanted || self.lessons.wants_shelf()
     }
 
-    /// Returns what was drawn in the step that is shown.
+    /// Returns the lecturer's lines over the step that is shown.
     #[must_use]
     pub fn strokes(&self) -> &[PenStroke] {
         self.talks.record.strokes_in(&self.talk_key())
     }
 
-    /// Returns what a session keeps of talks: nothing unless it is to be kept.
+    /// Returns the votes and drawings to be saved with the session, if the lecturer chose so and there are any.
     pub(super) fn saved_record(&self) -> Option<&TalkRecord> {
         let record = &self.talks.record;
         (self.talks.is_kept && *record != TalkRecord::default()).then_some(record)
     }
 
-    /// Takes what a session kept of talks.
+    /// Takes the votes and drawings that were saved with a session.
     pub(super) fn take_record(&mut self, view: &serde_json::Value) {
-        if let Some(record) = view
-            .get("talk")
-            .and_then(|talk| serde_json::from_value(talk.clone()).ok())
-        {
+        let talk = view.get("talk").cloned();
+        if let Some(record) = talk.and_then(|talk| serde_json::from_value(talk).ok()) {
             (self.talks.record, self.talks.is_kept) = (record, true);
         }
     }
@@ -764,7 +735,7 @@ mod tests {
         assert!(notice.contains("what comes next"), "{notice}");
     }
 
-    /// The notes get notes and answers; what pages and scripts are told holds neither.
+    /// The JSON for the notes has notes and answers; that for pages and scripts has neither.
     #[test]
     fn what_pages_are_told_holds_no_note_and_no_answer() {
         let mut state = presented("survivors");

@@ -1,4 +1,4 @@
-//! What a page is told of a talk, for the window with the notes. The stage's own page is told nothing of it.
+//! The talk as JSON, for the lecturer's notes on a page. The page of the stage does not get it.
 
 use serde_json::{Value, json};
 use tilescope_lessons::{Form, spans};
@@ -7,8 +7,7 @@ use super::State;
 use crate::talk::{Cover, advised};
 
 impl State {
-    /// Returns the talk for the lecturer's notes; null if none is given. It holds notes and answers, so that it goes to the
-    /// notes alone.
+    /// Returns the talk for the lecturer's notes, or `null`. It holds notes and answers: only the notes may show it.
     #[must_use]
     pub fn talk_json(&self) -> Value {
         let (Some(talk), Some(open)) = (&self.talks.open, &self.lessons.open) else {

@@ -1,7 +1,6 @@
 //! Undo and redo of parameters and the runs made from them, of panels that were moved or hidden, of breakpoints, watches
-//! and scenes, and of opened links.
-//! Moves in time, tabs, layers, colours and the camera are not recorded, since they change nothing but the
-//! view.
+//! and scenes, and of opened links. Moves in time, tabs, layers, colours and the camera cannot be undone, since they change
+//! the view only. [`concerns`] says which commands can be undone.
 
 use tilescope_core::combine::file::Layout as Combination;
 use tilescope_debugger::Stops;
@@ -95,10 +94,8 @@ fn with_tabs_of(mut layout: Layout, now: &Layout) -> Layout {
     let restored = layout.clone();
     let is_kept = |panel: &Panel| now.shows(*panel) && !restored.hidden().has(*panel);
     let is_back = |panel: &Panel| now.hidden().has(*panel) && restored.shows(*panel);
-    let panels = Panel::all()
-        .filter(is_kept)
-        .chain(Panel::all().filter(is_back));
-    for panel in panels {
+    let is_kept = Panel::all().filter(is_kept);
+    for panel in is_kept.chain(Panel::all().filter(is_back)) {
         layout.open(panel);
     }
     layout
@@ -147,7 +144,7 @@ impl State {
         !self.history.future.is_empty()
     }
 
-    /// Drops all steps, since another session was opened.
+    /// Drops all steps, as another session was opened.
     pub(super) fn forget_changes(&mut self) {
         self.history = History::default();
     }
@@ -211,10 +208,8 @@ impl State {
         let is_run = |change: &Change| matches!(change.part, UndoPart::Run | UndoPart::Everything);
         let last = past.iter().rposition(is_run);
         let since = last.map_or(0, |index| index + 1);
-        let typed = past[since..]
-            .iter()
-            .find(|change| change.part == UndoPart::Form);
-        if let Some(typed) = typed {
+        let mut later = past[since..].iter();
+        if let Some(typed) = later.find(|change| change.part == UndoPart::Form) {
             before.form = typed.memento.form.clone();
         }
         let mut count = 0;
@@ -236,10 +231,10 @@ impl State {
     /// Adds the step of a run that starts since a parameter changed, unless it goes on with the step of the one before.
     pub(super) fn remember_live_run(&mut self, command: &Command) {
         let field = typed_in(command);
-        let goes_on = field.is_some_and(|field| {
-            let len = self.history.past.len().checked_sub(1);
-            len.is_some_and(|len| self.history.live == Some((field, len)))
-        });
+        let last = self.history.past.len().checked_sub(1);
+        let goes_on = field
+            .zip(last)
+            .is_some_and(|step| self.history.live == Some(step));
         if goes_on {
             // The change of the form belongs to that step.
             self.history.past.pop();
@@ -301,12 +296,8 @@ impl State {
             });
         }
         if part == UndoPart::Everything {
-            let Appearance {
-                chosen_layers,
-                colouring,
-                ..
-            } = memento.appearance;
-            (self.appearance.chosen_layers, self.appearance.colouring) = (chosen_layers, colouring);
+            self.appearance.chosen_layers = memento.appearance.chosen_layers;
+            self.appearance.colouring = memento.appearance.colouring;
         }
         if matches!(part, UndoPart::Run | UndoPart::Everything) {
             self.make_again(memento.made);
@@ -315,12 +306,7 @@ impl State {
 
     /// Makes a run again, unless it is the current one.
     fn make_again(&mut self, made: Option<Made>) {
-        self.files.stop_reading();
-        (
-            self.runs.first.sampling,
-            self.links.arriving,
-            self.messages.notice,
-        ) = (None, None, None);
+        self.stop_making();
         if made == self.made() {
             return;
         }
@@ -334,16 +320,11 @@ impl State {
     /// Returns a sentence that names the parameters of the panel that differ from those of the run shown, if any.
     #[must_use]
     pub fn run_remark(&self) -> Option<String> {
-        let session = self
-            .runs
-            .first
-            .session
-            .as_ref()
-            .filter(|_| self.runs.first.sampling.is_none())?;
+        let run = &self.runs.first;
+        let session = run.session.as_ref().filter(|_| run.sampling.is_none())?;
         if session.combination.is_some() {
-            return Some(
-                "What is shown is a combination, not a run of these parameters.".to_owned(),
-            );
+            let text = "A combination is shown, not a run of these parameters.";
+            return Some(text.to_owned());
         }
         let mut names = self.form.draft.differences(&session.run().parameters);
         if self.form.own_pattern != session.own {

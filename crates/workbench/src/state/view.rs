@@ -19,7 +19,11 @@ impl State {
         let first = &self.runs.first;
         // The camera of the pattern is not saved, as the pattern has its own domain.
         let (camera, fitted) = first.before_pattern.unwrap_or((first.camera, first.fitted));
-        let links = self.runs.second.as_ref();
+        let links = self
+            .runs
+            .second
+            .as_ref()
+            .map(|(_, comparison)| comparison.links());
         SavedView {
             camera: (!fitted).then_some(camera),
             appearance: self.appearance.clone(),
@@ -27,10 +31,7 @@ impl State {
             selection: first.selection(),
             playback: self.time.playback.clone(),
             second,
-            links: links.map_or_else(
-                || SavedView::default().links,
-                |(_, comparison)| comparison.links(),
-            ),
+            links: links.unwrap_or_else(|| SavedView::default().links),
         }
     }
 
@@ -52,11 +53,10 @@ impl State {
         self.time.playback.speed = view.playback.speed;
         self.time.playback.whole_run_secs = view.playback.whole_run_secs;
         if let Some(range) = &view.playback.range {
-            match self.cursor() {
-                Some((_, len)) if range.end <= len => {
-                    self.time.playback.range = Some(range.clone());
-                }
-                _ => dropped.push("range"),
+            if self.cursor().is_some_and(|(_, len)| range.end <= len) {
+                self.time.playback.range = Some(range.clone());
+            } else {
+                dropped.push("range");
             }
         }
         if view.selection != Selection::Nothing {
@@ -77,11 +77,7 @@ impl State {
         let Some(parameters) = view.second else {
             return;
         };
-        let recipe = Recipe {
-            parameters,
-            own: None,
-        };
-        self.compare_with(recipe, self.gpu.engine);
+        self.compare_with(Recipe::from(parameters), self.gpu.engine);
         if let Some((_, comparison)) = &mut self.runs.second {
             comparison.link(view.links);
         }

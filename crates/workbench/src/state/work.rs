@@ -1,5 +1,5 @@
-//! Background work in the state: starting it, taking its results, waiting for it. Every frame calls
-//! [`State::advance`].
+//! Background work in the state: starts it, takes its results, waits for it. Every frame calls [`State::advance`]; tests and
+//! scripts call [`State::settle`].
 
 use tilescope_session::recipe::Recipe;
 use tilescope_session::session::{MakeError, Session};
@@ -19,15 +19,10 @@ impl State {
         if self.run_refusal().is_some() {
             return;
         }
-        (self.messages.notice, self.links.arriving) = (None, None);
-        self.files.stop_reading();
+        self.stop_making();
         let recipe = self.typed();
-        let is_new = self
-            .runs
-            .first
-            .session
-            .as_ref()
-            .is_none_or(|session| session.recipe() != recipe);
+        let session = self.runs.first.session.as_ref();
+        let is_new = session.is_none_or(|session| session.recipe() != recipe);
         if is_new || self.shows_combination() {
             self.remember_run(UndoPart::Run);
         }
@@ -36,10 +31,8 @@ impl State {
 
     /// Runs after a change of the parameters, if live runs were chosen and the run is small.
     pub(super) fn run_live(&mut self, command: &Command) {
-        let draft = &self.form.draft;
-        let is_small = draft
-            .expected_samples()
-            .is_some_and(|count| count <= MAX_LIVE);
+        let expected = self.form.draft.expected_samples();
+        let is_small = expected.is_some_and(|count| count <= MAX_LIVE);
         if !self.form.live || !is_small || self.run_refusal().is_some() {
             return;
         }
@@ -116,28 +109,22 @@ impl State {
     fn finish_sampling(&mut self, which: Which, outcome: Made) {
         match outcome {
             Ok(Ok(session)) => {
-                let is_first = which == Which::First;
-                let taken = if is_first {
-                    self.take_for_lesson(session)
-                } else {
-                    Some(session)
-                };
-                let Some(session) = taken else {
+                if which == Which::Second {
+                    return self.show_made(which, session);
+                }
+                let Some(session) = self.take_for_lesson(session) else {
                     return;
                 };
                 // A live run shows the stage that was shown.
                 let run = &self.runs.first;
-                let is_live = self.form.live && which == Which::First && !run.is_at_end();
+                let is_live = self.form.live && !run.is_at_end();
                 let stage = run.current_stage().filter(|_| is_live);
                 self.show_made(which, session);
                 if let Some(stage) = stage {
-                    self.on(which, |run, _| run.show_same_stage(stage));
+                    self.runs.first.show_same_stage(stage);
                 }
-                if which == Which::First {
-                    self.arrive();
-                    self.show_tour_again();
-                }
-                return;
+                self.arrive();
+                return self.show_tour_again();
             }
             Ok(Err(error)) => self.not_made(which, &error),
             Err(failure) => self.tell_of(which, sentence(&failure), true),
@@ -150,20 +137,13 @@ impl State {
     fn not_made(&mut self, which: Which, error: &MakeError) {
         match error.cancelled() {
             Some(stage) => {
-                let there = self
-                    .runs
-                    .get(which)
-                    .is_some_and(|run| run.session.is_some());
-                let kept = if there {
-                    " The previous session is kept."
-                } else {
-                    ""
+                let run = self.runs.get(which);
+                let kept = match run.and_then(|run| run.session.as_ref()) {
+                    Some(_) => " The previous session is kept.",
+                    None => "",
                 };
-                self.tell_of(
-                    which,
-                    format!("Cancelled during stage \"{stage}\".{kept}"),
-                    false,
-                );
+                let text = format!("Cancelled during stage \"{stage}\".{kept}");
+                self.tell_of(which, text, false);
             }
             None => self.tell_of(which, sentence(&error.to_string()), true),
         }

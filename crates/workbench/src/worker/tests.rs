@@ -93,7 +93,7 @@ impl TaskPool for OtherThread {
     }
 }
 
-/// Does much of what a window does, and returns the results.
+/// Applies many commands of a window, and returns the results.
 fn visit() -> Vec<String> {
     let mut state = State::new(Arc::new(|| {}));
     state.settle();

@@ -56,7 +56,7 @@ fn the_state_is_printed_after_each_command_or_after_the_last() {
 /// Commands that open the system's dialog, which needs a screen.
 const DIALOGS: [&str; 2] = ["file.browse", "export.browse"];
 
-/// The names that serde expects in place of `?` in a command: a group's commands, if it is a group.
+/// The names that serde expects instead of `?` in a command: a group's commands, if it is a group.
 fn names(command: &Value) -> Vec<String> {
     // A command with a text takes any.
     let Err(error) = serde_json::from_value::<Command>(command.clone()) else {

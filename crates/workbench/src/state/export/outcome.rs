@@ -1,4 +1,4 @@
-//! The running export, and the notice at its end.
+//! Starts an export, and shows the notice at its end: the file, or why there is none.
 
 use std::path::PathBuf;
 
@@ -32,7 +32,7 @@ pub enum Ended {
 /// The task of making the files of an export and delivering them.
 #[derive(serde::Serialize, serde::Deserialize)]
 pub struct ExportTask {
-    order: ExportJob,
+    job: ExportJob,
     delivery: Delivery,
 }
 
@@ -41,7 +41,7 @@ impl Task for ExportTask {
     const NAME: &'static str = "export";
 
     fn run(self, monitor: &Monitor) -> Outcome {
-        deliver(&self.order, self.delivery, monitor)
+        deliver(&self.job, self.delivery, monitor)
     }
 
     fn cancelled(_: &Monitor) -> Option<Outcome> {
@@ -50,12 +50,12 @@ impl Task for ExportTask {
 }
 
 /// Makes the files of an export and delivers them.
-fn deliver(order: &ExportJob, delivery: Delivery, monitor: &Monitor) -> Outcome {
+fn deliver(job: &ExportJob, delivery: Delivery, monitor: &Monitor) -> Outcome {
     match delivery {
         #[cfg(not(target_arch = "wasm32"))]
-        Delivery::Disk => crate::export::write::write(order, monitor).map(Ended::Written),
+        Delivery::Disk => crate::export::write::write(job, monitor).map(Ended::Written),
         Delivery::Download => {
-            let made = render(order, monitor)?;
+            let made = render(job, monitor)?;
             Ok(Ended::Download(made.written, packed(made.files)?))
         }
     }
@@ -72,8 +72,8 @@ impl Exports {
         if self.work.is_some() {
             return;
         }
-        let order = match self.order(source) {
-            Ok(order) => order,
+        let job = match self.job(source) {
+            Ok(job) => job,
             Err(refusal) => {
                 return context.tell(format!("Nothing was exported. {refusal}"), true);
             }
@@ -86,8 +86,7 @@ impl Exports {
                 return;
             }
         }
-        let delivering = ExportTask { order, delivery };
-        self.work = Some(task::start(&context.wake, delivering));
+        self.work = Some(task::start(&context.wake, ExportTask { job, delivery }));
     }
 
     /// Takes the results of the system's dialog and of the running export.

@@ -1,4 +1,4 @@
-//! Takes the results of reading and writing files, and shows notices about them.
+//! The results of reading and writing files: shows what was opened, and a notice about a failure.
 
 use std::sync::Arc;
 
@@ -16,11 +16,8 @@ use crate::view::SavedView;
 
 impl State {
     pub(in crate::state) fn poll_files(&mut self) {
-        let found = self
-            .files
-            .finding
-            .as_ref()
-            .and_then(|(purpose, job)| Some((*purpose, job.poll()?)));
+        let finding = self.files.finding.as_ref();
+        let found = finding.and_then(|(purpose, job)| Some((*purpose, job.poll()?)));
         if let Some((purpose, outcome)) = found {
             self.files.finding = None;
             // The sheet may have been opened for another purpose since.
@@ -44,12 +41,8 @@ impl State {
                 Err(failure) => self.tell(sentence(&failure), true),
             }
         }
-        if let Some(outcome) = self
-            .files
-            .filing
-            .as_ref()
-            .and_then(|filing| filing.job.poll())
-        {
+        let filing = self.files.filing.as_ref();
+        if let Some(outcome) = filing.and_then(|filing| filing.job.poll()) {
             self.filed(outcome);
         }
     }
@@ -124,9 +117,7 @@ impl State {
 
     fn take_done(&mut self, done: Done) {
         match done {
-            Done::Saved(path) => {
-                self.saved_as(format!("Session saved to {path}."), path);
-            }
+            Done::Saved(path) => self.saved_as(format!("Session saved to {path}."), path),
             Done::Download(file) => {
                 let text = format!("The session is downloaded as {}.", file.name);
                 self.saved_as(text, file.name.clone());
@@ -181,11 +172,7 @@ impl State {
             Some(Err(error)) => return self.tell(sentence(&error.to_string()), true),
             None => return,
         };
-        (
-            self.runs.first.sampling,
-            self.messages.notice,
-            self.links.arriving,
-        ) = (None, None, None);
+        self.stop_making();
         self.form.draft = Draft::from_parameters(opened.saved.parameters);
         self.form.own_pattern.clone_from(&opened.session.own);
         (self.runs.first.selected, self.runs.first.place) = (None, None);
@@ -201,11 +188,7 @@ impl State {
 
     /// Shows a combination that was read, at the stage where it was saved.
     fn take_combination(&mut self, combined: Combined) {
-        (
-            self.runs.first.sampling,
-            self.messages.notice,
-            self.links.arriving,
-        ) = (None, None, None);
+        self.stop_making();
         self.remember_run(UndoPart::Run);
         (self.runs.first.selected, self.runs.first.place) = (None, None);
         self.show_combination(Which::First, combined.session);
@@ -222,7 +205,7 @@ impl State {
         self.opened_from(combined.path, &dropped);
     }
 
-    /// Notes the path of a session, and names the parts of its view that were left out.
+    /// Sets the path of the session, and shows a notice of the parts of its view that were left out.
     fn opened_from(&mut self, path: String, dropped: &[&str]) {
         if !dropped.is_empty() {
             let text = format!(

@@ -81,9 +81,8 @@ impl RunView {
             return;
         }
         let sample = self.selected.zip(self.session.as_ref());
-        let position = sample
-            .map(|(id, session)| session.position(id))
-            .or(self.place);
+        let sample = sample.map(|(id, session)| session.position(id));
+        let position = sample.or(self.place);
         let Some(position) = position.filter(|_| self.before_pattern.is_none()) else {
             return;
         };
@@ -165,11 +164,7 @@ impl RunView {
             (false, Some((camera, fitted))) => {
                 (self.before_pattern, self.flight) = (None, None);
                 self.fitted = fitted;
-                self.camera = if fitted {
-                    self.fitting()
-                } else {
-                    self.within_scales(camera)
-                };
+                self.camera = self.within_scales(if fitted { self.fitting() } else { camera });
             }
             _ => {}
         }
@@ -217,10 +212,8 @@ impl RunView {
         let Some(place) = self.current_place().filter(|_| !ends_stage) else {
             return;
         };
-        let camera = self
-            .flight
-            .as_ref()
-            .map_or(self.camera, Flight::destination);
+        let flight = self.flight.as_ref();
+        let camera = flight.map_or(self.camera, Flight::destination);
         let room = f64::from(self.viewport.size().min_elem().max(1.0));
         let is_wide = room / camera.scale > FOLLOWED;
         let at = camera.screen_from_domain(self.viewport, place);

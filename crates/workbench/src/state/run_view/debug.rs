@@ -190,8 +190,7 @@ impl RunView {
     }
 
     /// Returns whether the current session has the sample or place.
-    #[must_use]
-    pub fn can_select(&self, selection: Selection) -> bool {
+    pub(crate) fn can_select(&self, selection: Selection) -> bool {
         let Some(session) = &self.session else {
             return false;
         };

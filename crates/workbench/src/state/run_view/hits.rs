@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 use tilescope_debugger::{DEFAULT_BUDGET, Debugger, Direction, LineId, Recording, Stop};
 use tilescope_session::jobs::Monitor;
 use tilescope_session::task::{self, SessionRef, Task};
+use tilescope_session::words::counted;
 
 use super::{FoundEvents, RunView};
 use crate::state::effects::Context;
@@ -35,14 +36,15 @@ impl Hits {
             FoundEvents::Nothing => None,
             FoundEvents::Pending(_) => Some("Being counted\u{2026}".to_owned()),
             FoundEvents::Failed(why) => Some(why.clone()),
-            FoundEvents::Events(events) if events.len() == MAX_HITS => Some(format!(
-                "They stop a run {} times or more; the first are on the timeline.",
-                tilescope_session::words::grouped(MAX_HITS)
-            )),
-            FoundEvents::Events(events) => Some(format!(
-                "They stop a run {}.",
-                tilescope_session::words::counted(events.len(), "time", "times")
-            )),
+            FoundEvents::Events(events) => {
+                let times = counted(events.len(), "time", "times");
+                Some(match events.len() {
+                    MAX_HITS => {
+                        format!("They stop a run {times} or more; the first are on the timeline.")
+                    }
+                    _ => format!("They stop a run {times}."),
+                })
+            }
         }
     }
 
@@ -69,9 +71,7 @@ impl RunView {
         let enabled = debugger.breakpoints().iter().filter(|b| b.enabled);
         let stops = enabled.map(|b| (b.line, b.condition.as_str()));
         let same = self.hits.key.as_ref().is_some_and(|(generation, known)| {
-            let known = known
-                .iter()
-                .map(|(line, condition)| (*line, condition.as_str()));
+            let known = known.iter().map(|(line, text)| (*line, text.as_str()));
             *generation == session.generation && known.eq(stops.clone())
         });
         if same {

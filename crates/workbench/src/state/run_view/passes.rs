@@ -39,12 +39,9 @@ impl RunView {
         {
             // A session without events lacks the last iteration as a stage.
             let stages = self.session.iter().flat_map(|session| &session.stages);
-            let index = stages
-                .take_while(|&&other| other <= stage)
-                .count()
-                .checked_sub(1);
-            if let Some(index) = index {
-                self.show_stage(index);
+            let count = stages.take_while(|&&other| other <= stage).count();
+            if count > 0 {
+                self.show_stage(count - 1);
             }
         }
         let moment = self.moment();

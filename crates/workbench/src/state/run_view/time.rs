@@ -1,7 +1,7 @@
 //! Moves a run in time. If events were recorded, the moment is the debugger's cursor, and the stage follows
 //! from it.
 
-use tilescope_core::Stage;
+use tilescope_core::{Stage, Standing};
 use tilescope_debugger::{Debugger, Direction, Event, Step, Stop, Target, moves};
 use tilescope_drawing::made::Made;
 use tilescope_session::words::{counted, grouped};
@@ -23,10 +23,8 @@ impl RunView {
             Stage::Blocks if session.combination.is_some() => counted(blocks(), "piece", "pieces"),
             Stage::Blocks => counted(blocks(), "block", "blocks"),
             stage => {
-                let now = self
-                    .debugger
-                    .as_ref()
-                    .map(|debugger| debugger.state().counts());
+                let debugger = self.debugger.as_ref();
+                let now = debugger.map(|debugger| debugger.state().counts());
                 let count = match now.filter(|_| stage != Stage::Pattern) {
                     Some(counts) => counts.undecided + counts.kept,
                     None => session.count_after(self.stage),
@@ -71,10 +69,10 @@ impl RunView {
                 "The passes of the GPU have not been run: the panel of GPU passes runs them.",
             ),
             Clock::Stage => None,
-            Clock::Event | Clock::Line => self
-                .debugger
-                .is_none()
-                .then_some("This session has no events."),
+            Clock::Event | Clock::Line => {
+                let has_none = self.debugger.is_none();
+                has_none.then_some("This session has no events.")
+            }
         }
     }
 
@@ -124,8 +122,7 @@ impl RunView {
     }
 
     pub(in crate::state) fn step_stage(&mut self, direction: Direction) {
-        let Some((session, cursor)) = self.session.as_ref().zip(self.cursor().map(|(at, _)| at))
-        else {
+        let (Some(session), Some((cursor, _))) = (&self.session, self.cursor()) else {
             return;
         };
         let whole = session.stage_end(self.stage) == Some(cursor);
@@ -171,19 +168,18 @@ impl RunView {
         }
     }
 
-    /// Removes the pointer's mark from a sample that does not exist yet. The selection stays, as its history
-    /// lies ahead.
+    /// Removes the pointer's mark from a sample that does not exist yet. The selection stays, as its history is still to
+    /// come.
     pub(in crate::state) fn forget_unseen(&mut self) {
         let Some(shown) = self.shown() else {
             return;
         };
-        let absent = tilescope_core::Standing::Absent;
-        let hovered = self.hovered.filter(|&id| shown.standing(id) != absent);
-        let finished = shown.stage == tilescope_core::Stage::Finish;
+        let hovered = self
+            .hovered
+            .filter(|&id| shown.standing(id) != Standing::Absent);
+        let is_finished = shown.stage == Stage::Finish;
         self.hovered = hovered;
-        if !finished {
-            self.witness_mark = None;
-        }
+        self.witness_mark = self.witness_mark.take().filter(|_| is_finished);
     }
 }
 
@@ -199,7 +195,7 @@ pub(in crate::state) fn next_line(debugger: &Debugger, direction: Direction) -> 
     moves::find(debugger.recording(), cursor, direction, other).unwrap_or(end)
 }
 
-/// Returns the message that a run found nothing to stop at.
+/// Returns the message for a target that does not occur after, or before, the moment.
 pub(in crate::state) fn none_there(target: Target, direction: Direction) -> String {
     let side = match direction {
         Direction::Forwards => "after",
@@ -219,9 +215,6 @@ fn name_of(target: Target) -> String {
         Target::Insertion => "insertion".to_owned(),
         Target::SecondInsertion => "second insertion in one gap".to_owned(),
         Target::Violation => "violated invariant".to_owned(),
-        Target::Sample(id) => format!(
-            "event of sample {}",
-            tilescope_session::words::grouped(id as usize)
-        ),
+        Target::Sample(id) => format!("event of sample {}", grouped(id as usize)),
     }
 }

@@ -78,7 +78,7 @@ fn invalid_parts_are_named_and_the_rest_is_read() {
         ),
         ("b=&b.pattern=1e9", "a pattern of run B of 1000000000 r"),
         ("b=love", "cannot be linked by \"love\""),
-        ("b.seed=3", "none (\"b\")"),
+        ("b.seed=3", "but not the run (\"b\")"),
         ("v=999", "version 999, and this program knows version 1"),
         ("v=", "its version is \"\""),
         ("v=-1", "its version is \"-1\""),
