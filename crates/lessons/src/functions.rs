@@ -5,6 +5,7 @@ use std::collections::HashMap;
 use std::sync::atomic::{AtomicI64, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
+use glam::DVec2;
 use rhai::{Dynamic, Engine, EvalAltResult, Map};
 use tilescope_analysis::Tessellation;
 use tilescope_core::stages::blocks::Axis;
@@ -18,7 +19,7 @@ use tilescope_debugger::{
 
 use crate::fields::Field;
 use crate::parameters::{MAX_SAMPLES, with_parameter};
-use crate::sets::{Measure, PointSet};
+use crate::sets::{Measure, PointSet, position, radii};
 
 /// How many searches and computations the expressions of one question may make.
 const MAX_WORK: i64 = 1_000;
@@ -48,10 +49,6 @@ fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
 #[allow(clippy::unnecessary_box_returns)] // rhai's functions return boxed errors.
 fn wrong(message: impl Into<String>) -> Box<EvalAltResult> {
     message.into().into()
-}
-
-fn radii(units: impl Into<f64>) -> f64 {
-    units.into() / f64::from(R)
 }
 
 fn id(s: i64) -> u32 {
@@ -354,7 +351,7 @@ impl Now {
     fn far(&self, s: i64, to: [f64; 2]) -> Found<f64> {
         let set = self.set()?;
         let point = self.recording.point(id(s));
-        Ok(point.map_or(f64::NAN, |p| set.distance([radii(p.x), radii(p.y)], to)))
+        Ok(point.map_or(f64::NAN, |p| set.distance(position(p), to)))
     }
 
     fn apart(&self, a: rhai::Array, b: rhai::Array) -> Found<f64> {
@@ -364,9 +361,7 @@ impl Now {
 
     fn position(&self, s: i64) -> Dynamic {
         let point = self.recording.point(id(s));
-        point.map_or(Dynamic::UNIT, |point| {
-            place([radii(point.x), radii(point.y)])
-        })
+        point.map_or(Dynamic::UNIT, |point| place(position(point)))
     }
 
     fn within(&self, x: f64, y: f64, d: f64) -> Found<i64> {
@@ -377,9 +372,7 @@ impl Now {
 
     fn seam_of(&self, s: i64) -> f64 {
         let point = self.recording.point(id(s));
-        point.map_or(f64::NAN, |point| {
-            self.seam(radii(point.x), radii(point.y)).1
-        })
+        point.map_or(f64::NAN, |point| self.seam(position(point).into()).1)
     }
 
     fn block_size(&self, b: i64) -> Dynamic {
@@ -469,20 +462,21 @@ impl Now {
     }
 
     /// Returns the nearest place on an edge of a block, and its distance.
-    fn seam(&self, x: f64, y: f64) -> ([f64; 2], f64) {
+    fn seam(&self, at: DVec2) -> (DVec2, f64) {
         let leaves = &self.recording.run().blocks.leaves;
-        let mut best = ([x, y], f64::INFINITY);
+        let mut best = (at, f64::INFINITY);
         for leaf in leaves {
-            let (min, max) = (leaf.rect.min, leaf.rect.max);
-            let [x0, y0, x1, y1] = [min.x, min.y, max.x, max.y].map(radii);
-            let inside = [x.clamp(x0, x1), y.clamp(y0, y1)];
+            let corners = [leaf.rect.min, leaf.rect.max];
+            let [min, max] = corners.map(|corner| DVec2::from(position(corner)));
+            let inside = at.clamp(min, max);
             for place in [
-                [x0, inside[1]],
-                [x1, inside[1]],
-                [inside[0], y0],
-                [inside[0], y1],
+                inside.with_x(min.x),
+                inside.with_x(max.x),
+                inside.with_y(min.y),
+                inside.with_y(max.y),
             ] {
-                let distance = (place[0] - x).hypot(place[1] - y);
+                let offset = place - at;
+                let distance = offset.x.hypot(offset.y);
                 if distance < best.1 {
                     best = (place, distance);
                 }
@@ -584,8 +578,10 @@ pub(crate) fn register(engine: &mut Engine, now: &Arc<Now>) {
         .map(|found| found.gaps.len() as i64));
     function!("deepest", |now| now.deepest());
     function!("deepest_near", |now, x: f64, y: f64| now.deepest_near(x, y));
-    function!("seam", |now, x: f64, y: f64| now.seam(x, y).1);
-    function!("on_seam", |now, x: f64, y: f64| place(now.seam(x, y).0));
+    function!("seam", |now, x: f64, y: f64| now.seam(DVec2::new(x, y)).1);
+    function!("on_seam", |now, x: f64, y: f64| place(
+        now.seam(DVec2::new(x, y)).0.into()
+    ));
     function!("position", |now, s: i64| now.position(s));
     function!("within", |now, x: f64, y: f64, d: f64| now.within(x, y, d));
     function!("seam_of", |now, s: i64| now.seam_of(s));

@@ -4,14 +4,14 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
 use rhai::{Dynamic, Scope};
-use tilescope_core::{Observer, Parameters, Pattern, R, SampleError};
+use tilescope_core::{Observer, Parameters, Pattern, SampleError};
 use tilescope_debugger::{DEFAULT_BUDGET, Evaluator, Recording, State};
 
 use crate::error::LessonError;
 use crate::functions::{self, Now, place_of};
 use crate::lesson::{Camera, SceneSpec, Text};
 use crate::prose;
-use crate::sets::PointSet;
+use crate::sets::{PointSet, position};
 use crate::translation::Translation;
 
 /// A moment of a run with its evaluator.
@@ -236,7 +236,7 @@ impl Scene {
             .ok()
             .and_then(|sample| self.now.recording.point(sample));
         let point = point.ok_or_else(|| format!("there is no sample {sample}"))?;
-        Ok([point.x, point.y].map(|units| f64::from(units) / f64::from(R)))
+        Ok(position(point))
     }
 
     /// Returns the point set of a name: `set` is the valid samples, `white` and `jittered` as many others, `tiled` those

@@ -110,7 +110,7 @@ fn hole(triangles: &[[[f64; 2]; 3]], palette: &Palette) -> Vec<Shape> {
             stroke: None,
         };
         triangles.iter().map(move |corners| Shape::Polygon {
-            points: corners.to_vec(),
+            points: corners.map(Into::into).to_vec(),
             style,
         })
     };
@@ -182,7 +182,7 @@ fn label(at: [f64; 2], what: &str, radius: f64, palette: &Palette) -> [Shape; 2]
     let corner = |[right, up]: [f64; 2]| [at[0] + right * x, at[1] + up * y];
     let ground = Shape::Polygon {
         points: [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]]
-            .map(corner)
+            .map(|offset| corner(offset).into())
             .to_vec(),
         style: Style::filled(with_alpha(palette.background, 215)),
     };
