@@ -111,8 +111,7 @@ impl Combined {
     /// Returns the samples in user units, in canonical order.
     #[must_use]
     pub fn positions(&self) -> Vec<[f64; 2]> {
-        let user = |&p: &Point| self.domain.user_from_lattice(p);
-        self.points.iter().map(user).collect()
+        self.domain.users_from_lattice(&self.points)
     }
 
     /// Returns the counts. Blocks are the pieces; tiled samples are those that they contributed.

@@ -1,7 +1,9 @@
 //! A uniform grid over the domain that finds the samples near a point. Callers apply the exact predicate
 //! ([`crate::covers_offset`]) to the samples found.
 
-use crate::lattice::{Domain, Point};
+use glam::IVec2;
+
+use crate::lattice::{Domain, Point, R, covers_offset};
 
 /// Cells have sides of 2^15 units, one radius.
 const CELL_BITS: u32 = 15;
@@ -15,7 +17,7 @@ pub struct NearSample {
     /// The sample's id.
     pub id: u32,
     /// Its offset from the query's point, the shortest way around.
-    pub offset: (i32, i32),
+    pub offset: IVec2,
 }
 
 #[derive(Clone, Copy, serde::Serialize, serde::Deserialize)]
@@ -87,8 +89,8 @@ impl SampleGrid {
                             let entry = self.entries[next as usize];
                             next = entry.next;
                             let offset = self.domain.difference(centre, entry.point);
-                            if offset.0.abs() <= reach
-                                && offset.1.abs() <= reach
+                            if offset.x.abs() <= reach
+                                && offset.y.abs() <= reach
                                 && visit(NearSample {
                                     id: entry.id,
                                     offset,
@@ -108,9 +110,7 @@ impl SampleGrid {
     #[inline]
     #[must_use]
     pub fn covers(&self, point: Point) -> bool {
-        self.any_near(point, crate::lattice::R, |near| {
-            crate::lattice::covers_offset(near.offset.0, near.offset.1)
-        })
+        self.any_near(point, R, |near| covers_offset(near.offset))
     }
 }
 
@@ -153,7 +153,7 @@ pub(crate) fn spans(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::lattice::{Boundary, R};
+    use crate::lattice::Boundary;
     use crate::random::{Key, Stream, below};
     use proptest::prelude::*;
 
@@ -187,8 +187,7 @@ mod tests {
                 grid.any_near(centre, reach, |near| { found.push(near.id); false });
                 found.sort_unstable();
                 let scanned: Vec<u32> = points.iter().enumerate().filter(|&(_, &p)| {
-                    let (dx, dy) = domain.difference(centre, p);
-                    dx.abs() <= reach && dy.abs() <= reach
+                    domain.difference(centre, p).abs().max_element() <= reach
                 }).map(|(id, _)| id as u32).collect();
                 prop_assert_eq!(found, scanned);
             }

@@ -2,6 +2,8 @@
 //! between user space (`f64`) and lattice units (`i32`). It also has the one predicate of sampling: whether a sample
 //! covers a point ([`covers_offset`]). Two samples are in conflict if one covers the other.
 
+use glam::{DVec2, I64Vec2, IVec2};
+
 use crate::error::ParameterError;
 
 /// The Poisson-disk radius in lattice units: 2^15.
@@ -64,6 +66,20 @@ impl Point {
     }
 }
 
+impl std::ops::Sub for Point {
+    type Output = IVec2;
+
+    fn sub(self, from: Self) -> IVec2 {
+        IVec2::new(self.x - from.x, self.y - from.y)
+    }
+}
+
+impl From<Point> for I64Vec2 {
+    fn from(Point { x, y }: Point) -> Self {
+        Self::new(x.into(), y.into())
+    }
+}
+
 /// A rectangle of lattice points, half open: `min <= p < max` on both axes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Rect {
@@ -102,6 +118,54 @@ impl Rect {
     }
 }
 
+/// A rectangle in 64 bits, half open.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Rect64 {
+    /// The lowest point inside.
+    pub min: I64Vec2,
+    /// The first point beyond, on both axes.
+    pub max: I64Vec2,
+}
+
+impl From<Rect> for Rect64 {
+    fn from(Rect { min, max }: Rect) -> Self {
+        let (min, max) = (min.into(), max.into());
+        Self { min, max }
+    }
+}
+
+impl Rect64 {
+    /// Returns the rectangle grown by `below` and `above` units on both axes.
+    #[must_use]
+    pub fn grown(&self, below: i64, above: i64) -> Self {
+        let (min, max) = (self.min - below, self.max + above);
+        Self { min, max }
+    }
+
+    /// Returns the rectangle moved by an offset.
+    pub(crate) fn moved(&self, offset: I64Vec2) -> Self {
+        let (min, max) = (self.min + offset, self.max + offset);
+        Self { min, max }
+    }
+
+    /// Returns whether `p` lies inside.
+    #[must_use]
+    pub fn contains(&self, p: I64Vec2) -> bool {
+        (self.min.cmple(p) & p.cmplt(self.max)).all()
+    }
+
+    /// Returns the intersection with `other`, or `None` if it is empty.
+    #[must_use]
+    pub fn within(&self, other: &Rect) -> Option<Rect> {
+        let other = Self::from(*other);
+        let (min, max) = (self.min.max(other.min), self.max.min(other.max));
+        min.cmplt(max).all().then(|| Rect {
+            min: Point::new(min.x as i32, min.y as i32),
+            max: Point::new(max.x as i32, max.y as i32),
+        })
+    }
+}
+
 /// How many sides away from the domain a window may begin.
 const MAX_WINDOW_SIDES: f64 = 1_000.0;
 
@@ -109,17 +173,15 @@ const MAX_WINDOW_SIDES: f64 = 1_000.0;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Window {
     /// The lowest coordinates inside.
-    pub min: [i64; 2],
+    pub min: I64Vec2,
     /// The first coordinates beyond.
-    pub max: [i64; 2],
+    pub max: I64Vec2,
 }
 
 impl From<Rect> for Window {
     fn from(rect: Rect) -> Self {
-        Self {
-            min: [rect.min.x.into(), rect.min.y.into()],
-            max: [rect.max.x.into(), rect.max.y.into()],
-        }
+        let (min, max) = (rect.min.into(), rect.max.into());
+        Self { min, max }
     }
 }
 
@@ -261,10 +323,10 @@ impl Domain {
         self.radius * (1.0 + 1.0 / f64::from(R))
     }
 
-    /// Returns the lattice point that stands for (x, y), wrapped in a periodic domain, and `None`
+    /// Returns the lattice point that stands for a place of the plane, wrapped in a periodic domain, and `None`
     /// outside a bounded one.
     #[must_use]
-    pub fn wrap(&self, x: i64, y: i64) -> Option<Point> {
+    pub fn wrap(&self, I64Vec2 { x, y }: I64Vec2) -> Option<Point> {
         let (w, h) = (i64::from(self.width), i64::from(self.height));
         match self.boundary {
             Boundary::Periodic => Some(Point::new(x.rem_euclid(w) as i32, y.rem_euclid(h) as i32)),
@@ -278,57 +340,50 @@ impl Domain {
     /// Returns `to - from`, the shortest way around in a periodic domain.
     #[inline]
     #[must_use]
-    pub const fn difference(&self, from: Point, to: Point) -> (i32, i32) {
+    pub const fn difference(&self, from: Point, to: Point) -> IVec2 {
         let (dx, dy) = (to.x - from.x, to.y - from.y);
         match self.boundary {
-            Boundary::Periodic => (shortest(dx, self.width), shortest(dy, self.height)),
-            Boundary::Bounded => (dx, dy),
+            Boundary::Periodic => IVec2::new(shortest(dx, self.width), shortest(dy, self.height)),
+            Boundary::Bounded => IVec2::new(dx, dy),
         }
     }
 
     /// Returns the squared distance in units, the shortest way around in a periodic domain.
     #[inline]
     #[must_use]
-    pub const fn distance_squared(&self, a: Point, b: Point) -> i64 {
-        let (dx, dy) = self.difference(a, b);
-        dx as i64 * dx as i64 + dy as i64 * dy as i64
+    pub fn distance_squared(&self, a: Point, b: Point) -> i64 {
+        self.difference(a, b).as_i64vec2().length_squared()
     }
 
     /// Returns whether a sample at `p` covers `x`: the predicate on which all decisions rest.
     #[inline]
     #[must_use]
     pub const fn covers(&self, p: Point, x: Point) -> bool {
-        let (dx, dy) = self.difference(p, x);
-        covers_offset(dx, dy)
+        covers_offset(self.difference(p, x))
     }
 
     /// Returns the position in user units, inside the closed domain.
     #[must_use]
     pub fn user_from_lattice(&self, p: Point) -> [f64; 2] {
-        self.user_of(p, self.steps())
+        self.user_of(p, self.unit())
     }
 
     /// Returns the positions in user units, inside the closed domain.
     #[must_use]
     pub fn users_from_lattice(&self, points: &[Point]) -> Vec<[f64; 2]> {
-        let steps = self.steps();
-        points.iter().map(|&p| self.user_of(p, steps)).collect()
+        let unit = self.unit();
+        points.iter().map(|&p| self.user_of(p, unit)).collect()
     }
 
-    /// The lengths of lattice units.
-    fn steps(&self) -> [f64; 2] {
-        let [width, height] = self.size;
-        [
-            width / f64::from(self.width),
-            height / f64::from(self.height),
-        ]
+    /// Returns the lengths of a lattice unit along x and y, in user units.
+    #[must_use]
+    pub fn unit(&self) -> DVec2 {
+        DVec2::from(self.size) / DVec2::new(self.width.into(), self.height.into())
     }
 
-    fn user_of(&self, p: Point, steps: [f64; 2]) -> [f64; 2] {
-        [
-            (f64::from(p.x) * steps[0]).min(self.size[0]),
-            (f64::from(p.y) * steps[1]).min(self.size[1]),
-        ]
+    fn user_of(&self, p: Point, unit: DVec2) -> [f64; 2] {
+        let place = DVec2::new(p.x.into(), p.y.into()) * unit;
+        place.min(self.size.into()).to_array()
     }
 
     /// Returns the lattice rectangle of the samples with `low <= position < high` in user units, in the plane: a
@@ -339,8 +394,8 @@ impl Domain {
     /// away.
     pub fn window(&self, low: [f64; 2], high: [f64; 2]) -> Result<Window, ParameterError> {
         let mut window = Window {
-            min: [0; 2],
-            max: [0; 2],
+            min: I64Vec2::ZERO,
+            max: I64Vec2::ZERO,
         };
         for (axis, name) in ["width", "height"].into_iter().enumerate() {
             let (side, low, high) = (self.size[axis], low[axis], high[axis]);
@@ -423,12 +478,12 @@ impl Domain {
     }
 }
 
-/// Returns whether an offset of (dx, dy) units is within the radius: whether a sample covers a point, and whether two
+/// Returns whether an offset is within the radius: whether a sample covers a point, and whether two
 /// samples are in conflict. The first test keeps the sum of squares at most 2^31, exact in 32 bits on every device.
 #[inline]
 #[must_use]
-pub const fn covers_offset(dx: i32, dy: i32) -> bool {
-    let (dx, dy) = (dx.unsigned_abs(), dy.unsigned_abs());
+pub const fn covers_offset(offset: IVec2) -> bool {
+    let (dx, dy) = (offset.x.unsigned_abs(), offset.y.unsigned_abs());
     dx <= R as u32 && dy <= R as u32 && dx * dx + dy * dy <= R_SQUARED as u32
 }
 
@@ -534,8 +589,8 @@ mod tests {
     fn differences_take_the_shortest_way_around() {
         let d = domain(1.0, 0.05, Boundary::Periodic);
         let (a, b) = (Point::new(5, 7), Point::new(d.width() - 3, d.height() - 1));
-        assert_eq!(d.difference(a, b), (-8, -8));
-        assert_eq!(d.difference(b, a), (8, 8));
+        assert_eq!(d.difference(a, b), IVec2::splat(-8));
+        assert_eq!(d.difference(b, a), IVec2::splat(8));
         assert!(d.covers(a, b));
         let bounded = domain(1.0, 0.05, Boundary::Bounded);
         assert!(!bounded.covers(a, b));
@@ -543,14 +598,12 @@ mod tests {
 
     #[test]
     fn covers_is_closed_at_the_radius() {
-        assert!(covers_offset(R, 0));
-        assert!(covers_offset(0, -R));
-        assert!(!covers_offset(R, 1));
-        assert!(!covers_offset(R + 1, 0));
-        assert!(!covers_offset(i32::MAX, i32::MIN));
+        let covers = |x: i32, y: i32| covers_offset(IVec2::new(x, y));
+        assert!(covers(R, 0) && covers(0, -R));
+        assert!(!covers(R, 1) && !covers(R + 1, 0));
+        assert!(!covers(i32::MAX, i32::MIN));
         // 3-4-5 triangle scaled: exactly on the circle, then one unit beyond it.
-        assert!(covers_offset(19_660, 26_214));
-        assert!(!covers_offset(19_661, 26_215));
+        assert!(covers(19_660, 26_214) && !covers(19_661, 26_215));
     }
 
     #[test]
@@ -558,11 +611,10 @@ mod tests {
         for boundary in [Boundary::Periodic, Boundary::Bounded] {
             let d = Domain::from_size([3.7, 1.1], 0.0137, boundary).unwrap();
             for k in 0..5000_i64 {
-                let p = d.wrap(
-                    k * 7_919 % i64::from(d.width()),
-                    k * 104_729 % i64::from(d.height()),
+                let p = Point::new(
+                    (k * 7_919 % i64::from(d.width())) as i32,
+                    (k * 104_729 % i64::from(d.height())) as i32,
                 );
-                let p = p.unwrap();
                 assert_eq!(d.lattice_from_user(d.user_from_lattice(p)), p);
             }
         }

@@ -41,14 +41,15 @@ mod whole_sets;
 /// The parts of the parallel engine that the GPU engine shares: frames of cells, the blocks and pattern samples that
 /// reach into them, counts.
 pub mod windows {
-    pub use crate::engine::parallel::clip::{CellPattern, Clipper, PlacedBlock, Rect64};
+    pub use crate::engine::parallel::clip::{CellPattern, Clipper, PlacedBlock};
     pub use crate::engine::parallel::counts::WindowCounts;
     pub use crate::engine::parallel::frame::{CELL_BITS, Frame, PAD};
     pub use crate::engine::parallel::gaps::reach_cells;
     pub use crate::engine::parallel::plane::lost_reach;
+    pub use crate::lattice::Rect64;
 }
 
-pub use circumcentre::{Offset, circumcentre, on_line, round_half_up};
+pub use circumcentre::{circumcentre, on_line, round_half_up};
 pub use count::{radius_estimate, radius_for_count, search_radius};
 pub use engine::parallel::instructions::InstructionSet;
 pub use engine::parallel::plane::Plane;

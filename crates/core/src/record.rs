@@ -1,6 +1,8 @@
 //! Events of a run, for recorders. A recorder does not change the run. [`Unrecorded`] costs nothing, since engines
 //! check [`Recorder::ENABLED`] before they gather data that only a recording needs.
 
+use glam::IVec2;
+
 use crate::lattice::Point;
 use crate::samples::Sites;
 use crate::stage::Stage;
@@ -141,7 +143,7 @@ pub enum RunEvent {
         /// The samples that make it.
         sites: Sites,
         /// The place as an offset from the detector, clamped to 32 bits.
-        offset: [i32; 2],
+        offset: IVec2,
         /// The result of the examination.
         verdict: Verdict,
     },

@@ -144,11 +144,7 @@ impl Run {
     /// Returns the result in user units, in canonical order.
     #[must_use]
     pub fn positions(&self) -> Vec<[f64; 2]> {
-        let user = |&id: &u32| {
-            self.domain
-                .user_from_lattice(self.samples.points[id as usize])
-        };
-        self.result.iter().map(user).collect()
+        self.domain.users_from_lattice(&self.points())
     }
 
     /// Returns the stages that have run, in order.

@@ -1,6 +1,7 @@
 //! The context of a cursor: current phase, iteration, sample, search and the candidate under test. It follows from the
 //! last few events.
 
+use glam::IVec2;
 use tilescope_core::stages::detect::Sites;
 use tilescope_core::{Point, RunEvent, Stage, Verdict};
 
@@ -27,7 +28,7 @@ pub struct Examined {
     /// The samples that make it.
     pub sites: Sites,
     /// Its offset from the detector in units, clamped to 32 bits.
-    pub offset: [i32; 2],
+    pub offset: IVec2,
     /// The result of the test.
     pub verdict: Verdict,
 }

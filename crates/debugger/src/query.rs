@@ -79,7 +79,7 @@ enum NumberField {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Term {
     Kind(EventKind, bool),
-    /// What "Next conflict" and its like go to.
+    /// A target of a run, such as the next conflict.
     Found(Target),
     Line(LineId, bool),
     Verdict(&'static str, bool),
@@ -166,25 +166,11 @@ pub fn completed(text: &str, word: &str) -> String {
     format!("{}{word}{end}", &text[..start])
 }
 
-/// Returns whether a typed word may stand for a known one: it is a part of it, or at most two letters differ.
+/// Returns whether a typed word may stand for a known one: it is a part of it, or at most two letters must
+/// be added, removed or replaced.
 fn is_near(known: &str, typed: &str) -> bool {
     let typed = typed.to_lowercase();
-    known.contains(&typed) || (typed.len() > 3 && distance(known, &typed) <= 2)
-}
-
-/// Returns how many letters must be added, removed or replaced to turn `a` into `b`.
-fn distance(a: &str, b: &str) -> usize {
-    let mut row: Vec<usize> = (0..=b.chars().count()).collect();
-    for (i, x) in a.chars().enumerate() {
-        let mut corner = row[0];
-        row[0] = i + 1;
-        for (j, y) in b.chars().enumerate() {
-            let replaced = corner + usize::from(x != y);
-            corner = row[j + 1];
-            row[j + 1] = replaced.min(corner + 1).min(row[j] + 1);
-        }
-    }
-    row.last().copied().unwrap_or_default()
+    known.contains(&typed) || (typed.len() > 3 && strsim::levenshtein(known, &typed) <= 2)
 }
 
 /// Returns the end of an error's sentence that lists similar words.

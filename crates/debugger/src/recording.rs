@@ -3,6 +3,7 @@
 
 use std::sync::{Arc, OnceLock};
 
+use glam::I64Vec2;
 use tilescope_core::stages::detect::Sites;
 use tilescope_core::{
     Domain, Fate, Observer, Parameters, Pattern, Point, Run, RunEvent, SampleError, SampleGrid,
@@ -248,16 +249,8 @@ impl Recording {
     /// Returns the samples within `radius` units of a point that are valid at `cursor`, by id.
     #[must_use]
     pub fn valid_near(&self, point: Point, radius: i32, cursor: usize) -> Vec<u32> {
-        let limit = i64::from(radius) * i64::from(radius);
-        let mut found = Vec::new();
-        self.grid.any_near(point, radius, |near| {
-            let (dx, dy) = (i64::from(near.offset.0), i64::from(near.offset.1));
-            if dx * dx + dy * dy <= limit && self.status(near.id, cursor).is_valid() {
-                found.push(near.id);
-            }
-            false
-        });
-        found.sort_unstable();
+        let mut found = self.ever_near(point, radius);
+        found.retain(|&id| self.status(id, cursor).is_valid());
         found
     }
 
@@ -267,8 +260,7 @@ impl Recording {
         let limit = i64::from(radius) * i64::from(radius);
         let mut found = Vec::new();
         self.grid.any_near(point, radius, |near| {
-            let (dx, dy) = (i64::from(near.offset.0), i64::from(near.offset.1));
-            if dx * dx + dy * dy <= limit {
+            if near.offset.as_i64vec2().length_squared() <= limit {
                 found.push(near.id);
             }
             false
@@ -284,10 +276,8 @@ impl Recording {
             RunEvent::Candidate {
                 detector, offset, ..
             } => {
-                let at = self.point(detector)?;
-                let (x, y) = (i64::from(at.x), i64::from(at.y));
-                self.domain()
-                    .wrap(x + i64::from(offset[0]), y + i64::from(offset[1]))
+                let at = I64Vec2::from(self.point(detector)?);
+                self.domain().wrap(at + offset.as_i64vec2())
             }
             RunEvent::Pass { point, .. } | RunEvent::Dart { point, .. } => Some(point),
             RunEvent::Cut { cell, .. } => Some(cell),

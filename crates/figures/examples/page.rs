@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::PathBuf;
 
+use glam::DVec2;
 use png::{BitDepth, ColorType, Compression, Encoder, Filter};
 use tilescope_core::{Fate, Origin, Parameters, PatternSpec, Run, Stage, Unobserved, sample};
 use tilescope_figures::{
@@ -72,8 +73,7 @@ fn icon(run: &Run, radii: f64) -> Scene {
     for (index, block) in run.blocks.leaves.iter().enumerate() {
         let corner = |p| run.domain.user_from_lattice(p);
         let rect = Rect::new(corner(block.rect.min), corner(block.rect.max));
-        let overlaps = |k: usize| rect.min[k] < shown.max[k] && shown.min[k] < rect.max[k];
-        if overlaps(0) && overlaps(1) {
+        if rect.meets(&shown) {
             let color = DISKS[colors.len() % DISKS.len()];
             colors.insert(index as u32, color);
             let style = Style::filled(with_alpha(color, 40));
@@ -103,11 +103,8 @@ fn icon(run: &Run, radii: f64) -> Scene {
 /// The gaps along the seams, being filled.
 fn still(run: &Run) -> Result<Pixels, Failure> {
     let square = seam_window(run, 26.0);
-    let cut = (square.max[1] - square.min[1]) * 0.25;
-    let window = Rect::new(
-        [square.min[0], square.min[1] + cut],
-        [square.max[0], square.max[1] - cut],
-    );
+    let cut = square.size() * DVec2::new(0.0, 0.25);
+    let window = Rect::new(square.min + cut, square.max - cut);
     let options = PictureOptions {
         width: 960.0,
         palette: Palette::DARK,

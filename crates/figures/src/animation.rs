@@ -1,5 +1,5 @@
 //! Frames as an animated GIF or PNG with the parameters inside. After the first frame a file holds what changes.
-//! Two frames are in memory at a time. Never draws, never opens a file and never writes a time stamp.
+//! Two frames are in memory at a time. No time stamp is written.
 
 mod changes;
 mod colors;
@@ -10,7 +10,7 @@ use std::ops::ControlFlow;
 use gif::{AnyExtension, DisposalMethod, Encoder, Extension, Frame, Repeat};
 
 use crate::error::FigureError;
-use crate::png::text_chunk;
+use crate::png::{text_chunk, with_program};
 use crate::raster::Pixels;
 use changes::Change;
 use colors::indexed;
@@ -100,8 +100,8 @@ pub enum AnimationError {
     },
 }
 
-/// What [`write_gif`] and [`write_apng`] tell before each frame and after the last: frames written, and frames
-/// in all. `Break` stops before the next frame.
+/// [`write_gif`] and [`write_apng`] call it before each frame and after the last with the number of frames written and of
+/// all frames. `Break` stops before the next frame.
 pub type FrameProgress<'a> = &'a mut dyn FnMut(usize, usize) -> ControlFlow<()>;
 
 /// Writes an animation that repeats forever as a GIF.
@@ -212,22 +212,13 @@ fn refused(error: impl std::fmt::Display) -> AnimationError {
     AnimationError::Encode(error.to_string())
 }
 
-fn with_program(metadata: &[(String, String)]) -> impl Iterator<Item = (String, String)> {
-    let program = ("Software".to_owned(), "Tilescope".to_owned());
-    let given = metadata.iter().cloned();
-    [program]
-        .into_iter()
-        .chain(given)
-        .filter(|(_, value)| !value.is_empty())
-}
-
 /// Frames, one at a time, each checked against the limits.
 struct Frames<'a, I> {
     source: I,
     count: usize,
     written: usize,
     size: [u32; 2],
-    /// The frame before.
+    /// The last frame, with which the next one is compared.
     last: Option<Pixels>,
     progress: FrameProgress<'a>,
 }
@@ -254,7 +245,7 @@ impl<'a, I: ExactSizeIterator<Item = Result<Pixels, FigureError>>> Frames<'a, I>
     }
 
     fn first(&mut self, largest_side: u32) -> Result<Change, AnimationError> {
-        self.tell()?;
+        self.report()?;
         let pixels = self.draw()?;
         let (width, height) = (pixels.width, pixels.height);
         let area = u64::from(width) * u64::from(height);
@@ -276,7 +267,7 @@ impl<'a, I: ExactSizeIterator<Item = Result<Pixels, FigureError>>> Frames<'a, I>
     /// The next frame, when one more was written; `None` behind the last.
     fn next(&mut self) -> Result<Option<Change>, AnimationError> {
         self.written += 1;
-        self.tell()?;
+        self.report()?;
         if self.written == self.count {
             return Ok(None);
         }
@@ -294,15 +285,15 @@ impl<'a, I: ExactSizeIterator<Item = Result<Pixels, FigureError>>> Frames<'a, I>
         Ok(Some(self.changed(pixels)))
     }
 
-    /// What a frame changes; it becomes the one before.
+    /// Returns what a frame changes, and keeps it as the last one.
     fn changed(&mut self, pixels: Pixels) -> Change {
         let change = Change::between(self.last.as_ref(), &pixels);
         self.last = Some(pixels);
         change
     }
 
-    /// Tells how far it is. Behind the last frame nothing is left to cancel.
-    fn tell(&mut self) -> Result<(), AnimationError> {
+    /// Reports the progress. After the last frame nothing is left to cancel.
+    fn report(&mut self) -> Result<(), AnimationError> {
         let frames = self.written;
         match (self.progress)(frames, self.count) {
             ControlFlow::Break(()) if frames < self.count => {

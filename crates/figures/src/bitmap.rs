@@ -1,10 +1,11 @@
 //! Pixels as a shape: shades or colours in rows, for pictures that were computed pixel by pixel.
 //!
-//! Never smooths and is never transparent: every pixel of the picture takes the one pixel in which its centre lies.
+//! Nothing is smoothed or transparent: every pixel of the picture takes the one pixel in which its centre lies.
 
 use png::{BitDepth, ColorType, Compression, Encoder};
 
 use crate::error::{FigureError, MAX_BITMAP_SIDE};
+use crate::rect::Rect;
 
 /// Opaque pixels in rows, the uppermost row first.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -80,18 +81,12 @@ impl Bitmap {
         }
     }
 
-    /// Paints the pixels of a picture of `width` columns (RGBA) whose centres lie both between `ends` and in `seen`: left,
-    /// top, right, bottom.
-    pub(crate) fn paint(
-        &self,
-        rgba: &mut [u8],
-        width: usize,
-        [min, max]: [[f64; 2]; 2],
-        seen: [f64; 4],
-    ) {
+    /// Paints the pixels of a picture of `width` columns (RGBA) whose centres lie in both `rect` and `seen`.
+    pub(crate) fn paint(&self, rgba: &mut [u8], width: usize, rect: Rect, seen: Rect) {
         let height = rgba.len() / (4 * width.max(1));
-        let columns = spread([min[0], max[0]], [seen[0], seen[2]], self.columns, width);
-        let rows = spread([min[1], max[1]], [seen[1], seen[3]], self.rows, height);
+        let ends = |rect: Rect, axis: usize| [rect.min[axis], rect.max[axis]];
+        let columns = spread(ends(rect, 0), ends(seen, 0), self.columns, width);
+        let rows = spread(ends(rect, 1), ends(seen, 1), self.rows, height);
         for (y, row) in rows {
             for (x, column) in &columns {
                 let [r, g, b] = self.color(*column, row);

@@ -1,13 +1,11 @@
-//! A canvas for pictures of samples: user units with y upwards, one frame below a caption. It knows
-//! marks, disks, blocks and gaps, and no run.
+//! A canvas for pictures of samples: user units with y upwards, one frame below a caption. It draws
+//! marks, disks, blocks and gaps; `stages` draws runs with it.
 
 use glam::DVec2;
 use tilescope_core::Boundary;
 
 use crate::palette::{Palette, with_alpha};
-use crate::scene::{
-    Anchor, Baseline, Fill, Group, Hatch, Marker, Rect, Scene, Shape, Stroke, Style, Text, View,
-};
+use crate::scene::{Fill, Group, Hatch, Marker, Rect, Scene, Shape, Stroke, Style, Text, View};
 
 /// Height of the caption, in pixels at a picture width of 1000.
 pub(crate) const CAPTION: f64 = 44.0;
@@ -45,7 +43,7 @@ impl Default for PictureOptions {
 /// A scene in the making: user units, y upwards, one frame below a caption.
 pub(crate) struct Canvas<'a> {
     pub(crate) options: &'a PictureOptions,
-    pub(crate) size: [f64; 2],
+    pub(crate) size: DVec2,
     pub(crate) periodic: bool,
     pub(crate) radius: f64,
     pub(crate) shown: Rect,
@@ -56,7 +54,7 @@ pub(crate) struct Canvas<'a> {
 
 impl<'a> Canvas<'a> {
     pub(crate) fn new(
-        size: [f64; 2],
+        size: DVec2,
         boundary: Boundary,
         radius: f64,
         options: &'a PictureOptions,
@@ -67,7 +65,7 @@ impl<'a> Canvas<'a> {
         let margin = MARGIN * scale;
         let top = margin + CAPTION * scale;
         let inner = options.width - 2.0 * margin;
-        let height = inner * (shown.max[1] - shown.min[1]) / (shown.max[0] - shown.min[0]);
+        let height = inner * shown.size().y / shown.size().x;
         let frame = Rect::new([margin, top], [margin + inner, top + height]);
         // The scene's y points down: positions are mirrored about the shown part.
         let view = View::fit(shown, frame);
@@ -108,13 +106,13 @@ impl<'a> Canvas<'a> {
     }
 
     /// Returns a position with y pointing down, within the shown part.
-    pub(crate) fn flip(&self, [x, y]: [f64; 2]) -> [f64; 2] {
-        [x, self.shown.min[1] + self.shown.max[1] - y]
+    pub(crate) fn flip(&self, DVec2 { x, y }: DVec2) -> DVec2 {
+        DVec2::new(x, self.shown.min.y + self.shown.max.y - y)
     }
 
-    pub(crate) fn flip_rect(&self, rect: Rect) -> Rect {
+    fn flip_rect(&self, rect: Rect) -> Rect {
         let (a, b) = (self.flip(rect.min), self.flip(rect.max));
-        Rect::new([a[0], b[1]], [b[0], a[1]])
+        Rect::new([a.x, b.y], [b.x, a.y])
     }
 
     /// Returns the shifts that lead from a place to its images.
@@ -124,28 +122,24 @@ impl<'a> Canvas<'a> {
         } else {
             &[0.0]
         };
-        let size = DVec2::from(self.size);
+        let size = self.size;
         let along = move |&dx| periods.iter().map(move |&dy| DVec2::new(dx, dy) * size);
         periods.iter().flat_map(along)
     }
 
     /// Returns the images of a disk that touch the shown part.
-    pub(crate) fn images(&self, point: [f64; 2]) -> impl Iterator<Item = [f64; 2]> + use<> {
-        let [low, high] = [self.shown.min, self.shown.max].map(DVec2::from);
-        let (low, high) = (low - self.radius, high + self.radius);
-        let images = self.shifts().map(move |shift| shift + DVec2::from(point));
-        let seen = images.filter(move |p| (p.cmpge(low) & p.cmple(high)).all());
-        seen.map(Into::into)
+    pub(crate) fn images(&self, point: DVec2) -> impl Iterator<Item = DVec2> + use<> {
+        let Rect { min, max } = self.shown.padded(self.radius);
+        let images = self.shifts().map(move |shift| shift + point);
+        images.filter(move |p| (p.cmpge(min) & p.cmple(max)).all())
     }
 
     /// Returns the copies of a rectangle that reach into the shown part.
     fn copies(&self, rect: Rect) -> impl Iterator<Item = Rect> + use<> {
         let shown = self.shown;
-        let copies = self.shifts().map(move |shift| {
-            let [min, max] = [rect.min, rect.max].map(|p| (shift + DVec2::from(p)).to_array());
-            Rect::new(min, max)
-        });
-        copies.filter(move |r| (0..2).all(|k| r.min[k] < shown.max[k] && shown.min[k] < r.max[k]))
+        let copies = self.shifts();
+        let copies = copies.map(move |shift| Rect::new(shift + rect.min, shift + rect.max));
+        copies.filter(move |copy| copy.meets(&shown))
     }
 
     /// Pixels of one radius.
@@ -179,7 +173,7 @@ impl<'a> Canvas<'a> {
         Style::filled(self.palette().inserted)
     }
 
-    pub(crate) fn mark(&self, group: &mut Group, marker: Marker, point: [f64; 2], style: Style) {
+    pub(crate) fn mark(&self, group: &mut Group, marker: Marker, point: DVec2, style: Style) {
         let size = match marker {
             Marker::Dot => self.dot_px(),
             _ => self.dot_px() * 1.7,
@@ -219,7 +213,7 @@ impl<'a> Canvas<'a> {
     }
 
     /// Draws disks, unless they are so small that their rings would be noise.
-    pub(crate) fn rings(&mut self, points: &[[f64; 2]], fill: Option<Fill>) {
+    pub(crate) fn rings(&mut self, points: &[DVec2], fill: Option<Fill>) {
         if !self.options.disks || self.radius_px() < MIN_DISK {
             return;
         }
@@ -240,7 +234,7 @@ impl<'a> Canvas<'a> {
     }
 
     /// Hatches the domain and lays the disks on top: what stays hatched is a gap, exactly.
-    pub(crate) fn coverage(&mut self, points: &[[f64; 2]]) {
+    pub(crate) fn coverage(&mut self, points: &[DVec2]) {
         let mut gaps = self.group("gaps");
         let rect = self.flip_rect(self.domain_shown());
         let solid = Style::filled(with_alpha(self.palette().gap, 170));
@@ -285,10 +279,8 @@ impl<'a> Canvas<'a> {
             rect: self.frame,
             style: border,
         });
-        let at = [self.frame.min[0], self.frame.min[1] - 16.0 * px];
-        let mut text = Text::new(at, caption, 20.0 * px, self.palette().text);
-        text.anchor = Anchor::Start;
-        text.baseline = Baseline::Alphabetic;
+        let at = self.frame.min - DVec2::new(0.0, 16.0 * px);
+        let text = Text::new(at, caption, 20.0 * px, self.palette().text);
         group.shapes.push(Shape::Text(text));
         self.push([group]);
         caption.clone_into(&mut self.scene.title);

@@ -1,7 +1,7 @@
 //! Charts of curves, grids of values and bars, and square pictures, as a scene: data in, shapes out.
 //!
-//! Axes have round ticks; a series has a colour, a dash pattern and a mark of its own, so that nothing is told
-//! by colour alone. Never computes what it shows, and takes no logarithm.
+//! Axes have round ticks; a series has a colour, a dash pattern and a mark of its own, so that curves differ by
+//! more than their colours. Values are drawn as given: a logarithmic axis has logarithms as values, and ticks of its own.
 
 mod bars;
 mod frame;
@@ -78,7 +78,7 @@ impl Axis {
     }
 
     /// The same axis with ticks at these values, each with what is written there; those beyond its range are left out. So an axis
-    /// of logarithms has the numbers themselves.
+    /// of logarithms can be labelled with the numbers themselves.
     #[must_use]
     pub fn with_ticks(self, ticks: Vec<(f64, String)>) -> Self {
         Self {

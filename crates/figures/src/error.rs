@@ -1,7 +1,7 @@
 //! Why a scene cannot become a picture, and the limits behind that.
 //!
-//! Both exporters check the same things, so a scene that one refuses the other refuses too. Never
-//! about shapes outside the picture: those are just not seen.
+//! Both exporters check the same things, so a scene that one refuses the other refuses too. Shapes
+//! outside the picture are no error: they are not seen.
 
 /// The largest side of a picture in pixels: viewers and the rasteriser's 16.16 fixed-point edges end there.
 pub const MAX_SIDE: f64 = 32_768.0;

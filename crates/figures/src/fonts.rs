@@ -1,8 +1,11 @@
 //! The fonts of the program and the outlines of text.
 //!
 //! Inter and `JetBrains` Mono, subset (see `assets/fonts`), compiled in: text looks the same everywhere.
-//! Sets glyph after glyph by its advance. Never asks the system for a font; a character the subset lacks is drawn as the font's empty box.
+//! Glyphs follow each other by their advances. No font of the system is used; a character that the subset lacks is drawn
+//! as the font's empty box.
 
+use glam::DVec2;
+use tiny_skia::{Path, PathBuilder};
 use ttf_parser::{Face, OutlineBuilder};
 
 use crate::error::FigureError;
@@ -63,11 +66,7 @@ impl Fonts {
     }
 
     fn face(&self, font: Font) -> &Face<'static> {
-        match font {
-            Font::Regular => &self.faces[0],
-            Font::SemiBold => &self.faces[1],
-            Font::Mono => &self.faces[2],
-        }
+        &self.faces[font as usize]
     }
 
     /// Height of a capital letter in pixels.
@@ -83,16 +82,28 @@ impl Fonts {
         advances.sum::<f64>() * size / f64::from(face.units_per_em())
     }
 
-    /// Draws the outlines of `text`, in pixels from its start, y downwards.
-    pub(crate) fn outline(&self, text: &str, font: Font, size: f64, pen: &mut dyn Pen) {
+    /// The outlines of `text`, if it has any. `place` turns pixels from the start of the text, y downwards, into pixels of
+    /// the picture.
+    pub(crate) fn outline(
+        &self,
+        text: &str,
+        font: Font,
+        size: f64,
+        place: impl Fn(DVec2) -> [f32; 2],
+    ) -> Option<Path> {
         let face = self.face(font);
-        let scale = size / f64::from(face.units_per_em());
-        let mut x = 0.0;
+        let mut outline = Outline {
+            path: PathBuilder::new(),
+            x: 0.0,
+            scale: size / f64::from(face.units_per_em()),
+            place,
+        };
         for character in text.chars() {
             let glyph = face.glyph_index(character).unwrap_or_default();
-            face.outline_glyph(glyph, &mut PlacedGlyph { x, scale, pen });
-            x += advance(face, character) * scale;
+            face.outline_glyph(glyph, &mut outline);
+            outline.x += advance(face, character) * outline.scale;
         }
+        outline.path.finish()
     }
 }
 
@@ -113,51 +124,46 @@ pub fn text_width(text: &str, font: Font, size: f64) -> f64 {
     Fonts::new().map_or(0.0, |fonts| fonts.width(text, font, size))
 }
 
-/// Receives outlines in pixels.
-pub(crate) trait Pen {
-    fn move_to(&mut self, to: [f64; 2]);
-    fn line_to(&mut self, to: [f64; 2]);
-    fn quad_to(&mut self, by: [f64; 2], to: [f64; 2]);
-    fn cubic_to(&mut self, by: [[f64; 2]; 2], to: [f64; 2]);
-    fn close(&mut self);
-}
-
-/// A glyph's outline on its way from font units, y up, to pixels, y down.
-struct PlacedGlyph<'a> {
+/// Outlines of glyphs, whose own y points up, as a path.
+struct Outline<P> {
+    path: PathBuilder,
+    /// Where the next glyph begins, in pixels.
     x: f64,
     scale: f64,
-    pen: &'a mut dyn Pen,
+    place: P,
 }
 
-impl PlacedGlyph<'_> {
-    fn pixel(&self, x: f32, y: f32) -> [f64; 2] {
-        [
-            self.x + f64::from(x) * self.scale,
-            -f64::from(y) * self.scale,
-        ]
+impl<P: Fn(DVec2) -> [f32; 2]> Outline<P> {
+    fn pixel(&self, x: f32, y: f32) -> [f32; 2] {
+        let [x, y] = [x, y].map(|v| f64::from(v) * self.scale);
+        (self.place)(DVec2::new(self.x + x, -y))
     }
 }
 
-impl OutlineBuilder for PlacedGlyph<'_> {
+impl<P: Fn(DVec2) -> [f32; 2]> OutlineBuilder for Outline<P> {
     fn move_to(&mut self, x: f32, y: f32) {
-        self.pen.move_to(self.pixel(x, y));
+        let [x, y] = self.pixel(x, y);
+        self.path.move_to(x, y);
     }
 
     fn line_to(&mut self, x: f32, y: f32) {
-        self.pen.line_to(self.pixel(x, y));
+        let [x, y] = self.pixel(x, y);
+        self.path.line_to(x, y);
     }
 
     fn quad_to(&mut self, x1: f32, y1: f32, x: f32, y: f32) {
-        self.pen.quad_to(self.pixel(x1, y1), self.pixel(x, y));
+        let ([x1, y1], [x, y]) = (self.pixel(x1, y1), self.pixel(x, y));
+        self.path.quad_to(x1, y1, x, y);
     }
 
     fn curve_to(&mut self, x1: f32, y1: f32, x2: f32, y2: f32, x: f32, y: f32) {
-        let by = [self.pixel(x1, y1), self.pixel(x2, y2)];
-        self.pen.cubic_to(by, self.pixel(x, y));
+        let ([x1, y1], [x2, y2]) = (self.pixel(x1, y1), self.pixel(x2, y2));
+        let [x, y] = self.pixel(x, y);
+        self.path.cubic_to(x1, y1, x2, y2, x, y);
     }
 
     fn close(&mut self) {
-        self.pen.close();
+        self.path.close();
     }
 }
 

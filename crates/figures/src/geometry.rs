@@ -1,14 +1,17 @@
 //! Outlines of markers and the lines of hatching, for every exporter alike.
 //!
-//! Works in scene pixels. Never depends on a platform's trigonometry: only exact constants and square roots.
+//! Lengths are in pixels. Only exact constants and square roots are used, since a platform's trigonometry may round
+//! differently.
 
-use crate::scene::Marker;
+use glam::DVec2;
+
+use crate::scene::{Marker, Rect};
 
 /// Half the width of a cross's arm, as a fraction of its size.
 const ARM: f64 = 0.16;
 
 /// The corners of a marker `size` pixels wide at `center`; a dot has none.
-pub(crate) fn marker_outline(marker: Marker, center: [f64; 2], size: f64) -> Vec<[f64; 2]> {
+pub(crate) fn marker_outline(marker: Marker, center: DVec2, size: f64) -> Vec<DVec2> {
     let half = size / 2.0;
     // 12 corners of a saltire: an upright plus of arm ARM, turned by 45 degrees in place.
     let arm = ARM * size;
@@ -42,16 +45,16 @@ pub(crate) fn marker_outline(marker: Marker, center: [f64; 2], size: f64) -> Vec
     };
     corners
         .into_iter()
-        .map(|[x, y]| [center[0] + x, center[1] + y])
+        .map(|corner| center + DVec2::from(corner))
         .collect()
 }
 
-/// The part of the segment in the rectangle `frame` (left, top, right, bottom), after Liang & Barsky (1984).
-pub(crate) fn clip_segment([a, b]: [[f64; 2]; 2], frame: [f64; 4]) -> Option<[[f64; 2]; 2]> {
+/// The part of the segment in the rectangle `frame`, after Liang & Barsky (1984).
+pub(crate) fn clip_segment([a, b]: [DVec2; 2], frame: Rect) -> Option<[DVec2; 2]> {
     let (mut enter, mut leave) = (0.0_f64, 1.0_f64);
+    let (step, low, high) = (b - a, frame.min - a, frame.max - a);
     for axis in [0, 1] {
-        let step = b[axis] - a[axis];
-        let (low, high) = (frame[axis] - a[axis], frame[axis + 2] - a[axis]);
+        let (step, low, high) = (step[axis], low[axis], high[axis]);
         if step == 0.0 {
             if low > 0.0 || high < 0.0 {
                 return None;
@@ -62,26 +65,28 @@ pub(crate) fn clip_segment([a, b]: [[f64; 2]; 2], frame: [f64; 4]) -> Option<[[f
         enter = enter.max(first.min(last));
         leave = leave.min(first.max(last));
     }
-    let at = |t: f64| [0, 1].map(|axis| a[axis] + t * (b[axis] - a[axis]));
-    let seen = enter <= leave && (b[0] - a[0]).is_finite() && (b[1] - a[1]).is_finite();
-    seen.then(|| [at(enter), at(leave)])
+    let is_seen = enter <= leave && step.is_finite();
+    is_seen.then(|| [enter, leave].map(|t| a + t * step))
 }
 
 /// The polygon cut to the rectangle `frame`, after Sutherland & Hodgman (1974).
-pub(crate) fn clip_polygon(points: &[[f64; 2]], frame: [f64; 4]) -> Vec<[f64; 2]> {
+pub(crate) fn clip_polygon(points: &[DVec2], Rect { min, max }: Rect) -> Vec<DVec2> {
     let mut kept = points.to_vec();
-    for (side, &level) in frame.iter().enumerate() {
-        let (axis, sign) = (side % 2, if side < 2 { 1.0 } else { -1.0 });
-        let depth = |p: [f64; 2]| sign * (p[axis] - level);
+    for (axis, sign, level) in [
+        (0, 1.0, min.x),
+        (1, 1.0, min.y),
+        (0, -1.0, max.x),
+        (1, -1.0, max.y),
+    ] {
+        let depth = |p: DVec2| sign * (p[axis] - level);
         let mut cut = Vec::with_capacity(kept.len() + 4);
-        for (a, b) in edges(&kept) {
+        for [a, b] in edges(&kept) {
             let (u, v) = (depth(a), depth(b));
             if u >= 0.0 {
                 cut.push(a);
             }
             if (u < 0.0) != (v < 0.0) {
-                let t = u / (u - v);
-                cut.push([0, 1].map(|k| a[k] + t * (b[k] - a[k])));
+                cut.push(a + u / (u - v) * (b - a));
             }
         }
         kept = cut;
@@ -93,42 +98,42 @@ pub(crate) fn clip_polygon(points: &[[f64; 2]], frame: [f64; 4]) -> Vec<[f64; 2]
 const MAX_LINES: f64 = 65_536.0;
 
 /// Pieces of the lines `x + y = k * spacing * sqrt 2` inside the polygon (even-odd rule).
-pub(crate) fn hatch_polygon(points: &[[f64; 2]], spacing: f64) -> Vec<[[f64; 2]; 2]> {
-    let diagonal = |p: [f64; 2]| p[0] + p[1];
+pub(crate) fn hatch_polygon(points: &[DVec2], spacing: f64) -> Vec<[DVec2; 2]> {
     let mut pieces = Vec::new();
-    for level in levels(points.iter().map(|&p| diagonal(p)), spacing) {
+    for level in levels(points.iter().map(|p| p.element_sum()), spacing) {
         let mut crossings: Vec<f64> = edges(points)
-            .filter_map(|(a, b)| {
-                let (u, v) = (diagonal(a) - level, diagonal(b) - level);
+            .filter_map(|[a, b]| {
+                let (u, v) = (a.element_sum() - level, b.element_sum() - level);
                 // Half-open, so that a corner on the line counts once.
-                ((u < 0.0) != (v < 0.0)).then(|| a[0] + (b[0] - a[0]) * (u / (u - v)))
+                ((u < 0.0) != (v < 0.0)).then(|| a.x + (b.x - a.x) * (u / (u - v)))
             })
             .collect();
         crossings.sort_by(f64::total_cmp);
         for pair in crossings.chunks_exact(2) {
-            pieces.push([pair[0], pair[1]].map(|x| [x, level - x]));
+            pieces.push([pair[0], pair[1]].map(|x| DVec2::new(x, level - x)));
         }
     }
     pieces
 }
 
 /// Pieces of the same lines inside a circle.
-pub(crate) fn hatch_circle(center: [f64; 2], radius: f64, spacing: f64) -> Vec<[[f64; 2]; 2]> {
-    let middle = center[0] + center[1];
+pub(crate) fn hatch_circle(center: DVec2, radius: f64, spacing: f64) -> Vec<[DVec2; 2]> {
+    let middle = center.element_sum();
     let reach = radius * std::f64::consts::SQRT_2;
     levels([middle - reach, middle + reach].into_iter(), spacing)
         .map(|level| {
             let offset = (level - middle) / 2.0;
             let half = (radius * radius / 2.0 - offset * offset).max(0.0).sqrt();
-            let (x, y) = (center[0] + offset, center[1] + offset);
-            [[x - half, y + half], [x + half, y - half]]
+            let half = DVec2::new(half, -half);
+            [center + offset - half, center + offset + half]
         })
         .collect()
 }
 
-fn edges(points: &[[f64; 2]]) -> impl Iterator<Item = ([f64; 2], [f64; 2])> {
+/// The sides of a polygon.
+pub(crate) fn edges(points: &[DVec2]) -> impl Iterator<Item = [DVec2; 2]> {
     let next = points.iter().cycle().skip(1);
-    points.iter().copied().zip(next.copied())
+    points.iter().zip(next).map(|(&a, &b)| [a, b])
 }
 
 /// Values of x + y where lines pass through the range of `diagonals`.
@@ -151,17 +156,16 @@ fn levels(diagonals: impl Iterator<Item = f64>, spacing: f64) -> impl Iterator<I
 mod tests {
     use super::*;
 
-    fn length(pieces: &[[[f64; 2]; 2]]) -> f64 {
-        let piece = |[a, b]: &[[f64; 2]; 2]| (a[0] - b[0]).hypot(a[1] - b[1]);
-        pieces.iter().map(piece).sum()
+    fn length(pieces: &[[DVec2; 2]]) -> f64 {
+        pieces.iter().map(|[a, b]| a.distance(*b)).sum()
     }
 
     #[test]
     fn hatching_covers_the_area_at_its_spacing() {
         // Line length times spacing approaches the area.
-        let square = [[3.0, 2.0], [103.0, 2.0], [103.0, 102.0], [3.0, 102.0]];
+        let square = Rect::new([3.0, 2.0], [103.0, 102.0]).corners();
         assert!((length(&hatch_polygon(&square, 1.0)) / 1e4 - 1.0).abs() < 0.01);
-        let disk = hatch_circle([50.0, 50.0], 50.0, 2.0);
+        let disk = hatch_circle(DVec2::splat(50.0), 50.0, 2.0);
         let area = std::f64::consts::PI * 2500.0;
         assert!((length(&disk) * 2.0 / area - 1.0).abs() < 0.01);
     }
@@ -174,43 +178,43 @@ mod tests {
             [50.0, 50.0],
             [100.0, 100.0],
             [0.0, 100.0],
-        ];
+        ]
+        .map(DVec2::from);
         for [a, b] in hatch_polygon(&notched, 3.0) {
-            let middle = [f64::midpoint(a[0], b[0]), f64::midpoint(a[1], b[1])];
-            let in_notch = middle[0] > 50.0 + (middle[1] - 50.0).abs() + 1e-9;
+            let middle = a.midpoint(b);
+            let in_notch = middle.x > 50.0 + (middle.y - 50.0).abs() + 1e-9;
             assert!(!in_notch, "{middle:?}");
         }
     }
 
     #[test]
     fn clipping_keeps_what_is_inside() {
-        let frame = [0.0, 0.0, 10.0, 10.0];
+        let frame = Rect::new([0.0; 2], [10.0; 2]);
+        let clip = |ends: [[f64; 2]; 2]| clip_segment(ends.map(DVec2::from), frame);
         let inside = [[1.0, 2.0], [9.0, 3.0]];
-        assert_eq!(clip_segment(inside, frame), Some(inside));
-        let long = clip_segment([[-1e12, -1e12], [1e12, 1e12]], frame).expect("crosses");
-        assert!(long.iter().flatten().all(|v| (-1e-3..=10.001).contains(v)));
-        assert_eq!(clip_segment([[-5.0, 1.0], [-5.0, 9.0]], frame), None);
-        assert_eq!(clip_segment([[-1.0, 9.5], [1.0, 12.0]], frame), None);
-        assert_eq!(
-            clip_segment([[f64::INFINITY, 1.0], [1.0, 1.0]], frame),
-            None
-        );
-        let vast = [[-1e9, -1e9], [1e9, -1e9], [1e9, 1e9], [-1e9, 1e9]];
-        let mut corners = clip_polygon(&vast, frame);
-        corners.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
-        assert_eq!(
-            corners,
-            [[0.0, 0.0], [0.0, 10.0], [10.0, 0.0], [10.0, 10.0]]
-        );
-        assert!(clip_polygon(&[[20.0, 0.0], [30.0, 0.0], [20.0, 9.0]], frame).is_empty());
+        assert_eq!(clip(inside), Some(inside.map(DVec2::from)));
+        let long = clip([[-1e12, -1e12], [1e12, 1e12]]).expect("crosses");
+        let near = frame.padded(1e-3);
+        assert!(long.iter().all(|p| *p == p.clamp(near.min, near.max)));
+        assert_eq!(clip([[-5.0, 1.0], [-5.0, 9.0]]), None);
+        assert_eq!(clip([[-1.0, 9.5], [1.0, 12.0]]), None);
+        assert_eq!(clip([[f64::INFINITY, 1.0], [1.0, 1.0]]), None);
+        let vast = Rect::new([-1e9; 2], [1e9; 2]);
+        let mut corners = clip_polygon(&vast.corners(), frame);
+        corners.sort_by(|a, b| a.y.total_cmp(&b.y).then(a.x.total_cmp(&b.x)));
+        corners.swap(2, 3);
+        assert_eq!(corners, frame.corners());
+        let outside = Rect::new([20.0, 0.0], [30.0, 9.0]);
+        assert!(clip_polygon(&outside.corners(), frame).is_empty());
     }
 
     #[test]
     fn degenerate_areas_have_no_lines() {
         assert!(hatch_polygon(&[], 4.0).is_empty());
-        assert!(hatch_polygon(&[[1.0, 1.0]], 4.0).is_empty());
-        assert!(length(&hatch_circle([0.0, 0.0], 0.0, 4.0)) < 1e-9);
-        assert!(hatch_polygon(&[[0.0, 0.0], [1e300, 0.0], [0.0, 1e300]], 1.0).len() <= 65_536);
+        assert!(hatch_polygon(&[DVec2::ONE], 4.0).is_empty());
+        assert!(length(&hatch_circle(DVec2::ZERO, 0.0, 4.0)) < 1e-9);
+        let vast = [DVec2::ZERO, 1e300 * DVec2::X, 1e300 * DVec2::Y];
+        assert!(hatch_polygon(&vast, 1.0).len() <= 65_536);
     }
 
     #[test]
@@ -221,8 +225,8 @@ mod tests {
             Marker::Diamond,
             Marker::Square,
         ] {
-            let outline = marker_outline(marker, [10.0, 10.0], 6.0);
-            let right = outline.iter().map(|p| p[0]).fold(0.0, f64::max);
+            let outline = marker_outline(marker, DVec2::splat(10.0), 6.0);
+            let right = outline.iter().map(|p| p.x).fold(0.0, f64::max);
             assert!((right - 13.0).abs() < 1e-12, "{marker:?}");
         }
     }

@@ -1,8 +1,8 @@
 //! A scene of shapes, as SVG and as PNG, and frames as animations.
 //!
 //! One [`Scene`], several exporters that agree, and the [`Palette`] that the app's canvas shares. The same scene gives the
-//! same bytes on every platform. It opens no file and no window, and never computes what it draws.
-//! Shapes hold their coordinates as plain `[f64; 2]`.
+//! same bytes on every platform. It opens no file and no window.
+//! Positions are vectors of `glam`.
 //!
 //! ```
 //! use tilescope_figures::{Group, Marker, Palette, Scene, Shape, Style, to_png, to_svg};
@@ -24,10 +24,10 @@ pub mod chart;
 mod error;
 mod fonts;
 mod geometry;
-
 mod palette;
 mod png;
 mod raster;
+mod rect;
 mod scene;
 mod stages;
 mod svg;

@@ -1,7 +1,7 @@
 //! Colours by meaning, for figures and for the app's canvas.
 //!
 //! Built on the palette of Okabe & Ito (2008), which readers with any common colour vision tell apart; every mark
-//! has a shape of its own as well. Never names a colour by its hue.
+//! has a shape of its own as well. Colours are named by their meaning and not by their hue.
 
 /// Red, green, blue and opacity, sRGB, not premultiplied.
 pub type Color = [u8; 4];

@@ -1,7 +1,7 @@
 //! The scene as a PNG file with its parameters inside.
 //!
-//! Opaque pictures are stored without an opacity channel; title and metadata become `iTXt` chunks. Never writes a
-//! time stamp: the same scene gives the same bytes.
+//! Opaque pictures are stored without an opacity channel; title and metadata become `iTXt` chunks. No time stamp is
+//! written: the same scene gives the same bytes.
 
 use png::{BitDepth, ColorType, Encoder};
 
@@ -59,12 +59,20 @@ fn encode_error(error: png::EncodingError) -> FigureError {
 
 fn text_chunks(scene: &Scene) -> impl Iterator<Item = (String, String)> {
     let title = ("Title".to_owned(), scene.title.clone());
-    let program = ("Software".to_owned(), "Tilescope".to_owned());
-    [title, program]
+    let title = Some(title).filter(|(_, value)| !value.is_empty());
+    title
         .into_iter()
-        .chain(scene.metadata.iter().cloned())
-        .filter(|(_, value)| !value.is_empty())
+        .chain(with_program(&scene.metadata))
         .map(|(key, value)| text_chunk(&key, &value))
+}
+
+/// The program's name and the metadata, as key and value, without empty values.
+pub(crate) fn with_program(
+    metadata: &[(String, String)],
+) -> impl Iterator<Item = (String, String)> {
+    let program = ("Software".to_owned(), "Tilescope".to_owned());
+    let all = std::iter::once(program).chain(metadata.iter().cloned());
+    all.filter(|(_, value)| !value.is_empty())
 }
 
 /// A keyword and a text as chunks may hold them.

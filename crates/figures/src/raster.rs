@@ -1,19 +1,22 @@
 //! The scene as pixels, by tiny-skia.
 //!
-//! Shapes are turned into paths in pixels and painted in order; those outside the picture or clip are skipped. Never uses
-//! threads or platform drawing, so the pixels are the same everywhere.
+//! Shapes are turned into paths in pixels and painted in order; those outside the picture or clip are skipped. Neither
+//! threads nor the platform's drawing are used, so the pixels are the same everywhere.
 
+use glam::DVec2;
 use tiny_skia::{
     FillRule, LineJoin, Mask, Paint, Path, PathBuilder, Pixmap, Rect as SkiaRect, StrokeDash,
     Transform,
 };
 
 use crate::error::{FigureError, MAX_LENGTH, MAX_PIXELS, MAX_SIDE};
-use crate::fonts::{Fonts, Pen};
-use crate::geometry::{clip_polygon, clip_segment, hatch_circle, hatch_polygon, marker_outline};
+use crate::fonts::Fonts;
+use crate::geometry::{
+    clip_polygon, clip_segment, edges, hatch_circle, hatch_polygon, marker_outline,
+};
 use crate::palette::Color;
 use crate::scene::{
-    Anchor, Baseline, Fill, Group, Hatch, Marker, Rect, Scene, Shape, Stroke, Style, Text, View,
+    Anchor, Baseline, Fill, Group, Hatch, Marker, Placing, Rect, Scene, Shape, Stroke, Style, Text,
 };
 
 /// A picture in memory.
@@ -55,7 +58,7 @@ pub fn to_pixels(scene: &Scene, scale: f64) -> Result<Pixels, FigureError> {
         fonts: Fonts::new()?,
         scale,
         clip: None,
-        frame: [0.0, 0.0, f64::from(width), f64::from(height)],
+        frame: Rect::new([0.0; 2], [width, height].map(f64::from)),
     };
     let [r, g, b, a] = scene.background;
     painter
@@ -92,29 +95,8 @@ struct Painter {
     fonts: Fonts,
     scale: f64,
     clip: Option<Mask>,
-    /// What can be seen: left, top, right, bottom in pixels.
-    frame: [f64; 4],
-}
-
-/// From a group's units to pixels of the picture.
-#[derive(Clone, Copy)]
-struct Placing {
-    view: View,
-    scale: f64,
-}
-
-impl Placing {
-    fn pixel(self, position: [f64; 2]) -> [f64; 2] {
-        self.view.pixel(position).map(|v| v * self.scale)
-    }
-
-    fn pixels(self, points: &[[f64; 2]]) -> Vec<[f64; 2]> {
-        points.iter().map(|&p| self.pixel(p)).collect()
-    }
-
-    fn length(self, length: f64) -> f64 {
-        length * self.view.scale * self.scale
-    }
+    /// The part of the picture that the current group can paint, in pixels.
+    frame: Rect,
 }
 
 impl Painter {
@@ -141,21 +123,16 @@ impl Painter {
     fn set_clip(&mut self, clip: Option<Rect>) {
         let (width, height) = (self.pixmap.width(), self.pixmap.height());
         self.clip = None;
-        self.frame = [0.0, 0.0, f64::from(width), f64::from(height)];
-        let Some(Rect { min, max }) = clip else {
+        let whole = Rect::new([0.0; 2], [width, height].map(f64::from));
+        self.frame = whole;
+        let Some(clip) = clip else {
             return;
         };
-        let [left, top] = min.map(|v| v * self.scale);
-        let [right, bottom] = max.map(|v| v * self.scale);
-        self.frame = [
-            left.max(0.0),
-            top.max(0.0),
-            right.min(self.frame[2]),
-            bottom.min(self.frame[3]),
-        ];
-        let [l, t, r, b] = self.frame.map(|v| v as f32);
+        let (min, max) = (clip.min * self.scale, clip.max * self.scale);
+        self.frame = Rect::new(min.max(whole.min), max.min(whole.max));
         // An empty clip leaves an empty mask: nothing is seen.
         if let Some(mut mask) = Mask::new(width, height) {
+            let ([l, t], [r, b]) = (single(self.frame.min), single(self.frame.max));
             if let Some(rect) = SkiaRect::from_ltrb(l, t, r, b) {
                 let path = PathBuilder::from_rect(rect);
                 mask.fill_path(&path, FillRule::Winding, true, Transform::identity());
@@ -171,11 +148,7 @@ impl Painter {
                 radius,
                 style,
             } => self.circle(at.pixel(*center), at.length(*radius), *style),
-            Shape::Rect { rect, style } => {
-                let [[left, top], [right, bottom]] = [at.pixel(rect.min), at.pixel(rect.max)];
-                let corners = [[left, top], [right, top], [right, bottom], [left, bottom]];
-                self.polygon(&corners, *style);
-            }
+            Shape::Rect { rect, style } => self.polygon(&at.rect(*rect).corners(), *style),
             Shape::Polygon { points, style } => self.polygon(&at.pixels(points), *style),
             Shape::Polyline { points, stroke } => self.polyline(&at.pixels(points), *stroke),
             Shape::Segments { segments, stroke } => {
@@ -196,25 +169,24 @@ impl Painter {
                 }
             }
             Shape::Image { rect, bitmap } => {
-                let ends = [at.pixel(rect.min), at.pixel(rect.max)];
                 let width = self.pixmap.width() as usize;
-                bitmap.paint(self.pixmap.data_mut(), width, ends, self.frame);
+                bitmap.paint(self.pixmap.data_mut(), width, at.rect(*rect), self.frame);
             }
             Shape::Text(text) => self.text(text, at.pixel(text.at)),
         }
     }
 
-    fn circle(&mut self, [x, y]: [f64; 2], radius: f64, style: Style) {
+    fn circle(&mut self, center: DVec2, radius: f64, style: Style) {
         let margin = radius + style.stroke.map_or(0.0, |s| s.width * self.scale);
-        if !self.sees([x - margin, y - margin, x + margin, y + margin]) {
+        if !self.frame.meets(&Rect::new(center, center).padded(margin)) {
             return;
         }
-        let path = PathBuilder::from_circle(x as f32, y as f32, radius as f32);
-        let hatch = |spacing| hatch_circle([x, y], radius, spacing);
-        self.area(path, style, hatch);
+        let [x, y] = single(center);
+        let path = PathBuilder::from_circle(x, y, radius as f32);
+        self.area(path, style, |spacing| hatch_circle(center, radius, spacing));
     }
 
-    fn polyline(&mut self, points: &[[f64; 2]], stroke: Stroke) {
+    fn polyline(&mut self, points: &[DVec2], stroke: Stroke) {
         if reaches_far(points) {
             self.segments(points.windows(2).map(|ends| [ends[0], ends[1]]), stroke);
         } else {
@@ -222,7 +194,7 @@ impl Painter {
         }
     }
 
-    fn polygon(&mut self, points: &[[f64; 2]], style: Style) {
+    fn polygon(&mut self, points: &[DVec2], style: Style) {
         if !reaches_far(points) {
             let hatch = |spacing| hatch_polygon(points, spacing);
             return self.area(polyline(points, true), style, hatch);
@@ -232,29 +204,16 @@ impl Painter {
             ..style
         };
         // Cut to the picture; of the border, only what is seen.
-        let near = clip_polygon(points, self.padded(2.0));
+        let near = clip_polygon(points, self.frame.padded(2.0));
         self.area(polyline(&near, true), fill, |spacing| {
             hatch_polygon(&near, spacing)
         });
         if let Some(stroke) = style.stroke {
-            let next = points.iter().cycle().skip(1);
-            let edges = points.iter().zip(next).map(|(&a, &b)| [a, b]);
-            self.segments(edges, stroke);
+            self.segments(edges(points), stroke);
         }
     }
 
-    /// What can be seen and `margin` pixels around it.
-    fn padded(&self, margin: f64) -> [f64; 4] {
-        let [left, top, right, bottom] = self.frame;
-        [left - margin, top - margin, right + margin, bottom + margin]
-    }
-
-    fn area(
-        &mut self,
-        path: Option<Path>,
-        style: Style,
-        hatch: impl Fn(f64) -> Vec<[[f64; 2]; 2]>,
-    ) {
+    fn area(&mut self, path: Option<Path>, style: Style, hatch: impl Fn(f64) -> Vec<[DVec2; 2]>) {
         match style.fill {
             Some(Fill::Solid(color)) => self.fill(path.as_ref(), color),
             Some(Fill::Hatch(Hatch {
@@ -272,35 +231,29 @@ impl Painter {
         }
     }
 
-    fn segments(&mut self, segments: impl Iterator<Item = [[f64; 2]; 2]>, stroke: Stroke) {
-        let frame = self.padded(stroke.width * self.scale + 2.0);
+    fn segments(&mut self, segments: impl Iterator<Item = [DVec2; 2]>, stroke: Stroke) {
+        let frame = self.frame.padded(stroke.width * self.scale + 2.0);
         let mut builder = PathBuilder::new();
         for ends in segments {
             if let Some(seen) = clip_segment(ends, frame) {
                 // Whole where near, so that dashes do not start at the edge of the picture.
-                let [a, b] = if reaches_far(&ends) { seen } else { ends };
-                builder.move_to(a[0] as f32, a[1] as f32);
-                builder.line_to(b[0] as f32, b[1] as f32);
+                let ends = if reaches_far(&ends) { seen } else { ends };
+                let [[ax, ay], [bx, by]] = ends.map(single);
+                builder.move_to(ax, ay);
+                builder.line_to(bx, by);
             }
         }
         self.stroke(builder.finish(), stroke);
     }
 
-    /// Whether anything in `bounds` (left, top, right, bottom) can be seen.
-    fn sees(&self, bounds: [f64; 4]) -> bool {
-        let frame = self.frame;
-        bounds[0] < frame[2] && bounds[2] > frame[0] && bounds[1] < frame[3] && bounds[3] > frame[1]
-    }
-
     /// Whether a path reaching `margin` around itself is seen and, if so, whether it needs the clip mask.
     fn visibility(&self, path: &Path, margin: f64) -> Option<bool> {
         let bounds = path.bounds();
-        let low = [bounds.left(), bounds.top()].map(|v| f64::from(v) - margin);
-        let high = [bounds.right(), bounds.bottom()].map(|v| f64::from(v) + margin);
-        let [left, top, right, bottom] = self.frame;
-        let inside = low[0] >= left && low[1] >= top && high[0] <= right && high[1] <= bottom;
-        self.sees([low[0], low[1], high[0], high[1]])
-            .then_some(!inside)
+        let low = [bounds.left(), bounds.top()].map(f64::from);
+        let high = [bounds.right(), bounds.bottom()].map(f64::from);
+        let (bounds, frame) = (Rect::new(low, high).padded(margin), &self.frame);
+        let is_inside = (bounds.min.cmpge(frame.min) & bounds.max.cmple(frame.max)).all();
+        frame.meets(&bounds).then_some(!is_inside)
     }
 
     fn fill(&mut self, path: Option<&Path>, color: Color) {
@@ -335,17 +288,12 @@ impl Painter {
         }
     }
 
-    fn text(&mut self, text: &Text, at: [f64; 2]) {
+    fn text(&mut self, text: &Text, at: DVec2) {
         let size = text.size * self.scale;
         let start = text_offset(&self.fonts, text, size);
-        let mut pen = PathPen {
-            builder: PathBuilder::new(),
-            at,
-            start,
-            quarter_turns: text.quarter_turns % 4,
-        };
-        self.fonts.outline(&text.text, text.font, size, &mut pen);
-        let Some(path) = pen.builder.finish() else {
+        let turns = text.quarter_turns % 4;
+        let place = |p: DVec2| single((0..turns).fold(p + start, |p, _| p.perp()) + at);
+        let Some(path) = self.fonts.outline(&text.text, text.font, size, place) else {
             return;
         };
         if let Some(clipped) = self.visibility(&path, 1.0) {
@@ -358,14 +306,14 @@ impl Painter {
 }
 
 /// Where unturned text of an em of `size` begins, against its position.
-pub(crate) fn text_offset(fonts: &Fonts, text: &Text, size: f64) -> [f64; 2] {
+fn text_offset(fonts: &Fonts, text: &Text, size: f64) -> DVec2 {
     let width = fonts.width(&text.text, text.font, size);
     let x = match text.anchor {
         Anchor::Start => 0.0,
         Anchor::Middle => -width / 2.0,
         Anchor::End => -width,
     };
-    [x, baseline_shift(fonts, text, size)]
+    DVec2::new(x, baseline_shift(fonts, text, size))
 }
 
 /// How far below its position the baseline of text lies.
@@ -378,13 +326,18 @@ pub(crate) fn baseline_shift(fonts: &Fonts, text: &Text, size: f64) -> f64 {
     }
 }
 
-/// Whether coordinates are beyond what the rasteriser's arithmetic bears.
-fn reaches_far(points: &[[f64; 2]]) -> bool {
-    points.iter().flatten().any(|v| v.abs() > MAX_LENGTH)
+/// Whether coordinates are too large for the rasteriser's arithmetic.
+fn reaches_far(points: &[DVec2]) -> bool {
+    points.iter().any(|p| p.abs().max_element() > MAX_LENGTH)
 }
 
-/// Thinner strokes are left to the rasteriser's hairlines, which fade instead of breaking up. It would draw those up to one
-/// pixel so, though, and diagonals thinner by a third than they should be.
+/// The pixel in the rasteriser's precision.
+fn single(pixel: DVec2) -> [f32; 2] {
+    pixel.to_array().map(|v| v as f32)
+}
+
+/// Thinner strokes are drawn as the rasteriser's hairlines, which fade instead of breaking up. It would draw all strokes of
+/// up to one pixel so, and diagonals a third too thin.
 const HAIRLINE: f64 = 0.5;
 
 /// Dashes with a shorter period, in pixels, are drawn solid: they cannot be seen and could be millions.
@@ -409,67 +362,19 @@ fn paint(color: Color) -> Paint<'static> {
     paint
 }
 
-fn polyline(points: &[[f64; 2]], closed: bool) -> Option<Path> {
+fn polyline(points: &[DVec2], closed: bool) -> Option<Path> {
     let mut builder = PathBuilder::with_capacity(points.len() + 1, points.len());
-    for (index, [x, y]) in points.iter().enumerate() {
+    for (index, [x, y]) in points.iter().map(|p| single(*p)).enumerate() {
         if index == 0 {
-            builder.move_to(*x as f32, *y as f32);
+            builder.move_to(x, y);
         } else {
-            builder.line_to(*x as f32, *y as f32);
+            builder.line_to(x, y);
         }
     }
     if closed {
         builder.close();
     }
     builder.finish()
-}
-
-/// Gathers turned and placed glyph outlines into a path.
-struct PathPen {
-    builder: PathBuilder,
-    at: [f64; 2],
-    start: [f64; 2],
-    quarter_turns: u8,
-}
-
-impl PathPen {
-    fn place(&self, p: [f64; 2]) -> [f32; 2] {
-        let (x, y) = (p[0] + self.start[0], p[1] + self.start[1]);
-        let [x, y] = match self.quarter_turns {
-            0 => [x, y],
-            1 => [-y, x],
-            2 => [-x, -y],
-            _ => [y, -x],
-        };
-        [(x + self.at[0]) as f32, (y + self.at[1]) as f32]
-    }
-}
-
-impl Pen for PathPen {
-    fn move_to(&mut self, to: [f64; 2]) {
-        let [x, y] = self.place(to);
-        self.builder.move_to(x, y);
-    }
-
-    fn line_to(&mut self, to: [f64; 2]) {
-        let [x, y] = self.place(to);
-        self.builder.line_to(x, y);
-    }
-
-    fn quad_to(&mut self, by: [f64; 2], to: [f64; 2]) {
-        let ([a, b], [x, y]) = (self.place(by), self.place(to));
-        self.builder.quad_to(a, b, x, y);
-    }
-
-    fn cubic_to(&mut self, by: [[f64; 2]; 2], to: [f64; 2]) {
-        let [[a, b], [c, d]] = by.map(|p| self.place(p));
-        let [x, y] = self.place(to);
-        self.builder.cubic_to(a, b, c, d, x, y);
-    }
-
-    fn close(&mut self) {
-        self.builder.close();
-    }
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! The scene: named groups of shapes, in units of the group, styled in pixels.
 //!
-//! Plain data in painting order. Never draws; exporters read it. y points down, as on screens; a group's view
+//! It is plain data in painting order, which exporters draw. y points down, as on screens; a group's view
 //! turns its own units into the scene's pixels, so stroke widths and markers keep their size.
 
 use glam::DVec2;
@@ -9,8 +9,9 @@ use crate::bitmap::Bitmap;
 use crate::error::{FigureError, MAX_SIDE};
 use crate::fonts::Font;
 use crate::palette::Color;
+pub use crate::rect::Rect;
 
-/// A picture to be.
+/// A picture that exporters draw.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scene {
     /// Width in pixels at scale 1.
@@ -82,10 +83,8 @@ impl Group {
 
     fn validate(&self) -> Result<(), FigureError> {
         let View { scale, origin } = self.view;
-        let clip = self.clip.unwrap_or(Rect::new([0.0; 2], [1.0; 2]));
-        let numbers = [origin, clip.min, clip.max];
-        let finite = numbers.iter().flatten().all(|v| v.is_finite());
-        if !(finite && scale.is_finite() && scale > 0.0) {
+        let is_finite = origin.is_finite() && self.clip.is_none_or(|clip| clip.is_finite());
+        if !(is_finite && scale.is_finite() && scale > 0.0) {
             let group = self.name.clone();
             return Err(FigureError::View { group });
         }
@@ -105,59 +104,62 @@ pub struct View {
     /// Pixels per unit.
     pub scale: f64,
     /// The pixel of the group's origin.
-    pub origin: [f64; 2],
+    pub origin: DVec2,
 }
 
 impl View {
     /// Units are pixels.
     pub const PIXELS: Self = Self {
         scale: 1.0,
-        origin: [0.0; 2],
+        origin: DVec2::ZERO,
     };
 
     /// The view that fits the rectangle `domain` into `frame` (pixels), centred, with equal scales.
     ///
     /// ```
+    /// # use glam::DVec2;
     /// use tilescope_figures::{Rect, View};
     /// let unit = Rect::new([0.0, 0.0], [1.0, 1.0]);
     /// let view = View::fit(unit, Rect::new([10.0, 10.0], [110.0, 210.0]));
-    /// assert_eq!(view.pixel([0.5, 0.5]), [60.0, 110.0]);
+    /// assert_eq!(view.pixel(DVec2::splat(0.5)), DVec2::new(60.0, 110.0));
     /// assert_eq!(view.scale, 100.0);
     /// ```
     #[must_use]
     pub fn fit(domain: Rect, frame: Rect) -> Self {
-        let corners = |r: Rect| [r.min, r.max].map(DVec2::from);
-        let ([a, b], [c, d]) = (corners(domain), corners(frame));
-        let scales = (d - c) / (b - a);
-        let scale = scales.x.min(scales.y);
-        let origin = c.midpoint(d) - scale * a.midpoint(b);
-        Self {
-            scale,
-            origin: origin.to_array(),
-        }
+        let scale = (frame.size() / domain.size()).min_element();
+        let origin = frame.middle() - scale * domain.middle();
+        Self { scale, origin }
     }
 
     /// The scene pixel of `position`.
     #[must_use]
-    pub fn pixel(&self, position: [f64; 2]) -> [f64; 2] {
-        [0, 1].map(|axis| self.origin[axis] + self.scale * position[axis])
+    pub fn pixel(&self, position: DVec2) -> DVec2 {
+        self.origin + self.scale * position
     }
 }
 
-/// An axis-parallel rectangle.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Rect {
-    /// The corner with the smaller coordinates.
-    pub min: [f64; 2],
-    /// The corner with the larger coordinates.
-    pub max: [f64; 2],
+/// From a group's units to pixels of a picture with `scale` pixels for each of the scene's.
+#[derive(Clone, Copy)]
+pub(crate) struct Placing {
+    pub(crate) view: View,
+    pub(crate) scale: f64,
 }
 
-impl Rect {
-    /// The rectangle between two opposite corners.
-    #[must_use]
-    pub const fn new(min: [f64; 2], max: [f64; 2]) -> Self {
-        Self { min, max }
+impl Placing {
+    pub(crate) fn pixel(self, position: DVec2) -> DVec2 {
+        self.view.pixel(position) * self.scale
+    }
+
+    pub(crate) fn pixels(self, points: &[DVec2]) -> Vec<DVec2> {
+        points.iter().map(|&p| self.pixel(p)).collect()
+    }
+
+    pub(crate) fn rect(self, rect: Rect) -> Rect {
+        Rect::new(self.pixel(rect.min), self.pixel(rect.max))
+    }
+
+    pub(crate) fn length(self, length: f64) -> f64 {
+        length * self.view.scale * self.scale
     }
 }
 
@@ -307,7 +309,7 @@ pub enum Baseline {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Text {
     /// Its position in the group's units.
-    pub at: [f64; 2],
+    pub at: DVec2,
     /// The text.
     pub text: String,
     /// The font.
@@ -328,9 +330,9 @@ pub struct Text {
 impl Text {
     /// Upright text in Inter that begins at `at`.
     #[must_use]
-    pub fn new(at: [f64; 2], text: impl Into<String>, size: f64, color: Color) -> Self {
+    pub fn new(at: impl Into<DVec2>, text: impl Into<String>, size: f64, color: Color) -> Self {
         Self {
-            at,
+            at: at.into(),
             text: text.into(),
             font: Font::Regular,
             size,
@@ -348,7 +350,7 @@ pub enum Shape {
     /// A disk.
     Circle {
         /// Centre.
-        center: [f64; 2],
+        center: DVec2,
         /// Radius.
         radius: f64,
         /// Fill and stroke.
@@ -364,21 +366,21 @@ pub enum Shape {
     /// A closed polygon; overlapping parts are filled by the even-odd rule.
     Polygon {
         /// Corners.
-        points: Vec<[f64; 2]>,
+        points: Vec<DVec2>,
         /// Fill and stroke.
         style: Style,
     },
     /// Connected line segments.
     Polyline {
         /// Corners.
-        points: Vec<[f64; 2]>,
+        points: Vec<DVec2>,
         /// The line.
         stroke: Stroke,
     },
     /// Separate line segments of one style: edges of a graph.
     Segments {
         /// Ends of each.
-        segments: Vec<[[f64; 2]; 2]>,
+        segments: Vec<[DVec2; 2]>,
         /// The lines.
         stroke: Stroke,
     },
@@ -387,7 +389,7 @@ pub enum Shape {
         /// Its outline.
         marker: Marker,
         /// Centre.
-        center: [f64; 2],
+        center: DVec2,
         /// Width and height in pixels.
         size: f64,
         /// Fill and stroke.
@@ -407,9 +409,9 @@ pub enum Shape {
 impl Shape {
     /// A disk.
     #[must_use]
-    pub const fn circle(center: [f64; 2], radius: f64, style: Style) -> Self {
+    pub fn circle(center: impl Into<DVec2>, radius: f64, style: Style) -> Self {
         Self::Circle {
-            center,
+            center: center.into(),
             radius,
             style,
         }
@@ -417,25 +419,25 @@ impl Shape {
 
     /// One straight line.
     #[must_use]
-    pub fn line(from: [f64; 2], to: [f64; 2], stroke: Stroke) -> Self {
+    pub fn line(from: impl Into<DVec2>, to: impl Into<DVec2>, stroke: Stroke) -> Self {
         Self::Segments {
-            segments: vec![[from, to]],
+            segments: vec![[from.into(), to.into()]],
             stroke,
         }
     }
 
     /// A mark `size` pixels wide.
     #[must_use]
-    pub const fn marker(marker: Marker, center: [f64; 2], size: f64, style: Style) -> Self {
+    pub fn marker(marker: Marker, center: impl Into<DVec2>, size: f64, style: Style) -> Self {
         Self::Marker {
             marker,
-            center,
+            center: center.into(),
             size,
             style,
         }
     }
 
-    /// The largest length that does not just place the shape, in scene pixels.
+    /// The largest length of the shape besides its positions, in scene pixels: radius, line width, size of a mark or text.
     pub(crate) fn longest(&self, view: View) -> f64 {
         let stroked = |style: &Style| style.stroke.map_or(0.0, |s| s.width);
         match self {
@@ -449,7 +451,7 @@ impl Shape {
     }
 
     fn is_finite(&self) -> bool {
-        let all = |points: &[[f64; 2]]| points.iter().flatten().all(|v| v.is_finite());
+        let all = |points: &[DVec2]| points.iter().all(|p| p.is_finite());
         match self {
             Self::Circle {
                 center,
@@ -461,15 +463,15 @@ impl Shape {
                 size: length,
                 style,
                 ..
-            } => all(&[*center]) && length.is_finite() && style.is_finite(),
-            Self::Rect { rect, style } => all(&[rect.min, rect.max]) && style.is_finite(),
-            Self::Image { rect, .. } => all(&[rect.min, rect.max]),
+            } => center.is_finite() && length.is_finite() && style.is_finite(),
+            Self::Rect { rect, style } => rect.is_finite() && style.is_finite(),
+            Self::Image { rect, .. } => rect.is_finite(),
             Self::Polygon { points, style } => all(points) && style.is_finite(),
             Self::Polyline { points, stroke } => all(points) && stroke.is_finite(),
             Self::Segments { segments, stroke } => {
                 segments.iter().all(|s| all(s)) && stroke.is_finite()
             }
-            Self::Text(text) => all(&[text.at, [text.size; 2]]),
+            Self::Text(text) => text.at.is_finite() && text.size.is_finite(),
         }
     }
 }

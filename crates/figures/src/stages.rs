@@ -1,10 +1,8 @@
-//! Pictures of sets and of the stages of a run, in the visual language that the window shares.
-//! They show a run as it stood after a stage; they never compute one.
+//! Pictures of sets and of the stages of a run, with the colours and marks of the window.
+//! They show a run as it stood after a stage, and compute nothing of it.
 
 use glam::DVec2;
-use tilescope_core::{
-    Boundary, Domain, Origin, Parameters, Point, Run, Search, Stage, Standing, Variant,
-};
+use tilescope_core::{Boundary, Origin, Parameters, Point, Run, Search, Stage, Standing, Variant};
 
 use crate::canvas::{Canvas, PictureOptions};
 use crate::palette::with_alpha;
@@ -32,12 +30,18 @@ pub struct SetPicture<'a> {
 /// Returns the picture of a point set.
 #[must_use]
 pub fn set_scene(set: &SetPicture<'_>, options: &PictureOptions) -> Scene {
-    let mut canvas = Canvas::new(set.size, set.boundary, set.radius.unwrap_or(0.0), options);
+    let mut canvas = Canvas::new(
+        set.size.into(),
+        set.boundary,
+        set.radius.unwrap_or(0.0),
+        options,
+    );
     canvas.blocks(set.blocks.iter().copied());
-    canvas.rings(set.points, Some(Fill::Solid(options.palette.disk_fill)));
+    let points: Vec<DVec2> = set.points.iter().copied().map(DVec2::from).collect();
+    canvas.rings(&points, Some(Fill::Solid(options.palette.disk_fill)));
     let mut samples = canvas.group("samples");
     let mut inserted = canvas.group("inserted");
-    for (index, &point) in set.points.iter().enumerate() {
+    for (index, &point) in points.iter().enumerate() {
         let block = set.block_of.as_ref().map(|of| of[index]);
         match block {
             Some(None) => canvas.mark(&mut inserted, Marker::Diamond, point, canvas.inserted()),
@@ -60,7 +64,12 @@ pub fn stage_scene(run: &Run, stage: Stage, options: &PictureOptions) -> Scene {
     if stage == Stage::Pattern {
         return pattern_scene(run, options);
     }
-    let mut canvas = Canvas::new(domain.size(), domain.boundary(), domain.radius(), options);
+    let mut canvas = Canvas::new(
+        domain.size().into(),
+        domain.boundary(),
+        domain.radius(),
+        options,
+    );
     if stage <= Stage::Tile {
         canvas.blocks(blocks(run));
     }
@@ -78,8 +87,7 @@ pub fn stage_scene(run: &Run, stage: Stage, options: &PictureOptions) -> Scene {
 
 fn pattern_scene(run: &Run, options: &PictureOptions) -> Scene {
     let domain = run.pattern.domain();
-    let user = |p: &Point| domain.user_from_lattice(*p);
-    let points: Vec<[f64; 2]> = run.pattern.samples().iter().map(user).collect();
+    let points = domain.users_from_lattice(run.pattern.samples());
     let set = SetPicture {
         points: &points,
         size: domain.size(),
@@ -110,14 +118,13 @@ fn blocks(run: &Run) -> impl Iterator<Item = Rect> {
 /// nearest to the domain's middle: the place where most happens.
 #[must_use]
 pub fn seam_window(run: &Run, radii: f64) -> Rect {
-    let size = run.domain.size();
-    let from_middle = |p: &[f64; 2]| (p[0] - size[0] / 2.0).hypot(p[1] - size[1] / 2.0);
+    let middle = DVec2::from(run.domain.size()) / 2.0;
+    let from_middle = |p: &DVec2| (p.x - middle.x).hypot(p.y - middle.y);
     let corner = blocks(run)
         .map(|rect| rect.min)
         .min_by(|a, b| from_middle(a).total_cmp(&from_middle(b)));
-    let half = 0.5 * radii * run.domain.radius();
-    let [x, y] = corner.unwrap_or([size[0] / 2.0, size[1] / 2.0]);
-    Rect::new([x - half, y - half], [x + half, y + half])
+    let corner = corner.unwrap_or(middle);
+    Rect::new(corner, corner).padded(0.5 * radii * run.domain.radius())
 }
 
 /// Returns one line that says what a stage did.
@@ -158,7 +165,7 @@ pub fn caption(run: &Run, stage: Stage) -> String {
             let Parameters {
                 search, variant, ..
             } = run.parameters;
-            // Others are experiments, of which the verifier speaks.
+            // Results of other searches and variants are not proved; the verifier judges them.
             let proved = match (search, variant) {
                 (Search::Complete, Variant::Staged) => ", maximal and conflict-free",
                 _ => "",
@@ -175,7 +182,7 @@ fn is_combination(run: &Run) -> bool {
 
 /// Samples by how they stand after a stage.
 struct Standings {
-    rows: Vec<([f64; 2], u32, Standing)>,
+    rows: Vec<(DVec2, u32, Standing)>,
 }
 
 impl Standings {
@@ -183,13 +190,13 @@ impl Standings {
         let rows = (0..run.samples.len() as u32)
             .map(|id| (run.samples.points[id as usize], id, run.standing(id, stage)))
             .filter(|(_, _, standing)| !matches!(standing, Standing::Absent | Standing::Dropped))
-            .map(|(p, id, standing)| (run.domain.user_from_lattice(p), id, standing));
+            .map(|(p, id, standing)| (run.domain.user_from_lattice(p).into(), id, standing));
         Self {
             rows: rows.collect(),
         }
     }
 
-    fn valid(&self) -> Vec<[f64; 2]> {
+    fn valid(&self) -> Vec<DVec2> {
         let valid = |(_, _, standing): &&(_, _, Standing)| *standing == Standing::Valid;
         self.rows.iter().filter(valid).map(|(p, _, _)| *p).collect()
     }
@@ -208,10 +215,9 @@ impl Canvas<'_> {
                 run.samples.points[id as usize],
                 run.samples.points[by as usize],
             );
-            let (dx, dy) = run.domain.difference(a, b);
             let from = DVec2::from(run.domain.user_from_lattice(a));
-            let to = from + DVec2::new(f64::from(dx), f64::from(dy)) * unit(&run.domain);
-            segments.push([from, to].map(|end| self.flip(end.into())));
+            let to = from + run.domain.difference(a, b).as_dvec2() * run.domain.unit();
+            segments.push([from, to].map(|end| self.flip(end)));
         }
         if !segments.is_empty() {
             group.shapes.push(Shape::Segments { segments, stroke });
@@ -247,7 +253,7 @@ impl Canvas<'_> {
                 let point = run
                     .domain
                     .user_from_lattice(run.samples.points[id as usize]);
-                for image in self.images(point) {
+                for image in self.images(point.into()) {
                     let at = self.flip(image);
                     rings
                         .shapes
@@ -257,11 +263,6 @@ impl Canvas<'_> {
         }
         self.push([eliminated, rings, samples, inserted]);
     }
-}
-
-fn unit(domain: &Domain) -> DVec2 {
-    let units = [domain.width(), domain.height()].map(f64::from);
-    DVec2::from(domain.size()) / DVec2::from(units)
 }
 
 fn is_inserted(run: &Run, id: u32, by: Option<u32>) -> bool {
@@ -350,7 +351,7 @@ mod tests {
         };
         assert_eq!(segments.len(), run.summary().eliminated);
         for [a, b] in segments {
-            assert!((a[0] - b[0]).hypot(a[1] - b[1]) <= run.domain.radius() * 1.0001);
+            assert!(a.distance(*b) <= run.domain.radius() * 1.0001);
         }
     }
 
@@ -358,8 +359,8 @@ mod tests {
     fn the_seam_window_has_its_width_and_shows_a_corner() {
         let run = run();
         let window = seam_window(&run, 8.0);
-        assert!((window.max[0] - window.min[0] - 0.16).abs() < 1e-12);
-        let inside = |p: [f64; 2]| (0..2).all(|k| window.min[k] < p[k] && p[k] < window.max[k]);
+        assert!((window.size().x - 0.16).abs() < 1e-12);
+        let inside = |p: DVec2| (window.min.cmplt(p) & p.cmplt(window.max)).all();
         assert!(blocks(&run).any(|rect| inside(rect.min)));
     }
 }

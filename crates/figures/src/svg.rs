@@ -1,12 +1,13 @@
 //! The scene as an SVG document.
 //!
-//! Everything is in scene pixels, rounded to a thousandth; a group becomes a `<g>` with its name, text stays text. Never
-//! lets a string break the markup.
+//! Everything is in scene pixels, rounded to a thousandth; a group becomes a `<g>` with its name, text stays text. All
+//! strings are escaped.
 
 use std::fmt::Write;
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
+use glam::DVec2;
 
 use crate::bitmap::Bitmap;
 use crate::error::FigureError;
@@ -14,7 +15,9 @@ use crate::fonts::{Font, Fonts};
 use crate::geometry::{hatch_circle, hatch_polygon, marker_outline};
 use crate::palette::Color;
 use crate::raster::baseline_shift;
-use crate::scene::{Anchor, Fill, Group, Hatch, Marker, Scene, Shape, Stroke, Style, Text, View};
+use crate::scene::{
+    Anchor, Fill, Group, Hatch, Marker, Placing, Rect, Scene, Shape, Stroke, Style, Text,
+};
 
 /// The text of an SVG document of `scene`.
 ///
@@ -120,12 +123,10 @@ impl Writer {
 
     fn group(&mut self, index: usize, group: &Group) -> Result<(), FigureError> {
         if let Some(clip) = group.clip {
-            let [x, y] = clip.min.map(number);
-            let size = [0, 1].map(|k| number((clip.max[k] - clip.min[k]).max(0.0)));
+            let [x, y, width, height] = bounds(clip);
             self.push(format_args!(
-                "<clipPath id=\"clip-{index}\"><rect x=\"{x}\" y=\"{y}\" width=\"{}\" \
-                 height=\"{}\"/></clipPath>\n",
-                size[0], size[1]
+                "<clipPath id=\"clip-{index}\"><rect x=\"{x}\" y=\"{y}\" width=\"{width}\" \
+                 height=\"{height}\"/></clipPath>\n"
             ));
         }
         let name = &group.name;
@@ -141,35 +142,32 @@ impl Writer {
             self.push(format_args!(" clip-path=\"url(#clip-{index})\""));
         }
         self.out.push_str(">\n");
+        let (view, scale) = (group.view, 1.0);
         for shape in &group.shapes {
-            self.shape(shape, group.view)?;
+            self.shape(shape, Placing { view, scale })?;
         }
         self.out.push_str("</g>\n");
         Ok(())
     }
 
-    fn shape(&mut self, shape: &Shape, view: View) -> Result<(), FigureError> {
+    fn shape(&mut self, shape: &Shape, at: Placing) -> Result<(), FigureError> {
         match shape {
             Shape::Circle {
                 center,
                 radius,
                 style,
-            } => self.circle(view.pixel(*center), radius * view.scale, *style),
-            Shape::Rect { rect, style } => {
-                let [[left, top], [right, bottom]] = [rect.min, rect.max].map(|p| view.pixel(p));
-                let corners = [[left, top], [right, top], [right, bottom], [left, bottom]];
-                self.polygon(&corners, *style);
-            }
-            Shape::Polygon { points, style } => self.polygon(&pixels(points, view), *style),
+            } => self.circle(at.pixel(*center), at.length(*radius), *style),
+            Shape::Rect { rect, style } => self.polygon(&at.rect(*rect).corners(), *style),
+            Shape::Polygon { points, style } => self.polygon(&at.pixels(points), *style),
             Shape::Polyline { points, stroke } => {
-                let points = point_list(&pixels(points, view));
+                let points = point_list(&at.pixels(points));
                 let stroke = stroke_attributes(*stroke);
                 self.push(format_args!(
                     "<polyline points=\"{points}\" fill=\"none\"{stroke}/>\n"
                 ));
             }
             Shape::Segments { segments, stroke } => {
-                self.segments(segments.iter().map(|s| s.map(|p| view.pixel(p))), *stroke);
+                self.segments(segments.iter().map(|s| s.map(|p| at.pixel(p))), *stroke);
             }
             Shape::Marker {
                 marker,
@@ -177,46 +175,42 @@ impl Writer {
                 size,
                 style,
             } => {
-                let center = view.pixel(*center);
+                let center = at.pixel(*center);
                 if *marker == Marker::Dot {
                     self.circle(center, size / 2.0, *style);
                 } else {
                     self.polygon(&marker_outline(*marker, center, *size), *style);
                 }
             }
-            Shape::Image { rect, bitmap } => {
-                return self.image([rect.min, rect.max].map(|p| view.pixel(p)), bitmap);
-            }
-            Shape::Text(text) => self.text(text, view.pixel(text.at)),
+            Shape::Image { rect, bitmap } => return self.image(at.rect(*rect), bitmap),
+            Shape::Text(text) => self.text(text, at.pixel(text.at)),
         }
         Ok(())
     }
 
-    fn image(&mut self, [min, max]: [[f64; 2]; 2], bitmap: &Bitmap) -> Result<(), FigureError> {
-        let [x, y] = min.map(number);
-        let size = [0, 1].map(|axis| number((max[axis] - min[axis]).max(0.0)));
+    fn image(&mut self, rect: Rect, bitmap: &Bitmap) -> Result<(), FigureError> {
+        let [x, y, width, height] = bounds(rect);
         let data = STANDARD.encode(bitmap.to_png()?);
         self.push(format_args!(
-            "<image x=\"{x}\" y=\"{y}\" width=\"{}\" height=\"{}\" preserveAspectRatio=\"none\" \
-             style=\"image-rendering:pixelated\" href=\"data:image/png;base64,{data}\"/>\n",
-            size[0], size[1]
+            "<image x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\" preserveAspectRatio=\"none\" \
+             style=\"image-rendering:pixelated\" href=\"data:image/png;base64,{data}\"/>\n"
         ));
         Ok(())
     }
 
-    fn circle(&mut self, center: [f64; 2], radius: f64, style: Style) {
+    fn circle(&mut self, center: DVec2, radius: f64, style: Style) {
         if let Some(Fill::Hatch(hatch)) = style.fill {
             let lines = hatch_circle(center, radius, hatch.spacing.max(1.0));
             self.hatch(lines, hatch);
         }
-        let ([x, y], radius) = (center.map(number), number(radius.max(0.0)));
+        let ([x, y], radius) = (numbers(center), number(radius.max(0.0)));
         let style = style_attributes(style);
         self.push(format_args!(
             "<circle cx=\"{x}\" cy=\"{y}\" r=\"{radius}\"{style}/>\n"
         ));
     }
 
-    fn polygon(&mut self, points: &[[f64; 2]], style: Style) {
+    fn polygon(&mut self, points: &[DVec2], style: Style) {
         if let Some(Fill::Hatch(hatch)) = style.fill {
             let lines = hatch_polygon(points, hatch.spacing.max(1.0));
             self.hatch(lines, hatch);
@@ -225,14 +219,14 @@ impl Writer {
         self.push(format_args!("<polygon points=\"{points}\"{style}/>\n"));
     }
 
-    fn hatch(&mut self, lines: Vec<[[f64; 2]; 2]>, hatch: Hatch) {
+    fn hatch(&mut self, lines: Vec<[DVec2; 2]>, hatch: Hatch) {
         self.segments(lines.into_iter(), Stroke::new(hatch.color, hatch.width));
     }
 
-    fn segments(&mut self, segments: impl Iterator<Item = [[f64; 2]; 2]>, stroke: Stroke) {
+    fn segments(&mut self, segments: impl Iterator<Item = [DVec2; 2]>, stroke: Stroke) {
         let mut data = String::new();
-        for [a, b] in segments {
-            let ([ax, ay], [bx, by]) = (a.map(number), b.map(number));
+        for ends in segments {
+            let [[ax, ay], [bx, by]] = ends.map(numbers);
             let _ = write!(data, "M{ax} {ay}L{bx} {by}");
         }
         if data.is_empty() {
@@ -242,9 +236,9 @@ impl Writer {
         self.push(format_args!("<path d=\"{data}\" fill=\"none\"{stroke}/>\n"));
     }
 
-    fn text(&mut self, text: &Text, at: [f64; 2]) {
+    fn text(&mut self, text: &Text, at: DVec2) {
         let below = baseline_shift(&self.fonts, text, text.size);
-        let [x, y] = at.map(number);
+        let [x, y] = numbers(at);
         let (family, weight) = match text.font {
             Font::Regular => ("Inter, 'Helvetica Neue', Arial, sans-serif", 400),
             Font::SemiBold => ("Inter, 'Helvetica Neue', Arial, sans-serif", 600),
@@ -259,7 +253,7 @@ impl Writer {
             0 => String::new(),
             turns => format!(" transform=\"rotate({} {x} {y})\"", u32::from(turns) * 90),
         };
-        let shifted = number(at[1] + below);
+        let shifted = number(at.y + below);
         let (size, fill) = (number(text.size), paint("fill", Some(text.color)));
         self.push(format_args!(
             "<text x=\"{x}\" y=\"{shifted}\" font-family=\"{family}\" font-weight=\"{weight}\" \
@@ -269,14 +263,10 @@ impl Writer {
     }
 }
 
-fn pixels(points: &[[f64; 2]], view: View) -> Vec<[f64; 2]> {
-    points.iter().map(|&p| view.pixel(p)).collect()
-}
-
-fn point_list(points: &[[f64; 2]]) -> String {
+fn point_list(points: &[DVec2]) -> String {
     let mut list = String::with_capacity(points.len() * 16);
     for (index, point) in points.iter().enumerate() {
-        let [x, y] = point.map(number);
+        let [x, y] = numbers(*point);
         let before = if index == 0 { "" } else { " " };
         let _ = write!(list, "{before}{x},{y}");
     }
@@ -291,6 +281,16 @@ fn number(value: f64) -> f64 {
     } else {
         value
     }
+}
+
+fn numbers(pixel: DVec2) -> [f64; 2] {
+    pixel.to_array().map(number)
+}
+
+/// Left, top, width and height.
+fn bounds(rect: Rect) -> [f64; 4] {
+    let ([x, y], [width, height]) = (rect.min.to_array(), rect.size().to_array());
+    [x, y, width.max(0.0), height.max(0.0)].map(number)
 }
 
 fn paint(attribute: &str, color: Option<Color>) -> String {

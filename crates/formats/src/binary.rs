@@ -1,7 +1,7 @@
 //! Reads little- and big-endian scalars from a byte slice; leaving its bounds is a typed error.
 //!
 //! Sizes stated by a header are multiplied with overflow checks and compared with the bytes that are there *before*
-//! anything is allocated. Never panics.
+//! anything is allocated. Nothing here panics.
 
 use crate::error::{FilePlace, FormatError};
 use crate::format::{Format, Precision};

@@ -167,7 +167,7 @@ impl Certificate {
             .collect()
     }
 
-    /// Refuses a certificate of a version this crate does not know.
+    /// Refuses a certificate of a newer version.
     pub(crate) fn check_version(&self, name: &str) -> Result<(), FormatError> {
         check_version(self.format_version, name)
     }

@@ -1,7 +1,7 @@
 //! Bytes to points and points to bytes, one file of the folder for each family of formats.
 //!
 //! `decode` and `encode` refuse what no format may hold (empty sets, NaN, provenance of another length), so that the
-//! codecs need not. Never touches the file system and never verifies geometry.
+//! codecs need not. They open no file and do not verify sets.
 
 mod csv;
 mod json;

@@ -1,8 +1,8 @@
 //! Detects the format of some bytes by extension, then by content, and says on what evidence. Also checks that a file
 //! is not written in a format that readers would take for another because of its name.
 //!
-//! A file that begins with a format's own mark is of that format whatever its name says. Never parses
-//! beyond the first line; whether the file is *valid* shows on decoding.
+//! A file that begins with a format's own mark is of that format whatever its name says. Only
+//! its beginning is parsed; whether the rest is valid shows on decoding.
 
 use std::fmt;
 use std::path::Path;

@@ -1,7 +1,8 @@
 //! BLAKE3 digests of files and of positions.
 //!
 //! A file's digest finds any changed byte; a positions digest finds a changed position whatever the
-//! file format, so a JSON document can certify itself. Never used for secrecy.
+//! file format, so a JSON document can certify itself. A digest is no
+//! signature: anybody can compute that of an altered file.
 
 use crate::binary;
 use crate::format::Precision;

@@ -132,7 +132,7 @@ pub enum ExportError {
     Verify {
         /// Number type of the stored coordinates.
         precision: Precision,
-        /// What the verifier said.
+        /// The verifier's error.
         source: VerifyError,
     },
     /// The format cannot be written point by point.
@@ -199,7 +199,7 @@ pub struct ExportedBytes {
 /// Encodes `set` (in domain units) as a file to be called `name`, decodes and verifies those bytes, and certifies
 /// them.
 ///
-/// The verdict is honest, not a condition: an invalid set is exported with `valid: false` and a warning.
+/// A set need not be valid: an invalid one is exported with `valid: false` and a warning.
 ///
 /// # Errors
 ///

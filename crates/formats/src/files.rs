@@ -43,7 +43,7 @@ pub struct Exported {
     pub certificate: Certificate,
     /// The verifier's report on the positions read back; indices are of the file's order.
     pub report: Report,
-    /// What to tell the user.
+    /// Warnings for the user.
     pub warnings: Vec<Warning>,
 }
 
@@ -89,7 +89,7 @@ pub fn check(
 /// Writes `set` (in domain units) to the file `path` and a certificate beside it, after reading back and verifying
 /// what was written.
 ///
-/// The verdict is honest, not a condition: an invalid set is exported with `valid: false` and a warning.
+/// A set need not be valid: an invalid one is exported with `valid: false` and a warning.
 ///
 /// # Errors
 ///

@@ -1,6 +1,6 @@
 //! The names of the formats and what each can carry.
 //!
-//! One enum that all other modules match on. Recognising a file's format is in `detect`.
+//! `detect` recognises the format of a file.
 
 use std::fmt;
 use std::path::Path;

@@ -2,7 +2,7 @@
 //!
 //! Everything that turns positions into bytes and back: eleven file formats, detection of a file's format, the
 //! certificate beside a file, and the re-verification of both. Invariants: this crate does not depend on
-//! `tilescope-core` (it cannot know how a set was made), no bytes make it panic, and roundings are reported: a
+//! `tilescope-core`, so that a set is judged by its positions alone, no bytes make it panic, and roundings are reported: a
 //! certificate states what the *written* file holds.
 //!
 //! ```

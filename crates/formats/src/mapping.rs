@@ -1,8 +1,9 @@
 //! From domain positions to file coordinates and back.
 //!
-//! The only place that handles the unit torus of psa and UTK files and the rounding to f32. Never changes a position
+//! The only place that handles the unit torus of psa and UTK files and the rounding to f32. No position changes
 //! silently: the exporter measures the shift and the certificate states it.
 
+use glam::DVec2;
 use tilescope_analysis::{Boundary, Region};
 
 use crate::format::{Format, Precision};
@@ -58,55 +59,56 @@ impl Mapping {
     #[must_use]
     pub fn file_from_domain(&self, point: [f64; 2]) -> [f64; 2] {
         if self.scale.to_bits() == 1.0_f64.to_bits() && self.precision == Precision::Double {
-            // A shortcut: the computation below gives the same, with eight divisions.
+            // What follows would give the same, slowly.
             return point;
         }
-        let stored = point.map(|value| self.round(value / self.scale));
+        let point = DVec2::from(point);
+        let stored = (point / self.scale).map(|value| self.round(value));
         let Some(region) = self.region else {
-            return stored;
+            return stored.into();
         };
-        [0, 1].map(|axis| {
-            let extent = [region.width, region.height][axis];
-            let limit = extent / self.scale;
-            match region.boundary {
-                Boundary::Periodic if point[axis] < extent && stored[axis] >= limit => 0.0,
-                Boundary::Bounded if point[axis] <= extent && stored[axis] > limit => {
-                    self.next_down(stored[axis])
-                }
-                _ => stored[axis],
-            }
-        })
+        let extent = extent(region);
+        let limit = extent / self.scale;
+        let (moves, to) = match region.boundary {
+            Boundary::Periodic => (point.cmplt(extent) & stored.cmpge(limit), DVec2::ZERO),
+            Boundary::Bounded => (
+                point.cmple(extent) & stored.cmpgt(limit),
+                stored.map(|value| self.next_down(value)),
+            ),
+        };
+        DVec2::select(moves, to, stored).into()
     }
 
     /// The domain position of the coordinates which a file stores, kept inside as on writing.
     #[must_use]
     pub fn domain_from_file(&self, stored: [f64; 2]) -> [f64; 2] {
-        let inside = stored.map(|value| value * self.scale);
+        let stored = DVec2::from(stored);
+        let point = stored * self.scale;
         let region = self
             .region
             .filter(|_| self.scale.to_bits() != 1.0_f64.to_bits());
         let Some(region) = region else {
-            return inside;
+            return point.into();
         };
-        [0, 1].map(|axis| {
-            let extent = [region.width, region.height][axis];
-            let limit = extent / self.scale;
-            match region.boundary {
-                Boundary::Periodic if inside[axis] >= extent && stored[axis] < limit => 0.0,
-                Boundary::Bounded if inside[axis] > extent && stored[axis] <= limit => extent,
-                _ => inside[axis],
-            }
-        })
+        let extent = extent(region);
+        let limit = extent / self.scale;
+        let (moves, to) = match region.boundary {
+            Boundary::Periodic => (point.cmpge(extent) & stored.cmplt(limit), DVec2::ZERO),
+            Boundary::Bounded => (point.cmpgt(extent) & stored.cmple(limit), extent),
+        };
+        DVec2::select(moves, to, point).into()
     }
 
     /// The largest coordinate-wise distance between `a` and `b`, across the boundary of a torus if shorter.
     pub(crate) fn shift(&self, a: [f64; 2], b: [f64; 2]) -> f64 {
-        let extents = self.extents();
-        let along = |axis: usize| {
-            let straight = (a[axis] - b[axis]).abs();
-            straight.min((extents[axis] - straight).abs())
-        };
-        along(0).max(along(1))
+        let straight = (DVec2::from(a) - DVec2::from(b)).abs();
+        let torus = self
+            .region
+            .filter(|region| region.boundary == Boundary::Periodic);
+        let shortest = torus.map_or(straight, |region| {
+            straight.min((extent(region) - straight).abs())
+        });
+        shortest.max_element()
     }
 
     fn round(&self, value: f64) -> f64 {
@@ -122,14 +124,10 @@ impl Mapping {
             Precision::Double => stored.next_down(),
         }
     }
+}
 
-    /// Periods of both axes; infinite in a bounded region.
-    fn extents(&self) -> [f64; 2] {
-        match self.region {
-            Some(region) if region.boundary == Boundary::Periodic => [region.width, region.height],
-            _ => [f64::INFINITY; 2],
-        }
-    }
+fn extent(region: Region) -> DVec2 {
+    DVec2::new(region.width, region.height)
 }
 
 #[cfg(test)]

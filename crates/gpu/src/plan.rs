@@ -1,7 +1,7 @@
 //! The plan of a window: the frame around it, the blocks that reach it, and the length of every buffer. Plans need no
 //! device.
 
-use tilescope_core::windows::{Frame as CoreFrame, PAD, PlacedBlock};
+use tilescope_core::windows::{Frame as CoreFrame, PAD, PlacedBlock, Rect64};
 use tilescope_core::{Point, R, Rect, SampleError};
 
 use crate::constants::{SCAN_PART, TILE_SIDE, TILE_WORDS, WORKGROUP};
@@ -202,7 +202,7 @@ pub(crate) fn lengths(frame: &Frame, sources: bool, by: bool) -> Vec<(Name, u64)
     lengths
 }
 
-fn enlarged(block: &PlacedBlock) -> tilescope_core::windows::Rect64 {
+fn enlarged(block: &PlacedBlock) -> Rect64 {
     block.rect.grown(R.into(), R.into())
 }
 
@@ -210,7 +210,7 @@ fn enlarged(block: &PlacedBlock) -> tilescope_core::windows::Rect64 {
 fn image(setup: &Setup, block: &PlacedBlock, target: &Rect) -> Option<Image> {
     let clip = enlarged(block).within(target)?;
     let shape = &setup.clipper.variants()[usize::from(block.symmetry)].shape;
-    let corner = block.rect.min.map(|v| v - i64::from(R));
+    let corner = block.rect.min - i64::from(R);
     // The corner of the clip relative to the corner of the enlarged block, in the repeated pattern.
     let start = |axis: usize, start: i32, low: i32, period: i32| {
         (i64::from(start) + i64::from(low) - corner[axis]).rem_euclid(period.into()) as i32
@@ -223,16 +223,16 @@ fn image(setup: &Setup, block: &PlacedBlock, target: &Rect) -> Option<Image> {
     let across = |v: i64| cut(v, target.min.x, target.max.x);
     let up = |v: i64| cut(v, target.min.y, target.max.y);
     Some(Image {
-        own_min_x: across(block.rect.min[0]),
-        own_min_y: up(block.rect.min[1]),
-        own_max_x: across(block.rect.max[0]),
-        own_max_y: up(block.rect.max[1]),
+        own_min_x: across(block.rect.min.x),
+        own_min_y: up(block.rect.min.y),
+        own_max_x: across(block.rect.max.x),
+        own_max_y: up(block.rect.max.y),
         clip_min_x: clip.min.x,
         clip_min_y: clip.min.y,
         clip_max_x: clip.max.x,
         clip_max_y: clip.max.y,
-        corner_x: corner[0] as u32,
-        corner_y: corner[1] as u32,
+        corner_x: corner.x as u32,
+        corner_y: corner.y as u32,
         start_x: start(0, block.start.x, clip.min.x, shape.width),
         start_y: start(1, block.start.y, clip.min.y, shape.height),
         shape: Setup::shape_of(block.symmetry),

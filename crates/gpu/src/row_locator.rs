@@ -1,6 +1,7 @@
 //! Computes where the rows of a buffer lie in the plane, from the frame, the counters and the cells of the tiled
 //! samples as they are on the device between two passes. A row past the end of its list has no place.
 
+use glam::I64Vec2;
 use tilescope_core::windows::{CELL_BITS, PAD};
 use tilescope_core::{Point, R, Rect, Stage};
 
@@ -160,10 +161,11 @@ impl RowLocator {
     /// Adds the places of a row.
     fn row(&self, name: Name, row: usize, values: &[i64], places: &mut Vec<RowPlace>) {
         let value = |k: usize| values.get(k).copied().unwrap_or(-1);
+        let pair = |k: usize| I64Vec2::new(value(k), value(k + 1));
         let in_list =
             |counter, place: Option<RowPlace>| place.filter(|_| self.is_listed(row, counter));
         let place = match name {
-            Name::Images => self.rect([value(0), value(1)], [value(2), value(3)]),
+            Name::Images => self.rect(pair(0), pair(2)),
             Name::Pieces => self.piece(value(1), value(2), value(3)),
             Name::TileImages => self.tile(row),
             Name::Heads if self.heads_are_listed() => {
@@ -175,27 +177,16 @@ impl RowLocator {
             Name::Grid => {
                 places.extend(self.cell(row as i64));
                 let slots = (0..3).map(|slot| 3 + 4 * slot);
-                places.extend(
-                    slots.filter_map(|k| self.sample(row as i64, [value(k), value(k + 1)])),
-                );
+                places.extend(slots.filter_map(|k| self.sample(row as i64, pair(k))));
                 None
             }
-            Name::Places => self.tiled(row, [value(0), value(1)]),
+            Name::Places => self.tiled(row, pair(0)),
             Name::Origins => self.tiled(row, self.offset(row)),
             Name::By => self.link(row, value(0)),
-            Name::Proposals => in_list(counter::PROPOSALS, self.point([value(0), value(1)])),
-            Name::Active => in_list(
-                counter::ACTIVE,
-                self.square([value(0), value(1)], self.level),
-            ),
-            Name::NextActive => in_list(
-                counter::NEXT_ACTIVE,
-                self.square([value(0), value(1)], self.level + 1),
-            ),
-            Name::Result => in_list(
-                counter::KEPT,
-                point([value(0), value(1)]).map(RowPlace::Point),
-            ),
+            Name::Proposals => in_list(counter::PROPOSALS, self.point(pair(0))),
+            Name::Active => in_list(counter::ACTIVE, self.square(pair(0), self.level)),
+            Name::NextActive => in_list(counter::NEXT_ACTIVE, self.square(pair(0), self.level + 1)),
+            Name::Result => in_list(counter::KEPT, point(pair(0)).map(RowPlace::Point)),
             Name::Tags => in_list(counter::KEPT, self.of_result(row)),
             _ => None,
         };
@@ -203,7 +194,7 @@ impl RowLocator {
     }
 
     /// Returns the offset from frame coordinates to plane coordinates. It puts the window into the domain.
-    fn shift(&self) -> [i64; 2] {
+    fn shift(&self) -> I64Vec2 {
         let frame = &self.frame;
         let axis = |origin: u32, window: i32, side: u32| {
             let first = origin.wrapping_add(window as u32);
@@ -213,61 +204,62 @@ impl RowLocator {
             };
             first - i64::from(window)
         };
-        [
+        I64Vec2::new(
             axis(frame.origin_x, frame.window_min_x, frame.side_x),
             axis(frame.origin_y, frame.window_min_y, frame.side_y),
-        ]
+        )
     }
 
     /// Returns the plane point at frame coordinates.
-    fn plane(&self, at: [i64; 2]) -> Option<Point> {
-        let [right, up] = self.shift();
-        point([at[0] + right, at[1] + up])
+    fn plane(&self, at: I64Vec2) -> Option<Point> {
+        point(at + self.shift())
     }
 
-    fn point(&self, at: [i64; 2]) -> Option<RowPlace> {
+    fn point(&self, at: I64Vec2) -> Option<RowPlace> {
         self.plane(at).map(RowPlace::Point)
     }
 
-    fn rect(&self, min: [i64; 2], max: [i64; 2]) -> Option<RowPlace> {
-        let is_empty = min[0] >= max[0] || min[1] >= max[1];
+    fn rect(&self, min: I64Vec2, max: I64Vec2) -> Option<RowPlace> {
+        let is_empty = min.cmpge(max).any();
         let (min, max) = (self.plane(min)?, self.plane(max)?);
         (!is_empty).then_some(RowPlace::Rect(Rect { min, max }))
     }
 
     /// Returns the lowest corner of a cell in the frame.
-    fn corner(&self, cell: i64) -> Option<[i64; 2]> {
+    fn corner(&self, cell: i64) -> Option<I64Vec2> {
         let stride = i64::from(self.frame.stride);
         if stride == 0 || !(0..i64::from(self.frame.cells)).contains(&cell) {
             return None;
         }
         let low = |index: i64| (index - i64::from(PAD)) << CELL_BITS;
-        Some([low(cell % stride), low(cell / stride)])
+        Some(I64Vec2::new(low(cell % stride), low(cell / stride)))
     }
 
     fn cell(&self, cell: i64) -> Option<RowPlace> {
-        let [x, y] = self.corner(cell)?;
-        self.rect([x, y], [x + i64::from(R), y + i64::from(R)])
+        let low = self.corner(cell)?;
+        self.rect(low, low + i64::from(R))
     }
 
     /// Returns a sample by its cell and its offset in it.
-    fn sample(&self, cell: i64, offset: [i64; 2]) -> Option<RowPlace> {
+    fn sample(&self, cell: i64, offset: I64Vec2) -> Option<RowPlace> {
         let inside = |at: i64| (0..i64::from(R)).contains(&at);
-        let [x, y] = self.corner(cell)?;
-        let is_there = inside(offset[0]) && inside(offset[1]);
-        is_there.then(|| self.point([x + offset[0], y + offset[1]]))?
+        let low = self.corner(cell)?;
+        let is_there = inside(offset.x) && inside(offset.y);
+        is_there.then(|| self.point(low + offset))?
     }
 
-    fn tiled(&self, row: usize, offset: [i64; 2]) -> Option<RowPlace> {
+    fn tiled(&self, row: usize, offset: I64Vec2) -> Option<RowPlace> {
         self.sample(i64::from(*self.cells.get(row)?), offset)
     }
 
     /// Returns the offset of a tiled sample in its cell.
-    fn offset(&self, row: usize) -> [i64; 2] {
+    fn offset(&self, row: usize) -> I64Vec2 {
         let Some(word) = self.places.get(row).map(|word| word & POSITION_MASK) else {
-            return [-1; 2];
+            return I64Vec2::NEG_ONE;
         };
-        [word & (R as u32 - 1), word >> CELL_BITS].map(i64::from)
+        [word & (R as u32 - 1), word >> CELL_BITS]
+            .map(i64::from)
+            .into()
     }
 
     /// Returns the link from a tiled sample to the one that eliminated it, or the sample alone if it was not
@@ -283,7 +275,7 @@ impl RowLocator {
     }
 
     /// Returns an active cell of a level, cut at the edge of the domain.
-    fn square(&self, low: [i64; 2], level: u32) -> Option<RowPlace> {
+    fn square(&self, low: I64Vec2, level: u32) -> Option<RowPlace> {
         let frame = &self.frame;
         let last = i64::from(frame.periodic == 0);
         let RowPlace::Point(corner) = self.wrapped(self.point(low)?) else {
@@ -292,15 +284,13 @@ impl RowLocator {
         let side = i64::from(R >> level.min(CELL_BITS));
         let extent = [(corner.x, frame.side_x), (corner.y, frame.side_y)]
             .map(|(at, end)| side.min(i64::from(end) + last - i64::from(at)));
-        self.rect(low, [low[0] + extent[0], low[1] + extent[1]])
+        self.rect(low, low + I64Vec2::from(extent))
     }
 
     fn tiles(&self, column: i64, row: i64, columns: i64, rows: i64) -> Option<RowPlace> {
-        let low = |tile: i64| (tile * i64::from(TILE_SIDE) - i64::from(PAD)) << CELL_BITS;
-        self.rect(
-            [low(column), low(row)],
-            [low(column + columns), low(row + rows)],
-        )
+        let low = |tile: I64Vec2| (tile * i64::from(TILE_SIDE) - i64::from(PAD)) << CELL_BITS;
+        let (first, count) = (I64Vec2::new(column, row), I64Vec2::new(columns, rows));
+        self.rect(low(first), low(first + count))
     }
 
     fn tile(&self, tile: usize) -> Option<RowPlace> {
@@ -318,7 +308,7 @@ impl RowLocator {
 
     fn of_result(&self, row: usize) -> Option<RowPlace> {
         let words = self.result.get(2 * row..2 * row + 2)?;
-        point([words[0].into(), words[1].into()]).map(RowPlace::Point)
+        point(I64Vec2::new(words[0].into(), words[1].into())).map(RowPlace::Point)
     }
 }
 
@@ -326,8 +316,8 @@ const fn frame_bytes() -> std::ops::Range<u64> {
     0..size_of::<Frame>() as u64
 }
 
-fn point(at: [i64; 2]) -> Option<Point> {
-    let [x, y] = at.map(|v| i32::try_from(v).ok());
+fn point(at: I64Vec2) -> Option<Point> {
+    let [x, y] = at.to_array().map(|v| i32::try_from(v).ok());
     Some(Point::new(x?, y?))
 }
 

@@ -3,6 +3,7 @@
 
 use std::collections::HashMap;
 
+use glam::I64Vec2;
 use tilescope_core::windows::{CELL_BITS, PAD};
 use tilescope_core::{Fate, Insertion, Point, R, Run, Sequential, Stage, Unobserved};
 
@@ -118,10 +119,7 @@ fn tiled(work: &WindowRun, run: &Run) -> Vec<TiledWords> {
             .or_insert_with(|| clip_of(work, placed));
         let first = run.tiles[placed.index as usize].samples.start;
         clipper.clip(placed, &enlarged, &plan.frame.tiled(), |x, y, pattern| {
-            let offset = (
-                i64::from(y) - enlarged.min[1],
-                i64::from(x) - enlarged.min[0],
-            );
+            let offset = (i64::from(y) - enlarged.min.y, i64::from(x) - enlarged.min.x);
             let k = offsets.partition_point(|p| *p < offset) as u32;
             let fate = match run.samples.fates[(first + k) as usize] {
                 Fate::Undecided => 0,
@@ -141,11 +139,8 @@ fn clip_of(work: &WindowRun, placed: &tilescope_core::windows::PlacedBlock) -> V
     let clipper = &work.setup.clipper;
     let mut moved = *placed;
     // Relative to its own corner a block fits 32 bits; longer ones are refused earlier, as too large to run in one go.
-    for axis in 0..2 {
-        let side = placed.rect.max[axis] - placed.rect.min[axis];
-        moved.rect.min[axis] = R.into();
-        moved.rect.max[axis] = side + i64::from(R);
-    }
+    moved.rect.min = I64Vec2::splat(R.into());
+    moved.rect.max = placed.rect.max - placed.rect.min + i64::from(R);
     let whole = moved.rect.grown(R.into(), R.into());
     let target = tilescope_core::Rect {
         min: Point::new(0, 0),

@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use tilescope_core::stages::darts::{LAST_LEVEL, throw_key};
 use tilescope_core::stages::uniform::gap_key;
-use tilescope_core::windows::WindowCounts;
+use tilescope_core::windows::{PlacedBlock, Rect64, WindowCounts};
 use tilescope_core::{Insertion, Point, Run, Source, Stage, Stream};
 
 use crate::adapter::Gpu;
@@ -272,12 +272,8 @@ impl WindowRun {
     }
 
     fn counts(&self) -> WindowCounts {
-        let window = &self.plan.frame.window;
-        let starts_here = |placed: &&tilescope_core::windows::PlacedBlock| {
-            let [x, y] = placed.rect.min;
-            let inside = |v: i64, low: i32, high: i32| (low.into()..high.into()).contains(&v);
-            inside(x, window.min.x, window.max.x) && inside(y, window.min.y, window.max.y)
-        };
+        let window = Rect64::from(self.plan.frame.window);
+        let starts_here = |placed: &&PlacedBlock| window.contains(placed.rect.min);
         let mut counts = WindowCounts {
             blocks: self.plan.placed.iter().filter(starts_here).count() as u64,
             eliminated: self.counter(counter::ELIMINATED).into(),

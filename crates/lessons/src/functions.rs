@@ -6,6 +6,7 @@ use std::hash::Hash;
 use std::sync::atomic::{AtomicI64, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
+use glam::DVec2;
 use rhai::{Dynamic, Engine, EvalAltResult, Map};
 use tilescope_analysis::Tessellation;
 use tilescope_core::stages::blocks::Axis;
@@ -350,7 +351,8 @@ impl Now {
     }
 
     fn seam_of(&self, s: i64) -> f64 {
-        self.point(s).map_or(f64::NAN, |[x, y]| self.seam(x, y).1)
+        let point = self.point(s).map(DVec2::from);
+        point.map_or(f64::NAN, |point| self.seam(point).1)
     }
 
     fn block_size(&self, b: i64) -> Dynamic {
@@ -430,20 +432,21 @@ impl Now {
     }
 
     /// Returns the nearest place on an edge of a block, and its distance.
-    fn seam(&self, x: f64, y: f64) -> ([f64; 2], f64) {
+    fn seam(&self, at: DVec2) -> (DVec2, f64) {
         let leaves = &self.recording.run().blocks.leaves;
-        let mut best = ([x, y], f64::INFINITY);
+        let mut best = (at, f64::INFINITY);
         for leaf in leaves {
-            let (min, max) = (leaf.rect.min, leaf.rect.max);
-            let [x0, y0, x1, y1] = [min.x, min.y, max.x, max.y].map(radii);
-            let inside = [x.clamp(x0, x1), y.clamp(y0, y1)];
+            let corners = [leaf.rect.min, leaf.rect.max];
+            let [min, max] = corners.map(|corner| DVec2::from(position(corner)));
+            let inside = at.clamp(min, max);
             for place in [
-                [x0, inside[1]],
-                [x1, inside[1]],
-                [inside[0], y0],
-                [inside[0], y1],
+                inside.with_x(min.x),
+                inside.with_x(max.x),
+                inside.with_y(min.y),
+                inside.with_y(max.y),
             ] {
-                let distance = (place[0] - x).hypot(place[1] - y);
+                let offset = place - at;
+                let distance = offset.x.hypot(offset.y);
                 if distance < best.1 {
                     best = (place, distance);
                 }
@@ -546,8 +549,10 @@ pub(crate) fn register(engine: &mut Engine, now: &Arc<Now>) {
         .map(|found| found.gaps.len() as i64));
     function!("deepest", |now| now.deepest());
     function!("deepest_near", |now, x: f64, y: f64| now.deepest_near(x, y));
-    function!("seam", |now, x: f64, y: f64| now.seam(x, y).1);
-    function!("on_seam", |now, x: f64, y: f64| place(now.seam(x, y).0));
+    function!("seam", |now, x: f64, y: f64| now.seam(DVec2::new(x, y)).1);
+    function!("on_seam", |now, x: f64, y: f64| place(
+        now.seam(DVec2::new(x, y)).0.into()
+    ));
     function!("position", |now, s: i64| maybe(now.point(s).map(place)));
     function!("within", |now, x: f64, y: f64, d: f64| now.within(x, y, d));
     function!("seam_of", |now, s: i64| now.seam_of(s));

@@ -2,6 +2,7 @@
 
 use std::ops::ControlFlow;
 
+use glam::DVec2;
 use tilescope_analysis::measures::{MeasureError, Periodogram, RadialProfile, Spectrum};
 use tilescope_analysis::{Boundary, Progress, Region, VerifyOptions, verify};
 use tilescope_core::{Domain, Key, Point, R, Run, Stream};
@@ -77,12 +78,12 @@ fn region(domain: &Domain) -> Region {
     }
 }
 
-/// Returns a length in r.
+/// Returns a length of lattice units in r.
 pub(crate) fn radii(units: impl Into<f64>) -> f64 {
     units.into() / f64::from(R)
 }
 
-/// Returns a position in r.
+/// Returns a point of the lattice in r.
 pub(crate) fn position(point: Point) -> [f64; 2] {
     [radii(point.x), radii(point.y)]
 }
@@ -151,26 +152,22 @@ impl PointSet {
             (0..rows as u32).flat_map(|row| (0..columns as u32).map(move |column| (column, row)));
         let drawn = cells.zip(0..).map(|((column, row), index)| {
             let [x, y] = key.draw(Stream::Dart, index).map(share);
-            let at = [
-                (f64::from(column) + x) / columns,
-                (f64::from(row) + y) / rows,
-            ];
-            [at[0] * self.region.width, at[1] * self.region.height]
+            [
+                (f64::from(column) + x) / columns * self.region.width,
+                (f64::from(row) + y) / rows * self.region.height,
+            ]
         });
         self.with(drawn.collect())
     }
 
     /// Returns the distance of two places, around the domain if it is periodic.
     pub fn distance(&self, a: [f64; 2], b: [f64; 2]) -> f64 {
-        let sides = [self.region.width, self.region.height];
-        let offset = [0, 1].map(|axis| {
-            let d = a[axis] - b[axis];
-            match self.region.boundary {
-                Boundary::Periodic => d - (d / sides[axis]).round() * sides[axis],
-                Boundary::Bounded => d,
-            }
-        });
-        offset[0].hypot(offset[1])
+        let mut offset = DVec2::from(a) - DVec2::from(b);
+        if self.region.boundary == Boundary::Periodic {
+            let sides = DVec2::new(self.region.width, self.region.height);
+            offset -= (offset / sides).round() * sides;
+        }
+        offset.x.hypot(offset.y)
     }
 
     /// Returns the sample nearest to a place, and its distance.

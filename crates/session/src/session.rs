@@ -423,7 +423,7 @@ fn tiled_conflicts(run: &Run) -> Vec<[u32; 2]> {
     let mut conflicts = Vec::new();
     for id in tiled() {
         grid.any_near(points[id as usize], R, |near| {
-            if near.id > id && covers_offset(near.offset.0, near.offset.1) {
+            if near.id > id && covers_offset(near.offset) {
                 conflicts.push([id, near.id]);
             }
             false

@@ -20,7 +20,7 @@ use tilescope_session::session::Session;
 use tilescope_session::task::Task;
 
 use crate::export::picture::thumbnail;
-use crate::export::surface::color;
+use crate::export::surface::{at as on_picture, color};
 use crate::export::{MomentView, PictureView};
 use crate::lessons::{LessonSource, MarkKind, OpenLesson};
 use crate::link::layer_name;
@@ -105,13 +105,12 @@ pub fn picture(open: &OpenLesson, style: PictureStyle, strokes: &[PenStroke]) ->
     let is_periodic = session.run().domain.is_periodic();
     let place = |at: DVec2| {
         let turns = ((at - camera.center) / size).round() * f64::from(u8::from(is_periodic));
-        let at = camera.screen_from_domain(frame, at - turns * size);
-        [f64::from(at.x), f64::from(at.y)]
+        on_picture(camera.screen_from_domain(frame, at - turns * size))
     };
     let mut marks = Group::new("marks");
     if let Some(([low, high], _)) = open.cut() {
         let [low, high] = [low, high].map(place);
-        let corners = [low, [high[0], low[1]], high, [low[0], high[1]], low];
+        let corners = [low, low.with_x(high.x), high, high.with_x(low.x), low];
         let stroke = Stroke::new(color(palette.accent), 2.0);
         let sides = corners.windows(2);
         let sides = sides.map(|side| Shape::line(side[0], side[1], stroke));
@@ -128,7 +127,7 @@ pub fn picture(open: &OpenLesson, style: PictureStyle, strokes: &[PenStroke]) ->
         let circle = Shape::circle(at, 7.0, Style::stroked(ink, 1.6));
         marks.shapes.push(circle);
         if !mark.label.is_empty() {
-            let corner = [at[0] + 9.0, at[1] - 5.0];
+            let corner = at + DVec2::new(9.0, -5.0);
             let label = Text::new(corner, mark.label, 12.0, ink);
             marks.shapes.push(Shape::Text(label));
         }

@@ -1,18 +1,19 @@
 //! The contribution of a piece: the samples of its set in its rectangle, and in the margin of r around it if the set
 //! extends there. Samples of other pieces are not considered.
 
+use glam::I64Vec2;
 use rayon::prelude::*;
 
 use super::Piece;
 use super::layout::continues;
-use crate::lattice::{Domain, Point, R};
+use crate::lattice::{Domain, Point, R, Rect64};
 use crate::pattern::Symmetry;
 
 /// A piece's contribution.
 pub(super) struct Clip {
     /// Samples in the margin and near it, by y, then x, each with its index in the set. Positions are in the result,
     /// before a periodic domain wraps them.
-    pub near: Vec<(i64, i64, u32)>,
+    pub near: Vec<(I64Vec2, u32)>,
     /// Samples deeper inside.
     pub deep: Vec<(Point, u32)>,
 }
@@ -44,23 +45,20 @@ fn clip(domain: &Domain, pieces: &[Piece], piece: &Piece, reach: i32) -> Clip {
     );
     let (mut near, mut deep) = (Vec::new(), Vec::new());
     let start = Point::new(x.start, y.start);
+    let corner = I64Vec2::new(x.corner, y.corner);
     variant.clip(start, x.length, y.length, |right, up, index| {
-        let (x, y) = (x.corner + i64::from(right), y.corner + i64::from(up));
+        let at = corner + I64Vec2::new(right.into(), up.into());
         // Only samples of a margin may exceed 32 bits.
-        let point = Point::new(x as i32, y as i32);
-        let own = (i64::from(point.x), i64::from(point.y)) == (x, y) && rect.contains(point);
+        let point = Point::new(at.x as i32, at.y as i32);
+        let own = I64Vec2::from(point) == at && rect.contains(point);
         if own && rect.depth(point) > reach {
             deep.push((point, index));
-        } else if own || !continuations.iter().any(|other| other.contains(x, y)) {
-            near.push((y, x, index));
+        } else if own || !continuations.iter().any(|other| other.contains(at)) {
+            near.push((at, index));
         }
     });
-    near.sort_unstable();
-    let near = near.into_iter().map(|(y, x, index)| (x, y, index));
-    Clip {
-        near: near.collect(),
-        deep,
-    }
+    near.sort_unstable_by_key(|&(at, index)| (at.y, at.x, index));
+    Clip { near, deep }
 }
 
 /// One axis of a rectangle that is enlarged by r on both ends, as far as the set extends.
@@ -91,21 +89,9 @@ impl Margined {
     }
 }
 
-/// A rectangle of the plane in which the same set continues.
-struct Continuation {
-    min: [i64; 2],
-    max: [i64; 2],
-}
-
-impl Continuation {
-    fn contains(&self, x: i64, y: i64) -> bool {
-        (self.min[0]..self.max[0]).contains(&x) && (self.min[1]..self.max[1]).contains(&y)
-    }
-}
-
 /// Returns the rectangles around a piece in which the same set continues unchanged. There the piece's margin would only
 /// repeat existing samples.
-fn continuations(domain: &Domain, pieces: &[Piece], piece: &Piece) -> Vec<Continuation> {
+fn continuations(domain: &Domain, pieces: &[Piece], piece: &Piece) -> Vec<Rect64> {
     let mut continuations = Vec::new();
     let periodic = domain.is_periodic();
     let shifts = |side: i32| {
@@ -116,13 +102,10 @@ fn continuations(domain: &Domain, pieces: &[Piece], piece: &Piece) -> Vec<Contin
     for other in pieces {
         for dx in shifts(domain.width()) {
             for dy in shifts(domain.height()) {
-                let itself = std::ptr::eq(other, piece) && dx == 0 && dy == 0;
-                if !itself && continues(piece, other, [dx, dy]) {
-                    let (min, max) = (other.rect.min, other.rect.max);
-                    continuations.push(Continuation {
-                        min: [i64::from(min.x) + dx, i64::from(min.y) + dy],
-                        max: [i64::from(max.x) + dx, i64::from(max.y) + dy],
-                    });
+                let shift = I64Vec2::new(dx, dy);
+                let itself = std::ptr::eq(other, piece) && shift == I64Vec2::ZERO;
+                if !itself && continues(piece, other, shift) {
+                    continuations.push(Rect64::from(other.rect).moved(shift));
                 }
             }
         }

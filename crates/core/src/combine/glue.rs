@@ -156,8 +156,8 @@ fn placed(domain: &Domain, pieces: &[Piece], clips: Vec<Clip>) -> Glued {
     );
     for ((piece, clip), index) in pieces.iter().zip(clips).zip(0..) {
         let first = samples.len() as u32;
-        for (x, y, pattern) in clip.near {
-            push_tiled(domain, &piece.rect, (x, y), index, pattern, &mut samples);
+        for (at, pattern) in clip.near {
+            push_tiled(domain, &piece.rect, at, index, pattern, &mut samples);
         }
         tiles.push(Tile {
             start: Point::new(

@@ -1,5 +1,7 @@
 //! The layout of pieces: checks that their rectangles partition the domain, and finds the seams.
 
+use glam::I64Vec2;
+
 use super::{CombineError, MAX_PIECES, Piece};
 use crate::lattice::{Domain, Point, R, R_SQUARED, Rect};
 use crate::stages::blocks::Axis;
@@ -170,18 +172,16 @@ fn covers_line(
 }
 
 /// Returns whether `b`, moved by `shift` units, continues `a` beyond its rectangle: the same set at the same position.
-pub(super) fn continues(a: &Piece, b: &Piece, shift: [i64; 2]) -> bool {
+pub(super) fn continues(a: &Piece, b: &Piece, shift: I64Vec2) -> bool {
     if !std::sync::Arc::ptr_eq(&a.set, &b.set) {
         return false;
     }
     let own = a.set.domain();
-    let axis = |a: [i32; 2], b: [i32; 2], shift: i64, side: i32| {
-        let apart = i64::from(b[0]) + shift - i64::from(a[0]) + i64::from(a[1]) - i64::from(b[1]);
-        apart == 0 || own.is_periodic() && apart % i64::from(side) == 0
-    };
-    let (p, q) = (a.rect.min, b.rect.min);
-    axis([p.x, a.start.x], [q.x, b.start.x], shift[0], own.width())
-        && axis([p.y, a.start.y], [q.y, b.start.y], shift[1], own.height())
+    // The place in the plane of the set's own origin.
+    let origin = |piece: &Piece| I64Vec2::from(piece.rect.min) - I64Vec2::from(piece.start);
+    let apart = origin(b) + shift - origin(a);
+    let sides = I64Vec2::new(own.width().into(), own.height().into());
+    apart == I64Vec2::ZERO || own.is_periodic() && apart % sides == I64Vec2::ZERO
 }
 
 /// Returns the seams: vertical ones by the piece on their left, then horizontal ones by the piece below.
@@ -218,8 +218,8 @@ fn seam(axis: Axis, pieces: &[Piece], [left, right]: [u32; 2], shift: i32) -> Op
     let (a, b) = (&pieces[left as usize], &pieces[right as usize]);
     let shift = i64::from(shift);
     let (along, shift) = match axis {
-        Axis::X => (Axis::Y, [shift, 0]),
-        Axis::Y => (Axis::X, [0, shift]),
+        Axis::X => (Axis::Y, I64Vec2::new(shift, 0)),
+        Axis::Y => (Axis::X, I64Vec2::new(0, shift)),
     };
     let from = across(along, a.rect.min).max(across(along, b.rect.min));
     let to = across(along, a.rect.max).min(across(along, b.rect.max));

@@ -6,7 +6,9 @@
 //! pivot than the reach of detection belongs to no gap of the pivot and is skipped; a bounded domain adds candidates on
 //! its border.
 
-use crate::circumcentre::{Offset, circumcentre};
+use glam::{I64Vec2, IVec2};
+
+use crate::circumcentre::circumcentre;
 use crate::error::SampleError;
 use crate::grid::SampleGrid;
 use crate::lattice::{Domain, Point, R, covers_offset};
@@ -30,13 +32,7 @@ pub struct AsPrinted {
 #[derive(Clone, Copy)]
 struct Member {
     id: u32,
-    offset: (i32, i32),
-}
-
-impl Member {
-    fn wide(&self) -> Offset {
-        (self.offset.0.into(), self.offset.1.into())
-    }
+    offset: IVec2,
 }
 
 impl AsPrinted {
@@ -196,7 +192,7 @@ impl AsPrinted {
         });
         for (k, m) in others.iter().enumerate() {
             for n in &others[k + 1..] {
-                if let Some(centre) = circumcentre(m.wide(), n.wide()) {
+                if let Some(centre) = circumcentre(m.offset.as_i64vec2(), n.offset.as_i64vec2()) {
                     let mut ids = [pivot, m.id, n.id];
                     ids.sort_unstable();
                     let sites = Sites::Three(ids);
@@ -221,7 +217,7 @@ impl AsPrinted {
         let border = Border::around(&self.domain, at);
         for m in others {
             let sites = Sites::Border([pivot.min(m.id), pivot.max(m.id)]);
-            for place in border.as_far_from(m.wide()) {
+            for place in border.as_far_from(m.offset.as_i64vec2()) {
                 self.insert(samples, pivot, place, sites, iteration, recorder);
             }
         }
@@ -237,7 +233,7 @@ impl AsPrinted {
         &mut self,
         samples: &mut Samples,
         pivot: u32,
-        centre: Offset,
+        centre: I64Vec2,
         sites: Sites,
         iteration: u32,
         recorder: &mut T,
@@ -263,20 +259,17 @@ impl AsPrinted {
     /// Returns the lattice point at `centre` from a pivot at `at` if it lies in a gap within reach, or
     /// why not.
     #[inline]
-    fn examine(&self, samples: &Samples, at: Point, centre: Offset) -> Result<Point, Verdict> {
+    fn examine(&self, samples: &Samples, at: Point, centre: I64Vec2) -> Result<Point, Verdict> {
         let reach = i64::from(Reach::new(&self.domain, self.search, at).radius);
-        if centre.0.abs() > reach || centre.1.abs() > reach {
+        if centre.abs().max_element() > reach || centre.length_squared() > reach * reach {
             return Err(Verdict::TooFar);
         }
-        if centre.0 * centre.0 + centre.1 * centre.1 > reach * reach {
-            return Err(Verdict::TooFar);
-        }
-        let place = (i64::from(at.x) + centre.0, i64::from(at.y) + centre.1);
-        let point = self.domain.wrap(place.0, place.1).ok_or(Verdict::Outside)?;
+        let place = I64Vec2::from(at) + centre;
+        let point = self.domain.wrap(place).ok_or(Verdict::Outside)?;
         let mut by = u32::MAX;
         let covered = self.grid.any_near(point, R, |near| {
             by = near.id;
-            is_valid(samples.fates[near.id as usize]) && covers_offset(near.offset.0, near.offset.1)
+            is_valid(samples.fates[near.id as usize]) && covers_offset(near.offset)
         });
         if covered {
             Err(Verdict::Covered { by })
@@ -290,8 +283,8 @@ impl AsPrinted {
         let limit = i64::from(radius) * i64::from(radius);
         let mut members = Vec::new();
         self.grid.any_near(centre, radius, |near| {
-            let (dx, dy) = (i64::from(near.offset.0), i64::from(near.offset.1));
-            if dx * dx + dy * dy <= limit && is_valid(samples.fates[near.id as usize]) {
+            let distance_squared = near.offset.as_i64vec2().length_squared();
+            if distance_squared <= limit && is_valid(samples.fates[near.id as usize]) {
                 members.push(Member {
                     id: near.id,
                     offset: near.offset,

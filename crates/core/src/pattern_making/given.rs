@@ -86,7 +86,7 @@ fn check(domain: &Domain, samples: &[Point]) -> Result<bool, PatternError> {
     for (&p, id) in samples.iter().zip(0..) {
         let mut other = None;
         grid.any_near(p, R, |near| {
-            let covered = covers_offset(near.offset.0, near.offset.1);
+            let covered = covers_offset(near.offset);
             if covered {
                 other = Some(samples[near.id as usize]);
             }
@@ -109,6 +109,8 @@ fn check(domain: &Domain, samples: &[Point]) -> Result<bool, PatternError> {
 
 #[cfg(test)]
 mod tests {
+    use glam::DVec2;
+
     use super::*;
     use crate::parameters::PatternSpec;
     use crate::progress::Unobserved;
@@ -123,11 +125,7 @@ mod tests {
     }
 
     fn positions(pattern: &Pattern) -> Vec<[f64; 2]> {
-        pattern
-            .samples()
-            .iter()
-            .map(|&p| pattern.domain().user_from_lattice(p))
-            .collect()
+        pattern.domain().users_from_lattice(pattern.samples())
     }
 
     #[test]
@@ -156,7 +154,7 @@ mod tests {
         let removed = good[17];
         match make(&bad, 1.0) {
             Err(PatternError::NotMaximal { witness }) => {
-                assert!((witness[0] - removed[0]).hypot(witness[1] - removed[1]) < 1.01);
+                assert!(DVec2::from(witness).distance(removed.into()) < 1.01);
             }
             other => panic!("{other:?}"),
         }

@@ -21,7 +21,9 @@
 //! before was covered by an eliminated or dropped sample, within r (+ 4 units of slack, since
 //! patterns cover lattice points), so the site is within 2r of that sample.
 
-use crate::circumcentre::{Offset, circumcentre, on_line};
+use glam::{DVec2, I64Vec2, IVec2, Vec2Swizzles};
+
+use crate::circumcentre::{circumcentre, on_line};
 use crate::grid::SampleGrid;
 use crate::lattice::{Domain, Point, R, R_SQUARED};
 use crate::parameters::Search;
@@ -97,7 +99,7 @@ pub(crate) fn first_detectors_recorded<T: Recorder>(
     for ((&point, &fate), because) in samples.points.iter().zip(&samples.fates).zip(0..) {
         if matches!(fate, Fate::Eliminated { .. } | Fate::Dropped) {
             survivors.any_near(point, DETECTOR_REACH, |near| {
-                if norm_squared((near.offset.0.into(), near.offset.1.into())) <= limit {
+                if near.offset.as_i64vec2().length_squared() <= limit {
                     if T::ENABLED && !is_detector[near.id as usize] {
                         recorder.record(RunEvent::Mark {
                             sample: near.id,
@@ -131,7 +133,7 @@ pub struct Detection<'a> {
 
 #[derive(Clone, Copy)]
 struct Site {
-    offset: Offset,
+    offset: I64Vec2,
     id: u32,
 }
 
@@ -183,16 +185,17 @@ impl<'a> Detection<'a> {
             recorder.record(RunEvent::NoGap { sample: id });
             return;
         }
-        let own = Site { offset: (0, 0), id };
+        let own = Site {
+            offset: I64Vec2::ZERO,
+            id,
+        };
         self.near.push(own);
         let limit = i64::from(self.reach.search) * i64::from(self.reach.search);
         self.concerned.clear();
         self.concerned.extend(self.near.iter().filter(|site| {
             site.id != id
-                && norm_squared(site.offset) <= limit
-                && self
-                    .cell
-                    .may_concern((site.offset.0 as i32, site.offset.1 as i32))
+                && site.offset.length_squared() <= limit
+                && self.cell.may_concern(site.offset.as_ivec2())
         }));
         self.find_circumcentres(own, at, out, recorder);
         if !self.domain.is_periodic() {
@@ -206,8 +209,7 @@ impl<'a> Detection<'a> {
         let limit = i64::from(radius) * i64::from(radius);
         let mut found = 0;
         self.survivors.any_near(at, radius, |near| {
-            let offset = (near.offset.0.into(), near.offset.1.into());
-            found += u32::from(norm_squared(offset) <= limit);
+            found += u32::from(near.offset.as_i64vec2().length_squared() <= limit);
             false
         });
         recorder.record(RunEvent::Search {
@@ -220,13 +222,10 @@ impl<'a> Detection<'a> {
     /// Starts the relaxed cell of a sample at `at` with all places that may be candidates.
     fn start_cell(&mut self, at: Point) {
         let reach = f64::from(self.reach.radius);
-        let (mut min, mut max) = ([-reach; 2], [reach; 2]);
+        let (mut min, mut max) = (DVec2::splat(-reach), DVec2::splat(reach));
         if !self.domain.is_periodic() {
             let Border { low, high } = Border::around(&self.domain, at);
-            for axis in 0..2 {
-                min[axis] = min[axis].max(low[axis] as f64);
-                max[axis] = max[axis].min(high[axis] as f64);
-            }
+            (min, max) = (min.max(low.as_dvec2()), max.min(high.as_dvec2()));
         }
         self.cell.reset(min, max);
     }
@@ -236,10 +235,9 @@ impl<'a> Detection<'a> {
         let (near, cell) = (&mut self.near, &mut self.cell);
         self.survivors.any_near(at, reach, |other| {
             if other.id != id {
-                let (x, y) = other.offset;
                 cell.clip(other.offset);
                 near.push(Site {
-                    offset: (x.into(), y.into()),
+                    offset: other.offset.as_i64vec2(),
                     id: other.id,
                 });
             }
@@ -302,7 +300,7 @@ impl<'a> Detection<'a> {
     fn examine<T: Recorder>(
         &self,
         at: Point,
-        centre: Offset,
+        centre: I64Vec2,
         samples: &[Site],
         out: &mut Vec<Candidate>,
         recorder: &mut T,
@@ -328,14 +326,13 @@ impl<'a> Detection<'a> {
 
     /// Returns the lattice point at `centre` from the detector at `at` if it is a candidate made by `sites`, as defined
     /// above, or why it is not.
-    fn accept(&self, at: Point, centre: Offset, sites: &[Site]) -> Result<Point, Verdict> {
+    fn accept(&self, at: Point, centre: I64Vec2, sites: &[Site]) -> Result<Point, Verdict> {
         let reach = i64::from(self.reach.radius);
         // Three samples nearly in line have a centre so far away that its square is no number.
-        if centre.0.abs() > reach || centre.1.abs() > reach || norm_squared(centre) > reach * reach
-        {
+        if centre.abs().max_element() > reach || centre.length_squared() > reach * reach {
             return Err(Verdict::TooFar);
         }
-        let distance = |site: &Site| norm_squared(minus(site.offset, centre));
+        let distance = |site: &Site| site.offset.distance_squared(centre);
         let nearest = sites.iter().map(distance).min().unwrap_or(0);
         let limit = (nearest - NEARER_SLACK).max(R_SQUARED + 1);
         if let Some(site) = self.near.iter().find(|site| distance(site) < limit) {
@@ -345,58 +342,47 @@ impl<'a> Detection<'a> {
                 Verdict::NotNearest { nearer: site.id }
             });
         }
-        let (x, y) = (i64::from(at.x) + centre.0, i64::from(at.y) + centre.1);
-        self.domain.wrap(x, y).ok_or(Verdict::Outside)
+        let place = I64Vec2::from(at) + centre;
+        self.domain.wrap(place).ok_or(Verdict::Outside)
     }
 }
 
 /// Returns an offset in 32 bits; three samples nearly in line have centres farther away.
-pub(crate) fn clamped(offset: Offset) -> [i32; 2] {
-    let clamp = |x: i64| x.clamp(i32::MIN.into(), i32::MAX.into()) as i32;
-    [clamp(offset.0), clamp(offset.1)]
+pub(crate) fn clamped(offset: I64Vec2) -> IVec2 {
+    let [low, high] = [IVec2::MIN, IVec2::MAX].map(IVec2::as_i64vec2);
+    offset.clamp(low, high).as_ivec2()
 }
 
 /// The border of a bounded domain as seen from one of its points.
 pub(crate) struct Border {
     /// Offsets of the left and lower lines.
-    low: [i64; 2],
+    low: I64Vec2,
     /// Offsets of the right and upper lines.
-    high: [i64; 2],
+    high: I64Vec2,
 }
 
 impl Border {
     pub(crate) fn around(domain: &Domain, at: Point) -> Self {
-        let (width, height) = (domain.width(), domain.height());
-        Self {
-            low: [-i64::from(at.x), -i64::from(at.y)],
-            high: [i64::from(width - at.x), i64::from(height - at.y)],
-        }
+        let low = -I64Vec2::from(at);
+        let high = low + I64Vec2::new(domain.width().into(), domain.height().into());
+        Self { low, high }
     }
 
     /// Returns the places of the four border lines that are as far from the point as from `m`,
     /// some of them far outside the domain.
-    pub(crate) fn as_far_from(&self, m: Offset) -> impl Iterator<Item = Offset> {
-        let swapped = (m.1, m.0);
-        let column = |x: i64| on_line(x, m).map(|y| (x, y));
-        let row = |y: i64| on_line(y, swapped).map(|x| (x, y));
-        let ([left, lower], [right, upper]) = (self.low, self.high);
-        [column(left), column(right), row(lower), row(upper)]
+    pub(crate) fn as_far_from(&self, m: I64Vec2) -> impl Iterator<Item = I64Vec2> {
+        let column = |x: i64| on_line(x, m).map(|y| I64Vec2::new(x, y));
+        let row = |y: i64| on_line(y, m.yx()).map(|x| I64Vec2::new(x, y));
+        let Self { low, high } = self;
+        [column(low.x), column(high.x), row(low.y), row(high.y)]
             .into_iter()
             .flatten()
     }
 
-    pub(crate) const fn corners(&self) -> [Offset; 4] {
-        let ([left, lower], [right, upper]) = (self.low, self.high);
-        [(left, lower), (right, lower), (left, upper), (right, upper)]
+    pub(crate) fn corners(&self) -> [I64Vec2; 4] {
+        let Self { low, high } = *self;
+        [low, low.with_x(high.x), low.with_y(high.y), high]
     }
-}
-
-const fn minus(a: Offset, b: Offset) -> Offset {
-    (a.0 - b.0, a.1 - b.1)
-}
-
-const fn norm_squared(a: Offset) -> i64 {
-    a.0 * a.0 + a.1 * a.1
 }
 
 #[cfg(test)]

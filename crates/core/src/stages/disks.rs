@@ -1,6 +1,8 @@
 //! A compact grid for conflict-free sets: cells of one radius with a few packed slots. It answers coverage queries for
 //! the dart process and the pattern check. Samples have no ids here; for those see [`crate::SampleGrid`].
 
+use glam::IVec2;
+
 use crate::grid::spans;
 use crate::lattice::{Domain, Point, R, R_SQUARED, covers_offset};
 
@@ -67,7 +69,7 @@ impl DiskGrid {
         from: Point,
         below: i32,
         above: i32,
-        mut visit: impl FnMut((i32, i32)) -> bool,
+        mut visit: impl FnMut(IVec2) -> bool,
     ) -> bool {
         let extent = self.domain.rect().max;
         let (left, right) = (from.x - below, from.x + above);
@@ -80,7 +82,7 @@ impl DiskGrid {
                 let range = start + *columns.start() as usize..=start + *columns.end() as usize;
                 for (slots, column) in self.cells[range].iter().zip(columns.clone()) {
                     for p in unpack(slots, column, row) {
-                        if visit((p.x - from.x, p.y - from.y)) {
+                        if visit(p - from) {
                             return true;
                         }
                     }
@@ -114,13 +116,13 @@ impl DiskGrid {
         // The point's own cell nearly always answers when it holds a sample.
         let (column, row) = (point.x >> CELL_BITS, point.y >> CELL_BITS);
         let slots = &self.cells[row as usize * self.columns + column as usize];
-        unpack(slots, column, row).any(|p| covers_offset(p.x - point.x, p.y - point.y))
-            || self.any_near(point, R, R, |(dx, dy)| covers_offset(dx, dy))
+        unpack(slots, column, row).any(|p| covers_offset(p - point))
+            || self.any_near(point, R, R, covers_offset)
     }
 
     /// Appends to `out` the quarters of `cell` that hold points of the domain and are not covered
     /// by a single sample.
-    pub fn uncovered_quarters(&self, cell: Cell, near: &mut Vec<(i32, i32)>, out: &mut Vec<Point>) {
+    pub fn uncovered_quarters(&self, cell: Cell, near: &mut Vec<IVec2>, out: &mut Vec<Point>) {
         near.clear();
         self.any_near(cell.min, R, cell.side - 1 + R, |offset| {
             near.push(offset);
@@ -133,10 +135,11 @@ impl DiskGrid {
             if min.x >= max.x || min.y >= max.y {
                 continue;
             }
-            let extent = (half.min(max.x - min.x) - 1, half.min(max.y - min.y) - 1);
+            let extent = IVec2::splat(half).min(max - min) - 1;
+            let corner = IVec2::new(right, up);
             let covered = near
                 .iter()
-                .any(|&(dx, dy)| farthest_squared((dx - right, dy - up), extent) <= R_SQUARED);
+                .any(|&offset| farthest_squared(offset - corner, extent) <= R_SQUARED);
             if !covered {
                 out.push(min);
             }
@@ -148,10 +151,7 @@ impl DiskGrid {
     #[must_use]
     pub fn covers_cell(&self, cell: Cell, slack: i64) -> bool {
         let max = self.domain.rect().max;
-        let extent = (
-            cell.side.min(max.x - cell.min.x) - 1,
-            cell.side.min(max.y - cell.min.y) - 1,
-        );
+        let extent = IVec2::splat(cell.side).min(max - cell.min) - 1;
         // One unit more than R where the slack lets disks grow beyond it.
         let reach = R + i32::from(slack > 0);
         self.any_near(cell.min, reach, cell.side - 1 + reach, |offset| {
@@ -213,10 +213,9 @@ pub fn tiling_cells(domain: &Domain, side: i32) -> Vec<Cell> {
 /// Returns the squared distance from a sample at `offset` from a rectangle's lowest point to the
 /// farthest lattice point of the rectangle, which ends at `extent`.
 #[inline]
-fn farthest_squared(offset: (i32, i32), extent: (i32, i32)) -> i64 {
-    let dx = i64::from(offset.0.abs().max((offset.0 - extent.0).abs()));
-    let dy = i64::from(offset.1.abs().max((offset.1 - extent.1).abs()));
-    dx * dx + dy * dy
+fn farthest_squared(offset: IVec2, extent: IVec2) -> i64 {
+    let farthest = offset.abs().max((offset - extent).abs());
+    farthest.as_i64vec2().length_squared()
 }
 
 #[cfg(test)]

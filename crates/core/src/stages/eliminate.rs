@@ -53,7 +53,7 @@ pub(crate) fn eliminate<T: Recorder>(
             grid.any_near(samples.points[id as usize], R, |near| {
                 let fate = &mut samples.fates[near.id as usize];
                 if *fate == Fate::Undecided {
-                    let covers = covers_offset(near.offset.0, near.offset.1);
+                    let covers = covers_offset(near.offset);
                     let (pivot, other) = (id, near.id);
                     recorder.record(RunEvent::Test {
                         pivot,

@@ -58,7 +58,7 @@ pub(crate) fn insert_recorded<T: Recorder>(
         let mut by = u32::MAX;
         let covered = survivors.any_near(candidate.point, R, |near| {
             by = near.id;
-            covers_offset(near.offset.0, near.offset.1)
+            covers_offset(near.offset)
         });
         if covered {
             recorder.record(RunEvent::Pass {

@@ -92,6 +92,8 @@ impl Phases {
 
 #[cfg(test)]
 mod tests {
+    use glam::{I64Vec2, IVec2};
+
     use super::*;
     use crate::lattice::Boundary;
 
@@ -114,10 +116,9 @@ mod tests {
                     below(x, domain.width() as u32) as i32,
                     below(y, domain.height() as u32) as i32,
                 );
-                for (dx, dy) in [(R, 0), (0, R), (-R, 0), (23_170, -23_170)] {
-                    let q = domain
-                        .wrap(i64::from(p.x + dx), i64::from(p.y + dy))
-                        .unwrap();
+                for offset in [[R, 0], [0, R], [-R, 0], [23_170, -23_170]] {
+                    let offset = IVec2::from(offset).as_i64vec2();
+                    let q = domain.wrap(I64Vec2::from(p) + offset).unwrap();
                     assert!(cell(p) == cell(q) || phases.group(p) != phases.group(q));
                 }
             }

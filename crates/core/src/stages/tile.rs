@@ -1,6 +1,8 @@
 //! Clip and tile: every block, enlarged by r, receives a clip of the pattern (paper, Algorithm 2). Conflicts stay:
 //! neighbouring clips overlap by design, and elimination resolves them.
 
+use glam::I64Vec2;
+
 use crate::error::{PatternError, SampleError};
 use crate::lattice::{Domain, Point, R, Rect};
 use crate::pattern::{Pattern, PatternVariant, Symmetry};
@@ -54,10 +56,10 @@ pub(crate) fn tile<T: Recorder>(
         clip.sort_unstable();
         recorder.record(RunEvent::Clip { block: index });
         let first = samples.len() as u32;
+        let corner = I64Vec2::from(block.rect.min) - i64::from(R);
         for &(y, x, pattern) in &clip {
-            let x = i64::from(block.rect.min.x) - i64::from(R) + i64::from(x);
-            let y = i64::from(block.rect.min.y) - i64::from(R) + i64::from(y);
-            push_tiled(domain, &block.rect, (x, y), index, pattern, samples);
+            let at = corner + I64Vec2::new(x.into(), y.into());
+            push_tiled(domain, &block.rect, at, index, pattern, samples);
             if T::ENABLED {
                 recorder.record(RunEvent::Tiled {
                     sample: samples.len() as u32 - 1,
@@ -78,27 +80,27 @@ pub(crate) fn tile<T: Recorder>(
     Ok(tiles)
 }
 
-/// Appends the sample `pattern` of a clip at (x, y): wrapped in a periodic domain, dropped outside a bounded one.
+/// Appends the sample `pattern` of a clip at a place of the plane: wrapped in a periodic domain, dropped outside a bounded one.
 #[inline]
 pub(crate) fn push_tiled(
     domain: &Domain,
     block: &Rect,
-    (x, y): (i64, i64),
+    at: I64Vec2,
     index: u32,
     pattern: u32,
     samples: &mut Samples,
 ) {
     let inside = |x: i64, min: i32, max: i32| (i64::from(min)..i64::from(max)).contains(&x);
-    let own = inside(x, block.min.x, block.max.x) && inside(y, block.min.y, block.max.y);
+    let own = inside(at.x, block.min.x, block.max.x) && inside(at.y, block.min.y, block.max.y);
     let origin = Origin::Tiled {
         block: index,
         pattern,
         own,
     };
-    match domain.wrap(x, y) {
+    match domain.wrap(at) {
         Some(point) => samples.push(point, origin, Fate::Undecided),
         // At most one radius outside, which 32 bits hold in the longest domain.
-        None => samples.push(Point::new(x as i32, y as i32), origin, Fate::Dropped),
+        None => samples.push(Point::new(at.x as i32, at.y as i32), origin, Fate::Dropped),
     }
 }
 

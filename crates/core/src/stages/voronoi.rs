@@ -8,6 +8,8 @@
 //! much, that reach this cell. The remaining 10 R are at least 1.4 units anywhere in reach, while
 //! the clipping errors of f64 at these magnitudes stay far below a thousandth of a unit.
 
+use glam::{DVec2, IVec2};
+
 use crate::lattice::R;
 
 const RELAXATION: f64 = 32.0 * R as f64;
@@ -15,38 +17,36 @@ const RELAXATION: f64 = 32.0 * R as f64;
 /// A relaxed Voronoi cell around the origin.
 #[derive(Default)]
 pub(crate) struct RelaxedCell {
-    vertices: Vec<[f64; 2]>,
-    clipped: Vec<[f64; 2]>,
+    vertices: Vec<DVec2>,
+    clipped: Vec<DVec2>,
 }
 
 impl RelaxedCell {
     /// Starts with a box.
-    pub(crate) fn reset(&mut self, min: [f64; 2], max: [f64; 2]) {
+    pub(crate) fn reset(&mut self, min: DVec2, max: DVec2) {
         self.vertices.clear();
         self.vertices
-            .extend([min, [max[0], min[1]], max, [min[0], max[1]]]);
+            .extend([min, min.with_x(max.x), max, max.with_x(min.x)]);
     }
 
     /// Cuts off the part that is nearer to a sample at offset `p` than to the origin by more than the relaxation
     /// (Sutherland and Hodgman's clip of a convex polygon).
-    pub(crate) fn clip(&mut self, p: (i32, i32)) {
-        let (x, y) = (f64::from(p.0), f64::from(p.1));
-        let limit = x * x + y * y + RELAXATION;
-        let beyond = |v: &[f64; 2]| 2.0 * (v[0] * x + v[1] * y) - limit;
-        if self.vertices.iter().all(|v| beyond(v) <= 0.0) {
+    pub(crate) fn clip(&mut self, p: IVec2) {
+        let p = p.as_dvec2();
+        let limit = p.length_squared() + RELAXATION;
+        let beyond = |v: DVec2| 2.0 * v.dot(p) - limit;
+        if self.vertices.iter().all(|v| beyond(*v) <= 0.0) {
             return;
         }
         self.clipped.clear();
-        for (k, v) in self.vertices.iter().enumerate() {
-            let w = &self.vertices[(k + 1) % self.vertices.len()];
+        for (k, &v) in self.vertices.iter().enumerate() {
+            let w = self.vertices[(k + 1) % self.vertices.len()];
             let (a, b) = (beyond(v), beyond(w));
             if a <= 0.0 {
-                self.clipped.push(*v);
+                self.clipped.push(v);
             }
             if (a < 0.0 && b > 0.0) || (a > 0.0 && b < 0.0) {
-                let t = a / (a - b);
-                self.clipped
-                    .push([v[0] + t * (w[0] - v[0]), v[1] + t * (w[1] - v[1])]);
+                self.clipped.push(v + a / (a - b) * (w - v));
             }
         }
         std::mem::swap(&mut self.vertices, &mut self.clipped);
@@ -56,17 +56,13 @@ impl RelaxedCell {
     /// then there is no uncovered point in it.
     pub(crate) fn is_covered(&self) -> bool {
         let limit = (f64::from(R) - 1e-3).powi(2);
-        self.vertices
-            .iter()
-            .all(|v| v[0] * v[0] + v[1] * v[1] <= limit)
+        self.vertices.iter().all(|v| v.length_squared() <= limit)
     }
 
     /// Returns whether a sample at offset `p` may be one of a candidate's.
-    pub(crate) fn may_concern(&self, p: (i32, i32)) -> bool {
-        let (x, y) = (f64::from(p.0), f64::from(p.1));
-        let limit = x * x + y * y - RELAXATION;
-        self.vertices
-            .iter()
-            .any(|v| 2.0 * (v[0] * x + v[1] * y) >= limit)
+    pub(crate) fn may_concern(&self, p: IVec2) -> bool {
+        let p = p.as_dvec2();
+        let limit = p.length_squared() - RELAXATION;
+        self.vertices.iter().any(|v| 2.0 * v.dot(p) >= limit)
     }
 }

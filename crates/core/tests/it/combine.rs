@@ -283,12 +283,7 @@ fn positions_are_pieces() {
         .map(|piece| {
             let user =
                 Domain::from_size(piece.set.domain().size(), 1.0, Boundary::Bounded).unwrap();
-            let positions: Vec<[f64; 2]> = piece
-                .set
-                .samples()
-                .iter()
-                .map(|&p| user.user_from_lattice(p))
-                .collect();
+            let positions = user.users_from_lattice(piece.set.samples());
             let set =
                 Pattern::from_positions(&positions, user.size(), 1.0, Boundary::Bounded).unwrap();
             Piece {

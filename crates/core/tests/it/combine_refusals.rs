@@ -103,7 +103,7 @@ fn a_set_that_ends_a_unit_early_must_cover_it() {
             .collect();
         beyond
             .into_iter()
-            .all(|b| near.iter().any(|s| covers_offset(b.x - s.x, b.y - s.y)))
+            .all(|b| near.iter().any(|s| covers_offset(b - *s)))
     };
     for early in [1, 2] {
         let start = Point::new(early, 0);

@@ -5,6 +5,7 @@ use std::collections::HashSet;
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
+use glam::I64Vec2;
 use tilescope_analysis::{Region, Report, VerifyOptions, verify};
 use tilescope_core::combine::{CombineOptions, Combined, Piece, TOUCHED, combine, grid};
 use tilescope_core::{
@@ -117,10 +118,7 @@ pub fn judge(domain: &Domain, points: &[Point]) -> Report {
         height,
         boundary,
     };
-    let positions: Vec<[f64; 2]> = points
-        .iter()
-        .map(|&p| domain.user_from_lattice(p))
-        .collect();
+    let positions = domain.users_from_lattice(points);
     let go_on = |_| ControlFlow::Continue(());
     verify(
         &positions,
@@ -179,21 +177,17 @@ fn check_sources(pieces: &[Piece], combined: &Combined) {
 fn is_of(domain: &Domain, piece: &Piece, point: Point, index: u32) -> bool {
     let sample = piece.set.samples()[index as usize];
     let own = piece.set.domain();
-    let shown = |x: i64, y: i64| {
-        let x = x - i64::from(piece.rect.min.x) + i64::from(piece.start.x);
-        let y = y - i64::from(piece.rect.min.y) + i64::from(piece.start.y);
-        own.wrap(x, y) == Some(sample)
-    };
+    let origin = I64Vec2::from(piece.rect.min) - I64Vec2::from(piece.start);
+    let shown = |at: I64Vec2| own.wrap(at - origin) == Some(sample);
     let shifts: &[i64] = if domain.is_periodic() {
         &[0, -1, 1]
     } else {
         &[0]
     };
-    let moved = |value: i32, k: i64, side: i32| i64::from(value) + k * i64::from(side);
+    let sides = I64Vec2::new(domain.width().into(), domain.height().into());
     shifts.iter().any(|&k| {
-        let x = moved(point.x, k, domain.width());
         let mut rows = shifts.iter();
-        rows.any(|&l| shown(x, moved(point.y, l, domain.height())))
+        rows.any(|&l| shown(I64Vec2::from(point) + I64Vec2::new(k, l) * sides))
     })
 }
 

@@ -1,6 +1,7 @@
 //! The engine against the definition: elimination, detection and insertion written down again
 //! without grids, filters or shortcuts, on small domains, must give the same run.
 
+use glam::I64Vec2;
 use proptest::prelude::*;
 use tilescope_core::stages::detect::{Candidate, Sites};
 use tilescope_core::{
@@ -95,23 +96,18 @@ fn candidates(
     set: &[(u32, Point)],
     i: (u32, Point),
 ) -> Vec<Candidate> {
-    let offset = |p: Point| {
-        let (dx, dy) = domain.difference(i.1, p);
-        (i64::from(dx), i64::from(dy))
-    };
-    let near: Vec<(u32, (i64, i64))> = set
+    let near: Vec<(u32, I64Vec2)> = set
         .iter()
-        .map(|&(id, p)| (id, offset(p)))
-        .filter(|&(id, (x, y))| id != i.0 && x * x + y * y <= i64::from(reach.search).pow(2))
+        .map(|&(id, p)| (id, domain.difference(i.1, p).as_i64vec2()))
+        .filter(|&(id, p)| id != i.0 && p.length_squared() <= i64::from(reach.search).pow(2))
         .collect();
-    let accept = |c: (i64, i64), sites: &[(i64, i64)]| {
+    let accept = |c: I64Vec2, sites: &[I64Vec2]| {
         let wide = |x: i64| i128::from(x) * i128::from(x);
-        if wide(c.0) + wide(c.1) > wide(reach.radius.into()) {
+        if wide(c.x) + wide(c.y) > wide(reach.radius.into()) {
             return None;
         }
-        let place = domain.wrap(i64::from(i.1.x) + c.0, i64::from(i.1.y) + c.1)?;
-        let square = |p: &(i64, i64)| (p.0 - c.0).pow(2) + (p.1 - c.1).pow(2);
-        let nearest = sites.iter().map(square).min().unwrap();
+        let place = domain.wrap(I64Vec2::from(i.1) + c)?;
+        let nearest = sites.iter().map(|p| p.distance_squared(c)).min().unwrap();
         let refused = |&(_, p): &(u32, Point)| {
             domain.covers(p, place) || domain.distance_squared(p, place) < nearest - NEARER_SLACK
         };
@@ -120,7 +116,7 @@ fn candidates(
     let mut found = Vec::new();
     for (k, m) in near.iter().enumerate() {
         for n in &near[k + 1..] {
-            let point = circumcentre(m.1, n.1).and_then(|c| accept(c, &[(0, 0), m.1, n.1]));
+            let point = circumcentre(m.1, n.1).and_then(|c| accept(c, &[I64Vec2::ZERO, m.1, n.1]));
             if let Some(point) = point {
                 let mut ids = [i.0, m.0, n.0];
                 ids.sort_unstable();
@@ -134,11 +130,12 @@ fn candidates(
     if !domain.is_periodic() {
         let columns = [0, domain.width()].map(|x| i64::from(x - i.1.x));
         let rows = [0, domain.height()].map(|y| i64::from(y - i.1.y));
-        for &(id, (x, y)) in &near {
-            let on_columns = columns.map(|c| on_line(c, (x, y)).map(|t| (c, t)));
-            let on_rows = rows.map(|r| on_line(r, (y, x)).map(|t| (t, r)));
+        for &(id, m) in &near {
+            let on_columns = columns.map(|c| on_line(c, m).map(|t| I64Vec2::new(c, t)));
+            let swapped = I64Vec2::new(m.y, m.x);
+            let on_rows = rows.map(|r| on_line(r, swapped).map(|t| I64Vec2::new(t, r)));
             for c in on_columns.into_iter().chain(on_rows).flatten() {
-                if let Some(point) = accept(c, &[(0, 0), (x, y)]) {
+                if let Some(point) = accept(c, &[I64Vec2::ZERO, m]) {
                     found.push(Candidate {
                         point,
                         sites: Sites::Border([i.0.min(id), i.0.max(id)]),
@@ -146,8 +143,9 @@ fn candidates(
                 }
             }
         }
-        for corner in [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(a, b)| (columns[a], rows[b])) {
-            if let Some(point) = accept(corner, &[(0, 0)]) {
+        for (column, row) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
+            let corner = I64Vec2::new(columns[column], rows[row]);
+            if let Some(point) = accept(corner, &[I64Vec2::ZERO]) {
                 found.push(Candidate {
                     point,
                     sites: Sites::Corner(i.0),

@@ -113,10 +113,7 @@ fn rectangular_patterns_serve() {
         };
         let domain = shape.validate().unwrap();
         let points = reference_sample(domain, 5, &mut Unobserved).unwrap();
-        let positions: Vec<[f64; 2]> = points
-            .iter()
-            .map(|&p| domain.user_from_lattice(p))
-            .collect();
+        let positions = domain.users_from_lattice(&points);
         let pattern = Pattern::from_positions(&positions, [60.0, 45.0], 1.0, boundary).unwrap();
         let parameters = Parameters {
             radius: 0.012,

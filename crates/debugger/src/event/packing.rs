@@ -1,5 +1,6 @@
 //! Packs and unpacks events: five words and a few bits, without loss.
 
+use glam::IVec2;
 use tilescope_core::stages::detect::Sites;
 use tilescope_core::{Point, RunEvent, Stage, Verdict};
 
@@ -152,9 +153,9 @@ impl Event {
                 let join = |low: u32, high: u8| {
                     (((u32::from(high) << 16 | (low & 0xffff)) << 12) as i32) >> 12
                 };
-                [join(e, self.extra & 15), join(e >> 16, self.extra >> 4)]
+                IVec2::new(join(e, self.extra & 15), join(e >> 16, self.extra >> 4))
             }
-            _ => [d as i32, e as i32],
+            _ => IVec2::new(d as i32, e as i32),
         };
         RunEvent::Candidate {
             detector: self.words[usize::from(self.tags >> 5)],
@@ -317,7 +318,7 @@ fn pack_candidate(run_event: &RunEvent) -> Event {
     let &RunEvent::Candidate {
         detector,
         sites,
-        offset: [x, y],
+        offset: IVec2 { x, y },
         verdict,
     } = run_event
     else {

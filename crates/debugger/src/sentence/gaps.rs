@@ -1,5 +1,6 @@
 //! Sentences about the search for gaps, candidates, insertions and darts.
 
+use glam::IVec2;
 use tilescope_core::stages::detect::Sites;
 use tilescope_core::{Origin, Point, RunEvent, Verdict};
 
@@ -60,7 +61,7 @@ impl Words<'_> {
         &self,
         detector: u32,
         sites: Sites,
-        offset: [i32; 2],
+        offset: IVec2,
         verdict: Verdict,
     ) -> String {
         let own = self.sample(detector);
@@ -77,10 +78,10 @@ impl Words<'_> {
             Sites::Border(ids) => {
                 format!("the border point as far from {own} as from {}", others(ids))
             }
-            Sites::Corner(_) => format!("the corner of the domain that {own} looks at"),
+            Sites::Corner(_) => format!("a corner of the domain, seen from {own}"),
             Sites::Dart | Sites::Unrecorded => format!("a place near {own}"),
         };
-        let away = radii(f64::from(offset[0]).hypot(f64::from(offset[1])));
+        let away = radii(f64::from(offset.x).hypot(f64::from(offset.y)));
         let outcome = match verdict {
             Verdict::Accepted => "lies in a gap".to_owned(),
             Verdict::TooFar => "is beyond the reach of detection".to_owned(),
@@ -107,7 +108,10 @@ impl Words<'_> {
                     format!("on the border, as far from samples {}", numbers(ids))
                 }
                 Sites::Corner(id) => {
-                    format!("in the corner that sample {} looked at", numbers(&[*id]))
+                    format!(
+                        "in a corner of the domain, seen from sample {}",
+                        numbers(&[*id])
+                    )
                 }
                 Sites::Dart => "where a dart landed".to_owned(),
                 Sites::Unrecorded => "in a gap".to_owned(),
@@ -133,21 +137,21 @@ impl Words<'_> {
             }
             (false, Verdict::Covered { by: id }) => {
                 format!(
-                    "a dart lands at {at}, which is covered{}, and is forgotten",
+                    "a dart lands at {at}, which is covered{}, and is discarded",
                     by(id)
                 )
             }
             (true, Verdict::Covered { by: id }) => {
                 format!(
-                    "the dart at {at} is covered by now{} and is forgotten",
+                    "the dart at {at} is covered by now{} and is discarded",
                     by(id)
                 )
             }
             (_, Verdict::Outside) => {
-                format!("a dart at {at} lands outside the domain and is forgotten")
+                format!("a dart at {at} lands outside the domain and is discarded")
             }
             (_, Verdict::TooFar | Verdict::NotNearest { .. }) => {
-                format!("a dart at {at} is out of reach and is forgotten")
+                format!("a dart at {at} is out of reach and is discarded")
             }
         }
     }

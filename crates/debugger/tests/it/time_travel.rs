@@ -195,7 +195,7 @@ proptest! {
             _ => (Verdict::NotNearest { nearer: by }, near),
         };
         let (sites, detector) = (sites[arity], ids[own.min(arity)]);
-        let run_event = RunEvent::Candidate { detector, sites, offset, verdict };
+        let run_event = RunEvent::Candidate { detector, sites, offset: offset.into(), verdict };
         let event = Event::new(&run_event, &Lines::new(&variants()[0]));
         prop_assert_eq!(event.run_event(), Some(run_event));
     }

@@ -5,7 +5,7 @@ use ecolor::Color32;
 use emath::{Align2, vec2};
 use glam::DVec2;
 use tilescope_core::stages::detect::Sites;
-use tilescope_core::{RunEvent, Verdict};
+use tilescope_core::{R, RunEvent, Verdict};
 use tilescope_debugger::{Event, Examined};
 use tilescope_session::units::radii;
 
@@ -65,7 +65,7 @@ fn shift_of(scene: &Scene<'_>, examined: &Examined) -> DVec2 {
     }
     let detector = scene.session.position(examined.detector);
     let size = scene.session.size_radii();
-    let offset = DVec2::from(examined.offset.map(radii));
+    let offset = examined.offset.as_dvec2() / f64::from(R);
     let shift = -((detector + offset) / size).floor() * size;
     DVec2::select(offset.abs().cmplt(size), shift, DVec2::ZERO)
 }
@@ -152,7 +152,7 @@ fn color_of(scene: &Scene<'_>, verdict: Verdict) -> Color32 {
 /// Draws a candidate under test: the circle through its sites, and the verdict.
 fn examination(scene: &Scene<'_>, surface: &mut impl Surface, examined: &Examined, shift: DVec2) {
     let detector = scene.session.position(examined.detector) + shift;
-    let offset = DVec2::from(examined.offset.map(radii));
+    let offset = examined.offset.as_dvec2() / f64::from(R);
     let center = detector + offset;
     let at = scene.at(center);
     let radius = offset.length() as f32 * scene.scale();

@@ -4,6 +4,7 @@ use std::io::Cursor;
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
+use glam::DVec2;
 
 use super::*;
 use crate::scene::{Group, Rect, Scene, Shape, View};
@@ -40,11 +41,11 @@ fn pixels_keep_their_edges_at_every_scale() {
         let pixels = to_pixels(&scene, scale).expect("drawable");
         for y in 0..pixels.height {
             for x in 0..pixels.width {
-                let at = [x, y].map(|v| (f64::from(v) + 0.5) / scale);
-                let cell = [(at[0] - 1.0) / 2.0, (at[1] - 2.0) / 2.0].map(f64::floor);
-                let inside = (0.0..3.0).contains(&cell[0]) && (0.0..2.0).contains(&cell[1]);
+                let at = (DVec2::new(x.into(), y.into()) + 0.5) / scale;
+                let cell = ((at - DVec2::new(1.0, 2.0)) / 2.0).floor();
+                let inside = (0.0..3.0).contains(&cell.x) && (0.0..2.0).contains(&cell.y);
                 let expected = if inside {
-                    (30.0 * cell[1] + 10.0 * cell[0]) as u8
+                    (30.0 * cell.y + 10.0 * cell.x) as u8
                 } else {
                     255
                 };
@@ -79,7 +80,7 @@ fn views_place_images_and_colours_are_kept() {
     let mut scene = scene(Rect::new([0.0; 2], [1.0; 2]));
     scene.groups[0].view = View {
         scale: 6.0,
-        origin: [2.0, 0.0],
+        origin: DVec2::new(2.0, 0.0),
     };
     let red = Bitmap::rgb(1, &[[200, 1, 2]]).expect("1 x 1");
     assert_eq!((red.at(0, 0), red.at(1, 0)), (Some([200, 1, 2]), None));

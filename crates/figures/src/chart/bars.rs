@@ -1,5 +1,7 @@
 //! Groups of horizontal bars over one axis, each with its name before it and its value behind it, so that no legend is needed.
 
+use glam::DVec2;
+
 use super::frame::HEADING;
 use super::layout::{MARGIN, WIDTH};
 use super::ticks::Ticks;
@@ -109,7 +111,7 @@ impl BarChart {
             let lines = ticks
                 .values
                 .iter()
-                .map(|value| [y, end].map(|y| [row.at(*value), y]));
+                .map(|value| [y, end].map(|y| DVec2::new(row.at(*value), y)));
             drawn.shapes.push(Shape::Segments {
                 segments: lines.collect(),
                 stroke: Stroke::new(palette.line, 0.6),
@@ -172,10 +174,10 @@ impl BarScale<'_> {
             style: Style::filled(colors[bar.color % colors.len()]),
         });
         if let Some(ends) = bar.whisker {
-            let [low, high] = ends.map(|end| self.at(end));
-            let across = |x: f64| [[x, middle - 4.0], [x, middle + 4.0]];
+            let [low, high] = ends.map(|end| DVec2::new(self.at(end), middle));
+            let across = |end: DVec2| [end - 4.0 * DVec2::Y, end + 4.0 * DVec2::Y];
             group.shapes.push(Shape::Segments {
-                segments: vec![[[low, middle], [high, middle]], across(low), across(high)],
+                segments: vec![[low, high], across(low), across(high)],
                 stroke: Stroke::new(self.palette.text, 1.4),
             });
         }

@@ -1,5 +1,6 @@
 //! A panel's frame: its axes with ticks, grid lines, labels and heading, and the way from values to pixels.
-//! Never knows what is drawn within.
+
+use glam::DVec2;
 
 use super::Axis;
 use super::ticks::Ticks;
@@ -34,21 +35,21 @@ pub(super) struct Frame<'a> {
 
 impl Frame<'_> {
     /// Returns the pixel of a value.
-    pub(super) fn pixel(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+    pub(super) fn pixel(&self, [x, y]: [f64; 2]) -> DVec2 {
         let along = |value: f64, [low, high]: [f64; 2]| (value - low) / (high - low);
-        let Rect { min, max } = self.plot;
-        [
-            min[0] + along(x, self.x) * (max[0] - min[0]),
-            max[1] - along(y, self.y) * (max[1] - min[1]),
-        ]
+        let (Rect { min, max }, size) = (self.plot, self.plot.size());
+        DVec2::new(
+            min.x + along(x, self.x) * size.x,
+            max.y - along(y, self.y) * size.y,
+        )
     }
 
     /// Returns values and labels of the ticks along x and y.
     fn ticks(&self) -> [Vec<(f64, String)>; 2] {
-        let size = [0, 1].map(|axis| self.plot.max[axis] - self.plot.min[axis]);
+        let most = self.plot.size() / DVec2::new(62.0, 38.0);
         [
-            ticks(self.axes[0], self.x, (size[0] / 62.0) as usize),
-            ticks(self.axes[1], self.y, (size[1] / 38.0) as usize),
+            ticks(self.axes[0], self.x, most.x as usize),
+            ticks(self.axes[1], self.y, most.y as usize),
         ]
     }
 
@@ -58,12 +59,12 @@ impl Frame<'_> {
         let [x, y] = self.ticks();
         let Rect { min, max } = self.plot;
         let upright = x.iter().map(|(value, _)| {
-            let at = self.pixel([*value, self.y[0]])[0];
-            [[at, min[1]], [at, max[1]]]
+            let x = self.pixel([*value, self.y[0]]).x;
+            [min.with_x(x), max.with_x(x)]
         });
         let level = y.iter().map(|(value, _)| {
-            let at = self.pixel([self.x[0], *value])[1];
-            [[min[0], at], [max[0], at]]
+            let y = self.pixel([self.x[0], *value]).y;
+            [min.with_y(y), max.with_y(y)]
         });
         group.shapes.push(Shape::Segments {
             segments: upright.chain(level).collect(),
@@ -82,17 +83,17 @@ impl Frame<'_> {
         let [x, y] = self.ticks();
         for (value, label) in &x {
             let at = self.pixel([*value, self.y[0]]);
-            let mut text = self.text([at[0], at[1] + 9.0], label, TICK);
+            let mut text = self.text(at + 9.0 * DVec2::Y, label, TICK);
             (text.anchor, text.baseline) = (Anchor::Middle, Baseline::Top);
             group.shapes.push(Shape::Text(text));
-            group.shapes.push(self.tick(at, [at[0], at[1] + 5.0]));
+            group.shapes.push(self.tick(at, 5.0 * DVec2::Y));
         }
         for (value, label) in &y {
             let at = self.pixel([self.x[0], *value]);
-            let mut text = self.text([at[0] - 9.0, at[1]], label, TICK);
+            let mut text = self.text(at - 9.0 * DVec2::X, label, TICK);
             (text.anchor, text.baseline) = (Anchor::End, Baseline::Middle);
             group.shapes.push(Shape::Text(text));
-            group.shapes.push(self.tick(at, [at[0] - 5.0, at[1]]));
+            group.shapes.push(self.tick(at, -5.0 * DVec2::X));
         }
         group.shapes.extend(self.words(title).map(Shape::Text));
         group
@@ -100,24 +101,23 @@ impl Frame<'_> {
 
     /// Returns the axes' labels and the heading.
     fn words(&self, title: &str) -> [Text; 3] {
-        let Rect { min, max } = self.plot;
-        let middle = [0, 1].map(|axis| f64::midpoint(min[axis], max[axis]));
+        let (Rect { min, max }, middle) = (self.plot, self.plot.middle());
         let [x, y] = self.axes.map(|axis| axis.label.as_str());
-        let mut below = self.text([middle[0], max[1] + 38.0], x, LABEL);
+        let mut below = self.text(DVec2::new(middle.x, max.y + 38.0), x, LABEL);
         below.anchor = Anchor::Middle;
-        let mut beside = self.text([min[0] - LEFT + 18.0, middle[1]], y, LABEL);
+        let mut beside = self.text(DVec2::new(min.x - LEFT + 18.0, middle.y), y, LABEL);
         (beside.anchor, beside.quarter_turns) = (Anchor::Middle, 3);
-        let mut head = self.text([min[0], min[1] - 12.0], title, HEADING);
+        let mut head = self.text(min - 12.0 * DVec2::Y, title, HEADING);
         (head.font, head.color) = (Font::SemiBold, self.palette.text);
         [below, beside, head]
     }
 
-    fn text(&self, at: [f64; 2], text: &str, size: f64) -> Text {
+    fn text(&self, at: DVec2, text: &str, size: f64) -> Text {
         Text::new(at, text, size, self.palette.muted)
     }
 
-    fn tick(&self, from: [f64; 2], to: [f64; 2]) -> Shape {
-        Shape::line(from, to, Stroke::new(self.palette.muted, 1.0))
+    fn tick(&self, at: DVec2, outwards: DVec2) -> Shape {
+        Shape::line(at, at + outwards, Stroke::new(self.palette.muted, 1.0))
     }
 }
 

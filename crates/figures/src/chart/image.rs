@@ -1,5 +1,7 @@
 //! A grid of values as shades of grey.
-//! Never smooths: a cell is of one shade.
+//! Nothing is smoothed: a cell has one shade.
+
+use glam::DVec2;
 
 use super::ImageChart;
 use super::frame::Frame;
@@ -20,12 +22,9 @@ pub(super) fn groups(chart: &ImageChart, frame: &Frame<'_>) -> Vec<Group> {
     };
     let Rect { min, max } = frame.plot;
     let rows = chart.values.len() / chart.columns;
-    let size = [
-        (max[0] - min[0]) / chart.columns as f64,
-        (max[1] - min[1]) / rows as f64,
-    ];
+    let size = frame.plot.size() / DVec2::new(chart.columns as f64, rows as f64);
     // Edges between pixels would show the background through: cells lie a little over each other there.
-    let halves = size.iter().all(|side| (2.0 * side).fract() < 1e-6);
+    let halves = (2.0 * size).fract().max_element() < 1e-6;
     let over = if halves { 0.0 } else { OVER };
     let shades = runs(chart);
     for (shade, runs) in shades
@@ -34,25 +33,25 @@ pub(super) fn groups(chart: &ImageChart, frame: &Frame<'_>) -> Vec<Group> {
         .filter(|(_, runs)| !runs.is_empty())
     {
         let line = |&[row, from, to]: &[usize; 3]| {
-            let y = max[1] - (row as f64 + 0.5) * size[1];
-            let [from, to] = [from, to].map(|column| min[0] + column as f64 * size[0]);
-            [[from, y], [to + over, y]]
+            let y = max.y - (row as f64 + 0.5) * size.y;
+            let [from, to] = [from, to].map(|column| min.x + column as f64 * size.x);
+            [DVec2::new(from, y), DVec2::new(to + over, y)]
         };
         cells.shapes.push(Shape::Segments {
             segments: runs.iter().map(line).collect(),
-            stroke: Stroke::new(grey(shade), size[1] + over),
+            stroke: Stroke::new(grey(shade), size.y + over),
         });
     }
     let ring = chart.absent.map(|absent| {
         let [column, row] = [absent % chart.columns, absent / chart.columns];
-        let across = (column as f64 + 0.5) * size[0];
-        let center = [min[0] + across, max[1] - (row as f64 + 0.5) * size[1]];
-        ring(center, size[0].max(size[1]), frame)
+        let offset = (DVec2::new(column as f64, row as f64) + 0.5) * size;
+        let center = DVec2::new(min.x + offset.x, max.y - offset.y);
+        ring(center, size.max_element(), frame)
     });
     std::iter::once(cells).chain(ring).collect()
 }
 
-fn ring(center: [f64; 2], cell: f64, frame: &Frame<'_>) -> Group {
+fn ring(center: DVec2, cell: f64, frame: &Frame<'_>) -> Group {
     let mut group = Group::new("absent");
     let style = Style::stroked(frame.palette.conflict, 1.2);
     group

@@ -1,5 +1,7 @@
 //! A figure's scene: title, legend, scales and rows of panels. What a panel shows is drawn by the modules beside this one.
 
+use glam::DVec2;
+
 use super::frame::{FOOT, Frame, HEAD, LEFT, RIGHT};
 use super::lines::{self, drawn};
 use super::tiles::{self, TileChart};
@@ -32,7 +34,7 @@ const MIN_SHARE_OF_ROOM: f64 = 0.9;
 /// # Errors
 ///
 /// [`ChartError`] for a figure or a series without content, numbers that are not finite, ranges that do not
-/// rise, and grids that are none.
+/// rise, and values that do not fill the rows of a grid.
 ///
 /// ```
 /// use tilescope_figures::chart::{Axis, Figure, LineChart, Look, Panel, Series, figure_scene};
@@ -129,10 +131,10 @@ fn tile_row(
             Some(side) => (first + index * (side + tiles::GAP), side),
             None => (MARGIN + index * column + LEFT, column - LEFT - RIGHT),
         };
-        let corner = [left, top + head];
-        let frame = Rect::new(corner, corner.map(|at| at + side));
+        let corner = DVec2::new(left, top + head);
+        let frame = Rect::new(corner, corner + side);
         scene.groups.extend(tile.groups(frame, palette)?);
-        below = frame.max[1].max(below);
+        below = frame.max.y.max(below);
     }
     Ok(below + foot)
 }
@@ -182,8 +184,8 @@ fn row_height(row: &[&Panel], width: f64) -> f64 {
 
 fn panel_groups(panel: &Panel, cell: Rect, palette: &Palette) -> Result<Vec<Group>, ChartError> {
     let plot = Rect::new(
-        [cell.min[0] + LEFT, cell.min[1] + HEAD],
-        [cell.max[0] - RIGHT, cell.max[1] - FOOT],
+        cell.min + DVec2::new(LEFT, HEAD),
+        cell.max - DVec2::new(RIGHT, FOOT),
     );
     match panel {
         Panel::Lines(chart) => {
@@ -225,20 +227,19 @@ fn panel_groups(panel: &Panel, cell: Rect, palette: &Palette) -> Result<Vec<Grou
 /// whole pixels where these suffice.
 fn true_to_scale(chart: &ImageChart, [x, y]: [[f64; 2]; 2], plot: Rect) -> Rect {
     let rows = chart.values.len() / chart.columns;
-    let room = [0, 1].map(|axis| plot.max[axis] - plot.min[axis]);
-    let span = [x[1] - x[0], y[1] - y[0]];
-    let unit = (room[0] / span[0]).min(room[1] / span[1]);
-    let cells = [chart.columns, rows].map(|count| count as f64);
-    let mut cell = [0, 1].map(|axis| unit * span[axis] / cells[axis]);
+    let span = DVec2::new(x[1] - x[0], y[1] - y[0]);
+    let unit = (plot.size() / span).min_element();
+    let cells = DVec2::new(chart.columns as f64, rows as f64);
+    let mut cell = unit * span / cells;
     // Below a pixel, halves: pictures are often made at scale 2.
-    if (cell[0] / cell[1] - 1.0).abs() < 1e-9 && cell[0] >= 1.0 {
-        let whole = (2.0 * cell[0] + 1e-9).floor() / 2.0;
-        if whole > MIN_SHARE_OF_ROOM * cell[0] {
-            cell = [whole; 2];
+    if (cell.x / cell.y - 1.0).abs() < 1e-9 && cell.x >= 1.0 {
+        let whole = (2.0 * cell.x + 1e-9).floor() / 2.0;
+        if whole > MIN_SHARE_OF_ROOM * cell.x {
+            cell = DVec2::splat(whole);
         }
     }
-    let min = plot.min.map(f64::round);
-    Rect::new(min, [0, 1].map(|axis| min[axis] + cell[axis] * cells[axis]))
+    let min = plot.min.round();
+    Rect::new(min, min + cell * cells)
 }
 
 /// Returns the legend and its lower end.
@@ -248,29 +249,27 @@ fn legend(figure: &Figure, palette: &Palette, top: f64) -> (Group, f64) {
     if entries.is_empty() {
         return (group, top);
     }
-    let mut at = [MARGIN, top + 0.5 * LEGEND_LINE];
+    let mut at = DVec2::new(MARGIN, top + 0.5 * LEGEND_LINE);
     for (name, look) in entries {
         let width = SAMPLE + text_width(name, Font::Regular, LEGEND_TEXT) + GAP;
-        if at[0] > MARGIN && at[0] + width - GAP > WIDTH - MARGIN {
-            at = [MARGIN, at[1] + LEGEND_LINE];
+        if at.x > MARGIN && at.x + width - GAP > WIDTH - MARGIN {
+            at = DVec2::new(MARGIN, at.y + LEGEND_LINE);
         }
         let drawn = drawn(look, palette);
-        let ends = [at, [at[0] + SAMPLE - 8.0, at[1]]];
-        group
-            .shapes
-            .push(Shape::line(ends[0], ends[1], drawn.stroke));
+        let along = (SAMPLE - 8.0) * DVec2::X;
+        group.shapes.push(Shape::line(at, at + along, drawn.stroke));
         if let Some(marker) = drawn.marker {
-            let middle = [at[0] + 0.5 * (SAMPLE - 8.0), at[1]];
+            let middle = at + 0.5 * along;
             group
                 .shapes
                 .push(lines::mark(marker, middle, drawn.stroke.color));
         }
-        let mut text = Text::new([at[0] + SAMPLE, at[1]], name, LEGEND_TEXT, palette.text);
+        let mut text = Text::new(at + SAMPLE * DVec2::X, name, LEGEND_TEXT, palette.text);
         text.baseline = Baseline::Middle;
         group.shapes.push(Shape::Text(text));
-        at[0] += width;
+        at.x += width;
     }
-    (group, at[1] + 0.5 * LEGEND_LINE + 8.0)
+    (group, at.y + 0.5 * LEGEND_LINE + 8.0)
 }
 
 /// Returns each name once, in sequence.

@@ -1,5 +1,6 @@
 //! Curves in a frame: bands, levels, lines with marks. The legend draws its samples with the same functions.
-//! Never chooses an axis's unit.
+
+use glam::DVec2;
 
 use super::frame::{Frame, HEADING};
 use super::{LineChart, Look, Series};
@@ -16,7 +17,7 @@ const LEVEL_NAME: f64 = 12.0;
 const LEVEL_SAMPLE: f64 = 38.0;
 const LEVEL_GAP: f64 = 14.0;
 
-/// Part of the data's extent that a vertical axis has to spare at either end.
+/// By which part of the data's extent a vertical axis is longer at either end.
 const SPARE: f64 = 0.05;
 
 /// The line and mark of a series.
@@ -135,8 +136,8 @@ fn level_stroke(frame: &Frame<'_>, index: usize) -> Stroke {
 fn levels(chart: &LineChart, frame: &Frame<'_>, mut group: Group) -> Group {
     let Rect { min, max } = frame.plot;
     for (index, level) in chart.levels.iter().enumerate() {
-        let at = frame.pixel([frame.x[0], level.y])[1];
-        let line = Shape::line([min[0], at], [max[0], at], level_stroke(frame, index));
+        let at = frame.pixel([frame.x[0], level.y]).y;
+        let line = Shape::line(min.with_y(at), max.with_y(at), level_stroke(frame, index));
         group.shapes.push(line);
     }
     group
@@ -155,19 +156,20 @@ fn level_names(chart: &LineChart, frame: &Frame<'_>) -> Group {
         .map(|width| width + LEVEL_SAMPLE + LEVEL_GAP)
         .sum();
     let head = text_width(&chart.title, Font::SemiBold, HEADING);
-    let fits = head + all + LEVEL_GAP < max[0] - min[0] || chart.levels.len() == 1;
+    let fits = head + all + LEVEL_GAP < frame.plot.size().x || chart.levels.len() == 1;
     let beside = fits && chart.levels.len() <= LEVEL_DASHES.len();
-    let mut right = max[0];
+    let mut right = max.x;
     for (index, (level, width)) in chart.levels.iter().zip(widths).enumerate().rev() {
         let at = if beside {
-            let at = [right, min[1] - 12.0];
-            let [from, to] = [LEVEL_SAMPLE, 8.0].map(|left| [right - width - left, at[1] - 4.0]);
+            let at = DVec2::new(right, min.y - 12.0);
+            let [from, to] = [LEVEL_SAMPLE, 8.0].map(|left| [right - width - left, at.y - 4.0]);
             let stroke = level_stroke(frame, index);
             group.shapes.push(Shape::line(from, to, stroke));
             right -= width + LEVEL_SAMPLE + LEVEL_GAP;
             at
         } else {
-            [max[0] - 8.0, frame.pixel([frame.x[0], level.y])[1] - 6.0]
+            let y = frame.pixel([frame.x[0], level.y]).y;
+            DVec2::new(max.x - 8.0, y - 6.0)
         };
         let mut text = Text::new(at, &level.name, LEVEL_NAME, frame.palette.text);
         text.anchor = Anchor::End;
@@ -177,9 +179,9 @@ fn level_names(chart: &LineChart, frame: &Frame<'_>) -> Group {
 }
 
 fn curve(series: &Series, frame: &Frame<'_>, group: &mut Group) {
-    let points: Vec<[f64; 2]> = series.points.iter().map(|p| frame.pixel(*p)).collect();
+    let points: Vec<DVec2> = series.points.iter().map(|p| frame.pixel(*p)).collect();
     let drawn = drawn(series.look, frame.palette);
-    let mut next = frame.plot.min[0] + 0.5 * MARK_EVERY;
+    let mut next = frame.plot.min.x + 0.5 * MARK_EVERY;
     if let Look::Numbered(number) = series.look {
         // Marks of curves that run together stand beside each other.
         next += MARK_EVERY * ((number * 3) % 8) as f64 / 8.0 - 0.5 * MARK_EVERY;
@@ -187,10 +189,10 @@ fn curve(series: &Series, frame: &Frame<'_>, group: &mut Group) {
     let mut marks = Vec::new();
     for point in &points {
         if let Some(marker) = drawn.marker
-            && point[0] >= next
+            && point.x >= next
         {
             marks.push(mark(marker, *point, drawn.stroke.color));
-            next = point[0] + MARK_EVERY;
+            next = point.x + MARK_EVERY;
         }
     }
     let stroke = drawn.stroke;
@@ -199,6 +201,6 @@ fn curve(series: &Series, frame: &Frame<'_>, group: &mut Group) {
 }
 
 /// Returns a mark of a curve.
-pub(super) fn mark(marker: Marker, at: [f64; 2], color: Color) -> Shape {
+pub(super) fn mark(marker: Marker, at: DVec2, color: Color) -> Shape {
     Shape::marker(marker, at, 8.0, Style::filled(color))
 }

@@ -4,7 +4,7 @@
 
 use super::*;
 use crate::palette::Palette;
-use crate::scene::{Group, Rect, Scene, Shape};
+use crate::scene::{Group, Scene, Shape};
 use crate::{to_png, to_svg};
 
 fn series(name: &str, number: usize, points: Vec<[f64; 2]>) -> Series {
@@ -87,7 +87,7 @@ fn curves_lie_in_their_frame() {
     let made = scene(Panel::Lines(short)).unwrap();
     let curves = group(&made, "curves");
     let outside = |shape: &Shape| match shape {
-        Shape::Polyline { points, .. } => points.iter().any(|p| p[1] < curves.clip.unwrap().min[1]),
+        Shape::Polyline { points, .. } => points.iter().any(|p| p.y < curves.clip.unwrap().min.y),
         _ => false,
     };
     assert!(curves.shapes.iter().any(outside));
@@ -103,10 +103,9 @@ fn values_are_where_their_ticks_are() {
     let Shape::Polyline { points, .. } = &group(&made, "curves").shapes[0] else {
         panic!("no curve");
     };
-    let corners = [[frame.min[0], frame.max[1]], [frame.max[0], frame.min[1]]];
-    for (point, corner) in points.iter().zip(corners) {
-        let off = (point[0] - corner[0]).hypot(point[1] - corner[1]);
-        assert!(off < 1e-9, "{point:?} {corner:?}");
+    let [_, upper, _, lower] = frame.corners();
+    for (point, corner) in points.iter().zip([lower, upper]) {
+        assert!(point.distance(corner) < 1e-9, "{point:?} {corner:?}");
     }
     let texts = texts(group(&made, "axes"));
     for label in ["0.0", "1.0", "2.0", "0", "4", "10", "nu", "power"] {
@@ -152,7 +151,7 @@ fn levels_have_their_names_where_no_curve_runs() {
         assert_eq!(each.len(), count, "every level has dashes of its own");
         for shape in &named.shapes {
             if let Shape::Text(text) = shape {
-                assert!(text.at[1] < plot.min[1], "{text:?}");
+                assert!(text.at.y < plot.min.y, "{text:?}");
             }
         }
     }
@@ -166,7 +165,7 @@ fn levels_have_their_names_where_no_curve_runs() {
         let Shape::Text(text) = shape else {
             panic!("nothing hides a curve: {shape:?}");
         };
-        assert!(text.at[1] > plot.min[1]);
+        assert!(text.at.y > plot.min.y);
     }
 }
 
@@ -186,10 +185,10 @@ fn an_axis_has_the_ticks_it_is_given() {
         if let Shape::Text(text) = shape
             && text.text.starts_with("at ")
         {
-            found.push((text.text.clone(), text.at[0]));
+            found.push((text.text.clone(), text.at.x));
         }
     }
-    let at = |part: f64| frame.min[0] + part * (frame.max[0] - frame.min[0]);
+    let at = |part: f64| frame.min.x + part * frame.size().x;
     let expected = [("at 0", 0.0), ("at 1", 0.25), ("at 4", 1.0)];
     assert_eq!(found.len(), expected.len(), "{found:?}");
     for ((text, x), (name, part)) in found.iter().zip(expected) {
@@ -216,7 +215,7 @@ fn the_legend_has_every_name_once() {
     assert_eq!(texts(group(&made, "legend")), names);
     for shape in &group(&made, "legend").shapes {
         if let Shape::Text(text) = shape {
-            assert!(text.at[0] < made.width - 100.0 && text.at[1] < made.height);
+            assert!(text.at.x < made.width - 100.0 && text.at.y < made.height);
         }
     }
 }
@@ -298,10 +297,7 @@ fn the_absent_cell_is_ringed_and_not_painted() {
         panic!("no ring");
     };
     let frame = group(&made, "cells").clip.unwrap();
-    for axis in [0, 1] {
-        let middle = f64::midpoint(frame.min[axis], frame.max[axis]);
-        assert!((center[axis] - middle).abs() < 1e-9);
-    }
+    assert!(center.distance(frame.middle()) < 1e-9);
     let present = ImageChart {
         absent: None,
         ..image()
@@ -329,7 +325,7 @@ fn a_unit_is_as_long_along_both_axes() {
                 assert!((0.0..1.0).contains(&wide), "{wide}");
             }
         }
-        assert!(frame.max[0] < made.width && frame.max[1] < made.height);
+        assert!(frame.max.x < made.width && frame.max.y < made.height);
         width / height
     };
     for (x, y) in [(1.0, 1.0), (3.0, 1.0), (0.2, 1.0), (100.0, 70.0)] {
@@ -350,7 +346,7 @@ fn a_last_row_of_fewer_images_has_them_no_larger() {
         let made = figure_scene(&figure(rows), &Palette::LIGHT).unwrap();
         let cells = made.groups.iter().filter(|group| group.name == "cells");
         let plots = cells.map(|group| group.clip.unwrap());
-        plots.map(|plot| plot.max[0] - plot.min[0]).collect()
+        plots.map(|plot| plot.size().x).collect()
     };
     let all = widths(&rows);
     assert!(
@@ -413,7 +409,7 @@ fn bars_are_as_long_as_their_values_and_their_texts_stay_inside() {
     let drawn = scene(Panel::Bars(bars.clone())).unwrap();
     drawn.validate().unwrap();
     let width = |shape: &Shape| match shape {
-        Shape::Rect { rect, .. } => Some(rect.max[0] - rect.min[0]),
+        Shape::Rect { rect, .. } => Some(rect.size().x),
         _ => None,
     };
     let widths: Vec<f64> = group(&drawn, "bars")
@@ -423,7 +419,7 @@ fn bars_are_as_long_as_their_values_and_their_texts_stay_inside() {
         .collect();
     assert!((widths[1] / widths[0] - 4.0).abs() < 1e-9);
     for text in scene_texts(&drawn).filter(|text| text.anchor == crate::Anchor::Start) {
-        let end = text.at[0] + crate::text_width(&text.text, text.font, text.size);
+        let end = text.at.x + crate::text_width(&text.text, text.font, text.size);
         assert!(end < drawn.width, "{end}");
     }
     let empty = scene(Panel::Bars(chart(Vec::new())));
@@ -455,11 +451,11 @@ fn tiles_of_a_given_side_make_the_figure_as_wide_as_they_are_and_keep_their_pixe
     };
     let drawn = figure_scene(&sheet, &Palette::LIGHT).unwrap();
     assert!((drawn.width - 250.0).abs() < 1e-9, "{}", drawn.width);
-    let Rect { min, max } = group(&drawn, "tile").clip.unwrap();
-    assert!((max[0] - min[0] - 100.0).abs() < 1e-9);
+    let frame = group(&drawn, "tile").clip.unwrap();
+    assert!((frame.size().x - 100.0).abs() < 1e-9);
     let pixels = crate::to_pixels(&drawn, 1.0).unwrap();
     let at = |x: f64, y: f64| {
-        let pixel = pixels.at((min[0] + x) as u32, (min[1] + y) as u32);
+        let pixel = pixels.at((frame.min.x + x) as u32, (frame.min.y + y) as u32);
         pixel.map(|p| p[0])
     };
     assert_eq!(at(49.0, 49.0), Some(0));
@@ -491,6 +487,6 @@ fn long_titles_of_tiles_are_made_to_fit_and_axes_and_scales_have_their_words() {
     let wide = place("wide");
     assert!(crate::text_width(&wide.text, wide.font, wide.size) <= 100.0 + 1e-9);
     let [low, high] = ["low", "high"].map(|name| place(name).at);
-    assert!((low[1] - high[1] - 100.0).abs() < 1e-9 && low[0] < wide.at[0]);
-    assert!(place("row").quarter_turns == 3 && place("3").at[0] > place("power 0").at[0]);
+    assert!((low.y - high.y - 100.0).abs() < 1e-9 && low.x < wide.at.x);
+    assert!(place("row").quarter_turns == 3 && place("3").at.x > place("power 0").at.x);
 }

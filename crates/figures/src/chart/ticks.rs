@@ -1,5 +1,4 @@
 //! Round places on an axis: multiples of 1, 2 or 5 times a power of ten, and their labels.
-//! Never knows pixels.
 
 /// Round values of a range, all with one number of decimals.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,6 +1,8 @@
 //! Square pictures with words about them, and scales of colours.
 //! Pixels are never scaled by anything but a whole number, unless there are more of them than the tile has.
 
+use glam::DVec2;
+
 use super::frame::{HEADING, TICK};
 use super::layout::MARGIN;
 use super::{Axis, ChartError};
@@ -69,12 +71,12 @@ impl TileChart {
             clip: Some(frame),
             ..Group::new("tile")
         };
-        let side = frame.max[0] - frame.min[0];
+        let side = frame.size().x;
         match &self.content {
             TileContent::Pixels(bitmap) => {
-                let [width, height] = bitmap.size().map(|cells| cells as f64);
-                let pixel = (side / width).floor().max(1.0);
-                let end = [frame.min[0] + width * pixel, frame.min[1] + height * pixel];
+                let size = DVec2::from(bitmap.size().map(|cells| cells as f64));
+                let pixel = (side / size.x).floor().max(1.0);
+                let end = frame.min + size * pixel;
                 let (rect, bitmap) = (Rect::new(frame.min, end), bitmap.clone());
                 group.shapes.push(Shape::Image { rect, bitmap });
             }
@@ -85,7 +87,7 @@ impl TileChart {
             TileContent::Dots(places) => {
                 let style = Style::filled(palette.sample);
                 let mark = |[x, y]: &[f64; 2]| {
-                    let at = [frame.min[0] + side * x, frame.max[1] - side * y];
+                    let at = [frame.min.x + side * x, frame.max.y - side * y];
                     Shape::marker(Marker::Dot, at, 3.0, style)
                 };
                 group.shapes.extend(places.iter().map(mark));
@@ -100,12 +102,9 @@ impl TileChart {
     }
 
     fn words(&self, frame: Rect, palette: &Palette) -> Result<Group, ChartError> {
-        let side = frame.max[0] - frame.min[0];
-        let middle = f64::midpoint(frame.min[0], frame.max[0]);
-        let [above, below] = [
-            [frame.min[0], frame.min[1] - 8.0],
-            [middle, frame.max[1] + 16.0],
-        ];
+        let side = frame.size().x;
+        let above = frame.min - 8.0 * DVec2::Y;
+        let below = DVec2::new(frame.middle().x, frame.max.y + 16.0);
         let mut title = fitting(above, &self.title, HEADING, Font::SemiBold, side);
         let mut note = fitting(below, &self.note, TICK, Font::Regular, side);
         (title.color, note.color, note.anchor) = (palette.text, palette.muted, Anchor::Middle);
@@ -122,7 +121,7 @@ impl TileChart {
 }
 
 /// Returns a text that is made smaller if it is wider than its room.
-fn fitting(at: [f64; 2], text: &str, size: f64, font: Font, room: f64) -> Text {
+fn fitting(at: DVec2, text: &str, size: f64, font: Font, room: f64) -> Text {
     let width = text_width(text, font, size).max(1.0);
     let mut text = Text::new(at, text, size * (room / width).min(1.0), [0; 4]);
     text.font = font;
@@ -131,13 +130,8 @@ fn fitting(at: [f64; 2], text: &str, size: f64, font: Font, room: f64) -> Text {
 
 /// Returns the name and the ticks of a tile's vertical axis.
 fn ordinate(axis: &Axis, frame: Rect, palette: &Palette) -> Result<Vec<Shape>, ChartError> {
-    let middle = f64::midpoint(frame.min[1], frame.max[1]);
-    let mut name = Text::new(
-        [frame.min[0] - NAME, middle],
-        &axis.label,
-        LABEL,
-        palette.text,
-    );
+    let at = [frame.min.x - NAME, frame.middle().y];
+    let mut name = Text::new(at, &axis.label, LABEL, palette.text);
     (name.anchor, name.quarter_turns) = (Anchor::Middle, 3);
     let mut shapes = vec![Shape::Text(name)];
     let Some(ticks) = &axis.ticks else {
@@ -146,13 +140,10 @@ fn ordinate(axis: &Axis, frame: Rect, palette: &Palette) -> Result<Vec<Shape>, C
     let [low, high] = axis.checked_range()?;
     for (value, label) in ticks {
         let share = (high - value) / (high - low);
-        let at = [
-            frame.min[0] - 1.0,
-            frame.min[1] + share * (frame.max[1] - frame.min[1]),
-        ];
+        let at = frame.min + DVec2::new(-1.0, share * frame.size().y);
         let stroke = Stroke::new(palette.muted, 1.0);
-        shapes.push(Shape::line([at[0] - 5.0, at[1]], at, stroke));
-        let mut text = Text::new([at[0] - 8.0, at[1]], label, TICK, palette.muted);
+        shapes.push(Shape::line(at - 5.0 * DVec2::X, at, stroke));
+        let mut text = Text::new(at - 8.0 * DVec2::X, label, TICK, palette.muted);
         (text.anchor, text.baseline) = (Anchor::End, Baseline::Middle);
         shapes.push(Shape::Text(text));
     }

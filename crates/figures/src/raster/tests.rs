@@ -1,6 +1,7 @@
 //! Pixels at known places.
 
 use super::*;
+use crate::scene::View;
 
 const WHITE: Color = [255; 4];
 const RED: Color = [255, 0, 0, 255];
@@ -215,7 +216,8 @@ fn places_far_away_do_no_harm() {
             [-value, 10.0],
             stroke.dashed(4.0, 4.0),
         ));
-        let points = vec![[value, 0.0], [10.0, value], [10.0, 10.0]];
+        let points = [[value, 0.0], [10.0, value], [10.0, 10.0]];
+        let points = points.map(DVec2::from).to_vec();
         draw(Shape::Polyline {
             points: points.clone(),
             stroke,

@@ -1,7 +1,7 @@
 //! The markup, its escapes and its agreement with the scene.
 
 use super::*;
-use crate::scene::Rect;
+use crate::scene::View;
 
 const RED: Color = [255, 0, 0, 255];
 
@@ -52,7 +52,8 @@ fn everything() -> Vec<Shape> {
         fill: Some(hatch),
         stroke: None,
     };
-    let points = vec![[1.0, 1.0], [30.0, 1.0], [1.0, 20.0]];
+    let points = [[1.0, 1.0], [30.0, 1.0], [1.0, 20.0]];
+    let points = points.map(DVec2::from).to_vec();
     let text = Text::new([3.0, 3.0], "r < \"2\" & 'x' > \u{0}\u{3c1}", 10.0, RED);
     vec![
         Shape::circle([20.0, 15.0], 10.0, hatched),

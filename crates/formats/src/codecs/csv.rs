@@ -1,7 +1,7 @@
 //! Comma-separated values with the header `x,y`.
 //!
 //! Reads any table that has columns named x and y, or none named and x and y first; further columns are
-//! skipped. Never guesses at a decimal comma: a row with more fields than the first line is refused.
+//! skipped. Decimal commas are not read: a row with more fields than the first line is refused.
 
 use super::Raw;
 use crate::error::{FilePlace, FormatError};

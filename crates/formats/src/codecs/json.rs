@@ -1,6 +1,6 @@
 //! JSON: an object with `certificate`, `points` and, when known, `provenance`.
 //!
-//! Also reads a bare array of `[x, y]` pairs and skips fields it does not know. Never loses a bit: shortest
+//! Also reads a bare array of `[x, y]` pairs and skips fields it does not know. No bit is lost: shortest
 //! decimals are written and read with correct rounding.
 
 use serde::Deserialize;

@@ -1,7 +1,7 @@
 //! PLY vertices: x, y, z = 0 and, optionally, provenance.
 //!
 //! Writes ASCII and binary little-endian; reads big-endian too, skips other scalar properties and other elements.
-//! Never flattens: a vertex with z other than 0 is refused.
+//! A vertex with z other than 0 is refused.
 
 use super::Raw;
 use super::ply_header::{Element, Encoding, PlyHeader, Scalar, parse};

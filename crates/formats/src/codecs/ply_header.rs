@@ -1,7 +1,7 @@
 //! The header of a PLY file: encoding, elements and their properties.
 //!
-//! Follows the description by Greg Turk (1994). Never reads data; an element that cannot be skipped without walking
-//! its lists is refused here.
+//! Follows the description by Greg Turk (1994). An element that cannot be skipped without
+//! walking its lists is refused here.
 
 use crate::binary::{Endian, array};
 use crate::error::{FilePlace, FormatError, quote};

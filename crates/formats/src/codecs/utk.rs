@@ -128,7 +128,7 @@ fn precision_of(code: u8) -> Result<Precision, FormatError> {
         _ => Err(FormatError::Header {
             format: Format::UtkBinary,
             place: FilePlace::Offset(4),
-            reason: format!("the type is {code}; UTK knows 0 to 5"),
+            reason: format!("the type is {code}; UTK has 0 to 5"),
         }),
     }
 }

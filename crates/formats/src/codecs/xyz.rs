@@ -1,7 +1,7 @@
 //! `x y z` a line, as point-cloud tools read.
 //!
-//! Written with z = 0; columns beyond the third (colours, normals) are skipped on reading. Never
-//! flattens: a set with z other than 0 is refused.
+//! Written with z = 0; columns beyond the third (colours, normals) are skipped on reading. A
+//! set with z other than 0 is refused.
 
 use super::Raw;
 use crate::error::{FilePlace, FormatError};

@@ -28,14 +28,14 @@ pub struct Streamed {
     pub bytes: u64,
     /// The result that [`export`](crate::export) would have returned; `None` if the stream was not verified.
     pub verified: Option<Exported>,
-    /// What to tell the user.
+    /// Warnings for the user.
     pub warnings: Vec<Warning>,
 }
 
 impl StreamExport {
     /// Reads the file back, gives it its final name and writes the certificate.
     ///
-    /// The verdict is honest, not a condition: an invalid set is exported with `valid: false` and a warning.
+    /// A set need not be valid: an invalid one is exported with `valid: false` and a warning.
     ///
     /// # Errors
     ///

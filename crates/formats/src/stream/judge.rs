@@ -60,14 +60,14 @@ impl Judges {
         }
     }
 
-    /// Whether [`Self::remember`] does anything.
-    pub fn remembers(&self) -> bool {
+    /// Whether positions are digested here.
+    pub fn digests(&self) -> bool {
         self.positions.is_some()
     }
 
     /// Adds positions that an interrupted export stored, in file coordinates, to the digest. The verifiers' saved state
     /// already has them.
-    pub fn remember(&mut self, stored: &[[f64; 2]]) {
+    pub fn digest(&mut self, stored: &[[f64; 2]]) {
         if let Some(hasher) = &mut self.positions {
             add_positions(hasher, stored);
         }
@@ -80,7 +80,7 @@ impl Judges {
         stored: &[[f64; 2]],
         control: Control<'_>,
     ) -> Result<(), ExportError> {
-        self.remember(stored);
+        self.digest(stored);
         let mapping = self.target.mapping();
         let domain: Vec<_> = stored
             .iter()
@@ -133,8 +133,8 @@ impl Judges {
     }
 }
 
-/// Remembers the last progress reported to a control function. A second verifier repeats it to learn whether to go on,
-/// so that the progress bar follows the first verifier only.
+/// Keeps the last progress that was reported to a control function. A second verifier reports it again to ask whether to
+/// go on, so that the progress bar shows the first verifier only.
 struct LastProgress<'a> {
     control: Control<'a>,
     done: AtomicU64,

@@ -186,11 +186,11 @@ pub(super) fn read_rows(
     rows: &mut Rows,
     judges: Option<&mut Judges>,
 ) -> Result<(), ExportError> {
-    let Some(judges) = judges.filter(|judges| judges.remembers()) else {
+    let Some(judges) = judges.filter(|judges| judges.digests()) else {
         return Ok(());
     };
     let set = (rows.read(bytes)).map_err(|error| fault(&partial_path(path), error.to_string()))?;
-    judges.remember(&set.points);
+    judges.digest(&set.points);
     Ok(())
 }
 

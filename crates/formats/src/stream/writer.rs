@@ -87,7 +87,7 @@ impl Writer {
 
 impl Drop for Writer {
     fn drop(&mut self) {
-        // Whoever drops it does not want the file.
+        // The file of a dropped writer is not used.
         let _ = self.settle();
     }
 }

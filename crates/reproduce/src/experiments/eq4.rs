@@ -98,7 +98,7 @@ fn conflicts(run: &Run) -> Vec<bool> {
     }
     let near = |(id, point): (u32, _)| {
         grid.any_near(point, R, |other| {
-            other.id != id && covers_offset(other.offset.0, other.offset.1)
+            other.id != id && covers_offset(other.offset)
         })
     };
     (0..).zip(points.iter().copied()).map(near).collect()

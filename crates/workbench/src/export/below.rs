@@ -2,6 +2,7 @@
 
 use ecolor::Color32;
 use emath::Vec2;
+use glam::DVec2;
 use serde::{Deserialize, Serialize};
 use tilescope_drawing::surface::Stroke;
 use tilescope_drawing::symbol::{SymbolShape, symbol};
@@ -9,7 +10,7 @@ use tilescope_figures::{Baseline, Font, Group, Shape, Text, text_width, wrapped}
 use tilescope_session::layers::{Layer, Layers};
 
 use super::picture::PictureView;
-use super::surface::{color, line, style};
+use super::surface::{at, color, line, style};
 
 /// A legend: the symbols of layers, each with its meaning.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -45,7 +46,7 @@ struct LegendEntry {
     layer: Layer,
     meaning: &'static str,
     /// The left edge, and the middle of the line.
-    at: [f64; 2],
+    at: DVec2,
 }
 
 impl Below {
@@ -67,7 +68,7 @@ impl Below {
                 if x > 0.0 && x + wide > room {
                     (x, height) = (0.0, height + LINE_HEIGHT * size);
                 }
-                let at = [x, height + 0.5 * LINE_HEIGHT * size];
+                let at = DVec2::new(x, height + 0.5 * LINE_HEIGHT * size);
                 entries.push(LegendEntry { layer, meaning, at });
                 x += wide;
             }
@@ -84,9 +85,8 @@ impl Below {
     /// Returns the shapes.
     pub(super) fn groups(&self, view: &PictureView) -> Vec<Group> {
         let (palette, frame, width) = (view.palette(), view.frame(), view.width());
-        let [left, top] = [frame.min.x, frame.max.y].map(f64::from);
-        let top = top + SPACE * width;
-        let written = |text: &str, at: [f64; 2], size: f64, ink: Color32| {
+        let start = at(frame.left_bottom()) + SPACE * width * DVec2::Y;
+        let written = |text: &str, at: DVec2, size: f64, ink: Color32| {
             let mut text = Text::new(at, text.to_owned(), size, color(ink));
             text.baseline = Baseline::Middle;
             Shape::Text(text)
@@ -94,23 +94,22 @@ impl Below {
         let mut caption = Group::new("caption");
         let size = CAPTION_SIZE * width;
         for (k, text) in self.lines.iter().enumerate() {
-            let at = [left, top + (k as f64 + 0.5) * LINE_HEIGHT * size];
+            let at = start + (k as f64 + 0.5) * LINE_HEIGHT * size * DVec2::Y;
             caption.shapes.push(written(text, at, size, palette.text));
         }
         let mut legend = Group::new("legend");
         let size = LEGEND_SIZE * width;
         for LegendEntry { layer, meaning, at } in &self.entries {
-            let [x, y] = [left + at[0], top + at[1]];
-            let middle = [x + 0.5 * SYMBOL_WIDTH * size, y];
+            let (at, width) = (start + *at, SYMBOL_WIDTH * size * DVec2::X);
+            let middle = at + 0.5 * width;
             let scale = size / FONT_OF_SYMBOLS;
             let shapes = symbol(*layer, palette).into_iter();
             legend
                 .shapes
                 .extend(shapes.map(|shape| placed(shape, middle, scale)));
-            let at = [x + SYMBOL_WIDTH * size, y];
             legend
                 .shapes
-                .push(written(meaning, at, size, palette.muted));
+                .push(written(meaning, at + width, size, palette.muted));
         }
         [caption, legend]
             .into_iter()
@@ -120,9 +119,8 @@ impl Below {
 }
 
 /// Returns a shape of a symbol at its position in the picture.
-fn placed(shape: SymbolShape, middle: [f64; 2], scale: f64) -> Shape {
-    let [x, y] = middle;
-    let on = |at: Vec2| [x + scale * f64::from(at.x), y + scale * f64::from(at.y)];
+fn placed(shape: SymbolShape, middle: DVec2, scale: f64) -> Shape {
+    let on = |offset: Vec2| middle + scale * at(offset.to_pos2());
     let wide = |stroke: Stroke| Stroke::new(stroke.width * scale as f32, stroke.color);
     match shape {
         SymbolShape::Polygon {

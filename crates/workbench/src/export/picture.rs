@@ -241,12 +241,12 @@ fn heading(scene: &mut Scene, shown: &ShownMoment<'_>, view: &PictureView) {
         event => format!("{text} ({event})"),
     };
     let width = text_width(&event, Font::Regular, size);
-    let room = frame.max[0] - frame.min[0] - width - size;
-    let line = frame.min[1] - 0.8 * size;
+    let room = frame.size().x - width - size;
+    let line = frame.min.y - 0.8 * size;
     let ink = color(palette.text);
-    let left = Text::new([frame.min[0], line], fitted(&text, room, size), size, ink);
+    let left = Text::new([frame.min.x, line], fitted(&text, room, size), size, ink);
     let muted = color(palette.muted);
-    let mut right = Text::new([frame.max[0], line], event, size, muted);
+    let mut right = Text::new([frame.max.x, line], event, size, muted);
     right.anchor = Anchor::End;
     let mut group = Group::new("heading");
     group.shapes = [left, right].map(Shape::Text).into();

@@ -2,6 +2,7 @@
 
 use ecolor::Color32;
 use emath::{Pos2, Rect, Vec2, vec2};
+use glam::DVec2;
 use tilescope_drawing::surface::{Arc, Mark, Stroke, Surface, Tag};
 use tilescope_figures::{
     Anchor, Baseline, Color, Font, Group, Marker, Rect as PictureRect, Shape, Style, Text,
@@ -31,8 +32,8 @@ pub(super) fn style(fill: Option<Color32>, stroke: Option<Stroke>) -> Style {
     style
 }
 
-pub(super) fn at(pos: Pos2) -> [f64; 2] {
-    [f64::from(pos.x), f64::from(pos.y)]
+pub(crate) fn at(pos: Pos2) -> DVec2 {
+    DVec2::new(pos.x.into(), pos.y.into())
 }
 
 pub(super) fn rect(rect: Rect) -> PictureRect {
@@ -44,7 +45,7 @@ pub(super) fn rect(rect: Rect) -> PictureRect {
 pub(super) struct Shapes {
     drawn: Vec<Shape>,
     /// Consecutive lines of one style.
-    lines: Vec<[[f64; 2]; 2]>,
+    lines: Vec<[DVec2; 2]>,
     stroke: Option<(Stroke, bool)>,
     /// Marks by kind.
     marks: [Vec<Shape>; Mark::ALL.len()],
@@ -176,13 +177,8 @@ impl Surface for Shapes {
             .anchor
             .anchor_size(tag.pos, self.text_size(&tag.text, tag.size));
         self.rect(rect.expand2(tag.padding), Some(tag.ground), tag.border);
-        let middle = [f64::from(rect.min.x), f64::from(rect.center().y)];
-        let mut text = Text::new(
-            middle,
-            tag.text.clone(),
-            f64::from(tag.size),
-            color(tag.ink),
-        );
+        let (size, ink) = (f64::from(tag.size), color(tag.ink));
+        let mut text = Text::new(at(rect.left_center()), tag.text.clone(), size, ink);
         (text.font, text.anchor, text.baseline) = (Font::Mono, Anchor::Start, Baseline::Middle);
         self.add(Shape::Text(text));
     }

@@ -70,7 +70,8 @@ fn moved_to_its_limit(exact: &Pattern, index: usize) -> Option<Point> {
         let go = |value: i32, axis: usize| {
             i64::from(value) + i64::from(direction[axis]) * i64::from(steps) / 1000
         };
-        domain.wrap(go(from.x, 0) + i64::from(dx), go(from.y, 1) + i64::from(dy))
+        let place = [go(from.x, 0) + i64::from(dx), go(from.y, 1) + i64::from(dy)];
+        domain.wrap(place.into())
     };
     let (mut fits, mut fails) = (0, R / 2);
     while fails - fits > 1 {

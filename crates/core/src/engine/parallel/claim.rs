@@ -4,12 +4,13 @@
 //! nothing must be sorted.
 
 use fearless_simd::Simd;
+use glam::{I64Vec2, IVec2};
 
-use crate::lattice::{R, Rect};
+use crate::lattice::{R, Rect, Rect64, covers_offset};
 use crate::parameters::Order;
 use crate::stages::order::Ranking;
 
-use super::clip::{Clipper, PlacedBlock, Rect64};
+use super::clip::{Clipper, PlacedBlock};
 use super::region::{Loss, Region, flag, push};
 
 /// A sample near a border, compared by the order of elimination.
@@ -128,9 +129,8 @@ impl<const TAGS: bool> Region<TAGS> {
         block: &PlacedBlock,
         target: &Rect,
     ) {
-        let r = i64::from(R);
         self.waiting.clear();
-        for part in frame_between(&block.rect.grown(r, r), &block.rect) {
+        for part in frame_between(&block.rect.grown(R.into(), R.into()), &block.rect) {
             clipper.clip(block, &part, target, |x, y, id| {
                 self.waiting.push((x, y, tiled_tag(block.index, id)));
             });
@@ -154,11 +154,10 @@ impl<const TAGS: bool> Region<TAGS> {
         depth: i64,
         target: &Rect,
     ) {
-        let r = i64::from(R);
         let mut contested = std::mem::take(&mut self.contested);
         for block in blocks {
             let own = frame_between(&block.rect, &block.rect.grown(-depth - 1, -depth));
-            let margin = frame_between(&block.rect.grown(r, r), &block.rect);
+            let margin = frame_between(&block.rect.grown(R.into(), R.into()), &block.rect);
             for (part, is_own) in own
                 .map(|p| (p, true))
                 .into_iter()
@@ -218,8 +217,7 @@ impl<const TAGS: bool> Region<TAGS> {
             .flat_map(|row| row - 1..=row + 1)
             .any(|cell| {
                 self.lost_in(cell).any(|lost| {
-                    lost.loss == Loss::Unknown
-                        && crate::lattice::covers_offset(lost.x - x, lost.y - y)
+                    lost.loss == Loss::Unknown && covers_offset(IVec2::new(lost.x - x, lost.y - y))
                 })
             })
     }
@@ -228,14 +226,14 @@ impl<const TAGS: bool> Region<TAGS> {
 /// Returns four rectangles that together are `outer` without `inner`.
 fn frame_between(outer: &Rect64, inner: &Rect64) -> [Rect64; 4] {
     let rect = |left, bottom, right, top| Rect64 {
-        min: [left, bottom],
-        max: [right, top],
+        min: I64Vec2::new(left, bottom),
+        max: I64Vec2::new(right, top),
     };
-    let ([left, bottom], [right, top]) = (outer.min, outer.max);
+    let (min, max) = (outer.min, outer.max);
     [
-        rect(left, bottom, right, inner.min[1]),
-        rect(left, inner.min[1], inner.min[0], inner.max[1]),
-        rect(inner.max[0], inner.min[1], right, inner.max[1]),
-        rect(left, inner.max[1], right, top),
+        rect(min.x, min.y, max.x, inner.min.y),
+        rect(min.x, inner.min.y, inner.min.x, inner.max.y),
+        rect(inner.max.x, inner.min.y, max.x, inner.max.y),
+        rect(min.x, inner.max.y, max.x, max.y),
     ]
 }

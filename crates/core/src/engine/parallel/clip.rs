@@ -2,9 +2,10 @@
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, u32x8};
+use glam::I64Vec2;
 
 use crate::error::SampleError;
-use crate::lattice::{Domain, Point, R, Rect};
+use crate::lattice::{Domain, Point, R, Rect, Rect64};
 use crate::pattern::{Pattern, PatternVariant, Symmetry};
 use crate::random::{Key, Stream, below};
 use crate::stages::blocks::{Block, Node};
@@ -66,7 +67,7 @@ impl CellPattern {
     #[inline(always)]
     fn clip(
         &self,
-        start: [i64; 2],
+        start: I64Vec2,
         size: [i32; 2],
         corner: Point,
         mut visit: impl FnMut(i32, i32, u32),
@@ -80,17 +81,17 @@ impl CellPattern {
     #[inline(always)]
     fn pieces(
         &self,
-        start: [i64; 2],
+        start: I64Vec2,
         [width, height]: [i32; 2],
         corner: Point,
         mut visit: impl FnMut(&Rect, Point),
     ) {
         let (period_x, period_y) = (self.shape.width, self.shape.height);
-        let mut from_y = start[1].rem_euclid(i64::from(period_y)) as i32;
+        let mut from_y = start.y.rem_euclid(i64::from(period_y)) as i32;
         let mut up = 0;
         while up < height {
             let rows = (height - up).min(period_y - from_y);
-            let mut from_x = start[0].rem_euclid(i64::from(period_x)) as i32;
+            let mut from_x = start.x.rem_euclid(i64::from(period_x)) as i32;
             let mut right = 0;
             while right < width {
                 let columns = (width - right).min(period_x - from_x);
@@ -196,42 +197,6 @@ pub struct PlacedBlock {
     pub symmetry: u8,
     /// The pattern's point on the lowest corner of the block enlarged by r.
     pub start: Point,
-}
-
-/// A rectangle in 64 bits, half open.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Rect64 {
-    /// The lowest point inside.
-    pub min: [i64; 2],
-    /// The first point beyond, on both axes.
-    pub max: [i64; 2],
-}
-
-impl Rect64 {
-    /// Returns the rectangle grown by `below` and `above` units on both axes.
-    #[must_use]
-    pub fn grown(&self, below: i64, above: i64) -> Self {
-        Self {
-            min: self.min.map(|v| v - below),
-            max: self.max.map(|v| v + above),
-        }
-    }
-
-    /// Returns the intersection with `other`, or `None` if it is empty.
-    #[must_use]
-    pub fn within(&self, other: &Rect) -> Option<Rect> {
-        let axis = |a: usize, low: i32, high: i32| {
-            let low = self.min[a].max(i64::from(low));
-            let high = self.max[a].min(i64::from(high));
-            (low < high).then_some((low as i32, high as i32))
-        };
-        let (left, right) = axis(0, other.min.x, other.max.x)?;
-        let (bottom, top) = axis(1, other.min.y, other.max.y)?;
-        Some(Rect {
-            min: Point::new(left, bottom),
-            max: Point::new(right, top),
-        })
-    }
 }
 
 /// Clips the pattern for the blocks of a run: the tree of blocks and the variants of the pattern.
@@ -366,11 +331,9 @@ impl Clipper {
 }
 
 /// Returns the point of the pattern at the lowest corner of `rect`, a part of a block.
-fn start_of(block: &PlacedBlock, rect: &Rect) -> [i64; 2] {
-    [
-        i64::from(block.start.x) + i64::from(rect.min.x) - (block.rect.min[0] - i64::from(R)),
-        i64::from(block.start.y) + i64::from(rect.min.y) - (block.rect.min[1] - i64::from(R)),
-    ]
+fn start_of(block: &PlacedBlock, rect: &Rect) -> I64Vec2 {
+    let corner = block.rect.min - i64::from(R);
+    I64Vec2::from(block.start) + I64Vec2::from(rect.min) - corner
 }
 
 /// Appends, for every split at or below `node` in order, the number of leaves of its lower side. Returns the number of
@@ -389,27 +352,17 @@ fn count(node: &Node, leaf: i32, counts: &mut Vec<u32>) -> u32 {
 /// The images of a rectangle of the domain that, enlarged by r, meet a frame's target.
 struct Images {
     rect: Rect64,
-    sides: [i64; 2],
+    sides: I64Vec2,
     /// First and last shift on each axis, in sides.
     shifts: [[i64; 2]; 2],
 }
 
 impl Images {
     fn of(rect: &Rect, frame: &Frame, target: &Rect) -> Self {
-        let rect = Rect64 {
-            min: [
-                i64::from(rect.min.x) - frame.origin[0],
-                i64::from(rect.min.y) - frame.origin[1],
-            ],
-            max: [
-                i64::from(rect.max.x) - frame.origin[0],
-                i64::from(rect.max.y) - frame.origin[1],
-            ],
-        };
-        let sides = frame.sides.map(i64::from);
+        let rect = Rect64::from(*rect).moved(-frame.origin);
+        let sides = I64Vec2::from(frame.sides.map(i64::from));
         let reach = rect.grown(R.into(), R.into());
-        let low = [target.min.x, target.min.y].map(i64::from);
-        let high = [target.max.x, target.max.y].map(i64::from);
+        let (low, high) = (I64Vec2::from(target.min), I64Vec2::from(target.max));
         let shifts = std::array::from_fn(|axis| {
             if frame.periodic {
                 // min + k side < high and low < max + k side.
@@ -437,13 +390,7 @@ impl Images {
     fn rects(&self) -> impl Iterator<Item = Rect64> {
         let [[left, right], [bottom, top]] = self.shifts;
         (bottom..=top).flat_map(move |j| {
-            (left..=right).map(move |i| {
-                let shift = [i * self.sides[0], j * self.sides[1]];
-                Rect64 {
-                    min: [self.rect.min[0] + shift[0], self.rect.min[1] + shift[1]],
-                    max: [self.rect.max[0] + shift[0], self.rect.max[1] + shift[1]],
-                }
-            })
+            (left..=right).map(move |i| self.rect.moved(I64Vec2::new(i, j) * self.sides))
         })
     }
 }

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::lattice::{Point, Rect};
+use crate::lattice::{Point, Rect, Rect64};
 use crate::run::Summary;
 
 use super::frame::CELL_BITS;
@@ -65,13 +65,9 @@ impl<const TAGS: bool> Region<TAGS> {
         };
         let mut counts = WindowCounts::default();
         for block in &self.blocks {
-            let [x, y] = block.rect.min;
-            let inside = |v: i64, low: i32, high: i32| (low.into()..high.into()).contains(&v);
-            counts.blocks += u64::from(
-                inside(x, window.min.x, window.max.x)
-                    && inside(y, window.min.y, window.max.y)
-                    && counted(x as i32, y as i32),
-            );
+            let min = block.rect.min;
+            let is_inside = Rect64::from(window).contains(min);
+            counts.blocks += u64::from(is_inside && counted(min.x as i32, min.y as i32));
         }
         for lost in self.lost.iter().filter(|lost| lost.loss == Loss::Certain) {
             if self.frame.holds(lost.x, lost.y) {

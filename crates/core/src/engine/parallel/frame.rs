@@ -1,6 +1,8 @@
 //! The rectangle of cells that a region works on, in coordinates of its own. In a periodic domain the plane repeats
 //! without end and a frame may lie anywhere in it, so that nothing wraps inside a region.
 
+use glam::I64Vec2;
+
 use crate::lattice::{Domain, Point, R, Rect};
 
 /// Cells have sides of 2^15 units, one radius.
@@ -13,7 +15,7 @@ pub const PAD: i32 = 4;
 #[derive(Clone, Debug, Default)]
 pub struct Frame {
     /// The lattice point of the plane that is (0, 0) here.
-    pub origin: [i64; 2],
+    pub origin: I64Vec2,
     /// Cells on each axis, without the padding.
     pub cells: [i32; 2],
     /// The first coordinates beyond the last sample that can be known here.

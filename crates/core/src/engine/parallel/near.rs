@@ -3,6 +3,7 @@
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8};
+use glam::{DVec2, I64Vec2};
 
 use crate::lattice::{R, R_SQUARED};
 
@@ -77,9 +78,6 @@ type Square = (i32, i32, i32);
 /// The most squares that are waiting to be proven covered: three of each side from a pixel's to [`MIN_SQUARE`], and
 /// one.
 const MAX_WAITING: usize = 24;
-
-/// A sample's offset.
-pub(crate) type Site = (i64, i64);
 
 impl Near {
     /// Gathers the samples of the cells at most `reach` cells from `cell`.
@@ -193,32 +191,31 @@ impl Near {
 
     /// Returns whether a sample is nearer to a lattice point than the root of `limit`, exactly.
     #[inline(always)]
-    pub(crate) fn any_nearer<S: Simd>(&self, simd: S, place: Site, limit: i64) -> bool {
-        let nearest = self.nearest_squared(simd, place.0 as f32, place.1 as f32);
+    pub(crate) fn any_nearer<S: Simd>(&self, simd: S, place: I64Vec2, limit: i64) -> bool {
+        let nearest = self.nearest_squared(simd, place.x as f32, place.y as f32);
         let limit_rounded = limit as f32;
         if nearest < limit_rounded - ROUNDED {
             return true;
         }
         // Distances are hardly ever this near to the limit.
         nearest < limit_rounded + ROUNDED
-            && self.exact().any(|(x, y)| {
-                let (dx, dy) = (x - place.0, y - place.1);
-                dx * dx + dy * dy < limit
-            })
+            && self
+                .exact()
+                .any(|site| site.distance_squared(place) < limit)
     }
 
     /// Returns a sample's offset.
     #[inline(always)]
-    pub(crate) fn offset(&self, index: u8) -> [f64; 2] {
+    pub(crate) fn offset(&self, index: u8) -> DVec2 {
         let (group, lane) = (index as usize / LANES, index as usize % LANES);
-        [self.x[group][lane].into(), self.y[group][lane].into()]
+        DVec2::new(self.x[group][lane].into(), self.y[group][lane].into())
     }
 
     /// Returns all samples, exactly.
-    pub(crate) fn exact(&self) -> impl Iterator<Item = Site> {
+    pub(crate) fn exact(&self) -> impl Iterator<Item = I64Vec2> {
         let x = self.x.as_flattened()[..self.count].iter();
         let y = &self.y.as_flattened()[..self.count];
-        x.zip(y).map(|(&x, &y)| (x as i64, y as i64))
+        x.zip(y).map(|(&x, &y)| I64Vec2::new(x as i64, y as i64))
     }
 
     /// Returns whether one of the pixels in `open` may hold a lattice point that no sample covers. `false` is

@@ -4,6 +4,7 @@
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, i32x4, i32x8};
+use glam::I64Vec2;
 
 use crate::lattice::{Point, R, R_SQUARED, Rect};
 
@@ -196,15 +197,12 @@ impl<const TAGS: bool> Region<TAGS> {
 
     /// Replaces the cells `cells` (of this frame) by those of a region in which they are sure.
     pub(crate) fn adopt(&mut self, other: &Self, cells: &Rect) {
-        let shift = |axis: usize| {
-            ((self.frame.origin[axis] - other.frame.origin[axis]) >> CELL_BITS) as i32
-        };
-        let (right, up) = (shift(0), shift(1));
+        let shift = ((self.frame.origin - other.frame.origin) >> CELL_BITS).as_ivec2();
         for row in cells.min.y..cells.max.y {
             for column in cells.min.x..cells.max.x {
                 let (to, from) = (
                     self.frame.cell(column, row),
-                    other.frame.cell(column + right, row + up),
+                    other.frame.cell(column + shift.x, row + shift.y),
                 );
                 self.slots[to] = other.slots[from];
                 if TAGS {
@@ -284,10 +282,9 @@ impl<const TAGS: bool> Region<TAGS> {
     fn emit_inside(&self, line: &[Point], out: &mut Vec<Point>, tags: &mut Vec<u64>) {
         let origin = self.frame.origin;
         let inside = |p: &Point| {
-            self.frame.window.contains(Point::new(
-                (i64::from(p.x) - origin[0]) as i32,
-                (i64::from(p.y) - origin[1]) as i32,
-            ))
+            let at = I64Vec2::from(*p) - origin;
+            let at = Point::new(at.x as i32, at.y as i32);
+            self.frame.window.contains(at)
         };
         if TAGS {
             let first = tags.len() - line.len();

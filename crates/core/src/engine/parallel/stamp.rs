@@ -102,7 +102,7 @@ mod tests {
                     let all = [(0, 0), (1, 0), (0, 1), (1, 1)].iter().all(|(right, up)| {
                         let px = left + right * (PIXEL_SIDE - 1) - (x + column * R);
                         let py = bottom + up * (PIXEL_SIDE - 1) - (y + row * R);
-                        covers_offset(px, py)
+                        covers_offset(glam::IVec2::new(px, py))
                     });
                     let is_stamped = stamp >> pixel & 1 == 1;
                     assert!(all || !is_stamped, "{x} {y} from {from}, pixel {pixel}");

@@ -1,6 +1,7 @@
 //! The run over a whole small periodic domain, for windows that no halo can decide: in a narrow domain the plane
 //! repeats every few radii, and uncertainty at one end of a frame may spread to the other through the repetitions.
 
+use glam::I64Vec2;
 use std::sync::{Arc, OnceLock};
 
 use crate::engine::sequential::Sequential;
@@ -88,9 +89,8 @@ impl Whole {
             };
             match samples.fates[id] {
                 Fate::Kept => {
-                    let x = i64::from(point.x) - origin[0];
-                    let y = i64::from(point.y) - origin[1];
-                    region.insert(x as i32, y as i32, tag);
+                    let at = I64Vec2::from(*point) - origin;
+                    region.insert(at.x as i32, at.y as i32, tag);
                 }
                 Fate::Eliminated { .. } => counts.eliminated += 1,
                 Fate::Dropped | Fate::Undecided => {}

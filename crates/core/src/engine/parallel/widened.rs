@@ -1,6 +1,8 @@
 //! A window of a plane with a margin around it, as a set of its own. Whether the set is valid is judged by the caller,
 //! since the core has no verifier.
 
+use glam::I64Vec2;
+
 use super::plane::Plane;
 use crate::error::SampleError;
 use crate::lattice::{Point, R, Window};
@@ -40,19 +42,18 @@ impl Plane {
         observer: &mut dyn Observer,
     ) -> Result<WidenedWindow, SampleError> {
         let domain = self.domain();
-        let (periodic, max) = (domain.is_periodic(), domain.rect().max);
+        let periodic = domain.is_periodic();
         let sides = [domain.width(), domain.height()];
-        let unit = [0, 1].map(|axis| domain.size()[axis] / f64::from(sides[axis]));
-        let mut wide = *window;
-        for (axis, max) in [max.x, max.y].into_iter().enumerate() {
-            wide.min[axis] -= MARGIN;
-            wide.max[axis] += MARGIN;
-            if !periodic {
-                wide.min[axis] = wide.min[axis].max(0);
-                wide.max[axis] = wide.max[axis].min(max.into());
-            }
+        let unit = domain.unit();
+        let mut wide = Window {
+            min: window.min - MARGIN,
+            max: window.max + MARGIN,
+        };
+        if !periodic {
+            wide.min = wide.min.max(I64Vec2::ZERO);
+            wide.max = wide.max.min(domain.rect().max.into());
         }
-        let at = |v: i64, axis: usize| (v - wide.min[axis]) as f64 * unit[axis];
+        let user = |offset: I64Vec2| (offset.as_dvec2() * unit).to_array();
         let images = |v: i32, axis: usize| {
             let (side, first) = (i64::from(sides[axis]), i64::from(v) - wide.min[axis]);
             let (first, step) = if periodic {
@@ -77,9 +78,8 @@ impl Plane {
         let last = i64::from(!periodic);
         Ok(WidenedWindow {
             positions: samples.iter().flat_map(shown).collect(),
-            size: [0, 1].map(|axis| (wide.max[axis] - wide.min[axis] - last) as f64 * unit[axis]),
-            window: [window.min, window.max]
-                .map(|corner| [0, 1].map(|axis| at(corner[axis], axis))),
+            size: user(wide.max - wide.min - last),
+            window: [window.min, window.max].map(|corner| user(corner - wide.min)),
         })
     }
 }

@@ -6,6 +6,7 @@ use crate::support::inputs::{
     Numbers, OFFSET_LIMIT, halves, joined, lines, offset, offsets, quotients, rim, triangles, words,
 };
 use crate::support::{Words, check, compare, source, spoilt};
+use glam::{I64Vec2, IVec2};
 use tilescope_core::{
     R_SQUARED, below, circumcentre, covers_offset, on_line, round_half_up, threefry2x32_20,
 };
@@ -37,7 +38,7 @@ fn rounded([a, b, c, d]: Words) -> Words {
 }
 
 fn centre([a, b, c, d]: Words) -> Words {
-    circumcentre(offset(a, b), offset(c, d)).map_or([0; 4], |(x, y)| existing(&[x, y]))
+    circumcentre(offset(a, b), offset(c, d)).map_or([0; 4], |c| existing(&c.to_array()))
 }
 
 fn crossing([line, _, x, y]: Words) -> Words {
@@ -50,7 +51,12 @@ fn drawn([a, b, c, d]: Words) -> Words {
 }
 
 fn covered([x, y, ..]: Words) -> Words {
-    [covers_offset(x as i32, y as i32).into(), 0, 0, 0]
+    [
+        covers_offset(IVec2::new(x as i32, y as i32)).into(),
+        0,
+        0,
+        0,
+    ]
 }
 
 fn product([a, b, ..]: Words) -> Words {
@@ -123,7 +129,7 @@ fn wide_products_are_those_of_64_bits() {
     assert_eq!(result, Ok(inputs.len()));
     let norm = "return vec4<u32>(wide_norm_squared(bitcast<vec2<i32>>(w.xy)), 0u, 0u);";
     let result = compare(&source("wide", norm), &inputs, |[a, b, ..]| {
-        let (x, y) = offset(a, b);
+        let I64Vec2 { x, y } = offset(a, b);
         wide((x * x).wrapping_add(y * y))
     });
     assert_eq!(result, Ok(inputs.len()));
@@ -211,13 +217,16 @@ fn random_words_are_those_of_core_and_of_the_published_answers() {
 fn a_sample_covers_the_same_places_as_in_core() {
     let mut inputs = rim();
     let at = |squared: i64| {
-        let squares = |w: &&Words| offset(w[0], w[1]).0.pow(2) + offset(w[0], w[1]).1.pow(2);
-        inputs.iter().filter(|w| squares(w) == squared).count()
+        let is_at = |w: &&Words| offset(w[0], w[1]).length_squared() == squared;
+        inputs.iter().filter(is_at).count()
     };
     assert!(at(R_SQUARED) >= 4 && at(R_SQUARED + 1) >= 8);
     inputs.extend(words(10, MANY));
     let mut numbers = Numbers::new(11);
-    inputs.extend((0..MANY).map(|_| offsets((numbers.of_bits(16), numbers.of_bits(16)), (0, 0))));
+    inputs.extend((0..MANY).map(|_| {
+        let offset = I64Vec2::new(numbers.of_bits(16), numbers.of_bits(16));
+        offsets(offset, I64Vec2::ZERO)
+    }));
     let result = compare(&source("lattice", COVERS), &inputs, covered);
     assert_eq!(result, Ok(inputs.len()));
 }

@@ -2,7 +2,8 @@
 
 use std::f64::consts::TAU;
 
-use tilescope_core::{Key, Offset, R, R_SQUARED, Stream, below};
+use glam::{DVec2, I64Vec2, IVec2};
+use tilescope_core::{Key, R, R_SQUARED, Stream, below};
 
 use super::Words;
 
@@ -84,9 +85,9 @@ impl Numbers {
     }
 
     /// Returns an offset within the limit.
-    pub fn offset(&mut self) -> Offset {
+    pub fn offset(&mut self) -> I64Vec2 {
         let mut component = || self.between(-OFFSET_LIMIT, OFFSET_LIMIT);
-        (component(), component())
+        I64Vec2::new(component(), component())
     }
 }
 
@@ -101,13 +102,13 @@ pub const fn joined(low: u32, high: u32) -> i64 {
 }
 
 /// Returns an offset of two words.
-pub fn offset(x: u32, y: u32) -> Offset {
-    ((x as i32).into(), (y as i32).into())
+pub fn offset(x: u32, y: u32) -> I64Vec2 {
+    IVec2::new(x as i32, y as i32).as_i64vec2()
 }
 
 /// Returns the words of two offsets.
-pub const fn offsets(a: Offset, b: Offset) -> Words {
-    [a.0 as u32, a.1 as u32, b.0 as u32, b.1 as u32]
+pub const fn offsets(a: I64Vec2, b: I64Vec2) -> Words {
+    [a.x as u32, a.y as u32, b.x as u32, b.y as u32]
 }
 
 /// Returns every choice of four edges, then `count` times four words of [`Numbers::word`].
@@ -162,10 +163,8 @@ pub fn triangles(seed: u64, count: usize) -> Vec<Words> {
     let shapes = [any, nearly_collinear, right_angled, of_a_circle, small];
     all.extend((0..count).map(|index| {
         let (a, b) = shapes[index % shapes.len()](&mut numbers);
-        let inside = |(x, y): Offset| {
-            let component = |v: i64| v.clamp(-OFFSET_LIMIT, OFFSET_LIMIT);
-            (component(x), component(y))
-        };
+        let [low, high] = [-OFFSET_LIMIT, OFFSET_LIMIT].map(I64Vec2::splat);
+        let inside = |offset: I64Vec2| offset.clamp(low, high);
         offsets(inside(a), inside(b))
     }));
     all
@@ -174,36 +173,35 @@ pub fn triangles(seed: u64, count: usize) -> Vec<Words> {
 fn extreme_triangles() -> Vec<Words> {
     let far = OFFSET_LIMIT;
     let ends = [-far, 1 - far, -1, 0, 1, far - 1, far];
-    let places: Vec<Offset> = ends.map(|x| ends.map(|y| (x, y))).concat();
-    let pairs = |a: &Offset| places.iter().map(|b| offsets(*a, *b)).collect::<Vec<_>>();
+    let places = ends.map(|x| ends.map(|y| I64Vec2::new(x, y))).concat();
+    let pairs = |a: &I64Vec2| places.iter().map(|b| offsets(*a, *b)).collect::<Vec<_>>();
     places.iter().flat_map(pairs).collect()
 }
 
-fn any(numbers: &mut Numbers) -> (Offset, Offset) {
+fn any(numbers: &mut Numbers) -> (I64Vec2, I64Vec2) {
     (numbers.offset(), numbers.offset())
 }
 
-fn small(numbers: &mut Numbers) -> (Offset, Offset) {
-    let mut near = || (numbers.between(-40, 40), numbers.between(-40, 40));
+fn small(numbers: &mut Numbers) -> (I64Vec2, I64Vec2) {
+    let mut near = || I64Vec2::new(numbers.between(-40, 40), numbers.between(-40, 40));
     (near(), near())
 }
 
-fn nearly_collinear(numbers: &mut Numbers) -> (Offset, Offset) {
-    let a = (numbers.of_bits(18), numbers.of_bits(18));
+fn nearly_collinear(numbers: &mut Numbers) -> (I64Vec2, I64Vec2) {
+    let a = I64Vec2::new(numbers.of_bits(18), numbers.of_bits(18));
     let (times, parts) = (numbers.between(-9, 9), numbers.between(1, 9));
-    let mut near = |v: i64| v * times / parts + numbers.between(-1, 1);
-    (a, (near(a.0), near(a.1)))
+    (a, a.map(|v| v * times / parts + numbers.between(-1, 1)))
 }
 
 /// The centre is the middle of the longest side, a half wherever the sum is odd.
-fn right_angled(numbers: &mut Numbers) -> (Offset, Offset) {
-    let (x, y) = (numbers.of_bits(9), numbers.of_bits(9));
+fn right_angled(numbers: &mut Numbers) -> (I64Vec2, I64Vec2) {
+    let a = I64Vec2::new(numbers.of_bits(9), numbers.of_bits(9));
     let (p, q) = (numbers.between(-500, 500), numbers.between(-500, 500));
-    ((p * x, p * y), (-q * y, q * x))
+    (p * a, q * a.perp())
 }
 
 /// The centre is close to one that is a threshold's length away.
-fn of_a_circle(numbers: &mut Numbers) -> (Offset, Offset) {
+fn of_a_circle(numbers: &mut Numbers) -> (I64Vec2, I64Vec2) {
     let choice = numbers.pair()[0] as usize;
     let radius = [1.0, 229_376.0, 131_072.0, 131_136.0, 262_144.0, 262_146.0][choice % 6];
     let radius = radius + 8.0 * (numbers.share() - 0.5);
@@ -213,12 +211,12 @@ fn of_a_circle(numbers: &mut Numbers) -> (Offset, Offset) {
     } else {
         (choice / 8 % 4) as f64 / 4.0
     };
-    let centre = ((turn * TAU).cos() * radius, (turn * TAU).sin() * radius);
+    let centre = DVec2::from_angle(turn * TAU) * radius;
     let mut place = || {
         let other = (turn + 0.5 + 0.3 * (numbers.share() - 0.5)) * TAU;
-        let x = (centre.0 + other.cos() * radius).round() as i64;
-        let y = (centre.1 + other.sin() * radius).round() as i64;
-        (x, y)
+        (centre + DVec2::from_angle(other) * radius)
+            .round()
+            .as_i64vec2()
     };
     (place(), place())
 }
@@ -229,20 +227,20 @@ pub fn lines(seed: u64, count: usize) -> Vec<Words> {
     let mut one = |index: usize| {
         let (line, m) = match index % 4 {
             0 => (numbers.of_bits(18), numbers.offset()),
-            1 => (
-                numbers.of_bits(18),
-                (numbers.of_bits(18), numbers.of_bits(4)),
-            ),
+            1 => {
+                let line = numbers.of_bits(18);
+                (line, I64Vec2::new(numbers.of_bits(18), numbers.of_bits(4)))
+            }
             2 => (numbers.between(-40, 40), small(&mut numbers).0),
             _ => {
                 let mut end = || [-1, 0, 1][numbers.pair()[0] as usize % 3] * OFFSET_LIMIT;
                 let (line, x, y) = (end(), end(), end());
                 let mut near =
                     |v: i64| (v + numbers.between(-2, 2)).clamp(-OFFSET_LIMIT, OFFSET_LIMIT);
-                (near(line), (near(x), near(y)))
+                (near(line), I64Vec2::new(near(x), near(y)))
             }
         };
-        offsets((line, 0), m)
+        offsets(I64Vec2::new(line, 0), m)
     };
     (0..count).map(&mut one).collect()
 }
@@ -255,7 +253,7 @@ pub fn rim() -> Vec<Words> {
         let y = (R_SQUARED - x * x).max(0).isqrt();
         for y in [y - 1, y, y + 1, y + 2] {
             for (x, y) in [(x, y), (-x, y), (x, -y), (-x, -y)] {
-                all.push(offsets((x, y), (0, 0)));
+                all.push(offsets(I64Vec2::new(x, y), I64Vec2::ZERO));
             }
         }
     }

@@ -67,7 +67,7 @@ fn scene(set: &Set, witness: &Witness, caption: String) -> Result<Scene> {
     let parts = Tessellation::of(&points, region, radius)?;
     let gap = parts.gap_at(middle).map(|gap| &parts.gaps[gap].fill[..]);
     // Positions of a picture point down; its middle stays where it is.
-    let flip = |at: DVec2| [at.x, 2.0 * middle[1] - at.y];
+    let flip = |at: DVec2| DVec2::new(at.x, 2.0 * middle[1] - at.y);
     let triangles: Vec<_> = gap
         .unwrap_or_default()
         .iter()
@@ -88,7 +88,7 @@ fn around(set: &Set, center: [f64; 2], middle: [f64; 2]) -> Vec<[f64; 2]> {
 }
 
 /// Returns the uncovered area, solid below a hatch.
-fn hole(triangles: &[[[f64; 2]; 3]], palette: &Palette) -> Vec<Shape> {
+fn hole(triangles: &[[DVec2; 3]], palette: &Palette) -> Vec<Shape> {
     let solid = Style::filled(with_alpha(palette.gap, 170));
     let mut hatched = solid;
     hatched.fill = Some(Fill::Hatch(Hatch {
@@ -102,7 +102,7 @@ fn hole(triangles: &[[[f64; 2]; 3]], palette: &Palette) -> Vec<Shape> {
         .collect()
 }
 
-fn polygon(corners: &[[f64; 2]], style: Style) -> Shape {
+fn polygon(corners: &[DVec2], style: Style) -> Shape {
     let points = corners.to_vec();
     Shape::Polygon { points, style }
 }
@@ -114,22 +114,21 @@ fn triangle(witness: &Witness, middle: DVec2, radius: f64, palette: &Palette) ->
         .into_iter()
         .zip([palette.conflict, palette.detector, palette.inserted]);
     let empty = Style::stroked(palette.gap, 1.5);
-    let mut shapes = vec![Shape::circle(middle.into(), witness.distance, empty)];
+    let mut shapes = vec![Shape::circle(middle, witness.distance, empty)];
     shapes.extend(colored.clone().map(|(site, color)| {
         let sight = Style::default().with_stroke(Stroke::new(color, 2.0).dashed(9.0, 5.0));
-        Shape::circle(site.into(), 2.0 * radius, sight)
+        Shape::circle(site, 2.0 * radius, sight)
     }));
     for (k, length) in witness.sides().iter().enumerate() {
         let corners = [1, 2, 3].map(|next| sites[(k + next) % 3]);
         let what = format!("{} r", number(length / radius, 4));
         shapes.extend(side(corners, &what, radius, palette));
     }
-    let dot = |(site, color): (DVec2, _)| {
-        Shape::marker(Marker::Dot, site.into(), 15.0, Style::filled(color))
-    };
+    let dot =
+        |(site, color): (DVec2, _)| Shape::marker(Marker::Dot, site, 15.0, Style::filled(color));
     shapes.extend(colored.map(dot));
     let cross = Style::stroked(palette.text, 1.5);
-    shapes.push(Shape::marker(Marker::Cross, middle.into(), 12.0, cross));
+    shapes.push(Shape::marker(Marker::Cross, middle, 12.0, cross));
     shapes
 }
 
@@ -139,12 +138,12 @@ fn side([from, to, third]: [DVec2; 3], what: &str, radius: f64, palette: &Palett
     let half = from.midpoint(to);
     let at = half + 0.4 * radius * (half - third).normalize_or_zero();
     let [x, y] = [0.33, 0.11].map(|half| half * radius);
-    let corners = [[-x, -y], [x, -y], [x, y], [-x, y]].map(|to| (at + DVec2::from(to)).to_array());
+    let corners = [[-x, -y], [x, -y], [x, y], [-x, y]].map(|to| at + DVec2::from(to));
     let ground = Style::filled(with_alpha(palette.background, 215));
-    let mut text = Text::new(at.into(), what, 18.0, palette.text);
+    let mut text = Text::new(at, what, 18.0, palette.text);
     (text.anchor, text.baseline, text.font) = (Anchor::Middle, Baseline::Middle, Font::SemiBold);
     [
-        Shape::line(from.into(), to.into(), Stroke::new(palette.text, 1.2)),
+        Shape::line(from, to, Stroke::new(palette.text, 1.2)),
         polygon(&corners, ground),
         Shape::Text(text),
     ]

@@ -1,13 +1,13 @@
 //! Candidates: applies the definition of `stages::detect` to a place, and inserts candidates in order.
 
 use fearless_simd::Simd;
+use glam::{I64Vec2, IVec2};
 
 use crate::lattice::{Point, R_SQUARED};
 use crate::random::Stream;
 use crate::stages::detect::{DETECTOR_REACH, NEARER_SLACK, Reach};
 
 use super::super::frame::{CELL_BITS, PAD};
-use super::super::near::Site;
 use super::super::region::{Loss, LostSample, Region, flag, pack};
 use super::super::stamp::PIXEL_SIDE;
 use super::search::{Detectors, SearchedPixel};
@@ -40,21 +40,21 @@ impl<const TAGS: bool> Region<TAGS> {
         gaps: &mut GapBuffers,
         rules: &Rules,
         searched: SearchedPixel,
-        (place, sites): (Site, &[Site]),
+        (place, sites): (I64Vec2, &[I64Vec2]),
         unsure: &mut Vec<usize>,
     ) {
         let (left, bottom) = corner(searched.number);
         let inside = |v: i64, low: i32| (0..i64::from(PIXEL_SIDE)).contains(&(v - i64::from(low)));
-        if !inside(place.0, left) || !inside(place.1, bottom) {
+        if !inside(place.x, left) || !inside(place.y, bottom) {
             return;
         }
         let (column, row) = self.frame.column_row(searched.cell);
-        let x = (column << CELL_BITS) + place.0 as i32;
-        let y = (row << CELL_BITS) + place.1 as i32;
+        let x = (column << CELL_BITS) + place.x as i32;
+        let y = (row << CELL_BITS) + place.y as i32;
         if !self.frame.holds(x, y) {
             return;
         }
-        let distance = |site: &Site| norm_squared(minus(*site, place));
+        let distance = |site: &I64Vec2| site.distance_squared(place);
         let nearest = sites.iter().map(distance).min().unwrap_or(0);
         let limit = (nearest - NEARER_SLACK).max(R_SQUARED + 1);
         let near = if searched.wide {
@@ -89,8 +89,8 @@ impl<const TAGS: bool> Region<TAGS> {
         gaps: &GapBuffers,
         rules: &Rules,
         searched: SearchedPixel,
-        place: Site,
-        sites: &[Site],
+        place: I64Vec2,
+        sites: &[I64Vec2],
     ) -> Known {
         let mut known = Known::No;
         for site in sites {
@@ -101,12 +101,11 @@ impl<const TAGS: bool> Region<TAGS> {
                 self.site_point(searched.cell, *site)
             };
             let reach = Reach::new(&rules.domain, rules.search, point);
-            let within =
-                |a: Site, reach: i32| norm_squared(a) <= i64::from(reach) * i64::from(reach);
-            if !within(minus(*site, place), reach.radius)
-                || !sites
-                    .iter()
-                    .all(|other| within(minus(*other, *site), reach.search))
+            let within = |other: I64Vec2, reach: i32| {
+                site.distance_squared(other) <= i64::from(reach) * i64::from(reach)
+            };
+            if !within(place, reach.radius)
+                || !sites.iter().all(|other| within(*other, reach.search))
             {
                 continue;
             }
@@ -119,10 +118,10 @@ impl<const TAGS: bool> Region<TAGS> {
         known
     }
 
-    fn is_detector(&self, gaps: &GapBuffers, searched: SearchedPixel, site: Site) -> Known {
+    fn is_detector(&self, gaps: &GapBuffers, searched: SearchedPixel, site: I64Vec2) -> Known {
         let (column, row) = self.frame.column_row(searched.cell);
-        let x = (column << CELL_BITS) + site.0 as i32;
-        let y = (row << CELL_BITS) + site.1 as i32;
+        let x = (column << CELL_BITS) + site.x as i32;
+        let y = (row << CELL_BITS) + site.y as i32;
         match searched.detectors {
             Detectors::First => self.is_first_detector(searched.cell, x, y),
             Detectors::Inserted => {
@@ -139,7 +138,8 @@ impl<const TAGS: bool> Region<TAGS> {
     fn is_first_detector(&self, cell: usize, x: i32, y: i32) -> Known {
         let limit = i64::from(DETECTOR_REACH) * i64::from(DETECTOR_REACH);
         let reaches = |lost: &LostSample| {
-            norm_squared((i64::from(lost.x - x), i64::from(lost.y - y))) <= limit
+            let offset = IVec2::new(lost.x - x, lost.y - y);
+            offset.as_i64vec2().length_squared() <= limit
         };
         // The lost sample that covered the place is nearly always near enough to the site, too.
         let stride = self.frame.stride();
@@ -211,12 +211,4 @@ impl<const TAGS: bool> Region<TAGS> {
 /// Returns the key of a sample: its cell and its slot.
 pub(super) fn site_key(cell: usize, packed: u32) -> u64 {
     (cell as u64) << 32 | u64::from(packed)
-}
-
-pub(super) const fn minus(a: Site, b: Site) -> Site {
-    (a.0 - b.0, a.1 - b.1)
-}
-
-pub(super) const fn norm_squared(a: Site) -> i64 {
-    a.0 * a.0 + a.1 * a.1
 }

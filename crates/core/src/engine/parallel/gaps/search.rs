@@ -1,16 +1,15 @@
 //! The search of one pixel for candidates made by the samples that are about as near to it as the nearest one.
 
 use fearless_simd::Simd;
+use glam::{DVec2, I64Vec2};
 
 use crate::circumcentre::circumcentre;
 use crate::lattice::{Point, R, R_SQUARED};
 use crate::stages::detect::Border;
 
 use super::super::frame::CELL_BITS;
-use super::super::near::Site;
 use super::super::region::{MAX_REACH, Region};
 use super::super::stamp::PIXEL_SIDE;
-use super::candidate::minus;
 use super::pixel::{Pixel, centre, each_bit};
 use super::{GapBuffers, Rules, corner};
 
@@ -111,11 +110,11 @@ impl<const TAGS: bool> Region<TAGS> {
                 for k in m + 1..n {
                     let three = [near(gaps, i), near(gaps, m), near(gaps, k)];
                     if may_make(three, searched.number) {
-                        let sites = three.map(exact);
+                        let sites = three.map(DVec2::as_i64vec2);
                         let [a, b, c] = sites;
-                        if let Some(centre) = circumcentre(minus(b, a), minus(c, a)) {
-                            let centre = (centre.0 + a.0, centre.1 + a.1);
-                            self.try_place(simd, gaps, rules, searched, (centre, &sites), unsure);
+                        if let Some(centre) = circumcentre(b - a, c - a) {
+                            let found = (centre + a, &sites[..]);
+                            self.try_place(simd, gaps, rules, searched, found, unsure);
                         }
                     }
                 }
@@ -152,31 +151,29 @@ impl<const TAGS: bool> Region<TAGS> {
         } else {
             &gaps.near
         };
-        let sites: Vec<Site> = gaps.sites[..searched.sites]
+        let sites: Vec<I64Vec2> = gaps.sites[..searched.sites]
             .iter()
-            .map(|&k| exact(near.offset(k)))
+            .map(|&k| near.offset(k).as_i64vec2())
             .collect();
         for (k, &a) in sites.iter().enumerate() {
             let border = Border::around(&rules.domain, self.site_point(searched.cell, a));
             for &m in &sites[k + 1..] {
-                for place in border.as_far_from(minus(m, a)) {
-                    let place = (place.0 + a.0, place.1 + a.1);
-                    self.try_place(simd, gaps, rules, searched, (place, &[a, m]), unsure);
+                for place in border.as_far_from(m - a) {
+                    self.try_place(simd, gaps, rules, searched, (place + a, &[a, m]), unsure);
                 }
             }
             for corner in border.corners() {
-                let place = (corner.0 + a.0, corner.1 + a.1);
-                self.try_place(simd, gaps, rules, searched, (place, &[a]), unsure);
+                self.try_place(simd, gaps, rules, searched, (corner + a, &[a]), unsure);
             }
         }
     }
 
     /// Returns the domain's point of a site of a cell.
-    pub(super) fn site_point(&self, cell: usize, site: Site) -> Point {
+    pub(super) fn site_point(&self, cell: usize, site: I64Vec2) -> Point {
         let (column, row) = self.frame.column_row(cell);
         self.frame.point(
-            (column << CELL_BITS) + site.0 as i32,
-            (row << CELL_BITS) + site.1 as i32,
+            (column << CELL_BITS) + site.x as i32,
+            (row << CELL_BITS) + site.y as i32,
         )
     }
 }
@@ -185,19 +182,14 @@ impl<const TAGS: bool> Region<TAGS> {
 /// R and a circumradius below 3.5 R, `d` is above R^2 / 3.5, so that the few units by which the largest
 /// products round in f64 move the centre by far less than the two units, and 8 R of squared distance, allowed.
 #[inline(always)]
-fn may_make([a, b, c]: [[f64; 2]; 3], pixel: u8) -> bool {
-    let (bx, by, cx, cy) = (b[0] - a[0], b[1] - a[1], c[0] - a[0], c[1] - a[1]);
-    let d = 2.0 * (bx * cy - by * cx);
-    let (b2, c2) = (bx * bx + by * by, cx * cx + cy * cy);
+fn may_make([a, b, c]: [DVec2; 3], pixel: u8) -> bool {
+    let (b, c) = (b - a, c - a);
+    let d = 2.0 * b.perp_dot(c);
     // The centre, seen from a, times d.
-    let (x, y) = (b2 * cy - c2 * by, c2 * bx - b2 * cx);
-    let (mx, my) = centre(pixel);
-    let (mx, my) = (f64::from(mx) - a[0], f64::from(my) - a[1]);
+    let place = (c.length_squared() * b - b.length_squared() * c).perp();
+    let (x, y) = centre(pixel);
+    let off = (place - (DVec2::new(x.into(), y.into()) - a) * d).abs();
     let half = f64::from(PIXEL_SIDE / 2 + 2) * d.abs();
     let least = (R_SQUARED - 8 * i64::from(R)) as f64;
-    (x - mx * d).abs() <= half && (y - my * d).abs() <= half && x * x + y * y > least * d * d
-}
-
-fn exact(site: [f64; 2]) -> Site {
-    (site[0] as i64, site[1] as i64)
+    off.x <= half && off.y <= half && place.length_squared() > least * d * d
 }
