@@ -5,6 +5,7 @@ use std::fmt::Write;
 
 use anyhow::Result;
 use clap::Args;
+use glam::I64Vec2;
 use rayon::prelude::*;
 use serde::Serialize;
 use serde_json::json;
@@ -295,13 +296,12 @@ fn windows_agree(plane: &Plane, points: &[Point], dice: &Dice) -> Result<bool, S
 /// Returns whether a window shows a sample.
 fn shows(window: &Window, plane: &Plane, p: Point) -> bool {
     let domain = plane.domain();
-    let mut x = i64::from(p.x) - window.min[0];
-    let mut y = i64::from(p.y) - window.min[1];
-    if let (true, Some(wrapped)) = (domain.is_periodic(), domain.wrap(x, y)) {
-        (x, y) = (wrapped.x.into(), wrapped.y.into());
+    let [min, max] = [window.min, window.max].map(I64Vec2::from);
+    let mut at = I64Vec2::from(p) - min;
+    if let (true, Some(wrapped)) = (domain.is_periodic(), domain.wrap(at)) {
+        at = wrapped.into();
     }
-    let [width, height] = [0, 1].map(|axis| window.max[axis] - window.min[axis]);
-    (0..width).contains(&x) && (0..height).contains(&y)
+    (at.cmpge(I64Vec2::ZERO) & at.cmplt(max - min)).all()
 }
 
 /// Returns the command that makes the set of a round.
