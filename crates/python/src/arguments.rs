@@ -29,8 +29,7 @@ pub fn whole(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<u64> {
     value.extract().map_err(|error: PyErr| {
         if error.is_instance_of::<PyOverflowError>(value.py()) {
             let most = u64::MAX;
-            let text =
-                format!("{argument} is {value}; it must be a whole number from 0 to {most}");
+            let text = format!("{argument} is {value}; it must be a whole number from 0 to {most}");
             PyValueError::new_err(text)
         } else {
             error

@@ -58,7 +58,7 @@ pub fn combine<'py>(
         );
         Ok(set.with_counts(found.summary()))
     })?;
-    made.to_python(py)
+    made.into_python(py)
 }
 
 /// Reads or makes the set of a piece.
@@ -110,7 +110,12 @@ fn stated(
     given: &HashMap<&str, GivenSet<'_>>,
 ) -> Result<Value, Failure> {
     let mut stated = json!(layout);
-    for (piece, place) in stated["pieces"].as_array_mut().into_iter().flatten().zip(&placed.places) {
+    for (piece, place) in stated["pieces"]
+        .as_array_mut()
+        .into_iter()
+        .flatten()
+        .zip(&placed.places)
+    {
         if let PieceSource::File { path, .. } = &place.source {
             if let Some(held) = given.get(path.as_str()) {
                 piece["positions_digest"] = json!(positions_digest(held.points));

@@ -59,7 +59,7 @@ pub fn read<'py>(
     let method = stated.as_ref().map_or("unknown", |stated| &stated.method);
     let facts = json!({
         "method": method,
-        "parameters": stated.as_ref().map(|stated| &stated.parameters).unwrap_or(&BTreeMap::new()),
+        "parameters": stated.as_ref().map_or(&BTreeMap::new(), |stated| &stated.parameters),
         "domain": [region.width, region.height, region.boundary],
         "radius": given.radius.or(stated.as_ref().map(|stated| stated.radius)),
         "summary": null,
@@ -71,7 +71,7 @@ pub fn read<'py>(
         provenance: provenance.map(|all| all.iter().map(row).collect()),
         facts,
     }
-    .to_python(py)
+    .into_python(py)
 }
 
 /// Writes a set to a file, with a certificate beside it if it is to be verified. Returns the report on what was written,

@@ -1,11 +1,13 @@
 //! `verify`: the verdict on positions, or on a file and its certificate.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use pyo3::prelude::*;
 use serde_json::{Value, json};
 use tilescope_analysis::{Boundary, Region, Report};
-use tilescope_formats::{Certificate, CheckError, Format, Overrides, StreamReader, check_stream};
+use tilescope_formats::{
+    Certificate, CheckError, Format, Hint, Overrides, StreamReader, check_stream,
+};
 
 use crate::arguments::{SetArgument, format, named, verify_options};
 use crate::failure::Failure;
@@ -98,7 +100,14 @@ pub fn check(
         let outcome = match check_stream(&path, &overrides, &control) {
             Err(CheckError::NoRegion(_)) => {
                 let region = Some(UNIT_SQUARE);
-                check_stream(&path, &Overrides { region, ..overrides }, &control)
+                check_stream(
+                    &path,
+                    &Overrides {
+                        region,
+                        ..overrides
+                    },
+                    &control,
+                )
             }
             outcome => outcome,
         };
@@ -115,15 +124,13 @@ pub fn check(
 }
 
 /// Returns the certificate of a file, if it has one that can be read.
-fn certificate(path: &std::path::Path, format: Option<Format>) -> Option<Certificate> {
-    match StreamReader::open(path, format) {
-        Ok(reader) => reader.certificate().cloned(),
-        Err(_) => {
-            let hint = tilescope_formats::Hint {
-                format,
-                ..Default::default()
-            };
-            tilescope_formats::read(path, &hint).ok()?.certificate
-        }
-    }
+fn certificate(path: &Path, format: Option<Format>) -> Option<Certificate> {
+    let hint = Hint {
+        format,
+        ..Hint::default()
+    };
+    StreamReader::open(path, format).map_or_else(
+        |_| tilescope_formats::read(path, &hint).ok()?.certificate,
+        |reader| reader.certificate().cloned(),
+    )
 }

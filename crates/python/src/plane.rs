@@ -25,11 +25,7 @@ pub struct PythonPlane {
 #[pymethods]
 impl PythonPlane {
     #[new]
-    fn new(
-        py: Python<'_>,
-        request: &RunRequest,
-        progress: Option<Py<PyAny>>,
-    ) -> PyResult<Self> {
+    fn new(py: Python<'_>, request: &RunRequest, progress: Option<Py<PyAny>>) -> PyResult<Self> {
         run(py, progress, |watch| {
             let (parameters, pattern) = request.resolved(watch)?;
             Ok(Self {

@@ -48,7 +48,7 @@ impl MadeSet {
         self
     }
 
-    pub fn to_python(self, py: Python<'_>) -> PyResult<PythonSet<'_>> {
+    pub fn into_python(self, py: Python<'_>) -> PyResult<PythonSet<'_>> {
         let provenance = self.provenance.map(|provenance| array(py, provenance));
         Ok((
             array(py, self.points)?,
@@ -92,7 +92,7 @@ pub fn sample<'py>(
         SetMethod::Kdrt => kdrt(request, engine, watch),
         SetMethod::Reference => reference(request, watch),
     })?;
-    made.to_python(py)
+    made.into_python(py)
 }
 
 fn kdrt(request: &RunRequest, engine: RunEngine, watch: &TaskWatch) -> Result<MadeSet, Failure> {

@@ -81,7 +81,6 @@ pub fn run<T: Send>(
 ) -> PyResult<T> {
     let pool = pool()?;
     let watch = TaskWatch::default();
-    let (sender, receiver) = channel();
     let look = || {
         Python::attach(|py| {
             py.check_signals()?;
@@ -89,6 +88,7 @@ pub fn run<T: Send>(
         })
     };
     let (outcome, looked) = py.detach(|| {
+        let (sender, receiver) = channel();
         let watch = &watch;
         pool.in_place_scope(|scope| {
             scope.spawn(move |_| {
