@@ -16,7 +16,7 @@ use tilescope_formats::{Format, positions_digest};
 
 use crate::arrays::rows;
 use crate::failure::Failure;
-use crate::task::TaskWatch;
+use crate::task::{TaskWatch, run};
 
 /// Returns a value by its name in JSON, which the command line uses as well.
 pub fn named<T: DeserializeOwned>(argument: &str, name: &str) -> PyResult<T> {
@@ -129,12 +129,6 @@ impl SetArgument<'_> {
         let missing = "the radius of the set is not known; give radius";
         self.radius.ok_or_else(|| PyValueError::new_err(missing))
     }
-
-    /// Returns a set to clip or to combine from. Fails when it is not conflict-free and maximal.
-    pub fn to_set(&self) -> PyResult<Set> {
-        let (region, radius) = (self.region()?, self.radius()?);
-        Ok(set(self.points()?, &region, radius)?)
-    }
 }
 
 /// Returns a set to clip or to combine from. Fails when it is not conflict-free and maximal.
@@ -175,6 +169,7 @@ impl RunRequest {
         reason = "each is one of Python's, by its name"
     )]
     fn new(
+        py: Python<'_>,
         count: Option<&Bound<'_, PyAny>>,
         radius: Option<f64>,
         width: f64,
@@ -230,11 +225,12 @@ impl RunRequest {
         let mut stated = serde_json::to_value(parameters).unwrap_or_default();
         let pattern = match &pattern {
             Some(given) => {
+                let (points, region, radius) = (given.points()?, given.region()?, given.radius()?);
                 stated["pattern"] = match pattern_source.map(serde_json::from_str) {
                     Some(Ok(source)) => source,
-                    _ => json!({ "positions_digest": positions_digest(given.points()?) }),
+                    _ => json!({ "positions_digest": positions_digest(points) }),
                 };
-                Some(given.to_set()?.pattern)
+                Some(run(py, None, |_| set(points, &region, radius))?.pattern)
             }
             None => None,
         };

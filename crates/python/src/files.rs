@@ -13,23 +13,23 @@ use tilescope_formats::{
 
 use crate::arguments::{SetArgument, format, named, verify_options, whole};
 use crate::arrays::rows;
-use crate::failure::Failure;
 use crate::judge::{GivenDomain, of_report};
 use crate::sample::{MadeSet, PythonSet, row};
 use crate::task::run;
 
 /// Returns the digest of a set's positions.
 #[pyfunction]
-pub fn digest(set: SetArgument<'_>) -> PyResult<String> {
-    Ok(positions_digest(set.points()?))
+pub fn digest(py: Python<'_>, set: SetArgument<'_>) -> PyResult<String> {
+    let points = set.points()?;
+    run(py, None, |_| Ok(positions_digest(points)))
 }
 
 /// Returns the name of a file without folders, and its digest, as JSON: so certificates name a set that was used.
 #[pyfunction]
-pub fn named_by_content(path: PathBuf) -> PyResult<String> {
+pub fn named_by_content(py: Python<'_>, path: PathBuf) -> PyResult<String> {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
-    let bytes = read_whole(&path).map_err(Failure::from)?;
-    Ok(json!({ "file": name, "digest": bytes_digest(&bytes) }).to_string())
+    let digest = run(py, None, |_| Ok(bytes_digest(&read_whole(&path)?)))?;
+    Ok(json!({ "file": name, "digest": digest }).to_string())
 }
 
 /// Reads a file. What is not given is of its certificate, and else of the periodic unit square.

@@ -28,19 +28,25 @@ pub fn analyze<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     let (points, region, known) = (set.points()?, set.region()?, set.known_radius());
     let measures: Measures = run(py, progress, |watch| {
-        let control = watch.control("measure");
         let samples = points.len();
         // The smallest distance and the covering radius do not depend on the radius; the spacing keeps the search quick.
         let asked = known.unwrap_or_else(|| (region.area() / samples.max(1) as f64).sqrt());
-        let report = verify(points, region, asked, &VerifyOptions::default(), &control)?;
-        let distances = NearestDistances::of(points, region, &control)?;
-        let discrepancy = match Discrepancy::of(points, region, &control) {
+        let report = verify(
+            points,
+            region,
+            asked,
+            &VerifyOptions::default(),
+            &watch.control("verify"),
+        )?;
+        let distances = NearestDistances::of(points, region, &watch.control("distances"))?;
+        let discrepancy = match Discrepancy::of(points, region, &watch.control("discrepancy")) {
             Err(MeasureError::TooMany { .. }) => None,
             discrepancy => Some(discrepancy?),
         };
-        let curve = PowerCurve::of_samples(points, region, &control)?;
+        let curve = PowerCurve::of_samples(points, region, &watch.control("pairs"))?;
         // Equal samples have no cells.
-        let order = (report.min_distance > 0.0).then(|| Order::of(points, region, &control));
+        let order =
+            (report.min_distance > 0.0).then(|| Order::of(points, region, &watch.control("cells")));
         let order = order.transpose()?;
         let least = distances.summary.least;
         let r = known.unwrap_or(least);
@@ -112,12 +118,11 @@ pub fn spectrum<'py>(
         None => Spectrum::window(samples, region),
     };
     let (spectrum, curve) = run(py, progress, |watch| {
-        let control = watch.control("measure");
+        let control = watch.control("spectrum");
         let periodogram = Periodogram::of(points, region, &window, &control)?;
-        Ok((
-            Spectrum::of(&periodogram)?,
-            PowerCurve::of_samples(points, region, &control)?,
-        ))
+        let spectrum = Spectrum::of(&periodogram)?;
+        let curve = PowerCurve::of_samples(points, region, &watch.control("pairs"))?;
+        Ok((spectrum, curve))
     })?;
     let found = PyDict::new(py);
     let (profile, picture) = (&spectrum.profile, spectrum.picture);
@@ -151,10 +156,7 @@ pub fn pair_correlation<'py>(
     let (points, region) = (set.points()?, set.region()?);
     let bins = PairBins::of(set.known_radius(), points.len(), region);
     let places = run(py, progress, |watch| {
-        let (farthest, control) = (
-            bins.farthest(points.len(), region),
-            watch.control("measure"),
-        );
+        let (farthest, control) = (bins.farthest(points.len(), region), watch.control("pairs"));
         let found = PairCorrelation::of(points, region, farthest, bins.count(), &control)?;
         Ok(found.places())
     })?;

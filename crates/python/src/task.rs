@@ -21,7 +21,7 @@ const PERIOD: Duration = Duration::from_millis(50);
 const MAX_THREADS: usize = 1024;
 
 /// The work that progress is about.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, PartialEq)]
 enum Work {
     Stage(Stage),
     Named(&'static str),
@@ -37,19 +37,33 @@ pub struct TaskWatch {
 impl TaskWatch {
     /// Returns an observer for functions of the core.
     pub fn observer(&self) -> impl FnMut(tilescope_core::Progress) -> ControlFlow<()> + '_ {
-        |progress| self.tell(Work::Stage(progress.stage), progress.done, progress.total)
+        |progress| {
+            let latest = (Work::Stage(progress.stage), progress.done, progress.total);
+            *lock(&self.latest) = Some(latest);
+            self.flow()
+        }
     }
 
-    /// Returns a control function for functions of the analysis and the formats.
+    /// Returns a control function for one function of the analysis or the formats, whose work has this name.
     pub fn control(
         &self,
         name: &'static str,
     ) -> impl Fn(tilescope_analysis::Progress) -> ControlFlow<()> + Sync + '_ {
-        move |progress| self.tell(Work::Named(name), progress.done, progress.total)
+        move |progress| {
+            let (work, mut done) = (Work::Named(name), progress.done);
+            let mut latest = lock(&self.latest);
+            // Calls come from several threads, not always in sequence.
+            if let Some((before, most, _)) = *latest
+                && before == work
+            {
+                done = done.max(most);
+            }
+            *latest = Some((work, done, progress.total));
+            self.flow()
+        }
     }
 
-    fn tell(&self, work: Work, done: u64, total: u64) -> ControlFlow<()> {
-        *lock(&self.latest) = Some((work, done, total));
+    fn flow(&self) -> ControlFlow<()> {
         if self.stopped.load(Ordering::Relaxed) {
             ControlFlow::Break(())
         } else {
@@ -57,9 +71,9 @@ impl TaskWatch {
         }
     }
 
-    /// Calls `progress` with a name, what is done and all there is to do, if there is something new.
+    /// Calls `progress` with a name, what is done and all there is to do.
     fn pass_on(&self, py: Python<'_>, progress: Option<&Py<PyAny>>) -> PyResult<()> {
-        let latest = lock(&self.latest).take();
+        let latest = *lock(&self.latest);
         if let (Some(progress), Some((work, done, total))) = (progress, latest) {
             let name = match work {
                 Work::Stage(stage) => stage.to_string(),

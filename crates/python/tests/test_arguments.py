@@ -2,6 +2,8 @@
 
 import inspect
 import math
+import re
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -71,19 +73,13 @@ def test_numbers_of_numpy_are_numbers():
 
 
 def test_the_defaults_are_those_of_the_command_line():
-    root = __file__.rsplit("/crates/", 1)[0]
-    with open(f"{root}/crates/cli/src/parameters.rs") as file:
-        source = file.read()
-    import re
-
+    source = (Path(__file__).parents[2] / "cli/src/parameters.rs").read_text()
     theirs = re.findall(r'default_value(?:_t)? = "?([a-z0-9.-]+)"?.*\)\]\s*pub (\w+):', source)
-    # `search` and others have their names on lines of their own.
     assert len(theirs) >= 10
-    for function in (tilescope.sample, tilescope.Plane.__init__):
+    windows = [(value, name) for value, name in theirs if name != "variant"]
+    for function, of_function in ((tilescope.sample, theirs), (tilescope.Plane, windows)):
         ours = {name: one.default for name, one in inspect.signature(function).parameters.items()}
-        for value, name in theirs:
-            if name == "variant" and name not in ours:
-                continue
+        for value, name in of_function:
             same = ours[name] == value if isinstance(ours[name], str) else ours[name] == float(value)
             assert same, (name, value, ours[name])
 

@@ -1,6 +1,9 @@
 """Sets: their arrays, verdicts, measures, pictures."""
 
+import copy
+import json
 import math
+import pickle
 
 import numpy as np
 import pytest
@@ -32,6 +35,13 @@ def test_given_positions_are_copied():
     assert held.points[0].tolist() == [0.25, 0.25]
     assert held.points.flags.c_contiguous
     assert tilescope.PointSet(np.asfortranarray(given), 0.5).points.flags.c_contiguous
+
+
+def test_copies_are_sets_with_the_same_samples(small):
+    for again in (pickle.loads(pickle.dumps(small)), copy.deepcopy(small), copy.copy(small)):
+        assert (again.digest, again.domain, again.parameters) == (small.digest, small.domain, small.parameters)
+        with pytest.raises(ValueError, match="read-only"):
+            again.points[0] = 0
 
 
 def test_a_set_says_what_it_is(small):
@@ -187,8 +197,6 @@ def test_sets_are_combined_and_far_from_seams_left_alone(small):
 
 
 def test_a_layout_may_be_a_file_beside_its_sets(small, tmp_path):
-    import json
-
     small.save(tmp_path / "a.csv")
     layout = LAYOUT | {"pieces": [{"file": "a.csv"}, {"seed": 4}]}
     (tmp_path / "layout.json").write_text(json.dumps(layout))

@@ -100,6 +100,13 @@ class PointSet:
         made._certificate = None if stated is None else json.dumps(stated)
         return made
 
+    def __setstate__(self, state: tuple[None, dict[str, Any]]) -> None:
+        """Takes over a copy, by :mod:`copy` or :mod:`pickle`, whose arrays are read-only as well."""
+        for name, value in state[1].items():
+            if isinstance(value, np.ndarray):
+                value.flags.writeable = False
+            setattr(self, name, value)
+
     @property
     def points(self) -> npt.NDArray[np.float64]:
         """The positions: a read-only array of shape ``(N, 2)``, always the same one."""
@@ -172,7 +179,7 @@ class PointSet:
         Examples
         --------
         >>> tilescope.sample(2000).verify()
-        <Report: valid, ... samples, 0 conflicts, 0 gaps, smallest distance 1.0000... r, covering radius ... r>
+        <Report: valid, ... samples, 0 conflicts, 0 gaps, smallest distance 1.00... r, covering radius ... r>
         """
         with following(progress) as told:
             return report_of_json(_tilescope.verify(self, judge, told))
@@ -300,7 +307,7 @@ class PointSet:
 
             sides = np.full(count, 2 * self.radius)
             circles = EllipseCollection(
-                sides, sides, np.zeros(count), units="xy", offsets=self.points, transOffset=ax.transData,
+                sides, sides, np.zeros(count), units="xy", offsets=self.points, offset_transform=ax.transData,
                 facecolor=(0.2, 0.4, 0.8, 0.04), edgecolor=(0.2, 0.4, 0.8, 0.3), linewidth=0.5,
             )  # fmt: skip
             ax.add_collection(circles)
