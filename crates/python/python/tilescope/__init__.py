@@ -1,9 +1,9 @@
 """Maximal Poisson-disk sets: exact, verified, certified.
-
-A set is *conflict-free* if no two samples are closer than the radius, and *maximal* if no place of the domain is farther than the
-radius from all samples. :func:`sample` makes sets that are both, at millions of samples a second; equal parameters give equal
-points, bit for bit, on every machine and by the command line too. :class:`Plane` gives windows of sets that are never made as a
-whole. :func:`verify`, which does not know the sampler, judges any set.
+A set is *conflict-free* if no two samples are closer than the radius, and *maximal* if no place of
+the domain is farther than the radius from all samples. :func:`sample` makes sets that are both, at
+millions of samples a second; equal parameters give equal points, bit for bit, on every machine and
+by the command line too. :class:`Plane` gives windows of sets that are never made as a whole.
+:func:`verify`, which does not know the sampler, judges any set.
 
 Examples
 --------
@@ -88,7 +88,8 @@ def sample(
     count : int, optional
         Choose the radius so that about as many samples result, to within 1%.
     radius : float, optional
-        The smallest distance between two samples, and the largest from any place to its nearest sample.
+        The smallest distance between two samples, and the largest from any place to its nearest
+        sample.
     width, height : float
         The domain, in the unit of the radius.
     boundary : {'periodic', 'bounded'}
@@ -112,11 +113,13 @@ def sample(
     variant : {'staged', 'as-printed'}
         Staged, or the paper's Algorithm 4 as it is printed.
     method : {'kdrt', 'reference'}
-        Randomized tiling, or dart throwing (Ebeida et al. 2012), which uses only radius or count, sides, boundary and seed.
+        Randomized tiling, or dart throwing (Ebeida et al. 2012), which uses only radius or count,
+        sides, boundary and seed.
     engine : {'auto', 'parallel', 'sequential'}
         What computes. It does not change the points.
     progress : bool or callable
-        Whether to show a bar of tqdm, or what to call with the stage, what is done and all there is to do.
+        Whether to show a bar of tqdm, or what to call with the stage, what is done and all there is
+        to do.
 
     Returns
     -------
@@ -167,8 +170,8 @@ def _request(*, pattern: PointSet | Path | None, **arguments: Any) -> _tilescope
 class Plane:
     """The plane of a run, from which any window can be computed alone.
 
-    A window has exactly the samples that the whole set has there, and costs only its own area: the set may have three thousand
-    million samples. A periodic plane repeats without end.
+    A window has exactly the samples that the whole set has there, and costs only its own area: the
+    set may have three thousand million samples. A periodic plane repeats without end.
 
     Parameters are those of :func:`sample`.
 
@@ -237,8 +240,8 @@ class Plane:
     ) -> npt.NDArray[np.float64]:
         """Returns the samples with ``x0 <= x < x1`` and ``y0 <= y < y1``.
 
-        In a periodic domain the window may cross the border or lie beyond it; positions are those in the domain. In a bounded one a
-        window that reaches the upper border includes it.
+        In a periodic domain the window may cross the border or lie beyond it; positions are those
+        in the domain. In a bounded one a window that reaches the upper border includes it.
 
         Parameters
         ----------
@@ -255,7 +258,8 @@ class Plane:
         Raises
         ------
         ValueError
-            If the window is empty, larger than the domain, far from it, or has more than 2e8 samples.
+            If the window is empty, larger than the domain, far from it, or has more than 2e8
+            samples.
         """
         with following(progress) as told:
             return self._plane.window((x0, y0, x1, y1), told)
@@ -291,7 +295,8 @@ def verify(
     radius : float, optional
         The radius. It must be given unless the set, or a certificate, has one.
     width, height, boundary, optional
-        The domain. If not given, that of the set or its certificate, and else the periodic unit square.
+        The domain. If not given, that of the set or its certificate, and else the periodic unit
+        square.
     format : str, optional
         Format of a file, if neither its extension nor its content says it.
     judge, progress
@@ -305,7 +310,8 @@ def verify(
     Raises
     ------
     ValueError
-        If there is no set to judge: it is empty, a position is not finite or outside of the domain, the radius is missing.
+        If there is no set to judge: it is empty, a position is not finite or outside of the domain,
+        the radius is missing.
     OSError
         If a file cannot be read.
 
@@ -369,13 +375,14 @@ def analyze(
 ) -> dict[str, float | None]:
     """Measures a set: distances, blue noise, order, discrepancy.
 
-    Parameters are those of :func:`verify`. Without a radius the smallest distance between two samples stands for it.
+    Parameters are those of :func:`verify`. Without a radius the smallest distance between two
+    samples stands for it.
 
     Returns
     -------
     dict
-        The numbers of ``tilescope analyze`` by its names; ``None`` where one is not defined. :meth:`PointSet.spectrum` and
-        :meth:`PointSet.pair_correlation` have the curves.
+        The numbers of ``tilescope analyze`` by its names; ``None`` where one is not defined.
+        :meth:`PointSet.spectrum` and :meth:`PointSet.pair_correlation` have the curves.
 
     Examples
     --------
@@ -409,8 +416,8 @@ def read(
     path : path-like
         The file.
     radius, width, height, boundary, optional
-        Of the set. If not given, the certificate beside the file says them; without one, the domain is the periodic unit square and the
-        radius is not known.
+        Of the set. If not given, the certificate beside the file says them; without one, the domain
+        is the periodic unit square and the radius is not known.
     format : str, optional
         The format, if neither the extension nor the content says it.
 
@@ -430,18 +437,17 @@ def read(
     return PointSet._made(*_tilescope.read(os.fspath(path), given, format, None))
 
 
-def combine(
-    layout: Path | Mapping[str, Any], *, folder: Path = "", progress: Progress = False
-) -> PointSet:
+def combine(layout: Path | Mapping[str, Any], *, folder: Path = "", progress: Progress = False) -> PointSet:
     """Glues sets into one, as a layout of rectangles places them (section 4.2 of the paper).
 
-    Near the seams samples are eliminated and inserted, so that the result is conflict-free and maximal; all others stay as they are.
+    Near the seams samples are eliminated and inserted, so that the result is conflict-free and
+    maximal; all others stay as they are.
 
     Parameters
     ----------
     layout : mapping or path-like
-        The layout, as ``tilescope combine --help`` describes it, or the JSON file that has it. In a mapping a piece may have a
-        :class:`PointSet` in place of a file's name.
+        The layout, as ``tilescope combine --help`` describes it, or the JSON file that has it. In a
+        mapping a piece may have a :class:`PointSet` in place of a file's name.
     folder : path-like
         Where files of a mapping are; those of a layout in a file are beside it.
     progress

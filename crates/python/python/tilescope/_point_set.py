@@ -30,15 +30,16 @@ _SHOWN = 2500
 class PointSet:
     """Positions with their domain and radius.
 
-    :func:`tilescope.sample`, :func:`tilescope.read` and :func:`tilescope.combine` return one. Positions from elsewhere become
-    one here, and can then be verified, measured, drawn and saved.
+    :func:`tilescope.sample`, :func:`tilescope.read` and :func:`tilescope.combine` return one.
+    Positions from elsewhere become one here, and can then be verified, measured, drawn and saved.
 
     Parameters
     ----------
     points : array_like of shape (N, 2)
         Positions; they are copied.
     radius : float, optional
-        The Poisson-disk radius, in the unit of the positions. What needs it raises ``ValueError`` if it is not given.
+        The Poisson-disk radius, in the unit of the positions. What needs it raises ``ValueError``
+        if it is not given.
     width, height : float
         The domain, which has one corner at the origin.
     boundary : {'periodic', 'bounded'}
@@ -142,9 +143,9 @@ class PointSet:
     def provenance(self) -> npt.NDArray[np.uint32] | None:
         """Where each sample came from: block, index in the pattern, iteration.
 
-        An array of shape ``(N, 3)``. 2**32 - 1 stands for the block and the index of a sample that was inserted, iteration 0
-        for one that was not. ``None`` for sets expected to have more than a million samples, and where it is not known.
-        Files ``.ply`` and ``.json`` keep it.
+        An array of shape ``(N, 3)``. 2**32 - 1 stands for the block and the index of a sample that
+        was inserted, iteration 0 for one that was not. ``None`` for sets expected to have more than
+        a million samples, and where it is not known. Files ``.ply`` and ``.json`` keep it.
         """
         return self._provenance
 
@@ -157,9 +158,9 @@ class PointSet:
     def certificate(self) -> dict[str, Any]:
         """What is known of the set and was verified: parameters, domain, radius, verdict, measures, digests.
 
-        Of a set that was read from a file with a certificate, it is that certificate, as the file states it;
-        :func:`tilescope.verify` says of a file whether it is true. Of other sets, it is the certificate of a ``.npy`` file of the set,
-        verified when it is first asked for.
+        Of a set that was read from a file with a certificate, it is that certificate, as the file
+        states it; :func:`tilescope.verify` says of a file whether it is true. Of other sets, it is
+        the certificate of a ``.npy`` file of the set, verified when it is first asked for.
         """
         if self._certificate is None:
             self._certificate = _tilescope.certify(self, None)
@@ -174,7 +175,8 @@ class PointSet:
         judge : {'delaunay', 'circles', 'both'}, optional
             Who judges. If not given, both do up to 2**20 samples, and covered circles for more.
         progress : bool or callable
-            Whether to show a bar, or what to call with the work's name, what is done and all there is to do.
+            Whether to show a bar, or what to call with the work's name, what is done and all there
+            is to do.
 
         Examples
         --------
@@ -197,18 +199,20 @@ class PointSet:
     ) -> Report | None:
         """Writes the set to a file, with a certificate beside it.
 
-        The file is read back and verified before it gets its name; a file of that name stays as it is if anything fails.
-        An invalid set is written all the same, with a warning, and its certificate says so.
+        The file is read back and verified before it gets its name; a file of that name stays as it
+        is if anything fails. An invalid set is written all the same, with a warning, and its
+        certificate says so.
 
         Parameters
         ----------
         path : path-like
-            The file. Its extension gives the format: ``.npy``, ``.csv``, ``.ply``, ``.json``, ``.txt`` and ``.rps`` of psa, ``.dat`` and
-            ``.bin`` of UTK, ``.xyz``, ``.svg``.
+            The file. Its extension gives the format: ``.npy``, ``.csv``, ``.ply``, ``.json``,
+            ``.txt`` and ``.rps`` of psa, ``.dat`` and ``.bin`` of UTK, ``.xyz``, ``.svg``.
         format : str, optional
             The format, if the extension does not give it.
         precision : {'f64', 'f32'}
-            Number type, for formats that leave the choice. Rounding to f32 makes conflicts in large sets.
+            Number type, for formats that leave the choice. Rounding to f32 makes conflicts in large
+            sets.
         shuffle : int, optional
             Seed of an order to write the samples in, so that the first ones are spread evenly.
         verify : bool
@@ -254,7 +258,8 @@ class PointSet:
         Parameters
         ----------
         nu : float, optional
-            The largest relative frequency. If not given, 2.5, or 1023 cycles along a side where that is less.
+            The largest relative frequency. If not given, 2.5, or 1023 cycles along a side where
+            that is less.
         progress
             As in :meth:`verify`.
 
@@ -272,7 +277,8 @@ class PointSet:
     ) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
         """Returns distances and g there: how many pairs are so far apart, relative to independent random samples.
 
-        Distances are in units of ``r_max``, the smallest distance in the densest packing of as many samples.
+        Distances are in units of ``r_max``, the smallest distance in the densest packing of as many
+        samples.
 
         Examples
         --------
@@ -349,7 +355,9 @@ class PointSet:
         with open(path, "wb") as file:
             file.write(picture)
 
-    def _picture(self, *, svg: bool, size: int, window: Window | None, disks: bool, theme: str, part: str = "") -> bytes:
+    def _picture(
+        self, *, svg: bool, size: int, window: Window | None, disks: bool, theme: str, part: str = ""
+    ) -> bytes:
         radius = "" if self.radius is None else f", r = {self.radius:.6g}"
         caption = f"{len(self)} samples{radius}{part}"
         return _tilescope.draw(self, caption=caption, svg=svg, size=size, window=window, disks=disks, theme=theme)

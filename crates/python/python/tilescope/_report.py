@@ -45,8 +45,8 @@ class Gap(NamedTuple):
 class Report:
     """What the verifier found out about a set. Lengths are in the unit of the samples.
 
-    Two judges, which share no search, decide: one triangulates, one looks at the circle around each sample. Neither
-    knows the sampler.
+    Two judges, which share no search, decide: one triangulates, one looks at the circle around each
+    sample. Neither knows the sampler.
     """
 
     valid: bool
@@ -102,10 +102,7 @@ def report_of(found: dict[str, Any], differences: list[str] | None = None) -> Re
     """Returns the report that the native module gave."""
     region = found["region"]
     # JSON has no infinity.
-    finite = {
-        name: math.inf if found[name] is None else found[name]
-        for name in ("min_distance", "relative_radius")
-    }
+    finite = {name: math.inf if found[name] is None else found[name] for name in ("min_distance", "relative_radius")}
     same = (
         "valid", "conflict_free", "maximal", "count", "radius", "covering_radius", "covering_tolerance",
         "conflicts", "gaps", "density",

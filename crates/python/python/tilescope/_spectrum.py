@@ -22,18 +22,18 @@ class Spectrum:
     power: npt.NDArray[np.float64]
     """Mean power of each ring."""
     anisotropy: npt.NDArray[np.float64]
-    """How much the power varies within each ring, in decibels: 0 without a preferred direction; NaN where a ring has too
-    few frequencies."""
+    """How much the power varies within each ring, in decibels: 0 without a preferred direction; NaN
+    where a ring has too few frequencies."""
     bands: npt.NDArray[np.float64] | None
-    """Ends of the interval that holds each ring's true mean power with probability 0.95, shape ``(rings, 2)``. ``None`` for a
-    bounded domain."""
+    """Ends of the interval that holds each ring's true mean power with probability 0.95, shape
+    ``(rings, 2)``. ``None`` for a bounded domain."""
     picture: npt.NDArray[np.float64]
     """The periodogram on at most 121 x 121 cells, row by row from the lowest; zero frequency in the middle."""
     picture_reach: tuple[float, float]
     """Half of the picture's extent along x and y, as ``nu``."""
     effective_nyquist: float | None
-    """The largest frequency below which the mean power stays under 0.1; 1 for a square lattice. ``None`` for a set too small
-    for it."""
+    """The largest frequency below which the mean power stays under 0.1; 1 for a square lattice.
+    ``None`` for a set too small for it."""
     oscillation: float | None
     """How strongly the power oscillates about 1 beyond the first frequency where it is nearly 1."""
 
