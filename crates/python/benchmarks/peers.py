@@ -1,6 +1,7 @@
 """Samplers that Python offers, side by side: the same domain and radius, and one verifier.
 
 python benchmarks/peers.py [--radius R] [--rounds N]
+
 It needs scipy, and takes poisson_disc if it is installed. Seconds are those of the processor, on
 one thread: so they do not depend on what else the machine does.
 """

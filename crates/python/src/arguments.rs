@@ -10,7 +10,8 @@ use serde_json::{Value, json};
 use tilescope_analysis::{JudgeChoice, Region, VerifyOptions};
 use tilescope_core::combine::file::Set;
 use tilescope_core::{
-    Boundary, Domain, Parameters, Pattern, PatternSpec, Search, radius_estimate, radius_for_count,
+    Boundary, Domain, ParameterError, Parameters, Pattern, PatternSpec, Search, radius_estimate,
+    radius_for_count,
 };
 use tilescope_formats::{Format, positions_digest};
 
@@ -78,9 +79,12 @@ pub fn region_of(domain: &Domain) -> Region {
     }
 }
 
-/// Checks a domain: raises `ValueError` for sides or a boundary that no set can have.
+/// Checks the domain and radius of a set: raises `ValueError` for what no set can have.
 #[pyfunction]
-pub fn domain(width: f64, height: f64, boundary: &str) -> PyResult<()> {
+pub fn check_domain(radius: Option<f64>, width: f64, height: f64, boundary: &str) -> PyResult<()> {
+    if let Some(radius) = radius.filter(|radius| !(radius.is_finite() && *radius > 0.0)) {
+        return Err(Failure::from(ParameterError::Radius { radius }).into());
+    }
     let region = Region {
         width,
         height,

@@ -130,7 +130,7 @@ def test_a_plane_refuses_windows_of_too_many_samples():
         ([[0.5, math.nan]], {}, "sample 0 at .* is not finite"),
         ([[0.5, 0.5], [0.5, 1.5]], {}, "sample 1 at .* lies outside the region"),
         ([[1.0, 0.5]], {}, "in a periodic region the upper side is the lower one"),
-        ([[0.5, 0.5]], {"radius": 0}, "radius is 0; it must be a finite number above 0"),
+        ([[0.5, 0.5]], {"radius": 0}, "the radius is 0; it must be a finite number above 0"),
         ([[0.5, 0.5]], {"radius": None}, "the radius of the set is not known; give radius"),
         ([[0.5, 0.5]], {"width": 0}, "the region 0 x 1 is not supported: extents must lie between"),
         ([[0.5, 0.5]], {"boundary": "open"}, "boundary is 'open'"),

@@ -78,7 +78,7 @@ def test_an_invalid_set_is_saved_with_a_warning(holed, tmp_path):
 
 
 def test_rounding_is_told(tmp_path):
-    large = tilescope.sample(60_000)
+    large = tilescope.sample(300_000)
     with pytest.warns(UserWarning, match="pairs in conflict, made by rounding"):
         large.save(tmp_path / "large.rps")
 

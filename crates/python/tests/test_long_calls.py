@@ -39,24 +39,25 @@ def test_ctrl_c_stops_a_long_call_and_the_next_one_works(name, tmp_path):
         def press():
             time.sleep(0.7)
             global pressed
-            pressed = time.perf_counter()
+            pressed = time.perf_counter(), time.process_time()
             os.kill(os.getpid(), signal.SIGINT)
         threading.Thread(target=press).start()
         try:
             {LONG[name]}
         except KeyboardInterrupt:
-            waited = time.perf_counter() - pressed
+            ended = time.perf_counter(), time.process_time()
         else:
             sys.exit("it ended before Ctrl-C")
         assert tilescope.sample(2000).verify().valid
-        print(waited, *os.listdir(folder))
+        print(*[end - begin for begin, end in zip(pressed, ended)], *os.listdir(folder))
     """
     outcome = subprocess.run(
         [sys.executable, "-c", textwrap.dedent(code)], capture_output=True, text=True, timeout=120, check=False
     )
     assert outcome.returncode == 0, outcome.stderr
-    waited, *left = outcome.stdout.split()
-    assert float(waited) < 3
+    waited, computed, *left = outcome.stdout.split()
+    # A clock counts what other programs do, and the processor's time counts every thread.
+    assert min(float(waited), float(computed)) < 1.5
     assert left == [], "nothing half-written stays"
 
 

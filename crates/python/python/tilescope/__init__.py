@@ -10,9 +10,9 @@ Examples
 >>> import tilescope
 >>> points = tilescope.sample(radius=0.02, seed=7)
 >>> points
-<PointSet: 1742 samples, radius 0.02, 1 x 1, periodic>
+<PointSet: 1770 samples, radius 0.02, 1 x 1, periodic>
 >>> points.points.shape
-(1742, 2)
+(1770, 2)
 >>> points.verify().valid
 True
 """
@@ -356,7 +356,7 @@ def _set_of(
         height = own.height if height is None else height
         boundary = own.boundary if boundary is None else boundary  # type: ignore[assignment]
     return PointSet(
-        points,  # type: ignore[arg-type]
+        points,
         radius,
         width=1.0 if width is None else width,
         height=1.0 if height is None else height,

@@ -75,11 +75,9 @@ class PointSet:
         if copy.ndim != 2 or copy.shape[1] != 2:
             raise ValueError(f"points has the shape {copy.shape}; it must be (N, 2)")
         copy.flags.writeable = False
-        _tilescope.domain(width, height, boundary)
+        _tilescope.check_domain(radius, width, height, boundary)
         self._points = copy
         self._radius = None if radius is None else float(radius)
-        if self._radius is not None and not 0 < self._radius < float("inf"):
-            raise ValueError(f"radius is {radius}; it must be a finite number above 0")
         self._domain = Domain(float(width), float(height), boundary)
         self._provenance: npt.NDArray[np.uint32] | None = None
         self._method = "unknown"
@@ -378,7 +376,7 @@ class PointSet:
     def __len__(self) -> int:
         return len(self._points)
 
-    def __array__(self, dtype: npt.DTypeLike = None, copy: bool | None = None) -> npt.NDArray[Any]:
+    def __array__(self, dtype: npt.DTypeLike | None = None, copy: bool | None = None) -> npt.NDArray[Any]:
         """Returns the positions: a set can be given where numpy takes an array."""
         array = self._points if dtype is None else self._points.astype(dtype, copy=False)
         return array.copy() if copy else array

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from importlib import import_module
 from typing import Any, TypeAlias, Union
 
 ProgressFunction: TypeAlias = Callable[[str, int, int], object]
@@ -33,10 +34,10 @@ def following(progress: Progress) -> Iterator[ProgressFunction | None]:
 class _Bar:
     def __init__(self) -> None:
         try:
-            from tqdm.auto import tqdm
+            tqdm: Any = import_module("tqdm.auto")
         except ImportError as error:
             raise ImportError("progress=True needs tqdm: pip install tqdm") from error
-        self._bar: Any = tqdm(total=0, leave=False)
+        self._bar = tqdm.tqdm(total=0, leave=False)
 
     def __call__(self, name: str, done: int, total: int) -> None:
         self._bar.set_description(name, refresh=False)

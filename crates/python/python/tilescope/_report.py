@@ -101,12 +101,12 @@ class Report:
 def report_of(found: dict[str, Any], differences: list[str] | None = None) -> Report:
     """Returns the report that the native module gave."""
     region = found["region"]
-    # JSON has no infinity.
-    finite = {name: math.inf if found[name] is None else found[name] for name in ("min_distance", "relative_radius")}
     same = (
-        "valid", "conflict_free", "maximal", "count", "radius", "covering_radius", "covering_tolerance",
-        "conflicts", "gaps", "density",
+        "valid", "conflict_free", "maximal", "count", "radius", "min_distance", "covering_radius", "covering_tolerance",
+        "conflicts", "gaps", "density", "relative_radius",
     )  # fmt: skip
+    # JSON has no infinity.
+    fields: dict[str, Any] = {name: math.inf if found[name] is None else found[name] for name in same}
     return Report(
         domain=Domain(region["width"], region["height"], region["boundary"]),
         worst_conflicts=tuple(Conflict(**one) for one in found["worst_conflicts"]),
@@ -115,8 +115,7 @@ def report_of(found: dict[str, Any], differences: list[str] | None = None) -> Re
         ),
         judges=tuple(found["judges"]),
         differences=tuple(differences or ()),
-        **finite,
-        **{name: found[name] for name in same},
+        **fields,
     )
 
 
