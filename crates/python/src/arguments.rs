@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use numpy::PyReadonlyArray2;
-use pyo3::exceptions::{PyOverflowError, PyValueError};
+use pyo3::exceptions::{PyOverflowError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use serde::de::DeserializeOwned;
 use serde_json::{Value, json};
@@ -28,12 +28,16 @@ pub fn named<T: DeserializeOwned>(argument: &str, name: &str) -> PyResult<T> {
 /// Returns a whole number of 64 bits.
 pub fn whole(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<u64> {
     value.extract().map_err(|error: PyErr| {
+        let most = u64::MAX;
         if error.is_instance_of::<PyOverflowError>(value.py()) {
-            let most = u64::MAX;
-            let text = format!("{argument} is {value}; it must be a whole number from 0 to {most}");
-            PyValueError::new_err(text)
+            PyValueError::new_err(format!(
+                "{argument} is {value}; it must be a whole number from 0 to {most}"
+            ))
         } else {
-            error
+            let given = value
+                .repr()
+                .map_or_else(|_| String::new(), |text| text.to_string());
+            PyTypeError::new_err(format!("{argument} is {given}; it must be a whole number"))
         }
     })
 }

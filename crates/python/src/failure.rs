@@ -116,7 +116,8 @@ impl From<FormatError> for Failure {
             FormatError::Io { path, source } => match source.raw_os_error() {
                 Some(number) => Self::System {
                     number,
-                    text: source.to_string(),
+                    // Python shows the number itself.
+                    text: without_number(&source.to_string()).to_owned(),
                     path,
                 },
                 None => Self::Runtime(format!("{path}: {source}")),
@@ -124,6 +125,10 @@ impl From<FormatError> for Failure {
             other => Self::Value(other.to_string()),
         }
     }
+}
+
+fn without_number(text: &str) -> &str {
+    text.split(" (os error").next().unwrap_or(text)
 }
 
 impl From<CheckError> for Failure {

@@ -7,8 +7,8 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use serde_json::{Value, json};
 use tilescope_formats::{
-    Certificate, ExportContext, Hint, Mapping, PointSet, Provenance, bytes_digest, export,
-    export_bytes, export_unverified, positions_digest, read_whole,
+    Certificate, ExportContext, Format, FormatError, Hint, Mapping, PointSet, Provenance,
+    bytes_digest, export, export_bytes, export_unverified, positions_digest, read_whole,
 };
 
 use crate::arguments::{SetArgument, format, named, verify_options, whole};
@@ -100,6 +100,15 @@ pub fn save(
         verify: verify_options(judge)?,
         ..context(&set)?
     };
+    if let Err(FormatError::UnknownFormat { .. }) = Format::to_write(&path, context.format) {
+        let mut known = Format::ALL.map(Format::extension).to_vec();
+        known.dedup();
+        return Err(PyValueError::new_err(format!(
+            "{}: the extension names no format (known: {}); give format",
+            path.display(),
+            known.join(", ")
+        )));
+    }
     let set = to_write(&set)?;
     let (report, warnings) = run(py, progress, |watch| {
         if !verify {

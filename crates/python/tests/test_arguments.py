@@ -67,6 +67,14 @@ def test_sample_refuses_other_types(arguments):
         tilescope.sample(**arguments)
 
 
+def test_a_number_of_another_type_is_named():
+    with pytest.raises(TypeError, match="count is 'many'; it must be a whole number"):
+        tilescope.sample("many")
+    # Python adds notes to exceptions from 3.11 on.
+    with pytest.raises(TypeError, match="real number, not str(\nwhile processing 'radius')?"):
+        tilescope.sample(radius="small")
+
+
 def test_numbers_of_numpy_are_numbers():
     points = tilescope.sample(np.int64(2000), width=np.float32(1), seed=np.uint64(2**64 - 1))
     assert points.verify().valid
