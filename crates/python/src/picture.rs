@@ -2,6 +2,7 @@
 
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
+use tilescope_analysis::Region;
 use tilescope_figures::{
     Palette, PictureOptions, Rect, SetPicture, set_scene, to_png, to_svg_with_fonts,
 };
@@ -53,11 +54,13 @@ pub fn draw(
         "dark" => Palette::DARK,
         _ => return refused(format!("theme is '{theme}'; it must be 'light' or 'dark'")),
     };
+    let radius = set.known_radius();
+    let near = near(points, &region, radius.unwrap_or_default(), window);
     let picture = SetPicture {
-        points,
+        points: near.as_deref().unwrap_or(points),
         size: [region.width, region.height],
         boundary: boundary_of_run(region.boundary),
-        radius: set.known_radius(),
+        radius,
         blocks: Vec::new(),
         block_of: None,
         caption,
@@ -76,4 +79,23 @@ pub fn draw(
             to_png(&scene, 1.0)?
         })
     })
+}
+
+/// Returns the samples whose disks, or copies of them, reach into a window: of a large set, few.
+fn near(
+    points: &[[f64; 2]],
+    region: &Region,
+    radius: f64,
+    window: Option<[f64; 4]>,
+) -> Option<Vec<[f64; 2]>> {
+    let [x0, y0, x1, y1] = window?;
+    let along = |value: f64, low: f64, high: f64, side: f64| {
+        let copies = [0.0, -side, side].map(|shift| value + shift);
+        copies
+            .iter()
+            .any(|value| (low - radius..=high + radius).contains(value))
+    };
+    let reaches =
+        |&&[x, y]: &&[f64; 2]| along(x, x0, x1, region.width) && along(y, y0, y1, region.height);
+    Some(points.iter().filter(reaches).copied().collect())
 }

@@ -166,6 +166,19 @@ def test_pictures_are_saved(small, tmp_path):
     assert not (tmp_path / "c.png").exists()
 
 
+@pytest.mark.parametrize("boundary", ["periodic", "bounded"])
+def test_a_picture_of_a_part_has_the_disks_that_reach_into_it(boundary, tmp_path):
+    points = tilescope.sample(radius=0.02, boundary=boundary)
+    shifts = [(x, y) for x in (-1, 0, 1) for y in (-1, 0, 1)] if boundary == "periodic" else [(0, 0)]
+    copies = np.concatenate([points.points + shift for shift in shifts])
+    for x0, y0, x1, y1 in [(0, 0, 0.2, 0.2), (0.4, 0.5, 0.6, 0.55), (0.9, -0.1, 1.1, 0.1)]:
+        points.draw(tmp_path / "part.svg", window=(x0, y0, x1, y1))
+        low, high = np.array([x0, y0]) - 0.02, np.array([x1, y1]) + 0.02
+        seen = ((low <= copies) & (copies <= high)).all(axis=1).sum()
+        # Each has a disk and a dot.
+        assert (tmp_path / "part.svg").read_text().count("<circle") == 2 * seen > 0
+
+
 def test_plots_hold_the_set(small):
     figure, (left, right) = pyplot.subplots(1, 2)
     assert small.plot(left, disks=True) is left

@@ -333,6 +333,8 @@ class PointSet:
     ) -> None:
         """Saves a picture, as ``tilescope draw`` does. It needs no matplotlib.
 
+        Of a set of millions of samples give a window: the whole takes long, and Ctrl-C waits for it.
+
         Parameters
         ----------
         path : path-like
