@@ -79,7 +79,10 @@ def options(arguments: dict[str, object]) -> list[str]:
 PROGRAM = os.environ.get("TILESCOPE")
 
 
-@pytest.mark.skipif(not PROGRAM, reason="the environment variable TILESCOPE does not name the program")
+needs_program = pytest.mark.skipif(not PROGRAM, reason="the environment variable TILESCOPE does not name the program")
+
+
+@needs_program
 @pytest.mark.parametrize(
     "arguments",
     [
@@ -104,6 +107,26 @@ def test_files_are_those_of_the_command_line(arguments, extension, tmp_path):
     assert (ours / name).read_bytes() == (theirs / name).read_bytes()
     certificate = f"{name}.certificate.json"
     assert json.loads((ours / certificate).read_text()) == json.loads((theirs / certificate).read_text())
+
+
+@needs_program
+def test_combinations_are_those_of_the_command_line(tmp_path):
+    layout = ROOT / "assets/layouts/nine.json"
+    subprocess.run([PROGRAM, "combine", layout, "--out", tmp_path / "theirs.ply"], check=True, capture_output=True)
+    tilescope.combine(layout).save(tmp_path / "ours.ply")
+    assert (tmp_path / "ours.ply").read_bytes() == (tmp_path / "theirs.ply").read_bytes()
+    stated = [tilescope.read(tmp_path / name).parameters for name in ("ours.ply", "theirs.ply")]
+    assert stated[0] == stated[1]
+
+
+@needs_program
+@pytest.mark.parametrize("boundary", ["periodic", "bounded"])
+def test_measures_are_those_of_the_command_line(boundary, tmp_path):
+    points = tilescope.sample(radius=0.02, boundary=boundary)
+    points.save(tmp_path / "set.npy")
+    printed = subprocess.run([PROGRAM, "analyze", tmp_path / "set.npy", "--json"], check=True, capture_output=True)
+    (found,) = json.loads(printed.stdout)["files"]
+    assert tilescope.analyze(points) == {name: found[name] for name in tilescope.analyze(points)}
 
 
 @pytest.mark.parametrize("boundary", ["periodic", "bounded"])
