@@ -21,6 +21,7 @@ fn documents() -> Vec<PathBuf> {
         "README.md",
         "crates/README.md",
         "crates/cli/README.md",
+        "crates/python/README.md",
         "web/README.md",
     ];
     let mut all = fixed.map(PathBuf::from).to_vec();

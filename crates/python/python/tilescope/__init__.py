@@ -1,0 +1,496 @@
+"""Maximal Poisson-disk sets: exact, verified, certified.
+A set is *conflict-free* if no two samples are closer than the radius, and *maximal* if no place of
+the domain is farther than the radius from all samples. :func:`sample` makes sets that are both, at
+millions of samples a second; equal parameters give equal points, bit for bit, on every machine and
+by the command line too. :class:`Plane` gives windows of sets that are never made as a whole.
+:func:`verify`, which does not know the sampler, judges any set.
+
+Examples
+--------
+>>> import tilescope
+>>> points = tilescope.sample(radius=0.02, seed=7)
+>>> points
+<PointSet: 1770 samples, radius 0.02, 1 x 1, periodic>
+>>> points.points.shape
+(1770, 2)
+>>> points.verify().valid
+True
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import warnings
+from collections.abc import Mapping
+from importlib.metadata import version
+from typing import Any, Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from tilescope import _tilescope
+from tilescope._point_set import Boundary, Format, Judge, Path, PointSet
+from tilescope._progress import Progress, following
+from tilescope._report import Conflict, Domain, Gap, Report, report_of
+from tilescope._spectrum import Spectrum
+
+__all__ = [
+    "Conflict",
+    "Domain",
+    "Gap",
+    "Plane",
+    "PointSet",
+    "Report",
+    "Spectrum",
+    "analyze",
+    "combine",
+    "read",
+    "sample",
+    "set_threads",
+    "verify",
+]
+__version__ = version("tilescope")
+
+_Order = Literal["index", "random", "own-block-first", "phase-group"]
+_Insertion = Literal["circumcentre", "uniform"]
+_Variant = Literal["staged", "as-printed"]
+
+
+def sample(
+    count: int | None = None,
+    *,
+    radius: float | None = None,
+    width: float = 1.0,
+    height: float = 1.0,
+    boundary: Boundary = "periodic",
+    seed: int = 1,
+    leaf: float = 30.0,
+    pattern_side: float = 100.0,
+    pattern_boundary: Boundary = "periodic",
+    pattern_seed: int = 0,
+    pattern: PointSet | Path | None = None,
+    dihedral: bool = False,
+    order: _Order = "own-block-first",
+    insertion: _Insertion = "circumcentre",
+    search: Literal[4, 2] = 4,
+    variant: _Variant = "staged",
+    method: Literal["kdrt", "reference"] = "kdrt",
+    engine: Literal["auto", "parallel", "sequential"] = "auto",
+    progress: Progress = False,
+) -> PointSet:
+    """Makes a maximal Poisson-disk set.
+
+    Names, defaults and points are those of ``tilescope sample``. Give either `count` or `radius`.
+
+    Parameters
+    ----------
+    count : int, optional
+        Choose the radius so that about as many samples result, to within 1%.
+    radius : float, optional
+        The smallest distance between two samples, and the largest from any place to its nearest
+        sample.
+    width, height : float
+        The domain, in the unit of the radius.
+    boundary : {'periodic', 'bounded'}
+        Opposite sides are joined, or the border is closed and covered.
+    seed : int
+        Seed of every draw: any 64-bit number.
+    leaf : float
+        Shortest edge of a building block, in radii: at least 6.
+    pattern_side, pattern_boundary, pattern_seed
+        Side in radii, boundary and seed of the small set that blocks take their samples from.
+    pattern : PointSet or path-like, optional
+        Take the samples from this set instead: it must be conflict-free and maximal.
+    dihedral : bool
+        Take them from the pattern's 8 rotations and mirror images.
+    order : {'own-block-first', 'index', 'random', 'phase-group'}
+        Order of elimination.
+    insertion : {'circumcentre', 'uniform'}
+        Fill gaps at uncovered circumcentres, or uniformly.
+    search : {4, 2}
+        How far detectors look for gaps, in radii: 4 is proven, 2 is an experiment that leaves gaps.
+    variant : {'staged', 'as-printed'}
+        Staged, or the paper's Algorithm 4 as it is printed.
+    method : {'kdrt', 'reference'}
+        Randomized tiling, or dart throwing (Ebeida et al. 2012), which uses only radius or count,
+        sides, boundary and seed.
+    engine : {'auto', 'parallel', 'sequential'}
+        What computes. It does not change the points.
+    progress : bool or callable
+        Whether to show a bar of tqdm, or what to call with the stage, what is done and all there is
+        to do.
+
+    Returns
+    -------
+    PointSet
+        The set, of at most 2e8 samples.
+
+    Raises
+    ------
+    ValueError
+        If an argument is wrong; the text names the value and the limit.
+    KeyboardInterrupt
+        Within a fraction of a second after Ctrl-C.
+
+    Examples
+    --------
+    >>> points = tilescope.sample(5000, boundary="bounded", seed=3)
+    >>> abs(len(points) - 5000) <= 50
+    True
+    >>> tilescope.sample(radius=-1)
+    Traceback (most recent call last):
+        ...
+    ValueError: the radius is -1; it must be a finite number above 0
+    """
+    request = _request(
+        count=count, radius=radius, width=width, height=height, boundary=boundary, seed=seed, leaf=leaf,
+        pattern_side=pattern_side, pattern_boundary=pattern_boundary, pattern_seed=pattern_seed, pattern=pattern,
+        dihedral=dihedral, order=order, insertion=insertion, search=search, variant=variant,
+    )  # fmt: skip
+    side = request.side_without_repeats()
+    if side is not None and method == "kdrt":
+        warnings.warn(
+            f"the pattern of {pattern_side:g} r repeats within the largest blocks, which spectra show; "
+            f"pattern_side={side:g} would avoid that",
+            stacklevel=2,
+        )
+    with following(progress) as told:
+        return PointSet._made(*_tilescope.sample(request, method, engine, told))
+
+
+def _request(*, pattern: PointSet | Path | None, **arguments: Any) -> _tilescope.RunRequest:
+    source = None
+    if pattern is not None and not isinstance(pattern, PointSet):
+        source = _tilescope.named_by_content(os.fspath(pattern))
+        pattern = read(pattern)
+    return _tilescope.RunRequest(pattern=pattern, pattern_source=source, **arguments)
+
+
+class Plane:
+    """The plane of a run, from which any window can be computed alone.
+
+    A window has exactly the samples that the whole set has there, and costs only its own area: the
+    set may have three thousand million samples. A periodic plane repeats without end.
+
+    Parameters are those of :func:`sample`.
+
+    Examples
+    --------
+    A window of a set of two thousand million samples:
+
+    >>> plane = tilescope.Plane(radius=2e-5)
+    >>> 1650 < len(plane.window(0.5, 0.5, 0.501, 0.501)) < 1850
+    True
+    >>> plane.is_valid(0.5, 0.5, 0.501, 0.501)
+    True
+    """
+
+    __slots__ = ("_domain", "_parameters", "_plane", "_radius")
+
+    def __init__(
+        self,
+        count: int | None = None,
+        *,
+        radius: float | None = None,
+        width: float = 1.0,
+        height: float = 1.0,
+        boundary: Boundary = "periodic",
+        seed: int = 1,
+        leaf: float = 30.0,
+        pattern_side: float = 100.0,
+        pattern_boundary: Boundary = "periodic",
+        pattern_seed: int = 0,
+        pattern: PointSet | Path | None = None,
+        dihedral: bool = False,
+        order: _Order = "own-block-first",
+        insertion: _Insertion = "circumcentre",
+        search: Literal[4, 2] = 4,
+        progress: Progress = False,
+    ) -> None:
+        request = _request(
+            count=count, radius=radius, width=width, height=height, boundary=boundary, seed=seed, leaf=leaf,
+            pattern_side=pattern_side, pattern_boundary=pattern_boundary, pattern_seed=pattern_seed, pattern=pattern,
+            dihedral=dihedral, order=order, insertion=insertion, search=search, variant="staged",
+        )  # fmt: skip
+        with following(progress) as told:
+            self._plane = _tilescope.Plane(request, told)
+        facts = json.loads(self._plane.facts())
+        self._domain, self._radius = Domain(*facts["domain"]), float(facts["radius"])
+        self._parameters = json.dumps(facts["parameters"])
+
+    @property
+    def domain(self) -> Domain:
+        """Width, height and boundary of the whole set's domain."""
+        return self._domain
+
+    @property
+    def radius(self) -> float:
+        """The Poisson-disk radius."""
+        return self._radius
+
+    @property
+    def parameters(self) -> dict[str, Any]:
+        """Every parameter by its name."""
+        parameters: dict[str, Any] = json.loads(self._parameters)
+        return parameters
+
+    def window(
+        self, x0: float, y0: float, x1: float, y1: float, *, progress: Progress = False
+    ) -> npt.NDArray[np.float64]:
+        """Returns the samples with ``x0 <= x < x1`` and ``y0 <= y < y1``.
+
+        In a periodic domain the window may cross the border or lie beyond it; positions are those
+        in the domain. In a bounded one a window that reaches the upper border includes it.
+
+        Parameters
+        ----------
+        x0, y0, x1, y1 : float
+            The corners.
+        progress
+            As in :func:`sample`.
+
+        Returns
+        -------
+        numpy.ndarray of shape (N, 2)
+            The positions, in the sequence of the whole set; read-only.
+
+        Raises
+        ------
+        ValueError
+            If the window is empty, larger than the domain, far from it, or has more than 2e8
+            samples.
+        """
+        with following(progress) as told:
+            return self._plane.window((x0, y0, x1, y1), told)
+
+    def is_valid(self, x0: float, y0: float, x1: float, y1: float, *, progress: Progress = False) -> bool:
+        """Returns whether a window has no conflict and no gap, judged by the samples in it and around it."""
+        with following(progress) as told:
+            conflicts, gaps = self._plane.verify((x0, y0, x1, y1), told)
+        return conflicts == gaps == 0
+
+    def __repr__(self) -> str:
+        width, height, boundary = self.domain
+        return f"<Plane: radius {self.radius:.6g}, {width:g} x {height:g}, {boundary}>"
+
+
+def verify(
+    points: PointSet | Path | npt.ArrayLike,
+    radius: float | None = None,
+    *,
+    width: float | None = None,
+    height: float | None = None,
+    boundary: Boundary | None = None,
+    format: Format | None = None,
+    judge: Judge | None = None,
+    progress: Progress = False,
+) -> Report:
+    """Judges whether a set is conflict-free and maximal, whoever made it.
+
+    Parameters
+    ----------
+    points : array_like of shape (N, 2), path-like or PointSet
+        Positions, or the file of a set. Of a file the certificate is compared as well.
+    radius : float, optional
+        The radius. It must be given unless the set, or a certificate, has one.
+    width, height, boundary, optional
+        The domain. If not given, that of the set or its certificate, and else the periodic unit
+        square.
+    format : str, optional
+        Format of a file, if neither its extension nor its content says it.
+    judge, progress
+        As in :meth:`PointSet.verify`.
+
+    Returns
+    -------
+    Report
+        The verdict, with measures and witnesses. A bad set is a report, not an error.
+
+    Raises
+    ------
+    ValueError
+        If there is no set to judge: it is empty, a position is not finite or outside of the domain,
+        the radius is missing.
+    OSError
+        If a file cannot be read.
+
+    Examples
+    --------
+    >>> tilescope.verify([[0.25, 0.25], [0.75, 0.75]], radius=0.5).valid
+    True
+    >>> report = tilescope.verify([[0.25, 0.25], [0.3, 0.25]], radius=0.5)
+    >>> report.conflicts, report.maximal
+    (1, False)
+    """
+    if isinstance(points, (str, os.PathLike)):
+        given = _Given(radius, width, height, boundary)
+        with following(progress) as told:
+            found = json.loads(_tilescope.check(os.fspath(points), given, format, judge, told))
+        return report_of(found["report"], found["differences"])
+    return _set_of(points, radius, width, height, boundary).verify(judge=judge, progress=progress)
+
+
+class _Given:
+    """What the caller says of a file's set."""
+
+    def __init__(
+        self, radius: float | None, width: float | None, height: float | None, boundary: Boundary | None
+    ) -> None:
+        self.radius, self.width, self.height, self.boundary = radius, width, height, boundary
+
+
+def _set_of(
+    points: PointSet | npt.ArrayLike,
+    radius: float | None,
+    width: float | None,
+    height: float | None,
+    boundary: Boundary | None,
+) -> PointSet:
+    if isinstance(points, PointSet):
+        if (radius, width, height, boundary) == (None, None, None, None):
+            return points
+        own = points.domain
+        radius = points.radius if radius is None else radius
+        width = own.width if width is None else width
+        height = own.height if height is None else height
+        boundary = own.boundary if boundary is None else boundary  # type: ignore[assignment]
+    return PointSet(
+        points,
+        radius,
+        width=1.0 if width is None else width,
+        height=1.0 if height is None else height,
+        boundary="periodic" if boundary is None else boundary,
+    )
+
+
+def analyze(
+    points: PointSet | Path | npt.ArrayLike,
+    radius: float | None = None,
+    *,
+    width: float | None = None,
+    height: float | None = None,
+    boundary: Boundary | None = None,
+    progress: Progress = False,
+) -> dict[str, float | None]:
+    """Measures a set: distances, blue noise, order, discrepancy.
+
+    Parameters are those of :func:`verify`. Without a radius the smallest distance between two
+    samples stands for it.
+
+    Returns
+    -------
+    dict
+        The numbers of ``tilescope analyze`` by its names; ``None`` where one is not defined.
+        :meth:`PointSet.spectrum` and :meth:`PointSet.pair_correlation` have the curves.
+
+    Examples
+    --------
+    >>> measures = tilescope.analyze(tilescope.sample(2000))
+    >>> 0.69 < measures["density"] < 0.71
+    True
+    >>> measures["conflicts"], measures["gaps"]
+    (0.0, 0.0)
+    """
+    if isinstance(points, (str, os.PathLike)):
+        points = read(points, radius, width=width, height=height, boundary=boundary)
+    else:
+        points = _set_of(points, radius, width, height, boundary)
+    with following(progress) as told:
+        return _tilescope.analyze(points, told)
+
+
+def read(
+    path: Path,
+    radius: float | None = None,
+    *,
+    width: float | None = None,
+    height: float | None = None,
+    boundary: Boundary | None = None,
+    format: Format | None = None,
+) -> PointSet:
+    """Reads a set from a file of any format that Tilescope writes.
+
+    Parameters
+    ----------
+    path : path-like
+        The file.
+    radius, width, height, boundary, optional
+        Of the set. If not given, the certificate beside the file says them; without one, the domain
+        is the periodic unit square and the radius is not known.
+    format : str, optional
+        The format, if neither the extension nor the content says it.
+
+    Returns
+    -------
+    PointSet
+        The set, as it stands in the file. :func:`verify` judges it.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be read.
+    ValueError
+        If it is not a point set; the text says where.
+    """
+    given = _Given(radius, width, height, boundary)
+    return PointSet._made(*_tilescope.read(os.fspath(path), given, format, None))
+
+
+def combine(layout: Path | Mapping[str, Any], *, folder: Path = "", progress: Progress = False) -> PointSet:
+    """Glues sets into one, as a layout of rectangles places them (section 4.2 of the paper).
+
+    Near the seams samples are eliminated and inserted, so that the result is conflict-free and
+    maximal; all others stay as they are.
+
+    Parameters
+    ----------
+    layout : mapping or path-like
+        The layout, as ``tilescope combine --help`` describes it, or the JSON file that has it. In a
+        mapping a piece may have a :class:`PointSet` in place of a file's name.
+    folder : path-like
+        Where files of a mapping are; those of a layout in a file are beside it.
+    progress
+        As in :func:`sample`.
+
+    Returns
+    -------
+    PointSet
+        The set.
+
+    Raises
+    ------
+    ValueError
+        If the rectangles do not fill the domain, or a set is not conflict-free and maximal.
+
+    Examples
+    --------
+    >>> halves = tilescope.sample(500, seed=1), tilescope.sample(radius=0.04, seed=2, boundary="bounded")
+    >>> glued = tilescope.combine({
+    ...     "version": 1, "radius": 0.02, "columns": [0.5, 0.5], "rows": [0.5],
+    ...     "pieces": [{"file": one} for one in halves],
+    ... })
+    >>> glued.verify().valid
+    True
+    """
+    sets: dict[str, PointSet] = {}
+    if isinstance(layout, Mapping):
+        described = dict(layout)
+        described["pieces"] = [dict(piece) for piece in layout.get("pieces", [])]
+        for index, piece in enumerate(described["pieces"]):
+            if isinstance(piece.get("file"), PointSet):
+                name = f"<set {index}>"
+                sets[name] = piece["file"]
+                piece["file"] = name
+        text = json.dumps(described)
+    else:
+        with open(layout, encoding="utf-8") as file:
+            text = file.read()
+        folder = os.path.dirname(os.fspath(layout))
+    with following(progress) as told:
+        return PointSet._made(*_tilescope.combine(text, os.fspath(folder), sets, told))
+
+
+def set_threads(threads: int) -> None:
+    """Sets how many threads compute, from 1 to 1024. If it is never called, there are as many as there are cores."""
+    _tilescope.set_threads(threads)

@@ -1,0 +1,389 @@
+"""Point sets: positions with their domain and radius, and what can be done with them."""
+
+from __future__ import annotations
+
+import json
+import os
+import warnings
+from typing import Any, Literal, TypeAlias, Union
+
+import numpy as np
+import numpy.typing as npt
+
+from tilescope import _tilescope
+from tilescope._progress import Progress, following
+from tilescope._report import Domain, Report, report_of, report_of_json
+from tilescope._spectrum import Spectrum, axes
+
+Path: TypeAlias = Union[str, "os.PathLike[str]"]
+Boundary: TypeAlias = Literal["periodic", "bounded"]
+Judge: TypeAlias = Literal["delaunay", "circles", "both"]
+Format: TypeAlias = Literal[
+    "csv", "psa-text", "psa-rps", "utk-text", "utk-binary", "npy", "ply-ascii", "ply-binary", "xyz", "json", "svg"
+]
+Window: TypeAlias = tuple[float, float, float, float]
+
+# Samples of a picture in a notebook: more would be too small to see.
+_SHOWN = 2500
+
+
+class PointSet:
+    """Positions with their domain and radius.
+
+    :func:`tilescope.sample`, :func:`tilescope.read` and :func:`tilescope.combine` return one.
+    Positions from elsewhere become one here, and can then be verified, measured, drawn and saved.
+
+    Parameters
+    ----------
+    points : array_like of shape (N, 2)
+        Positions; they are copied.
+    radius : float, optional
+        The Poisson-disk radius, in the unit of the positions. What needs it raises ``ValueError``
+        if it is not given.
+    width, height : float
+        The domain, which has one corner at the origin.
+    boundary : {'periodic', 'bounded'}
+        How the domain ends.
+
+    Raises
+    ------
+    ValueError
+        If the array has another shape, or no set can have the domain.
+
+    Examples
+    --------
+    >>> import numpy as np, tilescope
+    >>> lattice = np.stack(np.meshgrid(np.arange(8), np.arange(8)), axis=-1).reshape(-1, 2) / 8
+    >>> tilescope.PointSet(lattice, radius=1 / 8).verify().valid
+    True
+    """
+
+    __slots__ = (
+        "_certificate", "_domain", "_method", "_parameters", "_points", "_provenance", "_radius", "_summary"
+    )  # fmt: skip
+
+    def __init__(
+        self,
+        points: npt.ArrayLike,
+        radius: float | None = None,
+        *,
+        width: float = 1.0,
+        height: float = 1.0,
+        boundary: Boundary = "periodic",
+    ) -> None:
+        copy = np.array(points, dtype=np.float64, order="C")
+        if copy.ndim != 2 or copy.shape[1] != 2:
+            raise ValueError(f"points has the shape {copy.shape}; it must be (N, 2)")
+        copy.flags.writeable = False
+        _tilescope.check_domain(radius, width, height, boundary)
+        self._points = copy
+        self._radius = None if radius is None else float(radius)
+        self._domain = Domain(float(width), float(height), boundary)
+        self._provenance: npt.NDArray[np.uint32] | None = None
+        self._method = "unknown"
+        self._parameters = "{}"
+        self._summary: dict[str, Any] | None = None
+        self._certificate: str | None = None
+
+    @classmethod
+    def _made(cls, points: npt.NDArray[np.float64], provenance: npt.NDArray[np.uint32] | None, facts: str) -> PointSet:
+        """Returns a set that the native module made, whose arrays are read-only."""
+        made, known = cls.__new__(cls), json.loads(facts)
+        made._points, made._provenance = points, provenance
+        made._radius = known["radius"]
+        made._domain = Domain(*known["domain"])
+        made._method = known["method"]
+        made._parameters = json.dumps(known["parameters"])
+        made._summary = known["summary"]
+        stated = known.get("certificate")
+        made._certificate = None if stated is None else json.dumps(stated)
+        return made
+
+    def __setstate__(self, state: tuple[None, dict[str, Any]]) -> None:
+        """Takes over a copy, by :mod:`copy` or :mod:`pickle`, whose arrays are read-only as well."""
+        for name, value in state[1].items():
+            if isinstance(value, np.ndarray):
+                value.flags.writeable = False
+            setattr(self, name, value)
+
+    @property
+    def points(self) -> npt.NDArray[np.float64]:
+        """The positions: a read-only array of shape ``(N, 2)``, always the same one."""
+        return self._points
+
+    @property
+    def radius(self) -> float | None:
+        """The Poisson-disk radius, if it is known."""
+        return self._radius
+
+    @property
+    def domain(self) -> Domain:
+        """Width, height and boundary of the domain."""
+        return self._domain
+
+    @property
+    def method(self) -> str:
+        """How the set was made: ``'kdrt'``, ``'reference'``, ``'combined'``, or what a certificate states."""
+        return self._method
+
+    @property
+    def parameters(self) -> dict[str, Any]:
+        """Every parameter of the method by its name, as certificates state them."""
+        parameters: dict[str, Any] = json.loads(self._parameters)
+        return parameters
+
+    @property
+    def summary(self) -> dict[str, Any] | None:
+        """Counts of the run that made the set: blocks, tiled, dropped, eliminated, and inserted by iteration."""
+        return None if self._summary is None else dict(self._summary)
+
+    @property
+    def provenance(self) -> npt.NDArray[np.uint32] | None:
+        """Where each sample came from: block, index in the pattern, iteration.
+
+        An array of shape ``(N, 3)``. 2**32 - 1 stands for the block and the index of a sample that
+        was inserted, iteration 0 for one that was not. ``None`` for sets expected to have more than
+        a million samples, and where it is not known. Files ``.ply`` and ``.json`` keep it.
+        """
+        return self._provenance
+
+    @property
+    def digest(self) -> str:
+        """The BLAKE3 digest of the positions. Two sets have the same one if they agree to the bit and in order."""
+        return _tilescope.digest(self)
+
+    @property
+    def certificate(self) -> dict[str, Any]:
+        """What is known of the set and was verified: parameters, domain, radius, verdict, measures, digests.
+
+        Of a set that was read from a file with a certificate, it is that certificate, as the file
+        states it; :func:`tilescope.verify` says of a file whether it is true. Of other sets, it is
+        the certificate of a ``.npy`` file of the set, verified when it is first asked for.
+        """
+        if self._certificate is None:
+            self._certificate = _tilescope.certify(self, None)
+        stated: dict[str, Any] = json.loads(self._certificate)
+        return stated
+
+    def verify(self, *, judge: Judge | None = None, progress: Progress = False) -> Report:
+        """Returns the verifier's report: whether the set is conflict-free and maximal for its radius.
+
+        Parameters
+        ----------
+        judge : {'delaunay', 'circles', 'both'}, optional
+            Who judges. If not given, both do up to 2**20 samples, and covered circles for more.
+        progress : bool or callable
+            Whether to show a bar, or what to call with the work's name, what is done and all there
+            is to do.
+
+        Examples
+        --------
+        >>> tilescope.sample(2000).verify()
+        <Report: valid, ... samples, 0 conflicts, 0 gaps, smallest distance 1.00... r, covering radius ... r>
+        """
+        with following(progress) as told:
+            return report_of_json(_tilescope.verify(self, judge, told))
+
+    def save(
+        self,
+        path: Path,
+        *,
+        format: Format | None = None,
+        precision: Literal["f32", "f64"] = "f64",
+        shuffle: int | None = None,
+        verify: bool = True,
+        judge: Judge | None = None,
+        progress: Progress = False,
+    ) -> Report | None:
+        """Writes the set to a file, with a certificate beside it.
+
+        The file is read back and verified before it gets its name; a file of that name stays as it
+        is if anything fails. An invalid set is written all the same, with a warning, and its
+        certificate says so.
+
+        Parameters
+        ----------
+        path : path-like
+            The file. Its extension gives the format: ``.npy``, ``.csv``, ``.ply``, ``.json``,
+            ``.txt`` and ``.rps`` of psa, ``.dat`` and ``.bin`` of UTK, ``.xyz``, ``.svg``.
+        format : str, optional
+            The format, if the extension does not give it.
+        precision : {'f64', 'f32'}
+            Number type, for formats that leave the choice. Rounding to f32 makes conflicts in large
+            sets.
+        shuffle : int, optional
+            Seed of an order to write the samples in, so that the first ones are spread evenly.
+        verify : bool
+            Whether to verify and to certify.
+        judge, progress
+            As in :meth:`verify`.
+
+        Returns
+        -------
+        Report or None
+            The report on what the file holds, if it was verified.
+
+        Raises
+        ------
+        OSError
+            If the file cannot be written.
+        ValueError
+            If the format is not known, or cannot hold the set.
+
+        Examples
+        --------
+        >>> tilescope.sample(2000).save(folder / "set.npy").valid
+        True
+        >>> tilescope.verify(folder / "set.npy").passed
+        True
+        """
+        with following(progress) as told:
+            outcome = json.loads(
+                _tilescope.save(
+                    self, os.fspath(path), format_name=format, precision=precision, shuffle=shuffle, verify=verify,
+                    judge=judge, progress=told,
+                )
+            )  # fmt: skip
+        for warning in outcome["warnings"]:
+            # That a format does not keep where samples came from is no fault.
+            if not warning.startswith("note: "):
+                warnings.warn(warning, stacklevel=2)
+        return None if outcome["report"] is None else report_of(outcome["report"])
+
+    def spectrum(self, nu: float | None = None, *, progress: Progress = False) -> Spectrum:
+        """Returns the spectrum: power over frequency.
+
+        Parameters
+        ----------
+        nu : float, optional
+            The largest relative frequency. If not given, 2.5, or 1023 cycles along a side where
+            that is less.
+        progress
+            As in :meth:`verify`.
+
+        Examples
+        --------
+        >>> spectrum = tilescope.sample(2000).spectrum()
+        >>> bool(spectrum.power[spectrum.frequencies < 0.5].max() < 0.2)
+        True
+        """
+        with following(progress) as told:
+            return Spectrum(**_tilescope.spectrum(self, nu, told))
+
+    def pair_correlation(
+        self, *, progress: Progress = False
+    ) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
+        """Returns distances and g there: how many pairs are so far apart, relative to independent random samples.
+
+        Distances are in units of ``r_max``, the smallest distance in the densest packing of as many
+        samples.
+
+        Examples
+        --------
+        >>> distances, g = tilescope.sample(2000).pair_correlation()
+        >>> float(g[distances < 0.6].max())
+        0.0
+        """
+        with following(progress) as told:
+            distances, g = _tilescope.pair_correlation(self, told).T
+        return distances, g
+
+    def plot(self, ax: Any = None, *, disks: bool | None = None) -> Any:
+        """Draws the set with matplotlib.
+
+        Parameters
+        ----------
+        ax : matplotlib.axes.Axes, optional
+            Where to draw; the current axes if not given.
+        disks : bool, optional
+            Whether to draw the disks. If not given, they are drawn around up to a thousand samples.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+            The axes.
+        """
+        ax = axes(ax)
+        count = len(self)
+        width, height, _ = self.domain
+        if self.radius is not None and (count <= 1000 if disks is None else disks):
+            from matplotlib.collections import EllipseCollection
+
+            sides = np.full(count, 2 * self.radius)
+            circles = EllipseCollection(
+                sides, sides, np.zeros(count), units="xy", offsets=self.points, offset_transform=ax.transData,
+                facecolor=(0.2, 0.4, 0.8, 0.04), edgecolor=(0.2, 0.4, 0.8, 0.3), linewidth=0.5,
+            )  # fmt: skip
+            ax.add_collection(circles)
+        # About as wide as a third of the distance to the nearest neighbour.
+        inches = ax.get_window_extent().width / ax.figure.dpi
+        size = 72 * inches / max(width, height) * np.sqrt(width * height / max(count, 1)) / 3
+        ax.scatter(*self.points.T, s=float(np.clip(size, 0.5, 8)) ** 2, linewidths=0)
+        ax.set(xlim=(0, width), ylim=(0, height), aspect="equal")
+        return ax
+
+    def draw(
+        self,
+        path: Path,
+        *,
+        size: int = 1600,
+        window: Window | None = None,
+        disks: bool = True,
+        theme: Literal["light", "dark"] = "light",
+    ) -> None:
+        """Saves a picture, as ``tilescope draw`` does. It needs no matplotlib.
+
+        Of a set of millions of samples give a window: the whole takes long, and Ctrl-C waits for it.
+
+        Parameters
+        ----------
+        path : path-like
+            The picture: ``.png`` or ``.svg``.
+        size : int
+            Its width in pixels, from 16 to 32768.
+        window : (x0, y0, x1, y1), optional
+            The part of the domain to draw.
+        disks : bool
+            Whether to draw the disks, where they are large enough to see.
+        theme : {'light', 'dark'}
+            Its colours.
+        """
+        extension = os.path.splitext(path)[1].lower()
+        if extension not in (".png", ".svg"):
+            raise ValueError(f"the picture is called {os.fspath(path)!r}; its extension must be .png or .svg")
+        picture = self._picture(svg=extension == ".svg", size=size, window=window, disks=disks, theme=theme)
+        with open(path, "wb") as file:
+            file.write(picture)
+
+    def _picture(
+        self, *, svg: bool, size: int, window: Window | None, disks: bool, theme: str, part: str = ""
+    ) -> bytes:
+        radius = "" if self.radius is None else f", r = {self.radius:.6g}"
+        caption = f"{len(self)} samples{radius}{part}"
+        return _tilescope.draw(self, caption=caption, svg=svg, size=size, window=window, disks=disks, theme=theme)
+
+    def _repr_png_(self) -> bytes | None:
+        """Returns the picture that notebooks show."""
+        count = len(self)
+        if count == 0:
+            return None
+        width, height, _ = self.domain
+        window, part = None, ""
+        if count > _SHOWN:
+            # As much of a corner as holds so many samples, no longer than the domain.
+            side = (width * height * _SHOWN / count) ** 0.5
+            window, part = (0.0, 0.0, min(side, width), min(side, height)), "; a corner"
+        return self._picture(svg=False, size=800, window=window, disks=True, theme="light", part=part)
+
+    def __len__(self) -> int:
+        return len(self._points)
+
+    def __array__(self, dtype: npt.DTypeLike | None = None, copy: bool | None = None) -> npt.NDArray[Any]:
+        """Returns the positions: a set can be given where numpy takes an array."""
+        array = self._points if dtype is None else self._points.astype(dtype, copy=False)
+        return array.copy() if copy else array
+
+    def __repr__(self) -> str:
+        width, height, boundary = self.domain
+        radius = "unknown" if self.radius is None else f"{self.radius:.6g}"
+        return f"<PointSet: {len(self)} samples, radius {radius}, {width:g} x {height:g}, {boundary}>"

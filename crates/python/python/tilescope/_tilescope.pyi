@@ -1,0 +1,78 @@
+"""The native module: typed functions over arrays. What they do stands in the package."""
+
+from typing import Any, Protocol
+
+import numpy as np
+import numpy.typing as npt
+
+from tilescope._point_set import PointSet, Window
+from tilescope._progress import ProgressFunction
+
+# Positions, where each sample came from, and facts as JSON.
+_Set = tuple[npt.NDArray[np.float64], npt.NDArray[np.uint32] | None, str]
+
+class _Given(Protocol):
+    radius: float | None
+    width: float | None
+    height: float | None
+    boundary: Any
+
+class RunRequest:
+    def __new__(
+        cls,
+        *,
+        count: int | None,
+        radius: float | None,
+        width: float,
+        height: float,
+        boundary: str,
+        seed: int,
+        leaf: float,
+        pattern_side: float,
+        pattern_boundary: str,
+        pattern_seed: int,
+        pattern: PointSet | None,
+        pattern_source: str | None,
+        dihedral: bool,
+        order: str,
+        insertion: str,
+        search: int,
+        variant: str,
+    ) -> RunRequest: ...
+    def side_without_repeats(self) -> float | None: ...
+
+class Plane:
+    def __new__(cls, request: RunRequest, progress: ProgressFunction | None) -> Plane: ...
+    def facts(self) -> str: ...
+    def window(self, rectangle: Window, progress: ProgressFunction | None) -> npt.NDArray[np.float64]: ...
+    def verify(self, rectangle: Window, progress: ProgressFunction | None) -> tuple[int, int]: ...
+
+def analyze(set: PointSet, progress: ProgressFunction | None) -> dict[str, float | None]: ...
+def certify(set: PointSet, progress: ProgressFunction | None) -> str: ...
+def check(
+    path: str, given: _Given, format_name: str | None, judge: str | None, progress: ProgressFunction | None
+) -> str: ...
+def check_domain(radius: float | None, width: float, height: float, boundary: str) -> None: ...
+def combine(layout: str, folder: str, sets: dict[str, PointSet], progress: ProgressFunction | None) -> _Set: ...
+def digest(set: PointSet) -> str: ...
+def draw(
+    set: PointSet, *, caption: str, svg: bool, size: int, window: Window | None, disks: bool, theme: str
+) -> bytes: ...
+def named_by_content(path: str) -> str: ...
+def pair_correlation(set: PointSet, progress: ProgressFunction | None) -> npt.NDArray[np.float64]: ...
+def read(path: str, given: _Given, format_name: str | None, progress: ProgressFunction | None) -> _Set: ...
+def sample(request: RunRequest, method: str, engine: str, progress: ProgressFunction | None) -> _Set: ...
+def save(
+    set: PointSet,
+    path: str,
+    *,
+    format_name: str | None,
+    precision: str,
+    shuffle: int | None,
+    verify: bool,
+    judge: str | None,
+    progress: ProgressFunction | None,
+) -> str: ...
+def set_threads(threads: int) -> None: ...
+def spectrum(set: PointSet, nu: float | None, progress: ProgressFunction | None) -> dict[str, Any]: ...
+def verify(set: PointSet, judge: str | None, progress: ProgressFunction | None) -> str: ...

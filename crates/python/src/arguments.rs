@@ -1,0 +1,281 @@
+//! Arguments of several functions: values by name, the parameters of a run, a set.
+
+use std::sync::Arc;
+
+use numpy::PyReadonlyArray2;
+use pyo3::exceptions::{PyOverflowError, PyTypeError, PyValueError};
+use pyo3::prelude::*;
+use serde::de::DeserializeOwned;
+use serde_json::{Value, json};
+use tilescope_analysis::{JudgeChoice, Region, VerifyOptions};
+use tilescope_core::combine::file::Set;
+use tilescope_core::{
+    Boundary, Domain, ParameterError, Parameters, Pattern, PatternSpec, Search, radius_estimate,
+    radius_for_count,
+};
+use tilescope_formats::{Format, positions_digest};
+
+use crate::arrays::rows;
+use crate::failure::Failure;
+use crate::task::{TaskWatch, run};
+
+/// Returns a value by its name in JSON, which the command line uses as well.
+pub fn named<T: DeserializeOwned>(argument: &str, name: &str) -> PyResult<T> {
+    serde_json::from_value(Value::from(name))
+        .map_err(|error| PyValueError::new_err(format!("{argument} is '{name}': {error}")))
+}
+
+/// Returns a whole number of 64 bits.
+pub fn whole(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<u64> {
+    value.extract().map_err(|error: PyErr| {
+        let most = u64::MAX;
+        if error.is_instance_of::<PyOverflowError>(value.py()) {
+            PyValueError::new_err(format!(
+                "{argument} is {value}; it must be a whole number from 0 to {most}"
+            ))
+        } else {
+            let given = value
+                .repr()
+                .map_or_else(|_| String::new(), |text| text.to_string());
+            PyTypeError::new_err(format!("{argument} is {given}; it must be a whole number"))
+        }
+    })
+}
+
+/// Returns how to verify. No name stands for both judges up to 2^20 samples, and covered circles for more.
+pub fn verify_options(judge: Option<&str>) -> PyResult<VerifyOptions> {
+    let judges = judge.map(|judge| named::<JudgeChoice>("judge", judge));
+    Ok(VerifyOptions {
+        judges: judges.transpose()?.unwrap_or_default(),
+        ..VerifyOptions::default()
+    })
+}
+
+/// Returns a file format by its name.
+pub fn format(name: Option<&str>) -> PyResult<Option<Format>> {
+    let format = name.map(str::parse::<Format>).transpose();
+    format.map_err(|error| PyValueError::new_err(error.to_string()))
+}
+
+/// Converts a boundary of the analysis to the core's.
+pub const fn boundary_of_run(boundary: tilescope_analysis::Boundary) -> Boundary {
+    match boundary {
+        tilescope_analysis::Boundary::Periodic => Boundary::Periodic,
+        tilescope_analysis::Boundary::Bounded => Boundary::Bounded,
+    }
+}
+
+/// Converts a boundary of the core to the analysis'.
+pub const fn boundary_of_analysis(boundary: Boundary) -> tilescope_analysis::Boundary {
+    match boundary {
+        Boundary::Periodic => tilescope_analysis::Boundary::Periodic,
+        Boundary::Bounded => tilescope_analysis::Boundary::Bounded,
+    }
+}
+
+/// Returns the analysis' region of a domain.
+pub fn region_of(domain: &Domain) -> Region {
+    let [width, height] = domain.size();
+    Region {
+        width,
+        height,
+        boundary: boundary_of_analysis(domain.boundary()),
+    }
+}
+
+/// Checks the domain and radius of a set: raises `ValueError` for what no set can have.
+#[pyfunction]
+pub fn check_domain(radius: Option<f64>, width: f64, height: f64, boundary: &str) -> PyResult<()> {
+    if let Some(radius) = radius.filter(|radius| !(radius.is_finite() && *radius > 0.0)) {
+        return Err(Failure::from(ParameterError::Radius { radius }).into());
+    }
+    let region = Region {
+        width,
+        height,
+        boundary: named("boundary", boundary)?,
+    };
+    if region.is_supported() {
+        return Ok(());
+    }
+    let error = tilescope_analysis::VerifyError::BadRegion { width, height };
+    Err(PyValueError::new_err(error.to_string()))
+}
+
+/// A set, as the Python class `PointSet` holds it.
+#[derive(FromPyObject)]
+pub struct SetArgument<'py> {
+    points: PyReadonlyArray2<'py, f64>,
+    pub provenance: Option<PyReadonlyArray2<'py, u32>>,
+    domain: (f64, f64, String),
+    radius: Option<f64>,
+    pub method: String,
+    /// As JSON.
+    #[pyo3(attribute("_parameters"))]
+    pub parameters: String,
+}
+
+impl SetArgument<'_> {
+    pub fn points(&self) -> PyResult<&[[f64; 2]]> {
+        rows(&self.points)
+    }
+
+    pub fn region(&self) -> PyResult<Region> {
+        let (width, height, boundary) = &self.domain;
+        Ok(Region {
+            width: *width,
+            height: *height,
+            boundary: named("boundary", boundary)?,
+        })
+    }
+
+    pub const fn known_radius(&self) -> Option<f64> {
+        self.radius
+    }
+
+    /// Returns the radius, or an error that asks for it.
+    pub fn radius(&self) -> PyResult<f64> {
+        let missing = "the radius of the set is not known; give radius";
+        self.radius.ok_or_else(|| PyValueError::new_err(missing))
+    }
+}
+
+/// Returns a set to clip or to combine from. Fails when it is not conflict-free and maximal.
+pub fn set(points: &[[f64; 2]], region: &Region, radius: f64) -> Result<Set, Failure> {
+    let (size, boundary) = (
+        [region.width, region.height],
+        boundary_of_run(region.boundary),
+    );
+    let pattern = Pattern::from_positions(points, size, radius, boundary)?;
+    Ok(Set {
+        pattern: Arc::new(pattern),
+        domain: Domain::from_size(size, radius, boundary)?,
+    })
+}
+
+/// What a run is to be made from.
+#[pyclass(frozen, module = "tilescope._tilescope")]
+pub struct RunRequest {
+    pub parameters: Parameters,
+    pub count: Option<u64>,
+    /// A pattern that is given rather than generated.
+    pattern: Option<Arc<Pattern>>,
+    /// Every parameter by its name, as certificates state them.
+    stated: Value,
+}
+
+#[pymethods]
+impl RunRequest {
+    /// Returns the request, or raises the first error in the arguments. `pattern_source` says where a given pattern is
+    /// from, as JSON.
+    #[new]
+    #[pyo3(signature = (
+        *, count, radius, width, height, boundary, seed, leaf, pattern_side, pattern_boundary, pattern_seed, pattern,
+        pattern_source, dihedral, order, insertion, search, variant
+    ))]
+    #[expect(
+        clippy::too_many_arguments,
+        reason = "each is one of Python's, by its name"
+    )]
+    fn new(
+        py: Python<'_>,
+        count: Option<&Bound<'_, PyAny>>,
+        radius: Option<f64>,
+        width: f64,
+        height: f64,
+        boundary: &str,
+        seed: &Bound<'_, PyAny>,
+        leaf: f64,
+        pattern_side: f64,
+        pattern_boundary: &str,
+        pattern_seed: &Bound<'_, PyAny>,
+        pattern: Option<SetArgument<'_>>,
+        pattern_source: Option<&str>,
+        dihedral: bool,
+        order: &str,
+        insertion: &str,
+        search: u8,
+        variant: &str,
+    ) -> PyResult<Self> {
+        let refused = |text: &str| Err(PyValueError::new_err(text.to_owned()));
+        let count = count.map(|count| whole("count", count)).transpose()?;
+        let mut parameters = Parameters {
+            width,
+            height,
+            radius: radius.unwrap_or_default(),
+            boundary: named("boundary", boundary)?,
+            seed: whole("seed", seed)?,
+            leaf,
+            pattern: PatternSpec {
+                side: pattern_side,
+                boundary: named("pattern_boundary", pattern_boundary)?,
+                seed: whole("pattern_seed", pattern_seed)?,
+            },
+            dihedral,
+            order: named("order", order)?,
+            insertion: named("insertion", insertion)?,
+            search: match search {
+                4 => Search::Complete,
+                2 => Search::TwoRadii,
+                _ => return refused(&format!("search is {search}; it must be 4 or 2")),
+            },
+            variant: named("variant", variant)?,
+        };
+        match (count, radius) {
+            (Some(_), Some(_)) => return refused("both count and radius are given; give one"),
+            (None, None) => return refused("neither count nor radius is given; give one"),
+            (Some(count), None) => {
+                parameters.radius = radius_estimate(&parameters, count).map_err(Failure::from)?;
+            }
+            (None, Some(_)) => {
+                parameters.validate().map_err(Failure::from)?;
+            }
+        }
+        let mut stated = serde_json::to_value(parameters).unwrap_or_default();
+        let pattern = match &pattern {
+            Some(given) => {
+                let (points, region, radius) = (given.points()?, given.region()?, given.radius()?);
+                stated["pattern"] = match pattern_source.map(serde_json::from_str) {
+                    Some(Ok(source)) => source,
+                    _ => json!({ "positions_digest": positions_digest(points) }),
+                };
+                Some(run(py, None, |_| set(points, &region, radius))?.pattern)
+            }
+            None => None,
+        };
+        Ok(Self {
+            parameters,
+            count,
+            pattern,
+            stated,
+        })
+    }
+
+    /// Returns the side in radii of a pattern that would not repeat within blocks, where this one does.
+    fn side_without_repeats(&self) -> Option<f64> {
+        let generated = self.pattern.is_none();
+        (self.parameters.side_without_repeats()).filter(|_| generated)
+    }
+}
+
+impl RunRequest {
+    /// Returns the parameters with the radius settled, and the pattern.
+    pub fn resolved(&self, watch: &TaskWatch) -> Result<(Parameters, Arc<Pattern>), Failure> {
+        let mut parameters = self.parameters;
+        let pattern = match &self.pattern {
+            Some(given) => Arc::clone(given),
+            None => Pattern::of_spec(&parameters.pattern, &mut watch.observer())?,
+        };
+        if let Some(count) = self.count {
+            let mut observer = watch.observer();
+            parameters.radius = radius_for_count(&parameters, count, &pattern, &mut observer)?;
+        }
+        Ok((parameters, pattern))
+    }
+
+    /// Returns every parameter by its name, with the radius of the run.
+    pub fn stated(&self, radius: f64) -> Value {
+        let mut stated = self.stated.clone();
+        stated["radius"] = json!(radius);
+        stated
+    }
+}

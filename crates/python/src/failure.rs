@@ -1,0 +1,158 @@
+//! Why a call failed, as the Python exception that says so. Made without Python's lock, raised with it.
+
+use pyo3::PyErr;
+use pyo3::exceptions::{PyOSError, PyRuntimeError, PyValueError};
+use tilescope_analysis::VerifyError;
+use tilescope_analysis::measures::MeasureError;
+use tilescope_core::combine::CombineError;
+use tilescope_core::combine::file::{LayoutError, PieceError};
+use tilescope_core::{ParameterError, PatternError, SampleError};
+use tilescope_figures::FigureError;
+use tilescope_formats::{CheckError, ExportError, FormatError};
+
+/// An exception to raise.
+#[derive(Debug)]
+pub enum Failure {
+    /// `ValueError`: the arguments, or a file, are wrong. The text names the value and the limit.
+    Value(String),
+    /// `OSError`, or the subclass that Python has for its number.
+    System {
+        number: i32,
+        text: String,
+        path: String,
+    },
+    /// `RuntimeError`: the work could not be done, or was stopped.
+    Runtime(String),
+}
+
+impl Failure {
+    /// Returns the failure with the part of the input that it is about.
+    pub fn of(self, part: &str) -> Self {
+        match self {
+            Self::Value(text) => Self::Value(format!("{part}: {text}")),
+            Self::Runtime(text) => Self::Runtime(format!("{part}: {text}")),
+            system @ Self::System { .. } => system,
+        }
+    }
+}
+
+impl From<Failure> for PyErr {
+    fn from(failure: Failure) -> Self {
+        match failure {
+            Failure::Value(text) => PyValueError::new_err(text),
+            Failure::System { number, text, path } => PyOSError::new_err((number, text, path)),
+            Failure::Runtime(text) => PyRuntimeError::new_err(text),
+        }
+    }
+}
+
+impl From<ParameterError> for Failure {
+    fn from(error: ParameterError) -> Self {
+        Self::Value(error.to_string())
+    }
+}
+
+impl From<PatternError> for Failure {
+    fn from(error: PatternError) -> Self {
+        Self::Value(error.to_string())
+    }
+}
+
+impl From<SampleError> for Failure {
+    fn from(error: SampleError) -> Self {
+        match error {
+            SampleError::Parameters(error) => error.into(),
+            SampleError::Pattern(error) => error.into(),
+            other => Self::Runtime(other.to_string()),
+        }
+    }
+}
+
+impl From<CombineError> for Failure {
+    fn from(error: CombineError) -> Self {
+        match error {
+            CombineError::Sample(error) => error.into(),
+            other => Self::Value(other.to_string()),
+        }
+    }
+}
+
+impl From<LayoutError> for Failure {
+    fn from(error: LayoutError) -> Self {
+        Self::Value(error.to_string())
+    }
+}
+
+impl From<PieceError<Failure>> for Failure {
+    fn from(PieceError { piece, error }: PieceError<Failure>) -> Self {
+        error.of(&format!("pieces[{piece}]"))
+    }
+}
+
+impl From<VerifyError> for Failure {
+    fn from(error: VerifyError) -> Self {
+        match error {
+            VerifyError::Disagreement { .. }
+            | VerifyError::Triangulation { .. }
+            | VerifyError::Cancelled => Self::Runtime(error.to_string()),
+            _ => Self::Value(error.to_string()),
+        }
+    }
+}
+
+impl From<MeasureError> for Failure {
+    fn from(error: MeasureError) -> Self {
+        match error {
+            MeasureError::Set(error) => error.into(),
+            MeasureError::Cancelled => Self::Runtime(error.to_string()),
+            _ => Self::Value(error.to_string()),
+        }
+    }
+}
+
+impl From<FormatError> for Failure {
+    fn from(error: FormatError) -> Self {
+        match error {
+            FormatError::Io { path, source } => match source.raw_os_error() {
+                Some(number) => Self::System {
+                    number,
+                    // Python shows the number itself.
+                    text: without_number(&source.to_string()).to_owned(),
+                    path,
+                },
+                None => Self::Runtime(format!("{path}: {source}")),
+            },
+            other => Self::Value(other.to_string()),
+        }
+    }
+}
+
+fn without_number(text: &str) -> &str {
+    text.split(" (os error").next().unwrap_or(text)
+}
+
+impl From<CheckError> for Failure {
+    fn from(error: CheckError) -> Self {
+        match error {
+            CheckError::Format(error) => error.into(),
+            CheckError::Verify(error) => error.into(),
+            other => Self::Value(other.to_string()),
+        }
+    }
+}
+
+impl From<ExportError> for Failure {
+    fn from(error: ExportError) -> Self {
+        match error {
+            ExportError::Format(error) => error.into(),
+            ExportError::Verify { source, .. } => source.into(),
+            other => Self::Runtime(other.to_string()),
+        }
+    }
+}
+
+impl From<FigureError> for Failure {
+    fn from(error: FigureError) -> Self {
+        Self::Value(error.to_string())
+    }
+}

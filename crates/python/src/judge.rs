@@ -1,0 +1,136 @@
+//! `verify`: the verdict on positions, or on a file and its certificate.
+
+use std::path::{Path, PathBuf};
+
+use pyo3::prelude::*;
+use serde_json::{Value, json};
+use tilescope_analysis::{Boundary, Region, Report};
+use tilescope_formats::{
+    Certificate, CheckError, Format, Hint, Overrides, StreamReader, check_stream,
+};
+
+use crate::arguments::{SetArgument, format, named, verify_options};
+use crate::failure::Failure;
+use crate::task::run;
+
+/// Returns the verifier's report on a set, as JSON.
+#[pyfunction]
+pub fn verify(
+    py: Python<'_>,
+    set: SetArgument<'_>,
+    judge: Option<&str>,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<String> {
+    let (points, region, radius) = (set.points()?, set.region()?, set.radius()?);
+    let options = verify_options(judge)?;
+    let report = run(py, progress, |watch| {
+        let control = watch.control("verify");
+        Ok(tilescope_analysis::verify(
+            points, region, radius, &options, &control,
+        )?)
+    })?;
+    Ok(of_report(&report).to_string())
+}
+
+/// Returns a report with what follows from its numbers.
+pub fn of_report(report: &Report) -> Value {
+    let mut all = json!(report);
+    all["conflict_free"] = json!(report.conflict_free());
+    all["maximal"] = json!(report.maximal());
+    all["valid"] = json!(report.valid());
+    all
+}
+
+/// A domain and radius that stand in for, or override, those of a certificate.
+#[derive(FromPyObject)]
+pub struct GivenDomain {
+    pub radius: Option<f64>,
+    width: Option<f64>,
+    height: Option<f64>,
+    boundary: Option<String>,
+}
+
+/// The domain of a set if nothing states one.
+pub const UNIT_SQUARE: Region = Region {
+    width: 1.0,
+    height: 1.0,
+    boundary: Boundary::Periodic,
+};
+
+impl GivenDomain {
+    /// Returns the domain, with missing parts taken from `stated`, or from the periodic unit square.
+    pub fn region_over(&self, stated: Option<Region>) -> PyResult<Region> {
+        let base = stated.unwrap_or(UNIT_SQUARE);
+        let boundary = self.boundary.as_deref();
+        let boundary = boundary.map(|boundary| named("boundary", boundary));
+        Ok(Region {
+            width: self.width.unwrap_or(base.width),
+            height: self.height.unwrap_or(base.height),
+            boundary: boundary.transpose()?.unwrap_or(base.boundary),
+        })
+    }
+
+    const fn has_region(&self) -> bool {
+        self.width.is_some() || self.height.is_some() || self.boundary.is_some()
+    }
+}
+
+/// Verifies a file and compares its certificate. Returns the report, and the statements that do not hold, as JSON.
+#[pyfunction]
+pub fn check(
+    py: Python<'_>,
+    path: PathBuf,
+    given: GivenDomain,
+    format_name: Option<&str>,
+    judge: Option<&str>,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<String> {
+    let format = format(format_name)?;
+    let stated = || certificate(&path, format).map(|stated| stated.region);
+    let region = given.has_region().then(|| given.region_over(stated()));
+    let overrides = Overrides {
+        format,
+        region: region.transpose()?,
+        radius: given.radius,
+        judges: verify_options(judge)?.judges,
+        ..Overrides::default()
+    };
+    let check = run(py, progress, |watch| {
+        let control = watch.control("verify");
+        let outcome = match check_stream(&path, &overrides, &control) {
+            Err(CheckError::NoRegion(_)) => {
+                let region = Some(UNIT_SQUARE);
+                check_stream(
+                    &path,
+                    &Overrides {
+                        region,
+                        ..overrides
+                    },
+                    &control,
+                )
+            }
+            outcome => outcome,
+        };
+        outcome.map_err(|error| match error {
+            CheckError::NoRadius => {
+                Failure::Value("the set has no certificate; give radius".to_owned())
+            }
+            other => Failure::from(other),
+        })
+    })?;
+    let differences = check.differences.iter().map(ToString::to_string);
+    let differences: Vec<String> = differences.collect();
+    Ok(json!({ "report": of_report(&check.report), "differences": differences }).to_string())
+}
+
+/// Returns the certificate of a file, if it has one that can be read.
+fn certificate(path: &Path, format: Option<Format>) -> Option<Certificate> {
+    let hint = Hint {
+        format,
+        ..Hint::default()
+    };
+    StreamReader::open(path, format).map_or_else(
+        |_| tilescope_formats::read(path, &hint).ok()?.certificate,
+        |reader| reader.certificate().cloned(),
+    )
+}

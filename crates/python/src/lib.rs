@@ -1,0 +1,46 @@
+//! The native module of the Python package `tilescope`: typed functions over numpy arrays that call the other crates. What
+//! Python users see, with its documentation, is in `python/tilescope`.
+//!
+//! Arrays that come from Python are never written to by anybody: the package makes read-only copies first. So they can be
+//! read while Python runs other threads. Everything that may take long runs without Python's lock, in threads of its own,
+//! while the calling thread looks for signals (`task`). Structures cross as JSON, whose numbers keep every bit.
+
+#![allow(
+    clippy::needless_pass_by_value,
+    reason = "Python's arguments are values of the function that they are given to"
+)]
+
+mod arguments;
+mod arrays;
+mod combine;
+mod failure;
+mod files;
+mod judge;
+mod measure;
+mod picture;
+mod plane;
+mod sample;
+mod task;
+
+/// The module, as Python imports it.
+#[pyo3::pymodule]
+mod _tilescope {
+    #[pymodule_export]
+    use crate::arguments::{RunRequest, check_domain};
+    #[pymodule_export]
+    use crate::combine::combine;
+    #[pymodule_export]
+    use crate::files::{certify, digest, named_by_content, read, save};
+    #[pymodule_export]
+    use crate::judge::{check, verify};
+    #[pymodule_export]
+    use crate::measure::{analyze, pair_correlation, spectrum};
+    #[pymodule_export]
+    use crate::picture::draw;
+    #[pymodule_export]
+    use crate::plane::PythonPlane;
+    #[pymodule_export]
+    use crate::sample::sample;
+    #[pymodule_export]
+    use crate::task::set_threads;
+}

@@ -1,0 +1,101 @@
+//! Pictures of a set, as PNG or SVG.
+
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use tilescope_analysis::Region;
+use tilescope_figures::{
+    Palette, PictureOptions, Rect, SetPicture, set_scene, to_png, to_svg_with_fonts,
+};
+
+use crate::arguments::{SetArgument, boundary_of_run};
+use crate::task::run;
+
+/// Widths of pictures in pixels that are accepted.
+const SIZES: std::ops::RangeInclusive<u32> = 16..=32_768;
+
+/// Returns the bytes of a picture of a set, or of the part of it in `window`.
+#[pyfunction]
+#[pyo3(signature = (set, *, caption, svg, size, window, disks, theme))]
+#[expect(
+    clippy::too_many_arguments,
+    reason = "each is one of Python's, by its name"
+)]
+pub fn draw(
+    py: Python<'_>,
+    set: SetArgument<'_>,
+    caption: String,
+    svg: bool,
+    size: u32,
+    window: Option<[f64; 4]>,
+    disks: bool,
+    theme: &str,
+) -> PyResult<Vec<u8>> {
+    let refused = |text: String| Err(PyValueError::new_err(text));
+    if !SIZES.contains(&size) {
+        let (least, most) = (SIZES.start(), SIZES.end());
+        return refused(format!(
+            "size is {size}; it must be between {least} and {most} pixels"
+        ));
+    }
+    let (points, region) = (set.points()?, set.region()?);
+    if let Some([x0, y0, x1, y1]) = window {
+        let inside = x1 > 0.0 && y1 > 0.0 && x0 < region.width && y0 < region.height;
+        let finite = [x0, y0, x1, y1].iter().all(|v| v.is_finite());
+        if !(finite && x0 < x1 && y0 < y1 && inside) {
+            return refused(format!(
+                "window is ({x0}, {y0}, {x1}, {y1}); it must be (x0, y0, x1, y1) with x0 < x1 and y0 < y1, and \
+                 reach into the domain, {} x {}",
+                region.width, region.height
+            ));
+        }
+    }
+    let palette = match theme {
+        "light" => Palette::LIGHT,
+        "dark" => Palette::DARK,
+        _ => return refused(format!("theme is '{theme}'; it must be 'light' or 'dark'")),
+    };
+    let radius = set.known_radius();
+    let near = near(points, &region, radius.unwrap_or_default(), window);
+    let picture = SetPicture {
+        points: near.as_deref().unwrap_or(points),
+        size: [region.width, region.height],
+        boundary: boundary_of_run(region.boundary),
+        radius,
+        blocks: Vec::new(),
+        block_of: None,
+        caption,
+    };
+    let options = PictureOptions {
+        width: f64::from(size),
+        palette,
+        window: window.map(|[x0, y0, x1, y1]| Rect::new([x0, y0], [x1, y1])),
+        disks,
+    };
+    run(py, None, |_| {
+        let scene = set_scene(&picture, &options);
+        Ok(if svg {
+            to_svg_with_fonts(&scene)?.into_bytes()
+        } else {
+            to_png(&scene, 1.0)?
+        })
+    })
+}
+
+/// Returns the samples whose disks, or copies of them, reach into a window: of a large set, few.
+fn near(
+    points: &[[f64; 2]],
+    region: &Region,
+    radius: f64,
+    window: Option<[f64; 4]>,
+) -> Option<Vec<[f64; 2]>> {
+    let [x0, y0, x1, y1] = window?;
+    let along = |value: f64, low: f64, high: f64, side: f64| {
+        let copies = [0.0, -side, side].map(|shift| value + shift);
+        copies
+            .iter()
+            .any(|value| (low - radius..=high + radius).contains(value))
+    };
+    let reaches =
+        |&&[x, y]: &&[f64; 2]| along(x, x0, x1, region.width) && along(y, y0, y1, region.height);
+    Some(points.iter().filter(reaches).copied().collect())
+}

@@ -1,0 +1,121 @@
+//! The plane of a run: windows of a set that is never made as a whole.
+
+use numpy::PyArray2;
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use serde_json::{Value, json};
+use tilescope_analysis::{Boundary, Region, VerifyOptions, verify};
+use tilescope_core::{MAX_SEQUENTIAL_SAMPLES, MAXIMAL_DENSITY, Plane, R, Window};
+
+use crate::arguments::{RunRequest, region_of};
+use crate::arrays::array;
+use crate::failure::Failure;
+use crate::task::run;
+
+/// Gaps that the verifier lists, more than the cut borders of a window have.
+const MAX_GAPS: usize = 1 << 20;
+
+/// A plane.
+#[pyclass(frozen, name = "Plane", module = "tilescope._tilescope")]
+pub struct PythonPlane {
+    plane: Plane,
+    stated: Value,
+}
+
+#[pymethods]
+impl PythonPlane {
+    #[new]
+    fn new(py: Python<'_>, request: &RunRequest, progress: Option<Py<PyAny>>) -> PyResult<Self> {
+        run(py, progress, |watch| {
+            let (parameters, pattern) = request.resolved(watch)?;
+            Ok(Self {
+                plane: Plane::new(&parameters, &pattern)?,
+                stated: request.stated(parameters.radius),
+            })
+        })
+    }
+
+    /// Returns facts as JSON.
+    fn facts(&self) -> String {
+        let domain = self.plane.domain();
+        let region = region_of(domain);
+        json!({
+            "parameters": self.stated,
+            "domain": [region.width, region.height, region.boundary],
+            "radius": domain.radius(),
+        })
+        .to_string()
+    }
+
+    /// Returns the samples in a rectangle.
+    fn window<'py>(
+        &self,
+        py: Python<'py>,
+        rectangle: [f64; 4],
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let window = self.rectangle(rectangle)?;
+        let positions = run(py, progress, |watch| {
+            let points = (self.plane).observed_window(&window, &mut watch.observer())?;
+            Ok(self.plane.domain().users_from_lattice(&points))
+        })?;
+        array(py, positions)
+    }
+
+    /// Returns the number of pairs in conflict in a rectangle and around it, and of uncovered places in it, as the
+    /// verifier finds them.
+    fn verify(
+        &self,
+        py: Python<'_>,
+        rectangle: [f64; 4],
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<(u64, usize)> {
+        let window = self.rectangle(rectangle)?;
+        run(py, progress, |watch| {
+            let cut = self.plane.widened(&window, &mut watch.observer())?;
+            let region = Region {
+                width: cut.size[0],
+                height: cut.size[1],
+                boundary: Boundary::Bounded,
+            };
+            let options = VerifyOptions {
+                witnesses: MAX_GAPS,
+                ..VerifyOptions::default()
+            };
+            let radius = self.plane.domain().radius();
+            let control = watch.control("verify");
+            let report = verify(&cut.positions, region, radius, &options, &control)?;
+            // Gaps around the window come from the cut.
+            let gaps = report.worst_gaps.iter().map(|gap| gap.center);
+            let gaps = gaps.filter(|center| cut.window_has(*center)).count();
+            Ok((report.conflicts, gaps))
+        })
+    }
+}
+
+impl PythonPlane {
+    /// Returns a window of lattice points. Refuses one without a place of the domain, or with too many.
+    fn rectangle(&self, [left, bottom, right, top]: [f64; 4]) -> PyResult<Window> {
+        let domain = self.plane.domain();
+        let window = domain.window([left, bottom], [right, top]);
+        let window = window.map_err(Failure::from)?;
+        for (axis, name) in ["width", "height"].into_iter().enumerate() {
+            let [low, high] = [[left, right], [bottom, top]][axis];
+            // A window of a bounded domain shows nothing outside the domain.
+            if window.min[axis] >= window.max[axis] {
+                return Err(PyValueError::new_err(format!(
+                    "the window's {name} runs from {low} to {high}, which holds no place of the domain's 0 to {}",
+                    domain.size()[axis]
+                )));
+            }
+        }
+        let side = |axis: usize| (window.max[axis] - window.min[axis]) as f64 / f64::from(R);
+        let expected = side(0) * side(1) * MAXIMAL_DENSITY;
+        if expected > MAX_SEQUENTIAL_SAMPLES {
+            return Err(PyValueError::new_err(format!(
+                "about {expected:.3e} samples lie in the window; it may have {MAX_SEQUENTIAL_SAMPLES:.0e}: choose a smaller one"
+            )));
+        }
+        Ok(window)
+    }
+}

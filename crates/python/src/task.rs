@@ -1,0 +1,175 @@
+//! Work that may take long: it runs in threads of its own, without Python's lock, while the calling thread looks for
+//! signals and passes progress on. So Ctrl-C stops it, and other threads of Python run meanwhile.
+
+use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
+
+use pyo3::exceptions::{PyRuntimeError, PyValueError};
+use pyo3::prelude::*;
+use rayon::ThreadPool;
+use tilescope_core::Stage;
+
+use crate::failure::Failure;
+
+/// Time between two looks for signals.
+const PERIOD: Duration = Duration::from_millis(50);
+
+/// The most threads that can be asked for, as on the command line.
+const MAX_THREADS: usize = 1024;
+
+/// The work that progress is about.
+#[derive(Clone, Copy, PartialEq)]
+enum Work {
+    Stage(Stage),
+    Named(&'static str),
+}
+
+/// How far the work has come, and whether it is to stop.
+#[derive(Default)]
+pub struct TaskWatch {
+    stopped: AtomicBool,
+    latest: Mutex<Option<(Work, u64, u64)>>,
+}
+
+impl TaskWatch {
+    /// Returns an observer for functions of the core.
+    pub fn observer(&self) -> impl FnMut(tilescope_core::Progress) -> ControlFlow<()> + '_ {
+        |progress| {
+            let latest = (Work::Stage(progress.stage), progress.done, progress.total);
+            *lock(&self.latest) = Some(latest);
+            self.flow()
+        }
+    }
+
+    /// Returns a control function for one function of the analysis or the formats, whose work has this name.
+    pub fn control(
+        &self,
+        name: &'static str,
+    ) -> impl Fn(tilescope_analysis::Progress) -> ControlFlow<()> + Sync + '_ {
+        move |progress| {
+            let (work, mut done) = (Work::Named(name), progress.done);
+            let mut latest = lock(&self.latest);
+            // Calls come from several threads, not always in sequence.
+            if let Some((before, most, _)) = *latest
+                && before == work
+            {
+                done = done.max(most);
+            }
+            *latest = Some((work, done, progress.total));
+            self.flow()
+        }
+    }
+
+    fn flow(&self) -> ControlFlow<()> {
+        if self.stopped.load(Ordering::Relaxed) {
+            ControlFlow::Break(())
+        } else {
+            ControlFlow::Continue(())
+        }
+    }
+
+    /// Calls `progress` with a name, what is done and all there is to do.
+    fn pass_on(&self, py: Python<'_>, progress: Option<&Py<PyAny>>) -> PyResult<()> {
+        let latest = *lock(&self.latest);
+        if let (Some(progress), Some((work, done, total))) = (progress, latest) {
+            let name = match work {
+                Work::Stage(stage) => stage.to_string(),
+                Work::Named(name) => name.to_owned(),
+            };
+            progress.call1(py, (name, done, total))?;
+        }
+        Ok(())
+    }
+}
+
+/// Does `work` and returns what it returns. Python's lock is free meanwhile.
+///
+/// Raises what a signal's handler or `progress` raise, which stops the work, and else what the work fails with.
+pub fn run<T: Send>(
+    py: Python<'_>,
+    progress: Option<Py<PyAny>>,
+    work: impl FnOnce(&TaskWatch) -> Result<T, Failure> + Send,
+) -> PyResult<T> {
+    let pool = pool()?;
+    let watch = TaskWatch::default();
+    let look = || {
+        Python::attach(|py| {
+            py.check_signals()?;
+            watch.pass_on(py, progress.as_ref())
+        })
+    };
+    let (outcome, looked) = py.detach(|| {
+        let (sender, receiver) = channel();
+        let watch = &watch;
+        pool.in_place_scope(|scope| {
+            scope.spawn(move |_| {
+                // The receiver waits until this is sent.
+                let _ = sender.send(work(watch));
+            });
+            let mut looked = Ok(());
+            loop {
+                match receiver.recv_timeout(PERIOD) {
+                    Ok(outcome) => return (Some(outcome), looked),
+                    // The work panicked: the scope passes that on.
+                    Err(RecvTimeoutError::Disconnected) => return (None, looked),
+                    Err(RecvTimeoutError::Timeout) if looked.is_ok() => {
+                        looked = look();
+                        watch.stopped.store(looked.is_err(), Ordering::Relaxed);
+                    }
+                    Err(RecvTimeoutError::Timeout) => {}
+                }
+            }
+        })
+    });
+    looked?;
+    let outcome = outcome.ok_or_else(|| PyRuntimeError::new_err("the work has no result"))?;
+    watch.pass_on(py, progress.as_ref())?;
+    Ok(outcome?)
+}
+
+/// The threads of a process, by its number.
+type ProcessThreads = (u32, Arc<ThreadPool>);
+
+static THREADS: Mutex<Option<ProcessThreads>> = Mutex::new(None);
+
+fn pool() -> PyResult<Arc<ThreadPool>> {
+    let mut kept = lock(&THREADS);
+    match &*kept {
+        Some((process, pool)) if *process == std::process::id() => Ok(Arc::clone(pool)),
+        _ => keep(&mut kept, 0),
+    }
+}
+
+/// Starts threads; zero stands for as many as there are cores, or `RAYON_NUM_THREADS`.
+fn keep(kept: &mut Option<ProcessThreads>, threads: usize) -> PyResult<Arc<ThreadPool>> {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+    let pool = pool.map_err(|error| {
+        PyRuntimeError::new_err(format!("the threads cannot be started: {error}"))
+    })?;
+    let (pool, process) = (Arc::new(pool), std::process::id());
+    let before = kept.replace((process, Arc::clone(&pool)));
+    // The child of a fork has none of its parent's threads, and must not wait for their end.
+    if let Some(before) = before.filter(|(of, _)| *of != process) {
+        std::mem::forget(before);
+    }
+    Ok(pool)
+}
+
+/// Sets how many threads compute, in this process.
+#[pyfunction]
+pub fn set_threads(threads: usize) -> PyResult<()> {
+    if !(1..=MAX_THREADS).contains(&threads) {
+        return Err(PyValueError::new_err(format!(
+            "threads is {threads}; it must be between 1 and {MAX_THREADS}"
+        )));
+    }
+    keep(&mut lock(&THREADS), threads)?;
+    Ok(())
+}
+
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}

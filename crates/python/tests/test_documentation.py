@@ -1,0 +1,95 @@
+"""Examples in the documentation run, and types are what the stubs say."""
+
+import ast
+import doctest
+import importlib
+import inspect
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import tilescope
+from tilescope import _tilescope
+
+MODULES = ["tilescope", "tilescope._point_set", "tilescope._progress", "tilescope._report", "tilescope._spectrum"]
+README = Path(__file__).parents[1] / "README.md"
+
+
+def test_examples_of_docstrings_run(tmp_path):
+    attempted = 0
+    for name in MODULES:
+        outcome = doctest.testmod(
+            importlib.import_module(name),
+            extraglobs={"tilescope": tilescope, "folder": tmp_path},
+            optionflags=doctest.ELLIPSIS,
+        )
+        assert outcome.failed == 0, name
+        attempted += outcome.attempted
+    assert attempted > 25
+
+
+def test_an_example_that_is_wrong_is_found():
+    wrong = doctest.DocTestParser().get_doctest(">>> len(tilescope.sample(2000))\n7\n", vars(), "wrong", None, 0)
+    outcome = doctest.DocTestRunner(verbose=False).run(wrong, out=lambda _: None)
+    assert outcome.failed == 1
+
+
+def test_examples_of_the_readme_run(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    blocks = re.findall(r"```python\n(.*?)```", README.read_text(), re.DOTALL)
+    assert len(blocks) >= 3
+    names = {}
+    for block in blocks:
+        exec(compile(block, str(README), "exec"), names)
+
+
+def public():
+    for name in tilescope.__all__:
+        yield name, getattr(tilescope, name)
+        for inner, value in vars(getattr(tilescope, name)).items() if inspect.isclass(getattr(tilescope, name)) else []:
+            if not inner.startswith("_") and (inspect.isfunction(value) or isinstance(value, property)):
+                yield f"{name}.{inner}", value
+
+
+@pytest.mark.parametrize("name", [name for name, _ in public()])
+def test_everything_public_is_documented(name):
+    documentation = inspect.getdoc(dict(public())[name])
+    assert documentation and documentation.split("\n")[0].rstrip().endswith((".", ":")), name
+
+
+def test_the_stubs_have_the_names_and_arguments_of_the_native_module():
+    source = (Path(tilescope.__file__).parent / "_tilescope.pyi").read_text()
+    stubs = {node.name: node for node in ast.parse(source).body if isinstance(node, (ast.FunctionDef, ast.ClassDef))}
+    native = {name for name in vars(_tilescope) if not name.startswith("_")}
+    assert native == {name for name in stubs if not name.startswith("_")}
+    for name in native:
+        if isinstance(stubs[name], ast.FunctionDef):
+            arguments = [one.arg for one in stubs[name].args.args + stubs[name].args.kwonlyargs]
+            assert arguments == list(inspect.signature(getattr(_tilescope, name)).parameters), name
+        else:
+            methods = {one.name for one in stubs[name].body}
+            assert {one for one in vars(getattr(_tilescope, name)) if not one.startswith("_")} <= methods, name
+
+
+def test_types_are_right(tmp_path):
+    package = Path(tilescope.__file__).parent
+    assert (package / "py.typed").exists()
+    good = tmp_path / "good.py"
+    good.write_text("import tilescope\nnumber: int = len(tilescope.sample(2000, boundary='bounded').points)\n")
+    bad = tmp_path / "bad.py"
+    bad.write_text("import tilescope\ntilescope.sample(2000, boundary='torus')\n")
+
+    def mypy(*words):
+        command = [sys.executable, "-m", "mypy", "--strict", "--cache-dir", tmp_path / "cache", *words]
+        return subprocess.run(command, capture_output=True, text=True, check=False, cwd=tmp_path)
+
+    checked = mypy("-p", "tilescope")
+    assert checked.returncode == 0, checked.stdout + checked.stderr
+    checked = mypy(good)
+    assert checked.returncode == 0, checked.stdout
+    checked = mypy(bad)
+    assert checked.returncode == 1
+    assert "incompatible type \"Literal['torus']\"" in checked.stdout.replace("\\", "")

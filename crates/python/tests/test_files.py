@@ -1,0 +1,146 @@
+"""Files are what they say: read back, verified, certified."""
+
+import json
+import os
+import stat
+
+import numpy as np
+import pytest
+
+import tilescope
+
+EXACT = {
+    "csv": "csv", "npy": "npy", "ply": "ply-binary", "json": "json", "xyz": "xyz", "txt": "psa-text", "dat": "utk-text",
+    "bin": "utk-binary", "svg": "svg",
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("extension", EXACT)
+def test_a_set_comes_back_to_the_bit_with_its_certificate(small, extension, tmp_path):
+    path = tmp_path / f"set.{extension}"
+    assert small.save(path).valid
+    back = tilescope.read(path)
+    assert back.digest == small.digest
+    assert (back.radius, back.domain, back.method) == (small.radius, small.domain, "kdrt")
+    assert back.parameters == small.parameters
+    assert back.certificate["valid"]
+    assert back.certificate["file_format"] == EXACT[extension]
+    assert tilescope.verify(path).passed
+    kept = back.provenance is not None
+    assert kept == (extension in ("ply", "json"))
+    if kept:
+        assert np.array_equal(back.provenance, small.provenance)
+
+
+def test_an_npy_file_is_numpys(small, tmp_path):
+    small.save(tmp_path / "set.npy")
+    assert np.array_equal(np.load(tmp_path / "set.npy"), small.points)
+    small.save(tmp_path / "single.npy", precision="f32")
+    assert np.load(tmp_path / "single.npy").dtype == np.float32
+
+
+def test_the_certificate_in_memory_is_that_of_the_file(small, tmp_path):
+    small.save(tmp_path / "set.npy")
+    beside = json.loads((tmp_path / "set.npy.certificate.json").read_text())
+    assert small.certificate == beside
+    assert beside["positions_digest"] == small.digest
+    assert beside["parameters"]["seed"] == 7
+
+
+def test_what_is_altered_is_found(small, tmp_path):
+    path = tmp_path / "set.csv"
+    small.save(path)
+    lines = path.read_text().splitlines()
+    path.write_text("\n".join(lines[:-1]) + "\n")
+    report = tilescope.verify(path)
+    assert not report.passed
+    assert not report.valid
+    assert any(difference.startswith("positions_digest") for difference in report.differences)
+    assert any(difference.startswith("count") for difference in report.differences)
+
+
+def test_a_certificate_that_is_not_true_is_found(small, tmp_path):
+    path = tmp_path / "set.npy"
+    small.save(path)
+    beside = tmp_path / "set.npy.certificate.json"
+    beside.write_text(beside.read_text().replace('"gaps": 0', '"gaps": 3'))
+    report = tilescope.verify(path)
+    assert report.valid
+    assert not report.passed
+    assert report.differences[0].startswith("gaps")
+
+
+def test_an_invalid_set_is_saved_with_a_warning(holed, tmp_path):
+    with pytest.warns(UserWarning, match="the written set is not maximal"):
+        report = holed.save(tmp_path / "holed.npy")
+    assert not report.valid
+    assert not tilescope.read(tmp_path / "holed.npy").certificate["valid"]
+
+
+def test_rounding_is_told(tmp_path):
+    large = tilescope.sample(300_000)
+    with pytest.warns(UserWarning, match="pairs in conflict, made by rounding"):
+        large.save(tmp_path / "large.rps")
+
+
+def test_a_file_without_a_certificate(small, tmp_path):
+    path = tmp_path / "set.csv"
+    assert small.save(path, verify=False) is None
+    assert os.listdir(tmp_path) == ["set.csv"]
+    back = tilescope.read(path)
+    assert (back.radius, back.domain) == (None, (1.0, 1.0, "periodic"))
+    assert tilescope.read(path, 0.02).verify().valid
+    assert tilescope.verify(path, 0.02).valid
+    with pytest.raises(ValueError, match="the set has no certificate; give radius"):
+        tilescope.verify(path)
+    with pytest.raises(ValueError, match="the radius of the set is not known"):
+        back.verify()
+    with pytest.raises(ValueError, match="the radius of the set is not known"):
+        back.save(tmp_path / "again.csv")
+
+
+def test_a_set_of_a_wide_domain_in_units_of_its_width(tmp_path):
+    wide = tilescope.sample(radius=0.05, width=2.0)
+    wide.save(tmp_path / "certified.txt")
+    wide.save(tmp_path / "bare.txt", verify=False)
+    assert tilescope.read(tmp_path / "certified.txt").digest == wide.digest
+    bare = tilescope.read(tmp_path / "bare.txt", 0.05, width=2.0)
+    assert bare.digest == wide.digest
+    assert tilescope.verify(tmp_path / "bare.txt", 0.05, width=2.0).valid
+    assert tilescope.verify(tmp_path / "certified.txt", boundary="bounded").domain == (2.0, 1.0, "bounded")
+
+
+def test_a_shuffled_file_has_the_same_samples_in_another_order(small, tmp_path):
+    small.save(tmp_path / "set.npy", shuffle=5)
+    shuffled = np.load(tmp_path / "set.npy")
+    assert not np.array_equal(shuffled, small.points)
+    assert sorted(map(tuple, shuffled)) == sorted(map(tuple, small.points))
+    assert tilescope.verify(tmp_path / "set.npy").passed
+
+
+def test_files_that_cannot_be_are_refused(small, tmp_path):
+    with pytest.raises(FileNotFoundError) as error:
+        tilescope.read(tmp_path / "none.npy")
+    assert error.value.filename == str(tmp_path / "none.npy")
+    assert error.value.strerror == "No such file or directory"
+    with pytest.raises(FileNotFoundError):
+        small.save(tmp_path / "no such folder" / "set.npy")
+    with pytest.raises(ValueError, match=r"the extension names no format \(known: csv, .*svg\); give format"):
+        small.save(tmp_path / "set.jpeg")
+    with pytest.raises(ValueError, match='no file format is called "jpeg"'):
+        small.save(tmp_path / "set", format="jpeg")
+    with pytest.raises(ValueError, match="precision is 'f16'.*`f32` or `f64`"):
+        small.save(tmp_path / "set.npy", precision="f16")
+    with pytest.raises(ValueError, match="shuffle is -1"):
+        small.save(tmp_path / "set.npy", shuffle=-1)
+    (tmp_path / "text.csv").write_text("x,y\n1,two\n")
+    with pytest.raises(ValueError, match="two"):
+        tilescope.read(tmp_path / "text.csv")
+    assert sorted(os.listdir(tmp_path)) == ["text.csv"]
+
+
+def test_a_file_that_cannot_be_replaced_stays(small, tmp_path):
+    (tmp_path / "set.npy").mkdir()
+    with pytest.raises(ValueError, match="this is a folder|this is a directory"):
+        small.save(tmp_path / "set.npy")
+    assert stat.S_ISDIR((tmp_path / "set.npy").stat().st_mode)
