@@ -1,0 +1,118 @@
+//! Judges sequences of samples whose prefixes are sets: of nested levels, the first so many samples are maximal for one
+//! radius, the first so many more for a smaller one. Each set is judged afresh by [`verify`].
+
+use std::ops::ControlFlow;
+
+use serde::{Deserialize, Serialize};
+
+use crate::error::VerifyError;
+use crate::monitor::Progress;
+use crate::region::Region;
+use crate::report::Report;
+use crate::verify::{VerifyOptions, verify};
+
+/// A set of a sequence: its first samples, with the radius for which they are maximal.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct NestedLevel {
+    /// How many samples.
+    pub count: usize,
+    /// The radius.
+    pub radius: f64,
+}
+
+/// What should hold for the first samples of a sequence, however many.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PrefixClaim {
+    /// How many samples.
+    pub count: usize,
+    /// No two of them are closer than this.
+    pub distance: f64,
+    /// No place is farther from them than this, but for the tolerance; `None` if they hold no whole set.
+    pub covering: Option<f64>,
+}
+
+/// The verdict on the first samples of a sequence.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PrefixReport {
+    /// What should hold.
+    pub claim: PrefixClaim,
+    /// The report on these samples, judged with the radius of the covering, or else of the distance.
+    pub report: Report,
+}
+
+impl PrefixClaim {
+    /// Returns what should hold for the first `count` samples of a sequence with these sets, fewer samples first; `None`
+    /// if there are none, or the last has fewer samples.
+    ///
+    /// Samples beyond a set belong to the next one, so that all keep its distance.
+    ///
+    /// ```
+    /// use tilescope_analysis::{NestedLevel, PrefixClaim};
+    /// let levels = [(10, 0.2), (20, 0.1)].map(|(count, radius)| NestedLevel { count, radius });
+    /// let claim = |count| PrefixClaim::new(&levels, count).map(|c| (c.distance, c.covering));
+    /// assert_eq!(claim(9), Some((0.2, None)));
+    /// assert_eq!(claim(10), Some((0.2, Some(0.2))));
+    /// assert_eq!(claim(11), Some((0.1, Some(0.2))));
+    /// assert_eq!(claim(21), None);
+    /// ```
+    #[must_use]
+    pub fn new(levels: &[NestedLevel], count: usize) -> Option<Self> {
+        let holding = levels.iter().find(|level| level.count >= count)?;
+        let held = levels.iter().rev().find(|level| level.count <= count);
+        Some(Self {
+            count,
+            distance: holding.radius,
+            covering: held.map(|level| level.radius),
+        })
+    }
+}
+
+impl PrefixReport {
+    /// Returns whether what should hold does.
+    #[must_use]
+    pub fn valid(&self) -> bool {
+        let apart = self.report.min_distance >= self.claim.distance;
+        apart && (self.claim.covering.is_none() || self.report.maximal())
+    }
+}
+
+/// Judges the first samples of a sequence against a claim.
+///
+/// # Errors
+///
+/// See [`verify`]; [`VerifyError::Empty`] also if there are fewer samples than the claim is about.
+pub fn verify_prefix(
+    points: &[[f64; 2]],
+    region: Region,
+    claim: PrefixClaim,
+    options: &VerifyOptions,
+    control: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+) -> Result<PrefixReport, VerifyError> {
+    let points = points.get(..claim.count).ok_or(VerifyError::Empty)?;
+    let radius = claim.covering.unwrap_or(claim.distance);
+    let report = verify(points, region, radius, options, control)?;
+    Ok(PrefixReport { claim, report })
+}
+
+/// Judges each set of a sequence: whether its samples are conflict-free and maximal for its radius.
+///
+/// # Errors
+///
+/// See [`verify_prefix`].
+pub fn verify_levels(
+    points: &[[f64; 2]],
+    region: Region,
+    levels: &[NestedLevel],
+    options: &VerifyOptions,
+    control: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+) -> Result<Vec<PrefixReport>, VerifyError> {
+    let judge = |&NestedLevel { count, radius }: &NestedLevel| {
+        let claim = PrefixClaim {
+            count,
+            distance: radius,
+            covering: Some(radius),
+        };
+        verify_prefix(points, region, claim, options, control)
+    };
+    levels.iter().map(judge).collect()
+}

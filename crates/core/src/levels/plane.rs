@@ -1,0 +1,482 @@
+//! The plane of a run of nested levels: its windows, each computed by itself, and the whole.
+//!
+//! A window needs each level in a frame around it that shrinks from level to level by the halo of the level. A window in
+//! which unknowns remain is computed again with a halo twice as wide.
+
+use std::sync::{Mutex, PoisonError};
+
+use rayon::prelude::*;
+
+use crate::engine::parallel::plane::parts;
+use crate::error::{ParameterError, SampleError};
+use crate::lattice::{
+    Boundary, Domain, MIN_SIDE_RADII_BOUNDED, MIN_SIDE_RADII_PERIODIC, Point, R, Rect, Window,
+};
+use crate::parameters::{Insertion, Order, Parameters, Search, Variant};
+use crate::pattern::Symmetry;
+use crate::progress::{Meter, Observer};
+use crate::random::{Key, Stream};
+use crate::stage::Stage;
+
+use super::blocks::BlockDraws;
+use super::nested::Nested;
+use super::pattern::{LevelClip, NestedPattern};
+use super::radius::{LevelRadius, check_levels};
+use super::region::LevelRegion;
+
+/// Width of a level's halo in its radii, at first.
+const HALO: i64 = 8;
+
+/// How often the halo is doubled.
+const MAX_REPAIRS: u32 = 5;
+
+/// Side of the windows into which the whole is cut, in finest radii.
+const WINDOW_SIDE: i32 = 512;
+
+/// Windows for each thread between two calls of the observer.
+const WINDOWS_A_THREAD: usize = 4;
+
+/// The largest domain that is computed as a whole by one thread, in squared radii: about 700,000 samples.
+const MAX_WHOLE_AREA: f64 = 1_048_576.0;
+
+/// A rectangle in which a level is computed. Its coordinates begin at the plane's place `origin`.
+#[derive(Clone, Copy, Default)]
+pub(super) struct LevelFrame {
+    pub rect: Rect,
+    pub origin: [i64; 2],
+    /// Whether the plane goes on below and above the frame, by axis.
+    pub goes_on: [[bool; 2]; 2],
+    /// Whether the frame is a periodic domain.
+    pub wraps: bool,
+    /// Width and height of the domain.
+    pub sides: [i32; 2],
+    pub periodic: bool,
+}
+
+impl LevelFrame {
+    /// Returns the rectangle from which tiled samples are taken: the frame, and as much beyond the closed borders of the
+    /// domain as samples there could reach into it.
+    pub fn tiled(&self, reach: i32) -> Rect {
+        self.moved(|goes_on| if goes_on { 0 } else { reach })
+    }
+
+    /// Returns the frame without a strip along the sides beyond which the plane goes on.
+    pub fn inside(&self, strip: i32) -> Rect {
+        self.moved(|goes_on| if goes_on { -strip } else { 0 })
+    }
+
+    /// Returns the frame with each side moved outwards.
+    fn moved(&self, by: impl Fn(bool) -> i32) -> Rect {
+        let [[left, right], [bottom, top]] = self.goes_on;
+        let Rect { min, max } = self.rect;
+        Rect {
+            min: Point::new(min.x - by(left), min.y - by(bottom)),
+            max: Point::new(
+                max.x.saturating_add(by(right)),
+                max.y.saturating_add(by(top)),
+            ),
+        }
+    }
+
+    /// Returns `p` in the frame, if the frame wraps.
+    #[inline]
+    pub fn wrap(&self, p: Point) -> Point {
+        if self.wraps { self.in_domain(p) } else { p }
+    }
+
+    /// Returns the place of the domain that the frame shows at `p`.
+    #[inline]
+    pub fn in_domain(&self, p: Point) -> Point {
+        let axis = |at: i32, axis: usize| {
+            let at = i64::from(at) + self.origin[axis];
+            if self.periodic {
+                at.rem_euclid(self.sides[axis].into()) as i32
+            } else {
+                at as i32
+            }
+        };
+        Point::new(axis(p.x, 0), axis(p.y, 1))
+    }
+
+    /// Returns how far samples may be from a place and yet concern candidates around it, in units: 2r and two diagonals
+    /// of a pixel; near closed borders places may be (2 + sqrt 2) r from all samples (see [`crate::stages::detect`]).
+    pub const fn sight(&self, radius: &LevelRadius) -> i32 {
+        if self.periodic {
+            radius.units * 5 / 2
+        } else {
+            radius.units * 9 / 2
+        }
+    }
+
+    /// Returns whether a rectangle holds places of a closed border.
+    pub fn meets_border(&self, rect: &Rect) -> bool {
+        let corner = rect.min;
+        let [x, y] = self.border(corner);
+        let meets = |line: i64, side: i32| (0..i64::from(side)).contains(&line);
+        x.into_iter()
+            .flatten()
+            .any(|line| meets(line, rect.width()))
+            || y.into_iter()
+                .flatten()
+                .any(|line| meets(line, rect.height()))
+    }
+
+    /// Returns the lines of the closed borders that the frame touches, by axis, from `corner`.
+    pub fn border(&self, corner: Point) -> [[Option<i64>; 2]; 2] {
+        let line = |axis: usize, corner: i32| {
+            let at = |end: usize, line: i64| {
+                (!self.periodic && !self.goes_on[axis][end])
+                    .then(|| line - self.origin[axis] - i64::from(corner))
+            };
+            [at(0, 0), at(1, self.sides[axis].into())]
+        };
+        [line(0, corner.x), line(1, corner.y)]
+    }
+}
+
+/// A run of nested levels, of which any window can be computed alone.
+///
+/// ```
+/// use tilescope_core::{NestedPlane, Parameters, Unobserved};
+///
+/// let parameters = Parameters { radius: 0.01, ..Parameters::default() };
+/// let plane = NestedPlane::new(&parameters, 4, &mut Unobserved)?;
+/// let nested = plane.whole(&mut Unobserved)?;
+/// // Each level has about twice the samples of the one before.
+/// assert_eq!(nested.ends().len(), 4);
+/// assert!((800..950).contains(&nested.ends()[0]));
+/// assert!((6_700..7_300).contains(&nested.points().len()));
+/// # Ok::<(), tilescope_core::SampleError>(())
+/// ```
+pub struct NestedPlane {
+    draws: BlockDraws,
+    levels: u32,
+    key: Key,
+    variants: Vec<Vec<LevelClip>>,
+    idle: Mutex<Vec<Box<LevelRegion>>>,
+}
+
+impl NestedPlane {
+    /// Returns the plane of `levels` levels of which the finest has the radius of the parameters, and each one before it
+    /// a radius larger by the root of 2. The pattern is made here (see [`NestedPattern`]).
+    ///
+    /// Fails when the parameters cannot be sampled, there are no or more than [`crate::MAX_LEVELS`] levels, the domain is too
+    /// small for the coarsest radius, or a choice other than the default is made for the order of elimination, insertion,
+    /// search, variant or the pattern's boundary.
+    pub fn new(
+        parameters: &Parameters,
+        levels: u32,
+        observer: &mut dyn Observer,
+    ) -> Result<Self, SampleError> {
+        check(parameters, levels)?;
+        let pattern = NestedPattern::generate(&parameters.pattern, levels, observer)?;
+        Self::with_pattern(parameters, &pattern)
+    }
+
+    /// Returns the plane of the levels of `pattern`.
+    ///
+    /// Fails as [`Self::new`].
+    pub fn with_pattern(
+        parameters: &Parameters,
+        pattern: &NestedPattern,
+    ) -> Result<Self, SampleError> {
+        let levels = pattern.levels().len() as u32;
+        let domain = check(parameters, levels)?;
+        let symmetries = if parameters.dihedral { 8 } else { 1 };
+        let key = Key::from_seed(parameters.seed);
+        Ok(Self {
+            draws: BlockDraws {
+                domain,
+                leaf: parameters.leaf_units()?,
+                key,
+                symmetries: symmetries.into(),
+                period: pattern.side(),
+            },
+            levels,
+            key,
+            variants: (0..symmetries)
+                .map(|s| pattern.variant(Symmetry(s)))
+                .collect(),
+            idle: Mutex::default(),
+        })
+    }
+
+    /// Returns the domain. Its radius is the finest.
+    #[must_use]
+    pub const fn domain(&self) -> &Domain {
+        &self.draws.domain
+    }
+
+    /// Returns the radius of a level in user units: that of the domain times the root of 2 for each finer level.
+    #[must_use]
+    pub fn radius(&self, level: u32) -> f64 {
+        let halvings = self.levels - 1 - level;
+        self.domain().radius() * f64::from(1_u32 << halvings).sqrt()
+    }
+
+    /// Returns the samples of the whole run in `window`, level by level.
+    pub fn window(
+        &self,
+        window: &Window,
+        observer: &mut dyn Observer,
+    ) -> Result<Nested, SampleError> {
+        self.compute_parts(&parts(self.domain(), window), observer)
+    }
+
+    /// Returns the whole run. Uses the current rayon pool.
+    pub fn whole(&self, observer: &mut dyn Observer) -> Result<Nested, SampleError> {
+        self.compute_parts(&[self.domain().rect()], observer)
+    }
+
+    /// Returns the whole run, computed by one thread as one frame: the definition of what windows compute.
+    ///
+    /// Fails when the domain is too large.
+    pub fn whole_at_once(&self, observer: &mut dyn Observer) -> Result<Nested, SampleError> {
+        let samples = self.domain().area_radii();
+        if samples > MAX_WHOLE_AREA {
+            let maximum = MAX_WHOLE_AREA;
+            return Err(ParameterError::TooManySamples { samples, maximum }.into());
+        }
+        let meter = Meter::begin(observer, Stage::Regions, 1)?;
+        let mut region = self.take();
+        self.compute_whole(&mut region);
+        let levels = collect(&region, &self.domain().rect());
+        self.give(region);
+        meter.end()?;
+        Ok(self.in_order(levels))
+    }
+
+    fn compute_parts(
+        &self,
+        parts: &[Rect],
+        observer: &mut dyn Observer,
+    ) -> Result<Nested, SampleError> {
+        let windows: Vec<Rect> = parts.iter().flat_map(pieces).collect();
+        let total = windows.len() as u64;
+        let mut levels = vec![Vec::new(); self.levels as usize];
+        let mut meter = Meter::begin(observer, Stage::Regions, total)?;
+        for some in windows.chunks(WINDOWS_A_THREAD * rayon::current_num_threads()) {
+            let found = some
+                .par_iter()
+                .with_max_len(1)
+                .map(|window| self.piece(window));
+            for piece in found.collect::<Vec<_>>() {
+                for (all, mut found) in levels.iter_mut().zip(piece?) {
+                    all.append(&mut found);
+                }
+                meter.tick()?;
+            }
+            meter.ask()?;
+        }
+        meter.end()?;
+        Ok(self.in_order(levels))
+    }
+
+    fn in_order(&self, levels: Vec<Vec<Point>>) -> Nested {
+        Nested::in_random_order(*self.domain(), levels, self.key)
+    }
+
+    /// Returns the samples that each level adds in a window that lies in the domain.
+    fn piece(&self, window: &Rect) -> Result<Vec<Vec<Point>>, SampleError> {
+        let mut region = self.take();
+        for repair in 0..=MAX_REPAIRS {
+            let halo = HALO << repair;
+            if self.is_shorter_whole(window, halo) {
+                self.compute_whole(&mut region);
+                let levels = collect(&region, window);
+                self.give(region);
+                return Ok(levels);
+            }
+            if self.compute(&mut region, window, halo) {
+                let shown = Rect {
+                    min: Point::default(),
+                    max: Point::new(window.width(), window.height()),
+                };
+                let levels = collect(&region, &shown);
+                self.give(region);
+                return Ok(levels);
+            }
+        }
+        Err(SampleError::Entangled {
+            radii: (HALO << MAX_REPAIRS) as f64 * self.radius(0) / self.radius(self.levels - 1),
+        })
+    }
+
+    /// Returns whether computing the whole domain is less work than a window with its halo.
+    fn is_shorter_whole(&self, window: &Rect, halo: i64) -> bool {
+        let domain = self.domain();
+        let halos = 2 * self.halo(0, halo);
+        let area = (i64::from(window.width()) + halos) as f64
+            * (i64::from(window.height()) + halos) as f64;
+        let whole = f64::from(domain.width()) * f64::from(domain.height());
+        domain.area_radii() <= MAX_WHOLE_AREA && whole <= area
+    }
+
+    /// Returns by how many units the frame of a level is larger than its window on each side.
+    fn halo(&self, level: u32, halo: i64) -> i64 {
+        let finer = (level..self.levels).map(|level| self.units(level));
+        finer.map(|radius| halo * i64::from(radius.units)).sum()
+    }
+
+    const fn units(&self, level: u32) -> LevelRadius {
+        LevelRadius::before(self.levels - 1 - level)
+    }
+
+    /// Computes all levels in a window with halos of `halo` radii, and returns whether all its samples are known. In the
+    /// region coordinates begin at the window's corner.
+    fn compute(&self, region: &mut LevelRegion, window: &Rect, halo: i64) -> bool {
+        let domain = self.domain();
+        let frame = |level: u32| {
+            let halo = self.halo(level, halo);
+            let mut frame = LevelFrame {
+                origin: [window.min.x, window.min.y].map(i64::from),
+                sides: [domain.width(), domain.height()],
+                periodic: domain.is_periodic(),
+                ..LevelFrame::default()
+            };
+            let ends = [domain.rect().max.x, domain.rect().max.y].map(i64::from);
+            let lengths = [window.width(), window.height()].map(i64::from);
+            let spans = [0, 1].map(|axis| {
+                let (mut low, mut high) = (-halo, lengths[axis] + halo);
+                frame.goes_on[axis] = [true; 2];
+                if !frame.periodic {
+                    let closed = [-frame.origin[axis], ends[axis] - frame.origin[axis]];
+                    frame.goes_on[axis] = [low > closed[0], high < closed[1]];
+                    (low, high) = (low.max(closed[0]), high.min(closed[1]));
+                }
+                [low as i32, high as i32]
+            });
+            frame.rect = Rect {
+                min: Point::new(spans[0][0], spans[1][0]),
+                max: Point::new(spans[0][1], spans[1][1]),
+            };
+            frame
+        };
+        self.run(region, frame, domain.is_periodic());
+        let shown = |unknown: &super::region::UnknownDisk| {
+            let reach = unknown.radius;
+            (-reach..window.width() + reach).contains(&unknown.at.x)
+                && (-reach..window.height() + reach).contains(&unknown.at.y)
+        };
+        !region.unknown.iter().any(shown)
+    }
+
+    /// Computes all levels in the whole domain.
+    fn compute_whole(&self, region: &mut LevelRegion) {
+        let domain = self.domain();
+        let frame = LevelFrame {
+            rect: domain.rect(),
+            wraps: domain.is_periodic(),
+            sides: [domain.width(), domain.height()],
+            periodic: domain.is_periodic(),
+            ..LevelFrame::default()
+        };
+        self.run(region, |_| frame, false);
+    }
+
+    fn run(&self, region: &mut LevelRegion, frame: impl Fn(u32) -> LevelFrame, images: bool) {
+        region.clear();
+        let coarsest = self.units(0);
+        let first = frame(0);
+        let (target, origin) = (first.tiled(coarsest.units), first.origin);
+        self.draws
+            .find(&target, origin, coarsest.units, images, &mut region.blocks);
+        for level in 0..self.levels {
+            let radius = self.units(level);
+            region.begin(frame(level), &radius);
+            region.claim(level as usize, &self.variants, &radius);
+            region.fill(&radius, self.level_key(level));
+            region.ends.push(region.samples.len());
+        }
+    }
+
+    /// Returns the key of a level's draws. The finest has the run's own.
+    const fn level_key(&self, level: u32) -> Key {
+        match self.levels - 1 - level {
+            0 => self.key,
+            halvings => self.key.derive(Stream::Nested, halvings),
+        }
+    }
+
+    fn take(&self) -> Box<LevelRegion> {
+        let mut idle = self.idle.lock().unwrap_or_else(PoisonError::into_inner);
+        idle.pop().unwrap_or_default()
+    }
+
+    fn give(&self, region: Box<LevelRegion>) {
+        let mut idle = self.idle.lock().unwrap_or_else(PoisonError::into_inner);
+        idle.push(region);
+    }
+}
+
+/// Returns the domain of nested levels, or why there is none.
+fn check(parameters: &Parameters, levels: u32) -> Result<Domain, ParameterError> {
+    let domain = parameters.validate()?;
+    check_levels(levels)?;
+    let choices = [
+        (
+            "the order of elimination",
+            parameters.order != Order::default(),
+        ),
+        (
+            "the insertion",
+            parameters.insertion != Insertion::default(),
+        ),
+        ("the search", parameters.search != Search::default()),
+        ("the variant", parameters.variant != Variant::default()),
+        (
+            "the pattern's boundary",
+            parameters.pattern.boundary != Boundary::Periodic,
+        ),
+    ];
+    if let Some((name, _)) = choices.into_iter().find(|(_, differs)| *differs) {
+        return Err(ParameterError::NestedChoice { name });
+    }
+    let least = match parameters.boundary {
+        Boundary::Periodic => MIN_SIDE_RADII_PERIODIC,
+        Boundary::Bounded => MIN_SIDE_RADII_BOUNDED,
+    };
+    let coarsest = f64::from(1_u32 << (levels - 1)).sqrt();
+    for (name, units) in [("width", domain.width()), ("height", domain.height())] {
+        let radii = f64::from(units) / f64::from(R);
+        if radii < least * coarsest {
+            return Err(ParameterError::TooManyLevels {
+                name,
+                levels,
+                radii,
+                minimum: least * coarsest,
+            });
+        }
+    }
+    Ok(domain)
+}
+
+/// Returns the samples of a region in `shown`, as places of the domain, by the level that adds them.
+fn collect(region: &LevelRegion, shown: &Rect) -> Vec<Vec<Point>> {
+    let mut first = 0;
+    let level = |&end: &usize| {
+        let added = &region.samples[first..end];
+        first = end;
+        let inside = added.iter().filter(|sample| shown.contains(sample.at));
+        inside
+            .map(|sample| region.frame.in_domain(sample.at))
+            .collect()
+    };
+    region.ends.iter().map(level).collect()
+}
+
+/// Cuts a rectangle of the domain into windows.
+fn pieces(part: &Rect) -> Vec<Rect> {
+    let side = WINDOW_SIDE * R;
+    let cut = |low: i32, high: i32| {
+        let starts = (low..high).step_by(side as usize);
+        starts.map(move |at| (at, at.saturating_add(side).min(high)))
+    };
+    let rows = cut(part.min.y, part.max.y);
+    let rect = |(bottom, top), (left, right)| Rect {
+        min: Point::new(left, bottom),
+        max: Point::new(right, top),
+    };
+    rows.flat_map(|row| cut(part.min.x, part.max.x).map(move |column| rect(row, column)))
+        .collect()
+}
