@@ -3,22 +3,11 @@
 
 use std::ops::ControlFlow;
 
-use serde::{Deserialize, Serialize};
-
 use crate::error::VerifyError;
 use crate::monitor::Progress;
 use crate::region::Region;
 use crate::report::Report;
 use crate::verify::{VerifyOptions, verify};
-
-/// A set of a sequence: its first samples, with the radius for which they are maximal.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct NestedLevel {
-    /// How many samples.
-    pub count: usize,
-    /// The radius.
-    pub radius: f64,
-}
 
 /// What should hold for the first samples of a sequence, however many.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,28 +30,38 @@ pub struct PrefixReport {
 }
 
 impl PrefixClaim {
-    /// Returns what should hold for the first `count` samples of a sequence with these sets, fewer samples first; `None`
-    /// if there are none, or the last has fewer samples.
+    /// The claim that the first `count` samples are a maximal set for `radius`.
+    #[must_use]
+    pub const fn maximal(count: usize, radius: f64) -> Self {
+        Self {
+            count,
+            distance: radius,
+            covering: Some(radius),
+        }
+    }
+
+    /// Returns what should hold for the first `count` samples of a sequence of which these prefixes are claimed, the
+    /// shortest first; `None` if there are none, or the longest has fewer samples.
     ///
-    /// Samples beyond a set belong to the next one, so that all keep its distance.
+    /// Samples beyond a prefix belong to the next one, so that all keep its distance.
     ///
     /// ```
-    /// use tilescope_analysis::{NestedLevel, PrefixClaim};
-    /// let levels = [(10, 0.2), (20, 0.1)].map(|(count, radius)| NestedLevel { count, radius });
-    /// let claim = |count| PrefixClaim::new(&levels, count).map(|c| (c.distance, c.covering));
+    /// use tilescope_analysis::PrefixClaim;
+    /// let levels = [PrefixClaim::maximal(10, 0.2), PrefixClaim::maximal(20, 0.1)];
+    /// let claim = |count| PrefixClaim::within(&levels, count).map(|c| (c.distance, c.covering));
     /// assert_eq!(claim(9), Some((0.2, None)));
     /// assert_eq!(claim(10), Some((0.2, Some(0.2))));
     /// assert_eq!(claim(11), Some((0.1, Some(0.2))));
     /// assert_eq!(claim(21), None);
     /// ```
     #[must_use]
-    pub fn new(levels: &[NestedLevel], count: usize) -> Option<Self> {
+    pub fn within(levels: &[Self], count: usize) -> Option<Self> {
         let holding = levels.iter().find(|level| level.count >= count)?;
         let held = levels.iter().rev().find(|level| level.count <= count);
         Some(Self {
             count,
-            distance: holding.radius,
-            covering: held.map(|level| level.radius),
+            distance: holding.distance,
+            covering: held.and_then(|level| level.covering),
         })
     }
 }
@@ -92,27 +91,4 @@ pub fn verify_prefix(
     let radius = claim.covering.unwrap_or(claim.distance);
     let report = verify(points, region, radius, options, control)?;
     Ok(PrefixReport { claim, report })
-}
-
-/// Judges each set of a sequence: whether its samples are conflict-free and maximal for its radius.
-///
-/// # Errors
-///
-/// See [`verify_prefix`].
-pub fn verify_levels(
-    points: &[[f64; 2]],
-    region: Region,
-    levels: &[NestedLevel],
-    options: &VerifyOptions,
-    control: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
-) -> Result<Vec<PrefixReport>, VerifyError> {
-    let judge = |&NestedLevel { count, radius }: &NestedLevel| {
-        let claim = PrefixClaim {
-            count,
-            distance: radius,
-            covering: Some(radius),
-        };
-        verify_prefix(points, region, claim, options, control)
-    };
-    levels.iter().map(judge).collect()
 }

@@ -15,6 +15,10 @@
 //! differ by 18 R at most), and d + 2h + 9 from m. A sample that is too near to the candidate is no farther. So the samples within
 //! [`PIXEL_SLACK`] and d + 2h of m decide everything in the pixel, now and later, since d never grows.
 //!
+//! *Finer samples first.* Before candidates are sought, gaps are filled by samples that the block clips at finer levels,
+//! level by level and within a level in the order of a draw. An inserted sample costs pattern samples around it at every finer level;
+//! one of the pattern fits in from its own level on.
+//!
 //! *Unknowns.* A pixel is itself an unknown if an unknown reaches into that circle, or the strip of width R along the
 //! frame's edges in which tiled samples beyond may have been lost. Since d + h > R in an open pixel, the circle also holds
 //! every place at which an insertion would cover a place of the pixel. What is inserted in the other pixels therefore
@@ -25,8 +29,9 @@ use crate::lattice::{Point, Rect};
 use crate::random::{Key, Stream};
 
 use super::grid::Place;
+use super::pattern::LevelClip;
 use super::radius::LevelRadius;
-use super::region::{KeptSample, LevelRegion, UnknownDisk, flag};
+use super::region::{LevelRegion, NEVER, UnknownDisk, flag};
 
 /// Units by which samples may be farther from a pixel than its nearest one and still be sites: 9 and some for rounding.
 const PIXEL_SLACK: f64 = 16.0;
@@ -73,12 +78,22 @@ pub(super) struct GapBuffers {
 }
 
 impl LevelRegion {
-    /// Fills the gaps of a level, as far as they can be known. `key` is the level's.
-    pub fn fill(&mut self, radius: &LevelRadius, key: Key) {
+    /// Fills the gaps of the level number `level`, as far as they can be known. `key` is the level's.
+    pub fn fill(
+        &mut self,
+        level: usize,
+        variants: &[Vec<LevelClip>],
+        radius: &LevelRadius,
+        key: Key,
+    ) {
         let mut gaps = std::mem::take(&mut self.gaps);
         self.open_pixels(radius, &mut gaps);
         if !self.unknown.is_empty() || self.frame.goes_on != [[false; 2]; 2] {
             self.doubt_pixels(radius, &mut gaps);
+        }
+        if level + 1 < variants[0].len() {
+            let key = key.derive(Stream::Iteration, 0);
+            self.fill_from_pattern(level, variants, radius, key, &mut gaps);
         }
         for iteration in 1.. {
             gaps.found.clear();
@@ -97,8 +112,13 @@ impl LevelRegion {
     fn open_pixels(&mut self, radius: &LevelRadius, gaps: &mut GapBuffers) {
         gaps.pixels.clear();
         let side = radius.side();
+        // Near the frame's edges nothing can be known.
+        let inside = self.frame.inside(radius.units);
         for &cell in &self.dirty {
             let rect = self.grid.cell_rect(cell as usize);
+            if intersection(&rect, &inside).is_none() {
+                continue;
+            }
             gaps.across.clear();
             gaps.up.clear();
             let middle = Point::new(rect.min.x + side / 2, rect.min.y + side / 2);
@@ -184,6 +204,66 @@ impl LevelRegion {
         }
     }
 
+    /// Fills gaps with samples of the blocks' patterns at finer levels.
+    fn fill_from_pattern(
+        &mut self,
+        level: usize,
+        variants: &[Vec<LevelClip>],
+        radius: &LevelRadius,
+        key: Key,
+        gaps: &mut GapBuffers,
+    ) {
+        let sites = &mut gaps.sites;
+        gaps.pixels
+            .retain_mut(|pixel| self.look(pixel, radius, sites));
+        self.find_owners();
+        let mut found = Vec::new();
+        for pixel in &gaps.pixels {
+            let cell = self.grid.cell_at(pixel.min);
+            let one = self.owners[cell] as usize;
+            let owners = match self.blocks.get(one) {
+                Some(_) => one..one + 1,
+                None => 0..self.blocks.len(),
+            };
+            for block in &self.blocks[owners] {
+                let Some(part) = block.rect.within(&pixel.rect()) else {
+                    continue;
+                };
+                let Some(part) = intersection(&part, &self.frame.rect) else {
+                    continue;
+                };
+                let finer = &variants[block.symmetry as usize][level + 1..];
+                for (clip, own_from) in finer.iter().zip(level as u32 + 1..) {
+                    clip.clip(block.origin, &part, |p| {
+                        if self.grid.place(p, radius) == Place::Free {
+                            let place = self.frame.in_domain(p);
+                            let rank = key.draw_at(place.x, place.y)[0];
+                            found.push((own_from, rank, place.row_major(), p));
+                        }
+                    });
+                }
+            }
+        }
+        found.sort_unstable_by_key(|&(own_from, rank, place, _)| (own_from, rank, place));
+        for (own_from, _, _, p) in found {
+            if self.grid.place(p, radius) == Place::Free {
+                self.keep(p, own_from);
+            }
+        }
+    }
+
+    /// Notes the block of each cell that lies in one block.
+    fn find_owners(&mut self) {
+        self.owners.clear();
+        self.owners.resize(self.grid.flags.len(), SEVERAL);
+        for (block, index) in self.blocks.iter().zip(0..) {
+            if let Some(rect) = block.rect.within(&self.frame.rect) {
+                self.grid
+                    .for_cells_within(&rect, |cell| self.owners[cell] = index);
+            }
+        }
+    }
+
     /// Gathers the samples that decide about a pixel, as offsets from its lowest point. Returns whether it is open.
     fn look(&self, pixel: &mut Pixel, radius: &LevelRadius, sites: &mut Vec<(i32, i32)>) -> bool {
         let (middle, half) = (pixel.middle(), pixel.half_diagonal());
@@ -262,8 +342,7 @@ impl LevelRegion {
         }
         for (_, _, at) in candidates {
             if self.grid.place(at, radius) == Place::Free {
-                self.grid.insert(at);
-                self.samples.push(KeptSample { at, foreign: true });
+                self.keep(at, NEVER);
                 let reach = self.frame.sight(radius);
                 self.grid.flag_near(at, reach, flag::CHANGED, |_| ());
             }
@@ -273,6 +352,16 @@ impl LevelRegion {
         gaps.pixels
             .retain(|pixel| flags[self.grid.cell_at(pixel.min)] & flag::CHANGED != 0);
     }
+}
+
+/// Stands for more than one block.
+const SEVERAL: u32 = u32::MAX;
+
+/// Returns the intersection of two rectangles, or `None` if it is empty.
+fn intersection(a: &Rect, b: &Rect) -> Option<Rect> {
+    let min = Point::new(a.min.x.max(b.min.x), a.min.y.max(b.min.y));
+    let max = Point::new(a.max.x.min(b.max.x), a.max.y.min(b.max.y));
+    (min.x < max.x && min.y < max.y).then_some(Rect { min, max })
 }
 
 /// The places of a pixel that may be candidates.

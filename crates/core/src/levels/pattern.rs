@@ -263,11 +263,8 @@ mod tests {
     use crate::lattice::R;
     use crate::progress::Unobserved;
 
-    /// Every lattice point of a level is covered: a place far from all samples has a corner of its Voronoi cell that is
-    /// as far, so that testing the surroundings of every sample's farthest places suffices; here a grid of places
-    /// stands for them, and `tests/it/levels.rs` has the sets of whole runs judged.
     #[test]
-    fn every_level_is_conflict_free_and_covers() {
+    fn every_level_is_conflict_free_and_covers_every_lattice_point() {
         let levels = 5;
         let spec = PatternSpec {
             side: 40.0,
@@ -290,15 +287,44 @@ mod tests {
                 assert_eq!(grid.place(p, &radius), Place::Free, "level {level}");
                 grid.insert(p);
             }
-            let step = radius.units as usize / 29;
-            for y in (0..side).step_by(step) {
-                for x in (0..side).step_by(step) {
-                    assert_ne!(grid.place(Point::new(x, y), &radius), Place::Free);
-                }
-            }
+            assert_eq!(uncovered(&grid, &radius), None, "level {level}");
             let density = all.len() as f64 * radius.squared as f64 / f64::from(side).powi(2);
             assert!((0.64..0.75).contains(&density), "level {level}: {density}");
         }
+        // The coarsest set is not maximal for the next radius.
+        let mut grid = LevelGrid::default();
+        let radius = LevelRadius::before(levels - 2);
+        grid.reset(rect, true, &radius);
+        pattern.levels()[0].iter().for_each(|&p| grid.insert(p));
+        assert!(uncovered(&grid, &radius).is_some());
+    }
+
+    /// A lattice point that no sample covers: squares are divided until one sample covers all four of their corners.
+    fn uncovered(grid: &LevelGrid, radius: &LevelRadius) -> Option<Point> {
+        let end = grid.rect.max.x;
+        let mut squares = vec![(Point::default(), end)];
+        while let Some((min, side)) = squares.pop() {
+            let last = |from: i32| (from + side).min(end) - 1;
+            let (right, top) = (last(min.x) - min.x, last(min.y) - min.y);
+            let covered = grid.any_near(min, radius.units, |x, y| {
+                [(x, y), (x - right, y), (x, y - top), (x - right, y - top)]
+                    .iter()
+                    .all(|&(x, y)| radius.covers(x, y))
+            });
+            if covered {
+                continue;
+            }
+            if side == 1 {
+                return Some(min);
+            }
+            let half = (side + 1) / 2;
+            for (x, y) in [(0, 0), (half, 0), (0, half), (half, half)] {
+                if min.x + x < end && min.y + y < end && x < side && y < side {
+                    squares.push((Point::new(min.x + x, min.y + y), half));
+                }
+            }
+        }
+        None
     }
 
     #[test]

@@ -7,6 +7,7 @@ use std::sync::{Mutex, PoisonError};
 
 use rayon::prelude::*;
 
+use crate::count::radius_estimate;
 use crate::engine::parallel::plane::parts;
 use crate::error::{ParameterError, SampleError};
 use crate::lattice::{
@@ -25,13 +26,16 @@ use super::radius::{LevelRadius, check_levels};
 use super::region::LevelRegion;
 
 /// Width of a level's halo in its radii, at first.
-const HALO: i64 = 8;
+const HALO: i64 = 6;
 
 /// How often the halo is doubled.
 const MAX_REPAIRS: u32 = 5;
 
-/// Side of the windows into which the whole is cut, in finest radii.
-const WINDOW_SIDE: i32 = 512;
+/// Side of the windows into which the whole is cut, in units: 512 finest radii.
+const WINDOW_SIDE: i32 = 512 * R;
+
+/// How often a radius is tried that should give a count of samples.
+const MAX_TRIES: u32 = 16;
 
 /// Windows for each thread between two calls of the observer.
 const WINDOWS_A_THREAD: usize = 4;
@@ -153,6 +157,7 @@ pub struct NestedPlane {
     levels: u32,
     key: Key,
     variants: Vec<Vec<LevelClip>>,
+    window_side: i32,
     idle: Mutex<Vec<Box<LevelRegion>>>,
 }
 
@@ -197,8 +202,49 @@ impl NestedPlane {
             variants: (0..symmetries)
                 .map(|s| pattern.variant(Symmetry(s)))
                 .collect(),
+            window_side: WINDOW_SIDE,
             idle: Mutex::default(),
         })
+    }
+
+    /// Returns the plane cut into windows of `radii` finest radii a side instead of 512. The samples are the same.
+    #[must_use]
+    pub fn with_windows(mut self, radii: u16) -> Self {
+        self.window_side = i32::from(radii.max(1)) * R;
+        self
+    }
+
+    /// Returns exactly `count` samples: the first of a run of which the finest set has as many or a few more. The
+    /// radius of `parameters` is not used.
+    ///
+    /// There is no maximal set of exactly so many samples in general. [`Nested::guarantee`] says what holds for these.
+    /// Fails as [`Self::new`], or when there is no such radius.
+    pub fn exactly(
+        parameters: &Parameters,
+        levels: u32,
+        count: usize,
+        observer: &mut dyn Observer,
+    ) -> Result<Nested, SampleError> {
+        let wanted = count as u64;
+        let pattern = NestedPattern::generate(&parameters.pattern, levels, observer)?;
+        let (mut radius, mut nearest) = (radius_estimate(parameters, wanted)?, 0);
+        for _ in 0..MAX_TRIES {
+            let tried = Parameters {
+                radius,
+                ..*parameters
+            };
+            let mut nested = Self::with_pattern(&tried, &pattern)?.whole(observer)?;
+            let found = nested.points().len();
+            if found >= count {
+                nested.truncate(count);
+                return Ok(nested);
+            }
+            nearest = nearest.max(found as u64);
+            // A little less than what the share that is missing asks for.
+            radius *= 0.999 * (found as f64 / count as f64).sqrt();
+        }
+        let count = wanted;
+        Err(ParameterError::CountMissed { count, nearest }.into())
     }
 
     /// Returns the domain. Its radius is the finest.
@@ -251,7 +297,10 @@ impl NestedPlane {
         parts: &[Rect],
         observer: &mut dyn Observer,
     ) -> Result<Nested, SampleError> {
-        let windows: Vec<Rect> = parts.iter().flat_map(pieces).collect();
+        let windows: Vec<Rect> = parts
+            .iter()
+            .flat_map(|part| pieces(part, self.window_side))
+            .collect();
         let total = windows.len() as u64;
         let mut levels = vec![Vec::new(); self.levels as usize];
         let mut meter = Meter::begin(observer, Stage::Regions, total)?;
@@ -383,9 +432,14 @@ impl NestedPlane {
             .find(&target, origin, coarsest.units, images, &mut region.blocks);
         for level in 0..self.levels {
             let radius = self.units(level);
-            region.begin(frame(level), &radius);
+            region.begin(level, frame(level), &radius);
             region.claim(level as usize, &self.variants, &radius);
-            region.fill(&radius, self.level_key(level));
+            region.fill(
+                level as usize,
+                &self.variants,
+                &radius,
+                self.level_key(level),
+            );
             region.ends.push(region.samples.len());
         }
     }
@@ -466,8 +520,7 @@ fn collect(region: &LevelRegion, shown: &Rect) -> Vec<Vec<Point>> {
 }
 
 /// Cuts a rectangle of the domain into windows.
-fn pieces(part: &Rect) -> Vec<Rect> {
-    let side = WINDOW_SIDE * R;
+fn pieces(part: &Rect, side: i32) -> Vec<Rect> {
     let cut = |low: i32, high: i32| {
         let starts = (low..high).step_by(side as usize);
         starts.map(move |at| (at, at.saturating_add(side).min(high)))
@@ -479,4 +532,55 @@ fn pieces(part: &Rect) -> Vec<Rect> {
     };
     rows.flat_map(|row| cut(part.min.x, part.max.x).map(move |column| rect(row, column)))
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::progress::Unobserved;
+
+    /// With narrow halos windows have unknowns. Whatever a window then says that it knows is right.
+    #[test]
+    fn narrow_halos_are_found_out() {
+        for boundary in [Boundary::Periodic, Boundary::Bounded] {
+            let parameters = Parameters {
+                width: 160.0,
+                height: 200.0,
+                radius: 1.0,
+                leaf: 9.0,
+                boundary,
+                ..Parameters::default()
+            };
+            let plane = NestedPlane::new(&parameters, 4, &mut Unobserved).unwrap();
+            let mut region = LevelRegion::default();
+            plane.compute_whole(&mut region);
+            let domain = plane.domain().rect();
+            let all = collect(&region, &domain);
+            let side = 40 * R;
+            for halo in [1, 2, 4, 8] {
+                let (mut known, mut unknown) = (0, 0);
+                for window in pieces(&domain, side) {
+                    if !plane.compute(&mut region, &window, halo) {
+                        unknown += 1;
+                        continue;
+                    }
+                    known += 1;
+                    let shown = Rect {
+                        min: Point::default(),
+                        max: Point::new(window.width(), window.height()),
+                    };
+                    let found = collect(&region, &shown);
+                    for (mut found, all) in found.into_iter().zip(&all) {
+                        let inside = |p: &&Point| window.contains(**p);
+                        let mut expected: Vec<Point> = all.iter().filter(inside).copied().collect();
+                        found.sort_unstable_by_key(|p| p.row_major());
+                        expected.sort_unstable_by_key(|p| p.row_major());
+                        assert_eq!(found, expected, "{boundary:?}, halo {halo}, {window:?}");
+                    }
+                }
+                assert!(halo > 1 || unknown > 0, "the test shows nothing");
+                assert!(halo < 8 || known > 0, "{boundary:?}: no halo suffices");
+            }
+        }
+    }
 }
