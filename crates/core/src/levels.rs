@@ -5,9 +5,8 @@
 //! run at r, and each block clips all levels at one place and under one symmetry. At level j a block, enlarged by r_j, receives its clip
 //! of P_j. Elimination takes first the samples of S_(j-1), which are farther apart than r_(j-1) and all stay, then the
 //! tiled samples that lie in their own block, then those in margins, both block after block in the order of the blocks'
-//! indices. A tiled sample that lies on a sample of S_(j-1) is that sample. Gaps are then filled at r_j: first by samples that
-//! a block clips in its own rectangle at finer levels, where no sample covers them, then, as in a run at r_j, at candidates until
-//! none is left. The result is S_j. With one level this is a run's result, bit for bit.
+//! indices. A tiled sample that lies on a sample of S_(j-1) is that sample. Insertion then fills the gaps at r_j, as in a
+//! run at r_j, until no candidate is left: the result is S_j. With one level this is a run's result, bit for bit.
 //!
 //! *Why each level is maximal.* P_j is maximal, so the union of the clips covers every lattice point (paper, Theorem
 //! 3.1), and elimination uncovers a place only by losing a tiled sample that covers it. That insertion then finds

@@ -52,7 +52,9 @@ pub struct CertifiedLevel {
 }
 
 impl CertifiedLevel {
-    pub(crate) fn new(found: &PrefixReport) -> Self {
+    /// What was found of a claim.
+    #[must_use]
+    pub fn of(found: &PrefixReport) -> Self {
         Self {
             count: found.claim.count as u64,
             distance: found.claim.distance,

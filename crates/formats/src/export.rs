@@ -379,7 +379,7 @@ fn judged_levels(
             verify_prefix(points, context.region, claim, &context.verify, control)
         };
         let found = found.map_err(|source| ExportError::Verify { precision, source })?;
-        Ok(CertifiedLevel::new(&found))
+        Ok(CertifiedLevel::of(&found))
     };
     context.levels.iter().map(judged).collect()
 }

@@ -15,29 +15,30 @@
 //! differ by 18 R at most), and d + 2h + 9 from m. A sample that is too near to the candidate is no farther. So the samples within
 //! [`PIXEL_SLACK`] and d + 2h of m decide everything in the pixel, now and later, since d never grows.
 //!
-//! *Finer samples first.* Before candidates are sought, gaps are filled by samples that the block clips at finer levels,
-//! level by level and within a level in the order of a draw. An inserted sample costs pattern samples around it at every finer level;
-//! one of the pattern fits in from its own level on.
-//!
 //! *Unknowns.* A pixel is itself an unknown if an unknown reaches into that circle, or the strip of width R along the
 //! frame's edges in which tiled samples beyond may have been lost. Since d + h > R in an open pixel, the circle also holds
 //! every place at which an insertion would cover a place of the pixel. What is inserted in the other pixels therefore
 //! depends on no unknown, in any iteration.
+
+use rayon::prelude::*;
 
 use crate::circumcentre::on_line;
 use crate::lattice::{Point, Rect};
 use crate::random::{Key, Stream};
 
 use super::grid::Place;
-use super::pattern::LevelClip;
 use super::radius::LevelRadius;
-use super::region::{LevelRegion, NEVER, UnknownDisk, flag};
+use super::region::{KeptSample, LevelRegion, UnknownDisk, flag};
 
 /// Units by which samples may be farther from a pixel than its nearest one and still be sites: 9 and some for rounding.
 const PIXEL_SLACK: f64 = 16.0;
 
 /// How often a cell is halved.
 const HALVINGS: u32 = 3;
+
+/// How often it is where unknowns may spread from pixel to pixel: small ones are fewer beside each other. What is
+/// inserted does not depend on it.
+const MORE_HALVINGS: u32 = 5;
 
 /// A square in which there may be a gap.
 #[derive(Clone, Copy)]
@@ -46,6 +47,8 @@ struct Pixel {
     side: i32,
     /// How far from its centre samples decide what happens in it.
     sight: f64,
+    /// Whether candidates are to be sought in it.
+    is_due: bool,
 }
 
 impl Pixel {
@@ -67,68 +70,88 @@ impl Pixel {
     }
 }
 
-/// Buffers of detection and insertion.
+/// Returns how far around a cell samples are gathered: far enough for nearly all of its pixels.
+const fn gathered(radius: &LevelRadius) -> i32 {
+    radius.units / 8 * 13
+}
+
+/// Cells and pixels of one task of a thread.
+const TURN: usize = 256;
+
+/// The samples around a cell, as offsets from its lowest point, and the pixels found so far.
 #[derive(Default)]
-pub(super) struct GapBuffers {
-    pixels: Vec<Pixel>,
+struct Gathered {
     across: Vec<f32>,
     up: Vec<f32>,
-    sites: Vec<(i32, i32)>,
-    found: Vec<Point>,
+    pixels: Vec<Pixel>,
 }
 
 impl LevelRegion {
-    /// Fills the gaps of the level number `level`, as far as they can be known. `key` is the level's.
-    pub fn fill(
-        &mut self,
-        level: usize,
-        variants: &[Vec<LevelClip>],
-        radius: &LevelRadius,
-        key: Key,
-    ) {
-        let mut gaps = std::mem::take(&mut self.gaps);
-        self.open_pixels(radius, &mut gaps);
-        if !self.unknown.is_empty() || self.frame.goes_on != [[false; 2]; 2] {
-            self.doubt_pixels(radius, &mut gaps);
-        }
-        if level + 1 < variants[0].len() {
-            let key = key.derive(Stream::Iteration, 0);
-            self.fill_from_pattern(level, variants, radius, key, &mut gaps);
+    /// Fills the gaps of a level, as far as they can be known. `key` is the level's. Uses the current rayon pool.
+    pub fn fill(&mut self, radius: &LevelRadius, key: Key) {
+        let mut pixels = self.open_pixels(radius);
+        if self.frame.ends_inside() {
+            self.doubt_pixels(radius, &mut pixels);
         }
         for iteration in 1.. {
-            gaps.found.clear();
-            let mut pixels = std::mem::take(&mut gaps.pixels);
-            pixels.retain_mut(|pixel| self.find(pixel, radius, &mut gaps));
-            gaps.pixels = pixels;
-            if gaps.found.is_empty() {
+            let searched = pixels.par_chunks(TURN).map(|pixels| {
+                let (mut open, mut found, mut sites) = (Vec::new(), Vec::new(), Vec::new());
+                for mut pixel in pixels.iter().copied() {
+                    if !pixel.is_due || self.find(&mut pixel, radius, &mut sites, &mut found) {
+                        open.push(pixel);
+                    }
+                }
+                (open, found)
+            });
+            let (open, found): (Vec<_>, Vec<_>) = searched.unzip();
+            pixels = open.concat();
+            let found = found.concat();
+            if found.is_empty() {
                 break;
             }
-            self.insert(radius, key.derive(Stream::Iteration, iteration), &mut gaps);
+            self.insert(radius, key.derive(Stream::Iteration, iteration), &found);
+            // A candidate that was not inserted is covered by one that was. Elsewhere nothing has changed.
+            let flags = &self.grid.flags;
+            let farther = f64::from(gathered(radius));
+            pixels.retain_mut(|pixel| {
+                pixel.is_due = true;
+                let changed = flags[self.grid.cell_at(pixel.min)] & flag::CHANGED != 0;
+                changed || pixel.sight > farther
+            });
         }
-        self.gaps = gaps;
     }
 
-    /// Lists the pixels of dirty cells that no sample covers whole.
-    fn open_pixels(&mut self, radius: &LevelRadius, gaps: &mut GapBuffers) {
-        gaps.pixels.clear();
-        let side = radius.side();
+    /// Returns the pixels of dirty cells that no sample covers whole.
+    fn open_pixels(&self, radius: &LevelRadius) -> Vec<Pixel> {
         // Near the frame's edges nothing can be known.
         let inside = self.frame.inside(radius.units);
-        for &cell in &self.dirty {
-            let rect = self.grid.cell_rect(cell as usize);
-            if intersection(&rect, &inside).is_none() {
-                continue;
+        let open = self.dirty.par_chunks(TURN).map(|cells| {
+            let mut around = Gathered::default();
+            for &cell in cells {
+                let rect = self.grid.cell_rect(cell as usize);
+                let (min, max) = (rect.min, rect.max);
+                let across = min.x < inside.max.x && inside.min.x < max.x;
+                if across && min.y < inside.max.y && inside.min.y < max.y {
+                    self.open_cell(&rect, radius, &mut around);
+                }
             }
-            gaps.across.clear();
-            gaps.up.clear();
-            let middle = Point::new(rect.min.x + side / 2, rect.min.y + side / 2);
-            self.grid.any_near(middle, radius.units + side / 2, |x, y| {
-                gaps.across.push((x + side / 2) as f32);
-                gaps.up.push((y + side / 2) as f32);
+            around.pixels
+        });
+        open.collect::<Vec<_>>().concat()
+    }
+
+    fn open_cell(&self, cell: &Rect, radius: &LevelRadius, around: &mut Gathered) {
+        let side = radius.side();
+        around.across.clear();
+        around.up.clear();
+        let middle = Point::new(cell.min.x + side / 2, cell.min.y + side / 2);
+        self.grid
+            .any_near(middle, gathered(radius) + side / 2, |x, y| {
+                around.across.push((x + side / 2) as f32);
+                around.up.push((y + side / 2) as f32);
                 false
             });
-            self.divide(&rect, Point::default(), side, radius, gaps);
-        }
+        self.divide(cell, Point::default(), side, radius, around);
     }
 
     /// Divides a square at `corner` of a cell.
@@ -138,7 +161,7 @@ impl LevelRegion {
         corner: Point,
         side: i32,
         radius: &LevelRadius,
-        gaps: &mut GapBuffers,
+        around: &mut Gathered,
     ) {
         let min = Point::new(cell.min.x + corner.x, cell.min.y + corner.y);
         if min.x >= cell.max.x || min.y >= cell.max.y {
@@ -148,45 +171,63 @@ impl LevelRegion {
         // Four units outweigh the rounding of squares below 2^44 to 24 bits.
         let limit = radius.units as f32 - middle * std::f32::consts::SQRT_2 - 4.0;
         let (x, y) = (corner.x as f32 + middle, corner.y as f32 + middle);
-        let squares = gaps.across.iter().zip(&gaps.up).map(|(&across, &up)| {
+        let square = |(&across, &up): (&f32, &f32)| {
             let (across, up) = (across - x, up - y);
             across * across + up * up
-        });
-        let nearest = squares.fold(f32::INFINITY, f32::min);
+        };
+        let squares = around.across.iter().zip(&around.up).map(square);
+        // `f32::min` is not vectorized.
+        let nearest = squares.fold(f32::INFINITY, |a, b| if b < a { b } else { a });
         if limit > 0.0 && nearest <= limit * limit {
             return;
         }
-        if side <= radius.side() >> HALVINGS {
-            gaps.pixels.push(Pixel {
-                min,
-                side,
-                sight: 0.0,
-            });
+        let halvings = if self.frame.ends_inside() {
+            MORE_HALVINGS
+        } else {
+            HALVINGS
+        };
+        if side > radius.side() >> halvings {
+            let half = side / 2;
+            for (x, y) in [(0, 0), (half, 0), (0, half), (half, half)] {
+                let corner = Point::new(corner.x + x, corner.y + y);
+                self.divide(cell, corner, half, radius, around);
+            }
             return;
         }
-        let half = side / 2;
-        for (x, y) in [(0, 0), (half, 0), (0, half), (half, half)] {
-            let corner = Point::new(corner.x + x, corner.y + y);
-            self.divide(cell, corner, half, radius, gaps);
+        let mut pixel = Pixel {
+            min,
+            side,
+            sight: f64::INFINITY,
+            is_due: true,
+        };
+        // Four units more for the rounding of squares.
+        let sight = nearest.sqrt() + (2.0 * pixel.half_diagonal() + PIXEL_SLACK) as f32 + 4.0;
+        if sight < gathered(radius) as f32 {
+            pixel.sight = sight.into();
+            let squares = around.across.iter().zip(&around.up).map(square);
+            let sites = squares.filter(|&square| square <= sight * sight).count();
+            pixel.is_due = sites >= 3 || self.frame.meets_border(&pixel.rect());
+        } else {
+            self.look(&mut pixel, radius, &mut Vec::new());
         }
+        around.pixels.push(pixel);
     }
 
     /// Takes out the pixels in which something unknown may happen.
-    fn doubt_pixels(&mut self, radius: &LevelRadius, gaps: &mut GapBuffers) {
-        let sites = &mut gaps.sites;
-        gaps.pixels
-            .retain_mut(|pixel| self.look(pixel, radius, sites));
+    fn doubt_pixels(&mut self, radius: &LevelRadius, pixels: &mut Vec<Pixel>) {
+        let farthest = self.frame.sight(radius);
         loop {
-            let before = gaps.pixels.len();
-            gaps.pixels.retain(|pixel| {
+            let before = pixels.len();
+            pixels.retain(|pixel| {
                 let middle = (pixel.side - 1) / 2;
                 let centre = Point::new(pixel.min.x + middle, pixel.min.y + middle);
                 // The centre is half a unit off on either axis, at most.
-                let sight = pixel.sight.min(f64::from(self.frame.sight(radius))) as i32 + 2;
+                let is_far = pixel.sight > f64::from(farthest);
+                let sight = pixel.sight.min(f64::from(farthest)) as i32 + 2;
                 let edge = self.frame.inside(sight + radius.units);
                 let doubtful = self.grid.flags[self.grid.cell_at(pixel.min)] & flag::DOUBTFUL != 0;
                 let is_known = edge.contains(centre)
-                    && pixel.sight <= f64::from(self.frame.sight(radius))
+                    && !is_far
                     && !(doubtful && self.touches_unknown(centre, sight));
                 if !is_known {
                     let radius_of_pixel = pixel.half_diagonal() as i32 + 2;
@@ -198,68 +239,8 @@ impl LevelRegion {
                 }
                 is_known
             });
-            if gaps.pixels.len() == before {
+            if pixels.len() == before {
                 break;
-            }
-        }
-    }
-
-    /// Fills gaps with samples of the blocks' patterns at finer levels.
-    fn fill_from_pattern(
-        &mut self,
-        level: usize,
-        variants: &[Vec<LevelClip>],
-        radius: &LevelRadius,
-        key: Key,
-        gaps: &mut GapBuffers,
-    ) {
-        let sites = &mut gaps.sites;
-        gaps.pixels
-            .retain_mut(|pixel| self.look(pixel, radius, sites));
-        self.find_owners();
-        let mut found = Vec::new();
-        for pixel in &gaps.pixels {
-            let cell = self.grid.cell_at(pixel.min);
-            let one = self.owners[cell] as usize;
-            let owners = match self.blocks.get(one) {
-                Some(_) => one..one + 1,
-                None => 0..self.blocks.len(),
-            };
-            for block in &self.blocks[owners] {
-                let Some(part) = block.rect.within(&pixel.rect()) else {
-                    continue;
-                };
-                let Some(part) = intersection(&part, &self.frame.rect) else {
-                    continue;
-                };
-                let finer = &variants[block.symmetry as usize][level + 1..];
-                for (clip, own_from) in finer.iter().zip(level as u32 + 1..) {
-                    clip.clip(block.origin, &part, |p| {
-                        if self.grid.place(p, radius) == Place::Free {
-                            let place = self.frame.in_domain(p);
-                            let rank = key.draw_at(place.x, place.y)[0];
-                            found.push((own_from, rank, place.row_major(), p));
-                        }
-                    });
-                }
-            }
-        }
-        found.sort_unstable_by_key(|&(own_from, rank, place, _)| (own_from, rank, place));
-        for (own_from, _, _, p) in found {
-            if self.grid.place(p, radius) == Place::Free {
-                self.keep(p, own_from);
-            }
-        }
-    }
-
-    /// Notes the block of each cell that lies in one block.
-    fn find_owners(&mut self) {
-        self.owners.clear();
-        self.owners.resize(self.grid.flags.len(), SEVERAL);
-        for (block, index) in self.blocks.iter().zip(0..) {
-            if let Some(rect) = block.rect.within(&self.frame.rect) {
-                self.grid
-                    .for_cells_within(&rect, |cell| self.owners[cell] = index);
             }
         }
     }
@@ -301,12 +282,17 @@ impl LevelRegion {
         limit - half - PIXEL_SLACK > f64::from(radius.units) - 2.0
     }
 
-    /// Appends the candidates of a pixel to the buffers, and returns whether the pixel is open.
-    fn find(&self, pixel: &mut Pixel, radius: &LevelRadius, gaps: &mut GapBuffers) -> bool {
-        if !self.look(pixel, radius, &mut gaps.sites) {
+    /// Appends the candidates of a pixel to `found`, and returns whether the pixel is open. `sites` is a buffer.
+    fn find(
+        &self,
+        pixel: &mut Pixel,
+        radius: &LevelRadius,
+        sites: &mut Vec<(i32, i32)>,
+        found: &mut Vec<Point>,
+    ) -> bool {
+        if !self.look(pixel, radius, sites) {
             return false;
         }
-        let sites = &gaps.sites;
         let places = Candidates {
             region: self,
             pixel,
@@ -319,49 +305,37 @@ impl LevelRegion {
                     if !may_hold(pixel.side, a, b, c) {
                         continue;
                     }
-                    places.consider(circumcentre(a, b, c), &[a, b, c], &mut gaps.found);
+                    places.consider(circumcentre(a, b, c), &[a, b, c], found);
                 }
             }
         }
         if self.frame.meets_border(&pixel.rect()) {
-            places.on_border(&mut gaps.found);
+            places.on_border(found);
         }
         true
     }
 
     /// Inserts candidates in the order of a draw; one that a sample covers is passed over.
-    fn insert(&mut self, radius: &LevelRadius, key: Key, gaps: &mut GapBuffers) {
+    fn insert(&mut self, radius: &LevelRadius, key: Key, found: &[Point]) {
         let ranked = |&p: &Point| {
             let place = self.frame.in_domain(p);
             (key.draw_at(place.x, place.y)[0], place.row_major(), p)
         };
-        let mut candidates: Vec<_> = gaps.found.iter().map(ranked).collect();
+        let mut candidates: Vec<_> = found.iter().map(ranked).collect();
         candidates.sort_unstable_by_key(|(rank, place, _)| (*rank, *place));
-        for f in &mut self.grid.flags {
-            *f &= !flag::CHANGED;
+        for flags in &mut self.grid.flags {
+            *flags &= !flag::CHANGED;
         }
+        // As far as pixels see that do not see farther, and a pixel.
+        let reach = gathered(radius) + radius.side() / 8;
         for (_, _, at) in candidates {
             if self.grid.place(at, radius) == Place::Free {
-                self.keep(at, NEVER);
-                let reach = self.frame.sight(radius);
+                self.grid.insert(at);
+                self.samples.push(KeptSample { at, foreign: true });
                 self.grid.flag_near(at, reach, flag::CHANGED, |_| ());
             }
         }
-        // A candidate that was not inserted is covered by one that was. Elsewhere nothing has changed.
-        let flags = &self.grid.flags;
-        gaps.pixels
-            .retain(|pixel| flags[self.grid.cell_at(pixel.min)] & flag::CHANGED != 0);
     }
-}
-
-/// Stands for more than one block.
-const SEVERAL: u32 = u32::MAX;
-
-/// Returns the intersection of two rectangles, or `None` if it is empty.
-fn intersection(a: &Rect, b: &Rect) -> Option<Rect> {
-    let min = Point::new(a.min.x.max(b.min.x), a.min.y.max(b.min.y));
-    let max = Point::new(a.max.x.min(b.max.x), a.max.y.min(b.max.y));
-    (min.x < max.x && min.y < max.y).then_some(Rect { min, max })
 }
 
 /// The places of a pixel that may be candidates.

@@ -88,28 +88,6 @@ impl LevelGrid {
         cell.count += 1;
     }
 
-    /// Calls `visit` with the cells all of whose places lie in `rect`, a part of the grid's rectangle.
-    pub fn for_cells_within(&self, rect: &Rect, mut visit: impl FnMut(usize)) {
-        let Rect { min, max } = self.rect;
-        let span = |low: i32, high: i32, min: i32, max: i32| {
-            let side = 1_i64 << self.bits;
-            let (low, high) = (i64::from(low - min), i64::from(high - min));
-            // The last cell may end before its side does.
-            let end = if high == i64::from(max - min) {
-                high + side - 1
-            } else {
-                high
-            };
-            (low + side - 1).div_euclid(side) as usize..end.div_euclid(side) as usize
-        };
-        let columns = span(rect.min.x, rect.max.x, min.x, max.x);
-        for row in span(rect.min.y, rect.max.y, min.y, max.y) {
-            for column in columns.clone() {
-                visit(row * self.columns + column);
-            }
-        }
-    }
-
     /// Calls `visit` with ranges of cells, and how far they are shifted, that together hold all places at most `reach`
     /// from `from` on both axes.
     #[inline(always)]

@@ -26,9 +26,10 @@ pub enum WithinLevel {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Nested {
     domain: Domain,
-    key: Key,
     points: Vec<Point>,
     ends: Vec<usize>,
+    /// How many levels are there whole.
+    whole: usize,
 }
 
 /// What holds for the first samples of a run of nested levels, however many.
@@ -57,8 +58,8 @@ impl Nested {
         }
         Self {
             domain,
-            key,
             points,
+            whole: ends.len(),
             ends,
         }
     }
@@ -108,7 +109,7 @@ impl Nested {
     #[must_use]
     pub fn guarantee(&self, count: usize) -> PrefixGuarantee {
         assert!(count <= self.points.len(), "there are that many samples");
-        let whole = self.ends.partition_point(|&end| end <= count) as u32;
+        let whole = self.ends[..self.whole].partition_point(|&end| end <= count) as u32;
         let last = self.ends.len() as u32 - 1;
         // A prefix that ends with a level has that level's distances, any other those of the next level.
         let exact = whole > 0 && self.ends[whole as usize - 1] == count;
@@ -124,6 +125,8 @@ impl Nested {
 
     /// Keeps the first `count` samples. Levels that are cut end there.
     pub fn truncate(&mut self, count: usize) {
+        let whole = self.ends[..self.whole].partition_point(|&end| end <= count);
+        self.whole = whole;
         self.points.truncate(count);
         for end in &mut self.ends {
             *end = (*end).min(count);

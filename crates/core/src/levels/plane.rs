@@ -1,4 +1,4 @@
-//! The plane of a run of nested levels: its windows, each computed by itself, and the whole.
+//! The plane of a run of nested levels: the whole, computed as one frame, and its windows, each computed by itself.
 //!
 //! A window needs each level in a frame around it that shrinks from level to level by the halo of the level. A window in
 //! which unknowns remain is computed again with a halo twice as wide.
@@ -13,7 +13,9 @@ use crate::error::{ParameterError, SampleError};
 use crate::lattice::{
     Boundary, Domain, MIN_SIDE_RADII_BOUNDED, MIN_SIDE_RADII_PERIODIC, Point, R, Rect, Window,
 };
-use crate::parameters::{Insertion, Order, Parameters, Search, Variant};
+use crate::parameters::{
+    Insertion, MAX_SEQUENTIAL_SAMPLES, MAXIMAL_DENSITY, Order, Parameters, Search, Variant,
+};
 use crate::pattern::Symmetry;
 use crate::progress::{Meter, Observer};
 use crate::random::{Key, Stream};
@@ -25,13 +27,17 @@ use super::pattern::{LevelClip, NestedPattern};
 use super::radius::{LevelRadius, check_levels};
 use super::region::LevelRegion;
 
-/// Width of a level's halo in its radii, at first.
+/// Width of the finest level's halo in its radii, at first. Where blocks are small beside the radius, what is unknown reaches
+/// farther.
 const HALO: i64 = 6;
+
+/// By how much each level's halo is wider than that of the next, in its radii. Coarse levels have few samples.
+const MORE_HALO: i64 = 2;
 
 /// How often the halo is doubled.
 const MAX_REPAIRS: u32 = 5;
 
-/// Side of the windows into which the whole is cut, in units: 512 finest radii.
+/// Side of the windows into which larger ones are cut, in units: 512 finest radii.
 const WINDOW_SIDE: i32 = 512 * R;
 
 /// How often a radius is tried that should give a count of samples.
@@ -40,7 +46,7 @@ const MAX_TRIES: u32 = 16;
 /// Windows for each thread between two calls of the observer.
 const WINDOWS_A_THREAD: usize = 4;
 
-/// The largest domain that is computed as a whole by one thread, in squared radii: about 700,000 samples.
+/// The largest domain that is made whole for a window, in squared radii: about 700,000 samples.
 const MAX_WHOLE_AREA: f64 = 1_048_576.0;
 
 /// A rectangle in which a level is computed. Its coordinates begin at the plane's place `origin`.
@@ -100,6 +106,11 @@ impl LevelFrame {
             }
         };
         Point::new(axis(p.x, 0), axis(p.y, 1))
+    }
+
+    /// Returns whether the plane goes on beyond the frame.
+    pub fn ends_inside(&self) -> bool {
+        self.goes_on != [[false; 2]; 2]
     }
 
     /// Returns how far samples may be from a place and yet concern candidates around it, in units: 2r and two diagonals
@@ -207,7 +218,8 @@ impl NestedPlane {
         })
     }
 
-    /// Returns the plane cut into windows of `radii` finest radii a side instead of 512. The samples are the same.
+    /// Returns the plane with large windows cut into ones of `radii` finest radii a side instead of 512. The samples are
+    /// the same.
     #[must_use]
     pub fn with_windows(mut self, radii: u16) -> Self {
         self.window_side = i32::from(radii.max(1)) * R;
@@ -260,7 +272,12 @@ impl NestedPlane {
         self.domain().radius() * f64::from(1_u32 << halvings).sqrt()
     }
 
-    /// Returns the samples of the whole run in `window`, level by level.
+    /// Returns the samples of the whole run in `window`, level by level, in the order of the whole. A window beyond the
+    /// end of a periodic domain shows its repetition, with the positions of the domain.
+    ///
+    /// Computes only the window and the surroundings on which its samples depend. Fails when that is too much, which
+    /// happens where blocks are small beside the coarsest radius and the domain is too large to be made whole instead.
+    /// Uses the current rayon pool.
     pub fn window(
         &self,
         window: &Window,
@@ -269,25 +286,19 @@ impl NestedPlane {
         self.compute_parts(&parts(self.domain(), window), observer)
     }
 
-    /// Returns the whole run. Uses the current rayon pool.
-    pub fn whole(&self, observer: &mut dyn Observer) -> Result<Nested, SampleError> {
-        self.compute_parts(&[self.domain().rect()], observer)
-    }
-
-    /// Returns the whole run, computed by one thread as one frame: the definition of what windows compute.
+    /// Returns the whole run. Uses the current rayon pool, and some 120 bytes a sample.
     ///
-    /// Fails when the domain is too large.
-    pub fn whole_at_once(&self, observer: &mut dyn Observer) -> Result<Nested, SampleError> {
-        let samples = self.domain().area_radii();
-        if samples > MAX_WHOLE_AREA {
-            let maximum = MAX_WHOLE_AREA;
+    /// Fails when the domain would hold more samples than the sequential engine accepts, or `observer` stops it.
+    pub fn whole(&self, observer: &mut dyn Observer) -> Result<Nested, SampleError> {
+        let samples = self.domain().area_radii() * MAXIMAL_DENSITY;
+        if samples > MAX_SEQUENTIAL_SAMPLES {
+            let maximum = MAX_SEQUENTIAL_SAMPLES;
             return Err(ParameterError::TooManySamples { samples, maximum }.into());
         }
-        let meter = Meter::begin(observer, Stage::Regions, 1)?;
-        let mut region = self.take();
-        self.compute_whole(&mut region);
+        let mut region = LevelRegion::default();
+        let mut meter = Meter::begin(observer, Stage::Regions, self.levels.into())?;
+        self.compute_whole(&mut region, Some(&mut meter))?;
         let levels = collect(&region, &self.domain().rect());
-        self.give(region);
         meter.end()?;
         Ok(self.in_order(levels))
     }
@@ -331,12 +342,12 @@ impl NestedPlane {
         for repair in 0..=MAX_REPAIRS {
             let halo = HALO << repair;
             if self.is_shorter_whole(window, halo) {
-                self.compute_whole(&mut region);
+                self.compute_whole(&mut region, None)?;
                 let levels = collect(&region, window);
                 self.give(region);
                 return Ok(levels);
             }
-            if self.compute(&mut region, window, halo) {
+            if self.compute(&mut region, window, halo)? {
                 let shown = Rect {
                     min: Point::default(),
                     max: Point::new(window.width(), window.height()),
@@ -363,8 +374,11 @@ impl NestedPlane {
 
     /// Returns by how many units the frame of a level is larger than its window on each side.
     fn halo(&self, level: u32, halo: i64) -> i64 {
-        let finer = (level..self.levels).map(|level| self.units(level));
-        finer.map(|radius| halo * i64::from(radius.units)).sum()
+        let width = |level: u32| {
+            let halvings = i64::from(self.levels - 1 - level);
+            (halo + MORE_HALO * halvings) * i64::from(self.units(level).units)
+        };
+        (level..self.levels).map(width).sum()
     }
 
     const fn units(&self, level: u32) -> LevelRadius {
@@ -373,7 +387,12 @@ impl NestedPlane {
 
     /// Computes all levels in a window with halos of `halo` radii, and returns whether all its samples are known. In the
     /// region coordinates begin at the window's corner.
-    fn compute(&self, region: &mut LevelRegion, window: &Rect, halo: i64) -> bool {
+    fn compute(
+        &self,
+        region: &mut LevelRegion,
+        window: &Rect,
+        halo: i64,
+    ) -> Result<bool, SampleError> {
         let domain = self.domain();
         let frame = |level: u32| {
             let halo = self.halo(level, halo);
@@ -401,17 +420,21 @@ impl NestedPlane {
             };
             frame
         };
-        self.run(region, frame, domain.is_periodic());
+        self.run(region, frame, domain.is_periodic(), None)?;
         let shown = |unknown: &super::region::UnknownDisk| {
             let reach = unknown.radius;
             (-reach..window.width() + reach).contains(&unknown.at.x)
                 && (-reach..window.height() + reach).contains(&unknown.at.y)
         };
-        !region.unknown.iter().any(shown)
+        Ok(!region.unknown.iter().any(shown))
     }
 
     /// Computes all levels in the whole domain.
-    fn compute_whole(&self, region: &mut LevelRegion) {
+    fn compute_whole(
+        &self,
+        region: &mut LevelRegion,
+        meter: Option<&mut Meter<'_>>,
+    ) -> Result<(), SampleError> {
         let domain = self.domain();
         let frame = LevelFrame {
             rect: domain.rect(),
@@ -420,10 +443,16 @@ impl NestedPlane {
             periodic: domain.is_periodic(),
             ..LevelFrame::default()
         };
-        self.run(region, |_| frame, false);
+        self.run(region, |_| frame, false, meter)
     }
 
-    fn run(&self, region: &mut LevelRegion, frame: impl Fn(u32) -> LevelFrame, images: bool) {
+    fn run(
+        &self,
+        region: &mut LevelRegion,
+        frame: impl Fn(u32) -> LevelFrame,
+        images: bool,
+        mut meter: Option<&mut Meter<'_>>,
+    ) -> Result<(), SampleError> {
         region.clear();
         let coarsest = self.units(0);
         let first = frame(0);
@@ -432,16 +461,16 @@ impl NestedPlane {
             .find(&target, origin, coarsest.units, images, &mut region.blocks);
         for level in 0..self.levels {
             let radius = self.units(level);
-            region.begin(level, frame(level), &radius);
+            region.begin(frame(level), &radius);
             region.claim(level as usize, &self.variants, &radius);
-            region.fill(
-                level as usize,
-                &self.variants,
-                &radius,
-                self.level_key(level),
-            );
+            region.fill(&radius, self.level_key(level));
             region.ends.push(region.samples.len());
+            if let Some(meter) = &mut meter {
+                meter.tick()?;
+                meter.ask()?;
+            }
         }
+        Ok(())
     }
 
     /// Returns the key of a level's draws. The finest has the run's own.
@@ -553,14 +582,14 @@ mod tests {
             };
             let plane = NestedPlane::new(&parameters, 4, &mut Unobserved).unwrap();
             let mut region = LevelRegion::default();
-            plane.compute_whole(&mut region);
+            plane.compute_whole(&mut region, None).unwrap();
             let domain = plane.domain().rect();
             let all = collect(&region, &domain);
             let side = 40 * R;
             for halo in [1, 2, 4, 8] {
                 let (mut known, mut unknown) = (0, 0);
                 for window in pieces(&domain, side) {
-                    if !plane.compute(&mut region, &window, halo) {
+                    if !plane.compute(&mut region, &window, halo).unwrap() {
                         unknown += 1;
                         continue;
                     }

@@ -8,7 +8,6 @@
 use crate::lattice::{Point, Rect};
 
 use super::blocks::NestedBlock;
-use super::gaps::GapBuffers;
 use super::grid::{LevelGrid, Place};
 use super::pattern::LevelClip;
 use super::plane::LevelFrame;
@@ -30,12 +29,9 @@ pub(super) mod flag {
 #[derive(Clone, Copy)]
 pub(super) struct KeptSample {
     pub at: Point,
-    /// The level from which on it is a sample that its block clips, or [`NEVER`].
-    pub own_from: u32,
+    /// Whether it is another one than a sample that its block clips.
+    pub foreign: bool,
 }
-
-/// The level of a sample that is none of its block's.
-pub(super) const NEVER: u32 = u32::MAX;
 
 /// A tiled sample whose fate is to be decided, compared by its place in the order of elimination.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -77,9 +73,6 @@ pub(super) struct LevelRegion {
     largest_unknown: i32,
     /// Cells in which there may be a gap.
     pub dirty: Vec<u32>,
-    /// The block of each cell, where it is one.
-    pub owners: Vec<u32>,
-    pub gaps: GapBuffers,
 }
 
 const NONE: u32 = u32::MAX;
@@ -93,19 +86,15 @@ impl LevelRegion {
         self.unknown.clear();
     }
 
-    /// Begins the level number `level`: takes over what is known from the level before.
-    pub fn begin(&mut self, level: u32, frame: LevelFrame, radius: &LevelRadius) {
+    /// Begins a level: takes over what is known from the level before.
+    pub fn begin(&mut self, frame: LevelFrame, radius: &LevelRadius) {
         self.grid.reset(frame.rect, frame.wraps, radius);
         self.dirty.clear();
         let grid = &mut self.grid;
         for sample in self.samples.iter().filter(|s| frame.rect.contains(s.at)) {
             grid.insert(sample.at);
-            if sample.own_from > level {
+            if sample.foreign {
                 grid.flag_near(sample.at, radius.units, flag::CONTESTED, |_| ());
-            } else if sample.own_from == level {
-                // The block clips it now, and it is there already.
-                let cell = grid.cell_at(sample.at);
-                grid.flags[cell] |= flag::CONTESTED;
             }
         }
         let before = std::mem::take(&mut self.unknown);
@@ -187,7 +176,7 @@ impl LevelRegion {
             clip.clip(block.origin, &part, |p| {
                 if safe.contains(p) && self.grid.flags[self.grid.cell_at(p)] & flag::CONTESTED == 0
                 {
-                    self.keep(p, 0);
+                    self.keep(p, false);
                 } else {
                     claimants.push(Claimant::new(block, index, p, &self.frame));
                 }
@@ -219,7 +208,7 @@ impl LevelRegion {
                 Place::Covered => {}
                 Place::Free => {
                     if inside.contains(p) && !self.touches_unknown(p, radius.units) {
-                        self.keep(p, if claimant.in_margin { NEVER } else { 0 });
+                        self.keep(p, claimant.in_margin);
                         return;
                     }
                     self.doubt(UnknownDisk { at: p, radius: 0 }, radius);
@@ -232,10 +221,9 @@ impl LevelRegion {
         self.grid.flag_near(p, radius.units, flag::DIRTY, mark);
     }
 
-    /// Adds a sample that no other covers.
-    pub fn keep(&mut self, at: Point, own_from: u32) {
+    fn keep(&mut self, at: Point, foreign: bool) {
         self.grid.insert(at);
-        self.samples.push(KeptSample { at, own_from });
+        self.samples.push(KeptSample { at, foreign });
     }
 }
 
