@@ -38,7 +38,10 @@ pub struct NestedArguments {
 
 const ORDERS_WITHIN: Names<2> = [
     ("random", "In an order that is drawn"),
-    ("farthest", "Each is the farthest from all samples before it"),
+    (
+        "farthest",
+        "Each is the farthest from all samples before it",
+    ),
 ];
 
 /// Makes, verifies and saves a set of nested levels.
@@ -74,9 +77,6 @@ fn make(arguments: &SampleArguments, levels: u32) -> Result<(Made, ExportContext
             NestedPlane::new(&asked, levels, &mut watch)?.whole(&mut watch)?
         }
     };
-    if nested.exactly.is_some() {
-        watch.drop_tries();
-    }
     if nested.order_within == WithinLevel::Farthest {
         made.order_by_distance();
     }
@@ -141,16 +141,30 @@ fn finish(
         (made.report, made.certificate, None, made.warnings)
     };
     // That a set which is cut is not maximal for its radius is what its last level says.
-    let is_cut = certificate.levels.last().is_some_and(|level| level.covering != Some(level.distance));
+    let is_cut = certificate
+        .levels
+        .last()
+        .is_some_and(|level| level.covering != Some(level.distance));
     let told = |warning: &&Warning| {
-        !(is_cut && matches!(warning, Warning::Gaps { by_rounding: false, .. }))
+        !(is_cut
+            && matches!(
+                warning,
+                Warning::Gaps {
+                    by_rounding: false,
+                    ..
+                }
+            ))
     };
     let outcome = Outcome {
         facts,
         count: set.len() as u64,
         report: Some(report),
         certificate: saved,
-        warnings: warnings.iter().filter(told).map(ToString::to_string).collect(),
+        warnings: warnings
+            .iter()
+            .filter(told)
+            .map(ToString::to_string)
+            .collect(),
     };
     Ok((outcome, certificate.levels))
 }
@@ -210,9 +224,8 @@ pub fn verify(
     };
     let region = set.region_over(certificate.region);
     let options = judge.options();
-    let found = verifying(|control| {
-        verify_prefix(&read.set.points, region, claim, &options, control)
-    });
+    let found =
+        verifying(|control| verify_prefix(&read.set.points, region, claim, &options, control));
     let found = found.with_context(|| name.to_string())?;
     let level = CertifiedLevel::of(&found);
     output::report(as_json, || json!(level), || row(&level))?;

@@ -1,6 +1,8 @@
 //! `tilescope soak`: random parameters, both engines, windows, and the verifier, for as many samples as
 //! wanted. Each failure is reported with the command that makes its set.
 
+mod nested;
+
 use std::fmt::Write;
 
 use anyhow::Result;
@@ -10,8 +12,8 @@ use serde::Serialize;
 use serde_json::json;
 use tilescope_analysis::VerifyOptions;
 use tilescope_core::{
-    Boundary, Insertion, Key, Order, Parameters, Pattern, PatternSpec, Plane, Point, SampleError,
-    Search, Sequential, Stream, Sweep, Unobserved, Window, below,
+    Boundary, Domain, Insertion, Key, Order, Parameters, Pattern, PatternSpec, Plane, Point,
+    SampleError, Search, Sequential, Stream, Sweep, Unobserved, Window, below,
 };
 
 use crate::engine::ThreadArguments;
@@ -41,7 +43,7 @@ pub struct SoakArguments {
 const EXAMPLES: &str = "\
 Each round draws sides, leaf, pattern, boundaries, order, insertion, search and seed, samples with
 the sequential and with the parallel engine, compares the two point by point, compares four windows
-with the set, and verifies the set. Exit code 1 if anything is not as promised.
+with the set, and verifies the set. Some rounds also make nested levels. Exit code 1 if anything is not as promised.
 
 Example:
   tilescope soak --samples 1000000000";
@@ -280,25 +282,18 @@ fn round(parameters: &Parameters, dice: &Dice, verify: &VerifyOptions) -> Result
             .commands
             .push(format!("{faults}{}", command(parameters)));
     }
+    nested::add(&mut round, parameters, dice, verify)?;
     Ok(round)
 }
 
 /// Compares windows of random sizes with what the whole set has there.
 fn windows_agree(plane: &Plane, points: &[Point], dice: &Dice) -> Result<bool, SampleError> {
     let domain = plane.domain();
-    let sides = domain.size();
-    for k in 0..WINDOWS {
-        let share = |index: u32| dice.share(100 + 10 * k + index);
-        let low = [share(0), share(1)].map(|s| 1.4 * s - 0.2);
-        let low = [low[0] * sides[0], low[1] * sides[1]];
-        let size = [
-            share(2) * share(3) * sides[0],
-            share(4) * share(5) * sides[1],
-        ];
-        let Ok(window) = domain.window(low, [low[0] + size[0], low[1] + size[1]]) else {
+    for index in 0..WINDOWS {
+        let Some(window) = random_window(domain, dice, index) else {
             continue;
         };
-        let inside = points.iter().filter(|p| shows(&window, plane, **p));
+        let inside = points.iter().filter(|p| shows(&window, domain, **p));
         if !plane.window(&window)?.iter().eq(inside) {
             return Ok(false);
         }
@@ -306,9 +301,22 @@ fn windows_agree(plane: &Plane, points: &[Point], dice: &Dice) -> Result<bool, S
     Ok(true)
 }
 
+/// Returns a window of random size and place, if it is one.
+fn random_window(domain: &Domain, dice: &Dice, index: u32) -> Option<Window> {
+    let sides = domain.size();
+    let share = |k: u32| dice.share(100 + 10 * index + k);
+    let low = [share(0), share(1)].map(|s| 1.4 * s - 0.2);
+    let low = [low[0] * sides[0], low[1] * sides[1]];
+    let size = [
+        share(2) * share(3) * sides[0],
+        share(4) * share(5) * sides[1],
+    ];
+    let high = [low[0] + size[0], low[1] + size[1]];
+    domain.window(low, high).ok()
+}
+
 /// Returns whether a window shows a sample.
-fn shows(window: &Window, plane: &Plane, p: Point) -> bool {
-    let domain = plane.domain();
+fn shows(window: &Window, domain: &Domain, p: Point) -> bool {
     let axis = |v: i32, axis: usize| {
         let offset = i64::from(v) - window.min[axis];
         let side = i64::from([domain.width(), domain.height()][axis]);

@@ -315,18 +315,30 @@ impl NestedPlane {
         let total = windows.len() as u64;
         let mut levels = vec![Vec::new(); self.levels as usize];
         let mut meter = Meter::begin(observer, Stage::Regions, total)?;
+        let mut left = Vec::new();
+        let mut add = |piece: Vec<Vec<Point>>| {
+            for (all, mut found) in levels.iter_mut().zip(piece) {
+                all.append(&mut found);
+            }
+        };
         for some in windows.chunks(WINDOWS_A_THREAD * rayon::current_num_threads()) {
             let found = some
                 .par_iter()
                 .with_max_len(1)
                 .map(|window| self.piece(window));
-            for piece in found.collect::<Vec<_>>() {
-                for (all, mut found) in levels.iter_mut().zip(piece?) {
-                    all.append(&mut found);
+            for (piece, window) in found.collect::<Vec<_>>().into_iter().zip(some) {
+                match piece? {
+                    Some(piece) => add(piece),
+                    None => left.push(window),
                 }
                 meter.tick()?;
             }
             meter.ask()?;
+        }
+        if !left.is_empty() {
+            let mut region = LevelRegion::default();
+            self.compute_whole(&mut region, None)?;
+            left.iter().for_each(|window| add(collect(&region, window)));
         }
         meter.end()?;
         Ok(self.in_order(levels))
@@ -336,16 +348,15 @@ impl NestedPlane {
         Nested::in_random_order(*self.domain(), levels, self.key)
     }
 
-    /// Returns the samples that each level adds in a window that lies in the domain.
-    fn piece(&self, window: &Rect) -> Result<Vec<Vec<Point>>, SampleError> {
+    /// Returns the samples that each level adds in a window that lies in the domain, or `None` if the whole is computed
+    /// sooner.
+    fn piece(&self, window: &Rect) -> Result<Option<Vec<Vec<Point>>>, SampleError> {
         let mut region = self.take();
         for repair in 0..=MAX_REPAIRS {
             let halo = HALO << repair;
             if self.is_shorter_whole(window, halo) {
-                self.compute_whole(&mut region, None)?;
-                let levels = collect(&region, window);
                 self.give(region);
-                return Ok(levels);
+                return Ok(None);
             }
             if self.compute(&mut region, window, halo)? {
                 let shown = Rect {
@@ -354,7 +365,7 @@ impl NestedPlane {
                 };
                 let levels = collect(&region, &shown);
                 self.give(region);
-                return Ok(levels);
+                return Ok(Some(levels));
             }
         }
         Err(SampleError::Entangled {
