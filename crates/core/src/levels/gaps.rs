@@ -397,7 +397,7 @@ impl Candidates<'_> {
 
 /// Returns the circumcentre of three places, rounded half up to the lattice, or `None` if they are collinear or it is
 /// far from the place (0, 0).
-#[inline(always)]
+#[inline]
 fn circumcentre(a: (i32, i32), b: (i32, i32), c: (i32, i32)) -> Option<(i64, i64)> {
     let offset = |p: (i32, i32)| (i64::from(p.0 - a.0), i64::from(p.1 - a.1));
     let (b, c) = (offset(b), offset(c));
@@ -418,7 +418,7 @@ fn circumcentre(a: (i32, i32), b: (i32, i32), c: (i32, i32)) -> Option<(i64, i64
 ///
 /// If it does, its distance from the places is at most 5 R, so that d, the triangle's area times 4, is above 0.2 R^2, and
 /// the numerators, below (10 R)^3, have errors of less than 10^-6 d.
-#[inline(always)]
+#[inline]
 fn may_hold(side: i32, a: (i32, i32), b: (i32, i32), c: (i32, i32)) -> bool {
     let offset = |p: (i32, i32)| (f64::from(p.0 - a.0), f64::from(p.1 - a.1));
     let (b, c) = (offset(b), offset(c));

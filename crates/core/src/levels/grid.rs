@@ -54,7 +54,7 @@ impl LevelGrid {
     }
 
     /// Returns the index of the cell of a place in the rectangle.
-    #[inline(always)]
+    #[inline]
     pub fn cell_at(&self, p: Point) -> usize {
         let column = (p.x - self.rect.min.x) >> self.bits;
         let row = (p.y - self.rect.min.y) >> self.bits;
@@ -76,7 +76,7 @@ impl LevelGrid {
     }
 
     /// Adds a sample, which no other may cover.
-    #[inline(always)]
+    #[inline]
     pub fn insert(&mut self, p: Point) {
         let cell = self.cell_at(p);
         let cell = &mut self.cells[cell];
@@ -90,7 +90,7 @@ impl LevelGrid {
 
     /// Calls `visit` with ranges of cells, and how far they are shifted, that together hold all places at most `reach`
     /// from `from` on both axes.
-    #[inline(always)]
+    #[inline]
     pub fn any_range(
         &self,
         from: Point,
@@ -118,7 +118,7 @@ impl LevelGrid {
 
     /// Calls `visit` with the offset from `from` of the samples at most `reach` away on both axes, and of some farther
     /// ones, until it returns `true`; returns whether it did.
-    #[inline(always)]
+    #[inline]
     pub fn any_near(
         &self,
         from: Point,
@@ -152,7 +152,7 @@ impl LevelGrid {
     }
 
     /// Returns what `p` is to the samples.
-    #[inline(always)]
+    #[inline]
     pub fn place(&self, p: Point, radius: &LevelRadius) -> Place {
         let mut here = false;
         let covered = self.any_near(p, radius.units, |dx, dy| {
@@ -169,7 +169,7 @@ impl LevelGrid {
 
 /// Returns up to three spans [first, last, shift] of coordinates from `min` to below `max` that lie at most `reach`
 /// from `from` once they are shifted. Empty spans have their last before their first.
-#[inline(always)]
+#[inline]
 fn axis_spans(from: i32, reach: i32, [min, max]: [i32; 2], wraps: bool) -> [[i32; 3]; 3] {
     const NOTHING: [i32; 3] = [0, -1, 0];
     let (low, high) = (

@@ -76,7 +76,7 @@ impl Nested {
         &self.points
     }
 
-    /// Returns how many samples the set of each level has: S_j is the first `ends()[j]` samples.
+    /// Returns how many samples the set of each level has: `S_j` is the first `ends()[j]` samples.
     #[must_use]
     pub fn ends(&self) -> &[usize] {
         &self.ends
@@ -198,7 +198,7 @@ impl<'a> Farthest<'a> {
             self.squares[id as usize] = -1;
             let point = self.points[id as usize];
             // All others are at most as far from what is before, so none farther from this one changes.
-            let reach = i64::try_from(square.isqrt()).unwrap_or(i64::MAX) + 1;
+            let reach = square.isqrt() + 1;
             let reach = reach.min(i64::from(self.domain.width().max(self.domain.height()))) as i32;
             let (squares, queue) = (&mut self.squares, &mut self.queue);
             self.grid.any_near(point, reach, |near| {

@@ -1,4 +1,4 @@
-//! The pattern of nested levels: sets P_0, P_1, ... in a periodic square, each with all samples of the one before and
+//! The pattern of nested levels: sets `P_0`, `P_1`, ... in a periodic square, each with all samples of the one before and
 //! maximal at its own radius, made by throwing darts on at ever smaller radii (see [`crate::stages::darts`]).
 
 use crate::error::SampleError;
@@ -83,7 +83,7 @@ impl NestedPattern {
         let clip = |(samples, halvings): (&Vec<Point>, u32)| {
             let pattern = Pattern::of_samples(&domain, samples.clone(), true);
             LevelClip::new(
-                pattern.variant(symmetry),
+                &pattern.variant(symmetry),
                 LevelRadius::before(halvings).bits,
             )
         };
@@ -101,7 +101,7 @@ pub(super) struct LevelClip {
 }
 
 impl LevelClip {
-    fn new(variant: PatternVariant, bits: u32) -> Self {
+    fn new(variant: &PatternVariant, bits: u32) -> Self {
         let columns = ((variant.width - 1) >> bits) as usize + 1;
         let cell = |p: Point| (p.y >> bits) as usize * columns + (p.x >> bits) as usize;
         let mut points: Vec<Point> = variant.samples.iter().map(|s| s.0).collect();
@@ -123,7 +123,7 @@ impl LevelClip {
     }
 
     /// Calls `place` with every sample in `rect`, where the place (0, 0) shows the pattern's place `origin`.
-    #[inline(always)]
+    #[inline]
     pub fn clip(&self, origin: [i64; 2], rect: &Rect, mut place: impl FnMut(Point)) {
         let side = i64::from(self.side);
         let mut bottom = rect.min.y;

@@ -169,7 +169,7 @@ pub struct NestedPlane {
     key: Key,
     variants: Vec<Vec<LevelClip>>,
     window_side: i32,
-    idle: Mutex<Vec<Box<LevelRegion>>>,
+    idle: Mutex<Vec<LevelRegion>>,
 }
 
 impl NestedPlane {
@@ -338,7 +338,9 @@ impl NestedPlane {
         if !left.is_empty() {
             let mut region = LevelRegion::default();
             self.compute_whole(&mut region, None)?;
-            left.iter().for_each(|window| add(collect(&region, window)));
+            for window in left {
+                add(collect(&region, window));
+            }
         }
         meter.end()?;
         Ok(self.in_order(levels))
@@ -492,12 +494,12 @@ impl NestedPlane {
         }
     }
 
-    fn take(&self) -> Box<LevelRegion> {
+    fn take(&self) -> LevelRegion {
         let mut idle = self.idle.lock().unwrap_or_else(PoisonError::into_inner);
         idle.pop().unwrap_or_default()
     }
 
-    fn give(&self, region: Box<LevelRegion>) {
+    fn give(&self, region: LevelRegion) {
         let mut idle = self.idle.lock().unwrap_or_else(PoisonError::into_inner);
         idle.push(region);
     }

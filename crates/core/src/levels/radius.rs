@@ -48,7 +48,7 @@ impl LevelRadius {
     }
 
     /// Returns whether a sample covers a place at this offset.
-    #[inline(always)]
+    #[inline]
     pub const fn covers(&self, dx: i32, dy: i32) -> bool {
         let (dx, dy) = (dx as i64, dy as i64);
         dx * dx + dy * dy <= self.squared

@@ -54,7 +54,10 @@ struct Level {
 impl Level {
     fn new(halvings: u32, run: Key) -> Self {
         let squared = 1_i64 << (30 + halvings);
-        let units = (1..).find(|&units: &i64| units * units >= squared).unwrap() as i32;
+        let mut units = 1;
+        while i64::from(units).pow(2) < squared {
+            units += 1;
+        }
         let key = match halvings {
             0 => run,
             _ => run.derive(Stream::Nested, halvings),
@@ -352,7 +355,7 @@ fn every_level_is_valid_and_every_prefix_is_good() {
                 let before = level
                     .checked_sub(1)
                     .map_or(0, |k| nested.ends()[k as usize]);
-                counts.extend([end, (before + end) / 2, end - 1]);
+                counts.extend([end, usize::midpoint(before, end), end - 1]);
             }
             for count in counts {
                 let promised = nested.guarantee(count);
