@@ -92,3 +92,62 @@ pub fn verify_prefix(
     let report = verify(points, region, radius, options, control)?;
     Ok(PrefixReport { claim, report })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::judge::JudgeChoice;
+    use crate::region::Boundary;
+
+    /// A square lattice of spacing 1 whose every other sample on both axes comes first.
+    fn two_levels() -> Vec<[f64; 2]> {
+        let place = |k: u32| [f64::from(k % 8), f64::from(k / 8)];
+        let mut points: Vec<[f64; 2]> = (0..64).map(place).collect();
+        points.sort_by_key(|p| p.iter().any(|v| v % 2.0 > 0.5));
+        points
+    }
+
+    fn judged(points: &[[f64; 2]], count: usize) -> PrefixReport {
+        let levels = [PrefixClaim::maximal(16, 2.0), PrefixClaim::maximal(64, 1.0)];
+        let region = Region {
+            width: 8.0,
+            height: 8.0,
+            boundary: Boundary::Periodic,
+        };
+        let options = VerifyOptions {
+            judges: JudgeChoice::Both,
+            ..VerifyOptions::default()
+        };
+        let claim = PrefixClaim::within(&levels, count).unwrap();
+        let go_on = |_| ControlFlow::Continue(());
+        verify_prefix(points, region, claim, &options, &go_on).unwrap()
+    }
+
+    #[test]
+    fn both_judges_find_every_prefix_as_claimed() {
+        let points = two_levels();
+        for count in [1, 15, 16, 17, 40, 63, 64] {
+            let found = judged(&points, count);
+            assert!(found.valid(), "{found:?}");
+            assert_eq!(found.report.count, count);
+        }
+    }
+
+    #[test]
+    fn samples_too_early_spoil_their_prefixes_alone() {
+        let mut points = two_levels();
+        points.swap(0, 40);
+        let found = judged(&points, 16);
+        assert!(!found.valid() && found.report.min_distance < 2.0);
+        // With two neighbours fewer there is a gap between their places.
+        points.swap(1, 41);
+        let found = judged(&points, 16);
+        assert!(!found.valid() && !found.report.maximal());
+        assert!(judged(&points, 64).valid());
+        let few = PrefixClaim::maximal(65, 1.0);
+        let region = judged(&points, 64).report.region;
+        let go_on = |_| ControlFlow::Continue(());
+        let refused = verify_prefix(&points, region, few, &VerifyOptions::default(), &go_on);
+        assert_eq!(refused, Err(VerifyError::Empty));
+    }
+}

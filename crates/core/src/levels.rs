@@ -26,6 +26,7 @@
 //! *Windows.* What a sample depends on is followed by *unknowns* ([`region`]), never guessed.
 
 mod blocks;
+mod frame;
 mod gaps;
 mod grid;
 mod nested;

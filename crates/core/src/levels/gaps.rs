@@ -42,7 +42,7 @@ const MORE_HALVINGS: u32 = 5;
 
 /// A square in which there may be a gap.
 #[derive(Clone, Copy)]
-struct Pixel {
+struct GapPixel {
     min: Point,
     side: i32,
     /// How far from its centre samples decide what happens in it.
@@ -51,7 +51,7 @@ struct Pixel {
     is_due: bool,
 }
 
-impl Pixel {
+impl GapPixel {
     /// Returns the offset of its centre from its lowest point.
     fn middle(&self) -> f64 {
         f64::from(self.side - 1) / 2.0
@@ -83,7 +83,7 @@ const TURN: usize = 256;
 struct Gathered {
     across: Vec<f32>,
     up: Vec<f32>,
-    pixels: Vec<Pixel>,
+    pixels: Vec<GapPixel>,
 }
 
 impl LevelRegion {
@@ -122,7 +122,7 @@ impl LevelRegion {
     }
 
     /// Returns the pixels of dirty cells that no sample covers whole.
-    fn open_pixels(&self, radius: &LevelRadius) -> Vec<Pixel> {
+    fn open_pixels(&self, radius: &LevelRadius) -> Vec<GapPixel> {
         // Near the frame's edges nothing can be known.
         let inside = self.frame.inside(radius.units);
         let open = self.dirty.par_chunks(TURN).map(|cells| {
@@ -194,7 +194,7 @@ impl LevelRegion {
             }
             return;
         }
-        let mut pixel = Pixel {
+        let mut pixel = GapPixel {
             min,
             side,
             sight: f64::INFINITY,
@@ -214,7 +214,7 @@ impl LevelRegion {
     }
 
     /// Takes out the pixels in which something unknown may happen.
-    fn doubt_pixels(&mut self, radius: &LevelRadius, pixels: &mut Vec<Pixel>) {
+    fn doubt_pixels(&mut self, radius: &LevelRadius, pixels: &mut Vec<GapPixel>) {
         let farthest = self.frame.sight(radius);
         loop {
             let before = pixels.len();
@@ -246,7 +246,12 @@ impl LevelRegion {
     }
 
     /// Gathers the samples that decide about a pixel, as offsets from its lowest point. Returns whether it is open.
-    fn look(&self, pixel: &mut Pixel, radius: &LevelRadius, sites: &mut Vec<(i32, i32)>) -> bool {
+    fn look(
+        &self,
+        pixel: &mut GapPixel,
+        radius: &LevelRadius,
+        sites: &mut Vec<(i32, i32)>,
+    ) -> bool {
         let (middle, half) = (pixel.middle(), pixel.half_diagonal());
         let centre = pixel.side / 2;
         let at = Point::new(pixel.min.x + centre, pixel.min.y + centre);
@@ -285,7 +290,7 @@ impl LevelRegion {
     /// Appends the candidates of a pixel to `found`, and returns whether the pixel is open. `sites` is a buffer.
     fn find(
         &self,
-        pixel: &mut Pixel,
+        pixel: &mut GapPixel,
         radius: &LevelRadius,
         sites: &mut Vec<(i32, i32)>,
         found: &mut Vec<Point>,
@@ -341,7 +346,7 @@ impl LevelRegion {
 /// The places of a pixel that may be candidates.
 struct Candidates<'a> {
     region: &'a LevelRegion,
-    pixel: &'a Pixel,
+    pixel: &'a GapPixel,
     radius: &'a LevelRadius,
     sites: &'a [(i32, i32)],
 }

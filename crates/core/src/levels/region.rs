@@ -8,9 +8,9 @@
 use crate::lattice::{Point, Rect};
 
 use super::blocks::NestedBlock;
+use super::frame::LevelFrame;
 use super::grid::{LevelGrid, Place};
 use super::pattern::LevelClip;
-use super::plane::LevelFrame;
 use super::radius::LevelRadius;
 
 /// Flags of the grid's cells.
