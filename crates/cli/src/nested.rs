@@ -70,12 +70,10 @@ fn make(arguments: &SampleArguments, levels: u32) -> Result<(Made, ExportContext
     let nested = &arguments.nested;
     let asked = arguments.run.parameters()?;
     let mut watch = Stopwatch::start();
-    let mut made = match nested.exactly {
-        Some(count) => NestedPlane::exactly(&asked, levels, count, &mut watch)?,
-        None => {
-            asked.validate_sequential()?;
-            NestedPlane::new(&asked, levels, &mut watch)?.whole(&mut watch)?
-        }
+    let mut made = if let Some(count) = nested.exactly {
+        NestedPlane::exactly(&asked, levels, count, &mut watch)?
+    } else {
+        NestedPlane::new(&asked, levels, &mut watch)?.whole(&mut watch)?
     };
     if nested.order_within == WithinLevel::Farthest {
         made.order_by_distance();
