@@ -25,6 +25,7 @@ mod headless;
 mod interrupt;
 pub mod lesson;
 mod make;
+mod nested;
 mod options;
 mod output;
 mod parameters;

@@ -8,7 +8,7 @@ use crate::output::{self, Outcome};
 use crate::paths::{InFile, check_target};
 use crate::progress::Stopwatch;
 use crate::sample_arguments::{SampleArguments, SamplingMethod};
-use crate::{interrupt, stream, window};
+use crate::{interrupt, nested, stream, window};
 
 pub fn run(arguments: &SampleArguments) -> Result<u8> {
     interrupt::listen();
@@ -18,6 +18,9 @@ pub fn run(arguments: &SampleArguments) -> Result<u8> {
     }
     if let Some(window) = &arguments.window {
         return window::run(arguments, window);
+    }
+    if let Some(levels) = arguments.nested.levels {
+        return nested::run(arguments, levels);
     }
     let outcome = outcome(arguments)?;
     output::report(arguments.json, || outcome.json(), || outcome.text())?;

@@ -10,6 +10,7 @@ use tilescope_formats::{ExportContext, Format, Precision, Warning};
 use crate::engine::EngineArguments;
 use crate::facts::Facts;
 use crate::make::Made;
+use crate::nested::NestedArguments;
 use crate::options::{JudgeArguments, PRECISIONS, named};
 use crate::parameters::RunArguments;
 use crate::paths::InFile;
@@ -25,6 +26,8 @@ pub struct SampleArguments {
     pub run: RunArguments,
     #[command(flatten)]
     pub engine: EngineArguments,
+    #[command(flatten)]
+    pub nested: NestedArguments,
     /// Only the samples of the set in this rectangle, X0 <= x < X1 and Y0 <= y < Y1, without making the
     /// rest. In a periodic domain it may cross the border or lie beyond it; in a bounded domain a rectangle
     /// that reaches the upper border includes it
@@ -73,6 +76,8 @@ Examples:
   tilescope sample --radius 0.02 --width 2 --boundary bounded --insertion uniform --out set.csv
   tilescope sample --count 100000000 --leaf 40 --out huge.npy
   tilescope sample --count 100000000 --engine gpu --out huge.npy
+  tilescope sample --radius 0.002 --levels 8 --out levels.npy
+  tilescope sample --exactly 10000 --levels 6 --out set.csv
   tilescope sample --radius 2e-5 --window 0.5 0.5 0.502 0.502
   tilescope sample --radius 0.002 --search 2          the experiment that leaves gaps: exit code 1
   tilescope sample --count 5000 --method reference --json";

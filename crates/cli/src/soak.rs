@@ -1,6 +1,8 @@
 //! `tilescope soak`: compares engines, windows and verdicts at random parameters, for a given number of samples. Each
 //! failure is reported with the command that makes its set.
 
+mod nested;
+
 use std::fmt::Write;
 
 use anyhow::Result;
@@ -11,8 +13,8 @@ use serde::Serialize;
 use serde_json::json;
 use tilescope_analysis::VerifyOptions;
 use tilescope_core::{
-    Boundary, Insertion, Key, Order, Parameters, Pattern, PatternSpec, Plane, Point, SampleError,
-    Search, Sequential, Stream, Sweep, Unobserved, Window, below,
+    Boundary, Domain, Insertion, Key, Order, Parameters, Pattern, PatternSpec, Plane, Point,
+    SampleError, Search, Sequential, Stream, Sweep, Unobserved, Window, below,
 };
 
 use crate::engine::ThreadArguments;
@@ -42,7 +44,8 @@ pub struct SoakArguments {
 const EXAMPLES: &str = "\
 Each round draws sides, leaf, pattern, boundaries, order, insertion, search and seed, samples with
 the sequential and with the parallel engine, compares the two point by point, compares four windows
-with the set, and verifies the set. Exit code 1 if two sets differ, or if one is not valid.
+with the set, and verifies the set. Some rounds also make nested levels. Exit code 1 if two sets differ, or if one is not
+valid.
 
 Example:
   tilescope soak --samples 1000000000";
@@ -271,21 +274,18 @@ fn round(parameters: &Parameters, dice: &Dice, verify: &VerifyOptions) -> Result
     if !faults.is_empty() {
         round.commands.push(faults + command(parameters).as_str());
     }
+    nested::add(&mut round, parameters, dice, verify)?;
     Ok(round)
 }
 
 /// Compares windows of random sizes with the whole set.
 fn windows_agree(plane: &Plane, points: &[Point], dice: &Dice) -> Result<bool, SampleError> {
     let domain = plane.domain();
-    let sides = domain.size();
-    for k in 0..WINDOWS {
-        let share = |index: usize| dice.share(100 + 10 * k + index as u32);
-        let low = [0, 1].map(|axis| (1.4 * share(axis) - 0.2) * sides[axis]);
-        let size = |axis: usize| share(2 + 2 * axis) * share(3 + 2 * axis) * sides[axis];
-        let Ok(window) = domain.window(low, [low[0] + size(0), low[1] + size(1)]) else {
+    for index in 0..WINDOWS {
+        let Some(window) = random_window(domain, dice, index) else {
             continue;
         };
-        let inside = points.iter().filter(|p| shows(&window, plane, **p));
+        let inside = points.iter().filter(|p| shows(&window, domain, **p));
         if !plane.window(&window)?.iter().eq(inside) {
             return Ok(false);
         }
@@ -293,9 +293,22 @@ fn windows_agree(plane: &Plane, points: &[Point], dice: &Dice) -> Result<bool, S
     Ok(true)
 }
 
+/// Returns a window of random size and place, if it is one.
+fn random_window(domain: &Domain, dice: &Dice, index: u32) -> Option<Window> {
+    let sides = domain.size();
+    let share = |k: u32| dice.share(100 + 10 * index + k);
+    let low = [share(0), share(1)].map(|s| 1.4 * s - 0.2);
+    let low = [low[0] * sides[0], low[1] * sides[1]];
+    let size = [
+        share(2) * share(3) * sides[0],
+        share(4) * share(5) * sides[1],
+    ];
+    let high = [low[0] + size[0], low[1] + size[1]];
+    domain.window(low, high).ok()
+}
+
 /// Returns whether a window shows a sample.
-fn shows(window: &Window, plane: &Plane, p: Point) -> bool {
-    let domain = plane.domain();
+fn shows(window: &Window, domain: &Domain, p: Point) -> bool {
     let [min, max] = [window.min, window.max].map(I64Vec2::from);
     let mut at = I64Vec2::from(p) - min;
     if let (true, Some(wrapped)) = (domain.is_periodic(), domain.wrap(at)) {

@@ -11,7 +11,7 @@ use tilescope_formats::{Certificate, CheckError, Overrides, StreamCheck, check_s
 use crate::options::{JudgeArguments, SetArguments, check_or_unit_square};
 use crate::paths::InFile;
 use crate::progress::verifying;
-use crate::{interrupt, output, verdict_code};
+use crate::{interrupt, nested, output, verdict_code};
 
 /// Arguments of `tilescope verify`.
 #[derive(Debug, Args)]
@@ -23,6 +23,9 @@ pub struct VerifyArguments {
     set: SetArguments,
     #[command(flatten)]
     judge: JudgeArguments,
+    /// Judge only the first N samples of a set with nested levels: whether they hold what its certificate states
+    #[arg(long, value_name = "N", conflicts_with_all = ["radius"])]
+    prefix: Option<usize>,
     /// Print one JSON object
     #[arg(long)]
     json: bool,
@@ -37,10 +40,17 @@ only, make the set again.
 Examples:
   tilescope verify set.csv
   tilescope verify theirs.txt --radius 0.01
+  tilescope verify levels.npy --prefix 1000
   tilescope verify theirs.csv --radius 0.5 --width 20 --height 10 --boundary bounded --json";
 
 pub fn run(arguments: &VerifyArguments) -> Result<u8> {
     interrupt::listen();
+    if let Some(count) = arguments.prefix {
+        let VerifyArguments {
+            file, set, judge, ..
+        } = arguments;
+        return nested::verify(file, count, set, judge, arguments.json);
+    }
     let check = checked(arguments)?;
     output::report(arguments.json, || to_json(&check), || to_text(&check))?;
     Ok(verdict_code(check.passed()))

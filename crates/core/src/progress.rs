@@ -91,7 +91,7 @@ impl<'a> Meter<'a> {
         self.ask()
     }
 
-    fn ask(&mut self) -> Result<(), SampleError> {
+    pub(crate) fn ask(&mut self) -> Result<(), SampleError> {
         self.progress.done = self.progress.done.min(self.progress.total);
         match self.observer.observe(self.progress) {
             ControlFlow::Continue(()) => Ok(()),

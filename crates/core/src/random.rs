@@ -28,6 +28,10 @@ pub enum Stream {
     Pattern = 10,
     /// The key of one of a level's throws.
     Throw = 11,
+    /// The key of a level of nested levels.
+    Nested = 12,
+    /// The place of a sample among those of its level.
+    Sequence = 13,
 }
 
 /// A 64-bit key from which draws and further keys are derived.

@@ -6,7 +6,7 @@
 use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
-use tilescope_analysis::{Judge, Region, Report};
+use tilescope_analysis::{Judge, PrefixClaim, PrefixReport, Region, Report};
 
 use crate::error::FormatError;
 use crate::format::{Format, Precision};
@@ -32,6 +32,48 @@ pub struct Rounding {
     pub made_gaps: bool,
     /// The same in a sentence.
     pub note: String,
+}
+
+/// What holds for the first points of a file of nested levels, as measured. Lengths are in domain units.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CertifiedLevel {
+    /// How many points there are to the end of the level.
+    pub count: u64,
+    /// No two of them are to be closer than this.
+    pub distance: f64,
+    /// No place is to be farther from them than this, but for the tolerance; null where that is not promised.
+    pub covering: Option<f64>,
+    /// Smallest distance between two of them; null for a single point of a bounded region.
+    pub min_distance: Option<f64>,
+    /// Radius of the largest empty circle centred in the region.
+    pub covering_radius: f64,
+    /// Whether they are as they are to be.
+    pub valid: bool,
+}
+
+impl CertifiedLevel {
+    /// What was found of a claim.
+    #[must_use]
+    pub fn of(found: &PrefixReport) -> Self {
+        Self {
+            count: found.claim.count as u64,
+            distance: found.claim.distance,
+            covering: found.claim.covering,
+            min_distance: finite(found.report.min_distance),
+            covering_radius: found.report.covering_radius,
+            valid: found.valid(),
+        }
+    }
+
+    /// What is to hold for these points.
+    #[must_use]
+    pub fn claim(&self) -> PrefixClaim {
+        PrefixClaim {
+            count: usize::try_from(self.count).unwrap_or(usize::MAX),
+            distance: self.distance,
+            covering: self.covering,
+        }
+    }
 }
 
 /// What a point-set file holds, how it was made and what the verifier found. Lengths are in domain units.
@@ -72,6 +114,9 @@ pub struct Certificate {
     /// Who verified. Certificates of versions that had one judge do not say so.
     #[serde(default = "Judge::first")]
     pub judges: Vec<Judge>,
+    /// The levels, if the file holds nested levels: of each, what holds for all points to its end.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub levels: Vec<CertifiedLevel>,
     /// The data file's name when it was written, without folders.
     pub file: String,
     /// Its format.
@@ -149,8 +194,8 @@ impl Certificate {
         ]
     }
 
-    /// Returns the fields that cannot be checked against the file: how the set was made, the file's name when it was
-    /// written, and how storing changed the positions.
+    /// Returns the fields that a check does not compare with the file: how the set was made, the file's name when it was
+    /// written, how storing changed the positions, and the levels, each of which can be checked as a prefix.
     #[must_use]
     pub fn unchecked(&self) -> Vec<String> {
         let known = self.known_parameters().map(|(name, ..)| name);
@@ -159,12 +204,21 @@ impl Certificate {
             .map(|name| format!("parameters.{name}"));
         let shuffled = self.shuffle_seed.map(|_| "shuffle_seed");
         let rounded = self.rounding.as_ref().map(|_| "rounding");
+        let nested = self.levels.first().map(|_| "levels");
         (["program", "program_version", "method", "file", "judges"].into_iter())
             .chain(shuffled)
             .chain(rounded)
+            .chain(nested)
             .map(str::to_owned)
             .chain(parameters)
             .collect()
+    }
+
+    /// Returns what is to hold for the first `count` points, by the levels stated; `None` if there are none or fewer points.
+    #[must_use]
+    pub fn prefix(&self, count: usize) -> Option<PrefixClaim> {
+        let claims: Vec<PrefixClaim> = self.levels.iter().map(CertifiedLevel::claim).collect();
+        PrefixClaim::within(&claims, count)
     }
 
     /// Refuses a certificate of a newer version.

@@ -161,14 +161,16 @@ pub fn decode(bytes: &[u8], hint: &Hint<'_>) -> Result<Decoded, FormatError> {
 /// [`FormatError::Empty`], [`FormatError::NotFinite`] for NaN, infinity or what f32 cannot hold,
 /// [`FormatError::Provenance`], [`FormatError::Parameter`], [`FormatError::TooMany`].
 pub fn encode(set: &PointSet, target: &Target) -> Result<Vec<u8>, FormatError> {
-    encode_certified(set, target, None)
+    encode_certified(set, target, None, &[])
 }
 
-/// [`encode`], with the certificate to put into formats that hold one.
+/// [`encode`], with the certificate to put into formats that hold one, and the number of points to the end of each level,
+/// if there are levels, for formats with columns.
 pub(crate) fn encode_certified(
     set: &PointSet,
     target: &Target,
     certificate: Option<&Certificate>,
+    level_ends: &[usize],
 ) -> Result<Vec<u8>, FormatError> {
     let format = target.format;
     if set.is_empty() {
@@ -187,19 +189,27 @@ pub(crate) fn encode_certified(
     }
     let precision = format.precision(target.precision);
     let provenance = set.provenance.as_deref();
+    let levels = level_column(level_ends, points.len());
     match format {
-        Format::Csv => Ok(csv::write(&points)),
+        Format::Csv => Ok(csv::write(&points, &levels)),
         Format::PsaText => Ok(psa::write_text(&points)),
         Format::PsaRps => Ok(psa::write_rps(&points)),
         Format::UtkText => Ok(utk::write_text(&points)),
         Format::UtkBinary => utk::write_binary(&points, precision),
         Format::Npy => Ok(npy::write(&points, precision)),
-        Format::PlyAscii => Ok(ply::write_ascii(&points, provenance)),
-        Format::PlyBinary => Ok(ply::write_binary(&points, provenance, precision)),
+        Format::PlyAscii => Ok(ply::write_ascii(&points, provenance, &levels)),
+        Format::PlyBinary => Ok(ply::write_binary(&points, provenance, &levels, precision)),
         Format::Xyz => Ok(xyz::write(&points)),
         Format::Json => json::write(&points, provenance, certificate),
         Format::Svg => Ok(svg::write(&points, target)),
     }
+}
+
+/// Returns the level of each of `count` points, from 0; nothing if there are no levels.
+fn level_column(ends: &[usize], count: usize) -> Vec<u32> {
+    let indices = 0..if ends.is_empty() { 0 } else { count };
+    let level = |index| ends.partition_point(|&end| end <= index) as u32;
+    indices.map(level).collect()
 }
 
 fn check_provenance(set: &PointSet) -> Result<(), FormatError> {

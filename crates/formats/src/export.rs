@@ -9,9 +9,12 @@ use std::fmt;
 use std::ops::ControlFlow;
 use std::path::Path;
 
-use tilescope_analysis::{Progress, Region, Report, VerifyError, VerifyOptions, verify};
+use tilescope_analysis::{
+    PrefixClaim, PrefixReport, Progress, Region, Report, VerifyError, VerifyOptions, verify,
+    verify_prefix,
+};
 
-use crate::certificate::{CERTIFICATE_FORMAT_VERSION, Certificate, Rounding};
+use crate::certificate::{CERTIFICATE_FORMAT_VERSION, Certificate, CertifiedLevel, Rounding};
 use crate::codecs::{Decoded, Hint, Target, decode, encode_certified};
 use crate::digest::{bytes_digest, positions_digest};
 use crate::error::FormatError;
@@ -44,6 +47,9 @@ pub struct ExportContext {
     pub parameters: BTreeMap<String, serde_json::Value>,
     /// How to verify.
     pub verify: VerifyOptions,
+    /// What is to hold for the points to the end of each level, if the set has nested levels. Formats with columns then
+    /// have one that is named level. Streams leave it out.
+    pub levels: Vec<PrefixClaim>,
 }
 
 impl ExportContext {
@@ -61,7 +67,13 @@ impl ExportContext {
             method: "unstated".to_owned(),
             parameters: BTreeMap::new(),
             verify: VerifyOptions::default(),
+            levels: Vec::new(),
         }
+    }
+
+    /// Returns how many points there are to the end of each level.
+    pub(crate) fn level_ends(&self) -> Vec<usize> {
+        self.levels.iter().map(|claim| claim.count).collect()
     }
 }
 
@@ -149,6 +161,14 @@ pub enum ExportError {
         /// The seed asked for.
         seed: u64,
     },
+    /// Nested levels are an order of their own.
+    #[error(
+        "nested levels cannot be shuffled (seed {seed}): their order is what they are made for"
+    )]
+    ShuffledLevels {
+        /// The seed asked for.
+        seed: u64,
+    },
     /// The export failed earlier and cannot be continued.
     #[error("{path}: the export failed before and cannot go on")]
     Failed {
@@ -226,8 +246,21 @@ pub(crate) fn export_through(
     control: Control<'_>,
 ) -> Result<ExportedBytes, ExportError> {
     let target = target(name, context)?;
+    if let (Some(seed), false) = (context.shuffle_seed, context.levels.is_empty()) {
+        return Err(ExportError::ShuffledLevels { seed });
+    }
     let set = ordered(set, context);
-    let mut data = store(encode_certified(&set, &target, None)?)?;
+    let ends = context.level_ends();
+    let encoded = encode_certified(&set, &target, None, &ends)?;
+    // Readers skip the column of levels.
+    let expected = (!ends.is_empty()).then(|| bytes_digest(&encoded));
+    let mut data = store(encoded)?;
+    if expected.is_some_and(|expected| expected != bytes_digest(&data)) {
+        return Err(ExportError::ReadBack {
+            written: "points with their levels".to_owned(),
+            found: "other bytes".to_owned(),
+        });
+    }
     let decoded = decode_own(&data, target.format)?;
     compare(&set, &decoded, &target)?;
     let mapping = target.mapping();
@@ -238,12 +271,14 @@ pub(crate) fn export_through(
         .map(|&p| mapping.domain_from_file(p));
     let stored: Vec<[f64; 2]> = stored.collect();
     let report = judge(&stored, &target, context, control)?;
+    let levels = judged_levels(&stored, &report, &target, context, control)?;
     let rounding = rounding(&set.points, &stored, &report, &target, context, control)?;
     let digest = positions_digest(&decoded.set.points);
     drop(decoded);
     let mut certificate = certificate(name, &target, context, &report, rounding, digest);
+    certificate.levels = levels;
     if target.format == Format::Json {
-        data = store(encode_certified(&set, &target, Some(&certificate))?)?;
+        data = store(encode_certified(&set, &target, Some(&certificate), &ends)?)?;
         let again = decode_own(&data, target.format)?;
         compare(&set, &again, &target)?;
         if again.certificate.as_ref() != Some(&certificate) {
@@ -323,6 +358,30 @@ fn judge(
         control,
     )
     .map_err(|source| ExportError::Verify { precision, source })
+}
+
+/// Judges the points to the end of each level.
+fn judged_levels(
+    points: &[[f64; 2]],
+    whole: &Report,
+    target: &Target,
+    context: &ExportContext,
+    control: Control<'_>,
+) -> Result<Vec<CertifiedLevel>, ExportError> {
+    let precision = target.format.precision(target.precision);
+    let judged = |&claim: &PrefixClaim| {
+        // The last level is the whole set, which has been judged.
+        let is_whole = claim.count == points.len() && claim.covering == Some(context.radius);
+        let found = if is_whole {
+            let report = whole.clone();
+            Ok(PrefixReport { claim, report })
+        } else {
+            verify_prefix(points, context.region, claim, &context.verify, control)
+        };
+        let found = found.map_err(|source| ExportError::Verify { precision, source })?;
+        Ok(CertifiedLevel::of(&found))
+    };
+    context.levels.iter().map(judged).collect()
 }
 
 /// Measures how storing changed the positions. Where that may have changed the verdict, the original positions are
@@ -409,6 +468,7 @@ pub(crate) fn certificate(
         relative_radius: None,
         valid: false,
         judges: Vec::new(),
+        levels: Vec::new(),
         file: name.to_owned(),
         file_format: target.format,
         precision: target.format.precision(target.precision),

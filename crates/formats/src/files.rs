@@ -14,7 +14,7 @@ use tilescope_analysis::{Progress, Report};
 
 use crate::certificate::{Certificate, MAX_CERTIFICATE_BYTES};
 use crate::check::{Check, CheckError, Overrides, check_bytes};
-use crate::codecs::{Hint, encode};
+use crate::codecs::{Hint, encode_certified};
 use crate::destination::destination;
 use crate::error::{FormatError, io_error};
 use crate::export::{
@@ -135,7 +135,8 @@ pub fn export_unverified(
     context: &ExportContext,
 ) -> Result<Vec<Warning>, FormatError> {
     let target = target(&file_name(path)?, context)?;
-    let bytes = encode(&ordered(set, context), &target)?;
+    let set = ordered(set, context);
+    let bytes = encode_certified(&set, &target, None, &context.level_ends())?;
     let temporary = Temporary::of(path)?;
     temporary.write(&bytes).map_err(|e| io_error(path, e))?;
     remove_certificate(path)?;

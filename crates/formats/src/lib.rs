@@ -37,7 +37,8 @@ mod stream;
 mod text;
 
 pub use certificate::{
-    CERTIFICATE_FORMAT_VERSION, CERTIFICATE_SUFFIX, Certificate, MAX_CERTIFICATE_BYTES, Rounding,
+    CERTIFICATE_FORMAT_VERSION, CERTIFICATE_SUFFIX, Certificate, CertifiedLevel,
+    MAX_CERTIFICATE_BYTES, Rounding,
 };
 pub use check::{
     CertificateDifference, Check, CheckError, MEASURE_TOLERANCE, Overrides, check_bytes,

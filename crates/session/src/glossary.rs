@@ -50,6 +50,8 @@ glossary! {
     SEAM, "seam", "4.2", "A line along which two clips meet, or two sets of a combination. Conflicts and gaps arise near it.";
     COMBINATION, "combination", "4.2", "Maximal sets side by side in the rectangles of a layout, made one by elimination and insertion along their seams.";
     PIECE, "piece", "4.2", "One of the sets of a combination.";
+    LEVEL, "level", "", "One of several nested sets: it is maximal for its own radius and has all samples of the level before, whose radius is larger by the root of 2.";
+    PREFIX, "prefix", "", "The first samples of a set, however many, in the order of its file. With nested levels every prefix is evenly spread.";
 
     ELIMINATION, "elimination", "3.2.2", "The stage that resolves conflicts: samples claim their disks in an order, and a later sample in a claimed disk goes.";
     UNDECIDED, "undecided", "", "A tiled sample whose turn in elimination has not come.";

@@ -96,7 +96,14 @@ fn core_and_analysis_use_little_else() {
     for (name, allowed) in [
         (
             "tilescope-core",
-            &["fearless_simd", "rayon", "serde", "serde_json", "thiserror"][..],
+            &[
+                "fearless_simd",
+                "glam",
+                "rayon",
+                "serde",
+                "serde_json",
+                "thiserror",
+            ][..],
         ),
         (
             "tilescope-analysis",

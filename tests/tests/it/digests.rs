@@ -1,9 +1,9 @@
 //! Pins the definition of the points: these digests must never change, on any machine, engine, thread count or browser.
 //! If one changes, the program computes other points.
 
-use crate::support::pinned::{PINNED, cases};
+use crate::support::pinned::{NESTED, PINNED, cases};
 use crate::support::{digest, run};
-use tilescope_core::{Parameters, Unobserved, reference_sample};
+use tilescope_core::{Boundary, NestedPlane, Parameters, Unobserved, reference_sample};
 
 #[test]
 fn results_have_their_pinned_digests() {
@@ -16,4 +16,29 @@ fn results_have_their_pinned_digests() {
     found.push(("reference", digest(&reference)));
     let found: Vec<(&str, &str)> = found.iter().map(|(n, d)| (*n, d.as_str())).collect();
     assert_eq!(found, PINNED);
+}
+
+/// The order is pinned, too.
+#[test]
+fn nested_levels_have_their_pinned_digests() {
+    let whole = |parameters: &Parameters, levels| {
+        let plane = NestedPlane::new(parameters, levels, &mut Unobserved).unwrap();
+        plane.whole(&mut Unobserved).unwrap()
+    };
+    let default = Parameters::default();
+    let bounded = Parameters {
+        radius: 0.01,
+        boundary: Boundary::Bounded,
+        width: 1.7,
+        seed: u64::MAX,
+        dihedral: true,
+        ..default
+    };
+    let drawn = whole(&default, 5);
+    let mut farthest = drawn.clone();
+    farthest.order_by_distance();
+    let bounded = whole(&bounded, 4);
+    assert_eq!(drawn.ends(), [627, 1200, 2470, 4934, 9938]);
+    let found = [&drawn, &farthest, &bounded].map(|nested| digest(nested.points()));
+    assert_eq!(found, NESTED);
 }

@@ -160,4 +160,33 @@ pub enum ParameterError {
         /// The nearest count found.
         nearest: u64,
     },
+    /// The number of nested levels is out of range.
+    #[error("{levels} levels were asked for; there must be between 1 and {maximum}")]
+    Levels {
+        /// What was asked for.
+        levels: u32,
+        /// The most possible.
+        maximum: u32,
+    },
+    /// A side is too short for the coarsest of nested levels.
+    #[error(
+        "the {name} is {} r long; {levels} levels need at least {minimum:.1} r: choose fewer levels or a smaller radius",
+        Number(*.radii)
+    )]
+    TooManyLevels {
+        /// Which side.
+        name: &'static str,
+        /// How many levels were asked for.
+        levels: u32,
+        /// The side's length in radii.
+        radii: f64,
+        /// The limit in radii.
+        minimum: f64,
+    },
+    /// Nested levels are made in one way only.
+    #[error("nested levels need the default for {name}")]
+    NestedChoice {
+        /// What was chosen otherwise.
+        name: &'static str,
+    },
 }

@@ -250,7 +250,7 @@ pub(crate) fn cell_darts(key: Key, cell: Cell) -> impl Iterator<Item = (u32, Poi
 
 /// Returns the Poisson count of mean 0.85 for a uniform word: a cell's is the first word of its key. The darts are
 /// drawn with the whole key, so they are independent of the count.
-fn poisson(word: u32) -> u32 {
+pub(crate) fn poisson(word: u32) -> u32 {
     POISSON.iter().take_while(|&&bound| word >= bound).count() as u32
 }
 

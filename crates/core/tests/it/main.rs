@@ -5,3 +5,4 @@ mod combine_refusals;
 mod combining;
 mod definition;
 mod extremes;
+mod levels;

@@ -6,7 +6,7 @@
 use super::Raw;
 use crate::error::{FilePlace, FormatError};
 use crate::format::{Format, Precision};
-use crate::text::{data_lines, number, push_line};
+use crate::text::{data_lines, number, push, push_line};
 
 const FORMAT: Format = Format::Csv;
 /// The first line.
@@ -125,9 +125,19 @@ fn point(row: &[u8], line: u64, columns: CsvColumns) -> Result<[f64; 2], FormatE
     Ok([number(x, FORMAT, place)?, number(y, FORMAT, place)?])
 }
 
-pub(super) fn write(points: &[[f64; 2]]) -> Vec<u8> {
+/// Writes the points, and their levels if there are any.
+pub(super) fn write(points: &[[f64; 2]], levels: &[u32]) -> Vec<u8> {
     let mut out = HEAD.to_vec();
-    push_rows(&mut out, points);
+    if levels.is_empty() {
+        push_rows(&mut out, points);
+        return out;
+    }
+    out = b"x,y,level\n".to_vec();
+    for (point, level) in points.iter().zip(levels) {
+        push_line(&mut out, point, ",");
+        out.pop();
+        push(&mut out, format_args!(",{level}\n"));
+    }
     out
 }
 

@@ -15,6 +15,9 @@ use crate::text::{lines, number, push, words};
 /// Names of the provenance properties, of type uint.
 const PROVENANCE: [&str; 3] = ["block", "pattern_index", "iteration"];
 
+/// Name of the property of type uint that nested levels have.
+const LEVEL: &str = "level";
+
 /// The columns of the vertex table.
 #[derive(Clone, Copy, Debug)]
 struct PlyColumns {
@@ -257,7 +260,7 @@ pub(super) fn read_head(bytes: &[u8]) -> Result<Option<PlyHead>, FormatError> {
 }
 
 /// A header whose length does not depend on `count`: dots in a comment stand for missing digits.
-fn header(encoding: &str, count: u64, coordinate: &str, provenance: bool) -> Vec<u8> {
+fn header(encoding: &str, count: u64, coordinate: &str, provenance: bool, levels: bool) -> Vec<u8> {
     let mut out = Vec::new();
     let dots = ".".repeat(20 - count.to_string().len());
     push(
@@ -269,16 +272,21 @@ fn header(encoding: &str, count: u64, coordinate: &str, provenance: bool) -> Vec
     for axis in ["x", "y", "z"] {
         push(&mut out, format_args!("property {coordinate} {axis}\n"));
     }
-    for name in PROVENANCE.into_iter().filter(|_| provenance) {
+    let provenance = PROVENANCE.into_iter().filter(|_| provenance);
+    for name in provenance.chain(levels.then_some(LEVEL)) {
         push(&mut out, format_args!("property uint {name}\n"));
     }
     out.extend_from_slice(b"end_header\n");
     out
 }
 
-pub(super) fn write_ascii(points: &[[f64; 2]], provenance: Option<&[Provenance]>) -> Vec<u8> {
-    let count = points.len() as u64;
-    let mut out = header("ascii", count, "double", provenance.is_some());
+pub(super) fn write_ascii(
+    points: &[[f64; 2]],
+    provenance: Option<&[Provenance]>,
+    levels: &[u32],
+) -> Vec<u8> {
+    let (count, has_levels) = (points.len() as u64, !levels.is_empty());
+    let mut out = header("ascii", count, "double", provenance.is_some(), has_levels);
     for (index, [x, y]) in points.iter().enumerate() {
         push(&mut out, format_args!("{x} {y} 0"));
         if let Some(from) = provenance.and_then(|all| all.get(index)) {
@@ -292,6 +300,9 @@ pub(super) fn write_ascii(points: &[[f64; 2]], provenance: Option<&[Provenance]>
                 format_args!(" {block} {pattern_index} {iteration}"),
             );
         }
+        if let Some(level) = levels.get(index) {
+            push(&mut out, format_args!(" {level}"));
+        }
         out.push(b'\n');
     }
     out
@@ -300,20 +311,32 @@ pub(super) fn write_ascii(points: &[[f64; 2]], provenance: Option<&[Provenance]>
 pub(super) fn write_binary(
     points: &[[f64; 2]],
     provenance: Option<&[Provenance]>,
+    levels: &[u32],
     precision: Precision,
 ) -> Vec<u8> {
-    let mut out = binary_head(points.len() as u64, precision, provenance.is_some());
-    push_rows(&mut out, points, provenance, precision);
+    let (count, has_levels) = (points.len() as u64, !levels.is_empty());
+    let mut out = head_of(count, precision, provenance.is_some(), has_levels);
+    push_table(&mut out, points, provenance, levels, precision);
     out
 }
 
 /// The head of a binary file of `count` points; its length does not depend on the count.
 pub(super) fn binary_head(count: u64, precision: Precision, provenance: bool) -> Vec<u8> {
+    head_of(count, precision, provenance, false)
+}
+
+fn head_of(count: u64, precision: Precision, provenance: bool, levels: bool) -> Vec<u8> {
     let coordinate = match precision {
         Precision::Single => "float",
         Precision::Double => "double",
     };
-    header("binary_little_endian", count, coordinate, provenance)
+    header(
+        "binary_little_endian",
+        count,
+        coordinate,
+        provenance,
+        levels,
+    )
 }
 
 pub(super) fn push_rows(
@@ -322,13 +345,26 @@ pub(super) fn push_rows(
     provenance: Option<&[Provenance]>,
     precision: Precision,
 ) {
-    out.reserve(points.len() * (3 * precision.bytes() + 12));
+    push_table(out, points, provenance, &[], precision);
+}
+
+fn push_table(
+    out: &mut Vec<u8>,
+    points: &[[f64; 2]],
+    provenance: Option<&[Provenance]>,
+    levels: &[u32],
+    precision: Precision,
+) {
+    out.reserve(points.len() * (3 * precision.bytes() + 16));
     for (index, &[x, y]) in points.iter().enumerate() {
         binary::push(out, &[x, y, 0.0], precision);
         if let Some(from) = provenance.and_then(|all| all.get(index)) {
             for word in [from.block, from.pattern_index, from.iteration] {
                 out.extend_from_slice(&word.to_le_bytes());
             }
+        }
+        if let Some(level) = levels.get(index) {
+            out.extend_from_slice(&level.to_le_bytes());
         }
     }
 }

@@ -173,3 +173,79 @@ fn what_has_no_verdict_is_not_exported() {
         Err(ExportError::Format(FormatError::UnknownFormat { .. }))
     ));
 }
+
+/// Two levels: a lattice of spacing 2, then the places between.
+fn two_levels() -> (PointSet, ExportContext) {
+    let mut set = lattice(8, 8.0);
+    let is_coarse = |p: &[f64; 2]| p.iter().all(|v| v % 2.0 == 0.0);
+    set.points.sort_by_key(|p| !is_coarse(p));
+    let mut context = ExportContext::new(region(8.0), 1.0);
+    context.levels = vec![PrefixClaim::maximal(16, 2.0), PrefixClaim::maximal(64, 1.0)];
+    (set, context)
+}
+
+#[test]
+fn levels_are_written_judged_and_stated() {
+    let (set, context) = two_levels();
+    for name in ["set.csv", "set.ply", "set.npy", "set.json"] {
+        let exported = export_bytes(name, &set, &context, &GO).expect("valid");
+        let levels = &exported.certificate.levels;
+        let found: Vec<_> = levels
+            .iter()
+            .map(|l| (l.count, l.min_distance, l.valid))
+            .collect();
+        assert_eq!(
+            found,
+            [(16, Some(2.0), true), (64, Some(1.0), true)],
+            "{name}"
+        );
+        let back = Certificate::from_bytes(&exported.certificate_bytes, "c").expect("own");
+        assert_eq!(back.levels, *levels);
+        assert_eq!(back.prefix(20).and_then(|claim| claim.covering), Some(2.0));
+        let hint = Hint::from_name(name);
+        let read = decode(&exported.data, &hint).expect("readable");
+        assert_eq!(read.set.points, set.points, "the order is kept");
+    }
+    let csv = export_bytes("set.csv", &set, &context, &GO)
+        .expect("valid")
+        .data;
+    let text = String::from_utf8(csv).expect("text");
+    let ends: Vec<&str> = text
+        .lines()
+        .filter_map(|line| line.rsplit(',').next())
+        .collect();
+    assert_eq!(ends.iter().filter(|end| **end == "0").count(), 16);
+    assert_eq!((ends[0], ends[16], ends[17]), ("level", "0", "1"));
+    let ply = export_bytes("set.ply", &set, &context, &GO)
+        .expect("valid")
+        .data;
+    let head = String::from_utf8_lossy(&ply[..300]);
+    assert!(head.contains("property uint level\nend_header"), "{head}");
+}
+
+#[test]
+fn levels_that_are_none_are_stated_as_such() {
+    let (mut set, mut context) = two_levels();
+    set.points.swap(3, 20);
+    let exported = export_bytes("set.csv", &set, &context, &GO).expect("a verdict");
+    let levels = &exported.certificate.levels;
+    assert!(exported.certificate.valid && !levels[0].valid && levels[1].valid);
+    context.shuffle_seed = Some(1);
+    let refused = export_bytes("set.csv", &set, &context, &GO);
+    assert!(matches!(
+        refused,
+        Err(ExportError::ShuffledLevels { seed: 1 })
+    ));
+}
+
+#[test]
+fn storage_that_changes_a_level_is_found_out() {
+    let (set, context) = two_levels();
+    let mut faulty = |mut bytes: Vec<u8>| {
+        let last = bytes.len() - 2;
+        bytes[last] ^= 1;
+        Ok(bytes)
+    };
+    let stored = export_through(&mut faulty, "set.csv", &set, &context, &GO);
+    assert!(matches!(stored, Err(ExportError::ReadBack { .. })));
+}

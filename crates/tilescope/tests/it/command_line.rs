@@ -40,6 +40,53 @@ fn every_format_is_saved_verified_and_verifies_again() {
 }
 
 #[test]
+fn nested_levels_are_stated_level_by_level_and_their_prefixes_verify() {
+    let folder = tempdir().unwrap();
+    let levels = ["--levels", "4", "--out", "set.csv", "--json"];
+    let made = json(
+        &folder,
+        &[&["sample", "--radius", "0.02"][..], &levels].concat(),
+        0,
+    );
+    let counts: Vec<u64> = (made["levels"].as_array().unwrap().iter())
+        .map(|level| level["count"].as_u64().unwrap())
+        .collect();
+    assert!(counts.len() == 4 && counts.is_sorted(), "{made}");
+    let text = fs::read_to_string(folder.path().join("set.csv")).unwrap();
+    assert!(text.starts_with("x,y,level\n"), "{text}");
+    json(&folder, &["verify", "set.csv", "--json"], 0);
+    let between = (counts[1] + 1).to_string();
+    let prefix = ["verify", "set.csv", "--prefix", &between, "--json"];
+    let found = json(&folder, &prefix, 0);
+    assert_eq!(found["valid"], true, "{found}");
+    assert!(
+        found["covering"].as_f64() > found["distance"].as_f64(),
+        "{found}"
+    );
+    // A file in another order does not hold what its certificate states.
+    let mut lines: Vec<&str> = text.lines().collect();
+    lines.swap(1, counts[2] as usize + 1);
+    fs::write(folder.path().join("set.csv"), lines.join("\n")).unwrap();
+    let found = json(&folder, &prefix, 1);
+    assert_eq!(found["valid"], false, "{found}");
+}
+
+#[test]
+fn a_count_is_given_exactly() {
+    let folder = tempdir().unwrap();
+    let order = ["--order-within", "farthest", "--json"];
+    let asked = ["sample", "--exactly", "500", "--levels", "3"];
+    let made = json(&folder, &[&asked[..], &order].concat(), 0);
+    assert_eq!(made["count"], 500, "{made}");
+    let refused = ["sample", "--radius", "0.02", "--levels", "20"];
+    tilescope(&folder)
+        .args(refused)
+        .assert()
+        .code(2)
+        .stderr(contains("there must be between 1 and 11"));
+}
+
+#[test]
 fn the_json_object_tells_the_whole_run() {
     let folder = tempdir().unwrap();
     let run = json(

@@ -287,47 +287,6 @@ fn on_the_gpu() -> State {
 }
 
 #[test]
-fn the_gpu_is_tested_when_it_is_chosen_and_its_session_has_the_same_stages() {
-    let mut state = on_the_gpu();
-    assert_eq!(state.gpu.engine, EngineChoice::Gpu);
-    let description = state.gpu.device.description().unwrap();
-    assert!(description.contains("self-test passed"), "{description}");
-    let before = state.runs.first.session.clone().unwrap();
-    assert_eq!(before.engine, "CPU");
-    state.apply(Command::Run);
-    state.settle();
-    let session = state.runs.first.session.as_ref().unwrap();
-    let name = state.gpu.device.name().unwrap();
-    assert_eq!(session.engine, format!("GPU ({name})"));
-    assert_eq!(state.messages.notice, None);
-    assert_eq!(session.stages, before.stages);
-    assert_eq!(session.summary, before.summary);
-    assert_eq!(session.conflicts, before.conflicts);
-    let (mine, theirs) = (session.run(), before.run());
-    assert_eq!(mine.points(), theirs.points());
-    assert_eq!(mine.samples, theirs.samples);
-    assert_eq!(mine.iterations, theirs.iterations);
-}
-
-#[test]
-fn a_large_session_on_the_gpu_keeps_the_result_alone() {
-    let mut state = on_the_gpu();
-    type_in(&mut state, Field::Radius, "0.0011");
-    state.apply(Command::Run);
-    state.settle();
-    let session = state.runs.first.session.clone().unwrap();
-    assert!(!session.has_stages() && session.engine.starts_with("GPU"));
-    assert!(state.verdict().unwrap().report.valid());
-    state.apply(Command::Gpu(GpuCommand::Engine(EngineChoice::Cpu)));
-    state.apply(Command::Run);
-    state.settle();
-    let of_cpu = state.runs.first.session.as_ref().unwrap();
-    assert_eq!(of_cpu.engine, "CPU");
-    assert_eq!(of_cpu.run().samples, session.run().samples);
-    assert_eq!(of_cpu.summary, session.summary);
-}
-
-#[test]
 fn a_missing_gpu_leaves_the_cpu_with_a_reason() {
     let mut state = settled();
     state.apply(Command::Gpu(GpuCommand::NameAdapter(Some(
@@ -390,17 +349,6 @@ fn a_gpu_run_that_differs_is_shown_without_events_and_reported() {
     assert!(state.runs.first.debugger.is_none() && state.cursor().is_none());
     state.apply(Command::Time(TimeCommand::ShowStage(2)));
     assert_eq!(state.current_stage(), Some(Stage::Tile));
-}
-
-#[test]
-fn algorithm_4_as_printed_runs_on_the_cpu_whatever_is_chosen() {
-    let mut state = on_the_gpu();
-    state.apply(Command::Form(FormCommand::Choose(Choice::Variant(
-        tilescope_core::Variant::AsPrinted,
-    ))));
-    state.apply(Command::Run);
-    state.settle();
-    assert_eq!(state.runs.first.session.as_ref().unwrap().engine, "CPU");
 }
 
 #[test]
@@ -506,4 +454,61 @@ fn live_runs_start_at_once_stay_at_the_stage_and_are_one_step() {
         state.settle();
     }
     assert_eq!(seed(&state), 1, "the three runs are one step");
+}
+
+/// Tests that need a graphics driver.
+mod device {
+    use super::*;
+
+    #[test]
+    fn the_gpu_is_tested_when_it_is_chosen_and_its_session_has_the_same_stages() {
+        let mut state = on_the_gpu();
+        assert_eq!(state.gpu.engine, EngineChoice::Gpu);
+        let description = state.gpu.device.description().unwrap();
+        assert!(description.contains("self-test passed"), "{description}");
+        let before = state.runs.first.session.clone().unwrap();
+        assert_eq!(before.engine, "CPU");
+        state.apply(Command::Run);
+        state.settle();
+        let session = state.runs.first.session.as_ref().unwrap();
+        let name = state.gpu.device.name().unwrap();
+        assert_eq!(session.engine, format!("GPU ({name})"));
+        assert_eq!(state.messages.notice, None);
+        assert_eq!(session.stages, before.stages);
+        assert_eq!(session.summary, before.summary);
+        assert_eq!(session.conflicts, before.conflicts);
+        let (mine, theirs) = (session.run(), before.run());
+        assert_eq!(mine.points(), theirs.points());
+        assert_eq!(mine.samples, theirs.samples);
+        assert_eq!(mine.iterations, theirs.iterations);
+    }
+
+    #[test]
+    fn a_large_session_on_the_gpu_keeps_the_result_alone() {
+        let mut state = on_the_gpu();
+        type_in(&mut state, Field::Radius, "0.0011");
+        state.apply(Command::Run);
+        state.settle();
+        let session = state.runs.first.session.clone().unwrap();
+        assert!(!session.has_stages() && session.engine.starts_with("GPU"));
+        assert!(state.verdict().unwrap().report.valid());
+        state.apply(Command::Gpu(GpuCommand::Engine(EngineChoice::Cpu)));
+        state.apply(Command::Run);
+        state.settle();
+        let of_cpu = state.runs.first.session.as_ref().unwrap();
+        assert_eq!(of_cpu.engine, "CPU");
+        assert_eq!(of_cpu.run().samples, session.run().samples);
+        assert_eq!(of_cpu.summary, session.summary);
+    }
+
+    #[test]
+    fn algorithm_4_as_printed_runs_on_the_cpu_whatever_is_chosen() {
+        let mut state = on_the_gpu();
+        state.apply(Command::Form(FormCommand::Choose(Choice::Variant(
+            tilescope_core::Variant::AsPrinted,
+        ))));
+        state.apply(Command::Run);
+        state.settle();
+        assert_eq!(state.runs.first.session.as_ref().unwrap().engine, "CPU");
+    }
 }

@@ -109,3 +109,10 @@ pub const PINNED: [(&str, &str); 9] = [
         "blake3:827cd8400ab05b1576b4b726356bd17c224db98902f433465117138169660b33",
     ),
 ];
+
+/// The digests of nested levels: 5 levels of the default run in the order drawn and by distance, and 4 of a bounded run.
+pub const NESTED: [&str; 3] = [
+    "blake3:68acda5a536fea17ba56e1339d298cf68b7171455ca7775fd93b9c0295ce0dfe",
+    "blake3:9c28ddce70200dabf2b0c620d799840a59aab08705709b3d13dc792aec0dd967",
+    "blake3:ba829e8d9db3f2d4ee07814a7630c45e37fdfa95139893acfede4013fa417083",
+];

@@ -137,7 +137,10 @@ impl Plane {
         window: &Window,
         observer: &mut dyn Observer,
     ) -> Result<Vec<Point>, SampleError> {
-        let parts: Vec<Rect> = self.parts(window).iter().flat_map(pieces).collect();
+        let parts: Vec<Rect> = parts(&self.domain, window)
+            .iter()
+            .flat_map(pieces)
+            .collect();
         let compute = |part: &Rect| {
             let mut scratch = self.plain.take();
             let mut found = Vec::new();
@@ -162,32 +165,6 @@ impl Plane {
         Meter::resume(observer, Stage::Regions, total, total)?;
         points.par_sort_unstable_by_key(|p| p.canonical());
         Ok(points)
-    }
-
-    /// Returns the parts of the domain that a window shows, each once.
-    fn parts(&self, window: &Window) -> Vec<Rect> {
-        let max = self.domain.rect().max;
-        let ends = [i64::from(max.x), i64::from(max.y)];
-        let spans = [0, 1].map(|axis| {
-            let (low, high, end) = (window.min[axis], window.max[axis], ends[axis]);
-            if !self.domain.is_periodic() {
-                return vec![(low.max(0), high.min(end))];
-            }
-            let high = high.min(low + end);
-            let shift = low.div_euclid(end) * end;
-            let (low, high) = (low - shift, high - shift);
-            vec![(0, high - end), (low, high.min(end))]
-        });
-        let mut parts = Vec::new();
-        for &(bottom, top) in spans[1].iter().filter(|(low, high)| low < high) {
-            for &(left, right) in spans[0].iter().filter(|(low, high)| low < high) {
-                parts.push(Rect {
-                    min: Point::new(left as i32, bottom as i32),
-                    max: Point::new(right as i32, top as i32),
-                });
-            }
-        }
-        parts
     }
 
     /// Counts the blocks, so that tags name them.
@@ -260,6 +237,32 @@ impl Plane {
         }
         Ok(counts)
     }
+}
+
+/// Returns the parts of the domain that a window shows, each once.
+pub(crate) fn parts(domain: &Domain, window: &Window) -> Vec<Rect> {
+    let max = domain.rect().max;
+    let ends = [i64::from(max.x), i64::from(max.y)];
+    let spans = [0, 1].map(|axis| {
+        let (low, high, end) = (window.min[axis], window.max[axis], ends[axis]);
+        if !domain.is_periodic() {
+            return vec![(low.max(0), high.min(end))];
+        }
+        let high = high.min(low + end);
+        let shift = low.div_euclid(end) * end;
+        let (low, high) = (low - shift, high - shift);
+        vec![(0, high - end), (low, high.min(end))]
+    });
+    let mut parts = Vec::new();
+    for &(bottom, top) in spans[1].iter().filter(|(low, high)| low < high) {
+        for &(left, right) in spans[0].iter().filter(|(low, high)| low < high) {
+            parts.push(Rect {
+                min: Point::new(left as i32, bottom as i32),
+                max: Point::new(right as i32, top as i32),
+            });
+        }
+    }
+    parts
 }
 
 /// Returns how many pieces of a window are computed between two calls of the observer.

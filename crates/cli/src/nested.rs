@@ -1,0 +1,231 @@
+//! Nested levels for `tilescope sample`, and prefixes for `tilescope verify`.
+
+use std::fmt::Write;
+use std::path::Path;
+
+use anyhow::{Context, Result, bail, ensure};
+use clap::Args;
+use serde_json::json;
+use tilescope_analysis::{Number, PrefixClaim, verify_prefix};
+use tilescope_core::{Nested, NestedPlane, Parameters, WithinLevel};
+use tilescope_formats::{CertifiedLevel, ExportContext, Format, PointSet, Warning};
+
+use crate::facts::Facts;
+use crate::make::Made;
+use crate::options::{JudgeArguments, Names, SetArguments, named};
+use crate::output::{self, Outcome};
+use crate::progress::{Stopwatch, verifying};
+use crate::sample_arguments::{SampleArguments, SamplingMethod};
+use crate::verdict_code;
+
+/// Arguments of nested levels.
+#[derive(Debug, Args)]
+pub struct NestedArguments {
+    /// Make K sets, each with all samples of the one before and maximal for a radius smaller by the root of 2. The last has
+    /// the radius given. The samples of the first come first, so that every prefix of the set is evenly spread
+    #[arg(long, value_name = "K",
+        conflicts_with_all = ["count", "pattern", "window", "resume", "no_verify", "shuffle"])]
+    pub levels: Option<u32>,
+    /// Exactly N samples: the first of a run of --levels whose last set has as many or a few more. There is no maximal
+    /// set of exactly so many samples in general: of these, every place is within 1.42 radii
+    #[arg(long, value_name = "N", group = "size", requires = "levels")]
+    pub exactly: Option<usize>,
+    /// How the samples that a level adds follow each other
+    #[arg(long, value_name = "ORDER", value_parser = named::<WithinLevel>(&ORDERS_WITHIN), default_value = "random",
+        requires = "levels")]
+    pub order_within: WithinLevel,
+}
+
+const ORDERS_WITHIN: Names<2> = [
+    ("random", "In an order that is drawn"),
+    (
+        "farthest",
+        "Each is the farthest from all samples before it",
+    ),
+];
+
+/// Makes, verifies and saves a set of nested levels.
+pub fn run(arguments: &SampleArguments, levels: u32) -> Result<u8> {
+    let (made, context) = make(arguments, levels)?;
+    let (outcome, found) = finish(made, arguments.out.as_deref(), &context)?;
+    let as_json = || {
+        let mut object = outcome.json();
+        object["levels"] = json!(found);
+        object
+    };
+    output::report(arguments.json, as_json, || text(&outcome, &found))?;
+    Ok(verdict_code(found.iter().all(|level| level.valid)))
+}
+
+/// Makes the set that the arguments ask for, and what its file is to state.
+fn make(arguments: &SampleArguments, levels: u32) -> Result<(Made, ExportContext)> {
+    ensure!(
+        arguments.method == SamplingMethod::Kdrt,
+        "--levels needs randomized tiling: the reference sampler makes one set"
+    );
+    ensure!(
+        !arguments.engine.wants_gpu(),
+        "--engine gpu and --gpu-adapter make one set; --levels runs on the CPU"
+    );
+    let nested = &arguments.nested;
+    let asked = arguments.run.parameters()?;
+    let mut watch = Stopwatch::start();
+    let mut made = if let Some(count) = nested.exactly {
+        NestedPlane::exactly(&asked, levels, count, &mut watch)?
+    } else {
+        NestedPlane::new(&asked, levels, &mut watch)?.whole(&mut watch)?
+    };
+    if nested.order_within == WithinLevel::Farthest {
+        made.order_by_distance();
+    }
+    let domain = *made.domain();
+    let parameters = Parameters {
+        radius: domain.radius(),
+        ..asked
+    };
+    let mut facts = Facts {
+        seconds: watch.take(),
+        ..Facts::of_run(&parameters, &domain)?
+    };
+    let stated = &mut facts.parameters;
+    stated.insert("levels".to_owned(), json!(levels));
+    stated.insert("order_within".to_owned(), json!(nested.order_within));
+    if let Some(count) = nested.exactly {
+        stated.insert("exactly".to_owned(), json!(count));
+    }
+    let context = ExportContext {
+        levels: claims(&made),
+        ..arguments.context(&facts)
+    };
+    let set = PointSet::from_points(made.positions());
+    Ok((Made { facts, set }, context))
+}
+
+/// Returns what is promised of the samples to the end of each level. Levels that are cut off have no samples of their own.
+fn claims(nested: &Nested) -> Vec<PrefixClaim> {
+    let mut ends = nested.ends().to_vec();
+    ends.dedup();
+    let claim = |count| {
+        let promised = nested.guarantee(count);
+        PrefixClaim {
+            count,
+            distance: promised.distance,
+            covering: promised.level.map(|level| nested.radius(level)),
+        }
+    };
+    ends.into_iter().map(claim).collect()
+}
+
+/// Verifies the set, saved at `path` if there is one, and what is to hold for each level.
+fn finish(
+    made: Made,
+    path: Option<&Path>,
+    context: &ExportContext,
+) -> Result<(Outcome, Vec<CertifiedLevel>)> {
+    let Made { facts, set } = made;
+    let (report, certificate, saved, warnings) = if let Some(path) = path {
+        let saved = verifying(|control| tilescope_formats::export(path, &set, context, control));
+        let saved = saved.with_context(|| path.display().to_string())?;
+        let path = Some(saved.certificate_path);
+        (saved.report, saved.certificate, path, saved.warnings)
+    } else {
+        let context = ExportContext {
+            format: Some(Format::Npy),
+            ..context.clone()
+        };
+        let made = verifying(|control| {
+            tilescope_formats::export_bytes("levels.npy", &set, &context, control)
+        })?;
+        (made.report, made.certificate, None, made.warnings)
+    };
+    // That a set which is cut is not maximal for its radius is what its last level says.
+    let is_cut = certificate
+        .levels
+        .last()
+        .is_some_and(|level| level.covering != Some(level.distance));
+    let told = |warning: &&Warning| {
+        !(is_cut
+            && matches!(
+                warning,
+                Warning::Gaps {
+                    by_rounding: false,
+                    ..
+                }
+            ))
+    };
+    let outcome = Outcome {
+        facts,
+        count: set.len() as u64,
+        report: Some(report),
+        certificate: saved,
+        warnings: warnings
+            .iter()
+            .filter(told)
+            .map(ToString::to_string)
+            .collect(),
+    };
+    Ok((outcome, certificate.levels))
+}
+
+/// Returns what there is to say of the set: a row a level, with what is promised and, in brackets, what was found.
+fn text(outcome: &Outcome, levels: &[CertifiedLevel]) -> String {
+    let facts = &outcome.facts;
+    let region = output::region_text(&facts.region);
+    let mut out = format!(
+        "{} on {region}, r = {}, {} levels\n\n",
+        facts.method,
+        Number(facts.radius),
+        levels.len()
+    );
+    for (stage, seconds) in &facts.seconds {
+        let _ = writeln!(out, "  {:<12} {:>9.1} ms", stage.to_string(), seconds * 1e3);
+    }
+    out.push_str("\n   samples   smallest distance above   covering radius up to\n");
+    out.extend(levels.iter().map(row));
+    let warnings = outcome.warnings.iter();
+    out.extend(warnings.map(|warning| output::warning_line(warning)));
+    let valid = output::validity(levels.iter().all(|level| level.valid));
+    let _ = writeln!(out, "verdict        {valid}");
+    if let Some(path) = &outcome.certificate {
+        let _ = writeln!(out, "certificate    {}", path.display());
+    }
+    out
+}
+
+fn row(level: &CertifiedLevel) -> String {
+    let covering = (level.covering).map_or_else(|| "-".to_owned(), |r| format!("{r:.6}"));
+    format!(
+        "  {:>8}   {:.6} ({:.6})   {covering} ({:.6})   {}\n",
+        level.count,
+        level.distance,
+        level.min_distance.unwrap_or(f64::INFINITY),
+        level.covering_radius,
+        output::validity(level.valid)
+    )
+}
+
+/// Judges the first `count` samples of a file, by the levels that its certificate states, and prints the verdict.
+pub fn verify(
+    file: &Path,
+    count: usize,
+    set: &SetArguments,
+    judge: &JudgeArguments,
+    as_json: bool,
+) -> Result<u8> {
+    let read = set.read(file)?;
+    let name = file.display();
+    let Some(certificate) = read.certificate else {
+        bail!("{name}: there is no certificate, which states the levels of a set");
+    };
+    let Some(claim) = certificate.prefix(count) else {
+        bail!("{name}: the certificate states no levels, or fewer than {count} samples");
+    };
+    let region = set.region_over(certificate.region);
+    let options = judge.options();
+    let found =
+        verifying(|control| verify_prefix(&read.set.points, region, claim, &options, control));
+    let found = found.with_context(|| name.to_string())?;
+    let level = CertifiedLevel::of(&found);
+    output::report(as_json, || json!(level), || row(&level))?;
+    Ok(verdict_code(level.valid))
+}

@@ -1,0 +1,117 @@
+//! Finds the blocks that reach into a frame, with the place in the nested pattern that each of them shows.
+
+use crate::engine::parallel::clip::Rect64;
+use crate::lattice::{Domain, R, Rect};
+use crate::random::{Key, Stream, below};
+use crate::stages::blocks::{Block, Node};
+
+/// A block, or an image of it in a periodic domain.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct NestedBlock {
+    /// Its rectangle in the frame's coordinates.
+    pub rect: Rect64,
+    /// A number that is equal for all images of a block and grows with the block's index.
+    pub sequence: u32,
+    /// The symmetry under which it clips.
+    pub symmetry: u8,
+    /// The place in the pattern that lies on the place (0, 0).
+    pub origin: [i64; 2],
+}
+
+/// What blocks and their clips are drawn from.
+pub(super) struct BlockDraws {
+    pub domain: Domain,
+    pub leaf: i32,
+    pub key: Key,
+    pub symmetries: u32,
+    /// The pattern's side.
+    pub period: i32,
+}
+
+impl BlockDraws {
+    /// Fills `out` with the blocks that, enlarged by `reach` units, meet `target`, in the order of their indices.
+    /// Coordinates begin at the plane's place `origin`; `images` says whether the plane repeats.
+    pub fn find(
+        &self,
+        target: &Rect,
+        origin: [i64; 2],
+        reach: i32,
+        images: bool,
+        out: &mut Vec<NestedBlock>,
+    ) {
+        out.clear();
+        let mut sequence = 0;
+        let mut stack = vec![Node::root(&self.domain, self.key)];
+        while let Some(node) = stack.pop() {
+            let found = self.images(&node.block.rect, target, origin, reach, images);
+            let mut rects = found.peekable();
+            if rects.peek().is_none() {
+                continue;
+            }
+            if let Some(cut) = node.cut(self.leaf) {
+                stack.push(cut.upper);
+                stack.push(cut.lower);
+            } else {
+                out.extend(rects.map(|rect| self.place(&node.block, rect, sequence)));
+                sequence += 1;
+            }
+        }
+    }
+
+    fn place(&self, block: &Block, rect: Rect64, sequence: u32) -> NestedBlock {
+        let symmetry = below(block.key.draw(Stream::Dihedral, 0)[0], self.symmetries);
+        let words = block.key.draw(Stream::Offset, 0);
+        // As in a run of one level, what is drawn lies on the corner of the block enlarged by the finest radius.
+        let start = |axis: usize| i64::from(below(words[axis], self.period as u32));
+        NestedBlock {
+            rect,
+            sequence,
+            symmetry: symmetry as u8,
+            origin: [0, 1].map(|axis| start(axis) - (rect.min[axis] - i64::from(R))),
+        }
+    }
+
+    /// Returns the images of a rectangle of the domain that, enlarged by `reach`, meet the target.
+    fn images(
+        &self,
+        rect: &Rect,
+        target: &Rect,
+        origin: [i64; 2],
+        reach: i32,
+        images: bool,
+    ) -> impl Iterator<Item = Rect64> + use<> {
+        let low = [rect.min.x, rect.min.y].map(i64::from);
+        let high = [rect.max.x, rect.max.y].map(i64::from);
+        let sides = [self.domain.width(), self.domain.height()].map(i64::from);
+        let bounds = [
+            [target.min.x, target.max.x].map(i64::from),
+            [target.min.y, target.max.y].map(i64::from),
+        ];
+        let rect = Rect64 {
+            min: [0, 1].map(|axis| low[axis] - origin[axis]),
+            max: [0, 1].map(|axis| high[axis] - origin[axis]),
+        };
+        let reach = i64::from(reach);
+        let shifts = [0, 1].map(|axis| {
+            let (low, high) = (rect.min[axis] - reach, rect.max[axis] + reach);
+            let [first, end] = bounds[axis];
+            if images {
+                // low + k side < end and first < high + k side.
+                let side = sides[axis];
+                ((first - high).div_euclid(side) + 1)..=((end - 1 - low).div_euclid(side))
+            } else {
+                0..=i64::from(low < end && first < high) - 1
+            }
+        });
+        let [columns, rows] = shifts;
+        rows.flat_map(move |j| {
+            columns.clone().map(move |i| {
+                let shift = [i * sides[0], j * sides[1]];
+                Rect64 {
+                    min: [rect.min[0] + shift[0], rect.min[1] + shift[1]],
+                    max: [rect.max[0] + shift[0], rect.max[1] + shift[1]],
+                }
+            })
+        })
+    }
+}

@@ -1,0 +1,470 @@
+//! Detection and insertion at one level. Cells that a lost sample may have covered are divided into *pixels*, until one
+//! sample covers a pixel or it is an eighth of the cell wide. Candidates are sought in the pixels that are left.
+//!
+//! *Definition.* A candidate is a lattice point c of the domain that no sample covers and that is
+//! - the circumcentre, rounded half up, of three samples,
+//! - in a bounded domain, the place of a border line as far from two samples, rounded,
+//! - in a bounded domain, a corner,
+//!
+//! such that no sample p has |p - c|^2 < min over those samples of |. - c|^2, less 12 R. It is that of
+//! [`crate::stages::detect`], where the reasons stand why no gap is missed: a gap's deepest place is a candidate. An
+//! uncovered lattice point was covered by a tiled sample that was lost, so it lies in a dirty cell.
+//!
+//! *Where the sites are.* Let m be a pixel's centre, h its half diagonal and d the distance from m to its nearest sample.
+//! A candidate in the pixel is at most d + h from that sample, hence its sites are at most d + h + 9 from it (the squares
+//! differ by 18 R at most), and d + 2h + 9 from m. A sample that is too near to the candidate is no farther. So the samples within
+//! [`PIXEL_SLACK`] and d + 2h of m decide everything in the pixel, now and later, since d never grows.
+//!
+//! *Unknowns.* A pixel is itself an unknown if an unknown reaches into that circle, or the strip of width R along the
+//! frame's edges in which tiled samples beyond may have been lost. Since d + h > R in an open pixel, the circle also holds
+//! every place at which an insertion would cover a place of the pixel. What is inserted in the other pixels therefore
+//! depends on no unknown, in any iteration.
+
+use rayon::prelude::*;
+
+use crate::circumcentre::on_line;
+use crate::lattice::{Point, Rect};
+use crate::random::{Key, Stream};
+
+use super::grid::Place;
+use super::radius::LevelRadius;
+use super::region::{KeptSample, LevelRegion, UnknownDisk, flag};
+
+/// Units by which samples may be farther from a pixel than its nearest one and still be sites: 9 and some for rounding.
+const PIXEL_SLACK: f64 = 16.0;
+
+/// How often a cell is halved.
+const HALVINGS: u32 = 3;
+
+/// How often it is where unknowns may spread from pixel to pixel: small ones are fewer beside each other. What is
+/// inserted does not depend on it.
+const MORE_HALVINGS: u32 = 5;
+
+/// A square in which there may be a gap.
+#[derive(Clone, Copy)]
+struct GapPixel {
+    min: Point,
+    side: i32,
+    /// How far from its centre samples decide what happens in it.
+    sight: f64,
+    /// Whether candidates are to be sought in it.
+    is_due: bool,
+}
+
+impl GapPixel {
+    /// Returns the offset of its centre from its lowest point.
+    fn middle(&self) -> f64 {
+        f64::from(self.side - 1) / 2.0
+    }
+
+    /// Returns the distance from the centre to the corners.
+    fn half_diagonal(&self) -> f64 {
+        self.middle() * std::f64::consts::SQRT_2
+    }
+
+    fn rect(&self) -> Rect {
+        Rect {
+            min: self.min,
+            max: Point::new(self.min.x + self.side, self.min.y + self.side),
+        }
+    }
+}
+
+/// Returns how far around a cell samples are gathered: far enough for nearly all of its pixels.
+const fn gathered(radius: &LevelRadius) -> i32 {
+    radius.units / 8 * 13
+}
+
+/// Cells and pixels of one task of a thread.
+const TURN: usize = 256;
+
+/// The samples around a cell, as offsets from its lowest point, and the pixels found so far.
+#[derive(Default)]
+struct Gathered {
+    across: Vec<f32>,
+    up: Vec<f32>,
+    pixels: Vec<GapPixel>,
+}
+
+impl LevelRegion {
+    /// Fills the gaps of a level, as far as they can be known. `key` is the level's. Uses the current rayon pool.
+    pub fn fill(&mut self, radius: &LevelRadius, key: Key) {
+        let mut pixels = self.open_pixels(radius);
+        if self.frame.ends_inside() {
+            self.doubt_pixels(radius, &mut pixels);
+        }
+        for iteration in 1.. {
+            let searched = pixels.par_chunks(TURN).map(|pixels| {
+                let (mut open, mut found, mut sites) = (Vec::new(), Vec::new(), Vec::new());
+                for mut pixel in pixels.iter().copied() {
+                    if !pixel.is_due || self.find(&mut pixel, radius, &mut sites, &mut found) {
+                        open.push(pixel);
+                    }
+                }
+                (open, found)
+            });
+            let (open, found): (Vec<_>, Vec<_>) = searched.unzip();
+            pixels = open.concat();
+            let found = found.concat();
+            if found.is_empty() {
+                break;
+            }
+            self.insert(radius, key.derive(Stream::Iteration, iteration), &found);
+            // A candidate that was not inserted is covered by one that was. Elsewhere nothing has changed.
+            let flags = &self.grid.flags;
+            let farther = f64::from(gathered(radius));
+            pixels.retain_mut(|pixel| {
+                pixel.is_due = true;
+                let changed = flags[self.grid.cell_at(pixel.min)] & flag::CHANGED != 0;
+                changed || pixel.sight > farther
+            });
+        }
+    }
+
+    /// Returns the pixels of dirty cells that no sample covers whole.
+    fn open_pixels(&self, radius: &LevelRadius) -> Vec<GapPixel> {
+        // Near the frame's edges nothing can be known.
+        let inside = self.frame.inside(radius.units);
+        let open = self.dirty.par_chunks(TURN).map(|cells| {
+            let mut around = Gathered::default();
+            for &cell in cells {
+                let rect = self.grid.cell_rect(cell as usize);
+                let (min, max) = (rect.min, rect.max);
+                let across = min.x < inside.max.x && inside.min.x < max.x;
+                if across && min.y < inside.max.y && inside.min.y < max.y {
+                    self.open_cell(&rect, radius, &mut around);
+                }
+            }
+            around.pixels
+        });
+        open.collect::<Vec<_>>().concat()
+    }
+
+    fn open_cell(&self, cell: &Rect, radius: &LevelRadius, around: &mut Gathered) {
+        let side = radius.side();
+        around.across.clear();
+        around.up.clear();
+        let middle = Point::new(cell.min.x + side / 2, cell.min.y + side / 2);
+        self.grid
+            .any_near(middle, gathered(radius) + side / 2, |x, y| {
+                around.across.push((x + side / 2) as f32);
+                around.up.push((y + side / 2) as f32);
+                false
+            });
+        self.divide(cell, Point::default(), side, radius, around);
+    }
+
+    /// Divides a square at `corner` of a cell.
+    fn divide(
+        &self,
+        cell: &Rect,
+        corner: Point,
+        side: i32,
+        radius: &LevelRadius,
+        around: &mut Gathered,
+    ) {
+        let min = Point::new(cell.min.x + corner.x, cell.min.y + corner.y);
+        if min.x >= cell.max.x || min.y >= cell.max.y {
+            return;
+        }
+        let middle = (side - 1) as f32 / 2.0;
+        // Four units outweigh the rounding of squares below 2^44 to 24 bits.
+        let limit = radius.units as f32 - middle * std::f32::consts::SQRT_2 - 4.0;
+        let (x, y) = (corner.x as f32 + middle, corner.y as f32 + middle);
+        let square = |(&across, &up): (&f32, &f32)| {
+            let (across, up) = (across - x, up - y);
+            across * across + up * up
+        };
+        let squares = around.across.iter().zip(&around.up).map(square);
+        // `f32::min` is not vectorized.
+        let nearest = squares.fold(f32::INFINITY, |a, b| if b < a { b } else { a });
+        if limit > 0.0 && nearest <= limit * limit {
+            return;
+        }
+        let halvings = if self.frame.ends_inside() {
+            MORE_HALVINGS
+        } else {
+            HALVINGS
+        };
+        if side > radius.side() >> halvings {
+            let half = side / 2;
+            for (x, y) in [(0, 0), (half, 0), (0, half), (half, half)] {
+                let corner = Point::new(corner.x + x, corner.y + y);
+                self.divide(cell, corner, half, radius, around);
+            }
+            return;
+        }
+        let mut pixel = GapPixel {
+            min,
+            side,
+            sight: f64::INFINITY,
+            is_due: true,
+        };
+        // Four units more for the rounding of squares.
+        let sight = nearest.sqrt() + (2.0 * pixel.half_diagonal() + PIXEL_SLACK) as f32 + 4.0;
+        if sight < gathered(radius) as f32 {
+            pixel.sight = sight.into();
+            let squares = around.across.iter().zip(&around.up).map(square);
+            let sites = squares.filter(|&square| square <= sight * sight).count();
+            pixel.is_due = sites >= 3 || self.frame.meets_border(&pixel.rect());
+        } else {
+            self.look(&mut pixel, radius, &mut Vec::new());
+        }
+        around.pixels.push(pixel);
+    }
+
+    /// Takes out the pixels in which something unknown may happen.
+    fn doubt_pixels(&mut self, radius: &LevelRadius, pixels: &mut Vec<GapPixel>) {
+        let farthest = self.frame.sight(radius);
+        loop {
+            let before = pixels.len();
+            pixels.retain(|pixel| {
+                let middle = (pixel.side - 1) / 2;
+                let centre = Point::new(pixel.min.x + middle, pixel.min.y + middle);
+                // The centre is half a unit off on either axis, at most.
+                let is_far = pixel.sight > f64::from(farthest);
+                let sight = pixel.sight.min(f64::from(farthest)) as i32 + 2;
+                let edge = self.frame.inside(sight + radius.units);
+                let doubtful = self.grid.flags[self.grid.cell_at(pixel.min)] & flag::DOUBTFUL != 0;
+                let is_known = edge.contains(centre)
+                    && !is_far
+                    && !(doubtful && self.touches_unknown(centre, sight));
+                if !is_known {
+                    let radius_of_pixel = pixel.half_diagonal() as i32 + 2;
+                    let unknown = UnknownDisk {
+                        at: centre,
+                        radius: radius_of_pixel,
+                    };
+                    self.doubt(unknown, radius);
+                }
+                is_known
+            });
+            if pixels.len() == before {
+                break;
+            }
+        }
+    }
+
+    /// Gathers the samples that decide about a pixel, as offsets from its lowest point. Returns whether it is open.
+    fn look(
+        &self,
+        pixel: &mut GapPixel,
+        radius: &LevelRadius,
+        sites: &mut Vec<(i32, i32)>,
+    ) -> bool {
+        let (middle, half) = (pixel.middle(), pixel.half_diagonal());
+        let centre = pixel.side / 2;
+        let at = Point::new(pixel.min.x + centre, pixel.min.y + centre);
+        let square = |&(x, y): &(i32, i32)| {
+            let (x, y) = (f64::from(x) - middle, f64::from(y) - middle);
+            x * x + y * y
+        };
+        let mut reach = radius.units + radius.units / 2;
+        let limit = loop {
+            sites.clear();
+            self.grid.any_near(at, reach, |x, y| {
+                sites.push((x + centre, y + centre));
+                false
+            });
+            let nearest = sites
+                .iter()
+                .map(square)
+                .fold(f64::INFINITY, f64::min)
+                .sqrt();
+            let limit = nearest + 2.0 * half + PIXEL_SLACK;
+            // The centre is half a unit off.
+            if limit < f64::from(reach) - 1.0 {
+                break limit;
+            }
+            if reach > 5 * radius.units {
+                break f64::INFINITY;
+            }
+            reach *= 2;
+        };
+        pixel.sight = limit;
+        sites.retain(|site| square(site) <= limit * limit);
+        // d + h <= R, less a unit for rounding.
+        limit - half - PIXEL_SLACK > f64::from(radius.units) - 2.0
+    }
+
+    /// Appends the candidates of a pixel to `found`, and returns whether the pixel is open. `sites` is a buffer.
+    fn find(
+        &self,
+        pixel: &mut GapPixel,
+        radius: &LevelRadius,
+        sites: &mut Vec<(i32, i32)>,
+        found: &mut Vec<Point>,
+    ) -> bool {
+        if !self.look(pixel, radius, sites) {
+            return false;
+        }
+        let places = Candidates {
+            region: self,
+            pixel,
+            radius,
+            sites,
+        };
+        for (k, &a) in sites.iter().enumerate() {
+            for (l, &b) in sites.iter().enumerate().skip(k + 1) {
+                for &c in &sites[l + 1..] {
+                    if !may_hold(pixel.side, a, b, c) {
+                        continue;
+                    }
+                    places.consider(circumcentre(a, b, c), &[a, b, c], found);
+                }
+            }
+        }
+        if self.frame.meets_border(&pixel.rect()) {
+            places.on_border(found);
+        }
+        true
+    }
+
+    /// Inserts candidates in the order of a draw; one that a sample covers is passed over.
+    fn insert(&mut self, radius: &LevelRadius, key: Key, found: &[Point]) {
+        let ranked = |&p: &Point| {
+            let place = self.frame.in_domain(p);
+            (key.draw_at(place.x, place.y)[0], place.row_major(), p)
+        };
+        let mut candidates: Vec<_> = found.iter().map(ranked).collect();
+        candidates.sort_unstable_by_key(|(rank, place, _)| (*rank, *place));
+        for flags in &mut self.grid.flags {
+            *flags &= !flag::CHANGED;
+        }
+        // As far as pixels see that do not see farther, and a pixel.
+        let reach = gathered(radius) + radius.side() / 8;
+        for (_, _, at) in candidates {
+            if self.grid.place(at, radius) == Place::Free {
+                self.grid.insert(at);
+                self.samples.push(KeptSample { at, foreign: true });
+                self.grid.flag_near(at, reach, flag::CHANGED, |_| ());
+            }
+        }
+    }
+}
+
+/// The places of a pixel that may be candidates.
+struct Candidates<'a> {
+    region: &'a LevelRegion,
+    pixel: &'a GapPixel,
+    radius: &'a LevelRadius,
+    sites: &'a [(i32, i32)],
+}
+
+impl Candidates<'_> {
+    /// Adds the place at `centre` of the pixel if it is a candidate made by `made_by`.
+    fn consider(&self, centre: Option<(i64, i64)>, made_by: &[(i32, i32)], found: &mut Vec<Point>) {
+        let side = 0..i64::from(self.pixel.side);
+        let Some(centre) = centre.filter(|(x, y)| side.contains(x) && side.contains(y)) else {
+            return;
+        };
+        let square = |&(x, y): &(i32, i32)| {
+            let (x, y) = (i64::from(x) - centre.0, i64::from(y) - centre.1);
+            x * x + y * y
+        };
+        let nearest = made_by.iter().map(square).min().unwrap_or(0);
+        let slack = 12 * i64::from(self.radius.units);
+        let limit = (nearest - slack).max(self.radius.squared + 1);
+        if self.sites.iter().any(|site| square(site) < limit) {
+            return;
+        }
+        let (x, y) = (centre.0 as i32, centre.1 as i32);
+        let place = Point::new(self.pixel.min.x + x, self.pixel.min.y + y);
+        if self.region.frame.rect.contains(place) {
+            found.push(place);
+        }
+    }
+
+    /// Adds the candidates on the lines and corners of a closed border.
+    fn on_border(&self, found: &mut Vec<Point>) {
+        let [lines_x, lines_y] = self.region.frame.border(self.pixel.min);
+        for (k, a) in self.sites.iter().enumerate() {
+            for b in &self.sites[k + 1..] {
+                let [ax, ay] = [a.0, a.1].map(i64::from);
+                let (mx, my) = (i64::from(b.0) - ax, i64::from(b.1) - ay);
+                for x in lines_x.into_iter().flatten() {
+                    let place = on_line(x - ax, (mx, my)).map(|y| (x, ay + y));
+                    self.consider(place, &[*a, *b], found);
+                }
+                for y in lines_y.into_iter().flatten() {
+                    let place = on_line(y - ay, (my, mx)).map(|x| (ax + x, y));
+                    self.consider(place, &[*a, *b], found);
+                }
+            }
+            for x in lines_x.into_iter().flatten() {
+                for y in lines_y.into_iter().flatten() {
+                    self.consider(Some((x, y)), &[*a], found);
+                }
+            }
+        }
+    }
+}
+
+/// Returns the circumcentre of three places, rounded half up to the lattice, or `None` if they are collinear or it is
+/// far from the place (0, 0).
+#[inline]
+fn circumcentre(a: (i32, i32), b: (i32, i32), c: (i32, i32)) -> Option<(i64, i64)> {
+    let offset = |p: (i32, i32)| (i64::from(p.0 - a.0), i64::from(p.1 - a.1));
+    let (b, c) = (offset(b), offset(c));
+    let d = 2 * (b.0 * c.1 - b.1 * c.0);
+    if d == 0 {
+        return None;
+    }
+    // Components are below 2^24, squares below 2^49, numerators below 2^74.
+    let (b2, c2) = (b.0 * b.0 + b.1 * b.1, c.0 * c.0 + c.1 * c.1);
+    let times = |square: i64, length: i64| i128::from(square) * i128::from(length);
+    let x = round_half_up(times(b2, c.1) - times(c2, b.1), d.into());
+    let y = round_half_up(times(c2, b.0) - times(b2, c.0), d.into());
+    let place = |at: i128, start: i32| i64::try_from(at).ok().map(|at| at + i64::from(start));
+    Some((place(x, a.0)?, place(y, a.1)?))
+}
+
+/// Returns whether the circumcentre of three places of a conflict-free set may lie in a square of `side` units at (0, 0).
+///
+/// If it does, its distance from the places is at most 5 R, so that d, the triangle's area times 4, is above 0.2 R^2, and
+/// the numerators, below (10 R)^3, have errors of less than 10^-6 d.
+#[inline]
+fn may_hold(side: i32, a: (i32, i32), b: (i32, i32), c: (i32, i32)) -> bool {
+    let offset = |p: (i32, i32)| (f64::from(p.0 - a.0), f64::from(p.1 - a.1));
+    let (b, c) = (offset(b), offset(c));
+    let d = 2.0 * (b.0 * c.1 - b.1 * c.0);
+    let (b2, c2) = (b.0 * b.0 + b.1 * b.1, c.0 * c.0 + c.1 * c.1);
+    let x = (b2 * c.1 - c2 * b.1) / d + f64::from(a.0);
+    let y = (c2 * b.0 - b2 * c.0) / d + f64::from(a.1);
+    let inside = -1.0..f64::from(side) + 1.0;
+    inside.contains(&x) && inside.contains(&y)
+}
+
+/// Returns `numerator / denominator` rounded to the nearest integer, halves upwards.
+const fn round_half_up(numerator: i128, denominator: i128) -> i128 {
+    let sign = denominator.signum();
+    let (n, d) = (numerator * sign, denominator * sign);
+    (2 * n + d).div_euclid(2 * d)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn place() -> impl Strategy<Value = (i32, i32)> {
+        (-229_376_i32..=229_376, -229_376_i32..=229_376)
+    }
+
+    proptest! {
+        /// Where 64 bits suffice, the centre is that of runs of one level, and the filter lets it pass.
+        #[test]
+        fn centres_are_those_of_one_level(a in place(), b in place(), c in place()) {
+            let offset = |p: (i32, i32)| (i64::from(p.0 - a.0), i64::from(p.1 - a.1));
+            let centre = circumcentre(a, b, c);
+            let known = crate::circumcentre::circumcentre(offset(b), offset(c));
+            let known = known.map(|(x, y)| (x + i64::from(a.0), y + i64::from(a.1)));
+            prop_assert_eq!(centre, known);
+            if let Some((x, y)) = centre.filter(|c| c.0.abs() < 300_000 && c.1.abs() < 300_000) {
+                let (x, y) = (x as i32, y as i32);
+                let seen = |p: (i32, i32)| (p.0 - x, p.1 - y);
+                prop_assert!(may_hold(1, seen(a), seen(b), seen(c)));
+            }
+        }
+    }
+}

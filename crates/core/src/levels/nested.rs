@@ -1,0 +1,234 @@
+//! What a run of nested levels gives: samples in an order of which every prefix is good.
+
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
+use rayon::prelude::*;
+
+use crate::grid::SampleGrid;
+use crate::lattice::{Domain, Point};
+use crate::random::{Key, Stream};
+
+/// How the samples that a level adds follow each other.
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize,
+)]
+#[serde(rename_all = "kebab-case")]
+pub enum WithinLevel {
+    /// By a draw keyed by place, so that a window has the order of the whole.
+    #[default]
+    Random,
+    /// By decreasing distance to all samples before: each is the one that is farthest from them.
+    Farthest,
+}
+
+/// The samples of a run or of one of its windows, level by level.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Nested {
+    domain: Domain,
+    points: Vec<Point>,
+    ends: Vec<usize>,
+    /// How many levels are there whole.
+    whole: usize,
+}
+
+/// What holds for the first samples of a run of nested levels, however many.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PrefixGuarantee {
+    /// The level whose whole set the prefix holds, if it holds one: the last such.
+    pub level: Option<u32>,
+    /// The radius that all distances between samples exceed, in user units.
+    pub distance: f64,
+    /// The bound of the covering radius, in user units, if the prefix holds a whole level.
+    pub covering: Option<f64>,
+}
+
+impl Nested {
+    /// Returns the samples that the levels add, each level in an order drawn by place under a run's key.
+    pub(super) fn in_random_order(domain: Domain, levels: Vec<Vec<Point>>, key: Key) -> Self {
+        let key = key.derive(Stream::Sequence, 0);
+        let mut points = Vec::with_capacity(levels.iter().map(Vec::len).sum());
+        let mut ends = Vec::with_capacity(levels.len());
+        for level in levels {
+            let drawn = |p: Point| (key.draw_at(p.x, p.y)[0], p.row_major());
+            let mut ranked: Vec<_> = level.into_par_iter().map(drawn).collect();
+            ranked.par_sort_unstable();
+            points.par_extend(ranked.into_par_iter().map(|(_, (y, x))| Point::new(x, y)));
+            ends.push(points.len());
+        }
+        Self {
+            domain,
+            points,
+            whole: ends.len(),
+            ends,
+        }
+    }
+
+    /// Returns the domain; its radius is the finest.
+    #[must_use]
+    pub const fn domain(&self) -> &Domain {
+        &self.domain
+    }
+
+    /// Returns the samples in order.
+    #[must_use]
+    pub fn points(&self) -> &[Point] {
+        &self.points
+    }
+
+    /// Returns how many samples the set of each level has: `S_j` is the first `ends()[j]` samples.
+    #[must_use]
+    pub fn ends(&self) -> &[usize] {
+        &self.ends
+    }
+
+    /// Returns the samples in user units, in order.
+    #[must_use]
+    pub fn positions(&self) -> Vec<[f64; 2]> {
+        self.domain.users_from_lattice(&self.points)
+    }
+
+    /// Returns the level that adds the sample number `index`.
+    #[must_use]
+    pub fn level_of(&self, index: usize) -> u32 {
+        self.ends.partition_point(|&end| end <= index) as u32
+    }
+
+    /// Returns the radius of a level in user units.
+    #[must_use]
+    pub fn radius(&self, level: u32) -> f64 {
+        let halvings = self.ends.len() as u32 - 1 - level;
+        self.domain.radius() * f64::from(1_u32 << halvings).sqrt()
+    }
+
+    /// Returns what holds for the first `count` samples of a whole run.
+    ///
+    /// # Panics
+    ///
+    /// If there are not as many.
+    #[must_use]
+    pub fn guarantee(&self, count: usize) -> PrefixGuarantee {
+        assert!(count <= self.points.len(), "there are that many samples");
+        let whole = self.ends[..self.whole].partition_point(|&end| end <= count) as u32;
+        let last = self.ends.len() as u32 - 1;
+        // A prefix that ends with a level has that level's distances, any other those of the next level.
+        let exact = whole > 0 && self.ends[whole as usize - 1] == count;
+        let level = whole.checked_sub(1);
+        let finest = if exact { whole - 1 } else { whole.min(last) };
+        let scale = self.domain.covering_bound() / self.domain.radius();
+        PrefixGuarantee {
+            level,
+            distance: self.radius(finest),
+            covering: level.map(|level| self.radius(level) * scale),
+        }
+    }
+
+    /// Keeps the first `count` samples. Levels that are cut end there.
+    pub fn truncate(&mut self, count: usize) {
+        let whole = self.ends[..self.whole].partition_point(|&end| end <= count);
+        self.whole = whole;
+        self.points.truncate(count);
+        for end in &mut self.ends {
+            *end = (*end).min(count);
+        }
+    }
+
+    /// Rearranges each level: every sample is the one of its level that is farthest from all samples before it. Of
+    /// equally far ones the order drawn decides, and it gives the first sample of all.
+    ///
+    /// Samples of a window are rearranged as a set of their own, since what is farthest depends on all samples.
+    pub fn order_by_distance(&mut self) {
+        let mut grid = SampleGrid::with_capacity(self.domain, self.points.len());
+        let mut ordered = Vec::with_capacity(self.points.len());
+        let mut first = 0;
+        for &end in &self.ends {
+            let mut level = Farthest::new(&self.domain, &grid, &self.points[first..end]);
+            while let Some(point) = level.take() {
+                ordered.push(point);
+            }
+            for &point in &ordered[first..] {
+                grid.insert(0, point);
+            }
+            first = end;
+        }
+        self.points = ordered;
+    }
+}
+
+/// The samples of a level that are not yet taken, by distance.
+struct Farthest<'a> {
+    domain: &'a Domain,
+    points: &'a [Point],
+    grid: SampleGrid,
+    /// Squared distances to what is before; -1 for samples that are taken.
+    squares: Vec<i64>,
+    /// Entries whose distance has changed since are stale.
+    queue: BinaryHeap<(i64, Reverse<u32>)>,
+}
+
+impl<'a> Farthest<'a> {
+    fn new(domain: &'a Domain, before: &SampleGrid, points: &'a [Point]) -> Self {
+        let mut grid = SampleGrid::with_capacity(*domain, points.len());
+        for (id, &point) in (0..).zip(points) {
+            grid.insert(id, point);
+        }
+        let sides = domain.rect().max;
+        let squares: Vec<i64> = points
+            .par_iter()
+            .map(|&point| nearest_squared(before, point, sides.x.max(sides.y)))
+            .collect();
+        let queue = squares
+            .iter()
+            .zip(0..)
+            .map(|(&square, id)| (square, Reverse(id)));
+        Self {
+            domain,
+            points,
+            grid,
+            queue: queue.collect(),
+            squares,
+        }
+    }
+
+    fn take(&mut self) -> Option<Point> {
+        while let Some((square, Reverse(id))) = self.queue.pop() {
+            if self.squares[id as usize] != square {
+                continue;
+            }
+            self.squares[id as usize] = -1;
+            let point = self.points[id as usize];
+            // All others are at most as far from what is before, so none farther from this one changes.
+            let reach = square.isqrt() + 1;
+            let reach = reach.min(i64::from(self.domain.width().max(self.domain.height()))) as i32;
+            let (squares, queue) = (&mut self.squares, &mut self.queue);
+            self.grid.any_near(point, reach, |near| {
+                let (x, y) = (i64::from(near.offset.0), i64::from(near.offset.1));
+                let known = &mut squares[near.id as usize];
+                if x * x + y * y < *known {
+                    *known = x * x + y * y;
+                    queue.push((*known, Reverse(near.id)));
+                }
+                false
+            });
+            return Some(point);
+        }
+        None
+    }
+}
+
+/// Returns the squared distance from a place to the nearest sample of a grid, or the largest number if it is empty.
+fn nearest_squared(grid: &SampleGrid, point: Point, longest: i32) -> i64 {
+    let mut reach = crate::lattice::R;
+    loop {
+        let mut nearest = i64::MAX;
+        grid.any_near(point, reach, |near| {
+            let (x, y) = (i64::from(near.offset.0), i64::from(near.offset.1));
+            nearest = nearest.min(x * x + y * y);
+            false
+        });
+        if nearest <= i64::from(reach) * i64::from(reach) || reach >= longest {
+            return nearest;
+        }
+        reach = reach.saturating_mul(2).min(longest);
+    }
+}

@@ -1,0 +1,529 @@
+//! The plane of a run of nested levels: the whole, computed as one frame, and its windows, each computed by itself.
+//!
+//! A window needs each level in a frame around it that shrinks from level to level by the halo of the level. A window in
+//! which unknowns remain is computed again with a halo twice as wide.
+
+use std::sync::{Mutex, PoisonError};
+
+use rayon::prelude::*;
+
+use crate::count::radius_estimate;
+use crate::engine::parallel::plane::parts;
+use crate::error::{ParameterError, SampleError};
+use crate::lattice::{
+    Boundary, Domain, MIN_SIDE_RADII_BOUNDED, MIN_SIDE_RADII_PERIODIC, Point, R, Rect, Window,
+};
+use crate::parameters::{
+    Insertion, MAX_SEQUENTIAL_SAMPLES, MAXIMAL_DENSITY, Order, Parameters, Search, Variant,
+};
+use crate::pattern::Symmetry;
+use crate::progress::{Meter, Observer};
+use crate::random::{Key, Stream};
+use crate::stage::Stage;
+
+use super::blocks::BlockDraws;
+use super::frame::LevelFrame;
+use super::nested::Nested;
+use super::pattern::{LevelClip, NestedPattern};
+use super::radius::{LevelRadius, check_levels};
+use super::region::LevelRegion;
+
+/// Width of the finest level's halo in its radii, at first. Where blocks are small beside the radius, what is unknown reaches
+/// farther.
+const HALO: i64 = 6;
+
+/// By how much each level's halo is wider than that of the next, in its radii. Coarse levels have few samples.
+const MORE_HALO: i64 = 2;
+
+/// How often the halo is doubled.
+const MAX_REPAIRS: u32 = 5;
+
+/// Side of the windows into which larger ones are cut, in units: 512 finest radii.
+const WINDOW_SIDE: i32 = 512 * R;
+
+/// How often a radius is tried that should give a count of samples.
+const MAX_TRIES: u32 = 16;
+
+/// Windows for each thread between two calls of the observer.
+const WINDOWS_A_THREAD: usize = 4;
+
+/// The largest domain that is made whole for a window, in squared radii: about 700,000 samples.
+const MAX_WHOLE_AREA: f64 = 1_048_576.0;
+
+/// A run of nested levels, of which any window can be computed alone.
+///
+/// ```
+/// use tilescope_core::{NestedPlane, Parameters, Unobserved};
+///
+/// let parameters = Parameters { radius: 0.01, ..Parameters::default() };
+/// let plane = NestedPlane::new(&parameters, 4, &mut Unobserved)?;
+/// let nested = plane.whole(&mut Unobserved)?;
+/// // Each level has about twice the samples of the one before.
+/// assert_eq!(nested.ends().len(), 4);
+/// assert!((800..950).contains(&nested.ends()[0]));
+/// assert!((6_700..7_300).contains(&nested.points().len()));
+/// # Ok::<(), tilescope_core::SampleError>(())
+/// ```
+pub struct NestedPlane {
+    draws: BlockDraws,
+    levels: u32,
+    key: Key,
+    variants: Vec<Vec<LevelClip>>,
+    window_side: i32,
+    idle: Mutex<Vec<LevelRegion>>,
+}
+
+impl NestedPlane {
+    /// Returns the plane of `levels` levels of which the finest has the radius of the parameters, and each one before it
+    /// a radius larger by the root of 2. The pattern is made here (see [`NestedPattern`]).
+    ///
+    /// Fails when the parameters cannot be sampled, there are no or more than [`crate::MAX_LEVELS`] levels, the domain is too
+    /// small for the coarsest radius, or a choice other than the default is made for the order of elimination, insertion,
+    /// search, variant or the pattern's boundary.
+    pub fn new(
+        parameters: &Parameters,
+        levels: u32,
+        observer: &mut dyn Observer,
+    ) -> Result<Self, SampleError> {
+        check(parameters, levels)?;
+        let pattern = NestedPattern::generate(&parameters.pattern, levels, observer)?;
+        Self::with_pattern(parameters, &pattern)
+    }
+
+    /// Returns the plane of the levels of `pattern`.
+    ///
+    /// Fails as [`Self::new`].
+    pub fn with_pattern(
+        parameters: &Parameters,
+        pattern: &NestedPattern,
+    ) -> Result<Self, SampleError> {
+        let levels = pattern.levels().len() as u32;
+        let domain = check(parameters, levels)?;
+        let symmetries = if parameters.dihedral { 8 } else { 1 };
+        let key = Key::from_seed(parameters.seed);
+        Ok(Self {
+            draws: BlockDraws {
+                domain,
+                leaf: parameters.leaf_units()?,
+                key,
+                symmetries: symmetries.into(),
+                period: pattern.side(),
+            },
+            levels,
+            key,
+            variants: (0..symmetries)
+                .map(|s| pattern.variant(Symmetry(s)))
+                .collect(),
+            window_side: WINDOW_SIDE,
+            idle: Mutex::default(),
+        })
+    }
+
+    /// Returns the plane with large windows cut into ones of `radii` finest radii a side instead of 512. The samples are
+    /// the same.
+    #[must_use]
+    pub fn with_windows(mut self, radii: u16) -> Self {
+        self.window_side = i32::from(radii.max(1)) * R;
+        self
+    }
+
+    /// Returns exactly `count` samples: the first of a run of which the finest set has as many or a few more. The
+    /// radius of `parameters` is not used.
+    ///
+    /// There is no maximal set of exactly so many samples in general. [`Nested::guarantee`] says what holds for these.
+    /// Fails as [`Self::new`], or when there is no such radius.
+    pub fn exactly(
+        parameters: &Parameters,
+        levels: u32,
+        count: usize,
+        observer: &mut dyn Observer,
+    ) -> Result<Nested, SampleError> {
+        let wanted = count as u64;
+        let pattern = NestedPattern::generate(&parameters.pattern, levels, observer)?;
+        let (mut radius, mut nearest) = (radius_estimate(parameters, wanted)?, 0);
+        for _ in 0..MAX_TRIES {
+            let tried = Parameters {
+                radius,
+                ..*parameters
+            };
+            let mut nested = Self::with_pattern(&tried, &pattern)?.whole(observer)?;
+            let found = nested.points().len();
+            if found >= count {
+                nested.truncate(count);
+                return Ok(nested);
+            }
+            nearest = nearest.max(found as u64);
+            // A little less than what the share that is missing asks for.
+            radius *= 0.999 * (found as f64 / count as f64).sqrt();
+        }
+        let count = wanted;
+        Err(ParameterError::CountMissed { count, nearest }.into())
+    }
+
+    /// Returns the domain. Its radius is the finest.
+    #[must_use]
+    pub const fn domain(&self) -> &Domain {
+        &self.draws.domain
+    }
+
+    /// Returns the radius of a level in user units: that of the domain times the root of 2 for each finer level.
+    #[must_use]
+    pub fn radius(&self, level: u32) -> f64 {
+        let halvings = self.levels - 1 - level;
+        self.domain().radius() * f64::from(1_u32 << halvings).sqrt()
+    }
+
+    /// Returns the samples of the whole run in `window`, level by level, in the order of the whole. A window beyond the
+    /// end of a periodic domain shows its repetition, with the positions of the domain.
+    ///
+    /// Computes only the window and the surroundings on which its samples depend. Fails when that is too much, which
+    /// happens where blocks are small beside the coarsest radius and the domain is too large to be made whole instead.
+    /// Uses the current rayon pool.
+    pub fn window(
+        &self,
+        window: &Window,
+        observer: &mut dyn Observer,
+    ) -> Result<Nested, SampleError> {
+        self.compute_parts(&parts(self.domain(), window), observer)
+    }
+
+    /// Returns the whole run. Uses the current rayon pool, and some 120 bytes a sample.
+    ///
+    /// Fails when the domain would hold more samples than the sequential engine accepts, or `observer` stops it.
+    pub fn whole(&self, observer: &mut dyn Observer) -> Result<Nested, SampleError> {
+        let samples = self.domain().area_radii() * MAXIMAL_DENSITY;
+        if samples > MAX_SEQUENTIAL_SAMPLES {
+            let maximum = MAX_SEQUENTIAL_SAMPLES;
+            return Err(ParameterError::TooManySamples { samples, maximum }.into());
+        }
+        let mut region = LevelRegion::default();
+        let mut meter = Meter::begin(observer, Stage::Regions, self.levels.into())?;
+        self.compute_whole(&mut region, Some(&mut meter))?;
+        let levels = collect(&region, &self.domain().rect());
+        meter.end()?;
+        Ok(self.in_order(levels))
+    }
+
+    fn compute_parts(
+        &self,
+        parts: &[Rect],
+        observer: &mut dyn Observer,
+    ) -> Result<Nested, SampleError> {
+        let windows: Vec<Rect> = parts
+            .iter()
+            .flat_map(|part| pieces(part, self.window_side))
+            .collect();
+        let total = windows.len() as u64;
+        let mut levels = vec![Vec::new(); self.levels as usize];
+        let mut meter = Meter::begin(observer, Stage::Regions, total)?;
+        let mut left = Vec::new();
+        let mut add = |piece: Vec<Vec<Point>>| {
+            for (all, mut found) in levels.iter_mut().zip(piece) {
+                all.append(&mut found);
+            }
+        };
+        for some in windows.chunks(WINDOWS_A_THREAD * rayon::current_num_threads()) {
+            let found = some
+                .par_iter()
+                .with_max_len(1)
+                .map(|window| self.piece(window));
+            for (piece, window) in found.collect::<Vec<_>>().into_iter().zip(some) {
+                match piece? {
+                    Some(piece) => add(piece),
+                    None => left.push(window),
+                }
+                meter.tick()?;
+            }
+            meter.ask()?;
+        }
+        if !left.is_empty() {
+            let mut region = LevelRegion::default();
+            self.compute_whole(&mut region, None)?;
+            for window in left {
+                add(collect(&region, window));
+            }
+        }
+        meter.end()?;
+        Ok(self.in_order(levels))
+    }
+
+    fn in_order(&self, levels: Vec<Vec<Point>>) -> Nested {
+        Nested::in_random_order(*self.domain(), levels, self.key)
+    }
+
+    /// Returns the samples that each level adds in a window that lies in the domain, or `None` if the whole is computed
+    /// sooner.
+    fn piece(&self, window: &Rect) -> Result<Option<Vec<Vec<Point>>>, SampleError> {
+        let mut region = self.take();
+        for repair in 0..=MAX_REPAIRS {
+            let halo = HALO << repair;
+            if self.is_shorter_whole(window, halo) {
+                self.give(region);
+                return Ok(None);
+            }
+            if self.compute(&mut region, window, halo)? {
+                let shown = Rect {
+                    min: Point::default(),
+                    max: Point::new(window.width(), window.height()),
+                };
+                let levels = collect(&region, &shown);
+                self.give(region);
+                return Ok(Some(levels));
+            }
+        }
+        Err(SampleError::Entangled {
+            radii: (HALO << MAX_REPAIRS) as f64 * self.radius(0) / self.radius(self.levels - 1),
+        })
+    }
+
+    /// Returns whether computing the whole domain is less work than a window with its halo.
+    fn is_shorter_whole(&self, window: &Rect, halo: i64) -> bool {
+        let domain = self.domain();
+        let halos = 2 * self.halo(0, halo);
+        let area = (i64::from(window.width()) + halos) as f64
+            * (i64::from(window.height()) + halos) as f64;
+        let whole = f64::from(domain.width()) * f64::from(domain.height());
+        domain.area_radii() <= MAX_WHOLE_AREA && whole <= area
+    }
+
+    /// Returns by how many units the frame of a level is larger than its window on each side.
+    fn halo(&self, level: u32, halo: i64) -> i64 {
+        let width = |level: u32| {
+            let halvings = i64::from(self.levels - 1 - level);
+            (halo + MORE_HALO * halvings) * i64::from(self.units(level).units)
+        };
+        (level..self.levels).map(width).sum()
+    }
+
+    const fn units(&self, level: u32) -> LevelRadius {
+        LevelRadius::before(self.levels - 1 - level)
+    }
+
+    /// Computes all levels in a window with halos of `halo` radii, and returns whether all its samples are known. In the
+    /// region coordinates begin at the window's corner.
+    fn compute(
+        &self,
+        region: &mut LevelRegion,
+        window: &Rect,
+        halo: i64,
+    ) -> Result<bool, SampleError> {
+        let domain = self.domain();
+        let frame = |level: u32| {
+            let halo = self.halo(level, halo);
+            let mut frame = LevelFrame {
+                origin: [window.min.x, window.min.y].map(i64::from),
+                sides: [domain.width(), domain.height()],
+                periodic: domain.is_periodic(),
+                ..LevelFrame::default()
+            };
+            let ends = [domain.rect().max.x, domain.rect().max.y].map(i64::from);
+            let lengths = [window.width(), window.height()].map(i64::from);
+            let spans = [0, 1].map(|axis| {
+                let (mut low, mut high) = (-halo, lengths[axis] + halo);
+                frame.goes_on[axis] = [true; 2];
+                if !frame.periodic {
+                    let closed = [-frame.origin[axis], ends[axis] - frame.origin[axis]];
+                    frame.goes_on[axis] = [low > closed[0], high < closed[1]];
+                    (low, high) = (low.max(closed[0]), high.min(closed[1]));
+                }
+                [low as i32, high as i32]
+            });
+            frame.rect = Rect {
+                min: Point::new(spans[0][0], spans[1][0]),
+                max: Point::new(spans[0][1], spans[1][1]),
+            };
+            frame
+        };
+        self.run(region, frame, domain.is_periodic(), None)?;
+        let shown = |unknown: &super::region::UnknownDisk| {
+            let reach = unknown.radius;
+            (-reach..window.width() + reach).contains(&unknown.at.x)
+                && (-reach..window.height() + reach).contains(&unknown.at.y)
+        };
+        Ok(!region.unknown.iter().any(shown))
+    }
+
+    /// Computes all levels in the whole domain.
+    fn compute_whole(
+        &self,
+        region: &mut LevelRegion,
+        meter: Option<&mut Meter<'_>>,
+    ) -> Result<(), SampleError> {
+        let domain = self.domain();
+        let frame = LevelFrame {
+            rect: domain.rect(),
+            wraps: domain.is_periodic(),
+            sides: [domain.width(), domain.height()],
+            periodic: domain.is_periodic(),
+            ..LevelFrame::default()
+        };
+        self.run(region, |_| frame, false, meter)
+    }
+
+    fn run(
+        &self,
+        region: &mut LevelRegion,
+        frame: impl Fn(u32) -> LevelFrame,
+        images: bool,
+        mut meter: Option<&mut Meter<'_>>,
+    ) -> Result<(), SampleError> {
+        region.clear();
+        let coarsest = self.units(0);
+        let first = frame(0);
+        let (target, origin) = (first.tiled(coarsest.units), first.origin);
+        self.draws
+            .find(&target, origin, coarsest.units, images, &mut region.blocks);
+        for level in 0..self.levels {
+            let radius = self.units(level);
+            region.begin(frame(level), &radius);
+            region.claim(level as usize, &self.variants, &radius);
+            region.fill(&radius, self.level_key(level));
+            region.ends.push(region.samples.len());
+            if let Some(meter) = &mut meter {
+                meter.tick()?;
+                meter.ask()?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Returns the key of a level's draws. The finest has the run's own.
+    const fn level_key(&self, level: u32) -> Key {
+        match self.levels - 1 - level {
+            0 => self.key,
+            halvings => self.key.derive(Stream::Nested, halvings),
+        }
+    }
+
+    fn take(&self) -> LevelRegion {
+        let mut idle = self.idle.lock().unwrap_or_else(PoisonError::into_inner);
+        idle.pop().unwrap_or_default()
+    }
+
+    fn give(&self, region: LevelRegion) {
+        let mut idle = self.idle.lock().unwrap_or_else(PoisonError::into_inner);
+        idle.push(region);
+    }
+}
+
+/// Returns the domain of nested levels, or why there is none.
+fn check(parameters: &Parameters, levels: u32) -> Result<Domain, ParameterError> {
+    let domain = parameters.validate()?;
+    check_levels(levels)?;
+    let choices = [
+        (
+            "the order of elimination",
+            parameters.order != Order::default(),
+        ),
+        (
+            "the insertion",
+            parameters.insertion != Insertion::default(),
+        ),
+        ("the search", parameters.search != Search::default()),
+        ("the variant", parameters.variant != Variant::default()),
+        (
+            "the pattern's boundary",
+            parameters.pattern.boundary != Boundary::Periodic,
+        ),
+    ];
+    if let Some((name, _)) = choices.into_iter().find(|(_, differs)| *differs) {
+        return Err(ParameterError::NestedChoice { name });
+    }
+    let least = match parameters.boundary {
+        Boundary::Periodic => MIN_SIDE_RADII_PERIODIC,
+        Boundary::Bounded => MIN_SIDE_RADII_BOUNDED,
+    };
+    let coarsest = f64::from(1_u32 << (levels - 1)).sqrt();
+    for (name, units) in [("width", domain.width()), ("height", domain.height())] {
+        let radii = f64::from(units) / f64::from(R);
+        if radii < least * coarsest {
+            return Err(ParameterError::TooManyLevels {
+                name,
+                levels,
+                radii,
+                minimum: least * coarsest,
+            });
+        }
+    }
+    Ok(domain)
+}
+
+/// Returns the samples of a region in `shown`, as places of the domain, by the level that adds them.
+fn collect(region: &LevelRegion, shown: &Rect) -> Vec<Vec<Point>> {
+    let mut first = 0;
+    let level = |&end: &usize| {
+        let added = &region.samples[first..end];
+        first = end;
+        let inside = added.iter().filter(|sample| shown.contains(sample.at));
+        inside
+            .map(|sample| region.frame.in_domain(sample.at))
+            .collect()
+    };
+    region.ends.iter().map(level).collect()
+}
+
+/// Cuts a rectangle of the domain into windows.
+fn pieces(part: &Rect, side: i32) -> Vec<Rect> {
+    let cut = |low: i32, high: i32| {
+        let starts = (low..high).step_by(side as usize);
+        starts.map(move |at| (at, at.saturating_add(side).min(high)))
+    };
+    let rows = cut(part.min.y, part.max.y);
+    let rect = |(bottom, top), (left, right)| Rect {
+        min: Point::new(left, bottom),
+        max: Point::new(right, top),
+    };
+    rows.flat_map(|row| cut(part.min.x, part.max.x).map(move |column| rect(row, column)))
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::progress::Unobserved;
+
+    /// With narrow halos windows have unknowns. Whatever a window then says that it knows is right.
+    #[test]
+    fn narrow_halos_are_found_out() {
+        for boundary in [Boundary::Periodic, Boundary::Bounded] {
+            let parameters = Parameters {
+                width: 160.0,
+                height: 200.0,
+                radius: 1.0,
+                leaf: 9.0,
+                boundary,
+                ..Parameters::default()
+            };
+            let plane = NestedPlane::new(&parameters, 4, &mut Unobserved).unwrap();
+            let mut region = LevelRegion::default();
+            plane.compute_whole(&mut region, None).unwrap();
+            let domain = plane.domain().rect();
+            let all = collect(&region, &domain);
+            let side = 40 * R;
+            for halo in [1, 2, 4, 8] {
+                let (mut known, mut unknown) = (0, 0);
+                for window in pieces(&domain, side) {
+                    if !plane.compute(&mut region, &window, halo).unwrap() {
+                        unknown += 1;
+                        continue;
+                    }
+                    known += 1;
+                    let shown = Rect {
+                        min: Point::default(),
+                        max: Point::new(window.width(), window.height()),
+                    };
+                    let found = collect(&region, &shown);
+                    for (mut found, all) in found.into_iter().zip(&all) {
+                        let inside = |p: &&Point| window.contains(**p);
+                        let mut expected: Vec<Point> = all.iter().filter(inside).copied().collect();
+                        found.sort_unstable_by_key(|p| p.row_major());
+                        expected.sort_unstable_by_key(|p| p.row_major());
+                        assert_eq!(found, expected, "{boundary:?}, halo {halo}, {window:?}");
+                    }
+                }
+                assert!(halo > 1 || unknown > 0, "the test shows nothing");
+                assert!(halo < 8 || known > 0, "{boundary:?}: no halo suffices");
+            }
+        }
+    }
+}

@@ -1,0 +1,247 @@
+//! The part of the plane around a window, computed level by level. Samples that may depend on the plane beyond are
+//! replaced by *unknowns*: disks in which, at this level or later, a sample may lie that is not listed.
+//!
+//! *What is listed is right.* A tiled sample is kept only if no sample before it in the order covers it: none that is
+//! listed, none that may lie in an unknown or beyond the frame. It is lost only if a listed sample covers it. All others
+//! become unknowns. How insertion deals with unknowns stands in [`super::gaps`].
+
+use crate::lattice::{Point, Rect};
+
+use super::blocks::NestedBlock;
+use super::frame::LevelFrame;
+use super::grid::{LevelGrid, Place};
+use super::pattern::LevelClip;
+use super::radius::LevelRadius;
+
+/// Flags of the grid's cells.
+pub(super) mod flag {
+    /// A sample that is not its block's own, or an unknown, may cover a place in it.
+    pub const CONTESTED: u8 = 1;
+    /// A tiled sample that is not kept may have covered a place in it.
+    pub const DIRTY: u8 = 2;
+    /// An unknown may concern candidates in it.
+    pub const DOUBTFUL: u8 = 4;
+    /// A sample inserted last may concern candidates in it.
+    pub const CHANGED: u8 = 8;
+}
+
+/// A sample of the result.
+#[derive(Clone, Copy)]
+pub(super) struct KeptSample {
+    pub at: Point,
+    /// Whether it is another one than a sample that its block clips.
+    pub foreign: bool,
+}
+
+/// A tiled sample whose fate is to be decided, compared by its place in the order of elimination.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct Claimant {
+    in_margin: bool,
+    sequence: u32,
+    /// Its place in its block, which tells images of one block apart.
+    row: i32,
+    column: i32,
+    block: u32,
+    x: i32,
+    y: i32,
+}
+
+/// A disk in which an unlisted sample may lie.
+#[derive(Clone, Copy)]
+pub(super) struct UnknownDisk {
+    pub at: Point,
+    pub radius: i32,
+}
+
+/// The samples of a frame and the buffers to compute them. Coordinates begin at the window's lowest corner.
+#[derive(Default)]
+pub(super) struct LevelRegion {
+    pub frame: LevelFrame,
+    pub grid: LevelGrid,
+    /// The samples of all levels so far.
+    pub samples: Vec<KeptSample>,
+    /// How many samples there are up to the end of each level.
+    pub ends: Vec<usize>,
+    pub blocks: Vec<NestedBlock>,
+    claimants: Vec<Claimant>,
+    /// Tiled samples that are not kept. At a finer level they may be.
+    waiting: Vec<Claimant>,
+    pub unknown: Vec<UnknownDisk>,
+    /// The first unknown of each cell, and the next one of each unknown.
+    unknown_in: Vec<u32>,
+    unknown_next: Vec<u32>,
+    largest_unknown: i32,
+    /// Cells in which there may be a gap.
+    pub dirty: Vec<u32>,
+}
+
+const NONE: u32 = u32::MAX;
+
+impl LevelRegion {
+    /// Empties the region.
+    pub fn clear(&mut self) {
+        self.samples.clear();
+        self.ends.clear();
+        self.waiting.clear();
+        self.unknown.clear();
+    }
+
+    /// Begins a level: takes over what is known from the level before.
+    pub fn begin(&mut self, frame: LevelFrame, radius: &LevelRadius) {
+        self.grid.reset(frame.rect, frame.wraps, radius);
+        self.dirty.clear();
+        let grid = &mut self.grid;
+        for sample in self.samples.iter().filter(|s| frame.rect.contains(s.at)) {
+            grid.insert(sample.at);
+            if sample.foreign {
+                grid.flag_near(sample.at, radius.units, flag::CONTESTED, |_| ());
+            }
+        }
+        let before = std::mem::take(&mut self.unknown);
+        self.unknown_next.clear();
+        self.unknown_in.clear();
+        self.largest_unknown = 0;
+        self.frame = frame;
+        for unknown in before {
+            // What a sample covers whole holds no other.
+            let inner = i64::from(radius.units - 1 - unknown.radius);
+            let covered = self.grid.any_near(unknown.at, radius.units, |x, y| {
+                let (x, y) = (i64::from(x), i64::from(y));
+                inner >= 0 && x * x + y * y <= inner * inner
+            });
+            if self.frame.rect.contains(unknown.at) && !covered {
+                self.doubt(unknown, radius);
+                let reach = radius.units + unknown.radius;
+                self.grid
+                    .flag_near(unknown.at, reach, flag::CONTESTED, |_| ());
+            }
+        }
+    }
+
+    /// Adds an unknown.
+    pub fn doubt(&mut self, unknown: UnknownDisk, radius: &LevelRadius) {
+        if self.unknown_in.is_empty() {
+            self.unknown_in.resize(self.grid.flags.len(), NONE);
+        }
+        let cell = self.grid.cell_at(unknown.at);
+        self.unknown_next.push(self.unknown_in[cell]);
+        self.unknown_in[cell] = self.unknown.len() as u32;
+        self.largest_unknown = self.largest_unknown.max(unknown.radius);
+        self.unknown.push(unknown);
+        let reach = self.frame.sight(radius) + unknown.radius;
+        self.grid
+            .flag_near(unknown.at, reach, flag::DOUBTFUL, |_| ());
+    }
+
+    /// Returns whether an unknown touches the disk of `radius` units around `at`. Frames with unknowns do not wrap.
+    pub fn touches_unknown(&self, at: Point, radius: i32) -> bool {
+        if self.unknown.is_empty() {
+            return false;
+        }
+        let reach = radius + self.largest_unknown;
+        let touches = |unknown: &UnknownDisk| {
+            let (x, y) = (unknown.at.x - at.x, unknown.at.y - at.y);
+            let far = i64::from(radius) + i64::from(unknown.radius);
+            i64::from(x) * i64::from(x) + i64::from(y) * i64::from(y) <= far * far
+        };
+        self.grid.any_range(at, reach, |range, _| {
+            self.unknown_in[range].iter().any(|&first| {
+                let mut next = first;
+                while let Some(unknown) = self.unknown.get(next as usize) {
+                    if touches(unknown) {
+                        return true;
+                    }
+                    next = self.unknown_next[next as usize];
+                }
+                false
+            })
+        })
+    }
+
+    /// Tiles what the level number `level` adds and decides all fates, as far as they can be known.
+    pub fn claim(&mut self, level: usize, variants: &[Vec<LevelClip>], radius: &LevelRadius) {
+        let blocks = std::mem::take(&mut self.blocks);
+        let mut claimants = std::mem::take(&mut self.claimants);
+        claimants.clear();
+        let reach = i64::from(radius.units);
+        let tiled = self.frame.tiled(radius.units);
+        let inside = self.frame.inside(radius.units);
+        for (block, index) in blocks.iter().zip(0..) {
+            let Some(part) = block.rect.grown(reach, reach).within(&tiled) else {
+                continue;
+            };
+            let safe = block.rect.grown(-reach - 1, -reach).within(&inside);
+            let safe = safe.unwrap_or_default();
+            let clip = &variants[block.symmetry as usize][level];
+            clip.clip(block.origin, &part, |p| {
+                if safe.contains(p) && self.grid.flags[self.grid.cell_at(p)] & flag::CONTESTED == 0
+                {
+                    self.keep(p, false);
+                } else {
+                    claimants.push(Claimant::new(block, index, p, &self.frame));
+                }
+            });
+        }
+        // A margin is narrower than at the level before.
+        claimants.extend(self.waiting.drain(..).filter(|claimant| {
+            let block = &blocks[claimant.block as usize];
+            let [width, height] = [0, 1].map(|axis| block.rect.max[axis] - block.rect.min[axis]);
+            let within = |at: i32, side: i64| (-reach..side + reach).contains(&at.into());
+            within(claimant.column, width)
+                && within(claimant.row, height)
+                && tiled.contains(Point::new(claimant.x, claimant.y))
+        }));
+        claimants.sort_unstable();
+        for claimant in &claimants {
+            self.decide(claimant, &inside, radius);
+        }
+        self.blocks = blocks;
+        self.claimants = claimants;
+    }
+
+    /// Decides the fate of a sample: all before it in the order are decided.
+    fn decide(&mut self, claimant: &Claimant, inside: &Rect, radius: &LevelRadius) {
+        let p = Point::new(claimant.x, claimant.y);
+        if self.frame.rect.contains(p) {
+            match self.grid.place(p, radius) {
+                Place::Taken => return,
+                Place::Covered => {}
+                Place::Free => {
+                    if inside.contains(p) && !self.touches_unknown(p, radius.units) {
+                        self.keep(p, claimant.in_margin);
+                        return;
+                    }
+                    self.doubt(UnknownDisk { at: p, radius: 0 }, radius);
+                }
+            }
+        }
+        self.waiting.push(*claimant);
+        let dirty = &mut self.dirty;
+        let mark = |cell| dirty.push(cell as u32);
+        self.grid.flag_near(p, radius.units, flag::DIRTY, mark);
+    }
+
+    fn keep(&mut self, at: Point, foreign: bool) {
+        self.grid.insert(at);
+        self.samples.push(KeptSample { at, foreign });
+    }
+}
+
+impl Claimant {
+    fn new(block: &NestedBlock, index: u32, p: Point, frame: &LevelFrame) -> Self {
+        let [left, bottom] = block.rect.min;
+        let (column, row) = (i64::from(p.x) - left, i64::from(p.y) - bottom);
+        let own = (0..block.rect.max[0] - left).contains(&column)
+            && (0..block.rect.max[1] - bottom).contains(&row);
+        let p = frame.wrap(p);
+        Self {
+            in_margin: !own,
+            sequence: block.sequence,
+            row: row as i32,
+            column: column as i32,
+            block: index,
+            x: p.x,
+            y: p.y,
+        }
+    }
+}
