@@ -1,7 +1,8 @@
 //! Finds the blocks that reach into a frame, with the place in the nested pattern that each of them shows.
 
-use crate::engine::parallel::clip::Rect64;
-use crate::lattice::{Domain, R, Rect};
+use glam::I64Vec2;
+
+use crate::lattice::{Domain, R, Rect, Rect64};
 use crate::random::{Key, Stream, below};
 use crate::stages::blocks::{Block, Node};
 
@@ -88,8 +89,8 @@ impl BlockDraws {
             [target.min.y, target.max.y].map(i64::from),
         ];
         let rect = Rect64 {
-            min: [0, 1].map(|axis| low[axis] - origin[axis]),
-            max: [0, 1].map(|axis| high[axis] - origin[axis]),
+            min: [0, 1].map(|axis| low[axis] - origin[axis]).into(),
+            max: [0, 1].map(|axis| high[axis] - origin[axis]).into(),
         };
         let reach = i64::from(reach);
         let shifts = [0, 1].map(|axis| {
@@ -108,8 +109,8 @@ impl BlockDraws {
             columns.clone().map(move |i| {
                 let shift = [i * sides[0], j * sides[1]];
                 Rect64 {
-                    min: [rect.min[0] + shift[0], rect.min[1] + shift[1]],
-                    max: [rect.max[0] + shift[0], rect.max[1] + shift[1]],
+                    min: rect.min + I64Vec2::from(shift),
+                    max: rect.max + I64Vec2::from(shift),
                 }
             })
         })

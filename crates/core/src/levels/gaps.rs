@@ -20,6 +20,7 @@
 //! every place at which an insertion would cover a place of the pixel. What is inserted in the other pixels therefore
 //! depends on no unknown, in any iteration.
 
+use glam::I64Vec2;
 use rayon::prelude::*;
 
 use crate::circumcentre::on_line;
@@ -383,11 +384,11 @@ impl Candidates<'_> {
                 let [ax, ay] = [a.0, a.1].map(i64::from);
                 let (mx, my) = (i64::from(b.0) - ax, i64::from(b.1) - ay);
                 for x in lines_x.into_iter().flatten() {
-                    let place = on_line(x - ax, (mx, my)).map(|y| (x, ay + y));
+                    let place = on_line(x - ax, I64Vec2::new(mx, my)).map(|y| (x, ay + y));
                     self.consider(place, &[*a, *b], found);
                 }
                 for y in lines_y.into_iter().flatten() {
-                    let place = on_line(y - ay, (my, mx)).map(|x| (ax + x, y));
+                    let place = on_line(y - ay, I64Vec2::new(my, mx)).map(|x| (ax + x, y));
                     self.consider(place, &[*a, *b], found);
                 }
             }

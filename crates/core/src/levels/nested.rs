@@ -202,10 +202,10 @@ impl<'a> Farthest<'a> {
             let reach = reach.min(i64::from(self.domain.width().max(self.domain.height()))) as i32;
             let (squares, queue) = (&mut self.squares, &mut self.queue);
             self.grid.any_near(point, reach, |near| {
-                let (x, y) = (i64::from(near.offset.0), i64::from(near.offset.1));
+                let square = near.offset.as_i64vec2().length_squared();
                 let known = &mut squares[near.id as usize];
-                if x * x + y * y < *known {
-                    *known = x * x + y * y;
+                if square < *known {
+                    *known = square;
                     queue.push((*known, Reverse(near.id)));
                 }
                 false
@@ -222,8 +222,7 @@ fn nearest_squared(grid: &SampleGrid, point: Point, longest: i32) -> i64 {
     loop {
         let mut nearest = i64::MAX;
         grid.any_near(point, reach, |near| {
-            let (x, y) = (i64::from(near.offset.0), i64::from(near.offset.1));
-            nearest = nearest.min(x * x + y * y);
+            nearest = nearest.min(near.offset.as_i64vec2().length_squared());
             false
         });
         if nearest <= i64::from(reach) * i64::from(reach) || reach >= longest {

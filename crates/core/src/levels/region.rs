@@ -229,7 +229,7 @@ impl LevelRegion {
 
 impl Claimant {
     fn new(block: &NestedBlock, index: u32, p: Point, frame: &LevelFrame) -> Self {
-        let [left, bottom] = block.rect.min;
+        let [left, bottom] = block.rect.min.to_array();
         let (column, row) = (i64::from(p.x) - left, i64::from(p.y) - bottom);
         let own = (0..block.rect.max[0] - left).contains(&column)
             && (0..block.rect.max[1] - bottom).contains(&row);
