@@ -26,6 +26,7 @@ mod interrupt;
 pub mod lesson;
 mod make;
 mod nested;
+mod nested_arguments;
 mod options;
 mod output;
 mod parameters;

@@ -10,7 +10,7 @@ use tilescope_formats::{ExportContext, Format, Precision, Warning};
 use crate::engine::EngineArguments;
 use crate::facts::Facts;
 use crate::make::Made;
-use crate::nested::NestedArguments;
+use crate::nested_arguments::NestedArguments;
 use crate::options::{JudgeArguments, PRECISIONS, named};
 use crate::parameters::RunArguments;
 use crate::paths::InFile;
