@@ -114,7 +114,7 @@ fn stated(
         .as_array_mut()
         .into_iter()
         .flatten()
-        .zip(&placed.places)
+        .zip(&placed.pieces)
     {
         if let PieceSource::File { path, .. } = &place.source {
             if let Some(held) = given.get(path.as_str()) {

@@ -158,7 +158,7 @@ pub fn pair_correlation<'py>(
     let places = run(py, progress, |watch| {
         let (farthest, control) = (bins.farthest(points.len(), region), watch.control("pairs"));
         let found = PairCorrelation::of(points, region, farthest, bins.count(), &control)?;
-        Ok(found.places())
+        Ok(found.points())
     })?;
     array(py, places)
 }
