@@ -3,6 +3,7 @@
 
 use std::ops::ControlFlow;
 
+use glam::{I64Vec2, Vec2Swizzles};
 use tilescope_analysis::{Region, Report, VerifyOptions, verify};
 use tilescope_core::stages::blocks::split;
 use tilescope_core::{
@@ -89,7 +90,7 @@ fn defined(parameters: &Parameters, pattern: &NestedPattern) -> Vec<Vec<Point>> 
         for (index, block) in blocks.leaves.iter().enumerate() {
             for p in clip(block.key, &block.rect, &level, pattern.side(), &shown) {
                 let own = block.rect.contains(p);
-                tiled.push(((!own, index, p.y, p.x), domain.wrap(p.x.into(), p.y.into())));
+                tiled.push(((!own, index, p.y, p.x), domain.wrap(p.into())));
             }
         }
         tiled.sort_unstable_by_key(|(order, _)| *order);
@@ -158,31 +159,25 @@ fn candidates(domain: &Domain, level: &Level, set: &[Point]) -> Vec<Point> {
     let far = if domain.is_periodic() { 21 } else { 35 } * i64::from(level.units) / 10;
     let mut found = Vec::new();
     for &i in set {
-        let offset = |&p: &Point| {
-            let (x, y) = domain.difference(i, p);
-            (i64::from(x), i64::from(y))
-        };
-        let near: Vec<(i64, i64)> = set
-            .iter()
-            .map(offset)
-            .filter(|&(x, y)| (x, y) != (0, 0) && x * x + y * y <= 4 * far * far)
-            .collect();
-        let mut consider = |centre: Option<(i64, i64)>, made_by: &[(i64, i64)]| {
-            let Some(c) = centre.filter(|c| c.0.abs() <= far && c.1.abs() <= far) else {
+        let near = set.iter().map(|&p| domain.difference(i, p).as_i64vec2());
+        let is_near = |p: &I64Vec2| (1..=4 * far * far).contains(&p.length_squared());
+        let near: Vec<I64Vec2> = near.filter(is_near).collect();
+        let mut consider = |centre: Option<I64Vec2>, made_by: &[I64Vec2]| {
+            let Some(c) = centre.filter(|c| c.abs().max_element() <= far) else {
                 return;
             };
-            let square = |p: &(i64, i64)| (p.0 - c.0).pow(2) + (p.1 - c.1).pow(2);
+            let square = |p: &I64Vec2| p.distance_squared(c);
             let limit = made_by.iter().map(square).min().unwrap() - 12 * i64::from(level.units);
             let limit = limit.max(level.squared + 1);
-            let refused = |p: &(i64, i64)| square(p) < limit;
-            if refused(&(0, 0)) || near.iter().any(refused) {
+            let refused = |p: &I64Vec2| square(p) < limit;
+            if refused(&I64Vec2::ZERO) || near.iter().any(refused) {
                 return;
             }
-            found.extend(domain.wrap(i64::from(i.x) + c.0, i64::from(i.y) + c.1));
+            found.extend(domain.wrap(I64Vec2::from(i) + c));
         };
         for (k, &m) in near.iter().enumerate() {
             for &n in &near[k + 1..] {
-                consider(circumcentre(m, n), &[(0, 0), m, n]);
+                consider(circumcentre(m, n), &[I64Vec2::ZERO, m, n]);
             }
         }
         if !domain.is_periodic() {
@@ -190,15 +185,21 @@ fn candidates(domain: &Domain, level: &Level, set: &[Point]) -> Vec<Point> {
             let rows = [0, domain.height()].map(|y| i64::from(y - i.y));
             for &m in &near {
                 for x in columns {
-                    consider(on_line(x, m).map(|y| (x, y)), &[(0, 0), m]);
+                    consider(
+                        on_line(x, m).map(|y| I64Vec2::new(x, y)),
+                        &[I64Vec2::ZERO, m],
+                    );
                 }
                 for y in rows {
-                    consider(on_line(y, (m.1, m.0)).map(|x| (x, y)), &[(0, 0), m]);
+                    consider(
+                        on_line(y, m.yx()).map(|x| I64Vec2::new(x, y)),
+                        &[I64Vec2::ZERO, m],
+                    );
                 }
             }
             for x in columns {
                 for y in rows {
-                    consider(Some((x, y)), &[(0, 0)]);
+                    consider(Some(I64Vec2::new(x, y)), &[I64Vec2::ZERO]);
                 }
             }
         }
