@@ -456,10 +456,10 @@ mod tests {
         /// Where 64 bits suffice, the centre is that of runs of one level, and the filter lets it pass.
         #[test]
         fn centres_are_those_of_one_level(a in place(), b in place(), c in place()) {
-            let offset = |p: (i32, i32)| (i64::from(p.0 - a.0), i64::from(p.1 - a.1));
+            let offset = |p: (i32, i32)| I64Vec2::new((p.0 - a.0).into(), (p.1 - a.1).into());
             let centre = circumcentre(a, b, c);
             let known = crate::circumcentre::circumcentre(offset(b), offset(c));
-            let known = known.map(|(x, y)| (x + i64::from(a.0), y + i64::from(a.1)));
+            let known = known.map(|at| (at.x + i64::from(a.0), at.y + i64::from(a.1)));
             prop_assert_eq!(centre, known);
             if let Some((x, y)) = centre.filter(|c| c.0.abs() < 300_000 && c.1.abs() < 300_000) {
                 let (x, y) = (x as i32, y as i32);
