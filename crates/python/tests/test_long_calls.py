@@ -33,6 +33,8 @@ def test_ctrl_c_stops_a_long_call_and_the_next_one_works(name, tmp_path):
     code = f"""
         import os, sys, time, threading, signal
         import tilescope
+        # A shell has the programs that it starts in the background ignore Ctrl-C, and their children inherit that.
+        signal.signal(signal.SIGINT, signal.default_int_handler)
         folder = {str(tmp_path)!r}
         if {"points" in LONG[name]}:
             points = tilescope.sample(4_000_000)
