@@ -511,12 +511,16 @@ if (embed) {
     window.addEventListener(type, shareTouch, { capture: true, passive: true });
   }
 }
-window.addEventListener("hashchange", () => {
-  if (fragment() === "card") {
+window.addEventListener("hashchange", (event) => {
+  // Not the address: the program may have written its own link there since the change.
+  const link = new URL(event.newURL).hash.slice(1);
+  if (link === "card") {
+    location.hash = link;
     location.reload();
+    return;
   }
   nextLink = null;
-  app?.open_link(fragment());
+  app?.open_link(link);
 });
 still.addEventListener("change", () => app?.prefer_reduced_motion(still.matches));
 // The canvas handles files dropped on it. Elsewhere the browser would replace the page by the file.

@@ -55,6 +55,16 @@ test("a link that is followed while the program starts is opened", async (t) => 
   await shows(page);
 });
 
+test("a link is opened that is followed just before the program writes its own", async (t) => {
+  const { page } = await reused(t);
+  await page.evaluate(() => {
+    const own = location.href;
+    location.hash = "v=1&seed=6&radius=0.02";
+    history.replaceState(history.state, "", own);
+  });
+  await state(page, (told) => told.ready && told.seed === 6 && told.verified !== null);
+});
+
 test("a link that is followed while a lost display is replaced is opened", async (t) => {
   const { page } = await started(t, "?engine=cpu&display=webgl#v=1&seed=9&radius=0.02");
   await page.evaluate(() => {
