@@ -10,7 +10,7 @@ use tilescope_formats::{Check, CheckError, ExportContext, Format, Overrides, Poi
 use crate::options::{JudgeArguments, SetArguments, UNIT_SQUARE};
 use crate::paths::{InFile, check_target};
 use crate::progress::verifying;
-use crate::{interrupt, output, verdict_code};
+use crate::{interrupt, nested, output, verdict_code};
 
 /// Arguments of `tilescope convert`.
 #[derive(Debug, Args)]
@@ -46,14 +46,21 @@ pub fn run(arguments: &ConvertArguments) -> Result<u8> {
     let exported = verifying(|control| tilescope_formats::export(path, &set, &context, control));
     let exported = exported.in_file(path)?;
     let (report, certificate) = (exported.report, exported.certificate_path.display());
-    let (count, radius, verdict) = (report.count, report.radius, output::verdict_text(&report));
+    let levels = &exported.certificate.levels;
+    let (verdict, is_valid) = if levels.is_empty() {
+        (output::verdict_text(&report), report.valid())
+    } else {
+        let is_valid = levels.iter().all(|level| level.valid);
+        (nested::table(levels), is_valid)
+    };
+    let (count, radius) = (report.count, report.radius);
     let warnings = exported.warnings.iter();
     let warnings = warnings.map(|warning| output::warning_line(&warning.to_string()));
     let warnings: String = warnings.collect();
     output::emit(&format!(
         "{count} samples, r = {radius}\n{verdict}{warnings}certificate    {certificate}\n"
     ))?;
-    Ok(verdict_code(report.valid()))
+    Ok(verdict_code(is_valid))
 }
 
 /// Returns the set, and the statements of the new file's certificate.
@@ -80,6 +87,7 @@ fn certified(check: Check, path: &Path) -> Result<(PointSet, ExportContext)> {
     }
     let mut context = ExportContext::new(check.report.region, check.report.radius);
     if let Some(certificate) = check.certificate {
+        context.levels = certificate.claims();
         context.program = certificate.program;
         context.program_version = certificate.program_version;
         context.method = certificate.method;

@@ -41,6 +41,10 @@ fn make(arguments: &SampleArguments, levels: u32) -> Result<(Made, ExportContext
         "--engine gpu and --gpu-adapter make one set; --levels runs on the CPU"
     );
     let nested = &arguments.nested;
+    ensure!(
+        nested.exactly.is_none() || levels > 1,
+        "--exactly needs --levels of at least 2: cut, a set of one level covers nothing for certain"
+    );
     let asked = arguments.run.parameters()?;
     let mut watch = Stopwatch::start();
     let mut made = if let Some(count) = nested.exactly {
@@ -140,7 +144,7 @@ fn finish(
     Ok((outcome, certificate.levels))
 }
 
-/// Returns what there is to say of the set: a row a level, with what is promised and, in brackets, what was found.
+/// Returns what there is to say of the set.
 fn text(outcome: &Outcome, levels: &[CertifiedLevel]) -> String {
     let facts = &outcome.facts;
     let region = output::region_text(&facts.region);
@@ -153,16 +157,23 @@ fn text(outcome: &Outcome, levels: &[CertifiedLevel]) -> String {
     for (stage, seconds) in &facts.seconds {
         let _ = writeln!(out, "  {:<12} {:>9.1} ms", stage.to_string(), seconds * 1e3);
     }
-    out.push_str("\n   samples   smallest distance above   covering radius up to\n");
-    out.extend(levels.iter().map(row));
+    out.push('\n');
+    out.push_str(&table(levels));
     let warnings = outcome.warnings.iter();
     out.extend(warnings.map(|warning| output::warning_line(warning)));
-    let valid = output::validity(levels.iter().all(|level| level.valid));
-    let _ = writeln!(out, "verdict        {valid}");
     if let Some(path) = &outcome.certificate {
         let _ = writeln!(out, "certificate    {}", path.display());
     }
     out
+}
+
+/// Returns a row a level, with what is promised and, in brackets, what was found, and the verdict.
+pub fn table(levels: &[CertifiedLevel]) -> String {
+    let rows: String = levels.iter().map(row).collect();
+    let valid = output::validity(levels.iter().all(|level| level.valid));
+    format!(
+        "   samples   smallest distance above   covering radius up to\n{rows}verdict        {valid}\n"
+    )
 }
 
 fn row(level: &CertifiedLevel) -> String {

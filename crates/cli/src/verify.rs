@@ -35,7 +35,7 @@ const EXAMPLES: &str = "\
 Without a certificate the radius must be given; sides and boundary that are not given are those of
 the periodic unit square. Only the region and the radius are taken from a certificate; the tolerance is
 always 2^-15. A file does not show how its set was made: to check the fields listed as stated
-only, make the set again.
+only, make the set again. A set of nested levels is verified level by level.
 
 Examples:
   tilescope verify set.csv
@@ -77,6 +77,7 @@ fn to_json(check: &StreamCheck) -> serde_json::Value {
         "region": check.report.region,
         "radius": check.report.radius,
         "certificate": check.certificate.is_some(),
+        "levels": check.levels,
         "unchecked": check.certificate.as_ref().map(Certificate::unchecked),
         "differences": check.differences,
         "passed": check.passed(),
@@ -87,12 +88,16 @@ fn to_json(check: &StreamCheck) -> serde_json::Value {
 
 fn to_text(check: &StreamCheck) -> String {
     let report = &check.report;
+    let verdict = if check.levels.is_empty() {
+        output::verdict_text(report)
+    } else {
+        nested::table(&check.levels)
+    };
     let mut out = format!(
-        "{}: {}, r = {}\n\n{}",
+        "{}: {}, r = {}\n\n{verdict}",
         check.detection,
         output::region_text(&report.region),
         report.radius,
-        output::verdict_text(report)
     );
     match &check.certificate {
         None => out.push_str("certificate    none\n"),

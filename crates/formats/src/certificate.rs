@@ -195,7 +195,7 @@ impl Certificate {
     }
 
     /// Returns the fields that a check does not compare with the file: how the set was made, the file's name when it was
-    /// written, how storing changed the positions, and the levels, each of which can be checked as a prefix.
+    /// written, and how storing changed the positions.
     #[must_use]
     pub fn unchecked(&self) -> Vec<String> {
         let known = self.known_parameters().map(|(name, ..)| name);
@@ -204,21 +204,24 @@ impl Certificate {
             .map(|name| format!("parameters.{name}"));
         let shuffled = self.shuffle_seed.map(|_| "shuffle_seed");
         let rounded = self.rounding.as_ref().map(|_| "rounding");
-        let nested = self.levels.first().map(|_| "levels");
         (["program", "program_version", "method", "file", "judges"].into_iter())
             .chain(shuffled)
             .chain(rounded)
-            .chain(nested)
             .map(str::to_owned)
             .chain(parameters)
             .collect()
     }
 
+    /// Returns what is to hold for the points to the end of each level.
+    #[must_use]
+    pub fn claims(&self) -> Vec<PrefixClaim> {
+        self.levels.iter().map(CertifiedLevel::claim).collect()
+    }
+
     /// Returns what is to hold for the first `count` points, by the levels stated; `None` if there are none or fewer points.
     #[must_use]
     pub fn prefix(&self, count: usize) -> Option<PrefixClaim> {
-        let claims: Vec<PrefixClaim> = self.levels.iter().map(CertifiedLevel::claim).collect();
-        PrefixClaim::within(&claims, count)
+        PrefixClaim::within(&self.claims(), count)
     }
 
     /// Refuses a certificate of a newer version.

@@ -8,10 +8,10 @@ use std::ops::ControlFlow;
 
 use tilescope_analysis::{
     Boundary, JudgeChoice, MAX_CONFLICTS, Progress, Region, Report, VerifyError, VerifyOptions,
-    verify,
+    verify, verify_levels,
 };
 
-use crate::certificate::{Certificate, finite};
+use crate::certificate::{Certificate, CertifiedLevel, finite};
 use crate::codecs::{Hint, decode};
 use crate::detect::Detection;
 use crate::digest::{bytes_digest, positions_digest};
@@ -74,17 +74,30 @@ pub struct Check {
     pub certificate: Option<Certificate>,
     /// The verifier's report on the positions in the file.
     pub report: Report,
+    /// What the verifier found of each level that the certificate states.
+    pub levels: Vec<CertifiedLevel>,
     /// The wrong statements of the certificate; empty if there is none.
     pub differences: Vec<CertificateDifference>,
 }
 
 impl Check {
-    /// Whether the set is valid and, if there is a certificate, every statement of it true.
+    /// Whether the set is valid, or its levels are, and, if there is a certificate, every statement of it true.
     #[must_use]
     pub fn passed(&self) -> bool {
-        self.report.valid() && self.differences.is_empty()
+        is_valid(&self.report, &self.levels) && self.differences.is_empty()
     }
 }
+
+/// Whether a set is conflict-free and maximal, or as maximal as its levels are.
+pub(crate) fn is_valid(report: &Report, levels: &[CertifiedLevel]) -> bool {
+    let is_maximal = levels.is_empty() && report.maximal();
+    let are_valid = !levels.is_empty() && levels.iter().all(|level| level.valid);
+    report.conflict_free() && (is_maximal || are_valid)
+}
+
+/// The largest covering radius of a level, in its smallest distance: that of the level before, a little more than the root
+/// of 2.
+const MAX_COVERING: f64 = 1.4143;
 
 /// Why there is no verdict.
 #[derive(Debug, thiserror::Error)]
@@ -157,6 +170,11 @@ pub fn check_bytes(
         &judged.options,
         control,
     )?;
+    let claims = certificate.as_ref().filter(|stated| judged.is_as(stated));
+    let mut claims = claims.map_or_else(Vec::new, Certificate::claims);
+    claims.retain(|claim| claim.count <= points.len());
+    let levels = verify_levels(&points, &report, &claims, &judged.options, control)?;
+    let levels: Vec<_> = levels.iter().map(CertifiedLevel::of).collect();
     let differences = certificate.as_ref().map(|stated| {
         let found = Contents {
             format,
@@ -164,7 +182,9 @@ pub fn check_bytes(
             digest: stated.digest.as_ref().map(|_| bytes_digest(data)),
             positions_digest,
         };
-        differences(stated, &judged, &found, &report)
+        let mut list = differences(stated, &judged, &found, &report);
+        list.extend(differences_of_levels(stated, &levels));
+        list
     });
     Ok(Check {
         set: PointSet {
@@ -175,6 +195,7 @@ pub fn check_bytes(
         precision,
         certificate,
         report,
+        levels,
         differences: differences.unwrap_or_default(),
     })
 }
@@ -215,6 +236,14 @@ impl Judged {
             },
             mapping: Mapping::new(format, Some(region), precision),
         })
+    }
+
+    /// Whether these are the region, the radius and the tolerance that a certificate states.
+    fn is_as(&self, stated: &Certificate) -> bool {
+        let tolerance = self.options.covering_tolerance;
+        stated.region == self.region
+            && stated.radius.to_bits() == self.radius.to_bits()
+            && stated.covering_tolerance.to_bits() == tolerance.to_bits()
     }
 }
 
@@ -283,12 +312,43 @@ pub(crate) fn differences(
     list.exact("covering_tolerance", &stated.covering_tolerance, &tolerance);
     list.exact("scale", &stated.scale, &judged.mapping.scale());
     parameters(&mut list, stated);
-    let same_question = stated.region == region
-        && stated.radius.to_bits() == judged.radius.to_bits()
-        && stated.covering_tolerance.to_bits() == tolerance.to_bits();
     // With another region, radius or tolerance the measures may differ without being wrong.
-    if same_question {
+    if judged.is_as(stated) {
         measures(&mut list, stated, report);
+    }
+    list.0
+}
+
+/// Compares the stated levels with what was found of them. Levels that state less than nested levels promise would let any
+/// set pass.
+fn differences_of_levels(
+    stated: &Certificate,
+    found: &[CertifiedLevel],
+) -> Vec<CertificateDifference> {
+    let mut list = Differences::default();
+    let Some(last) = found.last() else {
+        return list.0;
+    };
+    let covers = |level: &CertifiedLevel| {
+        let covering = level.covering.unwrap_or(f64::INFINITY);
+        covering <= MAX_COVERING * level.distance
+    };
+    let promises = last.count == stated.count && last.distance >= stated.radius;
+    list.unless(
+        promises && found.iter().all(covers),
+        "levels",
+        format!("levels of {} samples", last.count),
+        "less than nested levels promise".to_owned(),
+    );
+    for (stated, found) in stated.levels.iter().zip(found) {
+        list.measure(
+            "levels.min_distance",
+            stated.min_distance,
+            found.min_distance,
+        );
+        let [covering, measured] = [stated, found].map(|level| Some(level.covering_radius));
+        list.measure("levels.covering_radius", covering, measured);
+        list.exact("levels.valid", &stated.valid, &found.valid);
     }
     list.0
 }

@@ -1,7 +1,8 @@
 //! The numbers of the tables, in the sequence of their rows, with their names and units: of one set, or means over several.
 
 use serde::Serializer;
-use tilescope_analysis::measures::{Average, MeasureError, PowerCurve, Spectrum};
+use serde_json::json;
+use tilescope_analysis::measures::{Average, MeasureError, PowerCurve, SetNumbers, Spectrum};
 
 /// A number of a set, or its mean over several sets.
 #[derive(Clone)]
@@ -31,6 +32,7 @@ pub struct Spread {
 /// Key, label, unit and decimals of a measure.
 type Row = (&'static str, &'static str, &'static str, usize);
 
+/// The rows of [`SetNumbers`], whose fields are the keys.
 const OF_A_SET: [Row; 19] = [
     ("samples", "samples N", "", 0),
     ("radius", "radius r", "user units", 8),
@@ -53,12 +55,14 @@ const OF_A_SET: [Row; 19] = [
     ("centered_discrepancy", "L2 centred discrepancy", "", 6),
 ];
 
-/// Returns the measures of a set from their values, in the sequence of the rows.
-pub fn of_set(values: &[Option<f64>; OF_A_SET.len()]) -> Vec<Measure> {
-    let measure = |(&(key, label, unit, decimals), &value): (&Row, &Option<f64>)| {
+/// Returns the measures of a set, in the sequence of the rows.
+pub fn of_set(numbers: &SetNumbers) -> Vec<Measure> {
+    let values = json!(numbers);
+    let measure = |&(key, label, unit, decimals): &Row| {
+        let value = values[key].as_f64();
         Measure::new(key.to_owned(), label.to_owned(), (unit, decimals), value)
     };
-    OF_A_SET.iter().zip(values).map(measure).collect()
+    OF_A_SET.iter().map(measure).collect()
 }
 
 /// Returns the measures of the mean power of several sets, which vary less than those of one.

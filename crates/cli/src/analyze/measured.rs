@@ -7,8 +7,8 @@ use std::path::Path;
 use anyhow::{Result, anyhow, ensure};
 use serde::{Serialize, Serializer};
 use tilescope_analysis::measures::{
-    Discrepancy, FrequencyWindow, MeasureError, NearestDistances, Order, PairBins, PairCorrelation,
-    Periodogram, PowerCurve, Spectrum, largest_min_distance,
+    FrequencyWindow, MeasureError, PairBins, PairCorrelation, Periodogram, PowerCurve, SetNumbers,
+    Spectrum, largest_min_distance,
 };
 use tilescope_analysis::{MAX_CONFLICTS, Region, Report, VerifyError};
 use tilescope_formats::{Check, CheckError, Format, StreamReader};
@@ -199,50 +199,11 @@ fn measure(
     let (points, report) = (&check.set.points, &check.report);
     let region = report.region;
     let samples = points.len();
-    let distances = NearestDistances::of(points, region, control)?;
-    let discrepancy = match Discrepancy::of(points, region, control) {
-        Err(MeasureError::TooMany { .. }) => None,
-        discrepancy => Some(discrepancy?),
-    };
+    let (numbers, curve) = SetNumbers::of(points, report, has_radius, control)?;
     let periodogram = Periodogram::of(points, region, &window, control)?;
     let spectrum = Spectrum::of(&periodogram)?;
     let farthest = bins.farthest(samples, region);
     let pairs = PairCorrelation::of(points, region, farthest, bins.count(), control)?;
-    let curve = PowerCurve::of_samples(points, region, control)?;
-    // Equal samples have no cells.
-    let order = (!has_equal(report)).then(|| Order::of(points, region, control));
-    let order = order.transpose()?;
-    let least = distances.summary.least;
-    let r = if has_radius { report.radius } else { least };
-    // Conflicts and gaps mean nothing for a radius that is not known.
-    let judged = has_radius.then_some(report);
-    let of_curve = |value: fn(&PowerCurve) -> Option<f64>| curve.as_ref().and_then(value);
-    let of_order = |value: fn(&Order) -> f64| order.as_ref().map(value);
-    let six_sided = |order: &Order| {
-        let all: u64 = order.sides.iter().sum();
-        order.sides.get(6).copied().unwrap_or(0) as f64 / all as f64
-    };
-    let measures = of_set(&[
-        Some(samples as f64),
-        Some(r).filter(|r| *r > 0.0),
-        (r > 0.0).then(|| samples as f64 * r.powi(2) / region.area()),
-        Some(least / r),
-        Some(report.covering_radius / r),
-        judged.map(|report| report.conflicts as f64),
-        judged.map(|report| report.gaps as f64),
-        Some(distances.relative_radius()),
-        Some(distances.mean_relative_distance()),
-        of_curve(PowerCurve::effective_nyquist),
-        of_curve(PowerCurve::effective_nyquist_psa),
-        of_curve(PowerCurve::oscillation),
-        of_order(|order| order.relative_areas.deviation),
-        of_order(six_sided),
-        of_order(|order| order.mean_sides),
-        of_order(|order| order.bond_order),
-        of_order(|order| order.global_bond_order),
-        discrepancy.map(|found| found.star),
-        discrepancy.map(|found| found.centered),
-    ]);
     Ok(MeasuredSet {
         member: Member {
             name,
@@ -250,8 +211,9 @@ fn measure(
             format: check.detection.format,
             samples,
             has_radius,
-            valid: judged.map(Report::valid),
-            measures,
+            // The verdict for a radius that is not known means nothing.
+            valid: has_radius.then(|| report.valid()),
+            measures: of_set(&numbers),
         },
         spectrum,
         curve,

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::export::{ExportContext, ExportedBytes, export_bytes};
-use tilescope_analysis::Judge;
+use tilescope_analysis::{Judge, PrefixClaim};
 
 const GO: fn(Progress) -> ControlFlow<()> = |_| ControlFlow::Continue(());
 
@@ -250,4 +250,64 @@ fn without_a_certificate_the_question_must_be_asked() {
         ask(&csv, "set.csv", &overrides),
         Err(CheckError::NoRegion(Format::Csv))
     ));
+}
+
+/// Exports a lattice of spacing sqrt 2, of which every other sample comes first, without its last sample, and returns what a
+/// check finds once the certificate has been changed.
+fn checked_levels(change: impl FnOnce(&mut Certificate)) -> Check {
+    let region = Region {
+        width: 8.0,
+        height: 8.0,
+        boundary: Boundary::Periodic,
+    };
+    let place = |i: u32| [f64::from(i % 8), f64::from(i / 8)];
+    let is_white = |p: &[f64; 2]| (p[0] + p[1]) % 2.0 == 0.0;
+    let mut points: Vec<[f64; 2]> = (0..64).map(place).collect();
+    points.sort_by_key(|p| !is_white(p));
+    points.pop();
+    let mut context = ExportContext::new(region, 1.0);
+    let coarse = 2.0_f64.sqrt();
+    let cut = PrefixClaim {
+        covering: Some(coarse),
+        ..PrefixClaim::maximal(63, 1.0)
+    };
+    context.levels = vec![PrefixClaim::maximal(32, coarse), cut];
+    let file = export_bytes("set.csv", &PointSet::from_points(points), &context, &GO);
+    let mut file = file.expect("a verdict");
+    change(&mut file.certificate);
+    let certificate = file.certificate.to_bytes().expect("plain data");
+    check_of(&file.data, "set.csv", &certificate, &Overrides::default())
+}
+
+#[test]
+fn a_set_of_levels_passes_by_its_levels() {
+    let check = checked_levels(|_| ());
+    assert!(check.passed(), "{:?}", check.differences);
+    assert_eq!(check.levels.len(), 2);
+    // Of the set alone the certificate states a radius for which it has no gap but the missing sample's.
+    assert!(check.report.conflict_free());
+}
+
+#[test]
+fn levels_are_not_believed() {
+    type Change = fn(&mut Certificate);
+    let changes: [(&str, Change); 5] = [
+        ("levels.min_distance", |c| {
+            c.levels[0].min_distance = Some(1.5)
+        }),
+        ("levels.covering_radius", |c| {
+            c.levels[1].covering_radius = 0.5
+        }),
+        ("levels", |c| c.levels[1].covering = None),
+        ("levels", |c| c.levels[1].covering = Some(9.0)),
+        ("levels", |c| c.levels[1].count = 64),
+    ];
+    for (field, change) in changes {
+        let check = checked_levels(change);
+        assert_eq!(fields(&check), [field]);
+        assert!(!check.passed());
+    }
+    // The first level has a conflict, whatever is stated of it.
+    let check = checked_levels(|c| c.levels[0].count = 33);
+    assert!(!check.levels[0].valid && !check.passed());
 }

@@ -9,9 +9,9 @@ use std::path::Path;
 use tilescope_analysis::{Progress, Report, StreamVerifier};
 
 use super::read::StreamReader;
-use crate::certificate::Certificate;
+use crate::certificate::{Certificate, CertifiedLevel};
 use crate::check::{
-    CertificateDifference, Check, CheckError, Contents, Judged, Overrides, differences,
+    CertificateDifference, Check, CheckError, Contents, Judged, Overrides, differences, is_valid,
 };
 use crate::detect::Detection;
 use crate::digest::{add_positions, digest_text};
@@ -34,15 +34,17 @@ pub struct StreamCheck {
     pub certificate: Option<Certificate>,
     /// The verifier's report on the positions in the file.
     pub report: Report,
+    /// What the verifier found of each level that the certificate states.
+    pub levels: Vec<CertifiedLevel>,
     /// The wrong statements of the certificate; empty if there is none.
     pub differences: Vec<CertificateDifference>,
 }
 
 impl StreamCheck {
-    /// Whether the set is valid and, if there is a certificate, every statement of it true.
+    /// As [`Check::passed`].
     #[must_use]
     pub fn passed(&self) -> bool {
-        self.report.valid() && self.differences.is_empty()
+        is_valid(&self.report, &self.levels) && self.differences.is_empty()
     }
 }
 
@@ -53,6 +55,7 @@ impl From<Check> for StreamCheck {
             precision: check.precision,
             certificate: check.certificate,
             report: check.report,
+            levels: check.levels,
             differences: check.differences,
         }
     }
@@ -89,8 +92,11 @@ pub(super) fn check_from(
     let Ok(reader) = StreamReader::try_open(path, overrides.format, true)? else {
         return in_memory();
     };
-    let shuffled = (reader.certificate()).is_some_and(|stated| stated.shuffle_seed.is_some());
-    if shuffled && reader.count().is_none_or(|count| count <= MAX_IN_MEMORY) {
+    let is_not_in_rows =
+        |stated: &Certificate| stated.shuffle_seed.is_some() || !stated.levels.is_empty();
+    if reader.certificate().is_some_and(is_not_in_rows)
+        && reader.count().is_none_or(|count| count <= MAX_IN_MEMORY)
+    {
         return in_memory();
     }
     // A point of a text file takes at least four bytes.
@@ -146,6 +152,8 @@ fn in_pieces(
         precision,
         certificate,
         report,
+        // Sets of levels are not in the order of rows, so they are read whole.
+        levels: Vec::new(),
         differences,
     })
 }

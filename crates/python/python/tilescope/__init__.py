@@ -397,7 +397,8 @@ def analyze(
     else:
         points = _set_of(points, radius, width, height, boundary)
     with following(progress) as told:
-        return _tilescope.analyze(points, told)
+        measures: dict[str, float | None] = json.loads(_tilescope.analyze(points, told))
+    return measures
 
 
 def read(

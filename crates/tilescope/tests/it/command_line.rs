@@ -78,6 +78,33 @@ fn a_count_is_given_exactly() {
     let asked = ["sample", "--exactly", "500", "--levels", "3"];
     let made = json(&folder, &[&asked[..], &order].concat(), 0);
     assert_eq!(made["count"], 500, "{made}");
+    // It is verified by its levels, since it is not maximal for the finest radius, and keeps them in other formats.
+    let made = json(
+        &folder,
+        &[&asked[..], &["--json", "--out", "set.csv"]].concat(),
+        0,
+    );
+    assert_eq!(made["valid"], false, "{made}");
+    let converted = tilescope(&folder)
+        .args(["convert", "set.csv", "set.ply"])
+        .assert();
+    converted.code(0).stdout(contains("covering radius up to"));
+    for file in ["set.csv", "set.ply"] {
+        let found = json(&folder, &["verify", file, "--json"], 0);
+        assert_eq!(found["levels"].as_array().map(Vec::len), Some(3), "{found}");
+        assert_eq!(found["passed"], true, "{found}");
+    }
+    tilescope(&folder)
+        .args(["verify", "set.csv"])
+        .assert()
+        .code(0)
+        .stdout(contains("verdict        valid"));
+    let uncovered = ["sample", "--exactly", "500", "--levels", "1"];
+    tilescope(&folder)
+        .args(uncovered)
+        .assert()
+        .code(2)
+        .stderr(contains("at least 2"));
     let refused = ["sample", "--radius", "0.02", "--levels", "20"];
     tilescope(&folder)
         .args(refused)
