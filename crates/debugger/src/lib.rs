@@ -18,6 +18,7 @@
 //! ```
 
 mod anchor;
+mod computed;
 mod context;
 mod debugger;
 mod density;

@@ -28,7 +28,6 @@ pub(crate) const STRIDE: usize = 1024;
 #[derive(serde::Serialize, serde::Deserialize)]
 pub struct Recording {
     run: Run,
-    #[serde(with = "crate::tape::portable")]
     tape: Tape,
     lives: Vec<Life>,
     contexts: Vec<Context>,
@@ -43,9 +42,9 @@ pub struct Recording {
     begins: Vec<u32>,
     /// The counts of all events before every 1024th.
     tallies: Vec<Density>,
-    #[serde(with = "crate::tape::portable::once")]
+    #[serde(with = "crate::computed")]
     classes: OnceLock<Classes>,
-    #[serde(with = "crate::tape::portable::once")]
+    #[serde(with = "crate::computed")]
     by_sample: OnceLock<BySample>,
 }
 
