@@ -74,7 +74,7 @@ fn read(arguments: &ConvertArguments) -> Result<(PointSet, ExportContext)> {
 }
 
 /// Carries the certificate of a checked set over, if it has one.
-fn certified(check: Check, path: &Path) -> Result<(PointSet, ExportContext)> {
+fn certified((set, check): (PointSet, Check), path: &Path) -> Result<(PointSet, ExportContext)> {
     if let Some(differs) = check.differences.first() {
         bail!("{}: its certificate is not true: {differs}", path.display());
     }
@@ -86,7 +86,7 @@ fn certified(check: Check, path: &Path) -> Result<(PointSet, ExportContext)> {
         context.parameters = certificate.parameters;
         context.precision = certificate.precision;
     }
-    Ok((check.set, context))
+    Ok((set, context))
 }
 
 /// Reads a set of unknown radius: its smallest distance becomes the radius.

@@ -5,7 +5,10 @@ use std::sync::OnceLock;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 /// Writes the value, if it was computed.
-pub fn serialize<T: Serialize, S: Serializer>(made: &OnceLock<T>, to: S) -> Result<S::Ok, S::Error> {
+pub fn serialize<T: Serialize, S: Serializer>(
+    made: &OnceLock<T>,
+    to: S,
+) -> Result<S::Ok, S::Error> {
     made.get().serialize(to)
 }
 

@@ -173,7 +173,9 @@ impl Debugger {
     #[must_use]
     pub fn watch_values(&self) -> Vec<(&str, Result<String, ExpressionError>)> {
         let watches = self.watches.iter();
-        watches.map(|text| (text.as_str(), self.evaluate(text))).collect()
+        watches
+            .map(|text| (text.as_str(), self.evaluate(text)))
+            .collect()
     }
 
     /// Returns the value of an expression at the cursor.

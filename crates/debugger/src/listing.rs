@@ -112,7 +112,10 @@ pub enum ListingError {
 /// Names a listing, and includes its text.
 macro_rules! listing {
     ($name:literal) => {
-        ($name, include_str!(concat!("../../../assets/pseudocode/", $name, ".txt")))
+        (
+            $name,
+            include_str!(concat!("../../../assets/pseudocode/", $name, ".txt")),
+        )
     };
 }
 

@@ -304,7 +304,10 @@ fn parse_word(word: &str) -> Result<Term, QueryError> {
 impl Word<'_> {
     fn term(&self) -> Result<Term, QueryError> {
         match self.name {
-            "kind" => Ok(Term::Kind(self.known(EventKind::named(self.value))?, self.same()?)),
+            "kind" => Ok(Term::Kind(
+                self.known(EventKind::named(self.value))?,
+                self.same()?,
+            )),
             "line" => {
                 let line = self.known(Listings::shipped().find(self.value))?;
                 Ok(Term::Line(line, self.same()?))

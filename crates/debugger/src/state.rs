@@ -64,12 +64,20 @@ impl State {
         if cursor.abs_diff(self.cursor) > recording.lives.len() {
             self.jump(recording, cursor);
         } else if cursor > self.cursor {
-            for (index, event) in recording.tape().from(self.cursor).take(cursor - self.cursor) {
+            for (index, event) in recording
+                .tape()
+                .from(self.cursor)
+                .take(cursor - self.cursor)
+            {
                 self.count(recording, event, [index, index + 1]);
                 self.context.apply(event, index as u32);
             }
         } else {
-            for (index, event) in recording.tape().before(self.cursor).take(self.cursor - cursor) {
+            for (index, event) in recording
+                .tape()
+                .before(self.cursor)
+                .take(self.cursor - cursor)
+            {
                 self.count(recording, event, [index + 1, index]);
             }
             self.context = recording.context(cursor);

@@ -12,7 +12,7 @@ use tilescope_analysis::{
 };
 
 use crate::certificate::{Certificate, finite};
-use crate::codecs::{Hint, decode};
+use crate::codecs::{Hint, ReadSet, decode};
 use crate::detect::Detection;
 use crate::digest::{bytes_digest, positions_digest};
 use crate::error::FormatError;
@@ -64,8 +64,6 @@ impl fmt::Display for CertificateDifference {
 /// The outcome of a check.
 #[derive(Clone, Debug)]
 pub struct Check {
-    /// The points in domain units, in the file's order.
-    pub set: PointSet,
     /// The format and how it was recognised.
     pub detection: Detection,
     /// Number type of the file's coordinates.
@@ -79,6 +77,26 @@ pub struct Check {
 }
 
 impl Check {
+    /// Compares a file with its certificate, if it has one.
+    pub(crate) fn new(
+        detection: Detection,
+        certificate: Option<Certificate>,
+        judged: &Judged,
+        found: &Contents,
+        report: Report,
+    ) -> Self {
+        let stated = certificate.as_ref();
+        Self {
+            detection,
+            precision: found.precision,
+            differences: stated
+                .map(|stated| differences(stated, judged, found, &report))
+                .unwrap_or_default(),
+            certificate,
+            report,
+        }
+    }
+
     /// Whether the set is valid and, if there is a certificate, every statement of it true.
     #[must_use]
     pub fn passed(&self) -> bool {
@@ -119,7 +137,8 @@ pub enum CheckError {
 /// Re-verifies `data`, a file called `name`, against `certificate`, the bytes of its certificate file, or the certificate
 /// inside.
 ///
-/// Without any certificate the radius must be given, and the region too unless the format is of the unit torus.
+/// Without any certificate the radius must be given, and the region too unless the format is of the unit torus. Returns also
+/// the set, in domain units and in the file's order.
 ///
 /// # Errors
 ///
@@ -131,52 +150,46 @@ pub fn check_bytes(
     certificate: Option<&[u8]>,
     overrides: &Overrides,
     control: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
-) -> Result<Check, CheckError> {
+) -> Result<(PointSet, Check), CheckError> {
     let hint = Hint {
         name,
         format: overrides.format,
         set: overrides.set,
     };
-    let decoded = decode(data, &hint)?;
+    let ReadSet {
+        mut set,
+        detection,
+        precision,
+        certificate: inside,
+        ..
+    } = decode(data, &hint)?;
     let certificate = match certificate {
         Some(bytes) => {
             let name = format!("{name}{}", crate::CERTIFICATE_SUFFIX);
             Some(Certificate::from_bytes(bytes, &name)?)
         }
-        None => decoded.certificate,
+        None => inside,
     };
-    let (format, precision) = (decoded.detection.format, decoded.precision);
-    let judged = Judged::new(format, precision, certificate.as_ref(), overrides)?;
-    let positions_digest = positions_digest(&decoded.set.points);
-    let points = decoded.set.points.into_iter();
-    let points: Vec<_> = points.map(|p| judged.mapping.domain_from_file(p)).collect();
-    let report = verify(
-        &points,
-        judged.region,
-        judged.radius,
-        &judged.options,
-        control,
-    )?;
-    let differences = certificate.as_ref().map(|stated| {
-        let found = Contents {
-            format,
-            precision,
-            digest: stated.digest.as_ref().map(|_| bytes_digest(data)),
-            positions_digest,
-        };
-        differences(stated, &judged, &found, &report)
-    });
-    Ok(Check {
-        set: PointSet {
-            points,
-            provenance: decoded.set.provenance,
-        },
-        detection: decoded.detection,
+    let judged = Judged::new(detection.format, precision, certificate.as_ref(), overrides)?;
+    let positions_digest = positions_digest(&set.points);
+    for point in &mut set.points {
+        *point = judged.mapping.domain_from_file(*point);
+    }
+    let (region, radius) = (judged.region, judged.radius);
+    let report = verify(&set.points, region, radius, &judged.options, control)?;
+    let stated = certificate
+        .as_ref()
+        .and_then(|stated| stated.digest.as_ref());
+    let found = Contents {
+        format: detection.format,
         precision,
-        certificate,
-        report,
-        differences: differences.unwrap_or_default(),
-    })
+        digest: stated.map(|_| bytes_digest(data)),
+        positions_digest,
+    };
+    Ok((
+        set,
+        Check::new(detection, certificate, &judged, &found, report),
+    ))
 }
 
 /// The region, radius and options to verify the file with.
@@ -261,7 +274,7 @@ pub(crate) struct Contents {
     pub positions_digest: String,
 }
 
-pub(crate) fn differences(
+fn differences(
     stated: &Certificate,
     judged: &Judged,
     found: &Contents,

@@ -1,9 +1,7 @@
 //! Compares indices, the tree of events and counts with plain scans of the tape.
 
 use proptest::prelude::*;
-use tilescope_core::{
-    Boundary, Insertion, Parameters, Point, R, RunEvent, Verdict,
-};
+use tilescope_core::{Boundary, Insertion, Parameters, Point, R, RunEvent, Verdict};
 use tilescope_debugger::{
     DEFAULT_BUDGET, Debugger, Density, Direction, EventKind, LineId, Listings, Outline,
     OutlineRows, Recording, Stop, Target, density, moves, why,

@@ -106,9 +106,7 @@ fn a_session_without_the_new_parts_is_written_and_read_as_before() {
 fn refused(session: &Session) -> String {
     let text = serde_json::to_string(session).unwrap();
     let read = Session::from_json(&text).unwrap_err();
-    let again = restored(session)
-        .map(|_| ())
-        .unwrap_err();
+    let again = restored(session).map(|_| ()).unwrap_err();
     assert_eq!(read.to_string(), again.to_string());
     read.to_string()
 }

@@ -2,9 +2,7 @@
 
 use std::sync::Arc;
 
-use tilescope_core::{
-    Boundary, Insertion, Parameters, Pattern, PatternSpec, Unobserved, Variant,
-};
+use tilescope_core::{Boundary, Insertion, Parameters, Pattern, PatternSpec, Unobserved, Variant};
 use tilescope_debugger::{Debugger, PatternFile, Recording, Session, SessionError, Status};
 
 /// Returns parameters of runs of some hundred samples: staged, darts and printed, periodic and bounded.

@@ -144,10 +144,7 @@ fn beyond_the_budget_only_tests_are_left_out_and_a_notice_says_so() {
             .collect()
     };
     assert_eq!(changes(&whole), changes(&thin));
-    assert_eq!(
-        statuses(&whole, whole.len()),
-        statuses(&thin, thin.len())
-    );
+    assert_eq!(statuses(&whole, whole.len()), statuses(&thin, thin.len()));
     // Iteration in both directions agrees with indices after thinning, too.
     let forwards: Vec<usize> = thin
         .tape()
