@@ -5,7 +5,9 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail, ensure};
 use clap::Args;
 use tilescope_analysis::{JudgeChoice, Region, VerifyOptions};
-use tilescope_formats::{Check, CheckError, ExportContext, Format, Overrides, PointSet};
+use tilescope_formats::{
+    CertifiedLevel, Check, CheckError, ExportContext, Format, Overrides, PointSet,
+};
 
 use crate::options::{JudgeArguments, SetArguments, UNIT_SQUARE};
 use crate::paths::{InFile, check_target};
@@ -81,20 +83,20 @@ fn read(arguments: &ConvertArguments) -> Result<(PointSet, ExportContext)> {
 }
 
 /// Carries the certificate of a checked set over, if it has one.
-fn certified(check: Check, path: &Path) -> Result<(PointSet, ExportContext)> {
+fn certified((set, check): (PointSet, Check), path: &Path) -> Result<(PointSet, ExportContext)> {
     if let Some(differs) = check.differences.first() {
         bail!("{}: its certificate is not true: {differs}", path.display());
     }
     let mut context = ExportContext::new(check.report.region, check.report.radius);
     if let Some(certificate) = check.certificate {
-        context.levels = certificate.claims();
+        context.levels = check.levels.iter().map(CertifiedLevel::claim).collect();
         context.program = certificate.program;
         context.program_version = certificate.program_version;
         context.method = certificate.method;
         context.parameters = certificate.parameters;
         context.precision = certificate.precision;
     }
-    Ok((check.set, context))
+    Ok((set, context))
 }
 
 /// Reads a set of unknown radius: its smallest distance becomes the radius.

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use anyhow::{Context, Result};
 use clap::Args;
 use serde_json::json;
-use tilescope_formats::{Certificate, CheckError, Overrides, StreamCheck, check_stream};
+use tilescope_formats::{Certificate, Check, CheckError, Overrides, check_stream};
 
 use crate::options::{JudgeArguments, SetArguments, check_or_unit_square};
 use crate::paths::InFile;
@@ -57,7 +57,7 @@ pub fn run(arguments: &VerifyArguments) -> Result<u8> {
 }
 
 /// Reads and verifies a file.
-fn checked(arguments: &VerifyArguments) -> Result<StreamCheck> {
+fn checked(arguments: &VerifyArguments) -> Result<Check> {
     let file = &arguments.file;
     let overrides = Overrides {
         judges: arguments.judge.choice(),
@@ -70,7 +70,7 @@ fn checked(arguments: &VerifyArguments) -> Result<StreamCheck> {
     }
 }
 
-fn to_json(check: &StreamCheck) -> serde_json::Value {
+fn to_json(check: &Check) -> serde_json::Value {
     let mut object = json!({
         "format": check.detection.format.to_string(),
         "precision": check.precision,
@@ -86,7 +86,7 @@ fn to_json(check: &StreamCheck) -> serde_json::Value {
     object
 }
 
-fn to_text(check: &StreamCheck) -> String {
+fn to_text(check: &Check) -> String {
     let report = &check.report;
     let verdict = if check.levels.is_empty() {
         output::verdict_text(report)

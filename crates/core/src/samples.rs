@@ -21,6 +21,19 @@ pub enum Sites {
     Unrecorded,
 }
 
+impl Sites {
+    /// Returns the ids of the samples; none of a dart, and none where they were not kept.
+    #[must_use]
+    pub const fn ids(&self) -> &[u32] {
+        match self {
+            Self::Three(ids) => ids,
+            Self::Border(ids) => ids,
+            Self::Corner(id) => std::slice::from_ref(id),
+            Self::Dart | Self::Unrecorded => &[],
+        }
+    }
+}
+
 /// The source of a sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub enum Origin {

@@ -52,7 +52,7 @@ fn main() {
 
 /// Seeks to a thousand cursors all over the tape, and steps.
 fn seek(recording: &Recording) {
-    let mut state = State::start(recording);
+    let mut state = State::default();
     let (mut worst, mut total) = (Duration::ZERO, Duration::ZERO);
     let cursors = 1_000;
     for k in 0..cursors {
@@ -67,7 +67,7 @@ fn seek(recording: &Recording) {
     let middle = recording.len() / 2;
     state.seek(recording, middle);
     let back = best(100, || {
-        state.backwards(recording);
+        state.seek(recording, state.cursor() - 1);
     });
     let step = |cursor, direction| moves::step(recording, cursor, Step::Out, direction);
     let out = best(1, || {

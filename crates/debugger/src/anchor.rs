@@ -84,7 +84,7 @@ impl Recording {
     /// Returns the stages in order, each with its events.
     fn stages(&self) -> Vec<(Stage, Range<usize>)> {
         let mut stages: Vec<(Stage, Range<usize>)> = Vec::new();
-        for &begin in self.begins() {
+        for &begin in &self.begins {
             let begin = begin as usize;
             let stage = match self.event(begin).and_then(crate::Event::run_event) {
                 Some(RunEvent::Begin(stage)) => stage,

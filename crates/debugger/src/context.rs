@@ -75,22 +75,6 @@ impl Context {
             }
             RunEvent::Insert { sample, .. } if self.search.is_none() => self.sample = Some(sample),
             RunEvent::Dart { point, verdict, .. } => self.dart = Some((point, verdict)),
-            _ => self.look(run_event, index),
-        }
-    }
-
-    /// Begins a phase or an iteration.
-    fn enter(&mut self, phase: Stage, iteration: u32) {
-        *self = Self {
-            phase: Some(phase),
-            iteration,
-            ..Self::default()
-        };
-    }
-
-    /// Records a search or an examined candidate.
-    fn look(&mut self, run_event: RunEvent, event: u32) {
-        match run_event {
             RunEvent::Search {
                 centre,
                 radius,
@@ -101,7 +85,7 @@ impl Context {
                     centre,
                     radius,
                     found,
-                    event,
+                    event: index,
                 });
             }
             RunEvent::Candidate {
@@ -119,6 +103,15 @@ impl Context {
             }
             _ => {}
         }
+    }
+
+    /// Begins a phase or an iteration.
+    fn enter(&mut self, phase: Stage, iteration: u32) {
+        *self = Self {
+            phase: Some(phase),
+            iteration,
+            ..Self::default()
+        };
     }
 
     fn take(&mut self, sample: u32) {

@@ -1,9 +1,8 @@
 //! A debugging session: one cursor over a recording, with breakpoints, watches and scenes. A user interface reads
 //! its state and calls its moves.
 
+use std::mem::take;
 use std::sync::{Arc, OnceLock};
-
-use tilescope_core::{Observer, Pattern};
 
 use crate::event::Event;
 use crate::expression::{Evaluator, Expression, ExpressionError};
@@ -92,7 +91,8 @@ pub struct Debugger {
     state: State,
     run_id: OnceLock<String>,
     breakpoints: Vec<Breakpoint>,
-    watches: Vec<String>,
+    /// The watched expressions.
+    pub watches: Vec<String>,
     /// The scenes, of this run and of others, in the user's order.
     pub scenes: Vec<SavedScene>,
     /// The state of the user interface, which is saved with the session but not read here.
@@ -107,7 +107,7 @@ impl Debugger {
     pub fn new(recording: Arc<Recording>, budget: usize) -> Self {
         Self {
             evaluator: Evaluator::new(Arc::clone(&recording)),
-            state: State::start(&recording),
+            state: State::default(),
             recording,
             budget,
             run_id: OnceLock::new(),
@@ -169,24 +169,12 @@ impl Debugger {
         }
     }
 
-    /// Returns the watched expressions, to be edited.
-    pub fn watches_mut(&mut self) -> &mut Vec<String> {
-        &mut self.watches
-    }
-
-    /// Returns the watched expressions.
-    #[must_use]
-    pub fn watches(&self) -> &[String] {
-        &self.watches
-    }
-
     /// Returns every watched expression with its value at the cursor, or the error.
     #[must_use]
     pub fn watch_values(&self) -> Vec<(&str, Result<String, ExpressionError>)> {
-        let value = |text: &str| self.evaluate(text);
-        self.watches
-            .iter()
-            .map(|text| (text.as_str(), value(text)))
+        let watches = self.watches.iter();
+        watches
+            .map(|text| (text.as_str(), self.evaluate(text)))
             .collect()
     }
 
@@ -324,11 +312,13 @@ impl Debugger {
 
     /// Takes breakpoints, watches and scenes out of this session.
     pub fn take_stops(&mut self) -> Stops {
-        let stops = self.stops();
+        let breakpoints = self.saved_breakpoints();
         self.breakpoints.clear();
-        self.watches.clear();
-        self.scenes.clear();
-        stops
+        Stops {
+            breakpoints,
+            watches: take(&mut self.watches),
+            scenes: take(&mut self.scenes),
+        }
     }
 
     /// Replaces breakpoints, watches and scenes. A scene without a run counts as one of this run.
@@ -374,26 +364,6 @@ impl Debugger {
         }
     }
 
-    /// Computes the run of a saved session again and returns the session as it was.
-    ///
-    /// Fails if the digest of the result is not the saved one, and if the pattern comes from a file; for that see
-    /// [`Self::restore_with`].
-    pub fn restore(session: &Session, observer: &mut dyn Observer) -> Result<Self, SessionError> {
-        let mut refuse = |_: &PatternFile| Err("no files are opened here".to_owned());
-        Self::restore_with(session, &mut refuse, observer)
-    }
-
-    /// Like [`Self::restore`]. If the pattern comes from a file, `pattern_loader` reads it; its digest must be the
-    /// saved one.
-    pub fn restore_with(
-        session: &Session,
-        pattern_loader: &mut dyn FnMut(&PatternFile) -> Result<Pattern, String>,
-        observer: &mut dyn Observer,
-    ) -> Result<Self, SessionError> {
-        let recording = session.record(pattern_loader, observer)?;
-        Self::resume(session, Arc::new(recording))
-    }
-
     /// Returns the session as it was, on a recording of its run, such as [`Session::record`] makes.
     ///
     /// Fails when the digest of the recording's result is not the saved one.
@@ -424,10 +394,7 @@ impl Debugger {
     }
 
     fn add_saved(&mut self, saved: &SavedBreakpoint) -> Result<(), SessionError> {
-        let line = Listings::shipped().find(&saved.line);
-        let line = line.ok_or_else(|| SessionError::UnknownLine {
-            line: saved.line.clone(),
-        })?;
+        let line = saved.line()?;
         self.add_breakpoint(line, saved.condition.as_deref().unwrap_or_default());
         let index = self.breakpoints.len() - 1;
         self.enable_breakpoint(index, saved.enabled);

@@ -143,13 +143,8 @@ fn with_points(recording: &Recording, run_event: RunEvent) -> (RunEvent, Points)
         (*id, at) = (0, at + 1);
     });
     if let RunEvent::Candidate { sites, .. } = bare {
-        let first_after = match sites {
-            Sites::Three(_) => 4,
-            Sites::Border(_) => 3,
-            _ => 2,
-        };
         // The detector comes before the sites, the sample of the verdict after them.
-        points[1..first_after].sort_unstable_by_key(|point| point.map(Point::row_major));
+        points[1..=sites.ids().len()].sort_unstable_by_key(|point| point.map(Point::row_major));
     }
     (bare, points)
 }

@@ -13,7 +13,7 @@ use crate::listing::LineId;
 pub const NONE: u32 = u32::MAX;
 
 /// An event of a run, packed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Event {
     kind: EventKind,
     line: u8,
@@ -23,32 +23,6 @@ pub struct Event {
 }
 
 impl Event {
-    /// Bytes of an event.
-    pub(crate) const BYTES: usize = 24;
-
-    /// Returns the event as bytes.
-    pub(crate) fn to_bytes(self) -> [u8; Self::BYTES] {
-        let mut bytes = [0; Self::BYTES];
-        bytes[..4].copy_from_slice(&[self.kind as u8, self.line, self.tags, self.extra]);
-        for (part, word) in bytes[4..].chunks_exact_mut(4).zip(self.words) {
-            part.copy_from_slice(&word.to_le_bytes());
-        }
-        bytes
-    }
-
-    /// Returns the event of bytes, or `None` if their kind is unknown.
-    pub(crate) fn from_bytes(bytes: &[u8; Self::BYTES]) -> Option<Self> {
-        let [kind, line, tags, extra, ..] = *bytes;
-        let word = |k: usize| u32::from_le_bytes(std::array::from_fn(|i| bytes[4 + 4 * k + i]));
-        Some(Self {
-            kind: *EventKind::ALL.get(usize::from(kind))?,
-            line,
-            tags,
-            extra,
-            words: std::array::from_fn(word),
-        })
-    }
-
     /// Returns the packed form of an event.
     #[must_use]
     pub fn new(run_event: &RunEvent, lines: &Lines) -> Self {
@@ -59,8 +33,8 @@ impl Event {
 
     /// Returns the notice that `count` events were left out.
     #[must_use]
-    pub const fn thinned(count: u32, line: LineId) -> Self {
-        let mut event = packing::plain(EventKind::Thinned, [count, 0, 0, 0, 0]);
+    pub fn thinned(count: u32, line: LineId) -> Self {
+        let mut event = packing::packed(EventKind::Thinned, 0, &[count]);
         event.line = line.0;
         event
     }

@@ -94,18 +94,7 @@ pub enum ExpressionError {
 
 /// A parsed expression.
 #[derive(Clone, Debug)]
-pub struct Expression {
-    text: String,
-    tree: AST,
-}
-
-impl Expression {
-    /// Returns the text that it was made from.
-    #[must_use]
-    pub fn text(&self) -> &str {
-        &self.text
-    }
-}
+pub struct Expression(AST);
 
 /// Evaluates expressions over a recording. Functions: `x_of(s)`, `y_of(s)` (in r), `distance(s, t)` (the shortest way,
 /// in r), `block_of(s)`.
@@ -147,10 +136,7 @@ impl Evaluator {
             message: e.to_string(),
         };
         let tree = self.engine.compile_expression(text).map_err(error)?;
-        Ok(Expression {
-            text: text.to_owned(),
-            tree,
-        })
+        Ok(Expression(tree))
     }
 
     /// Returns the value of an expression at a state, as text.
@@ -180,7 +166,7 @@ impl Evaluator {
             message: e.to_string(),
         };
         self.engine
-            .eval_ast_with_scope(&mut scope, &expression.tree)
+            .eval_ast_with_scope(&mut scope, &expression.0)
             .map_err(error)
     }
 }
@@ -306,13 +292,7 @@ fn event_scope(recording: &Recording, state: &State, scope: &mut Scope<'static>)
 }
 
 fn others(examined: &crate::context::Examined) -> [u32; 2] {
-    use tilescope_core::stages::detect::Sites;
-    let mut sites = match examined.sites {
-        Sites::Three(ids) => ids.to_vec(),
-        Sites::Border(ids) => ids.to_vec(),
-        _ => Vec::new(),
-    };
-    sites.retain(|&id| id != examined.detector);
-    sites.resize(2, NONE);
-    [sites[0], sites[1]]
+    let mut others = examined.sites.ids().iter().copied();
+    let mut next = || others.find(|&id| id != examined.detector).unwrap_or(NONE);
+    [next(), next()]
 }

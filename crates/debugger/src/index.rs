@@ -19,7 +19,6 @@ pub enum Direction {
 /// Events of the same kind and line that are all details or all not.
 #[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 struct Class {
-    #[serde(with = "crate::tape::portable::event")]
     example: Event,
     events: Range<usize>,
 }

@@ -18,6 +18,7 @@
 //! ```
 
 mod anchor;
+mod computed;
 mod context;
 mod debugger;
 mod density;
@@ -44,7 +45,7 @@ pub mod why;
 pub use anchor::{Anchor, AnchorError};
 pub use context::{Context, Examined, NeighbourSearch};
 pub use debugger::{Breakpoint, Debugger, Marked, Stop, Stops};
-pub use density::{Phase, density, phases};
+pub use density::density;
 pub use divergence::{Divergence, first_divergence, first_divergence_of_runs};
 pub use event::{Event, NONE};
 pub use expression::{

@@ -6,71 +6,38 @@ use tilescope_core::{Insertion, Parameters, RunEvent, Stage, Variant, Verdict};
 
 use crate::listing::{LineId, Listings};
 
-#[derive(Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-pub(crate) enum Program {
+/// Finds the lines of a run's events.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+pub enum Lines {
+    /// Stages that place circumcentres.
     Staged,
+    /// Stages that throw darts.
     Darts,
+    /// Algorithm 4 as printed.
     Printed,
 }
-
-/// Finds the lines of a run's events.
-#[derive(Clone)]
-pub struct Lines {
-    program: Program,
-    starts: [(&'static str, u8); 9],
-}
-
-const NAMES: [&str; 9] = [
-    "blocks",
-    "tile",
-    "printed",
-    "gaps",
-    "eliminate",
-    "detect",
-    "insert",
-    "darts",
-    "finish",
-];
 
 impl Lines {
     /// Returns the lines of runs of `parameters`.
     #[must_use]
-    pub fn new(parameters: &Parameters) -> Self {
-        let program = match (parameters.variant, parameters.insertion) {
-            (Variant::AsPrinted, _) => Program::Printed,
-            (Variant::Staged, Insertion::Circumcentre) => Program::Staged,
-            (Variant::Staged, Insertion::Uniform) => Program::Darts,
-        };
-        Self::of_program(program)
-    }
-
-    /// Returns the program of these lines.
-    pub(crate) const fn program(&self) -> Program {
-        self.program
-    }
-
-    /// Returns the lines of a program.
-    pub(crate) fn of_program(program: Program) -> Self {
-        let start = |name: &'static str| {
-            let listings = &Listings::shipped().listings;
-            let found = listings.iter().find(|listing| listing.name == name);
-            (name, found.map_or(0, |listing| listing.lines.start))
-        };
-        Self {
-            program,
-            starts: NAMES.map(start),
+    pub const fn new(parameters: &Parameters) -> Self {
+        match (parameters.variant, parameters.insertion) {
+            (Variant::AsPrinted, _) => Self::Printed,
+            (Variant::Staged, Insertion::Circumcentre) => Self::Staged,
+            (Variant::Staged, Insertion::Uniform) => Self::Darts,
         }
     }
 
     /// Returns the line that an event executes.
     #[must_use]
-    pub fn of(&self, run_event: &RunEvent) -> LineId {
+    pub fn of(self, run_event: &RunEvent) -> LineId {
         let (name, number) = self.name(run_event);
-        let start = self.starts.iter().find(|(other, _)| *other == name);
-        LineId(start.map_or(0, |(_, start)| start + number - 1))
+        let mut listings = Listings::shipped().listings.iter();
+        let listing = listings.find(|listing| listing.name == name);
+        LineId(listing.map_or(0, |listing| listing.lines.start + number - 1))
     }
 
-    fn name(&self, run_event: &RunEvent) -> (&'static str, u8) {
+    fn name(self, run_event: &RunEvent) -> (&'static str, u8) {
         match *run_event {
             RunEvent::Begin(stage) => self.begin(stage),
             RunEvent::Split { turned, .. } => ("blocks", if turned { 3 } else { 2 }),
@@ -90,23 +57,23 @@ impl Lines {
                 ..
             } => ("darts", if verdict == Verdict::Accepted { 4 } else { 3 }),
             RunEvent::Cut { .. } => ("darts", 6),
-            _ if self.program == Program::Printed => printed(run_event),
+            _ if self == Self::Printed => printed(run_event),
             _ => self.staged(run_event),
         }
     }
 
-    const fn begin(&self, stage: Stage) -> (&'static str, u8) {
-        match (stage, self.program) {
+    const fn begin(self, stage: Stage) -> (&'static str, u8) {
+        match (stage, self) {
             (Stage::Blocks | Stage::Pattern, _) => ("blocks", 1),
             (Stage::Tile, _) => ("tile", 1),
-            (Stage::Eliminate, Program::Printed) => ("printed", 1),
+            (Stage::Eliminate, Self::Printed) => ("printed", 1),
             (Stage::Eliminate, _) => ("eliminate", 1),
             _ => ("finish", 1),
         }
     }
 
-    fn candidate(&self, sites: Sites, verdict: Verdict) -> (&'static str, u8) {
-        let printed = self.program == Program::Printed;
+    fn candidate(self, sites: Sites, verdict: Verdict) -> (&'static str, u8) {
+        let printed = self == Self::Printed;
         match (sites, verdict) {
             (Sites::Three(_), Verdict::Accepted) if printed => ("gaps", 4),
             (Sites::Three(_), Verdict::Covered { .. }) if printed => ("gaps", 3),
@@ -118,8 +85,8 @@ impl Lines {
         }
     }
 
-    fn staged(&self, run_event: &RunEvent) -> (&'static str, u8) {
-        let darts = self.program == Program::Darts;
+    fn staged(self, run_event: &RunEvent) -> (&'static str, u8) {
+        let darts = self == Self::Darts;
         match *run_event {
             RunEvent::Take { .. } => ("eliminate", 2),
             RunEvent::Keep { rest, .. } => ("eliminate", if rest { 6 } else { 3 }),

@@ -109,43 +109,29 @@ pub enum ListingError {
     TooMany,
 }
 
+/// Names a listing, and includes its text.
+macro_rules! listing {
+    ($name:literal) => {
+        (
+            $name,
+            include_str!(concat!("../../../assets/pseudocode/", $name, ".txt")),
+        )
+    };
+}
+
 const TEXTS: [(&str, &str); 9] = [
-    (
-        "blocks",
-        include_str!("../../../assets/pseudocode/blocks.txt"),
-    ),
-    ("tile", include_str!("../../../assets/pseudocode/tile.txt")),
-    (
-        "printed",
-        include_str!("../../../assets/pseudocode/printed.txt"),
-    ),
-    ("gaps", include_str!("../../../assets/pseudocode/gaps.txt")),
-    (
-        "eliminate",
-        include_str!("../../../assets/pseudocode/eliminate.txt"),
-    ),
-    (
-        "detect",
-        include_str!("../../../assets/pseudocode/detect.txt"),
-    ),
-    (
-        "insert",
-        include_str!("../../../assets/pseudocode/insert.txt"),
-    ),
-    (
-        "darts",
-        include_str!("../../../assets/pseudocode/darts.txt"),
-    ),
-    (
-        "finish",
-        include_str!("../../../assets/pseudocode/finish.txt"),
-    ),
+    listing!("blocks"),
+    listing!("tile"),
+    listing!("printed"),
+    listing!("gaps"),
+    listing!("eliminate"),
+    listing!("detect"),
+    listing!("insert"),
+    listing!("darts"),
+    listing!("finish"),
 ];
 
-const REFERENCE: (&str, &str) = (
-    "reference",
-    include_str!("../../../assets/pseudocode/reference.txt"),
-);
+const REFERENCE: (&str, &str) = listing!("reference");
 
 static COMPARISON: LazyLock<Listings> =
     LazyLock::new(|| Listings::parse(&[REFERENCE]).unwrap_or_default());

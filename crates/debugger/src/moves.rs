@@ -159,23 +159,15 @@ fn is_second(recording: &Recording, index: usize, event: &Event) -> bool {
     let origins = &recording.run().samples.origins;
     let inserted = |id: &u32| matches!(origins[*id as usize], Origin::Inserted { .. });
     match &origins[sample as usize] {
+        Origin::Tiled { .. } => false,
         Origin::Inserted {
-            sites: Sites::Three(ids),
+            sites: Sites::Dart | Sites::Unrecorded,
             ..
-        } => ids.iter().any(inserted),
-        Origin::Inserted {
-            sites: Sites::Border(ids),
-            ..
-        } => ids.iter().any(inserted),
-        Origin::Inserted {
-            sites: Sites::Corner(id),
-            ..
-        } => inserted(id),
-        Origin::Inserted { .. } => recording.point(sample).is_some_and(|point| {
+        } => recording.point(sample).is_some_and(|point| {
             let near = recording.valid_near(point, 2 * R, index);
             near.iter().any(inserted)
         }),
-        Origin::Tiled { .. } => false,
+        Origin::Inserted { sites, .. } => sites.ids().iter().any(inserted),
     }
 }
 

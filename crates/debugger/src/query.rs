@@ -1,6 +1,8 @@
 //! Queries of events: words that must all hold, such as `insert iteration>1 block=7`. Events are numbered from 1, so
 //! that the number of the last event is how many have happened. Errors name the word that they are in.
 
+use std::cmp::Ordering;
+
 use tilescope_core::{Origin, RunEvent, Verdict};
 
 use crate::context::Context;
@@ -59,16 +61,6 @@ pub enum QueryError {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Operator {
-    Equal,
-    Unequal,
-    Less,
-    LessOrEqual,
-    Greater,
-    GreaterOrEqual,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum NumberField {
     Event,
     Iteration,
@@ -84,7 +76,7 @@ enum Term {
     Line(LineId, bool),
     Verdict(&'static str, bool),
     Sample(u32, bool),
-    Number(NumberField, Operator, i64),
+    Number(NumberField, Orderings, i64),
 }
 
 /// A parsed query.
@@ -93,14 +85,20 @@ pub struct Query {
     terms: Vec<Term>,
 }
 
-const OPERATORS: [(&str, Operator); 7] = [
-    ("!=", Operator::Unequal),
-    ("<=", Operator::LessOrEqual),
-    (">=", Operator::GreaterOrEqual),
-    ("<", Operator::Less),
-    (">", Operator::Greater),
-    ("=", Operator::Equal),
-    (":", Operator::Equal),
+/// How the number of an event may compare with the number of a query.
+type Orderings = &'static [Ordering];
+
+const EQUAL: Orderings = &[Ordering::Equal];
+const UNEQUAL: Orderings = &[Ordering::Less, Ordering::Greater];
+
+const OPERATORS: [(&str, Orderings); 7] = [
+    ("!=", UNEQUAL),
+    ("<=", &[Ordering::Less, Ordering::Equal]),
+    (">=", &[Ordering::Greater, Ordering::Equal]),
+    ("<", &[Ordering::Less]),
+    (">", &[Ordering::Greater]),
+    ("=", EQUAL),
+    (":", EQUAL),
 ];
 
 /// Words for what the debugger runs to, with their meanings.
@@ -222,28 +220,15 @@ impl Term {
             Self::Line(line, wanted) => (event.line() == line) == wanted,
             Self::Verdict(name, wanted) => (verdict_name(event) == Some(name)) == wanted,
             Self::Sample(sample, wanted) => event.touches(sample) == wanted,
-            Self::Number(number, comparison, value) => {
+            Self::Number(number, orderings, value) => {
                 let found = match number {
                     NumberField::Event => Some(index as i64 + 1),
                     NumberField::Iteration => Some(context.iteration.into()),
                     NumberField::Depth => Some(event.depth().into()),
                     NumberField::Block => block(recording, event).map(i64::from),
                 };
-                found.is_some_and(|found| comparison.holds(found, value))
+                found.is_some_and(|found| orderings.contains(&found.cmp(&value)))
             }
-        }
-    }
-}
-
-impl Operator {
-    const fn holds(self, found: i64, value: i64) -> bool {
-        match self {
-            Self::Equal => found == value,
-            Self::Unequal => found != value,
-            Self::Less => found < value,
-            Self::LessOrEqual => found <= value,
-            Self::Greater => found > value,
-            Self::GreaterOrEqual => found >= value,
         }
     }
 }
@@ -290,20 +275,13 @@ struct Word<'a> {
     text: &'a str,
     name: &'a str,
     value: &'a str,
-    comparison: Operator,
-}
-
-fn kind_of(name: &str) -> Option<EventKind> {
-    EventKind::ALL
-        .iter()
-        .copied()
-        .find(|kind| kind.name() == name)
+    orderings: Orderings,
 }
 
 fn parse_word(word: &str) -> Result<Term, QueryError> {
     let signs = OPERATORS.iter();
-    let split = signs.filter_map(|&(sign, c)| word.split_once(sign).map(|parts| (parts, c)));
-    let Some(((name, value), comparison)) = split.min_by_key(|((name, _), _)| name.len()) else {
+    let split = signs.filter_map(|&(sign, o)| word.split_once(sign).map(|parts| (parts, o)));
+    let Some(((name, value), orderings)) = split.min_by_key(|((name, _), _)| name.len()) else {
         if let Some((_, target, _)) = TARGETS.iter().find(|(name, ..)| *name == word) {
             return Ok(Term::Found(*target));
         }
@@ -311,14 +289,14 @@ fn parse_word(word: &str) -> Result<Term, QueryError> {
             word: word.into(),
             near: completions(word).iter().map(|(near, _)| *near).collect(),
         };
-        let kind = kind_of(word).ok_or_else(unknown)?;
+        let kind = EventKind::named(word).ok_or_else(unknown)?;
         return Ok(Term::Kind(kind, true));
     };
     let word = Word {
         text: word,
         name,
         value,
-        comparison,
+        orderings,
     };
     word.term()
 }
@@ -326,7 +304,10 @@ fn parse_word(word: &str) -> Result<Term, QueryError> {
 impl Word<'_> {
     fn term(&self) -> Result<Term, QueryError> {
         match self.name {
-            "kind" => Ok(Term::Kind(self.known(kind_of(self.value))?, self.same()?)),
+            "kind" => Ok(Term::Kind(
+                self.known(EventKind::named(self.value))?,
+                self.same()?,
+            )),
             "line" => {
                 let line = self.known(Listings::shipped().find(self.value))?;
                 Ok(Term::Line(line, self.same()?))
@@ -356,9 +337,9 @@ impl Word<'_> {
 
     /// Returns whether the comparison is for equality or, if false, for inequality. Fails for other comparisons.
     fn same(&self) -> Result<bool, QueryError> {
-        match self.comparison {
-            Operator::Equal => Ok(true),
-            Operator::Unequal => Ok(false),
+        match self.orderings {
+            EQUAL => Ok(true),
+            UNEQUAL => Ok(false),
             _ => Err(QueryError::NotOrdered {
                 word: self.text.into(),
             }),
@@ -374,7 +355,7 @@ impl Word<'_> {
 
     fn number(&self, number: NumberField) -> Result<Term, QueryError> {
         let value = self.whole()?.into();
-        Ok(Term::Number(number, self.comparison, value))
+        Ok(Term::Number(number, self.orderings, value))
     }
 }
 
@@ -388,7 +369,11 @@ mod tests {
         assert_eq!(query.terms[0], Term::Kind(EventKind::Insert, true));
         assert_eq!(
             query.terms[1],
-            Term::Number(NumberField::Iteration, Operator::GreaterOrEqual, 2)
+            Term::Number(
+                NumberField::Iteration,
+                &[Ordering::Greater, Ordering::Equal],
+                2
+            )
         );
         assert_eq!(query.terms[3], Term::Kind(EventKind::Dart, false));
         assert_eq!(query.terms.len(), 5);

@@ -28,24 +28,23 @@ pub(crate) const STRIDE: usize = 1024;
 #[derive(serde::Serialize, serde::Deserialize)]
 pub struct Recording {
     run: Run,
-    #[serde(with = "crate::tape::portable")]
     tape: Tape,
-    lives: Vec<Life>,
+    pub(crate) lives: Vec<Life>,
     contexts: Vec<Context>,
     grid: SampleGrid,
     /// The events that made each split, block and clip.
-    splits: Vec<u32>,
-    leaves: Vec<u32>,
-    clips: Vec<u32>,
+    pub(crate) splits: Vec<u32>,
+    pub(crate) leaves: Vec<u32>,
+    pub(crate) clips: Vec<u32>,
     /// The first event that accepted each set of sites, sorted.
     gaps: Vec<(Sites, u32)>,
     /// The first events of phases and iterations.
-    begins: Vec<u32>,
+    pub(crate) begins: Vec<u32>,
     /// The counts of all events before every 1024th.
-    tallies: Vec<Density>,
-    #[serde(with = "crate::tape::portable::once")]
+    pub(crate) tallies: Vec<Density>,
+    #[serde(with = "crate::computed")]
     classes: OnceLock<Classes>,
-    #[serde(with = "crate::tape::portable::once")]
+    #[serde(with = "crate::computed")]
     by_sample: OnceLock<BySample>,
 }
 
@@ -186,22 +185,6 @@ impl Recording {
         self.lives.get(sample as usize).copied()
     }
 
-    pub(crate) fn lives(&self) -> &[Life] {
-        &self.lives
-    }
-
-    pub(crate) fn splits(&self) -> &[u32] {
-        &self.splits
-    }
-
-    pub(crate) fn leaves(&self) -> &[u32] {
-        &self.leaves
-    }
-
-    pub(crate) fn clips(&self) -> &[u32] {
-        &self.clips
-    }
-
     /// Returns the status of a sample after the events before `cursor`.
     #[must_use]
     pub fn status(&self, sample: u32, cursor: usize) -> Status {
@@ -337,13 +320,5 @@ impl Recording {
         let count = self.lives.len();
         self.by_sample
             .get_or_init(|| BySample::new(&self.tape, count))
-    }
-
-    pub(crate) fn begins(&self) -> &[u32] {
-        &self.begins
-    }
-
-    pub(crate) fn tallies(&self) -> &[Density] {
-        &self.tallies
     }
 }

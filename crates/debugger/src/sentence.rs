@@ -98,19 +98,6 @@ impl Words<'_> {
     fn run_event(&self, run_event: RunEvent, index: usize) -> String {
         match run_event {
             RunEvent::Begin(stage) => self.begin(stage),
-            RunEvent::Split { .. } | RunEvent::Leaf { .. } | RunEvent::Clip { .. } => {
-                self.tree(run_event)
-            }
-            RunEvent::Tiled { .. }
-            | RunEvent::Take { .. }
-            | RunEvent::Keep { .. }
-            | RunEvent::Test { .. }
-            | RunEvent::Eliminate { .. }
-            | RunEvent::Mark { .. } => self.change(run_event, index),
-            RunEvent::Iteration { .. }
-            | RunEvent::IterationEnd { .. }
-            | RunEvent::Rank { .. }
-            | RunEvent::Finish { .. } => self.round(run_event),
             RunEvent::Candidate {
                 detector,
                 sites,
@@ -124,7 +111,7 @@ impl Words<'_> {
                 verdict,
             } => self.dart(point, ranked, verdict),
             RunEvent::Cut { cell, side, kept } => gaps::cut(cell, side, kept),
-            _ => self.search(run_event),
+            _ => self.change(run_event, index),
         }
     }
 
@@ -162,14 +149,12 @@ impl Words<'_> {
         let blocks = &self.0.run().blocks;
         match run_event {
             RunEvent::Split { index, turned } => self.split(index, turned),
-            RunEvent::Leaf { block } => match blocks.leaves.get(block as usize) {
-                Some(leaf) => format!(
-                    "block {} is a leaf of the KD-tree, {}",
-                    grouped(block.into()),
-                    size(&leaf.rect)
-                ),
-                None => format!("block {} is a leaf of the KD-tree", grouped(block.into())),
-            },
+            RunEvent::Leaf { block } => {
+                let leaf = blocks.leaves.get(block as usize);
+                let size = leaf.map_or_else(String::new, |leaf| format!(", {}", size(&leaf.rect)));
+                let block = grouped(block.into());
+                format!("block {block} is a leaf of the KD-tree{size}")
+            }
             RunEvent::Clip { block } => {
                 let tile = self.0.run().tiles.get(block as usize);
                 let samples = tile.map_or(0, |tile| tile.samples.len() as u64);
@@ -179,7 +164,7 @@ impl Words<'_> {
                     count(samples, "sample")
                 )
             }
-            _ => String::new(),
+            _ => self.round(run_event),
         }
     }
 
@@ -234,7 +219,7 @@ impl Words<'_> {
                 format!("{} stays and becomes a gap detector", self.sample(sample))
             }
             RunEvent::Mark { sample, because } => self.mark(sample, because, index),
-            _ => String::new(),
+            _ => self.tree(run_event),
         }
     }
 
@@ -300,7 +285,7 @@ impl Words<'_> {
             RunEvent::Finish { count: number } => {
                 format!("the result is there: {}", count(number.into(), "sample"))
             }
-            _ => String::new(),
+            _ => self.search(run_event),
         }
     }
 }

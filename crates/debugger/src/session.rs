@@ -8,7 +8,7 @@ use serde_json::Value;
 use tilescope_core::{MAXIMAL_DENSITY, Observer, Parameters, Pattern, Run, Stage};
 
 use crate::anchor::Anchor;
-use crate::listing::Listings;
+use crate::listing::{LineId, Listings};
 use crate::recording::Recording;
 
 /// The version of sessions that this program writes, and the newest that it reads.
@@ -50,6 +50,16 @@ pub struct SavedBreakpoint {
     pub condition: Option<String>,
     /// Whether it stops a run.
     pub enabled: bool,
+}
+
+impl SavedBreakpoint {
+    /// Returns the number of the line.
+    pub(crate) fn line(&self) -> Result<LineId, SessionError> {
+        let line = Listings::shipped().find(&self.line);
+        line.ok_or_else(|| SessionError::UnknownLine {
+            line: self.line.clone(),
+        })
+    }
 }
 
 /// A moment to come back to, with a caption and a view. It is kept when the parameters change: in the run in which it was
@@ -194,10 +204,7 @@ impl Session {
         }
         let session: Self = serde_json::from_str(text)?;
         for breakpoint in &session.breakpoints {
-            if Listings::shipped().find(&breakpoint.line).is_none() {
-                let line = breakpoint.line.clone();
-                return Err(SessionError::UnknownLine { line });
-            }
+            breakpoint.line()?;
         }
         session.check()?;
         Ok(session)

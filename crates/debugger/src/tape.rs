@@ -1,8 +1,7 @@
 //! The tape: events in the order in which they happened, within a budget. Beyond it, tests without consequences are
 //! left out, oldest first, and replaced by a notice; changes are always kept.
 
-pub(crate) mod portable;
-
+use serde::{Deserialize, Deserializer, Serialize};
 use tilescope_core::{Parameters, Recorder, RunEvent};
 
 use crate::event::Event;
@@ -14,7 +13,9 @@ pub const DEFAULT_BUDGET: usize = 5_000_000;
 const CHUNK: usize = 1 << 16;
 
 /// Events in sequence, in chunks of equal length.
+#[derive(Serialize, Deserialize)]
 pub struct Tape {
+    #[serde(deserialize_with = "without_spare_room")]
     chunks: Vec<Vec<Event>>,
     len: usize,
     left_out: u64,
@@ -146,6 +147,13 @@ impl Recorder for Tape {
     fn record(&mut self, run_event: RunEvent) {
         self.push(Event::new(&run_event, &self.lines));
     }
+}
+
+/// Reads chunks. Vectors that serde fills may have room for more.
+fn without_spare_room<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<Vec<Event>>, D::Error> {
+    let mut chunks = Vec::<Vec<Event>>::deserialize(from)?;
+    chunks.iter_mut().for_each(Vec::shrink_to_fit);
+    Ok(chunks)
 }
 
 fn new_chunk(first: Event) -> Vec<Event> {

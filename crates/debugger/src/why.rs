@@ -20,8 +20,8 @@ pub fn cause(recording: &Recording, index: usize) -> Option<usize> {
     let found = match run_event? {
         RunEvent::Split { index: split, .. } => parent_split(recording, split),
         RunEvent::Leaf { block } => split_of_block(recording, block),
-        RunEvent::Clip { block } => at(recording.leaves(), block),
-        RunEvent::Tiled { block, .. } => at(recording.clips(), block),
+        RunEvent::Clip { block } => at(&recording.leaves, block),
+        RunEvent::Tiled { block, .. } => at(&recording.clips, block),
         RunEvent::Take { sample, .. } => Some(life(sample)?.born),
         RunEvent::Keep { sample, rest } if rest => Some(life(sample)?.born),
         RunEvent::Keep { .. } => recording.last_of(EventKind::Take, index).map(|i| i as u32),
@@ -77,13 +77,13 @@ pub fn history_of_point(recording: &Recording, point: Point) -> Vec<usize> {
     events.retain(|&event| event != NONE);
     let blocks = &recording.run().blocks;
     let holds = |rect: &Rect| rect.contains(point);
-    let splits = blocks.splits.iter().zip(recording.splits());
+    let splits = blocks.splits.iter().zip(&recording.splits);
     events.extend(
         splits
             .filter(|(s, _)| holds(&s.rect))
             .map(|(_, &event)| event),
     );
-    let leaves = blocks.leaves.iter().zip(recording.leaves());
+    let leaves = blocks.leaves.iter().zip(&recording.leaves);
     events.extend(
         leaves
             .filter(|(b, _)| holds(&b.rect))
@@ -124,7 +124,7 @@ fn parent_split(recording: &Recording, index: u32) -> Option<u32> {
     let parent = splits[..index as usize]
         .iter()
         .rposition(|split| split.depth == depth)?;
-    at(recording.splits(), parent as u32)
+    at(&recording.splits, parent as u32)
 }
 
 /// Returns the split that made a block: the deepest one that contains it.
@@ -135,7 +135,7 @@ fn split_of_block(recording: &Recording, block: u32) -> Option<u32> {
         .splits
         .iter()
         .rposition(|split| split.rect.contains(corner))?;
-    at(recording.splits(), split as u32)
+    at(&recording.splits, split as u32)
 }
 
 /// Returns the insertion of an inserted detector, or the mark of a tiled one.

@@ -142,22 +142,6 @@ struct Version {
 }
 
 impl Certificate {
-    /// Takes everything measured, the region and the radius from `report`.
-    pub(crate) fn state(&mut self, report: &Report) {
-        self.region = report.region;
-        self.radius = report.radius;
-        self.covering_tolerance = report.covering_tolerance;
-        self.count = report.count as u64;
-        self.min_distance = finite(report.min_distance);
-        self.covering_radius = report.covering_radius;
-        self.conflicts = report.conflicts;
-        self.gaps = report.gaps;
-        self.density = report.density;
-        self.relative_radius = finite(report.relative_radius);
-        self.valid = report.valid();
-        self.judges.clone_from(&report.judges);
-    }
-
     /// The certificate in `bytes`, which come from a file called `name`.
     ///
     /// # Errors
@@ -235,11 +219,7 @@ impl Certificate {
     ///
     /// [`FormatError::Json`] should serialisation fail, which plain data do not.
     pub fn to_bytes(&self) -> Result<Vec<u8>, FormatError> {
-        let json = |source| FormatError::Json {
-            format: Format::Json,
-            source,
-        };
-        let mut bytes = serde_json::to_vec_pretty(self).map_err(json)?;
+        let mut bytes = serde_json::to_vec_pretty(self)?;
         bytes.push(b'\n');
         Ok(bytes)
     }

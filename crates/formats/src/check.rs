@@ -12,7 +12,7 @@ use tilescope_analysis::{
 };
 
 use crate::certificate::{Certificate, CertifiedLevel, finite};
-use crate::codecs::{Hint, decode};
+use crate::codecs::{Hint, ReadSet, decode};
 use crate::detect::Detection;
 use crate::digest::{bytes_digest, positions_digest};
 use crate::error::FormatError;
@@ -64,8 +64,6 @@ impl fmt::Display for CertificateDifference {
 /// The outcome of a check.
 #[derive(Clone, Debug)]
 pub struct Check {
-    /// The points in domain units, in the file's order.
-    pub set: PointSet,
     /// The format and how it was recognised.
     pub detection: Detection,
     /// Number type of the file's coordinates.
@@ -81,18 +79,37 @@ pub struct Check {
 }
 
 impl Check {
+    /// Compares a file with its certificate, if it has one.
+    pub(crate) fn new(
+        detection: Detection,
+        certificate: Option<Certificate>,
+        judged: &Judged,
+        found: &Contents,
+        report: Report,
+        levels: Vec<CertifiedLevel>,
+    ) -> Self {
+        let stated = certificate.as_ref();
+        Self {
+            detection,
+            precision: found.precision,
+            differences: stated
+                .map(|stated| differences(stated, judged, found, &report, &levels))
+                .unwrap_or_default(),
+            certificate,
+            report,
+            levels,
+        }
+    }
+
     /// Whether the set is valid, or its levels are, and, if there is a certificate, every statement of it true.
     #[must_use]
     pub fn passed(&self) -> bool {
-        is_valid(&self.report, &self.levels) && self.differences.is_empty()
+        let is_covered = match self.levels.as_slice() {
+            [] => self.report.maximal(),
+            levels => levels.iter().all(|level| level.valid),
+        };
+        self.report.conflict_free() && is_covered && self.differences.is_empty()
     }
-}
-
-/// Whether a set is conflict-free and maximal, or as maximal as its levels are.
-pub(crate) fn is_valid(report: &Report, levels: &[CertifiedLevel]) -> bool {
-    let is_maximal = levels.is_empty() && report.maximal();
-    let are_valid = !levels.is_empty() && levels.iter().all(|level| level.valid);
-    report.conflict_free() && (is_maximal || are_valid)
 }
 
 /// The largest covering radius of a level, in its smallest distance: that of the level before, a little more than the root
@@ -132,7 +149,8 @@ pub enum CheckError {
 /// Re-verifies `data`, a file called `name`, against `certificate`, the bytes of its certificate file, or the certificate
 /// inside.
 ///
-/// Without any certificate the radius must be given, and the region too unless the format is of the unit torus.
+/// Without any certificate the radius must be given, and the region too unless the format is of the unit torus. Returns also
+/// the set, in domain units and in the file's order.
 ///
 /// # Errors
 ///
@@ -144,60 +162,51 @@ pub fn check_bytes(
     certificate: Option<&[u8]>,
     overrides: &Overrides,
     control: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
-) -> Result<Check, CheckError> {
+) -> Result<(PointSet, Check), CheckError> {
     let hint = Hint {
         name,
         format: overrides.format,
         set: overrides.set,
     };
-    let decoded = decode(data, &hint)?;
+    let ReadSet {
+        mut set,
+        detection,
+        precision,
+        certificate: inside,
+        ..
+    } = decode(data, &hint)?;
     let certificate = match certificate {
         Some(bytes) => {
             let name = format!("{name}{}", crate::CERTIFICATE_SUFFIX);
             Some(Certificate::from_bytes(bytes, &name)?)
         }
-        None => decoded.certificate,
+        None => inside,
     };
-    let (format, precision) = (decoded.detection.format, decoded.precision);
-    let judged = Judged::new(format, precision, certificate.as_ref(), overrides)?;
-    let positions_digest = positions_digest(&decoded.set.points);
-    let points = decoded.set.points.into_iter();
-    let points: Vec<_> = points.map(|p| judged.mapping.domain_from_file(p)).collect();
-    let report = verify(
-        &points,
-        judged.region,
-        judged.radius,
-        &judged.options,
-        control,
-    )?;
-    let claims = certificate.as_ref().filter(|stated| judged.is_as(stated));
-    let mut claims = claims.map_or_else(Vec::new, Certificate::claims);
-    claims.retain(|claim| claim.count <= points.len());
-    let levels = verify_levels(&points, &report, &claims, &judged.options, control)?;
-    let levels: Vec<_> = levels.iter().map(CertifiedLevel::of).collect();
-    let differences = certificate.as_ref().map(|stated| {
-        let found = Contents {
-            format,
-            precision,
-            digest: stated.digest.as_ref().map(|_| bytes_digest(data)),
-            positions_digest,
-        };
-        let mut list = differences(stated, &judged, &found, &report);
-        list.extend(differences_of_levels(stated, &levels));
-        list
-    });
-    Ok(Check {
-        set: PointSet {
-            points,
-            provenance: decoded.set.provenance,
-        },
-        detection: decoded.detection,
+    let judged = Judged::new(detection.format, precision, certificate.as_ref(), overrides)?;
+    let positions_digest = positions_digest(&set.points);
+    for point in &mut set.points {
+        *point = judged.mapping.domain_from_file(*point);
+    }
+    let (region, radius) = (judged.region, judged.radius);
+    let report = verify(&set.points, region, radius, &judged.options, control)?;
+    let levels = certificate.as_ref().filter(|stated| judged.is_as(stated));
+    let mut claims = levels.map_or_else(Vec::new, Certificate::claims);
+    claims.retain(|claim| claim.count <= set.len());
+    let levels = verify_levels(&set.points, &report, &claims, &judged.options, control)?;
+    let levels = levels.iter().map(CertifiedLevel::of).collect();
+    let stated = certificate
+        .as_ref()
+        .and_then(|stated| stated.digest.as_ref());
+    let found = Contents {
+        format: detection.format,
         precision,
-        certificate,
-        report,
-        levels,
-        differences: differences.unwrap_or_default(),
-    })
+        digest: stated.map(|_| bytes_digest(data)),
+        positions_digest,
+    };
+    Ok((
+        set,
+        Check::new(detection, certificate, &judged, &found, report, levels),
+    ))
 }
 
 /// The region, radius and options to verify the file with.
@@ -290,11 +299,12 @@ pub(crate) struct Contents {
     pub positions_digest: String,
 }
 
-pub(crate) fn differences(
+fn differences(
     stated: &Certificate,
     judged: &Judged,
     found: &Contents,
     report: &Report,
+    levels: &[CertifiedLevel],
 ) -> Vec<CertificateDifference> {
     let mut list = Differences::default();
     if let (Some(stated), Some(digest)) = (&stated.digest, &found.digest) {
@@ -316,26 +326,27 @@ pub(crate) fn differences(
     if judged.is_as(stated) {
         measures(&mut list, stated, report);
     }
+    if let Some(last) = levels.last() {
+        compare_levels(&mut list, stated, levels, last);
+    }
     list.0
 }
 
-/// Compares the stated levels with what was found of them. Levels that state less than nested levels promise would let any
-/// set pass.
-fn differences_of_levels(
+/// Compares the stated levels with those found, which end with `last`. Levels that state less than nested levels promise
+/// would let any set pass.
+fn compare_levels(
+    list: &mut Differences,
     stated: &Certificate,
     found: &[CertifiedLevel],
-) -> Vec<CertificateDifference> {
-    let mut list = Differences::default();
-    let Some(last) = found.last() else {
-        return list.0;
-    };
+    last: &CertifiedLevel,
+) {
     let covers = |level: &CertifiedLevel| {
         let covering = level.covering.unwrap_or(f64::INFINITY);
         covering <= MAX_COVERING * level.distance
     };
-    let promises = last.count == stated.count && last.distance >= stated.radius;
+    let is_whole = last.count == stated.count && last.distance >= stated.radius;
     list.unless(
-        promises && found.iter().all(covers),
+        is_whole && found.iter().all(covers),
         "levels",
         format!("levels of {} samples", last.count),
         "less than nested levels promise".to_owned(),
@@ -350,7 +361,6 @@ fn differences_of_levels(
         list.measure("levels.covering_radius", covering, measured);
         list.exact("levels.valid", &stated.valid, &found.valid);
     }
-    list.0
 }
 
 /// Compares parameters with the region and radius that the certificate states beside them.

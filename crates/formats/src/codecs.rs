@@ -47,18 +47,20 @@ impl<'a> Hint<'a> {
     }
 }
 
-/// A point set as a file holds it.
+/// A point set read from a file.
 #[derive(Clone, Debug)]
-pub struct Decoded {
-    /// Positions in *file coordinates* (see [`Mapping`]) and their provenance.
+pub struct ReadSet {
+    /// Positions and their provenance. [`decode`] returns *file coordinates* (see [`Mapping`]); other functions return
+    /// domain units if there is a certificate.
     pub set: PointSet,
     /// The format and how it was recognised.
     pub detection: Detection,
-    /// Number type of the coordinates.
+    /// Number type of the file's coordinates.
     pub precision: Precision,
     /// How many sets the file holds; only UTK files hold several.
     pub sets: usize,
-    /// The certificate inside the file (JSON only).
+    /// The certificate beside or inside the file. [`check_bytes`](crate::check_bytes) says whether it is true. [`decode`]
+    /// finds only one inside, which JSON files have.
     pub certificate: Option<Certificate>,
 }
 
@@ -123,7 +125,7 @@ impl Raw {
 ///
 /// A [`FormatError`] that names the place and the value found; a set without points is
 /// [`FormatError::Empty`].
-pub fn decode(bytes: &[u8], hint: &Hint<'_>) -> Result<Decoded, FormatError> {
+pub fn decode(bytes: &[u8], hint: &Hint<'_>) -> Result<ReadSet, FormatError> {
     let detection = Detection::of(bytes, hint.name.as_ref(), hint.format)?;
     let format = detection.format;
     let raw = match format {
@@ -142,7 +144,7 @@ pub fn decode(bytes: &[u8], hint: &Hint<'_>) -> Result<Decoded, FormatError> {
         return Err(FormatError::Empty { format });
     }
     check_provenance(&raw.set)?;
-    Ok(Decoded {
+    Ok(ReadSet {
         set: raw.set,
         detection,
         precision: raw.precision,

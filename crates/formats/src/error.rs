@@ -200,13 +200,8 @@ pub enum FormatError {
         chosen: Option<usize>,
     },
     /// JSON that does not parse as a point-set document.
-    #[error("{format}: {source}")]
-    Json {
-        /// The format, always [`Format::Json`].
-        format: Format,
-        /// The parser's message with line and column.
-        source: serde_json::Error,
-    },
+    #[error("{}: {0}", Format::Json)]
+    Json(#[from] serde_json::Error),
     /// A certificate that does not parse.
     #[error("the certificate {name} is not readable: {reason}")]
     Certificate {

@@ -13,8 +13,10 @@ use tilescope_analysis::{
     PrefixClaim, Progress, Region, Report, VerifyError, VerifyOptions, verify, verify_levels,
 };
 
-use crate::certificate::{CERTIFICATE_FORMAT_VERSION, Certificate, CertifiedLevel, Rounding};
-use crate::codecs::{Decoded, Hint, Target, decode, encode_certified};
+use crate::certificate::{
+    CERTIFICATE_FORMAT_VERSION, Certificate, CertifiedLevel, Rounding, finite,
+};
+use crate::codecs::{Hint, ReadSet, Target, decode, encode_certified};
 use crate::digest::{bytes_digest, positions_digest};
 use crate::error::FormatError;
 use crate::format::{Format, Precision};
@@ -314,7 +316,7 @@ pub(crate) fn target(name: &str, context: &ExportContext) -> Result<Target, Form
     })
 }
 
-fn decode_own(data: &[u8], format: Format) -> Result<Decoded, FormatError> {
+fn decode_own(data: &[u8], format: Format) -> Result<ReadSet, FormatError> {
     let hint = Hint {
         format: Some(format),
         ..Hint::default()
@@ -323,7 +325,7 @@ fn decode_own(data: &[u8], format: Format) -> Result<Decoded, FormatError> {
 }
 
 /// Fails if the decoded positions or provenance differ, in any bit, from what the format should store.
-fn compare(set: &PointSet, decoded: &Decoded, target: &Target) -> Result<(), ExportError> {
+fn compare(set: &PointSet, decoded: &ReadSet, target: &Target) -> Result<(), ExportError> {
     let mapping = target.mapping();
     let found = &decoded.set;
     let differs = |written: String, found: String| Err(ExportError::ReadBack { written, found });
@@ -439,24 +441,24 @@ pub(crate) fn certificate(
     rounding: Option<Rounding>,
     positions_digest: String,
 ) -> Certificate {
-    let mut certificate = Certificate {
+    Certificate {
         format_version: CERTIFICATE_FORMAT_VERSION,
         program: context.program.clone(),
         program_version: context.program_version.clone(),
         method: context.method.clone(),
         parameters: context.parameters.clone(),
-        region: context.region,
-        radius: context.radius,
-        covering_tolerance: 0.0,
-        count: 0,
-        min_distance: None,
-        covering_radius: 0.0,
-        conflicts: 0,
-        gaps: 0,
-        density: 0.0,
-        relative_radius: None,
-        valid: false,
-        judges: Vec::new(),
+        region: report.region,
+        radius: report.radius,
+        covering_tolerance: report.covering_tolerance,
+        count: report.count as u64,
+        min_distance: finite(report.min_distance),
+        covering_radius: report.covering_radius,
+        conflicts: report.conflicts,
+        gaps: report.gaps,
+        density: report.density,
+        relative_radius: finite(report.relative_radius),
+        valid: report.valid(),
+        judges: report.judges.clone(),
         levels: Vec::new(),
         file: name.to_owned(),
         file_format: target.format,
@@ -466,9 +468,7 @@ pub(crate) fn certificate(
         rounding,
         positions_digest,
         digest: None,
-    };
-    certificate.state(report);
-    certificate
+    }
 }
 
 pub(crate) fn warnings(

@@ -4,7 +4,7 @@
 //! is left behind, and an existing file is not touched before the new one is verified.
 
 use std::ffi::OsString;
-use std::fs::{self, File, OpenOptions};
+use std::fs::{self, File};
 use std::io::{self, BufWriter, Read, Write};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
@@ -14,7 +14,7 @@ use tilescope_analysis::{Progress, Report};
 
 use crate::certificate::{Certificate, MAX_CERTIFICATE_BYTES};
 use crate::check::{Check, CheckError, Overrides, check_bytes};
-use crate::codecs::{Hint, encode_certified};
+use crate::codecs::{Hint, ReadSet, encode_certified};
 use crate::destination::destination;
 use crate::error::{FormatError, io_error};
 use crate::export::{
@@ -22,7 +22,7 @@ use crate::export::{
 };
 use crate::pipe::Input;
 use crate::point_set::PointSet;
-use crate::read::{ReadSet, certificate_path, read_bytes};
+use crate::read::{certificate_path, read_bytes};
 
 /// The most points of a file that is checked in memory because a stream cannot verify it, 2^28. Each takes about 76
 /// bytes, in all 20 GB.
@@ -70,7 +70,7 @@ pub fn read(path: &Path, hint: &Hint<'_>) -> Result<ReadSet, FormatError> {
     )
 }
 
-/// Re-verifies the file `path` against the certificate beside or inside it.
+/// Re-verifies the file `path` against the certificate beside or inside it. Returns also the set, as [`check_bytes`] does.
 ///
 /// # Errors
 ///
@@ -79,7 +79,7 @@ pub fn check(
     path: &Path,
     overrides: &Overrides,
     control: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
-) -> Result<Check, CheckError> {
+) -> Result<(PointSet, Check), CheckError> {
     let data = read_whole(path)?;
     let certificate = read_certificate(path)?;
     let name = file_name(path)?;
@@ -236,15 +236,15 @@ impl Temporary {
 
     /// Writes `bytes` through to the device.
     pub fn write(&self, bytes: &[u8]) -> io::Result<()> {
-        let mut options = OpenOptions::new();
-        let mut file = options
-            .write(true)
-            .create(true)
-            .truncate(true)
-            .open(&self.path)?;
-        file.write_all(bytes)?;
-        file.sync_all()
+        write_synced(&self.path, bytes)
     }
+}
+
+/// Writes a file through to the device.
+pub(crate) fn write_synced(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    let mut file = File::create(path)?;
+    file.write_all(bytes)?;
+    file.sync_all()
 }
 
 impl Drop for Temporary {

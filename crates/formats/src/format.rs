@@ -71,39 +71,33 @@ impl Format {
         Self::ALL.into_iter().find(|f| f.extension() == extension)
     }
 
+    /// The short name, the extension, and the name in sentences.
+    const fn names(self) -> [&'static str; 3] {
+        match self {
+            Self::Csv => ["csv", "csv", "CSV"],
+            Self::PsaText => ["psa-text", "txt", "psa text"],
+            Self::PsaRps => ["psa-rps", "rps", "psa RPS"],
+            Self::UtkText => ["utk-text", "dat", "UTK text"],
+            Self::UtkBinary => ["utk-binary", "bin", "UTK binary"],
+            Self::Npy => ["npy", "npy", "NumPy array"],
+            Self::PlyAscii => ["ply-ascii", "ply", "PLY (ASCII)"],
+            Self::PlyBinary => ["ply-binary", "ply", "PLY (binary)"],
+            Self::Xyz => ["xyz", "xyz", "XYZ"],
+            Self::Json => ["json", "json", "JSON"],
+            Self::Svg => ["svg", "svg", "SVG"],
+        }
+    }
+
     /// The short name used on command lines and in certificates, such as `psa-text`.
     #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Csv => "csv",
-            Self::PsaText => "psa-text",
-            Self::PsaRps => "psa-rps",
-            Self::UtkText => "utk-text",
-            Self::UtkBinary => "utk-binary",
-            Self::Npy => "npy",
-            Self::PlyAscii => "ply-ascii",
-            Self::PlyBinary => "ply-binary",
-            Self::Xyz => "xyz",
-            Self::Json => "json",
-            Self::Svg => "svg",
-        }
+    pub const fn name(self) -> &'static str {
+        self.names()[0]
     }
 
     /// The file extension, lower case, without the dot.
     #[must_use]
-    pub fn extension(self) -> &'static str {
-        match self {
-            Self::Csv => "csv",
-            Self::PsaText => "txt",
-            Self::PsaRps => "rps",
-            Self::UtkText => "dat",
-            Self::UtkBinary => "bin",
-            Self::Npy => "npy",
-            Self::PlyAscii | Self::PlyBinary => "ply",
-            Self::Xyz => "xyz",
-            Self::Json => "json",
-            Self::Svg => "svg",
-        }
+    pub const fn extension(self) -> &'static str {
+        self.names()[1]
     }
 
     /// Whether positions are of the unit torus: a file holds them divided by the region's width.
@@ -145,19 +139,7 @@ impl Format {
 
 impl fmt::Display for Format {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.pad(match self {
-            Self::Csv => "CSV",
-            Self::PsaText => "psa text",
-            Self::PsaRps => "psa RPS",
-            Self::UtkText => "UTK text",
-            Self::UtkBinary => "UTK binary",
-            Self::Npy => "NumPy array",
-            Self::PlyAscii => "PLY (ASCII)",
-            Self::PlyBinary => "PLY (binary)",
-            Self::Xyz => "XYZ",
-            Self::Json => "JSON",
-            Self::Svg => "SVG",
-        })
+        f.pad(self.names()[2])
     }
 }
 

@@ -43,7 +43,7 @@ pub use certificate::{
 pub use check::{
     CertificateDifference, Check, CheckError, MEASURE_TOLERANCE, Overrides, check_bytes,
 };
-pub use codecs::{Decoded, Hint, Target, decode, encode};
+pub use codecs::{Hint, ReadSet, Target, decode, encode};
 #[cfg(not(target_arch = "wasm32"))]
 pub use destination::destination;
 pub use detect::{Detection, Evidence, detect};
@@ -58,9 +58,9 @@ pub use files::{
 pub use format::{Format, Precision, UnknownFormatName};
 pub use mapping::Mapping;
 pub use point_set::{PointSet, Provenance};
-pub use read::{ReadSet, certificate_path, read_bytes};
+pub use read::{certificate_path, read_bytes};
 #[cfg(not(target_arch = "wasm32"))]
 pub use stream::{
-    StreamCheck, StreamExport, StreamOptions, StreamReader, Streamed, WHOLE_FILE_BYTES,
-    check_stream, checkpoint_token, partial_path, resume_path,
+    StreamExport, StreamOptions, StreamReader, Streamed, WHOLE_FILE_BYTES, check_stream,
+    checkpoint_token, partial_path, resume_path,
 };

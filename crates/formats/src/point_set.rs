@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 /// Where one sample came from, as far as a file can carry it (PLY and JSON do).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(from = "[u32; 3]", into = "[u32; 3]")]
 pub struct Provenance {
     /// Index of the building block that tiled the sample, or [`Provenance::NO_BLOCK`].
     pub block: u32,
@@ -37,6 +38,22 @@ impl Provenance {
             pattern_index,
             iteration: 0,
         }
+    }
+}
+
+impl From<[u32; 3]> for Provenance {
+    fn from([block, pattern_index, iteration]: [u32; 3]) -> Self {
+        Self {
+            block,
+            pattern_index,
+            iteration,
+        }
+    }
+}
+
+impl From<Provenance> for [u32; 3] {
+    fn from(of: Provenance) -> Self {
+        [of.block, of.pattern_index, of.iteration]
     }
 }
 

@@ -4,27 +4,9 @@ use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
 use crate::certificate::{CERTIFICATE_SUFFIX, Certificate};
-use crate::codecs::{Hint, decode};
-use crate::detect::Detection;
+use crate::codecs::{Hint, ReadSet, decode};
 use crate::error::FormatError;
-use crate::format::Precision;
 use crate::mapping::Mapping;
-use crate::point_set::PointSet;
-
-/// A point set read from a file.
-#[derive(Clone, Debug)]
-pub struct ReadSet {
-    /// The points: in domain units with a certificate, otherwise as the file has them.
-    pub set: PointSet,
-    /// The format and how it was recognised.
-    pub detection: Detection,
-    /// Number type of the file's coordinates.
-    pub precision: Precision,
-    /// How many sets the file holds.
-    pub sets: usize,
-    /// The certificate beside or inside the file. [`check_bytes`](crate::check_bytes) says whether it is true.
-    pub certificate: Option<Certificate>,
-}
 
 /// The name of the certificate of the data file `path`.
 ///
@@ -35,8 +17,12 @@ pub struct ReadSet {
 /// ```
 #[must_use]
 pub fn certificate_path(path: &Path) -> PathBuf {
+    with_suffix(path, CERTIFICATE_SUFFIX)
+}
+
+pub(crate) fn with_suffix(path: &Path, suffix: &str) -> PathBuf {
     let mut name = OsString::from(path);
-    name.push(CERTIFICATE_SUFFIX);
+    name.push(suffix);
     name.into()
 }
 
@@ -50,22 +36,14 @@ pub fn read_bytes(
     hint: &Hint<'_>,
     certificate: Option<(&str, &[u8])>,
 ) -> Result<ReadSet, FormatError> {
-    let decoded = decode(bytes, hint)?;
-    let certificate = match certificate {
-        Some((name, bytes)) => Some(Certificate::from_bytes(bytes, name)?),
-        None => decoded.certificate,
-    };
-    let mut set = decoded.set;
-    let region = certificate.as_ref().map(|stated| stated.region);
-    let mapping = Mapping::new(decoded.detection.format, region, decoded.precision);
-    for point in &mut set.points {
+    let mut read = decode(bytes, hint)?;
+    if let Some((name, bytes)) = certificate {
+        read.certificate = Some(Certificate::from_bytes(bytes, name)?);
+    }
+    let region = read.certificate.as_ref().map(|stated| stated.region);
+    let mapping = Mapping::new(read.detection.format, region, read.precision);
+    for point in &mut read.set.points {
         *point = mapping.domain_from_file(*point);
     }
-    Ok(ReadSet {
-        set,
-        detection: decoded.detection,
-        precision: decoded.precision,
-        sets: decoded.sets,
-        certificate,
-    })
+    Ok(read)
 }

@@ -15,10 +15,11 @@ mod resume;
 mod tests;
 mod writer;
 
-use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
-pub use check::{StreamCheck, WHOLE_FILE_BYTES, check_stream};
+use crate::read::with_suffix;
+
+pub use check::{WHOLE_FILE_BYTES, check_stream};
 pub use export::{StreamExport, StreamOptions};
 pub use finish::Streamed;
 pub use read::StreamReader;
@@ -34,10 +35,4 @@ pub fn partial_path(path: &Path) -> PathBuf {
 #[must_use]
 pub fn resume_path(path: &Path) -> PathBuf {
     with_suffix(path, ".resume.json")
-}
-
-fn with_suffix(path: &Path, suffix: &str) -> PathBuf {
-    let mut name = OsString::from(path);
-    name.push(suffix);
-    name.into()
 }

@@ -10,7 +10,6 @@ use glam::DVec2;
 use rhai::{Dynamic, Engine, EvalAltResult, Map};
 use tilescope_analysis::Tessellation;
 use tilescope_core::stages::blocks::Axis;
-use tilescope_core::stages::detect::Sites;
 use tilescope_core::stages::order::Ranking;
 use tilescope_core::{Fate, Key as DrawKey, Origin, R, RunEvent, Sweep, Unobserved, sample};
 use tilescope_debugger::{
@@ -189,14 +188,8 @@ impl Now {
                 None
             }
             Some(RunEvent::Candidate { sites, .. }) => {
-                let ids = match sites {
-                    Sites::Three(ids) => ids.to_vec(),
-                    Sites::Border(ids) => ids.to_vec(),
-                    Sites::Corner(id) => vec![id],
-                    _ => Vec::new(),
-                };
-                let ids: Vec<Dynamic> = ids.into_iter().map(|id| i64::from(id).into()).collect();
-                put("sites", ids.into());
+                let ids = sites.ids().iter().map(|&id| i64::from(id).into());
+                put("sites", ids.collect::<rhai::Array>().into());
                 None
             }
             _ => None,

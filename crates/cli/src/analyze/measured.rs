@@ -11,7 +11,7 @@ use tilescope_analysis::measures::{
     Spectrum, largest_min_distance,
 };
 use tilescope_analysis::{MAX_CONFLICTS, Region, Report, VerifyError};
-use tilescope_formats::{Check, CheckError, Format, StreamReader};
+use tilescope_formats::{Check, CheckError, Format, PointSet, StreamReader};
 
 use super::measure::{Measure, of_set, values_by_key};
 use crate::options::{SetArguments, UNIT_SQUARE, check_or_unit_square};
@@ -102,8 +102,8 @@ impl<'a> Request<'a> {
 
     fn measured(&self, path: &Path, common: Option<&Common>) -> Result<MeasuredSet> {
         self.refuse_early(path)?;
-        let (check, has_radius) = read(path, self.arguments)?;
-        let (samples, region) = (check.set.len(), check.report.region);
+        let (set, check, has_radius) = read(path, self.arguments)?;
+        let (samples, region) = (set.len(), check.report.region);
         if let Some(common) = common {
             common.admit(samples, region)?;
         }
@@ -113,7 +113,8 @@ impl<'a> Request<'a> {
             (common.window.clone(), common.bins)
         });
         let name = path.display().to_string();
-        let measured = |control: Control<'_>| measure(name, &check, has_radius, shared, control);
+        let measured =
+            |control: Control<'_>| measure(name, &set.points, &check, has_radius, shared, control);
         let mut measured = watched("measure", measured)?;
         if self.radius.is_some() {
             let own = largest_min_distance(samples, region.area());
@@ -191,12 +192,13 @@ impl Common {
 
 fn measure(
     name: String,
+    points: &[[f64; 2]],
     check: &Check,
     has_radius: bool,
     (window, bins): (FrequencyWindow, PairBins),
     control: Control<'_>,
 ) -> Result<MeasuredSet, MeasureError> {
-    let (points, report) = (&check.set.points, &check.report);
+    let report = &check.report;
     let region = report.region;
     let samples = points.len();
     let (numbers, curve) = SetNumbers::of(points, report, has_radius, control)?;
@@ -225,7 +227,7 @@ fn measure(
 
 /// Reads and verifies a file, and prints warnings. Returns also whether its radius is known; if not, the report is for
 /// the mean spacing of the samples.
-fn read(path: &Path, arguments: &SetArguments) -> Result<(Check, bool)> {
+fn read(path: &Path, arguments: &SetArguments) -> Result<(PointSet, Check, bool)> {
     let mut overrides = arguments.overrides(path)?;
     let check =
         |overrides: &_| verifying(|control| tilescope_formats::check(path, overrides, control));
@@ -241,7 +243,7 @@ fn read(path: &Path, arguments: &SetArguments) -> Result<(Check, bool)> {
         overrides.radius = Some((region.area() / count as f64).sqrt());
         outcome = check_or_unit_square(&overrides, check);
     }
-    let check = outcome.map_err(reason)?;
+    let (set, check) = outcome.map_err(reason)?;
     let (report, path) = (&check.report, path.display());
     let warn = |warning: &str| output::note(&format!("warning: {path}: {warning}"));
     for difference in &check.differences {
@@ -256,7 +258,7 @@ fn read(path: &Path, arguments: &SetArguments) -> Result<(Check, bool)> {
         let counted = format!("conflicts were counted up to {MAX_CONFLICTS}");
         warn(&format!("{counted}; there may be more"));
     }
-    Ok((check, has_radius))
+    Ok((set, check, has_radius))
 }
 
 /// Returns why a file was not verified. Numbers are written with exponents: without, those beyond the limits may have

@@ -95,7 +95,7 @@ fn a_combined_set_is_saved_with_a_true_certificate() {
     assert_eq!(code, EXIT_FINE);
     let overrides = tilescope_formats::Overrides::default();
     let check = verifying(|control| tilescope_formats::check(out.as_ref(), &overrides, control));
-    let check = check.unwrap();
+    let (_, check) = check.unwrap();
     assert!(check.differences.is_empty() && check.report.valid());
     let certificate = check.certificate.unwrap();
     assert_eq!(certificate.method, "combined");

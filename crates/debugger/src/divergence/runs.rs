@@ -271,12 +271,6 @@ fn candidates(run: &Run, k: usize) -> Vec<Key> {
 
 /// Returns the positions of the samples that made a candidate, or `None` if they were not recorded.
 fn sites(run: &Run, candidate: &Candidate) -> Option<Vec<Key>> {
-    let ids: &[u32] = match &candidate.sites {
-        Sites::Three(ids) => ids,
-        Sites::Border(ids) => ids,
-        Sites::Corner(id) => std::slice::from_ref(id),
-        Sites::Dart => &[],
-        Sites::Unrecorded => return None,
-    };
-    Some(points(run, ids.iter().copied()))
+    let sites = &candidate.sites;
+    (*sites != Sites::Unrecorded).then(|| points(run, sites.ids().iter().copied()))
 }

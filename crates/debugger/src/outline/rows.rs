@@ -207,11 +207,6 @@ impl OutlineRows {
             self.root.set(outline, parent, Some(true));
         }
     }
-
-    /// Collapses everything.
-    pub fn collapse_all(&mut self) {
-        self.root.open.clear();
-    }
 }
 
 #[cfg(test)]
@@ -294,8 +289,6 @@ mod tests {
                     prop_assert_eq!(rows.row_of(event), row);
                 }
             }
-            rows.collapse_all();
-            prop_assert_eq!(rows.len(), outline.roots().count());
         }
     }
 

@@ -65,19 +65,12 @@ impl Words<'_> {
         verdict: Verdict,
     ) -> String {
         let own = self.sample(detector);
-        let others = |ids: &[u32]| {
-            let others: Vec<String> = ids
-                .iter()
-                .filter(|&&id| id != detector)
-                .map(|&id| self.sample(id))
-                .collect();
-            others.join(" and ")
-        };
-        let what = match &sites {
-            Sites::Three(ids) => format!("the circumcentre of {own} with {}", others(ids)),
-            Sites::Border(ids) => {
-                format!("the border point as far from {own} as from {}", others(ids))
-            }
+        let others = sites.ids().iter().filter(|&&id| id != detector);
+        let others: Vec<String> = others.map(|&id| self.sample(id)).collect();
+        let others = others.join(" and ");
+        let what = match sites {
+            Sites::Three(_) => format!("the circumcentre of {own} with {others}"),
+            Sites::Border(_) => format!("the border point as far from {own} as from {others}"),
             Sites::Corner(_) => format!("a corner of the domain, seen from {own}"),
             Sites::Dart | Sites::Unrecorded => format!("a place near {own}"),
         };
@@ -94,29 +87,21 @@ impl Words<'_> {
 
     pub(super) fn insertion(&self, sample: u32, iteration: u32) -> String {
         let name = self.sample(sample);
-        let numbers = |ids: &[u32]| {
-            let all: Vec<String> = ids.iter().map(|&id| grouped(id.into())).collect();
-            match all.split_last() {
-                Some((last, rest)) if !rest.is_empty() => format!("{} and {last}", rest.join(", ")),
-                _ => all.concat(),
-            }
+        let sites = match self.0.run().samples.origins.get(sample as usize) {
+            Some(Origin::Inserted { sites, .. }) => *sites,
+            _ => Sites::Unrecorded,
         };
-        let at = match self.0.run().samples.origins.get(sample as usize) {
-            Some(Origin::Inserted { sites, .. }) => match sites {
-                Sites::Three(ids) => format!("at the circumcentre of samples {}", numbers(ids)),
-                Sites::Border(ids) => {
-                    format!("on the border, as far from samples {}", numbers(ids))
-                }
-                Sites::Corner(id) => {
-                    format!(
-                        "in a corner of the domain, seen from sample {}",
-                        numbers(&[*id])
-                    )
-                }
-                Sites::Dart => "where a dart landed".to_owned(),
-                Sites::Unrecorded => "in a gap".to_owned(),
-            },
-            _ => "in a gap".to_owned(),
+        let numbers: Vec<String> = sites.ids().iter().map(|&id| grouped(id.into())).collect();
+        let samples = match numbers.split_last() {
+            Some((last, rest)) if !rest.is_empty() => format!("{} and {last}", rest.join(", ")),
+            _ => numbers.concat(),
+        };
+        let at = match sites {
+            Sites::Three(_) => format!("at the circumcentre of samples {samples}"),
+            Sites::Border(_) => format!("on the border, as far from samples {samples}"),
+            Sites::Corner(_) => format!("in a corner of the domain, seen from sample {samples}"),
+            Sites::Dart => "where a dart landed".to_owned(),
+            Sites::Unrecorded => "in a gap".to_owned(),
         };
         format!(
             "{name} is placed {at}, in iteration {}",

@@ -133,19 +133,14 @@ impl Words<'_> {
 }
 
 fn short_candidate(sites: Sites, verdict: Verdict) -> String {
-    let ids = |ids: &[u32]| {
-        ids.iter()
-            .map(|&id| number(id))
-            .collect::<Vec<_>>()
-            .join(", ")
+    let ids: Vec<String> = sites.ids().iter().map(|&id| number(id)).collect();
+    let what = match sites {
+        Sites::Three(_) => "centre ",
+        Sites::Border(_) => "border ",
+        Sites::Corner(_) => "corner ",
+        Sites::Dart | Sites::Unrecorded => "place",
     };
-    let what = match &sites {
-        Sites::Three(three) => format!("centre {}", ids(three)),
-        Sites::Border(two) => format!("border {}", ids(two)),
-        Sites::Corner(one) => format!("corner {}", ids(&[*one])),
-        Sites::Dart | Sites::Unrecorded => "place".to_owned(),
-    };
-    format!("{what}: {}", outcome(verdict))
+    format!("{what}{}: {}", ids.join(", "), outcome(verdict))
 }
 
 fn outcome(verdict: Verdict) -> String {

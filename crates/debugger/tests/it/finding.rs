@@ -1,12 +1,10 @@
 //! Compares indices, the tree of events and counts with plain scans of the tape.
 
 use proptest::prelude::*;
-use tilescope_core::{
-    Boundary, Insertion, Parameters, Point, R, RunEvent, Stage, Variant, Verdict,
-};
+use tilescope_core::{Boundary, Insertion, Parameters, Point, R, RunEvent, Verdict};
 use tilescope_debugger::{
     DEFAULT_BUDGET, Debugger, Density, Direction, EventKind, LineId, Listings, Outline,
-    OutlineRows, Recording, Stop, Target, density, moves, phases, why,
+    OutlineRows, Recording, Stop, Target, density, moves, why,
 };
 
 use crate::support::{record, variants};
@@ -110,33 +108,6 @@ fn ranges_beyond_the_tape_and_no_buckets_are_empty() {
     assert_eq!(none, [Density::default(); 3]);
     let inserted: usize = recording.run().summary().inserted.iter().sum();
     assert_eq!(all[0].insertions as usize, inserted);
-}
-
-#[test]
-fn phases_cover_the_tape_without_holes() {
-    for parameters in variants() {
-        let recording = record(&parameters, DEFAULT_BUDGET);
-        let phases = phases(&recording);
-        assert_eq!(phases[0].events.start, 0);
-        assert_eq!(phases.last().unwrap().events.end, recording.len());
-        for pair in phases.windows(2) {
-            assert_eq!(pair[0].events.end, pair[1].events.start);
-            assert!(!pair[0].events.is_empty());
-            assert!(pair[0].stage < pair[1].stage, "{pair:?}");
-        }
-        for phase in &phases {
-            let here = recording.context(phase.events.end).phase;
-            assert_eq!(here, Some(phase.stage));
-        }
-        let names: Vec<&str> = phases.iter().map(|phase| phase.name.as_str()).collect();
-        assert_eq!(names[..3], ["Blocks", "Tile", "Eliminate"]);
-        assert_eq!(phases.last().unwrap().stage, Stage::Finish);
-        let first = match parameters.variant {
-            Variant::Staged => "Iteration 1",
-            Variant::AsPrinted => "Iteration 2",
-        };
-        assert_eq!(names[3], first);
-    }
 }
 
 #[test]

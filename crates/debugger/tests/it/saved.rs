@@ -9,7 +9,7 @@ use tilescope_debugger::{
     Recording, SavedScene, Session, SessionError, pattern_digest,
 };
 
-use crate::support::{record, variants};
+use crate::support::{record, restored, restored_with, variants};
 
 fn pattern(seed: u64) -> Pattern {
     let spec = PatternSpec {
@@ -53,7 +53,7 @@ fn a_session_with_a_pattern_and_a_view_comes_back() {
         asked.push(file.path.clone());
         Ok(pattern(4))
     };
-    let back = Debugger::restore_with(&session, &mut load, &mut Unobserved).unwrap();
+    let back = restored_with(&session, &mut load).unwrap();
     assert_eq!(asked, ["sets/mine.ply"]);
     assert_eq!(back.session(), session);
     assert_eq!(back.view["panels"][1]["rows"], 12);
@@ -64,7 +64,7 @@ fn a_session_with_a_pattern_and_a_view_comes_back() {
 fn a_pattern_that_is_gone_or_changed_is_an_error_that_names_the_file() {
     let session = with_pattern().session();
     let restore = |load: &mut dyn FnMut(&PatternFile) -> Result<Pattern, String>| {
-        let back = Debugger::restore_with(&session, load, &mut Unobserved);
+        let back = restored_with(&session, load);
         back.map(|_| ()).unwrap_err()
     };
     let gone = restore(&mut |_| Err("there is no such file".to_owned()));
@@ -86,7 +86,7 @@ fn a_pattern_that_is_gone_or_changed_is_an_error_that_names_the_file() {
         (expected, found),
         (pattern_digest(&pattern(4)), pattern_digest(&pattern(5)))
     );
-    let refused = Debugger::restore(&session, &mut Unobserved).map(|_| ());
+    let refused = restored(&session).map(|_| ());
     assert!(matches!(refused, Err(SessionError::PatternGone { .. })));
 }
 
@@ -99,17 +99,15 @@ fn a_session_without_the_new_parts_is_written_and_read_as_before() {
     assert!(fields.get("pattern").is_none() && fields.get("view").is_none());
     assert_eq!(Session::from_json(&text).unwrap(), session);
     let mut never = |_: &PatternFile| -> Result<Pattern, String> { panic!("no file is named") };
-    assert!(Debugger::restore_with(&session, &mut never, &mut Unobserved).is_ok());
+    assert!(restored_with(&session, &mut never).is_ok());
 }
 
 /// The error of a session, from its text and when it is restored: they must agree.
 fn refused(session: &Session) -> String {
     let text = serde_json::to_string(session).unwrap();
     let read = Session::from_json(&text).unwrap_err();
-    let restored = Debugger::restore(session, &mut Unobserved)
-        .map(|_| ())
-        .unwrap_err();
-    assert_eq!(read.to_string(), restored.to_string());
+    let again = restored(session).map(|_| ()).unwrap_err();
+    assert_eq!(read.to_string(), again.to_string());
     read.to_string()
 }
 
@@ -163,7 +161,7 @@ fn a_session_that_asks_for_too_much_is_refused_with_value_and_limit() {
         budget: MAX_BUDGET,
         ..good
     };
-    assert!(Debugger::restore(&most, &mut Unobserved).is_ok());
+    assert!(restored(&most).is_ok());
 }
 
 #[test]

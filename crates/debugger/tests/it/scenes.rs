@@ -5,6 +5,8 @@ use std::sync::Arc;
 use tilescope_core::{Parameters, Unobserved};
 use tilescope_debugger::{DEFAULT_BUDGET, Debugger, Marked, Recording, SavedScene, Session};
 
+use crate::support::restored;
+
 fn debugger(seed: u64, radius: f64) -> Debugger {
     let parameters = Parameters {
         seed,
@@ -76,7 +78,7 @@ fn scenes_stay_with_their_moments_in_other_runs_and_come_back_exactly() {
     // They are saved with this run, which has fewer events, and are restored in the first one.
     let text = small.session().to_json().unwrap();
     let saved = Session::from_json(&text).unwrap();
-    let mut restored = Debugger::restore(&saved, &mut Unobserved).unwrap();
+    let mut restored = restored(&saved).unwrap();
     assert_eq!(restored.scenes, small.scenes);
     let mut again = debugger(1, 0.02);
     again.put_stops(restored.take_stops()).unwrap();
@@ -101,6 +103,6 @@ fn scenes_of_older_files_are_of_the_run_that_was_saved() {
     let old = old.replace("\"caption\"", "\"note\"");
     assert_ne!(old, text);
     let saved = Session::from_json(&old).unwrap();
-    let back = Debugger::restore(&saved, &mut Unobserved).unwrap();
+    let back = restored(&saved).unwrap();
     assert_eq!(back.scenes, set);
 }

@@ -8,7 +8,7 @@ use tilescope_debugger::{
     SessionError, Status, Step, Stop, Target, moves, why,
 };
 
-use crate::support::{record, variants};
+use crate::support::{record, restored, variants};
 
 const FORWARDS: Direction = Direction::Forwards;
 const BACKWARDS: Direction = Direction::Backwards;
@@ -286,7 +286,7 @@ fn a_conditional_breakpoint_stops_where_its_condition_holds() {
 #[test]
 fn errors_of_expressions_are_values() {
     let mut debugger = debugger(0);
-    *debugger.watches_mut() = ["1 + 2", "kind", "p", "nonsense", "1 +", "p + 1"]
+    debugger.watches = ["1 + 2", "kind", "p", "nonsense", "1 +", "p + 1"]
         .map(String::from)
         .to_vec();
     let values = debugger.watch_values();
@@ -335,14 +335,14 @@ fn a_saved_session_comes_back_as_it_was() {
     let line = Listings::shipped().find("darts.5").unwrap();
     debugger.add_breakpoint(line, "iteration > 1");
     debugger.enable_breakpoint(0, false);
-    debugger.watches_mut().push("kept".to_owned());
+    debugger.watches.push("kept".to_owned());
     debugger.jump(77);
     debugger.add_scene(usize::MAX, serde_json::Value::Null);
     debugger.scenes[0].caption = "look here".to_owned();
     debugger.jump(1234);
     let text = debugger.session().to_json().unwrap();
     let session = Session::from_json(&text).unwrap();
-    let back = Debugger::restore(&session, &mut Unobserved).unwrap();
+    let back = restored(&session).unwrap();
     assert_eq!(back.session(), session);
     assert_eq!(back.state(), debugger.state());
 }
@@ -365,7 +365,7 @@ fn a_session_that_cannot_be_restored_says_why() {
     let unknown = text.replace("darts.5", "darts.55");
     let error = Session::from_json(&unknown).unwrap_err();
     assert!(matches!(error, SessionError::UnknownLine { line } if line == "darts.55"));
-    let restore = |session: &Session| Debugger::restore(session, &mut Unobserved).map(|_| ());
+    let restore = |session: &Session| restored(session).map(|_| ());
     let mut other = session.clone();
     other.parameters.seed += 1;
     assert!(matches!(

@@ -1,7 +1,9 @@
 //! Small runs of every variant.
 
-use tilescope_core::{Boundary, Insertion, Parameters, PatternSpec, Unobserved, Variant};
-use tilescope_debugger::Recording;
+use std::sync::Arc;
+
+use tilescope_core::{Boundary, Insertion, Parameters, Pattern, PatternSpec, Unobserved, Variant};
+use tilescope_debugger::{Debugger, PatternFile, Recording, Session, SessionError, Status};
 
 /// Returns parameters of runs of some hundred samples: staged, darts and printed, periodic and bounded.
 pub fn variants() -> Vec<Parameters> {
@@ -34,4 +36,24 @@ pub fn variants() -> Vec<Parameters> {
 /// Records a run.
 pub fn record(parameters: &Parameters, budget: usize) -> Recording {
     Recording::new(parameters, budget, &mut Unobserved).unwrap()
+}
+
+/// Returns the status of every sample at a cursor.
+pub fn statuses(recording: &Recording, cursor: usize) -> Vec<Status> {
+    let ids = 0..recording.run().samples.len() as u32;
+    ids.map(|id| recording.status(id, cursor)).collect()
+}
+
+/// Computes the run of a saved session again, with a pattern that `load` reads, and returns the session as it was.
+pub fn restored_with(
+    session: &Session,
+    load: &mut dyn FnMut(&PatternFile) -> Result<Pattern, String>,
+) -> Result<Debugger, SessionError> {
+    let recording = session.record(load, &mut Unobserved)?;
+    Debugger::resume(session, Arc::new(recording))
+}
+
+/// The same, where no files can be read.
+pub fn restored(session: &Session) -> Result<Debugger, SessionError> {
+    restored_with(session, &mut |_| Err("no files are opened here".to_owned()))
 }

@@ -23,7 +23,8 @@ fn fields(check: &Check) -> Vec<&'static str> {
 }
 
 fn check_of(data: &[u8], name: &str, certificate: &[u8], overrides: &Overrides) -> Check {
-    check_bytes(data, name, Some(certificate), overrides, &GO).expect("a verdict")
+    let checked = check_bytes(data, name, Some(certificate), overrides, &GO);
+    checked.expect("a verdict").1
 }
 
 #[test]
@@ -218,12 +219,12 @@ fn the_certificate_inside_json_is_used_and_can_be_falsified() {
     let file = exported("set.json");
     let overrides = Overrides::default();
     let alone = |data: &[u8]| check_bytes(data, "set.json", None, &overrides, &GO);
-    let check = alone(&file.data).expect("a verdict");
+    let (_, check) = alone(&file.data).expect("a verdict");
     assert!(check.passed() && check.certificate.is_some());
     let text = String::from_utf8(file.data).expect("text");
     let falsified = text.replacen("\"count\": 16", "\"count\": 17", 1);
     assert_eq!(
-        fields(&alone(falsified.as_bytes()).expect("a verdict")),
+        fields(&alone(falsified.as_bytes()).expect("a verdict").1),
         ["count"]
     );
     let newer = text.replacen("\"format_version\": 1", "\"format_version\": 9", 1);
@@ -244,7 +245,7 @@ fn without_a_certificate_the_question_must_be_asked() {
         Err(CheckError::NoRadius)
     ));
     overrides.radius = Some(0.25);
-    let check = ask(&unit, "set.txt", &overrides).expect("the unit torus is implied");
+    let (_, check) = ask(&unit, "set.txt", &overrides).expect("the unit torus is implied");
     assert!(check.passed() && check.certificate.is_none());
     assert!(matches!(
         ask(&csv, "set.csv", &overrides),

@@ -3,6 +3,8 @@
 //! Also reads a bare array of `[x, y]` pairs and skips fields it does not know. No bit is lost: shortest
 //! decimals are written and read with correct rounding.
 
+use std::fmt::Debug;
+
 use serde::Deserialize;
 
 use super::Raw;
@@ -17,7 +19,7 @@ use crate::text::{push, without_bom};
 struct Document {
     points: Vec<[f64; 2]>,
     #[serde(default)]
-    provenance: Option<Vec<[u32; 3]>>,
+    provenance: Option<Vec<Provenance>>,
     #[serde(default)]
     certificate: Option<Certificate>,
 }
@@ -26,42 +28,24 @@ pub(super) fn read(bytes: &[u8]) -> Result<Raw, FormatError> {
     let bytes = without_bom(bytes);
     let bare = bytes.trim_ascii_start().first() == Some(&b'[');
     let document = if bare {
-        serde_json::from_slice(bytes).map(|points| Document {
-            points,
+        Document {
+            points: serde_json::from_slice(bytes)?,
             provenance: None,
             certificate: None,
-        })
+        }
     } else {
-        serde_json::from_slice(bytes)
+        serde_json::from_slice(bytes)?
     };
-    let document = document.map_err(json_error)?;
-    let provenance = document.provenance.map(|rows| {
-        let named = rows
-            .into_iter()
-            .map(|[block, pattern_index, iteration]| Provenance {
-                block,
-                pattern_index,
-                iteration,
-            });
-        named.collect()
-    });
     let mut raw = Raw::new(Vec::new(), Precision::Double);
     raw.set = PointSet {
         points: document.points,
-        provenance,
+        provenance: document.provenance,
     };
     if let Some(certificate) = &document.certificate {
         certificate.check_version("inside the file")?;
     }
     raw.certificate = document.certificate;
     Ok(raw)
-}
-
-fn json_error(source: serde_json::Error) -> FormatError {
-    FormatError::Json {
-        format: Format::Json,
-        source,
-    }
 }
 
 pub(super) fn write(
@@ -73,37 +57,29 @@ pub(super) fn write(
     out.extend_from_slice(b"{\n");
     if let Some(certificate) = certificate {
         out.extend_from_slice(b"\"certificate\": ");
-        serde_json::to_writer_pretty(&mut out, certificate).map_err(json_error)?;
+        serde_json::to_writer_pretty(&mut out, certificate)?;
         out.extend_from_slice(b",\n");
     }
     out.extend_from_slice(b"\"points\": [\n");
-    // {:?} is as short as {} and spells 1e300 with an exponent.
-    push_rows(&mut out, points, |out, [x, y]| {
-        push(out, format_args!("[{x:?}, {y:?}]"));
-    });
-    out.push(b']');
+    push_rows(&mut out, points);
     if let Some(provenance) = provenance {
-        out.extend_from_slice(b",\n\"provenance\": [\n");
-        push_rows(&mut out, provenance, |out, from| {
-            let Provenance {
-                block,
-                pattern_index,
-                iteration,
-            } = from;
-            push(out, format_args!("[{block}, {pattern_index}, {iteration}]"));
-        });
-        out.push(b']');
+        out.extend_from_slice(b"],\n\"provenance\": [\n");
+        push_rows(
+            &mut out,
+            provenance.iter().map(|&from| <[u32; 3]>::from(from)),
+        );
     }
-    out.extend_from_slice(b"\n}\n");
+    out.extend_from_slice(b"]\n}\n");
     Ok(out)
 }
 
-fn push_rows<T>(out: &mut Vec<u8>, rows: &[T], write: impl Fn(&mut Vec<u8>, &T)) {
-    for (index, row) in rows.iter().enumerate() {
-        write(out, row);
-        let end = if index + 1 < rows.len() { ",\n" } else { "\n" };
-        out.extend_from_slice(end.as_bytes());
+/// Appends arrays, one on a line. {:?} is as short as {} and spells 1e300 with an exponent.
+fn push_rows(out: &mut Vec<u8>, rows: impl IntoIterator<Item: Debug>) {
+    for (index, row) in rows.into_iter().enumerate() {
+        let before = if index == 0 { "" } else { ",\n" };
+        push(out, format_args!("{before}{row:?}"));
     }
+    out.push(b'\n');
 }
 
 #[cfg(test)]

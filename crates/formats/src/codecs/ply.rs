@@ -65,11 +65,8 @@ impl PlyColumns {
         }
         set.points.push(point);
         if let (Some(columns), Some(provenance)) = (self.provenance, &mut set.provenance) {
-            provenance.push(Provenance {
-                block: value(columns[0])? as u32,
-                pattern_index: value(columns[1])? as u32,
-                iteration: value(columns[2])? as u32,
-            });
+            let [block, index, iteration] = columns.map(value);
+            provenance.push([block? as u32, index? as u32, iteration? as u32].into());
         }
         Ok(())
     }
@@ -290,15 +287,9 @@ pub(super) fn write_ascii(
     for (index, [x, y]) in points.iter().enumerate() {
         push(&mut out, format_args!("{x} {y} 0"));
         if let Some(from) = provenance.and_then(|all| all.get(index)) {
-            let Provenance {
-                block,
-                pattern_index,
-                iteration,
-            } = from;
-            push(
-                &mut out,
-                format_args!(" {block} {pattern_index} {iteration}"),
-            );
+            for word in <[u32; 3]>::from(*from) {
+                push(&mut out, format_args!(" {word}"));
+            }
         }
         if let Some(level) = levels.get(index) {
             push(&mut out, format_args!(" {level}"));
@@ -315,40 +306,27 @@ pub(super) fn write_binary(
     precision: Precision,
 ) -> Vec<u8> {
     let (count, has_levels) = (points.len() as u64, !levels.is_empty());
-    let mut out = head_of(count, precision, provenance.is_some(), has_levels);
-    push_table(&mut out, points, provenance, levels, precision);
+    let mut out = binary_head(count, precision, provenance.is_some(), has_levels);
+    push_rows(&mut out, points, provenance, levels, precision);
     out
 }
 
 /// The head of a binary file of `count` points; its length does not depend on the count.
-pub(super) fn binary_head(count: u64, precision: Precision, provenance: bool) -> Vec<u8> {
-    head_of(count, precision, provenance, false)
-}
-
-fn head_of(count: u64, precision: Precision, provenance: bool, levels: bool) -> Vec<u8> {
+pub(super) fn binary_head(
+    count: u64,
+    precision: Precision,
+    provenance: bool,
+    levels: bool,
+) -> Vec<u8> {
     let coordinate = match precision {
         Precision::Single => "float",
         Precision::Double => "double",
     };
-    header(
-        "binary_little_endian",
-        count,
-        coordinate,
-        provenance,
-        levels,
-    )
+    let encoding = "binary_little_endian";
+    header(encoding, count, coordinate, provenance, levels)
 }
 
 pub(super) fn push_rows(
-    out: &mut Vec<u8>,
-    points: &[[f64; 2]],
-    provenance: Option<&[Provenance]>,
-    precision: Precision,
-) {
-    push_table(out, points, provenance, &[], precision);
-}
-
-fn push_table(
     out: &mut Vec<u8>,
     points: &[[f64; 2]],
     provenance: Option<&[Provenance]>,
@@ -359,7 +337,7 @@ fn push_table(
     for (index, &[x, y]) in points.iter().enumerate() {
         binary::push(out, &[x, y, 0.0], precision);
         if let Some(from) = provenance.and_then(|all| all.get(index)) {
-            for word in [from.block, from.pattern_index, from.iteration] {
+            for word in <[u32; 3]>::from(*from) {
                 out.extend_from_slice(&word.to_le_bytes());
             }
         }

@@ -22,7 +22,7 @@ pub(crate) fn head(
         Format::Csv => csv::HEAD.to_vec(),
         Format::UtkBinary => utk::head(count, precision)?,
         Format::Npy => npy::head(count, precision),
-        Format::PlyBinary => ply::binary_head(count, precision, provenance),
+        Format::PlyBinary => ply::binary_head(count, precision, provenance, false),
         _ => Vec::new(),
     })
 }
@@ -37,7 +37,7 @@ pub(crate) fn push_rows(
 ) {
     match format {
         Format::Csv => csv::push_rows(out, points),
-        Format::PlyBinary => ply::push_rows(out, points, provenance, precision),
+        Format::PlyBinary => ply::push_rows(out, points, provenance, &[], precision),
         _ => binary::push_pairs(out, points, precision),
     }
 }

@@ -6,60 +6,18 @@
 use std::ops::ControlFlow;
 use std::path::Path;
 
-use tilescope_analysis::{Progress, Report, StreamVerifier};
+use tilescope_analysis::{Progress, StreamVerifier};
 
 use super::read::StreamReader;
-use crate::certificate::{Certificate, CertifiedLevel};
-use crate::check::{
-    CertificateDifference, Check, CheckError, Contents, Judged, Overrides, differences, is_valid,
-};
-use crate::detect::Detection;
+use crate::certificate::Certificate;
+use crate::check::{Check, CheckError, Contents, Judged, Overrides};
 use crate::digest::{add_positions, digest_text};
 use crate::error::io_error;
 use crate::files::{MAX_IN_MEMORY, check};
-use crate::format::Precision;
 use crate::pipe::Input;
 
 /// Files up to this many bytes, 32 MiB, are read whole: that takes about 150 MB for two million points.
 pub const WHOLE_FILE_BYTES: u64 = 32 << 20;
-
-/// The outcome of a check, without the points.
-#[derive(Clone, Debug)]
-pub struct StreamCheck {
-    /// The format and how it was recognised.
-    pub detection: Detection,
-    /// Number type of the file's coordinates.
-    pub precision: Precision,
-    /// The certificate beside or inside the file, if there is one.
-    pub certificate: Option<Certificate>,
-    /// The verifier's report on the positions in the file.
-    pub report: Report,
-    /// What the verifier found of each level that the certificate states.
-    pub levels: Vec<CertifiedLevel>,
-    /// The wrong statements of the certificate; empty if there is none.
-    pub differences: Vec<CertificateDifference>,
-}
-
-impl StreamCheck {
-    /// As [`Check::passed`].
-    #[must_use]
-    pub fn passed(&self) -> bool {
-        is_valid(&self.report, &self.levels) && self.differences.is_empty()
-    }
-}
-
-impl From<Check> for StreamCheck {
-    fn from(check: Check) -> Self {
-        Self {
-            detection: check.detection,
-            precision: check.precision,
-            certificate: check.certificate,
-            report: check.report,
-            levels: check.levels,
-            differences: check.differences,
-        }
-    }
-}
 
 /// Re-verifies the file `path` against the certificate beside or inside it, as [`check`](crate::check) does, without
 /// holding its points if it is large and in row order.
@@ -72,7 +30,7 @@ pub fn check_stream(
     path: &Path,
     overrides: &Overrides,
     control: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
-) -> Result<StreamCheck, CheckError> {
+) -> Result<Check, CheckError> {
     check_from(path, overrides, WHOLE_FILE_BYTES, control)
 }
 
@@ -82,8 +40,8 @@ pub(super) fn check_from(
     overrides: &Overrides,
     whole: u64,
     control: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
-) -> Result<StreamCheck, CheckError> {
-    let in_memory = || check(path, overrides, control).map(StreamCheck::from);
+) -> Result<Check, CheckError> {
+    let in_memory = || check(path, overrides, control).map(|(_, check)| check);
     let length = Input::open(path).and_then(|input| input.length());
     let length = length.map_err(|e| io_error(path, e))?;
     if length <= whole || overrides.set.is_some() {
@@ -121,7 +79,7 @@ fn in_pieces(
     mut reader: StreamReader,
     overrides: &Overrides,
     control: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
-) -> Result<StreamCheck, CheckError> {
+) -> Result<Check, CheckError> {
     let (detection, precision) = (reader.detection(), reader.precision());
     let certificate = reader.certificate().cloned();
     let judged = Judged::new(detection.format, precision, certificate.as_ref(), overrides)?;
@@ -144,16 +102,14 @@ fn in_pieces(
         digest: reader.finish_digest()?,
         positions_digest: positions.as_ref().map_or_else(String::new, digest_text),
     };
-    let differences = (certificate.as_ref())
-        .map(|stated| differences(stated, &judged, &found, &report))
-        .unwrap_or_default();
-    Ok(StreamCheck {
+    // Sets of levels are not in the order of rows, so they are read whole.
+    let levels = Vec::new();
+    Ok(Check::new(
         detection,
-        precision,
         certificate,
+        &judged,
+        &found,
         report,
-        // Sets of levels are not in the order of rows, so they are read whole.
-        levels: Vec::new(),
-        differences,
-    })
+        levels,
+    ))
 }

@@ -356,11 +356,6 @@ impl StreamExport {
         Ok(())
     }
 
-    /// Removes all files of the export, including the checkpoint.
-    pub fn discard(mut self) {
-        self.kept = false;
-    }
-
     /// Runs `work` unless an earlier call failed.
     pub(super) fn guarded<T>(
         &mut self,

@@ -4,10 +4,10 @@
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::path::{Path, PathBuf};
 
-use super::with_suffix;
 use crate::destination::check_own;
 use crate::error::io_error;
 use crate::export::ExportError;
+use crate::read::with_suffix;
 
 /// A lock, released when the process ends in any way.
 #[derive(Debug)]

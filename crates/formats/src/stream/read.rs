@@ -6,8 +6,6 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
-use tilescope_analysis::Region;
-
 use super::partial::read_some;
 use crate::certificate::Certificate;
 use crate::codecs::rows::{Layout, Rows};
@@ -16,7 +14,6 @@ use crate::digest::digest_text;
 use crate::error::{FormatError, io_error};
 use crate::files::{file_name, read_certificate};
 use crate::format::{Format, Precision};
-use crate::mapping::Mapping;
 use crate::pipe::Input;
 use crate::read::certificate_path;
 
@@ -26,20 +23,7 @@ const BLOCK: usize = 1 << 20;
 /// Bytes of a line with two numbers of 16 or 17 digits.
 const USUAL_LINE: u64 = 38;
 
-/// The points of a file, one piece after the other.
-///
-/// ```no_run
-/// # fn sum() -> Result<f64, tilescope_formats::FormatError> {
-/// use tilescope_formats::StreamReader;
-///
-/// let mut reader = StreamReader::open("set.npy".as_ref(), None)?;
-/// let mut sum = 0.0;
-/// while let Some(points) = reader.next_points()? {
-///     sum += points.iter().map(|point| point[0]).sum::<f64>();
-/// }
-/// # Ok(sum)
-/// # }
-/// ```
+/// A file that is read piece by piece.
 #[derive(Debug)]
 pub struct StreamReader {
     path: PathBuf,
@@ -49,7 +33,6 @@ pub struct StreamReader {
     detection: Detection,
     precision: Precision,
     certificate: Option<Certificate>,
-    mapping: Mapping,
     rows: Rows,
     count: Option<u64>,
     /// Points read so far.
@@ -58,7 +41,6 @@ pub struct StreamReader {
     left: Option<u64>,
     /// Bytes read but not yet decoded.
     pending: Vec<u8>,
-    points: Vec<[f64; 2]>,
     /// The digest of all bytes read, if wanted.
     digest: Option<blake3::Hasher>,
 }
@@ -105,28 +87,15 @@ impl StreamReader {
             length,
             detection,
             precision: layout.precision,
-            mapping: Mapping::new(format, None, layout.precision),
             rows: layout.rows,
             count,
             read: 0,
             left: count.zip(width).map(|(count, width)| count * width),
             pending: Vec::new(),
-            points: Vec::new(),
             digest: digested.then(blake3::Hasher::new),
         };
         reader.skip(start, layout.offset)?;
-        if let Some(region) = reader.certificate.as_ref().map(|c| c.region) {
-            reader = reader.with_region(region);
-        }
         Ok(Ok(reader))
-    }
-
-    /// Sets the region to whose units points are scaled. The default is the certificate's region; without a certificate
-    /// points are in file coordinates.
-    #[must_use]
-    pub fn with_region(mut self, region: Region) -> Self {
-        self.mapping = Mapping::new(self.detection.format, Some(region), self.precision);
-        self
     }
 
     /// The format and how it was recognised.
@@ -158,24 +127,10 @@ impl StreamReader {
         self.certificate.as_ref()
     }
 
-    /// The next points, in domain units; `None` at the end.
+    /// The next points, in file coordinates; `None` at the end.
     ///
-    /// # Errors
-    ///
-    /// As [`decode`](crate::decode), naming the place in the whole file; [`FormatError::Empty`] for a file without
-    /// points.
-    pub fn next_points(&mut self) -> Result<Option<&[[f64; 2]]>, FormatError> {
-        let Some(mut points) = self.next_stored()? else {
-            return Ok(None);
-        };
-        for point in &mut points {
-            *point = self.mapping.domain_from_file(*point);
-        }
-        self.points = points;
-        Ok(Some(&self.points))
-    }
-
-    /// The next points, in file coordinates.
+    /// Fails as [`decode`](crate::decode), naming the place in the whole file; with [`FormatError::Empty`] for a file
+    /// without points.
     pub(super) fn next_stored(&mut self) -> Result<Option<Vec<[f64; 2]>>, FormatError> {
         loop {
             let ended = self.fill()?;

@@ -4,8 +4,7 @@
 //! renamed. Temporary names are fixed, so that files left by an interruption are found and removed. Before a checkpoint
 //! is used, lengths, digests and the verification's parameters are compared.
 
-use std::fs::{self, File};
-use std::io::Write;
+use std::fs;
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
@@ -14,15 +13,16 @@ use tilescope_analysis::{Region, StreamVerifier};
 
 use super::judge::{Judges, unjudged};
 use super::partial::Partial;
-use super::{partial_path, resume_path, with_suffix};
+use super::{partial_path, resume_path};
 use crate::codecs::Target;
 use crate::codecs::rows::Rows;
 use crate::destination::destination;
 use crate::digest::bytes_digest;
 use crate::error::{FormatError, io_error};
 use crate::export::{ExportContext, ExportError};
-use crate::files::read_file;
+use crate::files::{read_file, write_synced};
 use crate::format::{Format, Precision};
+use crate::read::with_suffix;
 
 /// The version of the checkpoint's layout.
 pub(super) const VERSION: u32 = 1;
@@ -84,13 +84,9 @@ impl Checkpoint {
     }
 
     pub fn write(&self, path: &Path) -> Result<(), FormatError> {
-        let json = |source| FormatError::Json {
-            format: Format::Json,
-            source,
-        };
-        let bytes = serde_json::to_vec_pretty(self).map_err(json)?;
+        let bytes = serde_json::to_vec_pretty(self)?;
         let (new, name) = (temporary(path), resume_path(path));
-        write_through(&new, &bytes)?;
+        write_synced(&new, &bytes).map_err(|e| io_error(&new, e))?;
         fs::rename(&new, &name).map_err(|e| io_error(&name, e))
     }
 
@@ -101,26 +97,17 @@ impl Checkpoint {
         target: &Target,
         context: &ExportContext,
     ) -> Result<(), ExportError> {
-        let path = resume_path(path);
-        let differs = |what: &str, stated: String, found: String| {
-            fault(&path, format!("its {what} is {stated}, asked was {found}"))
-        };
-        let (format, precision) = (self.format, self.precision);
-        if format != target.format {
-            let found = target.format.to_string();
-            return Err(differs("format", format.to_string(), found));
-        }
-        if precision != target.precision {
-            let found = target.precision.to_string();
-            return Err(differs("precision", precision.to_string(), found));
-        }
-        if self.region != context.region {
-            let found = context.region.to_string();
-            return Err(differs("region", self.region.to_string(), found));
-        }
-        if self.radius.to_bits() != context.radius.to_bits() {
-            let found = context.radius.to_string();
-            return Err(differs("radius", self.radius.to_string(), found));
+        let texts = |a: &dyn ToString, b: &dyn ToString| [a.to_string(), b.to_string()];
+        for (what, [stated, found]) in [
+            ("format", texts(&self.format, &target.format)),
+            ("precision", texts(&self.precision, &target.precision)),
+            ("region", texts(&self.region, &context.region)),
+            ("radius", texts(&self.radius, &context.radius)),
+        ] {
+            if stated != found {
+                let reason = format!("its {what} is {stated}, asked was {found}");
+                return Err(fault(&resume_path(path), reason));
+            }
         }
         Ok(())
     }
@@ -223,7 +210,8 @@ impl StateFile {
             digest: bytes_digest(&bytes),
             stored,
         };
-        write_through(&state.path(path), &bytes)?;
+        let name = state.path(path);
+        write_synced(&name, &bytes).map_err(|e| io_error(&name, e))?;
         Ok(state)
     }
 
@@ -263,15 +251,6 @@ impl StateFile {
 /// The temporary name of the document.
 fn temporary(path: &Path) -> PathBuf {
     with_suffix(path, ".resume.tmp")
-}
-
-/// Writes a file and syncs it to the disk.
-fn write_through(path: &Path, bytes: &[u8]) -> Result<(), FormatError> {
-    let wrote = File::create(path).and_then(|mut file| {
-        file.write_all(bytes)?;
-        file.sync_all()
-    });
-    wrote.map_err(|e| io_error(path, e))
 }
 
 /// Removes the checkpoint of `path`, if there is one, the document first, and what an interruption left beside it.

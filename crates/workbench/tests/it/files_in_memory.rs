@@ -425,6 +425,7 @@ fn a_download_is_one_file_and_its_archive_can_be_verified() {
             &control,
         )
         .unwrap()
+        .1
     };
     assert!(checked(&files[0].bytes).passed());
     let mut altered = files[0].bytes.clone();

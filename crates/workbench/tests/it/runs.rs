@@ -76,7 +76,7 @@ fn marks(state: &State) -> Vec<(Marked, String)> {
 fn stops(state: &State) -> (Vec<String>, Vec<String>) {
     let debugger = state.runs.first.debugger.as_ref().unwrap();
     let conditions = debugger.breakpoints().iter().map(|b| b.condition.clone());
-    (conditions.collect(), debugger.watches().to_vec())
+    (conditions.collect(), debugger.watches.clone())
 }
 
 #[test]

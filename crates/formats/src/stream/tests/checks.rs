@@ -2,17 +2,24 @@
 
 use super::super::check::check_from;
 use super::*;
-use crate::check::{CheckError, Overrides};
+use crate::check::{Check, CheckError, Overrides};
 use crate::codecs::Hint;
 use crate::error::FormatError;
 use crate::files::{check, read};
+use crate::mapping::Mapping;
 
 fn pieces(path: &Path) -> Result<Vec<[f64; 2]>, FormatError> {
     let mut reader = StreamReader::open(path, None)?;
     let mut points = Vec::new();
-    while let Some(piece) = reader.next_points()? {
+    let region = reader.certificate().map(|stated| stated.region);
+    let mapping = Mapping::new(reader.detection().format, region, reader.precision());
+    while let Some(piece) = reader.next_stored()? {
         assert!(!piece.is_empty());
-        points.extend_from_slice(piece);
+        points.extend(
+            piece
+                .into_iter()
+                .map(|stored| mapping.domain_from_file(stored)),
+        );
     }
     assert!(
         reader
@@ -22,7 +29,7 @@ fn pieces(path: &Path) -> Result<Vec<[f64; 2]>, FormatError> {
     Ok(points)
 }
 
-fn streamed(path: &Path) -> Result<StreamCheck, CheckError> {
+fn streamed(path: &Path) -> Result<Check, CheckError> {
     check_from(path, &Overrides::default(), 0, &GO)
 }
 
@@ -79,7 +86,7 @@ fn a_check_in_pieces_finds_what_a_check_in_memory_finds() {
             let same = |what: &str| {
                 let (a, b) = (streamed(&path), check(&path, &Overrides::default(), &GO));
                 match (a, b) {
-                    (Ok(a), Ok(b)) => {
+                    (Ok(a), Ok((_, b))) => {
                         assert_eq!(a.passed(), b.passed());
                         assert_eq!(a.report, b.report, "{format} {what}");
                         assert_eq!(a.differences, b.differences, "{format} {what}");

@@ -264,15 +264,15 @@ fn change(debugger: &mut Debugger, command: DebugCommand) {
         DebugCommand::Condition(index, text) => replace_condition(debugger, index, &text),
         DebugCommand::Enable(index, enabled) => debugger.enable_breakpoint(index, enabled),
         DebugCommand::RemoveBreakpoint(index) => debugger.remove_breakpoint(index),
-        DebugCommand::Watch(text) => debugger.watches_mut().push(text),
+        DebugCommand::Watch(text) => debugger.watches.push(text),
         DebugCommand::EditWatch(index, text) => {
-            if let Some(watch) = debugger.watches_mut().get_mut(index) {
+            if let Some(watch) = debugger.watches.get_mut(index) {
                 *watch = text;
             }
         }
         DebugCommand::RemoveWatch(index) => {
-            if index < debugger.watches_mut().len() {
-                debugger.watches_mut().remove(index);
+            if index < debugger.watches.len() {
+                debugger.watches.remove(index);
             }
         }
         DebugCommand::Why => {
