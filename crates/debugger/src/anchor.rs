@@ -66,7 +66,9 @@ impl FromStr for Anchor {
     }
 }
 
-fn stage_named(name: &str) -> Option<Stage> {
+/// Returns the stage of a name as anchors have it, such as `tile` or `iterate-2`.
+#[must_use]
+pub fn stage_named(name: &str) -> Option<Stage> {
     let others = [
         Stage::Pattern,
         Stage::Blocks,

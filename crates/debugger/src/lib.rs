@@ -42,7 +42,7 @@ mod tape;
 mod until;
 pub mod why;
 
-pub use anchor::{Anchor, AnchorError};
+pub use anchor::{Anchor, AnchorError, stage_named};
 pub use context::{Context, Examined, NeighbourSearch};
 pub use debugger::{Breakpoint, Debugger, Marked, Stop, Stops};
 pub use density::density;

@@ -223,14 +223,14 @@ impl<'a> Canvas<'a> {
             fill,
             stroke: Some(ring),
         };
-        for &point in points {
-            for image in self.images(point) {
-                group
-                    .shapes
-                    .push(Shape::circle(self.flip(image), self.radius, style));
-            }
-        }
+        group.shapes.extend(self.disks(points, style));
         self.push([group]);
+    }
+
+    /// Returns the images of the disks around samples.
+    fn disks(&self, points: &[DVec2], style: Style) -> impl Iterator<Item = Shape> {
+        let images = points.iter().flat_map(move |&point| self.images(point));
+        images.map(move |image| Shape::circle(self.flip(image), self.radius, style))
     }
 
     /// Hatches the domain and lays the disks on top: what stays hatched is a gap, exactly.
@@ -251,13 +251,7 @@ impl<'a> Canvas<'a> {
         gaps.shapes.push(Shape::Rect { rect, style });
         let mut disks = self.group("disks");
         let covered = Style::filled(self.palette().background);
-        for &point in points {
-            for image in self.images(point) {
-                disks
-                    .shapes
-                    .push(Shape::circle(self.flip(image), self.radius, covered));
-            }
-        }
+        disks.shapes.extend(self.disks(points, covered));
         self.push([gaps, disks]);
         // Their overlapping fills would veil the gaps.
         self.rings(points, None);

@@ -215,8 +215,7 @@ impl LineChart {
         for series in &self.series {
             self.check_series(series)?;
         }
-        let levels: Vec<f64> = self.levels.iter().map(|level| level.y).collect();
-        self.check_finite("levels", &levels)?;
+        self.check_finite("levels", self.levels.iter().map(|level| level.y))?;
         for axis in [&self.x, &self.y] {
             if axis.range.is_some() {
                 axis.checked_range()?;
@@ -234,8 +233,7 @@ impl LineChart {
             });
         }
         for axis in [0, 1] {
-            let values: Vec<f64> = series.points.iter().map(|point| point[axis]).collect();
-            self.check_finite(&series.name, &values)?;
+            self.check_finite(&series.name, series.points.iter().map(|point| point[axis]))?;
         }
         let Some(band) = &series.band else {
             return Ok(());
@@ -248,14 +246,17 @@ impl LineChart {
             });
         }
         for end in [0, 1] {
-            let values: Vec<f64> = band.iter().map(|ends| ends[end]).collect();
-            self.check_finite(&series.name, &values)?;
+            self.check_finite(&series.name, band.iter().map(|ends| ends[end]))?;
         }
         Ok(())
     }
 
-    fn check_finite(&self, series: &str, values: &[f64]) -> Result<(), ChartError> {
-        finite(&self.title, series, values.iter().copied().enumerate())
+    fn check_finite(
+        &self,
+        series: &str,
+        values: impl Iterator<Item = f64>,
+    ) -> Result<(), ChartError> {
+        finite(&self.title, series, values.enumerate())
     }
 }
 

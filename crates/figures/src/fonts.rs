@@ -10,13 +10,6 @@ use ttf_parser::{Face, OutlineBuilder};
 
 use crate::error::FigureError;
 
-/// Inter Regular, OpenType.
-pub const INTER_REGULAR: &[u8] = include_bytes!("../../../assets/fonts/Inter-Regular.otf");
-/// Inter `SemiBold`, OpenType.
-pub const INTER_SEMI_BOLD: &[u8] = include_bytes!("../../../assets/fonts/Inter-SemiBold.otf");
-/// `JetBrains` Mono Regular, TrueType.
-pub const JETBRAINS_MONO: &[u8] = include_bytes!("../../../assets/fonts/JetBrainsMono-Regular.ttf");
-
 /// A font of the program.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Font {
@@ -30,15 +23,15 @@ pub enum Font {
 }
 
 impl Font {
-    const ALL: [Self; 3] = [Self::Regular, Self::SemiBold, Self::Mono];
+    pub(crate) const ALL: [Self; 3] = [Self::Regular, Self::SemiBold, Self::Mono];
 
     /// The font file's bytes.
     #[must_use]
     pub fn bytes(self) -> &'static [u8] {
         match self {
-            Self::Regular => INTER_REGULAR,
-            Self::SemiBold => INTER_SEMI_BOLD,
-            Self::Mono => JETBRAINS_MONO,
+            Self::Regular => include_bytes!("../../../assets/fonts/Inter-Regular.otf"),
+            Self::SemiBold => include_bytes!("../../../assets/fonts/Inter-SemiBold.otf"),
+            Self::Mono => include_bytes!("../../../assets/fonts/JetBrainsMono-Regular.ttf"),
         }
     }
 

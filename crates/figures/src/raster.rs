@@ -215,7 +215,7 @@ impl Painter {
 
     fn area(&mut self, path: Option<Path>, style: Style, hatch: impl Fn(f64) -> Vec<[DVec2; 2]>) {
         match style.fill {
-            Some(Fill::Solid(color)) => self.fill(path.as_ref(), color),
+            Some(Fill::Solid(color)) => self.fill(path.as_ref(), color, FillRule::EvenOdd),
             Some(Fill::Hatch(Hatch {
                 color,
                 spacing,
@@ -256,13 +256,12 @@ impl Painter {
         frame.meets(&bounds).then_some(!is_inside)
     }
 
-    fn fill(&mut self, path: Option<&Path>, color: Color) {
+    fn fill(&mut self, path: Option<&Path>, color: Color, rule: FillRule) {
         let Some(path) = path else { return };
         if let Some(clipped) = self.visibility(path, 1.0) {
             let mask = self.clip.as_ref().filter(|_| clipped);
             let (paint, still) = (paint(color), Transform::identity());
-            self.pixmap
-                .fill_path(path, &paint, FillRule::EvenOdd, still, mask);
+            self.pixmap.fill_path(path, &paint, rule, still, mask);
         }
     }
 
@@ -293,15 +292,8 @@ impl Painter {
         let start = text_offset(&self.fonts, text, size);
         let turns = text.quarter_turns % 4;
         let place = |p: DVec2| single((0..turns).fold(p + start, |p, _| p.perp()) + at);
-        let Some(path) = self.fonts.outline(&text.text, text.font, size, place) else {
-            return;
-        };
-        if let Some(clipped) = self.visibility(&path, 1.0) {
-            let mask = self.clip.as_ref().filter(|_| clipped);
-            let (paint, still) = (paint(text.color), Transform::identity());
-            self.pixmap
-                .fill_path(&path, &paint, FillRule::Winding, still, mask);
-        }
+        let path = self.fonts.outline(&text.text, text.font, size, place);
+        self.fill(path.as_ref(), text.color, FillRule::Winding);
     }
 }
 

@@ -73,9 +73,13 @@ pub fn stage_scene(run: &Run, stage: Stage, options: &PictureOptions) -> Scene {
     if stage <= Stage::Tile {
         canvas.blocks(blocks(run));
     }
-    let samples = Standings::of(run, stage);
+    let samples = standings(run, stage);
     if stage >= Stage::Eliminate {
-        canvas.coverage(&samples.valid());
+        let valid = samples
+            .iter()
+            .filter(|(.., standing)| *standing == Standing::Valid);
+        let valid: Vec<DVec2> = valid.map(|(at, ..)| *at).collect();
+        canvas.coverage(&valid);
         canvas.block_borders(blocks(run));
     }
     if stage == Stage::Tile {
@@ -180,26 +184,15 @@ fn is_combination(run: &Run) -> bool {
     run.blocks.splits.len() + 1 < run.blocks.leaves.len()
 }
 
-/// Samples by how they stand after a stage.
-struct Standings {
-    rows: Vec<(DVec2, u32, Standing)>,
-}
-
-impl Standings {
-    fn of(run: &Run, stage: Stage) -> Self {
-        let rows = (0..run.samples.len() as u32)
-            .map(|id| (run.samples.points[id as usize], id, run.standing(id, stage)))
-            .filter(|(_, _, standing)| !matches!(standing, Standing::Absent | Standing::Dropped))
-            .map(|(p, id, standing)| (run.domain.user_from_lattice(p).into(), id, standing));
-        Self {
-            rows: rows.collect(),
-        }
-    }
-
-    fn valid(&self) -> Vec<DVec2> {
-        let valid = |(_, _, standing): &&(_, _, Standing)| *standing == Standing::Valid;
-        self.rows.iter().filter(valid).map(|(p, _, _)| *p).collect()
-    }
+/// Returns where samples are after a stage, their ids, and how they stand, but not those that are absent or dropped.
+fn standings(run: &Run, stage: Stage) -> Vec<(DVec2, u32, Standing)> {
+    let samples = (0..).zip(&run.samples.points);
+    let samples = samples.map(|(id, &point)| {
+        let at = run.domain.user_from_lattice(point).into();
+        (at, id, run.standing(id, stage))
+    });
+    let gone = |standing: &Standing| matches!(standing, Standing::Absent | Standing::Dropped);
+    samples.filter(|(.., standing)| !gone(standing)).collect()
 }
 
 impl Canvas<'_> {
@@ -225,11 +218,11 @@ impl Canvas<'_> {
         self.push([group]);
     }
 
-    fn standings(&mut self, run: &Run, stage: Stage, standings: &Standings) {
+    fn standings(&mut self, run: &Run, stage: Stage, standings: &[(DVec2, u32, Standing)]) {
         let names = ["eliminated", "samples", "detectors", "inserted"];
         let [mut eliminated, mut samples, mut rings, mut inserted] = names.map(|n| self.group(n));
         let cross = Style::stroked(with_alpha(self.palette().eliminated, 200), self.line_px());
-        for &(point, id, standing) in &standings.rows {
+        for &(point, id, standing) in standings {
             let now = matches!(stage, Stage::Iterate(k) if is_inserted(run, id, Some(k)));
             match standing {
                 Standing::Eliminated { .. } if stage == Stage::Eliminate => {

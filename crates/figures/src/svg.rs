@@ -53,11 +53,8 @@ pub fn to_svg_with_fonts(scene: &Scene) -> Result<String, FigureError> {
         _ => None,
     });
     let used: Vec<Font> = used.collect();
-    let fonts = [Font::Regular, Font::SemiBold, Font::Mono];
-    let fonts: Vec<Font> = fonts
-        .into_iter()
-        .filter(|font| used.contains(font))
-        .collect();
+    let fonts = Font::ALL.into_iter().filter(|font| used.contains(font));
+    let fonts: Vec<Font> = fonts.collect();
     // The first line is the opening tag.
     let (tag, rest) = svg.split_once('\n').unwrap_or((&svg, ""));
     Ok(format!(

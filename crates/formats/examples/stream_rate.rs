@@ -8,8 +8,8 @@ use std::time::Instant;
 
 use tilescope_analysis::{Progress, Region};
 use tilescope_formats::{
-    ExportContext, Overrides, Precision, StreamExport, StreamOptions, StreamReader, check,
-    check_stream,
+    ExportContext, Hint, Overrides, Precision, StreamExport, StreamOptions, check, check_stream,
+    read,
 };
 
 type Rows = Vec<Vec<[f64; 2]>>;
@@ -29,7 +29,7 @@ fn main() -> Outcome<()> {
             found.report.count as u64
         }
         "whole" => {
-            let found = check(argument(1).as_ref(), &Overrides::default(), &GO)?;
+            let (_, found) = check(argument(1).as_ref(), &Overrides::default(), &GO)?;
             println!("passed {}", found.passed());
             found.report.count as u64
         }
@@ -100,16 +100,13 @@ fn export(arguments: &[String]) -> Outcome<u64> {
 
 /// The rows, one radius high, of a certified set, its region and radius.
 fn pattern(path: &Path) -> Outcome<(Rows, Region, f64)> {
-    let mut reader = StreamReader::open(path, None)?;
-    let stated = reader
-        .certificate()
-        .ok_or("the pattern has no certificate")?;
+    let pattern = read(path, &Hint::default())?;
+    let stated = pattern.certificate;
+    let stated = stated.ok_or("the pattern has no certificate")?;
     let (region, radius) = (stated.region, stated.radius);
     let mut rows = vec![Vec::new(); (region.height / radius) as usize + 1];
-    while let Some(points) = reader.next_points()? {
-        for &point in points {
-            rows[(point[1] / radius) as usize].push(point);
-        }
+    for point in pattern.set.points {
+        rows[(point[1] / radius) as usize].push(point);
     }
     Ok((rows, region, radius))
 }

@@ -2,7 +2,7 @@
 //! such as `eliminate.eliminate.1`; and the cursors that they stand for in a recording.
 
 use tilescope_core::Stage;
-use tilescope_debugger::{Anchor, Query, Recording};
+use tilescope_debugger::{Anchor, Query, Recording, stage_named};
 
 use crate::error::{LessonError, shortened};
 
@@ -77,16 +77,7 @@ impl Moment {
 }
 
 fn stage(name: &str, line: usize) -> Result<Stage, LessonError> {
-    Ok(match name {
-        "blocks" => Stage::Blocks,
-        "tile" => Stage::Tile,
-        "eliminate" => Stage::Eliminate,
-        "finish" => Stage::Finish,
-        _ => {
-            let number = name.strip_prefix("iterate-");
-            let number = number.and_then(|number| number.parse().ok());
-            let unknown = || LessonError::unknown(line, "stage", name, &STAGES);
-            Stage::Iterate(number.ok_or_else(unknown)?)
-        }
-    })
+    // No event is before the end of the pattern.
+    let found = stage_named(name).filter(|stage| *stage != Stage::Pattern);
+    found.ok_or_else(|| LessonError::unknown(line, "stage", name, &STAGES))
 }

@@ -419,7 +419,7 @@ impl Question {
         }
         let mut right = Vec::new();
         let mut there = Scene::at(scene.recording(), scene.cursor());
-        there.speak_as(scene);
+        there.speak(&scene.translation);
         (self.asks, self.named) = (Vec::new(), Vec::new());
         for &event in &traced {
             there.go(event);

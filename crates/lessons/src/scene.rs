@@ -19,7 +19,7 @@ pub struct Scene {
     pub(crate) now: Arc<Now>,
     evaluator: Evaluator,
     state: State,
-    translation: Arc<Translation>,
+    pub(crate) translation: Arc<Translation>,
 }
 
 /// Runs the sequential engine for a lesson and records it.
@@ -84,11 +84,6 @@ impl Scene {
     /// Sets the translation of its texts.
     pub(crate) fn speak(&mut self, translation: &Arc<Translation>) {
         self.translation = Arc::clone(translation);
-    }
-
-    /// Takes the translation of another scene.
-    pub(crate) fn speak_as(&mut self, other: &Self) {
-        self.translation = Arc::clone(&other.translation);
     }
 
     /// Returns the samples that a text names: those of its expressions whose values are valid samples, and that do not
