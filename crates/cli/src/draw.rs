@@ -2,15 +2,16 @@
 
 use std::path::{Path, PathBuf};
 
-use anyhow::{Result, bail, ensure};
+use anyhow::{Context, Result, bail, ensure};
 use clap::{Args, ValueEnum};
-use tilescope_analysis::{Number, Region};
+use tilescope_analysis::{COVERING_TOLERANCE, Number, Region, exposed_arcs};
 use tilescope_core::{Key, Parameters, PatternSpec, stages};
 use tilescope_figures::{Palette, PictureOptions, Rect, Scene, SetPicture, set_scene};
 use tilescope_formats::{Certificate, PointSet, Provenance, write_whole};
 
 use crate::options::{SetArguments, UNIT_SQUARE, of_run};
 use crate::paths::{check_file, extension};
+use crate::progress::verifying;
 use crate::{EXIT_FINE, interrupt, output};
 
 /// Arguments of `tilescope draw`.
@@ -32,6 +33,9 @@ pub struct DrawArguments {
     /// Leave the disks out
     #[arg(long)]
     no_disks: bool,
+    /// Draw the parts of circles that lie in no other disk: around each gap they form a ring, and a maximal set has none
+    #[arg(long)]
+    gaps: bool,
     /// Colours
     #[arg(long, value_enum, default_value = "light")]
     theme: Theme,
@@ -44,6 +48,7 @@ the parameters of a KDRT run; samples have their block's colour when the file st
 
 Examples:
   tilescope draw set.csv set.png
+  tilescope draw theirs.csv gaps.png --radius 0.01 --gaps
   tilescope draw set.ply zoom.svg --window 0.2 0.2 0.4 0.4 --theme dark";
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
@@ -115,6 +120,7 @@ fn scene(
         radius,
         blocks: (certificate.filter(|_| as_certified).and_then(blocks)).unwrap_or_default(),
         block_of: provenance.map(|all| all.iter().map(block_of).collect()),
+        exposed: exposed(arguments.gaps, set, region, radius)?,
         caption: caption(set.len(), radius, &arguments.file),
     };
     let options = PictureOptions {
@@ -127,6 +133,24 @@ fn scene(
         disks: !arguments.no_disks,
     };
     Ok(set_scene(&picture, &options))
+}
+
+fn exposed(
+    asked: bool,
+    set: &PointSet,
+    region: Region,
+    radius: Option<f64>,
+) -> Result<Vec<(usize, [f64; 2])>> {
+    if !asked {
+        return Ok(Vec::new());
+    }
+    let radius = radius.context("--gaps needs a radius: from the certificate, or --radius")?;
+    let covering = radius * (1.0 + COVERING_TOLERANCE);
+    let arcs = verifying(|control| exposed_arcs(&set.points, region, covering, control))?;
+    Ok(arcs
+        .iter()
+        .map(|arc| (arc.sample, [arc.from, arc.to]))
+        .collect())
 }
 
 fn window(given: Option<&[f64]>, region: &Region) -> Result<Option<Rect>> {

@@ -16,6 +16,9 @@ pub(crate) const MARGIN: f64 = 16.0;
 /// Disks of a smaller radius in pixels are left out.
 const MIN_DISK: f64 = 12.0;
 
+/// The longest piece of an arc that is drawn as a straight line, in radians.
+const ARC_STEP: f64 = 0.1;
+
 /// How a picture looks.
 #[derive(Clone, Debug)]
 pub struct PictureOptions {
@@ -183,6 +186,27 @@ impl<'a> Canvas<'a> {
                 .shapes
                 .push(Shape::marker(marker, self.flip(image), size, style));
         }
+    }
+
+    /// Draws parts of the circles around points: of the circle around each point, from one angle to another.
+    pub(crate) fn arcs(&mut self, points: &[DVec2], arcs: &[(usize, [f64; 2])]) {
+        let mut group = self.group("exposed arcs");
+        let stroke = Stroke::new(self.palette().gap, 3.0 * self.line_px());
+        for &(index, [from, to]) in arcs {
+            let steps = ((to - from) / ARC_STEP).ceil().max(1.0);
+            let angles = (0..=steps as u32).map(|k| from + (to - from) * f64::from(k) / steps);
+            let arc: Vec<DVec2> = angles
+                .map(|angle| self.radius * DVec2::from_angle(angle))
+                .collect();
+            for image in self.images(points[index]) {
+                let points = arc
+                    .iter()
+                    .map(|&offset| self.flip(image + offset))
+                    .collect();
+                group.shapes.push(Shape::Polyline { points, stroke });
+            }
+        }
+        self.push([group]);
     }
 
     pub(crate) fn blocks(&mut self, blocks: impl Iterator<Item = Rect>) {

@@ -23,6 +23,9 @@ pub struct SetPicture<'a> {
     pub blocks: Vec<Rect>,
     /// The block of each sample, where known; a sample without one was inserted.
     pub block_of: Option<Vec<Option<u32>>>,
+    /// Parts of the circles around samples that lie in no other disk: the sample's index, and where the part begins and ends,
+    /// as angles from the x axis, anticlockwise, in radians.
+    pub exposed: Vec<(usize, [f64; 2])>,
     /// A line above the picture.
     pub caption: String,
 }
@@ -54,6 +57,7 @@ pub fn set_scene(set: &SetPicture<'_>, options: &PictureOptions) -> Scene {
         }
     }
     canvas.push([samples, inserted]);
+    canvas.arcs(&points, &set.exposed);
     canvas.finish(&set.caption)
 }
 
@@ -99,6 +103,7 @@ fn pattern_scene(run: &Run, options: &PictureOptions) -> Scene {
         radius: Some(domain.radius()),
         blocks: Vec::new(),
         block_of: None,
+        exposed: Vec::new(),
         caption: caption(run, Stage::Pattern),
     };
     set_scene(

@@ -63,6 +63,7 @@ pub fn draw(
         radius,
         blocks: Vec::new(),
         block_of: None,
+        exposed: Vec::new(),
         caption,
     };
     let options = PictureOptions {

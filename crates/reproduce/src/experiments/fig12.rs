@@ -257,6 +257,7 @@ fn scene(glued: &Glued, rects: &[Cells], window: Option<Rect>, caption: String) 
         radius: Some(combined.domain.radius()),
         blocks: blocks.into(),
         block_of: Some(combined.sources.iter().map(block).collect()),
+        exposed: Vec::new(),
         caption,
     };
     let mut scene = set_scene(&set, &options);

@@ -573,6 +573,34 @@ fn sets_of_others_are_verified_converted_and_drawn() {
 }
 
 #[test]
+fn gaps_are_drawn_as_the_arcs_around_them() {
+    let folder = tempdir().unwrap();
+    // A lattice of spacing 1/8 covers with disks of 0.09, but not without its first sample.
+    let rows = |first| {
+        let rows =
+            (first..64).map(|k| format!("{},{}", f64::from(k % 8) / 8.0, f64::from(k / 8) / 8.0));
+        rows.collect::<Vec<String>>().join("\n")
+    };
+    fs::write(folder.path().join("whole.csv"), rows(0)).unwrap();
+    fs::write(folder.path().join("hole.csv"), rows(1)).unwrap();
+    let arcs = |file: &str| {
+        let drawn = ["draw", file, "arcs.svg", "--radius", "0.09", "--gaps"];
+        tilescope(&folder).args(drawn).assert().success();
+        let svg = fs::read_to_string(folder.path().join("arcs.svg")).unwrap();
+        svg.matches("<polyline").count()
+    };
+    assert_eq!(arcs("whole.csv"), 0);
+    // Four neighbours of the missing sample and its copies at the other corners of the torus.
+    assert!(arcs("hole.csv") >= 4);
+    let refused = ["draw", "whole.csv", "arcs.svg", "--gaps"];
+    tilescope(&folder)
+        .args(refused)
+        .assert()
+        .code(2)
+        .stderr(contains("--radius"));
+}
+
+#[test]
 fn pictures_have_the_asked_size() {
     let folder = tempdir().unwrap();
     tilescope(&folder)

@@ -56,6 +56,7 @@ fn scene(set: &Set, witness: &Witness, caption: String) -> Result<Scene> {
         radius: Some(radius),
         blocks: Vec::new(),
         block_of: None,
+        exposed: Vec::new(),
         caption,
     };
     let mut scene = set_scene(&picture, &options);
