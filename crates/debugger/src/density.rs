@@ -27,12 +27,8 @@ pub fn density(recording: &Recording, range: Range<usize>, buckets: usize) -> Ve
 /// Returns the counts of the events before `end`, from those before an earlier one.
 fn up_to(recording: &Recording, end: usize, (known, counts): (usize, Density)) -> Density {
     let key = end / STRIDE;
-    let kept = recording
-        .tallies
-        .get(key)
-        .map(|&tally| (key * STRIDE, tally));
-    let (from, mut counts) = match kept {
-        Some((from, tally)) if from > known => (from, tally),
+    let (from, mut counts) = match recording.tallies.get(key) {
+        Some(&tally) if key * STRIDE > known => (key * STRIDE, tally),
         _ => (known, counts),
     };
     for (_, event) in recording.tape().from(from).take(end - from) {

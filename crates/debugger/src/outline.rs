@@ -5,6 +5,7 @@ mod rows;
 
 pub use rows::{OutlineRow, OutlineRows};
 
+use crate::event::{Event, NONE};
 use crate::recording::Recording;
 
 /// Events between two stored rows of ancestors.
@@ -12,9 +13,6 @@ const STRIDE: usize = 1024;
 
 /// The depth of the deepest events, plus one.
 const LEVELS: usize = 5;
-
-/// Stands for no event.
-const NONE: u32 = u32::MAX;
 
 /// The tree of events. The parent of an event is the nearest earlier event that is less deep; an event without one is a
 /// root.
@@ -30,7 +28,7 @@ impl Outline {
     /// Returns the tree of a recording's events. It takes one pass over the tape and 4 bytes an event.
     #[must_use]
     pub fn new(recording: &Recording) -> Self {
-        let depths = recording.tape().iter().map(crate::event::Event::depth);
+        let depths = recording.tape().iter().map(Event::depth);
         Self::of_depths(depths, recording.len())
     }
 

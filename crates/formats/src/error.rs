@@ -200,7 +200,7 @@ pub enum FormatError {
         chosen: Option<usize>,
     },
     /// JSON that does not parse as a point-set document.
-    #[error("{}: {0}", Format::Json)]
+    #[error("JSON: {0}")]
     Json(#[from] serde_json::Error),
     /// A certificate that does not parse.
     #[error("the certificate {name} is not readable: {reason}")]
