@@ -163,7 +163,10 @@ fn correlation(
         );
     }
     let curves = [
-        ("periodogram", PowerCurve::of_profile(profile)?),
+        (
+            "periodogram",
+            PowerCurve::new(profile.relative_frequencies(), profile.powers())?,
+        ),
         (
             "g(r)",
             PowerCurve::of_pairs(&pairs, (1..250).map(|i| f64::from(i) * 0.01).collect())?,

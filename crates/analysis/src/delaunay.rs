@@ -27,6 +27,20 @@ pub(crate) fn delaunay<V: HasPosition<Scalar = f64>>(
     Ok(Some(found))
 }
 
+/// Returns a place as a site. Coordinates that the triangulation refuses as too small, since its predicates could
+/// underflow, become zero; as the longer extent is at least 1, that moves nothing visibly.
+pub(crate) fn site(place: DVec2) -> Point2<f64> {
+    let accepted = |value: f64| {
+        if value.abs() < spade::MIN_ALLOWED_VALUE {
+            0.0
+        } else {
+            value
+        }
+    };
+    let place = place.map(accepted);
+    Point2::new(place.x, place.y)
+}
+
 fn order<V: HasPosition<Scalar = f64>>(sites: &mut [V]) {
     // A generator of Marsaglia's; any would do.
     let mut state = 0x9E37_79B9_7F4A_7C15_u64;

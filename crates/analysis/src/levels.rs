@@ -1,10 +1,8 @@
 //! Judges sequences of samples whose prefixes are sets: of nested levels, the first so many samples are maximal for one
 //! radius, the first so many more for a smaller one. Each set is judged afresh by [`verify`].
 
-use std::ops::ControlFlow;
-
 use crate::error::VerifyError;
-use crate::monitor::Progress;
+use crate::monitor::Control;
 use crate::region::Region;
 use crate::report::Report;
 use crate::verify::{VerifyOptions, verify};
@@ -85,7 +83,7 @@ pub fn verify_prefix(
     region: Region,
     claim: PrefixClaim,
     options: &VerifyOptions,
-    control: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    control: Control<'_>,
 ) -> Result<PrefixReport, VerifyError> {
     let points = points.get(..claim.count).ok_or(VerifyError::Empty)?;
     let radius = claim.covering.unwrap_or(claim.distance);
@@ -103,7 +101,7 @@ pub fn verify_levels(
     whole: &Report,
     claims: &[PrefixClaim],
     options: &VerifyOptions,
-    control: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    control: Control<'_>,
 ) -> Result<Vec<PrefixReport>, VerifyError> {
     let judged = |&claim: &PrefixClaim| {
         if claim.count == points.len() && claim.covering == Some(whole.radius) {
@@ -117,6 +115,8 @@ pub fn verify_levels(
 
 #[cfg(test)]
 mod tests {
+    use std::ops::ControlFlow;
+
     use super::*;
     use crate::judge::JudgeChoice;
     use crate::region::Boundary;

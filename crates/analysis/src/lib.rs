@@ -55,7 +55,7 @@ pub use error::VerifyError;
 pub use findings::MAX_CONFLICTS;
 pub use judge::{Judge, JudgeChoice};
 pub use levels::{PrefixClaim, PrefixReport, verify_levels, verify_prefix};
-pub use monitor::Progress;
+pub use monitor::{Control, Progress};
 pub use number::Number;
 pub use region::{Boundary, Region};
 pub use report::Report;

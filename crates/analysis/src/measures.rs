@@ -73,8 +73,7 @@ pub use uniformity::{
 pub use window::FrequencyWindow;
 
 use crate::domain::Domain;
-use crate::grid::Grid;
-use crate::input::check_point;
+use crate::input::check_points;
 use crate::region::Region;
 
 /// Refuses sets that cannot be measured.
@@ -87,12 +86,8 @@ fn check_set(points: &[[f64; 2]], region: Region, least: usize) -> Result<(), Me
             limit: least,
         });
     }
-    if count > Grid::MAX_SAMPLES {
-        let limit = Grid::MAX_SAMPLES;
-        return Err(MeasureError::TooMany { count, limit });
-    }
-    for (index, &point) in points.iter().enumerate() {
-        check_point(index, point, region)?;
+    if count > 0 {
+        check_points(points, region)?;
     }
     Ok(())
 }
@@ -108,6 +103,29 @@ fn check_not_all_equal(points: &[[f64; 2]]) -> Result<(), MeasureError> {
         }
         _ => Ok(()),
     }
+}
+
+/// Refuses values that are not finite or do not rise from above `before`.
+fn check_rising(name: &'static str, values: &[f64], mut before: f64) -> Result<(), MeasureError> {
+    for (index, &value) in values.iter().enumerate() {
+        if !(value > before && value.is_finite()) {
+            return Err(MeasureError::NotRising { name, index, value });
+        }
+        before = value;
+    }
+    Ok(())
+}
+
+/// Refuses another number of values than is expected.
+fn check_length(name: &'static str, count: usize, expected: usize) -> Result<(), MeasureError> {
+    if count == expected {
+        return Ok(());
+    }
+    Err(MeasureError::LengthDiffers {
+        name,
+        count,
+        expected,
+    })
 }
 
 /// Refuses a value outside a closed range, and NaN.

@@ -16,11 +16,11 @@ pub struct Progress {
     pub total: u64,
 }
 
-/// The caller's control function; `Break` cancels.
-pub(crate) type Control<'a> = dyn Fn(Progress) -> ControlFlow<()> + Sync + 'a;
+/// The caller's control function: it is called from several threads, and `Break` cancels.
+pub type Control<'a> = &'a (dyn Fn(Progress) -> ControlFlow<()> + Sync);
 
 pub(crate) struct Monitor<'a> {
-    control: &'a Control<'a>,
+    control: Control<'a>,
     done: AtomicU64,
     total: u64,
     /// Whether work adds to `done`.
@@ -28,13 +28,20 @@ pub(crate) struct Monitor<'a> {
 }
 
 impl<'a> Monitor<'a> {
-    pub fn new(control: &'a Control<'a>, total: u64) -> Self {
+    pub fn new(control: Control<'a>, total: u64) -> Self {
         Self {
             control,
             done: AtomicU64::new(0),
             total,
             counts: true,
         }
+    }
+
+    /// A new channel, after asking the caller for the first time.
+    pub fn begin(control: Control<'a>, total: u64) -> Result<Self, VerifyError> {
+        let monitor = Self::new(control, total);
+        monitor.advance(0)?;
+        Ok(monitor)
     }
 
     /// The same channel for work that is not part of the total.
@@ -48,7 +55,7 @@ impl<'a> Monitor<'a> {
     }
 
     /// A channel that goes on where `done` left off.
-    pub fn resumed(control: &'a Control<'a>, done: u64, total: u64) -> Self {
+    pub fn resumed(control: Control<'a>, done: u64, total: u64) -> Self {
         Self {
             done: AtomicU64::new(done),
             ..Self::new(control, total)

@@ -19,8 +19,6 @@
 mod bands;
 mod saved;
 
-use std::ops::ControlFlow;
-
 use serde::{Deserialize, Serialize};
 
 use crate::agreement;
@@ -30,7 +28,7 @@ use crate::error::VerifyError;
 use crate::grid::{Entry, Grid};
 use crate::input::{all_are_in, check_point, check_tolerance};
 use crate::judge::JudgeChoice;
-use crate::monitor::{Monitor, Progress};
+use crate::monitor::{Control, Monitor};
 use crate::region::Region;
 use crate::report::Report;
 use crate::verify::{VerifyOptions, verify};
@@ -151,12 +149,6 @@ impl StreamVerifier {
         self
     }
 
-    /// How far an ordinate may lie below the highest one before it, in the unit of the samples.
-    #[must_use]
-    pub fn lag(&self) -> f64 {
-        STREAM_LAG * self.search.radius
-    }
-
     /// Samples taken so far.
     #[must_use]
     pub fn count(&self) -> u64 {
@@ -172,11 +164,7 @@ impl StreamVerifier {
     /// As [`verify`], with the index in the whole sequence, and the errors of streams: [`VerifyError::OutOfOrder`],
     /// [`VerifyError::HoleTooWide`], [`VerifyError::BandTooLarge`]; for these [`VerifyError::needs_memory`] is true.
     /// The verifier then repeats its error and gives no verdict.
-    pub fn push(
-        &mut self,
-        points: &[[f64; 2]],
-        control: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
-    ) -> Result<(), VerifyError> {
+    pub fn push(&mut self, points: &[[f64; 2]], control: Control<'_>) -> Result<(), VerifyError> {
         self.guarded(|this| this.take(points, control))
     }
 
@@ -186,10 +174,7 @@ impl StreamVerifier {
     ///
     /// As [`Self::push`], [`VerifyError::Empty`], and [`VerifyError::TooSparse`] for a set without any two samples near each
     /// other.
-    pub fn finish(
-        mut self,
-        control: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
-    ) -> Result<Report, VerifyError> {
+    pub fn finish(mut self, control: Control<'_>) -> Result<Report, VerifyError> {
         self.guarded(|this| this.report(control))
     }
 
@@ -291,8 +276,6 @@ impl StreamVerifier {
     }
 }
 
-type Control<'a> = &'a (dyn Fn(Progress) -> ControlFlow<()> + Sync);
-
 /// Samples taken between two checks for a complete band.
 const PIECE: usize = 4096;
 
@@ -309,24 +292,18 @@ struct Intake {
 impl Intake {
     /// Checks samples and counts them.
     fn take(&mut self, points: &[[f64; 2]], search: &StreamSearch) -> Result<(), VerifyError> {
-        if !all_are_in(points, search.region) || self.count + points.len() > Grid::MAX_SAMPLES {
-            return points
-                .iter()
-                .try_for_each(|&point| self.take_one(point, search));
-        }
         // Most pieces lie within a row, where their order does not matter.
-        let ordinates = points
-            .iter()
-            .map(|point| search.domain.scale_point(*point).y);
         let (mut low, mut high) = (f64::INFINITY, self.highest);
-        for y in ordinates {
+        for point in points {
+            let y = search.domain.scale_point(*point).y;
             low = if y < low { y } else { low };
             high = if y > high { y } else { high };
         }
-        if low < high - STREAM_LAG * search.scaled_radius {
-            return points
-                .iter()
-                .try_for_each(|&point| self.take_one(point, search));
+        let in_a_row = low >= high - STREAM_LAG * search.scaled_radius;
+        let fits = self.count + points.len() <= Grid::MAX_SAMPLES;
+        if !(in_a_row && fits && all_are_in(points, search.region)) {
+            let mut each = points.iter();
+            return each.try_for_each(|&point| self.take_one(point, search));
         }
         self.highest = high;
         self.count += points.len();

@@ -17,8 +17,7 @@ use glam::DVec2;
 
 use crate::domain::Domain;
 use crate::error::VerifyError;
-use crate::grid::Grid;
-use crate::input::check_point;
+use crate::input::check_points;
 use crate::region::Region;
 use cells::Cells;
 use window::Window;
@@ -49,7 +48,7 @@ impl Tessellation {
     pub fn of(points: &[[f64; 2]], region: Region, radius: f64) -> Result<Self, VerifyError> {
         let domain = Domain::new(region)?;
         let scaled_radius = domain.scale_radius(radius)?;
-        check(points, region)?;
+        check_points(points, region)?;
         let window = Window::new(points, domain, scaled_radius)?;
         let length = scaled_radius.min(domain.spacing(points.len()));
         let same = crate::cover::same_place(&domain, length);
@@ -70,27 +69,10 @@ impl Tessellation {
         })
     }
 
-    /// Returns the total area of the gaps.
-    #[must_use]
-    pub fn uncovered_area(&self) -> f64 {
-        self.gaps.iter().map(|gap| gap.area).sum()
-    }
-
     /// Returns the gap that holds a place, by its index.
     #[must_use]
     pub fn gap_at(&self, place: impl Into<DVec2>) -> Option<usize> {
         let place = place.into();
         self.gaps.iter().position(|gap| gap.contains(place))
     }
-}
-
-fn check(points: &[[f64; 2]], region: Region) -> Result<(), VerifyError> {
-    let (count, limit) = (points.len(), Grid::MAX_SAMPLES);
-    if count == 0 {
-        return Err(VerifyError::Empty);
-    }
-    if count > limit {
-        return Err(VerifyError::TooMany { count, limit });
-    }
-    (points.iter().enumerate()).try_for_each(|(index, &point)| check_point(index, point, region))
 }

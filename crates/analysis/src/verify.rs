@@ -2,8 +2,6 @@
 //! finds conflicts in [`crate::pairs`] and gaps in [`crate::cover`]; the second does both in [`crate::circles`]. Inputs
 //! are not repaired, and every readable set gets a whole report.
 
-use std::ops::ControlFlow;
-
 use crate::agreement;
 use crate::circles::{self, Question};
 use crate::cover::{self, Cover, CoverSearch};
@@ -13,7 +11,7 @@ use crate::findings::Findings;
 use crate::grid::Grid;
 use crate::input::{check_points, check_tolerance};
 use crate::judge::{Judge, JudgeChoice};
-use crate::monitor::{Monitor, Progress};
+use crate::monitor::{Control, Monitor};
 use crate::pairs::{self, Pairs};
 use crate::region::Region;
 use crate::report::Report;
@@ -69,7 +67,7 @@ pub fn verify(
     region: Region,
     radius: f64,
     options: &VerifyOptions,
-    control: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    control: Control<'_>,
 ) -> Result<Report, VerifyError> {
     let domain = Domain::new(region)?;
     let scaled_radius = domain.scale_radius(radius)?;
@@ -84,8 +82,7 @@ pub fn verify(
     };
     let [by_delaunay, by_circles] = options.judges.asked(points.len());
     let total = options.judges.passes(points.len()) * points.len() as u64;
-    let monitor = Monitor::new(control, total);
-    monitor.advance(0)?;
+    let monitor = Monitor::begin(control, total)?;
     let asked = (points.len(), region, radius, options.covering_tolerance);
     let report = |found: Findings| Report::new(asked, domain.scale, found);
     let circles = if by_circles {

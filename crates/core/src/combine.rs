@@ -24,14 +24,14 @@ use thiserror::Error;
 
 use crate::error::{ParameterError, SampleError};
 use crate::lattice::{Domain, Point, R, Rect};
-use crate::parameters::{Insertion, MAX_SEQUENTIAL_SAMPLES, MAXIMAL_DENSITY, Order, Search};
+use crate::parameters::{Insertion, Order, Search, check_sequential};
 use crate::pattern::Pattern;
 use crate::progress::{Meter, Observer};
 use crate::run::Summary;
-use crate::samples::{Fate, Origin, Source};
+use crate::samples::{Fate, Source};
 use crate::stage::Stage;
 
-use glue::Glued;
+use glue::{Glued, NEAR};
 pub use layout::{Seam, check_rects, grid};
 pub use staged::{Staged, combine_in_stages};
 
@@ -157,7 +157,7 @@ pub fn combine(
     observer: &mut dyn Observer,
 ) -> Result<Combined, CombineError> {
     check(&domain, pieces)?;
-    let glued = glue::glue(domain, pieces, options, observer)?;
+    let glued = glue::glue(NEAR, domain, pieces, options, observer)?;
     let meter = Meter::begin(observer, Stage::Finish, 1)?;
     let combined = gather(domain, pieces, &glued);
     meter.end()?;
@@ -166,11 +166,7 @@ pub fn combine(
 
 /// Refuses pieces that cannot be combined.
 fn check(domain: &Domain, pieces: &[Piece]) -> Result<(), CombineError> {
-    let samples = domain.area_radii() * MAXIMAL_DENSITY;
-    if samples > MAX_SEQUENTIAL_SAMPLES {
-        let maximum = MAX_SEQUENTIAL_SAMPLES;
-        return Err(ParameterError::TooManySamples { samples, maximum }.into());
-    }
+    check_sequential(domain)?;
     layout::check(domain, pieces)
 }
 
@@ -201,10 +197,6 @@ fn gather(domain: Domain, pieces: &[Piece], glued: &Glued) -> Combined {
 
 /// Returns the samples of the result in canonical order, with their sources.
 fn in_order(glued: &Glued) -> (Vec<Point>, Vec<Source>) {
-    let source = |origin: &Origin| match *origin {
-        Origin::Tiled { block, pattern, .. } => Source::Tiled { block, pattern },
-        Origin::Inserted { iteration, .. } => Source::Inserted { iteration },
-    };
     let samples = &glued.samples;
     let near = samples.points.par_iter().zip(&samples.origins);
     let near = near.zip(&samples.fates);
@@ -215,7 +207,7 @@ fn in_order(glued: &Glued) -> (Vec<Point>, Vec<Source>) {
         let of = move |&(point, pattern)| (point, Source::Tiled { block, pattern });
         samples.iter().map(of)
     });
-    let near = near.map(|((point, origin), _)| (*point, source(origin)));
+    let near = near.map(|((point, origin), _)| (*point, Source::from(*origin)));
     let mut all: Vec<(Point, Source)> = near.chain(deep).collect();
     all.par_sort_unstable_by_key(|(point, _)| point.canonical());
     all.into_iter().unzip()

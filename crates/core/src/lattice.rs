@@ -169,21 +169,8 @@ impl Rect64 {
 /// How many sides away from the domain a window may begin.
 const MAX_WINDOW_SIDES: f64 = 1_000.0;
 
-/// A rectangle of lattice points of the plane, half open; in a periodic domain the plane repeats.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Window {
-    /// The lowest coordinates inside.
-    pub min: I64Vec2,
-    /// The first coordinates beyond.
-    pub max: I64Vec2,
-}
-
-impl From<Rect> for Window {
-    fn from(rect: Rect) -> Self {
-        let (min, max) = (rect.min.into(), rect.max.into());
-        Self { min, max }
-    }
-}
+/// A rectangle of lattice points of the plane; in a periodic domain the plane repeats.
+pub type Window = Rect64;
 
 /// How a domain ends.
 #[derive(

@@ -29,6 +29,7 @@ mod levels;
 mod parameters;
 mod pattern;
 mod pattern_making;
+mod pool;
 mod progress;
 mod random;
 mod record;

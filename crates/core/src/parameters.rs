@@ -155,13 +155,7 @@ impl Parameters {
     /// that keep the origin and fate of every sample accept.
     pub fn validate_sequential(&self) -> Result<Domain, ParameterError> {
         let domain = self.validate()?;
-        let samples = domain.area_radii() * MAXIMAL_DENSITY;
-        if samples > MAX_SEQUENTIAL_SAMPLES {
-            return Err(ParameterError::TooManySamples {
-                samples,
-                maximum: MAX_SEQUENTIAL_SAMPLES,
-            });
-        }
+        check_sequential(&domain)?;
         Ok(domain)
     }
 
@@ -212,6 +206,16 @@ impl Parameters {
         let repeats = self.pattern.boundary == Boundary::Periodic && self.pattern.side < needed;
         repeats.then_some(needed)
     }
+}
+
+/// Refuses a domain of more samples than the sequential engine accepts.
+pub(crate) fn check_sequential(domain: &Domain) -> Result<(), ParameterError> {
+    let samples = domain.area_radii() * MAXIMAL_DENSITY;
+    let maximum = MAX_SEQUENTIAL_SAMPLES;
+    if samples > maximum {
+        return Err(ParameterError::TooManySamples { samples, maximum });
+    }
+    Ok(())
 }
 
 impl PatternSpec {

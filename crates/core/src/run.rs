@@ -88,6 +88,22 @@ pub struct Summary {
 }
 
 impl Run {
+    /// Returns a run before its first stage.
+    #[must_use]
+    pub fn new(parameters: &Parameters, domain: Domain, pattern: Arc<Pattern>) -> Self {
+        Self {
+            parameters: *parameters,
+            domain,
+            pattern,
+            blocks: Blocks::default(),
+            tiles: Vec::new(),
+            samples: Samples::default(),
+            iterations: Vec::new(),
+            result: Vec::new(),
+            counted: None,
+        }
+    }
+
     /// Returns a finished run of given samples in canonical order with their sources. It has its blocks, its result and
     /// its counts, but no eliminated samples, iterations and sites. Ids follow the canonical order.
     ///
@@ -98,38 +114,36 @@ impl Run {
         sampled: Sampled,
         summary: Summary,
     ) -> Result<Self, SampleError> {
-        let domain = parameters.validate()?;
+        let mut run = Self::new(parameters, parameters.validate()?, Arc::clone(pattern));
         let key = Key::from_seed(parameters.seed);
-        let blocks = split(&domain, parameters.leaf_units()?, key);
+        run.blocks = split(&run.domain, parameters.leaf_units()?, key);
         let sources = sampled.sources.unwrap_or_default();
+        run.set_result(sampled.points, &sources, summary);
+        Ok(run)
+    }
+
+    /// Makes given samples in canonical order the result of a run that has its blocks.
+    pub(crate) fn set_result(&mut self, points: Vec<Point>, sources: &[Source], counted: Summary) {
         let origin = |(point, source): (&Point, &Source)| match *source {
             Source::Tiled { block, pattern } => Origin::Tiled {
                 block,
                 pattern,
-                own: blocks.leaves[block as usize].rect.contains(*point),
+                own: self.blocks.leaves[block as usize].rect.contains(*point),
             },
             Source::Inserted { iteration } => Origin::Inserted {
                 iteration,
                 sites: Sites::Unrecorded,
             },
         };
-        let origins: Vec<Origin> = sampled.points.iter().zip(&sources).map(origin).collect();
+        let origins: Vec<Origin> = points.iter().zip(sources).map(origin).collect();
         let count = origins.len();
-        Ok(Self {
-            parameters: *parameters,
-            domain,
-            pattern: Arc::clone(pattern),
-            blocks,
-            tiles: Vec::new(),
-            samples: Samples {
-                points: sampled.points,
-                origins,
-                fates: vec![Fate::Kept; count],
-            },
-            iterations: Vec::new(),
-            result: (0..count as u32).collect(),
-            counted: Some(summary),
-        })
+        self.samples = Samples {
+            points,
+            origins,
+            fates: vec![Fate::Kept; count],
+        };
+        self.result = (0..count as u32).collect();
+        self.counted = Some(counted);
     }
 
     /// Returns the result's lattice points in canonical order.

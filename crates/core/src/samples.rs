@@ -91,6 +91,17 @@ impl Samples {
         self.fates.push(fate);
     }
 
+    /// Returns the ids of the kept samples in canonical order.
+    pub(crate) fn kept(&self) -> Vec<u32> {
+        let each = (0..).zip(self.points.iter().zip(&self.fates));
+        let kept = each.filter(|(_, (_, fate))| **fate == Fate::Kept);
+        let mut keyed: Vec<(u64, u32)> = kept
+            .map(|(id, (point, _))| (point.canonical(), id))
+            .collect();
+        keyed.sort_unstable();
+        keyed.into_iter().map(|(_, id)| id).collect()
+    }
+
     /// Returns how many there are.
     #[must_use]
     pub fn len(&self) -> usize {
@@ -119,6 +130,15 @@ pub enum Source {
         /// The iteration, from 1.
         iteration: u32,
     },
+}
+
+impl From<Origin> for Source {
+    fn from(origin: Origin) -> Self {
+        match origin {
+            Origin::Tiled { block, pattern, .. } => Self::Tiled { block, pattern },
+            Origin::Inserted { iteration, .. } => Self::Inserted { iteration },
+        }
+    }
 }
 
 /// Samples in canonical order.

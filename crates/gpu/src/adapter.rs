@@ -284,9 +284,7 @@ impl Gpu {
         let length = range.end - range.start;
         let usage = wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST;
         let staging = self.buffer("staging", length, usage)?;
-        let mut encoder = self
-            .device
-            .create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        let mut encoder = self.encoder();
         encoder.copy_buffer_to_buffer(buffer, range.start, &staging, 0, length);
         self.queue.submit([encoder.finish()]);
         let (sender, receiver) = futures_channel::oneshot::channel();
@@ -317,14 +315,17 @@ impl Gpu {
             self.buffer("copy", length, usage)?,
             self.buffer("copy", length, usage)?,
         );
-        let mut encoder = self
-            .device
-            .create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        let mut encoder = self.encoder();
         for _ in 0..times {
             encoder.copy_buffer_to_buffer(&from, 0, &to, 0, length);
         }
         self.queue.submit([encoder.finish()]);
         self.read(&to, 0..4).await.map(|_| ())
+    }
+
+    pub(crate) fn encoder(&self) -> wgpu::CommandEncoder {
+        self.device
+            .create_command_encoder(&wgpu::CommandEncoderDescriptor::default())
     }
 
     /// Waits for the device. In a browser, where waiting is impossible, the event loop delivers the results.

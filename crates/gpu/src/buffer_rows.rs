@@ -59,22 +59,13 @@ fn columns(name: Name) -> Vec<String> {
         Name::Images => fields(Image::FIELDS.1),
         Name::Proposals => fields(Proposal::FIELDS.1),
         Name::Pieces => named(&["image", "column", "row", "size"]),
-        Name::Grid => named(&[
-            "count",
-            "flags",
-            "iteration 1",
-            "x 1",
-            "y 1",
-            "detector 1",
-            "iteration 2",
-            "x 2",
-            "y 2",
-            "detector 2",
-            "iteration 3",
-            "x 3",
-            "y 3",
-            "detector 3",
-        ]),
+        Name::Grid => ["count", "flags"]
+            .map(str::to_owned)
+            .into_iter()
+            .chain((1..=3).flat_map(|slot| {
+                ["iteration", "x", "y", "detector"].map(|column| format!("{column} {slot}"))
+            }))
+            .collect(),
         Name::TileImages => std::iter::once("count".to_owned())
             .chain((1..TILE_WORDS).map(|k| format!("image {k}")))
             .collect(),

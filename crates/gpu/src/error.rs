@@ -123,11 +123,4 @@ impl GpuError {
             error => Ok(error),
         }
     }
-
-    /// Returns whether another engine may succeed, because the device failed and not the run. This includes samples
-    /// that depend on too wide a surrounding, since the CPU engines allow wider halos.
-    #[must_use]
-    pub const fn is_of_the_device(&self) -> bool {
-        !matches!(self, Self::Sample(error) if !matches!(error, SampleError::Entangled { .. }))
-    }
 }

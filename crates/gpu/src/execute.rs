@@ -38,7 +38,8 @@ pub(crate) struct Device {
     gpu: Arc<Gpu>,
     buffers: BTreeMap<Name, (wgpu::Buffer, u64)>,
     jobs: wgpu::Buffer,
-    highest_bytes: u64,
+    /// The most bytes that the buffers have held at once.
+    pub highest_bytes: u64,
     recording: Recording,
     /// How often the two lists of active cells were swapped.
     pub swaps: u32,
@@ -135,11 +136,6 @@ impl Device {
         })
     }
 
-    /// Returns the most bytes that the buffers have held at once.
-    pub(crate) const fn highest_bytes(&self) -> u64 {
-        self.highest_bytes
-    }
-
     fn allocate(&mut self, name: Name, length: u64) -> Result<(), GpuError> {
         // WebGPU does not allow bindings of length 0.
         let length = length.max(32).next_multiple_of(4);
@@ -219,10 +215,7 @@ impl Device {
             self.write_jobs(part);
             // A pass without its own job would use the job of another pass.
             self.gpu.check()?;
-            let mut encoder = self
-                .gpu
-                .device
-                .create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+            let mut encoder = self.gpu.encoder();
             for (command, job) in part.iter().zip(0..) {
                 self.encode(&mut encoder, command, job, stage);
             }
@@ -304,13 +297,12 @@ impl Device {
         });
         encoded.set_pipeline(&kernel.pipeline);
         encoded.set_bind_group(0, &group, &[]);
-        if let Size::Indirect(argument) = size {
-            if let Some((buffer, _)) = self.buffers.get(&Name::Arguments) {
-                encoded.dispatch_workgroups_indirect(buffer, 12 * u64::from(argument));
-            }
-        } else {
-            let [x, y, z] = workgroups(size);
+        if let Some([x, y, z]) = workgroups(size) {
             encoded.dispatch_workgroups(x, y, z);
+        } else if let Size::Indirect(argument) = size
+            && let Some((buffer, _)) = self.buffers.get(&Name::Arguments)
+        {
+            encoded.dispatch_workgroups_indirect(buffer, 12 * u64::from(argument));
         }
     }
 
@@ -353,10 +345,7 @@ impl Device {
         let Some(reports) = &mut self.reports else {
             return;
         };
-        let workgroups = match size {
-            Size::Indirect(_) => None,
-            _ => Some(workgroups(size)),
-        };
+        let workgroups = workgroups(size);
         if let Some(times) = &mut self.times {
             times.pending.push(reports.len());
         }
@@ -402,10 +391,7 @@ impl Device {
         if count == 0 {
             return Ok(());
         }
-        let mut encoder = self
-            .gpu
-            .device
-            .create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        let mut encoder = self.gpu.encoder();
         encoder.resolve_query_set(&times.queries, 0..count, &times.resolved, 0);
         self.gpu.queue.submit([encoder.finish()]);
         let bytes = self
@@ -455,14 +441,14 @@ fn invocations(workgroups: [u32; 3]) -> u64 {
     workgroups.map(u64::from).iter().product::<u64>() * u64::from(WORKGROUP)
 }
 
-/// Returns the workgroups of a dispatch whose size the host knows.
-pub(crate) fn workgroups(size: Size) -> [u32; 3] {
+/// Returns the workgroups of a dispatch, or `None` if the device computes them.
+fn workgroups(size: Size) -> Option<[u32; 3]> {
     let groups = match size {
         Size::Invocations(count) => count.div_ceil(WORKGROUP.into()),
         Size::Workgroups(count) => count,
-        Size::Indirect(_) => 0,
+        Size::Indirect(_) => return None,
     };
     let columns = groups.min(GROUP_COLUMNS.into());
     let rows = groups.div_ceil(GROUP_COLUMNS.into());
-    [columns as u32, rows as u32, 1]
+    Some([columns as u32, rows as u32, 1])
 }

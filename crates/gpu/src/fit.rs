@@ -1,12 +1,13 @@
-//! How large a window fits a device: the device's limits and memory compared with what a window needs. Also the initial
-//! halo and the number of tries of every window.
+//! How large a window fits a device: the device's limits and memory compared with what a window needs. Also the halo
+//! and the room of every window, and how they grow.
 
-use tilescope_core::{Point, R, Rect};
+use tilescope_core::{Point, R, Rect, SampleError};
 
 use crate::adapter::{AdapterReport, Limits};
 use crate::error::GpuError;
 use crate::plan::{MAX_CELLS, MAX_SIDE, Room, WindowPlan};
 use crate::setup::Setup;
+use crate::window_run::Shortage;
 
 /// Initial width of the halo in cells. Dependence on what lies beyond it rarely reaches half as far; if it does reach
 /// the window, the window is computed again with twice the halo.
@@ -17,6 +18,45 @@ pub(crate) const MIN_SIDE: u32 = 8;
 
 /// How often a window may need more room before that counts as a fault.
 pub(crate) const MAX_TRIES: usize = 8;
+
+/// The halo of a window and the room of its lists. Both grow until they suffice.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Allowance {
+    /// Width of the halo in cells.
+    pub halo: i32,
+    /// The room; if `None`, it is estimated.
+    pub room: Option<Room>,
+    /// How often more room was needed.
+    tries: usize,
+}
+
+impl Allowance {
+    /// Returns a halo with the estimated room.
+    pub(crate) const fn new(halo: i32) -> Self {
+        Self {
+            halo,
+            room: None,
+            tries: 0,
+        }
+    }
+
+    /// Makes up for a shortage. Fails when the halo is `max_halo` cells wide already, and when more room never suffices.
+    pub(crate) fn grow(&mut self, shortage: Shortage, max_halo: i32) -> Result<(), GpuError> {
+        match shortage {
+            Shortage::Halo if self.halo >= max_halo => {
+                let radii = f64::from(self.halo);
+                return Err(SampleError::Entangled { radii }.into());
+            }
+            Shortage::Halo => (self.halo, self.room) = (2 * self.halo, None),
+            Shortage::Room(_) if self.tries == MAX_TRIES => return Err(GpuError::OutOfMemory),
+            Shortage::Room(room) => {
+                self.tries += 1;
+                self.room = Some(room);
+            }
+        }
+        Ok(())
+    }
+}
 
 /// Bytes of memory to use if the caller sets no limit, since WebGPU does not report how much there is. Nearly all
 /// discrete GPUs have more than the first, other devices more than the second. Where memory runs out, windows become
@@ -39,8 +79,7 @@ pub(crate) fn memory_of(report: &AdapterReport, wanted: Option<u64>) -> u64 {
 pub(crate) fn plan(
     setup: &Setup,
     window: &Rect,
-    halo: i32,
-    room: Option<Room>,
+    Allowance { halo, room, .. }: Allowance,
     limits: &Limits,
     memory: u64,
 ) -> Result<WindowPlan, GpuError> {
@@ -90,7 +129,8 @@ pub(crate) fn plan(
 /// Returns the longest side, in cells, of a window that fits the device, at most the domain's longer side.
 pub(crate) fn longest_side(setup: &Setup, limits: &Limits, memory: u64) -> Result<u32, GpuError> {
     let max = setup.domain.rect().max;
-    let whole = (max.x.max(max.y) - 1) as u32 / R as u32 + 1;
+    let [columns, rows] = setup.cells();
+    let whole = columns.max(rows);
     // Parts of the whole domain, all alike; few of them are tried, since each plan visits the whole tree.
     let mut parts = 1;
     loop {
@@ -103,7 +143,7 @@ pub(crate) fn longest_side(setup: &Setup, limits: &Limits, memory: u64) -> Resul
             max: Point::new(low(max.x) + end(max.x), low(max.y) + end(max.y)),
         };
         // Leave room for a halo that must be doubled once.
-        match plan(setup, &window, 2 * HALO, None, limits, memory) {
+        match plan(setup, &window, Allowance::new(2 * HALO), limits, memory) {
             Ok(_) => return Ok(side),
             Err(GpuError::TooLittleMemory { .. }) if side > MIN_SIDE => {
                 parts = (parts + 1).max(parts * 4 / 3);
@@ -141,8 +181,8 @@ mod tests {
         let setup = setup(65_532.0, 10.0);
         let side = longest_side(&setup, &ROOMY, u64::MAX).unwrap();
         assert!((30_000..65_000).contains(&side), "{side}");
-        let whole = crate::plan::whole(&setup);
-        let refused = plan(&setup, &whole, HALO, None, &ROOMY, u64::MAX);
+        let whole = setup.domain.rect();
+        let refused = plan(&setup, &whole, Allowance::new(HALO), &ROOMY, u64::MAX);
         assert!(matches!(
             refused,
             Err(GpuError::TooLittleMemory { cells: 65_532, .. })

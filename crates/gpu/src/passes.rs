@@ -105,7 +105,7 @@ pub fn meaning(name: &str) -> Option<String> {
 }
 
 /// Computes the workgroups of indirect dispatches from counters.
-pub(crate) const PREPARE: Pass = Pass {
+const PREPARE: Pass = Pass {
     name: "prepare",
     shader: "prepare",
     bindings: &[
@@ -116,108 +116,70 @@ pub(crate) const PREPARE: Pass = Pass {
     ],
 };
 
-pub(crate) const fn uniform_of(name: Name) -> Binding {
+const fn binding(name: Name, access: Access) -> Binding {
     Binding {
         name,
-        access: Access::Uniform,
+        access,
         alias: None,
     }
 }
 
-pub(crate) const fn read(name: Name) -> Binding {
-    Binding {
-        name,
-        access: Access::Read,
-        alias: None,
+const fn uniform_of(name: Name) -> Binding {
+    binding(name, Access::Uniform)
+}
+
+const fn read(name: Name) -> Binding {
+    binding(name, Access::Read)
+}
+
+const fn write(name: Name) -> Binding {
+    binding(name, Access::Write)
+}
+
+const fn update(name: Name) -> Binding {
+    binding(name, Access::Update)
+}
+
+const fn atomic(name: Name) -> Binding {
+    binding(name, Access::Atomic)
+}
+
+impl Binding {
+    /// Returns the binding with another name in the shader.
+    const fn named(self, alias: &'static str) -> Self {
+        Self {
+            alias: Some(alias),
+            ..self
+        }
     }
 }
 
-pub(crate) const fn read_as(name: Name, alias: &'static str) -> Binding {
-    Binding {
-        name,
-        access: Access::Read,
-        alias: Some(alias),
-    }
+fn run(pass: &'static Pass, size: Size) -> Command {
+    run_with(pass, [0; 4], size)
 }
 
-pub(crate) const fn write(name: Name) -> Binding {
-    Binding {
-        name,
-        access: Access::Write,
-        alias: None,
-    }
-}
-
-pub(crate) const fn update(name: Name) -> Binding {
-    Binding {
-        name,
-        access: Access::Update,
-        alias: None,
-    }
-}
-
-pub(crate) const fn update_as(name: Name, alias: &'static str) -> Binding {
-    Binding {
-        name,
-        access: Access::Update,
-        alias: Some(alias),
-    }
-}
-
-pub(crate) const fn write_as(name: Name, alias: &'static str) -> Binding {
-    Binding {
-        name,
-        access: Access::Write,
-        alias: Some(alias),
-    }
-}
-
-pub(crate) const fn atomic(name: Name) -> Binding {
-    Binding {
-        name,
-        access: Access::Atomic,
-        alias: None,
-    }
-}
-
-pub(crate) fn run(pass: &'static Pass, size: Size) -> Command {
-    run_with(pass, Job::default(), size)
-}
-
-pub(crate) const fn run_with(pass: &'static Pass, job: Job, size: Size) -> Command {
+fn run_with(pass: &'static Pass, [a, b, c, d]: [u32; 4], size: Size) -> Command {
+    let job = Job { a, b, c, d };
     Command::Dispatch { pass, job, size }
 }
 
 /// Returns the command that updates the workgroups of indirect dispatches.
-pub(crate) fn prepare(flags: u32) -> Command {
-    let job = Job {
-        a: flags,
-        ..Job::default()
-    };
-    run_with(&PREPARE, job, Size::Workgroups(1))
+fn prepare(flags: u32) -> Command {
+    run_with(&PREPARE, [flags, 0, 0, 0], Size::Workgroups(1))
 }
 
 /// Returns the command that sets a counter to 0.
-pub(crate) const fn clear_counter(counter: u32) -> Command {
+const fn clear_counter(counter: u32) -> Command {
     Command::Clear(Name::Counters, Some((counter, counter + 1)))
 }
 
 /// Returns `rounds` rounds of a pass, an even number. Each begins by setting its counter to 0.
-pub(crate) fn alternating(
-    pass: &'static Pass,
-    size: &str,
-    rounds: u32,
-    is_first: bool,
-) -> Vec<Command> {
+fn alternating(pass: &'static Pass, size: &str, rounds: u32, is_first: bool) -> Vec<Command> {
     let round = |k: u32| {
-        let job = Job {
-            a: k % 2,
-            b: u32::from(is_first && k == 0),
-            ..Job::default()
-        };
+        let is_first = u32::from(is_first && k == 0);
         [
             clear_counter(counter::UNDECIDED + k % 2),
-            run_with(pass, job, argument(size)),
+            run_with(pass, [k % 2, is_first, 0, 0], argument(size)),
         ]
     };
     (0..rounds).flat_map(round).collect()
@@ -228,7 +190,7 @@ pub(crate) fn alternating(
 /// # Panics
 ///
 /// When there is no argument of this name. A test that records all lists finds that.
-pub(crate) fn argument(name: &str) -> Size {
+fn argument(name: &str) -> Size {
     let index = crate::constants::ARGUMENTS
         .iter()
         .position(|argument| *argument == name);

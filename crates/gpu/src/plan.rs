@@ -2,7 +2,7 @@
 //! device.
 
 use tilescope_core::windows::{Frame as CoreFrame, PAD, PlacedBlock, Rect64};
-use tilescope_core::{Point, R, Rect, SampleError};
+use tilescope_core::{R, Rect, SampleError};
 
 use crate::constants::{SCAN_PART, TILE_SIDE, TILE_WORDS, WORKGROUP};
 use crate::layout::{Frame, Image, Name, Proposal, counter};
@@ -280,7 +280,7 @@ fn uniform(setup: &Setup, frame: &CoreFrame) -> Frame {
         goes_on: left | right << 1 | below << 2 | above << 3,
         tile_columns: tiles[0],
         tiles: tiles[0] * tiles[1],
-        order: setup.order(),
+        order: setup.parameters.order as u32,
         order_key_x: key_x,
         order_key_y: key_y,
         phase_cell_x: ranks.cell[0],
@@ -362,14 +362,6 @@ fn pieces(frame: &Frame, images: &[Image]) -> Vec<[u32; 4]> {
     pieces
 }
 
-/// Returns the whole domain as a window.
-pub(crate) fn whole(setup: &Setup) -> Rect {
-    Rect {
-        min: Point::new(0, 0),
-        max: setup.domain.rect().max,
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -389,7 +381,7 @@ mod tests {
             ..Parameters::default()
         };
         let setup = setup(&parameters);
-        let plan = WindowPlan::new(&setup, &whole(&setup), 24, None).unwrap();
+        let plan = WindowPlan::new(&setup, &setup.domain.rect(), 24, None).unwrap();
         plan.peak(&setup) as f64 / (0.6985 * setup.domain.area_radii())
     }
 
@@ -413,7 +405,7 @@ mod tests {
                 ..Parameters::default()
             };
             let setup = setup(&parameters);
-            let plan = WindowPlan::new(&setup, &whole(&setup), 24, None).unwrap();
+            let plan = WindowPlan::new(&setup, &setup.domain.rect(), 24, None).unwrap();
             let frame = &plan.uniform;
             let (side, pad) = (TILE_SIDE as i32, PAD);
             for tile in 0..frame.tiles {

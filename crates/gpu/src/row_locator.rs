@@ -31,13 +31,10 @@ pub struct RowLocator {
 impl RowLocator {
     pub(crate) async fn read(work: &WindowRun, stage: Stage) -> Result<Self, GpuError> {
         let device = &work.device;
-        let written = written(work);
+        // Read back from the device, since that is what the shaders used.
+        let frame = device.bytes(Name::Frame, 0..u64::MAX).await?;
         let mut locator = Self {
-            // Read back from the device, since that is what the shaders used.
-            frame: bytemuck::try_pod_read_unaligned(
-                &device.bytes(Name::Frame, frame_bytes()).await?,
-            )
-            .unwrap_or(work.plan.uniform),
+            frame: bytemuck::try_pod_read_unaligned(&frame).unwrap_or(work.plan.uniform),
             stage,
             level: work.level(),
             counters: device
@@ -46,7 +43,7 @@ impl RowLocator {
             cells: Vec::new(),
             places: Vec::new(),
             result: Vec::new(),
-            written,
+            written: written(work),
         };
         if locator.is_written(Name::Places) {
             let cells = work.plan.cells();
@@ -60,19 +57,6 @@ impl RowLocator {
             locator.result = device.words(Name::Result, 0..2 * kept).await?;
         }
         Ok(locator)
-    }
-
-    /// Returns the frame that maps cells to the plane.
-    #[must_use]
-    pub const fn frame(&self) -> &Frame {
-        &self.frame
-    }
-
-    /// Returns the same data with another frame. For experiments and tests.
-    #[must_use]
-    pub const fn with_frame(mut self, frame: Frame) -> Self {
-        self.frame = frame;
-        self
     }
 
     /// Returns the places of the rows of `table`, which must have been read from the buffer `name` between the same two
@@ -166,7 +150,7 @@ impl RowLocator {
             |counter, place: Option<RowPlace>| place.filter(|_| self.is_listed(row, counter));
         let place = match name {
             Name::Images => self.rect(pair(0), pair(2)),
-            Name::Pieces => self.piece(value(1), value(2), value(3)),
+            Name::Pieces => self.tiles(pair(1), I64Vec2::new(value(3) & 0xffff, value(3) >> 16)),
             Name::TileImages => self.tile(row),
             Name::Heads if self.heads_are_listed() => {
                 in_list(counter::CONTESTED, self.cell(value(0)))
@@ -287,9 +271,8 @@ impl RowLocator {
         self.rect(low, low + I64Vec2::from(extent))
     }
 
-    fn tiles(&self, column: i64, row: i64, columns: i64, rows: i64) -> Option<RowPlace> {
+    fn tiles(&self, first: I64Vec2, count: I64Vec2) -> Option<RowPlace> {
         let low = |tile: I64Vec2| (tile * i64::from(TILE_SIDE) - i64::from(PAD)) << CELL_BITS;
-        let (first, count) = (I64Vec2::new(column, row), I64Vec2::new(columns, rows));
         self.rect(low(first), low(first + count))
     }
 
@@ -299,21 +282,13 @@ impl RowLocator {
         if columns == 0 || tile >= i64::from(self.frame.tiles) {
             return None;
         }
-        self.tiles(tile % columns, tile / columns, 1, 1)
-    }
-
-    fn piece(&self, column: i64, row: i64, size: i64) -> Option<RowPlace> {
-        self.tiles(column, row, size & 0xffff, size >> 16)
+        self.tiles(I64Vec2::new(tile % columns, tile / columns), I64Vec2::ONE)
     }
 
     fn of_result(&self, row: usize) -> Option<RowPlace> {
         let words = self.result.get(2 * row..2 * row + 2)?;
         point(I64Vec2::new(words[0].into(), words[1].into())).map(RowPlace::Point)
     }
-}
-
-const fn frame_bytes() -> std::ops::Range<u64> {
-    0..size_of::<Frame>() as u64
 }
 
 fn point(at: I64Vec2) -> Option<Point> {

@@ -83,10 +83,7 @@ pub async fn self_test(gpu: &Arc<Gpu>) -> Result<SelfTest, GpuError> {
 /// Returns the set of the sequential engine, which computes independently of the device.
 fn sequential(parameters: &Parameters, pattern: Arc<Pattern>) -> Result<Sampled, GpuError> {
     let run = Sequential::new(parameters, pattern)?.finish(&mut Unobserved)?;
-    let source = |&id: &u32| match run.samples.origins[id as usize] {
-        tilescope_core::Origin::Tiled { block, pattern, .. } => Source::Tiled { block, pattern },
-        tilescope_core::Origin::Inserted { iteration, .. } => Source::Inserted { iteration },
-    };
+    let source = |&id: &u32| Source::from(run.samples.origins[id as usize]);
     Ok(Sampled {
         points: run.points(),
         sources: Some(run.result.iter().map(source).collect()),

@@ -4,8 +4,7 @@
 use tilescope_core::stages::order::{RankNumbers, Ranking};
 use tilescope_core::windows::{CellPattern, Clipper, lost_reach, reach_cells};
 use tilescope_core::{
-    Domain, Insertion, Key, Order, ParameterError, Parameters, Pattern, R, SampleError, Search,
-    Variant,
+    Domain, Insertion, Key, ParameterError, Parameters, Pattern, R, SampleError, Search, Variant,
 };
 
 /// Words of a pattern's shape: sides, columns, where its cells and its points begin, whether it repeats.
@@ -84,14 +83,10 @@ impl Setup {
         }
     }
 
-    /// Returns the order by its number in shaders.
-    pub(crate) const fn order(&self) -> u32 {
-        match self.parameters.order {
-            Order::Index => 0,
-            Order::Random => 1,
-            Order::OwnBlockFirst => 2,
-            Order::PhaseGroup => 3,
-        }
+    /// Returns how many cells the domain touches on each axis.
+    pub(crate) fn cells(&self) -> [u32; 2] {
+        let max = self.domain.rect().max;
+        [max.x, max.y].map(|side| ((side - 1) / R + 1) as u32)
     }
 
     /// Returns the word at which a variant's shape begins.

@@ -6,52 +6,22 @@ use std::fmt::Write as _;
 use crate::constants::constants;
 use crate::layout::{Binding, declarations, structures};
 
+/// Pairs names with the texts of the shader files so named.
+macro_rules! files {
+    [$($name:literal),*] => {
+        &[$(($name, include_str!(concat!("../shaders/", $name, ".wgsl")))),*]
+    };
+}
+
 /// Every shader file by its name. A file is a library of functions or a pass with an entry point.
-pub const FILES: &[(&str, &str)] = &[
-    ("attribute", include_str!("../shaders/attribute.wgsl")),
-    ("blocks", include_str!("../shaders/blocks.wgsl")),
-    ("candidates", include_str!("../shaders/candidates.wgsl")),
-    ("choose", include_str!("../shaders/choose.wgsl")),
-    ("circumcentre", include_str!("../shaders/circumcentre.wgsl")),
-    ("clip", include_str!("../shaders/clip.wgsl")),
-    ("count", include_str!("../shaders/count.wgsl")),
-    ("cover_cell", include_str!("../shaders/cover_cell.wgsl")),
-    ("coverage", include_str!("../shaders/coverage.wgsl")),
-    ("detectors", include_str!("../shaders/detectors.wgsl")),
-    ("eliminate", include_str!("../shaders/eliminate.wgsl")),
-    ("frame", include_str!("../shaders/frame.wgsl")),
-    ("gap_cells", include_str!("../shaders/gap_cells.wgsl")),
-    ("gather", include_str!("../shaders/gather.wgsl")),
-    ("grid", include_str!("../shaders/grid.wgsl")),
-    ("grid_shared", include_str!("../shaders/grid_shared.wgsl")),
-    ("lattice", include_str!("../shaders/lattice.wgsl")),
-    ("link", include_str!("../shaders/link.wgsl")),
-    ("open", include_str!("../shaders/open.wgsl")),
-    ("place", include_str!("../shaders/place.wgsl")),
-    ("prefix", include_str!("../shaders/prefix.wgsl")),
-    ("prepare", include_str!("../shaders/prepare.wgsl")),
-    ("proposal", include_str!("../shaders/proposal.wgsl")),
-    ("propose", include_str!("../shaders/propose.wgsl")),
-    ("random", include_str!("../shaders/random.wgsl")),
-    ("reopen", include_str!("../shaders/reopen.wgsl")),
-    ("rounds", include_str!("../shaders/rounds.wgsl")),
-    ("scan", include_str!("../shaders/scan.wgsl")),
-    ("scan_add", include_str!("../shaders/scan_add.wgsl")),
-    ("scan_sums", include_str!("../shaders/scan_sums.wgsl")),
-    ("settle", include_str!("../shaders/settle.wgsl")),
-    ("sites", include_str!("../shaders/sites.wgsl")),
-    ("sort_blocks", include_str!("../shaders/sort_blocks.wgsl")),
-    ("sources", include_str!("../shaders/sources.wgsl")),
-    ("split", include_str!("../shaders/split.wgsl")),
-    ("spread", include_str!("../shaders/spread.wgsl")),
-    ("survive", include_str!("../shaders/survive.wgsl")),
-    ("tally", include_str!("../shaders/tally.wgsl")),
-    ("throw", include_str!("../shaders/throw.wgsl")),
-    ("tile", include_str!("../shaders/tile.wgsl")),
-    ("turn", include_str!("../shaders/turn.wgsl")),
-    ("unlink", include_str!("../shaders/unlink.wgsl")),
-    ("unsure", include_str!("../shaders/unsure.wgsl")),
-    ("wide", include_str!("../shaders/wide.wgsl")),
+#[rustfmt::skip]
+pub const FILES: &[(&str, &str)] = files![
+    "attribute", "blocks", "candidates", "choose", "circumcentre", "clip", "count", "cover_cell",
+    "coverage", "detectors", "eliminate", "frame", "gap_cells", "gather", "grid", "grid_shared",
+    "lattice", "link", "open", "place", "prefix", "prepare", "proposal", "propose", "random",
+    "reopen", "rounds", "scan", "scan_add", "scan_sums", "settle", "sites", "sort_blocks",
+    "sources", "split", "spread", "survive", "tally", "throw", "tile", "turn", "unlink", "unsure",
+    "wide"
 ];
 
 /// Returns the complete WGSL source of a pass: constants, structures, bindings, imported files, the file itself.

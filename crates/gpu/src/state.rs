@@ -21,6 +21,7 @@ use crate::layout::{Name, Proposal, counter};
 use crate::window_run::{IterationBuffers, WindowRun};
 
 /// The buffers, read back, from which a run is rebuilt.
+#[derive(Default)]
 pub(crate) struct State {
     /// The last completed stage.
     stage: Option<Stage>,
@@ -54,13 +55,7 @@ impl State {
         let at_least = |wanted: Stage| stage.is_some_and(|stage| stage >= wanted);
         let mut state = Self {
             stage,
-            starts: Vec::new(),
-            places: Vec::new(),
-            origins: Vec::new(),
-            by: Vec::new(),
-            grid: Vec::new(),
-            result: Vec::new(),
-            kept: BTreeMap::new(),
+            ..Self::default()
         };
         if at_least(Stage::Tile) {
             state.starts = device.words(Name::Starts, 0..cells + 1).await?;
@@ -87,17 +82,7 @@ impl State {
     /// Returns the run.
     pub(crate) fn run(&self, work: &WindowRun, pattern: &Arc<Pattern>) -> Result<Run, GpuError> {
         let setup = &work.setup;
-        let mut run = Run {
-            parameters: setup.parameters,
-            domain: setup.domain,
-            pattern: Arc::clone(pattern),
-            blocks: tilescope_core::stages::blocks::Blocks::default(),
-            tiles: Vec::new(),
-            samples: Samples::default(),
-            iterations: Vec::new(),
-            result: Vec::new(),
-            counted: None,
-        };
+        let mut run = Run::new(&setup.parameters, setup.domain, Arc::clone(pattern));
         if self.stage.is_none() {
             return Ok(run);
         }
@@ -107,11 +92,7 @@ impl State {
             self.iterations(work, &mut run);
             return Ok(run);
         }
-        let leaf = setup
-            .parameters
-            .leaf_units()
-            .map_err(tilescope_core::SampleError::from)?;
-        run.blocks = split(&setup.domain, leaf, setup.key);
+        run.blocks = split(&setup.domain, setup.parameters.leaf_units()?, setup.key);
         if !self.starts.is_empty() {
             self.tile(work, &mut run);
         }

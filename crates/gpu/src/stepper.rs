@@ -8,15 +8,15 @@ use crate::adapter::Gpu;
 use crate::buffer_rows::BufferRows;
 use crate::error::GpuError;
 use crate::execute::Recording;
-use crate::fit::{HALO, MAX_TRIES, longest_side, memory_of};
+use crate::fit::{Allowance, HALO, longest_side, memory_of};
 use crate::layout::Name;
 use crate::pass_report::PassReport;
-use crate::plan::{Room, WindowPlan, whole};
+use crate::plan::WindowPlan;
 use crate::row_locator::RowLocator;
 use crate::setup::Setup;
 use crate::state::State;
 use crate::upload;
-use crate::window_run::{WindowOutcome, WindowRun};
+use crate::window_run::{Shortage, WindowRun};
 
 /// The widest halo, in cells.
 const MAX_HALO: i32 = 192;
@@ -30,10 +30,7 @@ pub struct Stepper {
     setup: Arc<Setup>,
     pattern: Arc<Pattern>,
     first: Stage,
-    halo: i32,
-    room: Option<Room>,
-    /// How often more room was needed.
-    tries: usize,
+    allowance: Allowance,
     /// The last stage that [`Self::step`] returned.
     reached: Option<Stage>,
     /// How often the run restarted.
@@ -64,15 +61,14 @@ impl Stepper {
             stage => stage,
         };
         check_size(&gpu, &setup)?;
-        let work = begin(&gpu, &setup, pattern, first, HALO, None).await?;
+        let allowance = Allowance::new(HALO);
+        let work = begin(&gpu, &setup, pattern, first, allowance).await?;
         Ok(Self {
             gpu,
             setup,
             pattern: Arc::clone(pattern),
             first,
-            halo: HALO,
-            room: None,
-            tries: 0,
+            allowance,
             reached: None,
             restarts: 0,
             work,
@@ -83,8 +79,8 @@ impl Stepper {
     pub async fn step_pass(&mut self) -> Result<Option<PassReport>, GpuError> {
         while !self.work.is_done() {
             let before = (self.reports().len(), self.restarts);
-            let outcome = self.work.run_pass().await?;
-            self.restart_if_needed(outcome.as_ref()).await?;
+            let shortage = self.work.run_pass().await?;
+            self.restart_if_needed(shortage).await?;
             // A step may have no passes, and a run that restarted has no report yet.
             if let Some(report) = self.reports().last()
                 && (self.reports().len(), self.restarts) != before
@@ -112,34 +108,18 @@ impl Stepper {
     /// Runs to the end.
     pub async fn finish(&mut self) -> Result<(), GpuError> {
         while !self.work.is_done() {
-            let outcome = self.work.run(|_| Ok(())).await?;
-            self.restart_if_needed(outcome.as_ref()).await?;
+            let shortage = self.work.run(|_| Ok(())).await?;
+            self.restart_if_needed(shortage).await?;
         }
         Ok(())
     }
 
     /// Restarts the run if the halo or the room proved too small.
-    async fn restart_if_needed(&mut self, outcome: Option<&WindowOutcome>) -> Result<(), GpuError> {
-        match outcome {
-            None | Some(WindowOutcome::Known(_)) => return Ok(()),
-            Some(WindowOutcome::Unsure) if self.halo >= MAX_HALO => {
-                return Err(tilescope_core::SampleError::Entangled {
-                    radii: f64::from(self.halo),
-                }
-                .into());
-            }
-            Some(WindowOutcome::Unsure) => {
-                self.halo *= 2;
-                self.room = None;
-            }
-            Some(WindowOutcome::TooSmall(_)) if self.tries == MAX_TRIES => {
-                return Err(GpuError::OutOfMemory);
-            }
-            Some(WindowOutcome::TooSmall(room)) => {
-                self.tries += 1;
-                self.room = Some(*room);
-            }
-        }
+    async fn restart_if_needed(&mut self, shortage: Option<Shortage>) -> Result<(), GpuError> {
+        let Some(shortage) = shortage else {
+            return Ok(());
+        };
+        self.allowance.grow(shortage, MAX_HALO)?;
         self.restarts += 1;
         self.begin().await
     }
@@ -152,14 +132,12 @@ impl Stepper {
     }
 
     async fn begin(&mut self) -> Result<(), GpuError> {
-        let (halo, room) = (self.halo, self.room);
         self.work = begin(
             &self.gpu,
             &self.setup,
             &self.pattern,
             self.first,
-            halo,
-            room,
+            self.allowance,
         )
         .await?;
         Ok(())
@@ -222,8 +200,8 @@ fn check_size(gpu: &Gpu, setup: &Setup) -> Result<(), GpuError> {
     // Recorded stages take about as much memory as the buffers.
     let memory = memory_of(gpu.report(), None) / 2;
     let allowed = longest_side(setup, &gpu.report().limits, memory)?;
-    let max = setup.domain.rect().max;
-    let needed = (max.x.max(max.y) - 1) as u32 / tilescope_core::R as u32 + 1;
+    let [columns, rows] = setup.cells();
+    let needed = columns.max(rows);
     if allowed < needed {
         return Err(GpuError::NotInOneGo { needed, allowed });
     }
@@ -236,10 +214,9 @@ async fn begin(
     setup: &Arc<Setup>,
     pattern: &Arc<Pattern>,
     first: Stage,
-    halo: i32,
-    room: Option<Room>,
+    Allowance { halo, room, .. }: Allowance,
 ) -> Result<WindowRun, GpuError> {
-    let mut plan = WindowPlan::new(setup, &whole(setup), halo, room)?;
+    let mut plan = WindowPlan::new(setup, &setup.domain.rect(), halo, room)?;
     if room.is_none() {
         // Inspected runs are small, and a restart would discard the reports of the passes so far.
         plan.double_room();

@@ -12,11 +12,10 @@ use tilescope_core::{
 use crate::adapter::Gpu;
 use crate::error::GpuError;
 use crate::execute::{Device, Recording};
-use crate::fit::{self, HALO, MAX_TRIES, MIN_SIDE, longest_side, memory_of};
+use crate::fit::{self, Allowance, HALO, MIN_SIDE, longest_side, memory_of};
 use crate::pass_report::PassReport;
-use crate::plan::Room;
 use crate::setup::Setup;
-use crate::window_run::{WindowOutcome, WindowRun, WindowSamples};
+use crate::window_run::{Shortage, WindowRun, WindowSamples};
 
 /// The widest halo, in cells.
 const MAX_HALO: i32 = 768;
@@ -109,7 +108,7 @@ impl GpuSweep {
     /// Returns the most bytes of device memory that the buffers have held at once so far, readbacks apart.
     #[must_use]
     pub fn highest_bytes(&self) -> u64 {
-        self.idle.as_ref().map_or(0, Device::highest_bytes)
+        self.idle.as_ref().map_or(0, |device| device.highest_bytes)
     }
 
     /// Returns the passes so far, where they are reported.
@@ -133,12 +132,7 @@ impl GpuSweep {
     /// Returns how many rows of cells have been computed, and how many there are.
     #[must_use]
     pub fn rows(&self) -> (u32, u32) {
-        (self.done, self.cells()[1])
-    }
-
-    fn cells(&self) -> [u32; 2] {
-        let max = self.setup.domain.rect().max;
-        [max.x, max.y].map(|side| ((side - 1) / R + 1) as u32)
+        (self.done, self.setup.cells()[1])
     }
 
     /// Returns the position of the run. Another process can continue from it, with any engine.
@@ -154,7 +148,7 @@ impl GpuSweep {
     /// Continues from the state of a run with the same parameters and pattern, as if the earlier bands had been
     /// computed here.
     pub fn restore(&mut self, state: &SweepState) {
-        self.done = state.rows.min(self.cells()[1]);
+        self.done = state.rows.min(self.setup.cells()[1]);
         self.count = state.count;
         self.counts = state.counts.clone();
     }
@@ -197,7 +191,7 @@ impl GpuSweep {
         longest: u32,
         observer: &mut dyn Observer,
     ) -> Result<Sampled, GpuError> {
-        let [columns, rows] = self.cells();
+        let [columns, rows] = self.setup.cells();
         // Windows of about the same size.
         let side = |cells: u32| cells.div_ceil(cells.div_ceil(longest));
         let (width, height) = (side(columns), side(rows));
@@ -227,27 +221,11 @@ impl GpuSweep {
         window: &Rect,
         observer: &mut dyn Observer,
     ) -> Result<WindowSamples, GpuError> {
-        let (mut halo, mut room, mut tries) = (self.halo, None, 0);
+        let mut allowance = Allowance::new(self.halo);
         loop {
-            match self.attempt(window, halo, room, observer).await? {
-                WindowOutcome::Known(window) => return Ok(window),
-                WindowOutcome::Unsure if halo >= MAX_HALO => {
-                    return Err(SampleError::Entangled {
-                        radii: f64::from(halo),
-                    }
-                    .into());
-                }
-                WindowOutcome::Unsure => {
-                    halo *= 2;
-                    room = None;
-                }
-                WindowOutcome::TooSmall(_) if tries == MAX_TRIES => {
-                    return Err(GpuError::OutOfMemory);
-                }
-                WindowOutcome::TooSmall(wanted) => {
-                    tries += 1;
-                    room = Some(wanted);
-                }
+            match self.attempt(window, allowance, observer).await? {
+                Ok(window) => return Ok(window),
+                Err(shortage) => allowance.grow(shortage, MAX_HALO)?,
             }
         }
     }
@@ -255,15 +233,13 @@ impl GpuSweep {
     async fn attempt(
         &mut self,
         window: &Rect,
-        halo: i32,
-        room: Option<Room>,
+        allowance: Allowance,
         observer: &mut dyn Observer,
-    ) -> Result<WindowOutcome, GpuError> {
+    ) -> Result<Result<WindowSamples, Shortage>, GpuError> {
         let plan = fit::plan(
             &self.setup,
             window,
-            halo,
-            room,
+            allowance,
             &self.gpu.report().limits,
             self.memory,
         )?;
@@ -271,15 +247,15 @@ impl GpuSweep {
         let (done, rows) = self.rows();
         let idle = self.idle.take();
         let mut work = WindowRun::new(&self.gpu, &self.setup, plan, idle, self.recording()).await?;
-        let early = work
+        let shortage = work
             .run(|share| {
                 let now = u64::from(done) + (share * height) as u64;
                 Ok(ask(observer, now.min(rows.into()), rows.into())?)
             })
             .await?;
-        let outcome = match early {
-            Some(outcome) => outcome,
-            None => WindowOutcome::Known(work.result().await?),
+        let outcome = match shortage {
+            Some(shortage) => Err(shortage),
+            None => Ok(work.result().await?),
         };
         self.idle = Some(work.device);
         Ok(outcome)

@@ -43,15 +43,13 @@ enum Step {
     Done,
 }
 
-/// How a window ended.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) enum WindowOutcome {
-    /// The result is complete.
-    Known(WindowSamples),
+/// Why a window must be computed again.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Shortage {
     /// A sample in the window depends on what lies beyond the frame; a wider halo is needed.
-    Unsure,
+    Halo,
     /// A list was too short; this room is needed.
-    TooSmall(Room),
+    Room(Room),
 }
 
 /// The samples of a window, in canonical order.
@@ -196,11 +194,11 @@ impl WindowRun {
     }
 
     /// Runs to the end. Whenever the host reads counters, it calls `ask` with the progress of the window, from 0 to 1;
-    /// an error from `ask` stops the run.
+    /// an error from `ask` stops the run. Returns the shortage that ended the window, if one did.
     pub(crate) async fn run(
         &mut self,
         mut ask: impl FnMut(f64) -> Result<(), GpuError>,
-    ) -> Result<Option<WindowOutcome>, GpuError> {
+    ) -> Result<Option<Shortage>, GpuError> {
         while !self.is_done() {
             self.record().await?;
             let commands: Vec<Command> = self.queue.drain(..).collect();
@@ -208,8 +206,8 @@ impl WindowRun {
             if self.reads {
                 ask(self.share())?;
             }
-            if let Some(outcome) = self.settle().await? {
-                return Ok(Some(outcome));
+            if let Some(shortage) = self.settle().await? {
+                return Ok(Some(shortage));
             }
         }
         Ok(None)
@@ -226,8 +224,8 @@ impl WindowRun {
         }
     }
 
-    /// Runs one pass and the host work that follows it. Returns the outcome if the window ended early.
-    pub(crate) async fn run_pass(&mut self) -> Result<Option<WindowOutcome>, GpuError> {
+    /// Runs one pass and the host work that follows it. Returns the shortage that ended the window, if one did.
+    pub(crate) async fn run_pass(&mut self) -> Result<Option<Shortage>, GpuError> {
         if self.queue.is_empty() {
             self.record().await?;
         }
@@ -379,7 +377,7 @@ impl WindowRun {
     }
 
     /// Reads the counters if the recorded step needs them, and decides what comes next.
-    async fn settle(&mut self) -> Result<Option<WindowOutcome>, GpuError> {
+    async fn settle(&mut self) -> Result<Option<Shortage>, GpuError> {
         if !self.reads {
             return Ok(None);
         }
@@ -390,15 +388,15 @@ impl WindowRun {
             .await?;
         self.counters.copy_from_slice(&words);
         self.device.read_times().await?;
-        if let Some(outcome) = self.judge()? {
-            return Ok(Some(outcome));
+        if let Some(shortage) = self.judge()? {
+            return Ok(Some(shortage));
         }
         self.decide().await?;
         Ok(None)
     }
 
-    /// Returns the outcome if the window cannot go on.
-    fn judge(&self) -> Result<Option<WindowOutcome>, GpuError> {
+    /// Returns the shortage with which the window cannot go on.
+    fn judge(&self) -> Result<Option<Shortage>, GpuError> {
         let room = self.plan.room();
         let needed = |count: u32, room: u32| {
             if count > room {
@@ -423,20 +421,18 @@ impl WindowRun {
             result: needed(self.counter(counter::KEPT), room.result),
         };
         if wanted != room {
-            return Ok(Some(WindowOutcome::TooSmall(wanted)));
+            return Ok(Some(Shortage::Room(wanted)));
         }
         match self.counter(counter::FAULT) {
             0 => {}
-            FAULT_TILED => return Ok(Some(WindowOutcome::TooSmall(wanted))),
+            FAULT_TILED => return Ok(Some(Shortage::Room(wanted))),
             code => {
                 let stage = self.stage;
                 return Err(GpuError::Fault { stage, code });
             }
         }
-        if self.counter(counter::UNSURE_IN_WINDOW) > 0 {
-            return Ok(Some(WindowOutcome::Unsure));
-        }
-        Ok(None)
+        let is_unsure = self.counter(counter::UNSURE_IN_WINDOW) > 0;
+        Ok(is_unsure.then_some(Shortage::Halo))
     }
 
     /// Chooses the next step from the counters.
@@ -461,7 +457,7 @@ impl WindowRun {
                 if self.counter(counter::ACTIVE) == 0 {
                     self.step = Step::Finish;
                 } else if let Some(kept) = &mut self.kept {
-                    let active = u64::from(self.counters[counter::ACTIVE as usize]);
+                    let active = u64::from(self.counter(counter::ACTIVE));
                     let cells = self.device.bytes(Name::Active, 0..8 * active).await?;
                     kept.entry(k).or_default().active = cells;
                 }
@@ -473,7 +469,7 @@ impl WindowRun {
 
     async fn keep(&mut self, k: u32) -> Result<(), GpuError> {
         if let Some(kept) = &mut self.kept {
-            let count = u64::from(self.counters[counter::PROPOSALS as usize]);
+            let count = u64::from(self.counter(counter::PROPOSALS));
             let proposals = self.device.bytes(Name::Proposals, 0..32 * count).await?;
             kept.entry(k).or_default().proposals = proposals;
         }
@@ -499,16 +495,8 @@ impl WindowRun {
 
 /// Returns the point of 8 bytes.
 fn point(bytes: &[u8]) -> Point {
-    let axis = |from: usize| {
-        let bytes = [
-            bytes[from],
-            bytes[from + 1],
-            bytes[from + 2],
-            bytes[from + 3],
-        ];
-        i32::from_le_bytes(bytes)
-    };
-    Point::new(axis(0), axis(4))
+    let [x, y] = bytemuck::pod_read_unaligned(bytes);
+    Point::new(x, y)
 }
 
 fn source(tag: &[u32]) -> Source {

@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use thiserror::Error;
-use tilescope_analysis::VerifyError;
 use tilescope_analysis::measures::MeasureError;
+use tilescope_analysis::{Report, VerifyError};
 use tilescope_core::combine::CombineError;
 use tilescope_core::{ParameterError, SampleError};
 use tilescope_figures::FigureError;
@@ -48,6 +48,15 @@ pub enum ReproduceError {
 }
 
 impl ReproduceError {
+    /// Returns the error of a set that is not valid, by the verifier's report.
+    pub(crate) fn invalid(what: &str, report: &Report) -> Self {
+        Self::Invalid {
+            what: what.to_owned(),
+            conflicts: report.conflicts,
+            gaps: report.gaps,
+        }
+    }
+
     /// Returns what makes the error of a file or a folder.
     pub(crate) fn io(path: &Path) -> impl Fn(std::io::Error) -> Self + '_ {
         |cause| Self::Io {

@@ -61,14 +61,10 @@ impl EngineTime {
         if !self.equal {
             return Err(other_set(&what));
         }
-        if self.report.valid() {
-            return Ok(());
+        if !self.report.valid() {
+            return Err(ReproduceError::invalid(&what, &self.report));
         }
-        Err(ReproduceError::Invalid {
-            what,
-            conflicts: self.report.conflicts,
-            gaps: self.report.gaps,
-        })
+        Ok(())
     }
 }
 

@@ -38,9 +38,8 @@ impl Set {
 
     /// Returns the samples of the lattice as a set in user units.
     pub fn of(domain: &Domain, points: &[Point]) -> Self {
-        let user = |p: &Point| domain.user_from_lattice(*p);
         Self {
-            points: points.iter().map(user).collect(),
+            points: domain.users_from_lattice(points),
             region: region(domain),
             radius: domain.radius(),
         }
@@ -71,14 +70,10 @@ impl Set {
     /// Returns the report of a valid set, and an error for any other: nothing may be concluded from one.
     pub fn verified(&self, what: &str, control: &Control<'_>) -> Result<Report> {
         let report = self.judge(control)?;
-        if report.valid() {
-            return Ok(report);
+        if !report.valid() {
+            return Err(ReproduceError::invalid(what, &report));
         }
-        Err(ReproduceError::Invalid {
-            what: what.to_owned(),
-            conflicts: report.conflicts,
-            gaps: report.gaps,
-        })
+        Ok(report)
     }
 }
 

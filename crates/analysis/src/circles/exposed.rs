@@ -2,7 +2,6 @@
 //! of arcs are rounded, so no verdict uses them.
 
 use std::f64::consts::TAU;
-use std::ops::ControlFlow;
 
 use glam::DVec2;
 use rayon::prelude::*;
@@ -15,7 +14,7 @@ use super::search::{Scratch, Search};
 use crate::domain::Domain;
 use crate::error::VerifyError;
 use crate::input::check_points;
-use crate::monitor::{Monitor, Progress};
+use crate::monitor::{Control, Monitor};
 use crate::region::Region;
 
 /// Arcs shorter than this are rounding: where two circles cross exactly on a third.
@@ -46,13 +45,12 @@ pub fn exposed_arcs(
     points: &[[f64; 2]],
     region: Region,
     radius: f64,
-    control: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    control: Control<'_>,
 ) -> Result<Vec<ExposedArc>, VerifyError> {
     let domain = Domain::new(region)?;
     let scaled_radius = domain.scale_radius(radius)?;
     check_points(points, region)?;
-    let monitor = Monitor::new(control, points.len() as u64);
-    monitor.advance(0)?;
+    let monitor = Monitor::begin(control, points.len() as u64)?;
     let question = Question {
         domain,
         radius: scaled_radius,

@@ -9,11 +9,8 @@ use spade::Point2;
 use super::CoverSearch;
 use serde::{Deserialize, Serialize};
 
+use crate::delaunay::site;
 use crate::grid::Grid;
-
-/// Nonzero coordinates below this are outside what the triangulation accepts (its predicates could
-/// underflow). As the longer extent is at least 1, replacing them by zero moves nothing visibly.
-const TINY: f64 = spade::MIN_ALLOWED_VALUE;
 
 /// A rectangle of grid cells.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -145,7 +142,7 @@ fn everything(grid: &Grid, count: usize, [columns, rows]: [&Range<i64>; 2]) -> V
             let run = grid.run(row, &(first..first + (end - column) as usize));
             points.extend(
                 run.iter()
-                    .map(|entry| shifted(entry.position, DVec2::new(x, y))),
+                    .map(|entry| site(entry.position + DVec2::new(x, y))),
             );
             column = end;
         }
@@ -166,7 +163,7 @@ fn rim(task: &CoverSearch<'_>, tile: &Tile, [columns, rows]: [&Range<i64>; 2]) -
                 let run = grid.run(row, &(column..column + 1));
                 points.extend(
                     run.iter()
-                        .map(|entry| shifted(entry.position, DVec2::new(x, y))),
+                        .map(|entry| site(entry.position + DVec2::new(x, y))),
                 );
             }
         }
@@ -210,12 +207,6 @@ fn wrap(grid: &Grid, axis: usize, cell: i64) -> (usize, f64) {
     let periods = cell.div_euclid(cells);
     let shift = periods as f64 * grid.domain.extent[axis];
     (cell.rem_euclid(cells) as usize, shift)
-}
-
-fn shifted(position: DVec2, shift: DVec2) -> Point2<f64> {
-    let accepted = |value: f64| if value.abs() < TINY { 0.0 } else { value };
-    let place = (position + shift).map(accepted);
-    Point2::new(place.x, place.y)
 }
 
 #[cfg(test)]

@@ -3,15 +3,13 @@
 
 use std::f64::consts::{PI, TAU};
 
-use std::ops::ControlFlow;
-
 use serde::Serialize;
 
 use super::distances::largest_min_distance;
 use super::error::MeasureError;
 use super::pair_correlation::PairCorrelation;
-use super::radial::RadialProfile;
-use crate::monitor::Progress;
+use super::{check_length, check_rising};
+use crate::monitor::Control;
 use crate::region::Region;
 
 /// Mean power within a disk at which its radius is the effective Nyquist frequency.
@@ -44,32 +42,20 @@ pub struct PowerCurve {
 }
 
 impl PowerCurve {
-    /// Returns the curve through powers at rising positive frequencies.
+    /// Returns the curve through powers at rising positive frequencies. Where they scatter, as in a radial mean, that adds
+    /// to the oscillation and lifts or lowers the powers next to zero: average many sets, or use [`Self::of_samples`].
     ///
     /// # Errors
     ///
     /// [`MeasureError::TooFew`] below two values, [`MeasureError::LengthDiffers`], [`MeasureError::NotRising`] for
     /// frequencies that do not rise from above zero or a power that is not finite.
     pub fn new(frequencies: Vec<f64>, powers: Vec<f64>) -> Result<Self, MeasureError> {
-        let (count, expected) = (powers.len(), frequencies.len());
-        if count != expected {
-            return Err(MeasureError::LengthDiffers {
-                name: "powers of a curve",
-                count,
-                expected,
-            });
-        }
+        let count = powers.len();
+        check_length("powers of a curve", count, frequencies.len())?;
         if count < 2 {
             return Err(MeasureError::TooFew { count, limit: 2 });
         }
-        let mut before = 0.0;
-        for (index, &value) in frequencies.iter().enumerate() {
-            if !(value > before && value.is_finite()) {
-                let name = "frequencies of a curve";
-                return Err(MeasureError::NotRising { name, index, value });
-            }
-            before = value;
-        }
+        check_rising("frequencies of a curve", &frequencies, 0.0)?;
         if let Some(index) = powers.iter().position(|power| !power.is_finite()) {
             let (name, value) = ("powers of a curve", powers[index]);
             return Err(MeasureError::NotRising { name, index, value });
@@ -91,7 +77,7 @@ impl PowerCurve {
     pub fn of_samples(
         points: &[[f64; 2]],
         region: Region,
-        control: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+        control: Control<'_>,
     ) -> Result<Option<Self>, MeasureError> {
         let r_max = largest_min_distance(points.len(), region.area());
         let most = (0.499 * region.width.min(region.height) / r_max).min(MAX_DISTANCE);
@@ -102,16 +88,6 @@ impl PowerCurve {
         let pairs = PairCorrelation::of(points, region, most, bins, control)?;
         let frequencies = (1..=600).map(|i| 0.01 * f64::from(i)).collect();
         Self::of_pairs(&pairs, frequencies).map(Some)
-    }
-
-    /// Returns the curve of a radial mean. Its scatter adds to the oscillation and lifts or lowers the powers next to zero:
-    /// average many sets, or use [`Self::of_samples`].
-    ///
-    /// # Errors
-    ///
-    /// Those of [`Self::new`].
-    pub fn of_profile(profile: &RadialProfile) -> Result<Self, MeasureError> {
-        Self::new(profile.relative_frequencies(), profile.powers())
     }
 
     /// Returns the power at `frequencies` that follows from `g(r)`:

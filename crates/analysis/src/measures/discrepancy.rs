@@ -1,8 +1,6 @@
 //! L2 discrepancies of the unit square by their closed forms, which take all pairs. The region is scaled to the unit
 //! square; its border counts, periodic or not. Nothing is approximated, so the number of samples is limited.
 
-use std::ops::ControlFlow;
-
 use glam::DVec2;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -10,7 +8,7 @@ use serde::Serialize;
 use super::check_set;
 use super::error::MeasureError;
 use crate::error::VerifyError;
-use crate::monitor::{Monitor, Progress};
+use crate::monitor::{Control, Monitor};
 use crate::region::Region;
 
 /// L2 discrepancies of a set.
@@ -40,15 +38,14 @@ impl Discrepancy {
     pub fn of(
         points: &[[f64; 2]],
         region: Region,
-        control: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+        control: Control<'_>,
     ) -> Result<Self, MeasureError> {
         let (count, limit) = (points.len(), Self::MAX_SAMPLES);
         if count > limit {
             return Err(MeasureError::TooMany { count, limit });
         }
         check_set(points, region, 1)?;
-        let monitor = Monitor::new(control, (count * (count + 1) / 2) as u64);
-        monitor.advance(0)?;
+        let monitor = Monitor::begin(control, (count * (count + 1) / 2) as u64)?;
         let extent = DVec2::new(region.width, region.height);
         let points: Vec<_> = (points.iter())
             .map(|&point| DVec2::from(point) / extent)

@@ -1,8 +1,6 @@
 //! Distances to nearest neighbours, the relative radius and the density. Distances go around the torus when periodic.
 //! Conflicts are counted by [`verify`](crate::verify).
 
-use std::ops::ControlFlow;
-
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -13,7 +11,7 @@ use super::{check_not_all_equal, check_range, check_set};
 use crate::domain::Domain;
 use crate::error::VerifyError;
 use crate::grid::Grid;
-use crate::monitor::{Monitor, Progress};
+use crate::monitor::{Control, Monitor};
 use crate::region::Region;
 
 /// Samples per parallel task.
@@ -68,12 +66,11 @@ impl NearestDistances {
     pub fn of(
         points: &[[f64; 2]],
         region: Region,
-        control: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+        control: Control<'_>,
     ) -> Result<Self, MeasureError> {
         check_set(points, region, 3)?;
         check_not_all_equal(points)?;
-        let monitor = Monitor::new(control, points.len() as u64);
-        monitor.advance(0)?;
+        let monitor = Monitor::begin(control, points.len() as u64)?;
         let domain = Domain::new(region)?;
         let grid = Grid::new(points, domain, domain.spacing(points.len()));
         let neighbors = Neighbors { grid: &grid };

@@ -1,8 +1,6 @@
 //! The pairs of samples whose distance lies in a range: those that a bin of the pair correlation counts. Distances go
 //! around the torus when periodic. All pairs are counted; at most the caller's limit of them is held.
 
-use std::ops::ControlFlow;
-
 use glam::{BVec2, DVec2};
 use rayon::prelude::*;
 use serde::Serialize;
@@ -13,7 +11,7 @@ use super::{check_count, check_range, check_set};
 use crate::domain::Domain;
 use crate::error::VerifyError;
 use crate::grid::{Entry, Grid};
-use crate::monitor::{Monitor, Progress};
+use crate::monitor::{Control, Monitor};
 use crate::region::Region;
 
 /// Pairs that are held at most: 400 MB.
@@ -61,7 +59,7 @@ pub fn pairs_between(
     region: Region,
     [least, most]: [f64; 2],
     limit: usize,
-    control: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    control: Control<'_>,
 ) -> Result<DistantPairs, MeasureError> {
     check_set(points, region, 1)?;
     check_count("pairs to hold", limit, MAX_PAIRS)?;
@@ -75,8 +73,7 @@ pub fn pairs_between(
             value: most,
         });
     }
-    let monitor = Monitor::new(control, 2 * points.len() as u64);
-    monitor.advance(0)?;
+    let monitor = Monitor::begin(control, 2 * points.len() as u64)?;
     let domain = Domain::new(region)?;
     let distances = [least, most].map(|distance| distance * domain.scale);
     let grid = Grid::new(points, domain, distances[1] / CELLS_ALONG);

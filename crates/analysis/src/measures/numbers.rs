@@ -1,7 +1,5 @@
 //! The numbers that describe a set, gathered from its verdict and the measures beside this module.
 
-use std::ops::ControlFlow;
-
 use serde::Serialize;
 
 use super::blue_noise::PowerCurve;
@@ -9,7 +7,7 @@ use super::discrepancy::Discrepancy;
 use super::distances::NearestDistances;
 use super::error::MeasureError;
 use super::order::Order;
-use crate::monitor::Progress;
+use crate::monitor::Control;
 use crate::report::Report;
 
 /// The numbers of a set; `None` where one is not defined. Serialized, a number that is not finite is null.
@@ -67,7 +65,7 @@ impl SetNumbers {
         points: &[[f64; 2]],
         report: &Report,
         has_radius: bool,
-        control: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+        control: Control<'_>,
     ) -> Result<(Self, Option<PowerCurve>), MeasureError> {
         let (region, samples) = (report.region, points.len() as f64);
         let distances = NearestDistances::of(points, region, control)?;

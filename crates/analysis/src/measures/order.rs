@@ -1,15 +1,13 @@
 //! Order of a set as its Voronoi cells show it: areas, numbers of sides, bond-orientational order. Cells at a bounded
 //! region's border count for nothing: their shape is the border's. The cells come from [`super::tiles`].
 
-use std::ops::ControlFlow;
-
 use serde::Serialize;
 
 use super::error::MeasureError;
 use super::statistics::Summary;
 use super::tiles::{TILE_CELLS, map_cells};
 use super::{check_not_all_equal, check_set};
-use crate::monitor::{Monitor, Progress};
+use crate::monitor::{Control, Monitor};
 use crate::region::Region;
 use crate::tessellation::VoronoiCell;
 
@@ -55,12 +53,11 @@ impl Order {
     pub fn of(
         points: &[[f64; 2]],
         region: Region,
-        control: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+        control: Control<'_>,
     ) -> Result<Self, MeasureError> {
         check_set(points, region, 3)?;
         check_not_all_equal(points)?;
-        let monitor = Monitor::new(control, points.len() as u64);
-        monitor.advance(0)?;
+        let monitor = Monitor::begin(control, points.len() as u64)?;
         let mean_area = region.area() / points.len() as f64;
         let cells = map_cells(points, region, TILE_CELLS, &monitor, |cell| {
             order(cell, mean_area)

@@ -2,7 +2,7 @@
 //! around the torus when periodic; bounded sets get the translation correction. Nothing is smoothed, and counts are
 //! exact.
 
-use std::ops::{ControlFlow, Range};
+use std::ops::Range;
 
 use glam::DVec2;
 use rayon::prelude::*;
@@ -15,7 +15,7 @@ use super::{check_count, check_not_all_equal, check_range, check_set};
 use crate::domain::Domain;
 use crate::error::VerifyError;
 use crate::grid::{Entry, Grid};
-use crate::monitor::{Monitor, Progress};
+use crate::monitor::{Control, Monitor};
 use crate::region::Region;
 
 /// Bins of a distribution at most.
@@ -65,7 +65,7 @@ impl PairCorrelation {
         region: Region,
         most: f64,
         bins: usize,
-        control: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+        control: Control<'_>,
     ) -> Result<Self, MeasureError> {
         check_set(points, region, 3)?;
         check_not_all_equal(points)?;
@@ -73,8 +73,7 @@ impl PairCorrelation {
         let r_max = largest_min_distance(points.len(), region.area());
         let half = 0.5 * region.width.min(region.height) / r_max;
         check_range("the largest distance of g(r)", most, [1e-6, half])?;
-        let monitor = Monitor::new(control, points.len() as u64);
-        monitor.advance(0)?;
+        let monitor = Monitor::begin(control, points.len() as u64)?;
         let domain = Domain::new(region)?;
         let distance = most * r_max * domain.scale;
         let grid = Grid::new(points, domain, distance / CELLS_ALONG);
@@ -105,7 +104,7 @@ impl PairCorrelation {
     pub fn to_look_at(
         points: &[[f64; 2]],
         region: Region,
-        control: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+        control: Control<'_>,
     ) -> Result<Self, MeasureError> {
         let r_max = largest_min_distance(points.len(), region.area());
         let half = 0.499 * region.width.min(region.height) / r_max;
@@ -126,7 +125,7 @@ impl PairCorrelation {
         points: &[[f64; 2]],
         region: Region,
         unit: f64,
-        control: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+        control: Control<'_>,
     ) -> Result<Self, MeasureError> {
         check_set(points, region, 3)?;
         let r_max = largest_min_distance(points.len(), region.area());
@@ -302,7 +301,10 @@ impl PairSums {
 
 #[cfg(test)]
 mod tests {
+    use std::ops::ControlFlow;
+
     use super::*;
+    use crate::monitor::Progress;
     use crate::region::Boundary;
 
     /// Square lattices of distance `unit`: the first pairs are in the bin that begins there, whatever the number of samples.

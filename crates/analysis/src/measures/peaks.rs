@@ -78,14 +78,9 @@ fn between(means: &[[f64; 2]], length: f64) -> f64 {
 fn rings(periodogram: &Periodogram) -> Vec<Vec<[f64; 2]>> {
     let most = periodogram.window.x.end - 1;
     let mut rings = vec![Vec::new(); (most / 2) as usize];
-    for ky in 0..=most {
-        let least = if ky == 0 { 1 } else { -most };
-        for kx in least..=most {
-            let length = periodogram.length([kx, ky]);
-            let ring = (0.5 * length) as usize;
-            if let (Some(ring), Some(power)) = (rings.get_mut(ring), periodogram.at([kx, ky])) {
-                ring.push([length, power]);
-            }
+    for [length, power] in periodogram.half_plane([most, most]) {
+        if let Some(ring) = rings.get_mut((0.5 * length) as usize) {
+            ring.push([length, power]);
         }
     }
     rings

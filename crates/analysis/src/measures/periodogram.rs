@@ -2,8 +2,6 @@
 //! tapered, so that their border does not drown their structure. Averages over frequencies are in [`super::radial`] and
 //! [`super::coarse`]. The zero frequency is kept here and left out there.
 
-use std::ops::ControlFlow;
-
 use glam::DVec2;
 use rustfft::num_complex::Complex;
 use serde::Serialize;
@@ -13,7 +11,7 @@ use super::error::MeasureError;
 use super::nufft::TransformPlan;
 use super::spread::Sample;
 use super::window::FrequencyWindow;
-use crate::monitor::{Monitor, Progress};
+use crate::monitor::{Control, Monitor};
 use crate::region::{Boundary, Region};
 
 /// How samples are weighed.
@@ -130,7 +128,7 @@ impl Periodogram {
         points: &[[f64; 2]],
         region: Region,
         window: &FrequencyWindow,
-        control: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+        control: Control<'_>,
     ) -> Result<Self, MeasureError> {
         let taper = Taper::for_boundary(region.boundary);
         Self::tapered(points, region, window, taper, control)
@@ -142,12 +140,11 @@ impl Periodogram {
         region: Region,
         window: &FrequencyWindow,
         taper: Taper,
-        control: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+        control: Control<'_>,
     ) -> Result<Self, MeasureError> {
         check_set(points, region, 1)?;
         let plan = TransformPlan::new(window)?;
-        let monitor = Monitor::new(control, plan.work(points.len()));
-        monitor.advance(0)?;
+        let monitor = Monitor::begin(control, plan.work(points.len()))?;
         let set = Weighed::new(points, region, taper);
         let transform = plan.run(&set.samples, &monitor)?;
         let power = |k| set.sum(k, transform.at(k)).norm_sqr() * set.scale;
@@ -175,9 +172,13 @@ impl Periodogram {
         (kx as f64 * x).hypot(ky as f64 * y)
     }
 
-    /// Length of a unit step along each axis.
-    pub(super) fn scale(&self) -> [f64; 2] {
-        unit_lengths(self.region)
+    /// Returns length and power of one frequency of each opposite pair, but zero, up to these frequencies along the axes;
+    /// those that the window has.
+    pub(super) fn half_plane(&self, [most_x, most_y]: [i64; 2]) -> impl Iterator<Item = [f64; 2]> {
+        let least_x = move |ky: i64| if ky == 0 { 1 } else { -most_x };
+        let row = move |ky: i64| (least_x(ky)..=most_x).map(move |kx| [kx, ky]);
+        let each = (0..=most_y).flat_map(row);
+        each.filter_map(|k| Some([self.length(k), self.at(k)?]))
     }
 }
 

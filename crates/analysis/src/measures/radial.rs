@@ -5,7 +5,7 @@ use serde::Serialize;
 
 use super::check_range;
 use super::error::MeasureError;
-use super::periodogram::Periodogram;
+use super::periodogram::{Periodogram, unit_lengths};
 
 /// The frequencies whose length lies in a half-open interval.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, serde::Deserialize)]
@@ -52,16 +52,12 @@ impl RadialProfile {
     /// [`MeasureError::OutOfRange`] for a width outside [`Self::WIDTHS`].
     pub fn of(periodogram: &Periodogram, width: f64) -> Result<Self, MeasureError> {
         check_range("the width of an annulus", width, Self::WIDTHS)?;
-        let [scale_x, scale_y] = periodogram.scale();
-        let (reach, [most_x, most_y]) = reach(periodogram);
+        let (reach, most) = reach(periodogram);
         let whole = ((reach - 0.5) / width).floor().max(0.0) as usize;
         let mut sums = vec![AnnulusSums::default(); whole];
-        // One frequency of each pair: ky > 0, or ky = 0 and kx > 0.
-        let least_x = |ky: i64| if ky == 0 { 1 } else { -most_x };
-        for [kx, ky] in (0..=most_y).flat_map(|ky| (least_x(ky)..=most_x).map(move |kx| [kx, ky])) {
-            let length = (kx as f64 * scale_x).hypot(ky as f64 * scale_y);
+        for [length, power] in periodogram.half_plane(most) {
             let annulus = ((length - 0.5) / width).floor().max(0.0) as usize;
-            if let (Some(sums), Some(power)) = (sums.get_mut(annulus), periodogram.at([kx, ky])) {
+            if let Some(sums) = sums.get_mut(annulus) {
                 sums.add(length, power);
             }
         }
@@ -92,7 +88,7 @@ impl RadialProfile {
 /// frequencies that can be that short.
 fn reach(periodogram: &Periodogram) -> (f64, [i64; 2]) {
     let [x0, x1, y0, y1] = periodogram.window.bounds();
-    let scale = periodogram.scale();
+    let scale = unit_lengths(periodogram.region);
     // Whole axes reach as far as their shorter side; one axis may be a half.
     let (whole_x, whole_y) = ((-x0).min(x1 - 1), (-y0).min(y1 - 1));
     let half = |first: i64, end: i64| {

@@ -1,8 +1,6 @@
 //! The contribution of each sample to the power in a ring of frequencies: the sums of the periodogram, split by sample.
 //! A transform gives the sums at the ring's frequencies, its adjoint their values at the samples.
 
-use std::ops::ControlFlow;
-
 use rayon::prelude::*;
 use rustfft::num_complex::Complex;
 use serde::Serialize;
@@ -12,7 +10,7 @@ use super::nufft::{MAX_FREQUENCY, TransformPlan};
 use super::periodogram::{Taper, Weighed, unit_lengths};
 use super::window::FrequencyWindow;
 use super::{adjoint, check_range, check_set};
-use crate::monitor::{Monitor, Progress};
+use crate::monitor::{Control, Monitor};
 use crate::region::Region;
 
 /// The power of a set in a ring of frequencies, as a sum over its samples.
@@ -95,7 +93,7 @@ pub fn frequency_shares(
     points: &[[f64; 2]],
     region: Region,
     ring: [f64; 2],
-    control: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    control: Control<'_>,
 ) -> Result<FrequencyShares, MeasureError> {
     check_set(points, region, 1)?;
     let plans = plans_of(&window_of(region, ring)?)?;
@@ -127,11 +125,10 @@ fn shares_by(
     points: &[[f64; 2]],
     region: Region,
     ring: [f64; 2],
-    control: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    control: Control<'_>,
 ) -> Result<FrequencyShares, MeasureError> {
     let work = |plan: &TransformPlan| plan.work(points.len()) + adjoint::work(plan, points.len());
-    let monitor = Monitor::new(control, plans.iter().map(work).sum());
-    monitor.advance(0)?;
+    let monitor = Monitor::begin(control, plans.iter().map(work).sum())?;
     let set = Weighed::new(points, region, Taper::for_boundary(region.boundary));
     let (mut sums, mut waves) = (RingSums::default(), vec![0.0; points.len()]);
     for plan in plans {
@@ -232,7 +229,10 @@ fn restrict(
 
 #[cfg(test)]
 mod tests {
+    use std::ops::ControlFlow;
+
     use super::*;
+    use crate::monitor::Progress;
     use crate::region::Boundary;
 
     fn scattered(region: Region) -> Vec<[f64; 2]> {

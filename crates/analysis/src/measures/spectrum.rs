@@ -7,7 +7,7 @@ use serde::Serialize;
 use super::check_range;
 use super::coarse::CoarsePower;
 use super::error::MeasureError;
-use super::periodogram::Periodogram;
+use super::periodogram::{Periodogram, unit_lengths};
 use super::radial::{Annulus, RadialProfile};
 use super::statistics::power_band;
 use super::window::FrequencyWindow;
@@ -74,7 +74,7 @@ impl Spectrum {
         let picture = CoarsePower::of(periodogram, Self::PICTURE_CELLS)?;
         let half = [picture.size * picture.side, picture.rows * picture.row_side]
             .map(|frequencies| 0.5 * frequencies as f64 / periodogram.samples.sqrt());
-        let scale = periodogram.scale();
+        let scale = unit_lengths(periodogram.region);
         Ok(Self {
             bands: bands(&profile, periodogram.region)?,
             picture_reach: [0, 1].map(|axis| half[axis] * scale[axis]),
@@ -87,7 +87,7 @@ impl Spectrum {
     /// at least 1.
     #[must_use]
     pub fn annulus_width(periodogram: &Periodogram) -> f64 {
-        let [x, y] = periodogram.scale();
+        let [x, y] = unit_lengths(periodogram.region);
         let window = &periodogram.window;
         let longest = (window.x.end as f64 * x).min(window.y.end as f64 * y);
         (longest / Self::ANNULI).max(1.0)

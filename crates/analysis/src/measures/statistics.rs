@@ -3,10 +3,10 @@
 
 use serde::Serialize;
 
-use super::check_range;
 use super::distributions::{chi_square_quantile, student_quantile};
 use super::error::MeasureError;
 use super::periodogram::Periodogram;
+use super::{check_length, check_range};
 
 /// Confidence levels that are accepted.
 pub(super) const LEVELS: [f64; 2] = [0.01, 0.999_999];
@@ -82,13 +82,7 @@ impl Average {
     ///
     /// [`MeasureError::LengthDiffers`].
     pub fn add(&mut self, curve: &[f64]) -> Result<(), MeasureError> {
-        if curve.len() != self.means.len() {
-            return Err(MeasureError::LengthDiffers {
-                name: "an average of curves",
-                count: curve.len(),
-                expected: self.means.len(),
-            });
-        }
+        check_length("an average of curves", curve.len(), self.means.len())?;
         self.push(curve.iter().copied());
         Ok(())
     }

@@ -7,7 +7,7 @@ use serde::Serialize;
 use super::distributions::{chi_square_tail, student_quantile};
 use super::error::MeasureError;
 use super::statistics::Average;
-use super::{check_count, check_range, check_set};
+use super::{check_count, check_length, check_range, check_rising, check_set};
 use crate::region::Region;
 
 /// Classes at most.
@@ -67,14 +67,7 @@ impl DistanceClasses {
     /// [`MeasureError::BadCount`] for no edge, [`MeasureError::NotRising`].
     pub fn new(edges: Vec<f64>) -> Result<Self, MeasureError> {
         check_count("edges", edges.len(), MAX_CLASSES)?;
-        let mut before = f64::NEG_INFINITY;
-        for (index, &value) in edges.iter().enumerate() {
-            if !(value > before && value.is_finite()) {
-                let name = "edges of distance classes";
-                return Err(MeasureError::NotRising { name, index, value });
-            }
-            before = value;
-        }
+        check_rising("edges of distance classes", &edges, f64::NEG_INFINITY)?;
         Ok(Self { edges })
     }
 
@@ -139,16 +132,8 @@ impl ClassCounts {
     /// [`MeasureError::LengthDiffers`]; [`MeasureError::OutOfRange`] for a share outside 0 to 1 or shares that do not
     /// add up to 1 within 1e-6.
     pub fn add_run(&mut self, counts: &[u64], shares: &[f64]) -> Result<(), MeasureError> {
-        let expected = self.observed.len();
-        for (name, count) in [("counts", counts.len()), ("shares", shares.len())] {
-            if count != expected {
-                return Err(MeasureError::LengthDiffers {
-                    name,
-                    count,
-                    expected,
-                });
-            }
-        }
+        check_length("counts", counts.len(), self.observed.len())?;
+        check_length("shares", shares.len(), self.observed.len())?;
         for share in shares {
             check_range("the share of a class", *share, [0.0, 1.0])?;
         }
@@ -243,14 +228,7 @@ impl ClassCounts {
     /// [`MeasureError::LengthDiffers`], and [`MeasureError::TooFew`] where one has no samples or fewer than two
     /// classes have any.
     pub fn compare(&self, other: &Self) -> Result<ChiSquare, MeasureError> {
-        let (count, expected) = (other.observed.len(), self.observed.len());
-        if count != expected {
-            return Err(MeasureError::LengthDiffers {
-                name: "classes",
-                count,
-                expected,
-            });
-        }
+        check_length("classes", other.observed.len(), self.observed.len())?;
         let totals = [self, other].map(|counts| counts.observed.iter().sum::<u64>() as f64);
         let (mut sum, mut classes) = (0.0, 0);
         for (a, b) in self.observed.iter().zip(&other.observed) {

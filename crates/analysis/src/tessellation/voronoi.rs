@@ -5,10 +5,10 @@
 use glam::DVec2;
 
 use super::cells::Cells;
-use super::check;
 use super::window::Window;
 use crate::domain::Domain;
 use crate::error::VerifyError;
+use crate::input::check_points;
 use crate::region::Region;
 
 /// The Voronoi cell of a sample, clipped to a bounded domain.
@@ -45,7 +45,7 @@ pub struct VoronoiCell {
 /// ```
 pub fn voronoi_cells(points: &[[f64; 2]], region: Region) -> Result<Vec<VoronoiCell>, VerifyError> {
     let domain = Domain::new(region)?;
-    check(points, region)?;
+    check_points(points, region)?;
     let spacing = domain.spacing(points.len());
     let window = Window::new(points, domain, spacing)?;
     let same = crate::cover::same_place(&domain, spacing);

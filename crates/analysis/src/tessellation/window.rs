@@ -6,7 +6,7 @@ use spade::{DelaunayTriangulation, HasPosition, Point2, Triangulation};
 
 use super::triangles::Triangle;
 use crate::cover::circle::circumcircle;
-use crate::delaunay::delaunay;
+use crate::delaunay::{delaunay, site};
 use crate::domain::Domain;
 use crate::error::VerifyError;
 
@@ -115,8 +115,7 @@ fn home_and_copies(samples: &[DVec2], domain: &Domain, halo: f64) -> Vec<Site> {
                 let place = shifted(samples[sample as usize], shift, domain);
                 let near = place.cmpge(-DVec2::splat(halo)) & place.cmple(domain.extent + halo);
                 if shift == IVec2::ZERO || near.all() {
-                    let [x, y] = place.map(accepted).to_array();
-                    let position = Point2::new(x, y);
+                    let position = site(place);
                     let seen = Seen { sample, shift };
                     sites.push(Site { position, seen });
                 }
@@ -124,15 +123,6 @@ fn home_and_copies(samples: &[DVec2], domain: &Domain, halo: f64) -> Vec<Site> {
         }
     }
     sites
-}
-
-/// Coordinates that the triangulation refuses as too small become zero.
-fn accepted(value: f64) -> f64 {
-    if value.abs() < spade::MIN_ALLOWED_VALUE {
-        0.0
-    } else {
-        value
-    }
 }
 
 /// A place `shift` periods on.

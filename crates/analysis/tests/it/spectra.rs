@@ -303,7 +303,7 @@ fn a_maximal_set_has_the_published_spectrum_by_both_routes() {
 
     let pairs = PairCorrelation::of(&points, region, 12.0, 2400, &go_on).expect("g");
     let curve = PowerCurve::of_pairs(&pairs, nu.clone()).expect("a curve");
-    let direct = PowerCurve::of_profile(&profile).expect("a curve");
+    let direct = PowerCurve::new(nu.clone(), profile.powers()).expect("a curve");
     let squares: f64 = (curve.powers().iter().zip(direct.powers()))
         .skip(8)
         .map(|(a, b)| (a - b).powi(2))

@@ -28,25 +28,20 @@ pub(super) fn clips(domain: &Domain, pieces: &[Piece], reach: i32) -> Vec<Clip> 
 fn clip(domain: &Domain, pieces: &[Piece], piece: &Piece, reach: i32) -> Clip {
     let (rect, variant) = (piece.rect, piece.set.variant(Symmetry(0)));
     let continuations = continuations(domain, pieces, piece);
-    let (min, sides) = (rect.min, [rect.width(), rect.height()]);
-    let x = Margined::new(
-        min.x,
-        piece.start.x,
-        sides[0],
-        variant.width,
-        variant.periodic,
-    );
-    let y = Margined::new(
-        min.y,
-        piece.start.y,
-        sides[1],
-        variant.height,
-        variant.periodic,
-    );
+    // The rectangle enlarged by r, as far as the set extends, in the set.
+    let start = I64Vec2::from(piece.start);
+    let (mut low, mut high) = (start - i64::from(R), start + i64::from(R));
+    high += I64Vec2::new(rect.width().into(), rect.height().into());
+    let extent = I64Vec2::new(variant.width.into(), variant.height.into());
+    if !variant.periodic {
+        (low, high) = (low.max(I64Vec2::ZERO), high.min(extent));
+    }
+    let corner = I64Vec2::from(rect.min) - start + low;
+    let first = low.rem_euclid(extent);
+    let first = Point::new(first.x as i32, first.y as i32);
+    let [width, height] = (high - low).to_array().map(|side| side as i32);
     let (mut near, mut deep) = (Vec::new(), Vec::new());
-    let start = Point::new(x.start, y.start);
-    let corner = I64Vec2::new(x.corner, y.corner);
-    variant.clip(start, x.length, y.length, |right, up, index| {
+    variant.clip(first, width, height, |right, up, index| {
         let at = corner + I64Vec2::new(right.into(), up.into());
         // Only samples of a margin may exceed 32 bits.
         let point = Point::new(at.x as i32, at.y as i32);
@@ -59,34 +54,6 @@ fn clip(domain: &Domain, pieces: &[Piece], piece: &Piece, reach: i32) -> Clip {
     });
     near.sort_unstable_by_key(|&(at, index)| (at.y, at.x, index));
     Clip { near, deep }
-}
-
-/// One axis of a rectangle that is enlarged by r on both ends, as far as the set extends.
-struct Margined {
-    /// Its start in the set.
-    start: i32,
-    /// Its start in the result.
-    corner: i64,
-    /// Its length.
-    length: i32,
-}
-
-impl Margined {
-    /// Returns the axis of a rectangle of `side` units from `min` on, which shows the set from `start` on.
-    fn new(min: i32, start: i32, side: i32, extent: i32, periodic: bool) -> Self {
-        let (min, start, extent) = (i64::from(min), i64::from(start), i64::from(extent));
-        let margined = (start - i64::from(R), start + i64::from(side) + i64::from(R));
-        let (low, high) = if periodic {
-            margined
-        } else {
-            (margined.0.max(0), margined.1.min(extent))
-        };
-        Self {
-            start: low.rem_euclid(extent) as i32,
-            corner: min - start + low,
-            length: (high - low) as i32,
-        }
-    }
 }
 
 /// Returns the rectangles around a piece in which the same set continues unchanged. There the piece's margin would only

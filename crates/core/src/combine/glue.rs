@@ -28,7 +28,7 @@ const READ: i32 = 7 * R;
 
 /// How far inside their rectangles samples are considered at first. Eliminated samples are at most 2r inside, so first
 /// detectors at most 4r and 4 units.
-const NEAR: i32 = 5 * R + READ;
+pub(super) const NEAR: i32 = 5 * R + READ;
 
 /// Detectors between two calls of the observer, and those of one task of a thread.
 const BATCH: usize = 1 << 14;
@@ -52,7 +52,8 @@ impl Glued {
             origins,
             fates,
         } = &self.samples;
-        let of = |((&point, origin), fate): ((&Point, &Origin), &Fate)| match (*origin, fate) {
+        let each = points.iter().zip(origins).zip(fates);
+        each.filter_map(|((&point, &origin), fate)| match (origin, fate) {
             (
                 Origin::Tiled {
                     block,
@@ -60,45 +61,26 @@ impl Glued {
                     own,
                 },
                 Fate::Eliminated { .. },
-            ) => Some(EliminatedSample {
-                point,
-                piece: block,
-                index: pattern,
-                own,
-            }),
+            ) => {
+                let (piece, index) = (block, pattern);
+                Some(EliminatedSample {
+                    point,
+                    piece,
+                    index,
+                    own,
+                })
+            }
             _ => None,
-        };
-        points
-            .iter()
-            .zip(origins)
-            .zip(fates)
-            .filter_map(of)
-            .collect()
+        })
+        .collect()
     }
 }
 
-/// Glues the pieces. If a sample is inserted deeper than expected, which only sets with lattice points uncovered by a
-/// hair allow, it may depend on samples that were not considered: then gluing begins again with twice the depth.
+/// Glues the pieces, considering only samples up to `near` units inside their rectangles: [`NEAR`], or `i32::MAX` for
+/// all, which gives the same result. If a sample is inserted deeper than expected, which only sets with lattice points
+/// uncovered by a hair allow, it may depend on samples that were not considered: then gluing begins again with twice the
+/// depth.
 pub(super) fn glue(
-    domain: Domain,
-    pieces: &[Piece],
-    options: &CombineOptions,
-    observer: &mut dyn Observer,
-) -> Result<Glued, CombineError> {
-    glue_from(NEAR, domain, pieces, options, observer)
-}
-
-/// Glues the pieces considering all samples. The result is the same.
-pub(super) fn glue_all(
-    domain: Domain,
-    pieces: &[Piece],
-    options: &CombineOptions,
-    observer: &mut dyn Observer,
-) -> Result<Glued, CombineError> {
-    glue_from(i32::MAX, domain, pieces, options, observer)
-}
-
-fn glue_from(
     mut near: i32,
     domain: Domain,
     pieces: &[Piece],
@@ -216,12 +198,19 @@ fn fill(
     let key = Key::from_seed(options.seed);
     let samples = &mut glued.samples;
     let mut survivors = survivors(domain, samples);
-    let mut detectors = first_detectors(samples, &survivors);
+    let mut detectors = first_detectors(samples, &survivors, &mut Unrecorded);
     for k in 1.. {
         let meter = Meter::begin(observer, Stage::Iterate(k), detectors.len() as u64)?;
         let detection = || Detection::new(domain, options.search, &survivors);
         let candidates = detect(detection, samples, &detectors, meter)?;
-        let inserted = insert(samples, &mut survivors, &candidates, k, key);
+        let inserted = insert(
+            samples,
+            &mut survivors,
+            &candidates,
+            k,
+            key,
+            &mut Unrecorded,
+        );
         if inserted.is_empty() {
             break;
         }
@@ -267,7 +256,8 @@ fn detect<'a>(
         let turns = batch.par_chunks(TURN).map(|turn| {
             let (mut detection, mut found) = (detection(), Vec::new());
             for &id in turn {
-                detection.find(id, samples.points[id as usize], &mut found);
+                let at = samples.points[id as usize];
+                detection.find(id, at, &mut found, &mut Unrecorded);
             }
             found
         });

@@ -2,14 +2,13 @@
 
 use std::sync::Arc;
 
-use super::glue::{blocks, glue_all};
+use super::glue::{blocks, glue};
 use super::{CombineError, CombineOptions, Combined, Piece, Seam, check, layout};
-use crate::lattice::{Domain, Point, R};
+use crate::lattice::{Domain, R};
 use crate::parameters::{Parameters, PatternSpec, Variant};
 use crate::progress::{Meter, Observer};
 use crate::random::Key;
 use crate::run::Run;
-use crate::samples::{Fate, Origin, Samples, Sites, Source};
 use crate::stage::Stage;
 
 /// A combination with all its stages.
@@ -34,27 +33,16 @@ pub fn combine_in_stages(
     observer: &mut dyn Observer,
 ) -> Result<Staged, CombineError> {
     check(&domain, pieces)?;
-    let glued = glue_all(domain, pieces, options, observer)?;
+    let glued = glue(i32::MAX, domain, pieces, options, observer)?;
     let meter = Meter::begin(observer, Stage::Finish, 1)?;
     let mut run = empty(domain, pieces, options);
-    run.result = in_order(&glued.samples);
+    run.result = glued.samples.kept();
     run.samples = glued.samples;
     run.tiles = glued.tiles;
     run.iterations = glued.iterations;
     let seams = layout::seams(&domain, pieces);
     meter.end()?;
     Ok(Staged { run, seams })
-}
-
-/// Returns the ids of the kept samples in canonical order.
-fn in_order(samples: &Samples) -> Vec<u32> {
-    let kept = (0..).zip(&samples.fates);
-    let kept = kept.filter(|&(_, fate)| *fate == Fate::Kept);
-    let mut keyed: Vec<(u64, u32)> = kept
-        .map(|(id, _): (u32, _)| (samples.points[id as usize].canonical(), id))
-        .collect();
-    keyed.sort_unstable();
-    keyed.into_iter().map(|(_, id)| id).collect()
 }
 
 impl Combined {
@@ -64,27 +52,7 @@ impl Combined {
     #[must_use]
     pub fn into_run(self, pieces: &[Piece], options: &CombineOptions) -> Run {
         let mut run = empty(self.domain, pieces, options);
-        let origin = |(point, source): (&Point, &Source)| match *source {
-            Source::Tiled { block, pattern } => Origin::Tiled {
-                block,
-                pattern,
-                own: pieces[block as usize].rect.contains(*point),
-            },
-            Source::Inserted { iteration } => Origin::Inserted {
-                iteration,
-                sites: Sites::Unrecorded,
-            },
-        };
-        let each = self.points.iter().zip(&self.sources);
-        let origins: Vec<Origin> = each.map(origin).collect();
-        let count = origins.len();
-        run.samples = Samples {
-            points: self.points,
-            origins,
-            fates: vec![Fate::Kept; count],
-        };
-        run.result = (0..count as u32).collect();
-        run.counted = Some(self.summary);
+        run.set_result(self.points, &self.sources, self.summary);
         run
     }
 }
@@ -110,15 +78,7 @@ fn empty(domain: Domain, pieces: &[Piece], options: &CombineOptions) -> Run {
         search: options.search,
         variant: Variant::Staged,
     };
-    Run {
-        parameters,
-        domain,
-        pattern: Arc::clone(&pieces[0].set),
-        blocks: blocks(pieces, Key::from_seed(options.seed)),
-        tiles: Vec::new(),
-        samples: Samples::default(),
-        iterations: Vec::new(),
-        result: Vec::new(),
-        counted: None,
-    }
+    let mut run = Run::new(&parameters, domain, Arc::clone(&pieces[0].set));
+    run.blocks = blocks(pieces, Key::from_seed(options.seed));
+    run
 }

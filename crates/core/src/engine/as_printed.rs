@@ -6,11 +6,11 @@
 //! pivot than the reach of detection belongs to no gap of the pivot and is skipped; a bounded domain adds candidates on
 //! its border.
 
-use glam::{I64Vec2, IVec2};
+use glam::I64Vec2;
 
 use crate::circumcentre::circumcentre;
 use crate::error::SampleError;
-use crate::grid::SampleGrid;
+use crate::grid::{NearSample, SampleGrid};
 use crate::lattice::{Domain, Point, R, covers_offset};
 use crate::parameters::Search;
 use crate::progress::Meter;
@@ -27,12 +27,6 @@ pub struct AsPrinted {
     /// All tiled and inserted samples of the domain, eliminated ones included.
     grid: SampleGrid,
     is_detector: Vec<bool>,
-}
-
-#[derive(Clone, Copy)]
-struct Member {
-    id: u32,
-    offset: IVec2,
 }
 
 impl AsPrinted {
@@ -180,12 +174,12 @@ impl AsPrinted {
     fn detect_and_insert<T: Recorder>(
         &mut self,
         samples: &mut Samples,
-        buffer: &[Member],
+        buffer: &[NearSample],
         pivot: u32,
         iteration: u32,
         recorder: &mut T,
     ) {
-        let others: Vec<Member> = buffer.iter().copied().filter(|m| m.id != pivot).collect();
+        let others: Vec<NearSample> = buffer.iter().copied().filter(|m| m.id != pivot).collect();
         recorder.record(RunEvent::Pairs {
             pivot,
             others: others.len() as u32,
@@ -208,7 +202,7 @@ impl AsPrinted {
     fn insert_on_border<T: Recorder>(
         &mut self,
         samples: &mut Samples,
-        others: &[Member],
+        others: &[NearSample],
         pivot: u32,
         iteration: u32,
         recorder: &mut T,
@@ -279,16 +273,13 @@ impl AsPrinted {
     }
 
     /// Returns the valid samples within `radius` of a place, by id.
-    fn radius_search(&self, samples: &Samples, centre: Point, radius: i32) -> Vec<Member> {
+    fn radius_search(&self, samples: &Samples, centre: Point, radius: i32) -> Vec<NearSample> {
         let limit = i64::from(radius) * i64::from(radius);
         let mut members = Vec::new();
         self.grid.any_near(centre, radius, |near| {
             let distance_squared = near.offset.as_i64vec2().length_squared();
             if distance_squared <= limit && is_valid(samples.fates[near.id as usize]) {
-                members.push(Member {
-                    id: near.id,
-                    offset: near.offset,
-                });
+                members.push(near);
             }
             false
         });
@@ -307,7 +298,7 @@ impl AsPrinted {
     }
 }
 
-fn record_search<T: Recorder>(centre: u32, radius: i32, found: &[Member], recorder: &mut T) {
+fn record_search<T: Recorder>(centre: u32, radius: i32, found: &[NearSample], recorder: &mut T) {
     recorder.record(RunEvent::Search {
         centre,
         radius,

@@ -13,13 +13,13 @@ use crate::progress::{Meter, Observer};
 use crate::random::Key;
 use crate::record::{Recorder, RunEvent, Unrecorded};
 use crate::run::{Iteration, Run};
-use crate::samples::{Fate, Origin, Samples};
+use crate::samples::{Fate, Origin, Samples, Sites};
 use crate::stage::Stage;
-use crate::stages::blocks::{Blocks, split_recorded};
+use crate::stages::blocks::split_recorded;
 use crate::stages::darts::DartProcess;
-use crate::stages::detect::{Candidate, Detection, first_detectors_recorded};
+use crate::stages::detect::{Candidate, Detection, first_detectors};
 use crate::stages::eliminate::{contested, eliminate};
-use crate::stages::insert::{insert_recorded, unique};
+use crate::stages::insert::{insert, unique};
 use crate::stages::order::Ranking;
 use crate::stages::tile::tile;
 use crate::stages::uniform::gap_process;
@@ -40,9 +40,7 @@ use crate::stages::uniform::gap_process;
 /// # Ok::<(), tilescope_core::SampleError>(())
 /// ```
 pub fn sample(parameters: &Parameters, observer: &mut dyn Observer) -> Result<Run, SampleError> {
-    parameters.validate_sequential()?;
-    let pattern = Pattern::of_spec(&parameters.pattern, observer)?;
-    Sequential::new(parameters, pattern)?.finish(observer)
+    sample_recorded(parameters, observer, &mut Unrecorded)
 }
 
 /// Like [`sample`], and reports every event to `recorder`. Recording does not change the result.
@@ -83,20 +81,9 @@ impl Sequential {
     /// `pattern` need not be the one that the parameters describe; it may come from a file.
     pub fn new(parameters: &Parameters, pattern: Arc<Pattern>) -> Result<Self, SampleError> {
         let domain = parameters.validate_sequential()?;
-        let run = Run {
-            parameters: *parameters,
-            domain,
-            pattern,
-            blocks: Blocks::default(),
-            tiles: Vec::new(),
-            samples: Samples::default(),
-            iterations: Vec::new(),
-            result: Vec::new(),
-            counted: None,
-        };
         let key = Key::from_seed(parameters.seed);
         Ok(Self {
-            run,
+            run: Run::new(parameters, domain, pattern),
             key,
             next: Some(Stage::Blocks),
             filling: Filling::NotYet,
@@ -231,7 +218,7 @@ impl Sequential {
             (Variant::Staged, Insertion::Circumcentre) => {
                 eliminate(&run.domain, &mut run.samples, &contested, meter, recorder)?;
                 let survivors = survivors(run.domain, &run.samples);
-                let detectors = first_detectors_recorded(&run.samples, &survivors, recorder);
+                let detectors = first_detectors(&run.samples, &survivors, recorder);
                 Filling::Circumcentres {
                     survivors,
                     detectors,
@@ -265,7 +252,7 @@ impl Sequential {
                     detectors: detectors.len() as u32,
                 });
                 let candidates = detect(run, survivors, detectors, meter, recorder)?;
-                let inserted = insert_recorded(
+                let inserted = insert(
                     &mut run.samples,
                     survivors,
                     &candidates,
@@ -305,18 +292,12 @@ impl Sequential {
         recorder: &mut T,
     ) -> Result<(), SampleError> {
         recorder.record(RunEvent::Begin(Stage::Finish));
-        let samples = &self.run.samples;
         let meter = Meter::begin(observer, Stage::Finish, 1)?;
-        let mut keyed: Vec<(u64, u32)> = (0..)
-            .zip(&samples.fates)
-            .filter(|&(_, &fate)| fate == Fate::Kept)
-            .map(|(id, _): (u32, _)| (samples.points[id as usize].canonical(), id))
-            .collect();
-        keyed.sort_unstable();
+        let result = self.run.samples.kept();
         recorder.record(RunEvent::Finish {
-            count: keyed.len() as u32,
+            count: result.len() as u32,
         });
-        self.run.result = keyed.into_iter().map(|(_, id)| id).collect();
+        self.run.result = result;
         meter.end()
     }
 }
@@ -342,12 +323,8 @@ fn detect<T: Recorder>(
     let mut detection = Detection::new(run.domain, run.parameters.search, survivors);
     let mut candidates = Vec::new();
     for &id in detectors {
-        detection.find_recorded(
-            id,
-            run.samples.points[id as usize],
-            &mut candidates,
-            recorder,
-        );
+        let at = run.samples.points[id as usize];
+        detection.find(id, at, &mut candidates, recorder);
         meter.tick()?;
     }
     unique(&mut candidates);
@@ -370,21 +347,12 @@ pub(crate) fn uniform<T: Recorder>(
     });
     let first = samples.len() as u32;
     for point in process.step_recorded(Stage::Iterate(k), observer, first, recorder)? {
-        let sites = crate::stages::detect::Sites::Dart;
-        samples.push(
-            point,
-            Origin::Inserted {
-                iteration: k,
-                sites,
-            },
-            Fate::Kept,
-        );
+        let (iteration, sites) = (k, Sites::Dart);
+        samples.push(point, Origin::Inserted { iteration, sites }, Fate::Kept);
     }
-    let inserted = first..samples.len() as u32;
     Ok(Iteration {
-        detectors: Vec::new(),
-        candidates: Vec::new(),
         cells,
-        inserted,
+        inserted: first..samples.len() as u32,
+        ..Iteration::default()
     })
 }

@@ -16,7 +16,7 @@ pub(super) struct NestedBlock {
     /// The symmetry under which it clips.
     pub symmetry: u8,
     /// The place in the pattern that lies on the place (0, 0).
-    pub origin: [i64; 2],
+    pub origin: I64Vec2,
 }
 
 /// What blocks and their clips are drawn from.
@@ -35,7 +35,7 @@ impl BlockDraws {
     pub fn find(
         &self,
         target: &Rect,
-        origin: [i64; 2],
+        origin: I64Vec2,
         reach: i32,
         images: bool,
         out: &mut Vec<NestedBlock>,
@@ -63,12 +63,12 @@ impl BlockDraws {
         let symmetry = below(block.key.draw(Stream::Dihedral, 0)[0], self.symmetries);
         let words = block.key.draw(Stream::Offset, 0);
         // As in a run of one level, what is drawn lies on the corner of the block enlarged by the finest radius.
-        let start = |axis: usize| i64::from(below(words[axis], self.period as u32));
+        let start = words.map(|word| i64::from(below(word, self.period as u32)));
         NestedBlock {
             rect,
             sequence,
             symmetry: symmetry as u8,
-            origin: [0, 1].map(|axis| start(axis) - (rect.min[axis] - i64::from(R))),
+            origin: I64Vec2::from(start) - (rect.min - i64::from(R)),
         }
     }
 
@@ -77,28 +77,21 @@ impl BlockDraws {
         &self,
         rect: &Rect,
         target: &Rect,
-        origin: [i64; 2],
+        origin: I64Vec2,
         reach: i32,
         images: bool,
     ) -> impl Iterator<Item = Rect64> + use<> {
-        let low = [rect.min.x, rect.min.y].map(i64::from);
-        let high = [rect.max.x, rect.max.y].map(i64::from);
-        let sides = [self.domain.width(), self.domain.height()].map(i64::from);
-        let bounds = [
-            [target.min.x, target.max.x].map(i64::from),
-            [target.min.y, target.max.y].map(i64::from),
-        ];
-        let rect = Rect64 {
-            min: [0, 1].map(|axis| low[axis] - origin[axis]).into(),
-            max: [0, 1].map(|axis| high[axis] - origin[axis]).into(),
-        };
-        let reach = i64::from(reach);
+        let rect = Rect64::from(*rect).moved(-origin);
+        let (grown, target) = (
+            rect.grown(reach.into(), reach.into()),
+            Rect64::from(*target),
+        );
+        let sides = I64Vec2::new(self.domain.width().into(), self.domain.height().into());
         let shifts = [0, 1].map(|axis| {
-            let (low, high) = (rect.min[axis] - reach, rect.max[axis] + reach);
-            let [first, end] = bounds[axis];
+            let (low, high) = (grown.min[axis], grown.max[axis]);
+            let (first, end, side) = (target.min[axis], target.max[axis], sides[axis]);
             if images {
                 // low + k side < end and first < high + k side.
-                let side = sides[axis];
                 ((first - high).div_euclid(side) + 1)..=((end - 1 - low).div_euclid(side))
             } else {
                 0..=i64::from(low < end && first < high) - 1
@@ -106,13 +99,8 @@ impl BlockDraws {
         });
         let [columns, rows] = shifts;
         rows.flat_map(move |j| {
-            columns.clone().map(move |i| {
-                let shift = [i * sides[0], j * sides[1]];
-                Rect64 {
-                    min: rect.min + I64Vec2::from(shift),
-                    max: rect.max + I64Vec2::from(shift),
-                }
-            })
+            let columns = columns.clone();
+            columns.map(move |i| rect.moved(I64Vec2::new(i, j) * sides))
         })
     }
 }

@@ -1,6 +1,8 @@
 //! The rectangle of the plane in which a level is computed.
 
-use crate::lattice::{Point, Rect};
+use glam::I64Vec2;
+
+use crate::lattice::{Domain, Point, Rect};
 
 use super::radius::LevelRadius;
 
@@ -8,7 +10,7 @@ use super::radius::LevelRadius;
 #[derive(Clone, Copy, Default)]
 pub(super) struct LevelFrame {
     pub rect: Rect,
-    pub origin: [i64; 2],
+    pub origin: I64Vec2,
     /// Whether the plane goes on below and above the frame, by axis.
     pub goes_on: [[bool; 2]; 2],
     /// Whether the frame is a periodic domain.
@@ -19,6 +21,15 @@ pub(super) struct LevelFrame {
 }
 
 impl LevelFrame {
+    /// Returns an empty frame in a domain.
+    pub fn of(domain: &Domain) -> Self {
+        Self {
+            sides: [domain.width(), domain.height()],
+            periodic: domain.is_periodic(),
+            ..Self::default()
+        }
+    }
+
     /// Returns the rectangle from which tiled samples are taken: the frame, and as much beyond the closed borders of the
     /// domain as samples there could reach into it.
     pub fn tiled(&self, reach: i32) -> Rect {
@@ -80,15 +91,12 @@ impl LevelFrame {
 
     /// Returns whether a rectangle holds places of a closed border.
     pub fn meets_border(&self, rect: &Rect) -> bool {
-        let corner = rect.min;
-        let [x, y] = self.border(corner);
-        let meets = |line: i64, side: i32| (0..i64::from(side)).contains(&line);
-        x.into_iter()
-            .flatten()
-            .any(|line| meets(line, rect.width()))
-            || y.into_iter()
-                .flatten()
-                .any(|line| meets(line, rect.height()))
+        let [x, y] = self.border(rect.min);
+        let meets = |lines: [Option<i64>; 2], side: i32| {
+            let mut lines = lines.into_iter().flatten();
+            lines.any(|line| (0..i64::from(side)).contains(&line))
+        };
+        meets(x, rect.width()) || meets(y, rect.height())
     }
 
     /// Returns the lines of the closed borders that the frame touches, by axis, from `corner`.

@@ -20,7 +20,7 @@
 //! every place at which an insertion would cover a place of the pixel. What is inserted in the other pixels therefore
 //! depends on no unknown, in any iteration.
 
-use glam::I64Vec2;
+use glam::{DVec2, I64Vec2, IVec2, Vec2Swizzles};
 use rayon::prelude::*;
 
 use crate::circumcentre::on_line;
@@ -231,12 +231,8 @@ impl LevelRegion {
                     && !is_far
                     && !(doubtful && self.touches_unknown(centre, sight));
                 if !is_known {
-                    let radius_of_pixel = pixel.half_diagonal() as i32 + 2;
-                    let unknown = UnknownDisk {
-                        at: centre,
-                        radius: radius_of_pixel,
-                    };
-                    self.doubt(unknown, radius);
+                    let (at, reach) = (centre, pixel.half_diagonal() as i32 + 2);
+                    self.doubt(UnknownDisk { at, radius: reach }, radius);
                 }
                 is_known
             });
@@ -247,31 +243,20 @@ impl LevelRegion {
     }
 
     /// Gathers the samples that decide about a pixel, as offsets from its lowest point. Returns whether it is open.
-    fn look(
-        &self,
-        pixel: &mut GapPixel,
-        radius: &LevelRadius,
-        sites: &mut Vec<(i32, i32)>,
-    ) -> bool {
+    fn look(&self, pixel: &mut GapPixel, radius: &LevelRadius, sites: &mut Vec<IVec2>) -> bool {
         let (middle, half) = (pixel.middle(), pixel.half_diagonal());
         let centre = pixel.side / 2;
         let at = Point::new(pixel.min.x + centre, pixel.min.y + centre);
-        let square = |&(x, y): &(i32, i32)| {
-            let (x, y) = (f64::from(x) - middle, f64::from(y) - middle);
-            x * x + y * y
-        };
+        let square = |site: &IVec2| (site.as_dvec2() - middle).length_squared();
         let mut reach = radius.units + radius.units / 2;
         let limit = loop {
             sites.clear();
             self.grid.any_near(at, reach, |x, y| {
-                sites.push((x + centre, y + centre));
+                sites.push(IVec2::new(x, y) + centre);
                 false
             });
-            let nearest = sites
-                .iter()
-                .map(square)
-                .fold(f64::INFINITY, f64::min)
-                .sqrt();
+            let squares = sites.iter().map(square);
+            let nearest = squares.fold(f64::INFINITY, f64::min).sqrt();
             let limit = nearest + 2.0 * half + PIXEL_SLACK;
             // The centre is half a unit off.
             if limit < f64::from(reach) - 1.0 {
@@ -293,7 +278,7 @@ impl LevelRegion {
         &self,
         pixel: &mut GapPixel,
         radius: &LevelRadius,
-        sites: &mut Vec<(i32, i32)>,
+        sites: &mut Vec<IVec2>,
         found: &mut Vec<Point>,
     ) -> bool {
         if !self.look(pixel, radius, sites) {
@@ -308,10 +293,9 @@ impl LevelRegion {
         for (k, &a) in sites.iter().enumerate() {
             for (l, &b) in sites.iter().enumerate().skip(k + 1) {
                 for &c in &sites[l + 1..] {
-                    if !may_hold(pixel.side, a, b, c) {
-                        continue;
+                    if may_hold(pixel.side, [a, b, c]) {
+                        places.consider(circumcentre([a, b, c]), &[a, b, c], found);
                     }
-                    places.consider(circumcentre(a, b, c), &[a, b, c], found);
                 }
             }
         }
@@ -349,27 +333,24 @@ struct Candidates<'a> {
     region: &'a LevelRegion,
     pixel: &'a GapPixel,
     radius: &'a LevelRadius,
-    sites: &'a [(i32, i32)],
+    sites: &'a [IVec2],
 }
 
 impl Candidates<'_> {
     /// Adds the place at `centre` of the pixel if it is a candidate made by `made_by`.
-    fn consider(&self, centre: Option<(i64, i64)>, made_by: &[(i32, i32)], found: &mut Vec<Point>) {
+    fn consider(&self, centre: Option<I64Vec2>, made_by: &[IVec2], found: &mut Vec<Point>) {
         let side = 0..i64::from(self.pixel.side);
-        let Some(centre) = centre.filter(|(x, y)| side.contains(x) && side.contains(y)) else {
+        let Some(centre) = centre.filter(|at| side.contains(&at.x) && side.contains(&at.y)) else {
             return;
         };
-        let square = |&(x, y): &(i32, i32)| {
-            let (x, y) = (i64::from(x) - centre.0, i64::from(y) - centre.1);
-            x * x + y * y
-        };
+        let square = |site: &IVec2| site.as_i64vec2().distance_squared(centre);
         let nearest = made_by.iter().map(square).min().unwrap_or(0);
         let slack = 12 * i64::from(self.radius.units);
         let limit = (nearest - slack).max(self.radius.squared + 1);
         if self.sites.iter().any(|site| square(site) < limit) {
             return;
         }
-        let (x, y) = (centre.0 as i32, centre.1 as i32);
+        let (x, y) = (centre.x as i32, centre.y as i32);
         let place = Point::new(self.pixel.min.x + x, self.pixel.min.y + y);
         if self.region.frame.rect.contains(place) {
             found.push(place);
@@ -380,21 +361,22 @@ impl Candidates<'_> {
     fn on_border(&self, found: &mut Vec<Point>) {
         let [lines_x, lines_y] = self.region.frame.border(self.pixel.min);
         for (k, a) in self.sites.iter().enumerate() {
+            let from = a.as_i64vec2();
             for b in &self.sites[k + 1..] {
-                let [ax, ay] = [a.0, a.1].map(i64::from);
-                let (mx, my) = (i64::from(b.0) - ax, i64::from(b.1) - ay);
+                let apart = b.as_i64vec2() - from;
                 for x in lines_x.into_iter().flatten() {
-                    let place = on_line(x - ax, I64Vec2::new(mx, my)).map(|y| (x, ay + y));
+                    let place = on_line(x - from.x, apart).map(|y| I64Vec2::new(x, from.y + y));
                     self.consider(place, &[*a, *b], found);
                 }
                 for y in lines_y.into_iter().flatten() {
-                    let place = on_line(y - ay, I64Vec2::new(my, mx)).map(|x| (ax + x, y));
+                    let place = on_line(y - from.y, apart.yx());
+                    let place = place.map(|x| I64Vec2::new(from.x + x, y));
                     self.consider(place, &[*a, *b], found);
                 }
             }
             for x in lines_x.into_iter().flatten() {
                 for y in lines_y.into_iter().flatten() {
-                    self.consider(Some((x, y)), &[*a], found);
+                    self.consider(Some(I64Vec2::new(x, y)), &[*a], found);
                 }
             }
         }
@@ -404,20 +386,20 @@ impl Candidates<'_> {
 /// Returns the circumcentre of three places, rounded half up to the lattice, or `None` if they are collinear or it is
 /// far from the place (0, 0).
 #[inline]
-fn circumcentre(a: (i32, i32), b: (i32, i32), c: (i32, i32)) -> Option<(i64, i64)> {
-    let offset = |p: (i32, i32)| (i64::from(p.0 - a.0), i64::from(p.1 - a.1));
-    let (b, c) = (offset(b), offset(c));
-    let d = 2 * (b.0 * c.1 - b.1 * c.0);
+fn circumcentre(sites: [IVec2; 3]) -> Option<I64Vec2> {
+    let [a, b, c] = sites.map(IVec2::as_i64vec2);
+    let (b, c) = (b - a, c - a);
+    let d = 2 * b.perp_dot(c);
     if d == 0 {
         return None;
     }
     // Components are below 2^24, squares below 2^49, numerators below 2^74.
-    let (b2, c2) = (b.0 * b.0 + b.1 * b.1, c.0 * c.0 + c.1 * c.1);
+    let (b2, c2) = (b.length_squared(), c.length_squared());
     let times = |square: i64, length: i64| i128::from(square) * i128::from(length);
-    let x = round_half_up(times(b2, c.1) - times(c2, b.1), d.into());
-    let y = round_half_up(times(c2, b.0) - times(b2, c.0), d.into());
-    let place = |at: i128, start: i32| i64::try_from(at).ok().map(|at| at + i64::from(start));
-    Some((place(x, a.0)?, place(y, a.1)?))
+    let x = times(b2, c.y) - times(c2, b.y);
+    let y = times(c2, b.x) - times(b2, c.x);
+    let [x, y] = [x, y].map(|n| i64::try_from(round_half_up(n, d.into())).ok());
+    Some(a + I64Vec2::new(x?, y?))
 }
 
 /// Returns whether the circumcentre of three places of a conflict-free set may lie in a square of `side` units at (0, 0).
@@ -425,15 +407,13 @@ fn circumcentre(a: (i32, i32), b: (i32, i32), c: (i32, i32)) -> Option<(i64, i64
 /// If it does, its distance from the places is at most 5 R, so that d, the triangle's area times 4, is above 0.2 R^2, and
 /// the numerators, below (10 R)^3, have errors of less than 10^-6 d.
 #[inline]
-fn may_hold(side: i32, a: (i32, i32), b: (i32, i32), c: (i32, i32)) -> bool {
-    let offset = |p: (i32, i32)| (f64::from(p.0 - a.0), f64::from(p.1 - a.1));
-    let (b, c) = (offset(b), offset(c));
-    let d = 2.0 * (b.0 * c.1 - b.1 * c.0);
-    let (b2, c2) = (b.0 * b.0 + b.1 * b.1, c.0 * c.0 + c.1 * c.1);
-    let x = (b2 * c.1 - c2 * b.1) / d + f64::from(a.0);
-    let y = (c2 * b.0 - b2 * c.0) / d + f64::from(a.1);
-    let inside = -1.0..f64::from(side) + 1.0;
-    inside.contains(&x) && inside.contains(&y)
+fn may_hold(side: i32, sites: [IVec2; 3]) -> bool {
+    let [a, b, c] = sites.map(IVec2::as_dvec2);
+    let (b, c) = (b - a, c - a);
+    let d = 2.0 * b.perp_dot(c);
+    let centre = (c.length_squared() * b - b.length_squared() * c).perp() / d + a;
+    let high = DVec2::splat(f64::from(side) + 1.0);
+    (centre.cmpge(DVec2::NEG_ONE) & centre.cmplt(high)).all()
 }
 
 /// Returns `numerator / denominator` rounded to the nearest integer, halves upwards.
@@ -448,23 +428,21 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    fn place() -> impl Strategy<Value = (i32, i32)> {
-        (-229_376_i32..=229_376, -229_376_i32..=229_376)
+    fn place() -> impl Strategy<Value = IVec2> {
+        let along = -229_376_i32..=229_376;
+        (along.clone(), along).prop_map(IVec2::from)
     }
 
     proptest! {
         /// Where 64 bits suffice, the centre is that of runs of one level, and the filter lets it pass.
         #[test]
         fn centres_are_those_of_one_level(a in place(), b in place(), c in place()) {
-            let offset = |p: (i32, i32)| I64Vec2::new((p.0 - a.0).into(), (p.1 - a.1).into());
-            let centre = circumcentre(a, b, c);
-            let known = crate::circumcentre::circumcentre(offset(b), offset(c));
-            let known = known.map(|at| (at.x + i64::from(a.0), at.y + i64::from(a.1)));
-            prop_assert_eq!(centre, known);
-            if let Some((x, y)) = centre.filter(|c| c.0.abs() < 300_000 && c.1.abs() < 300_000) {
-                let (x, y) = (x as i32, y as i32);
-                let seen = |p: (i32, i32)| (p.0 - x, p.1 - y);
-                prop_assert!(may_hold(1, seen(a), seen(b), seen(c)));
+            let centre = circumcentre([a, b, c]);
+            let [b_off, c_off] = [b, c].map(|p| (p - a).as_i64vec2());
+            let known = crate::circumcentre::circumcentre(b_off, c_off);
+            prop_assert_eq!(centre, known.map(|at| at + a.as_i64vec2()));
+            if let Some(at) = centre.filter(|at| at.abs().max_element() < 300_000) {
+                prop_assert!(may_hold(1, [a, b, c].map(|p| p - at.as_ivec2())));
             }
         }
     }

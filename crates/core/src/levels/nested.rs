@@ -88,12 +88,6 @@ impl Nested {
         self.domain.users_from_lattice(&self.points)
     }
 
-    /// Returns the level that adds the sample number `index`.
-    #[must_use]
-    pub fn level_of(&self, index: usize) -> u32 {
-        self.ends.partition_point(|&end| end <= index) as u32
-    }
-
     /// Returns the radius of a level in user units.
     #[must_use]
     pub fn radius(&self, level: u32) -> f64 {

@@ -1,6 +1,8 @@
 //! The pattern of nested levels: sets `P_0`, `P_1`, ... in a periodic square, each with all samples of the one before and
 //! maximal at its own radius, made by throwing darts on at ever smaller radii (see [`crate::stages::darts`]).
 
+use glam::I64Vec2;
+
 use crate::error::SampleError;
 use crate::lattice::{Boundary, Domain, Point, Rect};
 use crate::parameters::PatternSpec;
@@ -51,16 +53,6 @@ impl NestedPattern {
         }
         meter.end()?;
         Ok(Self { side, levels: made })
-    }
-
-    /// Returns the pattern of one level with the samples of a periodic square one.
-    #[must_use]
-    pub fn of_one(pattern: &Pattern) -> Option<Self> {
-        let domain = pattern.domain();
-        (domain.is_periodic() && domain.width() == domain.height()).then(|| Self {
-            side: domain.width(),
-            levels: vec![pattern.samples().to_vec()],
-        })
     }
 
     /// Returns the side in lattice units.
@@ -124,7 +116,7 @@ impl LevelClip {
 
     /// Calls `place` with every sample in `rect`, where the place (0, 0) shows the pattern's place `origin`.
     #[inline]
-    pub fn clip(&self, origin: [i64; 2], rect: &Rect, mut place: impl FnMut(Point)) {
+    pub fn clip(&self, origin: I64Vec2, rect: &Rect, mut place: impl FnMut(Point)) {
         let side = i64::from(self.side);
         let mut bottom = rect.min.y;
         while bottom < rect.max.y {
@@ -341,7 +333,7 @@ mod tests {
                     min: Point::new(-3 * R, 5),
                     max: Point::new(31 * R, 61 * R),
                 };
-                let origin = [i64::from(7 * R), -i64::from(40 * R)];
+                let origin = I64Vec2::new((7 * R).into(), (-40 * R).into());
                 let (mut clipped, mut scanned) = (Vec::new(), Vec::new());
                 clip.clip(origin, &rect, |p| clipped.push(p.row_major()));
                 for p in &clip.points {

@@ -3,20 +3,18 @@
 //! A window needs each level in a frame around it that shrinks from level to level by the halo of the level. A window in
 //! which unknowns remain is computed again with a halo twice as wide.
 
-use std::sync::{Mutex, PoisonError};
-
+use glam::I64Vec2;
 use rayon::prelude::*;
 
 use crate::count::radius_estimate;
-use crate::engine::parallel::plane::parts;
+use crate::engine::parallel::plane::{parts, pieces};
 use crate::error::{ParameterError, SampleError};
 use crate::lattice::{
     Boundary, Domain, MIN_SIDE_RADII_BOUNDED, MIN_SIDE_RADII_PERIODIC, Point, R, Rect, Window,
 };
-use crate::parameters::{
-    Insertion, MAX_SEQUENTIAL_SAMPLES, MAXIMAL_DENSITY, Order, Parameters, Search, Variant,
-};
+use crate::parameters::{Insertion, Order, Parameters, Search, Variant, check_sequential};
 use crate::pattern::Symmetry;
+use crate::pool::Pool;
 use crate::progress::{Meter, Observer};
 use crate::random::{Key, Stream};
 use crate::stage::Stage;
@@ -70,7 +68,7 @@ pub struct NestedPlane {
     key: Key,
     variants: Vec<Vec<LevelClip>>,
     window_side: i32,
-    idle: Mutex<Vec<LevelRegion>>,
+    idle: Pool<LevelRegion>,
 }
 
 impl NestedPlane {
@@ -115,7 +113,7 @@ impl NestedPlane {
                 .map(|s| pattern.variant(Symmetry(s)))
                 .collect(),
             window_side: WINDOW_SIDE,
-            idle: Mutex::default(),
+            idle: Pool::default(),
         })
     }
 
@@ -191,11 +189,7 @@ impl NestedPlane {
     ///
     /// Fails when the domain would hold more samples than the sequential engine accepts, or `observer` stops it.
     pub fn whole(&self, observer: &mut dyn Observer) -> Result<Nested, SampleError> {
-        let samples = self.domain().area_radii() * MAXIMAL_DENSITY;
-        if samples > MAX_SEQUENTIAL_SAMPLES {
-            let maximum = MAX_SEQUENTIAL_SAMPLES;
-            return Err(ParameterError::TooManySamples { samples, maximum }.into());
-        }
+        check_sequential(self.domain())?;
         let mut region = LevelRegion::default();
         let mut meter = Meter::begin(observer, Stage::Regions, self.levels.into())?;
         self.compute_whole(&mut region, Some(&mut meter))?;
@@ -254,11 +248,11 @@ impl NestedPlane {
     /// Returns the samples that each level adds in a window that lies in the domain, or `None` if the whole is computed
     /// sooner.
     fn piece(&self, window: &Rect) -> Result<Option<Vec<Vec<Point>>>, SampleError> {
-        let mut region = self.take();
+        let mut region = self.idle.take();
         for repair in 0..=MAX_REPAIRS {
             let halo = HALO << repair;
             if self.is_shorter_whole(window, halo) {
-                self.give(region);
+                self.idle.give(region);
                 return Ok(None);
             }
             if self.compute(&mut region, window, halo)? {
@@ -267,7 +261,7 @@ impl NestedPlane {
                     max: Point::new(window.width(), window.height()),
                 };
                 let levels = collect(&region, &shown);
-                self.give(region);
+                self.idle.give(region);
                 return Ok(Some(levels));
             }
         }
@@ -311,26 +305,22 @@ impl NestedPlane {
         let frame = |level: u32| {
             let halo = self.halo(level, halo);
             let mut frame = LevelFrame {
-                origin: [window.min.x, window.min.y].map(i64::from),
-                sides: [domain.width(), domain.height()],
-                periodic: domain.is_periodic(),
-                ..LevelFrame::default()
+                origin: window.min.into(),
+                goes_on: [[true; 2]; 2],
+                ..LevelFrame::of(domain)
             };
-            let ends = [domain.rect().max.x, domain.rect().max.y].map(i64::from);
-            let lengths = [window.width(), window.height()].map(i64::from);
-            let spans = [0, 1].map(|axis| {
-                let (mut low, mut high) = (-halo, lengths[axis] + halo);
-                frame.goes_on[axis] = [true; 2];
-                if !frame.periodic {
-                    let closed = [-frame.origin[axis], ends[axis] - frame.origin[axis]];
-                    frame.goes_on[axis] = [low > closed[0], high < closed[1]];
-                    (low, high) = (low.max(closed[0]), high.min(closed[1]));
-                }
-                [low as i32, high as i32]
-            });
+            let size = I64Vec2::new(window.width().into(), window.height().into());
+            let (mut low, mut high) = (I64Vec2::splat(-halo), size + halo);
+            if !frame.periodic {
+                let first = -frame.origin;
+                let end = first + I64Vec2::from(domain.rect().max);
+                frame.goes_on =
+                    [0, 1].map(|axis| [low[axis] > first[axis], high[axis] < end[axis]]);
+                (low, high) = (low.max(first), high.min(end));
+            }
             frame.rect = Rect {
-                min: Point::new(spans[0][0], spans[1][0]),
-                max: Point::new(spans[0][1], spans[1][1]),
+                min: Point::new(low.x as i32, low.y as i32),
+                max: Point::new(high.x as i32, high.y as i32),
             };
             frame
         };
@@ -353,9 +343,7 @@ impl NestedPlane {
         let frame = LevelFrame {
             rect: domain.rect(),
             wraps: domain.is_periodic(),
-            sides: [domain.width(), domain.height()],
-            periodic: domain.is_periodic(),
-            ..LevelFrame::default()
+            ..LevelFrame::of(domain)
         };
         self.run(region, |_| frame, false, meter)
     }
@@ -393,16 +381,6 @@ impl NestedPlane {
             0 => self.key,
             halvings => self.key.derive(Stream::Nested, halvings),
         }
-    }
-
-    fn take(&self) -> LevelRegion {
-        let mut idle = self.idle.lock().unwrap_or_else(PoisonError::into_inner);
-        idle.pop().unwrap_or_default()
-    }
-
-    fn give(&self, region: LevelRegion) {
-        let mut idle = self.idle.lock().unwrap_or_else(PoisonError::into_inner);
-        idle.push(region);
     }
 }
 
@@ -460,21 +438,6 @@ fn collect(region: &LevelRegion, shown: &Rect) -> Vec<Vec<Point>> {
             .collect()
     };
     region.ends.iter().map(level).collect()
-}
-
-/// Cuts a rectangle of the domain into windows.
-fn pieces(part: &Rect, side: i32) -> Vec<Rect> {
-    let cut = |low: i32, high: i32| {
-        let starts = (low..high).step_by(side as usize);
-        starts.map(move |at| (at, at.saturating_add(side).min(high)))
-    };
-    let rows = cut(part.min.y, part.max.y);
-    let rect = |(bottom, top), (left, right)| Rect {
-        min: Point::new(left, bottom),
-        max: Point::new(right, top),
-    };
-    rows.flat_map(|row| cut(part.min.x, part.max.x).map(move |column| rect(row, column)))
-        .collect()
 }
 
 #[cfg(test)]

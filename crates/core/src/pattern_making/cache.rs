@@ -45,7 +45,7 @@ fn of_spec(
     spec: &PatternSpec,
     observer: &mut dyn Observer,
 ) -> Result<Arc<Pattern>, SampleError> {
-    let identity = Identity::of(spec)?;
+    let identity = identity(spec)?;
     let known = lock(kept).find(identity);
     let pattern = if let Some(pattern) = known {
         let total = pattern.samples().len() as u64;
@@ -64,22 +64,11 @@ fn lock(kept: &Mutex<Kept>) -> MutexGuard<'_, Kept> {
     kept.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// A pattern's parameters on the lattice: sides that differ by less than a unit are equal.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Identity {
-    side: i32,
-    boundary: Boundary,
-    seed: u64,
-}
+/// A pattern's side on the lattice, boundary and seed: sides that differ by less than a unit are equal.
+type Identity = (i32, Boundary, u64);
 
-impl Identity {
-    fn of(spec: &PatternSpec) -> Result<Self, ParameterError> {
-        Ok(Self {
-            side: spec.side_units()?,
-            boundary: spec.boundary,
-            seed: spec.seed,
-        })
-    }
+fn identity(spec: &PatternSpec) -> Result<Identity, ParameterError> {
+    Ok((spec.side_units()?, spec.boundary, spec.seed))
 }
 
 /// Patterns kept for later, the least recently used first.
@@ -139,7 +128,7 @@ mod tests {
 
     fn seeds(kept: &Mutex<Kept>) -> Vec<u64> {
         let kept = kept.lock().unwrap();
-        kept.patterns.iter().map(|(id, _)| id.seed).collect()
+        kept.patterns.iter().map(|((.., seed), _)| *seed).collect()
     }
 
     #[test]
@@ -191,7 +180,7 @@ mod tests {
 
     #[test]
     fn sides_that_differ_by_less_than_a_unit_are_one_pattern() {
-        let of = |side| Identity::of(&spec(side, 0)).unwrap();
+        let of = |side| identity(&spec(side, 0)).unwrap();
         assert_eq!(of(100.0), of(100.0 + 1e-9));
         assert_ne!(of(100.0), of(100.01));
     }

@@ -27,7 +27,7 @@ use crate::circumcentre::{circumcentre, on_line};
 use crate::grid::SampleGrid;
 use crate::lattice::{Domain, Point, R, R_SQUARED};
 use crate::parameters::Search;
-use crate::record::{Recorder, RunEvent, Unrecorded, Verdict};
+use crate::record::{Recorder, RunEvent, Verdict};
 use crate::samples::{Fate, Samples};
 use crate::stages::voronoi::RelaxedCell;
 
@@ -82,14 +82,9 @@ impl Reach {
 }
 
 /// Returns the detectors of iteration 1, by id: survivors within [`DETECTOR_REACH`] of a sample
-/// that was eliminated or dropped. `survivors` holds all kept samples.
-#[must_use]
-pub fn first_detectors(samples: &Samples, survivors: &SampleGrid) -> Vec<u32> {
-    first_detectors_recorded(samples, survivors, &mut Unrecorded)
-}
-
-/// Like [`first_detectors`], and reports each detector to `recorder` when it is first marked.
-pub(crate) fn first_detectors_recorded<T: Recorder>(
+/// that was eliminated or dropped. `survivors` holds all kept samples. Each detector is reported to
+/// `recorder` when it is first marked.
+pub(crate) fn first_detectors<T: Recorder>(
     samples: &Samples,
     survivors: &SampleGrid,
     recorder: &mut T,
@@ -155,13 +150,8 @@ impl<'a> Detection<'a> {
         }
     }
 
-    /// Appends the candidates of detector `id` at `at`, some of them more than once.
-    pub fn find(&mut self, id: u32, at: Point, out: &mut Vec<Candidate>) {
-        self.find_recorded(id, at, out, &mut Unrecorded);
-    }
-
-    /// Like [`Self::find`], and reports events to `recorder`.
-    pub(crate) fn find_recorded<T: Recorder>(
+    /// Appends the candidates of detector `id` at `at`, some of them more than once. Reports events to `recorder`.
+    pub(crate) fn find<T: Recorder>(
         &mut self,
         id: u32,
         at: Point,

@@ -4,7 +4,7 @@
 use crate::grid::SampleGrid;
 use crate::lattice::{R, covers_offset};
 use crate::random::{Key, Stream};
-use crate::record::{Recorder, RunEvent, Unrecorded};
+use crate::record::{Recorder, RunEvent};
 use crate::samples::{Fate, Origin, Samples};
 use crate::stages::detect::Candidate;
 
@@ -17,26 +17,8 @@ pub fn unique(candidates: &mut Vec<Candidate>) {
 /// Inserts candidates into `samples` and `survivors` and returns the ids of the inserted ones.
 ///
 /// Candidates are taken in the order of a draw keyed by `iteration` and position; one that no sample inserted before it
-/// covers is inserted. They must be unique and uncovered.
-pub fn insert(
-    samples: &mut Samples,
-    survivors: &mut SampleGrid,
-    candidates: &[Candidate],
-    iteration: u32,
-    key: Key,
-) -> std::ops::Range<u32> {
-    insert_recorded(
-        samples,
-        survivors,
-        candidates,
-        iteration,
-        key,
-        &mut Unrecorded,
-    )
-}
-
-/// Like [`insert`], and reports events to `recorder`.
-pub(crate) fn insert_recorded<T: Recorder>(
+/// covers is inserted. They must be unique and uncovered. Reports events to `recorder`.
+pub(crate) fn insert<T: Recorder>(
     samples: &mut Samples,
     survivors: &mut SampleGrid,
     candidates: &[Candidate],

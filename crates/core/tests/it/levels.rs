@@ -2,6 +2,7 @@
 //! prefix before the judges, which do not know the sampler.
 
 use std::ops::ControlFlow;
+use std::sync::Arc;
 
 use glam::{I64Vec2, Vec2Swizzles};
 use tilescope_analysis::{Region, Report, VerifyOptions, verify};
@@ -238,8 +239,10 @@ fn the_engine_follows_the_definition() {
 
 #[test]
 fn one_level_is_the_run_of_one_level() {
-    let pattern = Pattern::of_spec(&PatternSpec::default(), &mut Unobserved).unwrap();
-    let nested = NestedPattern::of_one(&pattern).unwrap();
+    let spec = PatternSpec::default();
+    let nested = NestedPattern::generate(&spec, 1, &mut Unobserved).unwrap();
+    let square = Domain::from_size([spec.side; 2], 1.0, Boundary::Periodic).unwrap();
+    let pattern = Arc::new(Pattern::from_points(&square, nested.levels()[0].clone()).unwrap());
     for (seed, leaf) in some([(1, 6.0), (2, 11.0), (3, 30.0), (4, 200.0)]) {
         for boundary in [Boundary::Periodic, Boundary::Bounded] {
             for dihedral in [false, true] {
@@ -433,7 +436,6 @@ fn a_prefix_says_what_holds_for_it() {
     assert_eq!(promised(ends[2] - 1), (Some(1), radius(2)));
     assert_eq!(promised(ends[2]), (Some(2), radius(2)));
     assert_eq!((radius(2), radius(0)), (1.0, 2.0));
-    assert_eq!((nested.level_of(0), nested.level_of(ends[1])), (0, 2));
     nested.truncate(ends[1] + 7);
     assert_eq!(
         (nested.points().len(), nested.ends()),

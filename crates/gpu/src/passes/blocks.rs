@@ -2,7 +2,7 @@
 //! itself).
 
 use super::{Command, Pass, Size, atomic, read, run, run_with, uniform_of, update};
-use crate::layout::{Job, Name};
+use crate::layout::Name;
 use crate::plan::WindowPlan;
 
 pub(super) const BLOCKS: Pass = Pass {
@@ -26,14 +26,10 @@ pub(super) const SORT_BLOCKS: Pass = Pass {
 /// Records the stage. The buffers may have any content before.
 pub(crate) fn blocks(plan: &WindowPlan) -> Vec<Command> {
     let pieces = plan.pieces.len() as u32;
-    let job = Job {
-        a: pieces,
-        ..Job::default()
-    };
     vec![
         Command::Clear(Name::Counters, None),
         Command::Clear(Name::TileImages, None),
-        run_with(&BLOCKS, job, Size::Workgroups(pieces.into())),
+        run_with(&BLOCKS, [pieces, 0, 0, 0], Size::Workgroups(pieces.into())),
         run(&SORT_BLOCKS, Size::Invocations(plan.uniform.tiles.into())),
     ]
 }

@@ -6,7 +6,7 @@ use super::{
     update, write,
 };
 use crate::constants::PREPARE_SPREAD;
-use crate::layout::{Job, Name, counter};
+use crate::layout::{Name, counter};
 use crate::plan::WindowPlan;
 
 pub(super) const DETECTORS: Pass = Pass {
@@ -87,7 +87,7 @@ pub(crate) fn detectors(plan: &WindowPlan) -> Vec<Command> {
 /// Records the detection of iteration 1. Unsure cells affect those within `reach` cells.
 pub(crate) fn detect(plan: &WindowPlan, reach: u32) -> Vec<Command> {
     let mut commands = spread(reach);
-    commands.push(run(&OPEN, Size::Invocations(plan.inner_cells())));
+    commands.push(open(plan));
     commands.extend(candidates(plan, 1));
     commands
 }
@@ -102,13 +102,9 @@ pub(crate) fn redetect(plan: &WindowPlan, reach: u32, iteration: u32) -> Vec<Com
 
 /// Records the marking of the surroundings of unsure cells.
 pub(super) fn spread(reach: u32) -> Vec<Command> {
-    let job = Job {
-        a: reach,
-        ..Job::default()
-    };
     vec![
         prepare(0),
-        run_with(&SPREAD, job, argument("ARGUMENT_UNSURE")),
+        run_with(&SPREAD, [reach, 0, 0, 0], argument("ARGUMENT_UNSURE")),
         prepare(PREPARE_SPREAD),
     ]
 }
@@ -119,14 +115,14 @@ pub(super) fn open(plan: &WindowPlan) -> Command {
 }
 
 fn candidates(plan: &WindowPlan, iteration: u32) -> Vec<Command> {
-    let job = Job {
-        a: iteration,
-        ..Job::default()
-    };
     vec![
         prepare(0),
         clear_counter(counter::PROPOSALS),
-        run_with(&CANDIDATES, job, argument("ARGUMENT_OPEN_ROWS")),
+        run_with(
+            &CANDIDATES,
+            [iteration, 0, 0, 0],
+            argument("ARGUMENT_OPEN_ROWS"),
+        ),
         prepare(0),
         run(&SETTLE, Size::Invocations(plan.cells())),
     ]

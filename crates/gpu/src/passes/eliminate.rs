@@ -1,9 +1,7 @@
 //! Elimination (paper, Algorithm 4, first loop), in rounds, and the grid of the survivors. The decision is in
 //! `shaders/eliminate.wgsl`.
 
-use super::{
-    Command, Pass, Size, alternating, atomic, prepare, read, read_as, run, uniform_of, write,
-};
+use super::{Command, Pass, Size, alternating, atomic, prepare, read, run, uniform_of, write};
 use crate::layout::Name;
 use crate::plan::WindowPlan;
 
@@ -20,7 +18,7 @@ pub(super) const ELIMINATE: Pass = Pass {
         read(Name::Starts),
         atomic(Name::Places),
         read(Name::Origins),
-        read_as(Name::Heads, "list"),
+        read(Name::Heads).named("list"),
         atomic(Name::Counters),
     ],
 };

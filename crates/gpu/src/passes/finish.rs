@@ -1,7 +1,7 @@
 //! Compaction: the samples of the window in canonical order.
 
 use super::tile::sum;
-use super::{Command, Pass, Size, read, run, uniform_of, update_as, write};
+use super::{Command, Pass, Size, read, run, uniform_of, update, write};
 use crate::layout::{Name, counter};
 use crate::plan::WindowPlan;
 
@@ -20,7 +20,7 @@ pub(super) const SCAN_HEADS: Pass = Pass {
     shader: "scan",
     bindings: &[
         uniform_of(Name::Job),
-        update_as(Name::Heads, "data"),
+        update(Name::Heads).named("data"),
         write(Name::Sums),
     ],
 };
@@ -30,7 +30,7 @@ pub(super) const ADD_HEADS: Pass = Pass {
     shader: "scan_add",
     bindings: &[
         uniform_of(Name::Job),
-        update_as(Name::Heads, "data"),
+        update(Name::Heads).named("data"),
         read(Name::Sums),
     ],
 };

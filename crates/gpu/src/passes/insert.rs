@@ -3,7 +3,7 @@
 use super::{
     Command, Pass, alternating, argument, atomic, read, run, run_with, uniform_of, update, write,
 };
-use crate::layout::{Job, Name, counter};
+use crate::layout::{Name, counter};
 
 /// Rounds between two readings of the counters.
 const ROUNDS: u32 = 6;
@@ -60,18 +60,13 @@ pub(super) const UNLINK: Pass = Pass {
 /// Records the insertion of `iteration`. Ranks are drawn with `key`; without a key they come with the proposals.
 pub(crate) fn insert(iteration: u32, key: Option<[u32; 2]>) -> Vec<Command> {
     let [a, b] = key.unwrap_or_default();
-    let job = Job {
-        a,
-        b,
-        c: u32::from(key.is_none()),
-        d: 0,
-    };
+    let ranked = u32::from(key.is_none());
     let mut commands = vec![
         Command::Clear(
             Name::Counters,
             Some((counter::INSERTED, counter::INSERTED_IN_WINDOW + 1)),
         ),
-        run_with(&LINK, job, argument("ARGUMENT_PROPOSALS")),
+        run_with(&LINK, [a, b, ranked, 0], argument("ARGUMENT_PROPOSALS")),
     ];
     commands.extend(decide(iteration, true));
     commands
@@ -85,11 +80,7 @@ pub(crate) fn choose(iteration: u32) -> Vec<Command> {
 fn decide(iteration: u32, is_first: bool) -> Vec<Command> {
     let mut commands = alternating(&CHOOSE, "ARGUMENT_PROPOSALS", ROUNDS, is_first);
     let proposals = argument("ARGUMENT_PROPOSALS");
-    let job = Job {
-        a: iteration,
-        ..Job::default()
-    };
-    commands.push(run_with(&PLACE, job, proposals));
+    commands.push(run_with(&PLACE, [iteration, 0, 0, 0], proposals));
     commands
 }
 

@@ -1,12 +1,9 @@
 //! Clip and tile (paper, Algorithm 2): counts the samples of each cell, sums the counts up, and writes the samples. The
 //! index of a sample does not depend on atomics.
 
-use super::{
-    Command, Pass, Size, atomic, read, run, run_with, uniform_of, update, update_as, write,
-    write_as,
-};
+use super::{Command, Pass, Size, atomic, read, run, run_with, uniform_of, update, write};
 use crate::constants::SCAN_PART;
-use crate::layout::{Job, Name, counter};
+use crate::layout::{Name, counter};
 use crate::plan::WindowPlan;
 
 pub(super) const COUNT: Pass = Pass {
@@ -27,7 +24,7 @@ pub(super) const SCAN_STARTS: Pass = Pass {
     shader: "scan",
     bindings: &[
         uniform_of(Name::Job),
-        update_as(Name::Starts, "data"),
+        update(Name::Starts).named("data"),
         write(Name::Sums),
     ],
 };
@@ -47,7 +44,7 @@ pub(super) const ADD_STARTS: Pass = Pass {
     shader: "scan_add",
     bindings: &[
         uniform_of(Name::Job),
-        update_as(Name::Starts, "data"),
+        update(Name::Starts).named("data"),
         read(Name::Sums),
     ],
 };
@@ -63,7 +60,7 @@ pub(super) const TILE: Pass = Pass {
         read(Name::Starts),
         write(Name::Places),
         write(Name::Origins),
-        write_as(Name::Heads, "list"),
+        write(Name::Heads).named("list"),
         atomic(Name::Counters),
     ],
 };
@@ -88,12 +85,7 @@ pub(super) fn sum(
     length: u64,
     (counter, limit): (u32, u32),
 ) -> [Command; 3] {
-    let job = Job {
-        a: length as u32,
-        b: counter,
-        c: limit,
-        ..Job::default()
-    };
+    let job = [length as u32, counter, limit, 0];
     let parts = length.div_ceil(SCAN_PART.into());
     [
         run_with(scan, job, Size::Workgroups(parts)),

@@ -6,7 +6,7 @@ use super::{
     uniform_of, unlink, write,
 };
 use crate::constants::PREPARE_LEVEL;
-use crate::layout::{Job, Name, counter};
+use crate::layout::{Name, counter};
 use crate::plan::WindowPlan;
 
 pub(super) const GAP_CELLS: Pass = Pass {
@@ -59,19 +59,12 @@ pub(crate) fn start(plan: &WindowPlan, reach: u32) -> Vec<Command> {
     commands
 }
 
-/// Records a level: darts are thrown with `key` into cells of side 2^`side_bits`, and inserted.
-pub(crate) fn level(level: u32, side_bits: u32, key: [u32; 2]) -> Vec<Command> {
-    let [a, b] = key;
-    let job = Job {
-        a,
-        b,
-        c: side_bits,
-        d: 0,
-    };
+/// Records a level: darts are thrown with a key into cells of side 2^`side_bits`, and inserted.
+pub(crate) fn level(level: u32, side_bits: u32, [a, b]: [u32; 2]) -> Vec<Command> {
     let mut commands = vec![
         prepare(0),
         clear_counter(counter::PROPOSALS),
-        run_with(&THROW, job, argument("ARGUMENT_ACTIVE")),
+        run_with(&THROW, [a, b, side_bits, 0], argument("ARGUMENT_ACTIVE")),
         prepare(0),
     ];
     commands.extend(insert(level, None));
@@ -80,14 +73,10 @@ pub(crate) fn level(level: u32, side_bits: u32, key: [u32; 2]) -> Vec<Command> {
 
 /// Records the step to the next level.
 pub(crate) fn split(side_bits: u32) -> Vec<Command> {
-    let job = Job {
-        c: side_bits,
-        ..Job::default()
-    };
     vec![
         unlink(),
         clear_counter(counter::NEXT_ACTIVE),
-        run_with(&SPLIT, job, argument("ARGUMENT_ACTIVE")),
+        run_with(&SPLIT, [0, 0, side_bits, 0], argument("ARGUMENT_ACTIVE")),
         prepare(PREPARE_LEVEL),
         Command::SwapActive,
     ]

@@ -2,7 +2,8 @@
 
 use super::*;
 use crate::adapter::Choice;
-use crate::plan::{WindowPlan, whole};
+use crate::fit::MAX_TRIES;
+use crate::plan::{Room, WindowPlan};
 use pollster::block_on;
 use tilescope_core::{Insertion, Unobserved};
 
@@ -28,11 +29,12 @@ fn sweep(insertion: Insertion) -> GpuSweep {
 fn too_little_room_is_noticed_and_made_up_for() {
     for insertion in [Insertion::Circumcentre, Insertion::Uniform] {
         let mut sweep = sweep(insertion);
-        let window = whole(&sweep.setup);
+        let window = sweep.setup.domain.rect();
         let plan = WindowPlan::new(&sweep.setup, &window, HALO, None).unwrap();
         let room = plan.room();
-        let expected = block_on(sweep.attempt(&window, HALO, None, &mut Unobserved)).unwrap();
-        assert!(matches!(expected, WindowOutcome::Known(_)));
+        let expected =
+            block_on(sweep.attempt(&window, Allowance::new(HALO), &mut Unobserved)).unwrap();
+        assert!(expected.is_ok());
         let uniform = insertion == Insertion::Uniform;
         let mut rooms = vec![
             Room { tiled: 99, ..room },
@@ -49,13 +51,12 @@ fn too_little_room_is_noticed_and_made_up_for() {
             Room { open: 9, ..room }
         });
         for small in rooms {
-            let mut wanted = small;
+            let mut allowance = Allowance::new(HALO);
+            allowance.room = Some(small);
             let mut tries = 0;
             let found = loop {
-                let mut go_on = Unobserved;
-                let attempt = sweep.attempt(&window, HALO, Some(wanted), &mut go_on);
-                match block_on(attempt).unwrap() {
-                    WindowOutcome::TooSmall(more) => wanted = more,
+                match block_on(sweep.attempt(&window, allowance, &mut Unobserved)).unwrap() {
+                    Err(shortage @ Shortage::Room(_)) => allowance.grow(shortage, 0).unwrap(),
                     other => break other,
                 }
                 tries += 1;

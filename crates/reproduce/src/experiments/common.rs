@@ -13,7 +13,7 @@ use crate::outcome::Picture;
 use crate::texts::{PictureText, name, picture_texts};
 
 /// About the samples of a KDRT set to a squared radius.
-const DENSITY: f64 = 0.698;
+pub const DENSITY: f64 = 0.698;
 /// Probability that an interval of a count misses its mean.
 pub const MISSED: f64 = 0.01;
 

@@ -2,8 +2,6 @@
 //! the seams, so that a serial sampler becomes a parallel one. The pieces are reference sets;
 //! `tilescope_core::combine` glues them.
 
-use std::collections::HashSet;
-
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 use tilescope_analysis::Report;
@@ -281,27 +279,17 @@ const TEXT: f64 = 14.0;
 /// Adds a line below the picture that says what its marks are.
 fn legend(scene: &mut Scene, palette: &Palette, close: bool) {
     let at = scene.height + 0.5 * LINE - 8.0;
-    let piece = palette.block_borders[0];
+    let colors = [
+        palette.block_borders[0],
+        palette.inserted,
+        palette.eliminated,
+    ];
+    let [sample, inserted, eliminated] = colors.map(Style::filled);
     let disk = Style::default().with_stroke(Stroke::new(palette.disk, 1.4));
     let entries = [
-        (
-            "sample, in the colour of its set",
-            Marker::Dot,
-            1.0,
-            Style::filled(piece),
-        ),
-        (
-            "inserted",
-            Marker::Diamond,
-            1.0,
-            Style::filled(palette.inserted),
-        ),
-        (
-            "eliminated",
-            Marker::Cross,
-            1.0,
-            Style::filled(palette.eliminated),
-        ),
+        ("sample, in the colour of its set", Marker::Dot, 1.0, sample),
+        ("inserted", Marker::Diamond, 1.0, inserted),
+        ("eliminated", Marker::Cross, 1.0, eliminated),
         ("disk of radius r", Marker::Dot, 1.6, disk),
     ];
     let mut group = Group::new("legend");
@@ -322,11 +310,10 @@ fn legend(scene: &mut Scene, palette: &Palette, close: bool) {
 /// Returns the positions of eliminated samples that lay in their own set's rectangle, each once.
 fn points_of(glued: &Glued) -> Vec<[f64; 2]> {
     let lost = glued.combined.eliminated.iter().filter(|lost| lost.own);
-    let positions: HashSet<Point> = lost.map(|lost| lost.point).collect();
-    let user = |p| glued.combined.domain.user_from_lattice(p);
-    let mut positions: Vec<[f64; 2]> = positions.into_iter().map(user).collect();
-    positions.sort_by(|a, b| a[1].total_cmp(&b[1]).then(a[0].total_cmp(&b[0])));
-    positions
+    let mut points: Vec<Point> = lost.map(|lost| lost.point).collect();
+    points.sort_unstable_by_key(|p| p.row_major());
+    points.dedup();
+    glued.combined.domain.users_from_lattice(&points)
 }
 
 #[cfg(test)]

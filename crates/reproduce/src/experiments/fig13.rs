@@ -88,7 +88,7 @@ pub fn run(study: &Study<'_>) -> Result<Outcome> {
     let rows = engine_rates::rows(&timed, None);
     let against = against::against(&found);
     let mut pictures = spectra_pictures(study, &found)?;
-    pictures.push(shown::rates(&rows, plan.samples, plan.rounds)?);
+    pictures.push(shown::rates(&rows, plan)?);
     Ok(Outcome {
         claims: claims::claims(&against, &rows),
         pictures,
@@ -105,10 +105,7 @@ pub fn run(study: &Study<'_>) -> Result<Outcome> {
 fn spectra_pictures(study: &Study<'_>, found: &[MethodSpectra]) -> Result<Vec<Picture>> {
     let control = study.control("the pictures");
     let picture = |group: SetGroup, names, columns: Vec<(Method, Method)>| {
-        let of = |method: Method| {
-            let same = |one: &&MethodSpectra| one.radius.to_bits() == group.radius.to_bits();
-            found.iter().filter(same).find(|one| one.method == method)
-        };
+        let of = |method: Method| spectra::find(found, group.radius, method);
         let both = |(one, below)| Some((of(one)?, of(below)?));
         let columns: Vec<_> = columns.into_iter().filter_map(both).collect();
         let set = |(one, _): &(&MethodSpectra, _)| group.set(one.method, 0, &control);

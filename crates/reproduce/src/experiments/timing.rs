@@ -10,6 +10,7 @@ use tilescope_core::Parameters;
 use crate::control::Control;
 use crate::engines::Engines;
 use crate::error::Result;
+use crate::numbers::drawn_number;
 use crate::rates::sized;
 use crate::study::Study;
 
@@ -25,6 +26,14 @@ pub struct TimingPlan {
 }
 
 impl TimingPlan {
+    /// Returns the values of the captions of its figures.
+    pub fn values(self) -> Value {
+        json!({
+            "samples": drawn_number(self.samples as f64, 3), "rounds": self.rounds,
+            "whiskers": whisker_words(self.rounds as usize),
+        })
+    }
+
     /// Carries out all rounds, a unit each. `open` prepares the engines before the first round that was not kept;
     /// `round` is given the parameters of its sets.
     pub fn run<T: Serialize + DeserializeOwned>(
@@ -65,7 +74,7 @@ pub fn whisker(summary: &Summary) -> [f64; 2] {
 }
 
 /// Returns what [`whisker`] is of so many rounds, for captions.
-pub const fn whisker_words(rounds: usize) -> &'static str {
+const fn whisker_words(rounds: usize) -> &'static str {
     if rounds < FEW {
         "from least to most"
     } else {

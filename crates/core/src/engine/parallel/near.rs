@@ -37,6 +37,7 @@ const MIN_SQUARE: i32 = 64;
 type Lanes = [f32; LANES];
 
 /// Samples around a cell.
+#[derive(Default)]
 pub(crate) struct Near {
     count: usize,
     x: [Lanes; GROUPS],
@@ -52,17 +53,6 @@ pub(crate) struct MeasuredPixel {
     pub covered: bool,
     /// The samples that may make a candidate in it: those about as near as the nearest.
     pub sites: u64,
-}
-
-impl Default for Near {
-    fn default() -> Self {
-        Self {
-            count: 0,
-            x: [[0.0; LANES]; GROUPS],
-            y: [[0.0; LANES]; GROUPS],
-            squared: [[0.0; LANES]; GROUPS],
-        }
-    }
 }
 
 /// The square of R, less a margin far above the rounding of `f32`.

@@ -2,8 +2,6 @@
 //! unsure cells is repaired: these cells are computed again with a wider halo, or read from the run over the whole
 //! domain if that is small.
 
-use std::sync::{Mutex, PoisonError};
-
 use fearless_simd::dispatch;
 use rayon::prelude::*;
 
@@ -11,6 +9,7 @@ use crate::error::{ParameterError, SampleError};
 use crate::lattice::{Domain, Point, Rect, Window};
 use crate::parameters::{Insertion, Order, Parameters, Variant};
 use crate::pattern::Pattern;
+use crate::pool::Pool;
 use crate::progress::{Meter, Observer, Unobserved};
 use crate::random::Key;
 use crate::stage::Stage;
@@ -68,8 +67,8 @@ pub struct Plane {
     rules: Rules,
     instructions: InstructionSet,
     whole: Option<Whole>,
-    plain: Pool<false>,
-    tagged: Pool<true>,
+    plain: Pool<Scratch<false>>,
+    tagged: Pool<Scratch<true>>,
 }
 
 impl Plane {
@@ -139,7 +138,7 @@ impl Plane {
     ) -> Result<Vec<Point>, SampleError> {
         let parts: Vec<Rect> = parts(&self.domain, window)
             .iter()
-            .flat_map(pieces)
+            .flat_map(|part| pieces(part, MAX_SIDE << CELL_BITS))
             .collect();
         let compute = |part: &Rect| {
             let mut scratch = self.plain.take();
@@ -172,11 +171,11 @@ impl Plane {
         self.clipper.count_blocks();
     }
 
-    pub(super) const fn plain(&self) -> &Pool<false> {
+    pub(super) const fn plain(&self) -> &Pool<Scratch<false>> {
         &self.plain
     }
 
-    pub(super) const fn tagged(&self) -> &Pool<true> {
+    pub(super) const fn tagged(&self) -> &Pool<Scratch<true>> {
         &self.tagged
     }
 
@@ -270,25 +269,19 @@ fn pieces_at_once() -> usize {
     WINDOWS_A_THREAD * rayon::current_num_threads()
 }
 
-/// Cuts a part of the domain into windows of at most [`MAX_SIDE`] cells and a bit.
-fn pieces(part: &Rect) -> Vec<Rect> {
-    let side = i64::from(MAX_SIDE) << CELL_BITS;
-    let starts = |low: i32, high: i32| {
-        let cut = move |at: i64| (at, (at + side).min(high.into()));
-        (i64::from(low)..i64::from(high))
-            .step_by(side as usize)
-            .map(cut)
+/// Cuts a part of the domain into windows of at most `side` units along each axis.
+pub(crate) fn pieces(part: &Rect, side: i32) -> Vec<Rect> {
+    let cut = |low: i32, high: i32| {
+        let starts = (low..high).step_by(side as usize);
+        starts.map(move |at| (at, at.saturating_add(side).min(high)))
     };
-    let mut pieces = Vec::new();
-    for (bottom, top) in starts(part.min.y, part.max.y) {
-        for (left, right) in starts(part.min.x, part.max.x) {
-            pieces.push(Rect {
-                min: Point::new(left as i32, bottom as i32),
-                max: Point::new(right as i32, top as i32),
-            });
-        }
-    }
-    pieces
+    let rows = cut(part.min.y, part.max.y);
+    let rect = |(bottom, top), (left, right)| Rect {
+        min: Point::new(left, bottom),
+        max: Point::new(right, top),
+    };
+    rows.flat_map(|row| cut(part.min.x, part.max.x).map(move |column| rect(row, column)))
+        .collect()
 }
 
 /// Returns how many cells away from a lost sample places may lie that no sample covers and that the
@@ -327,24 +320,6 @@ fn part_of(frame: &Frame, cells: &Rect, window: &Rect) -> Rect {
 /// Regions for a window and for the repairs of repairs.
 #[derive(Default)]
 pub(super) struct Scratch<const TAGS: bool>(Vec<Box<Region<TAGS>>>);
-
-/// Buffers that are not in use.
-#[derive(Default)]
-pub(super) struct Pool<const TAGS: bool>(Mutex<Vec<Scratch<TAGS>>>);
-
-impl<const TAGS: bool> Pool<TAGS> {
-    /// Returns buffers to work in.
-    pub(super) fn take(&self) -> Scratch<TAGS> {
-        let mut idle = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        idle.pop().unwrap_or_default()
-    }
-
-    /// Takes them back.
-    pub(super) fn give(&self, scratch: Scratch<TAGS>) {
-        let mut idle = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        idle.push(scratch);
-    }
-}
 
 #[cfg(test)]
 mod tests {

@@ -1,7 +1,7 @@
 //! Computes a whole run in windows: bands from bottom to top, each cut into windows side by side, which are computed on
 //! all threads and joined in canonical order.
 
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -10,6 +10,7 @@ use crate::error::SampleError;
 use crate::lattice::{Point, R, Rect};
 use crate::parameters::Parameters;
 use crate::pattern::Pattern;
+use crate::pool::Pool;
 use crate::progress::{Meter, Observer};
 use crate::run::{Run, Summary};
 use crate::samples::{Sampled, Source};
@@ -18,7 +19,7 @@ use crate::stage::Stage;
 use super::counts::WindowCounts;
 use super::gaps::inserted_in;
 use super::instructions::InstructionSet;
-use super::plane::{MAX_SIDE, Plane, Pool, WINDOWS_A_THREAD};
+use super::plane::{MAX_SIDE, Plane, Scratch, WINDOWS_A_THREAD};
 
 /// The shortest side of a window, in cells, so that halos do not outweigh windows.
 const MIN_SIDE: i32 = 64;
@@ -53,7 +54,7 @@ pub struct Sweep {
     counts: WindowCounts,
     count: u64,
     /// Buffers of windows that are not in use.
-    idle: Mutex<Vec<WindowSamples>>,
+    idle: Pool<WindowSamples>,
 }
 
 impl Sweep {
@@ -87,7 +88,7 @@ impl Sweep {
             rows: cells[1],
             counts: WindowCounts::default(),
             count: 0,
-            idle: Mutex::default(),
+            idle: Pool::default(),
         })
     }
 
@@ -197,8 +198,9 @@ impl Sweep {
 
     /// Keeps buffers for later windows.
     fn take_back(&self, bands: Vec<Vec<WindowSamples>>) {
-        let mut idle = self.idle.lock().unwrap_or_else(PoisonError::into_inner);
-        idle.extend(bands.into_iter().flatten());
+        for piece in bands.into_iter().flatten() {
+            self.idle.give(piece);
+        }
     }
 
     /// Returns a finished run of `parameters` with its blocks, its result and its counts, but without eliminated
@@ -240,7 +242,7 @@ impl Sweep {
 
     fn compute<const TAGS: bool>(
         &self,
-        pool: &Pool<TAGS>,
+        pool: &Pool<Scratch<TAGS>>,
         bands: &[Vec<Rect>],
     ) -> Result<Vec<Vec<WindowSamples>>, SampleError> {
         let windows: Vec<&Rect> = bands.iter().flatten().collect();
@@ -248,12 +250,7 @@ impl Sweep {
             .into_par_iter()
             .with_max_len(1)
             .map(|window| {
-                let idle = self
-                    .idle
-                    .lock()
-                    .unwrap_or_else(PoisonError::into_inner)
-                    .pop();
-                let mut piece = idle.unwrap_or_default();
+                let mut piece = self.idle.take();
                 piece.clear();
                 let mut scratch = pool.take();
                 piece.counts = self.plane.compute(&mut scratch, 0, window)?;

@@ -86,7 +86,7 @@ fn mean_of_chirp(center: f64, deviation: f64) -> [f64; 2] {
 }
 
 /// How wrong an image is.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct PlateErrors {
     /// Index of the set.
     pub index: u64,
@@ -174,10 +174,7 @@ fn measured(plate: Plate, exact: &[f64], errors: &[f64]) -> PlateErrors {
         .filter(|one| one.1.1 >= MIN_PIXELS);
     let middle = |class: usize| (class as f64 + 0.5) * CLASS;
     PlateErrors {
-        index: 0,
-        count: 0,
         side: plate.side,
-        empty: 0,
         rmse: root(all),
         below: root(below),
         above: root(above),
@@ -185,7 +182,7 @@ fn measured(plate: Plate, exact: &[f64], errors: &[f64]) -> PlateErrors {
         classes: full
             .map(|(class, squares)| [middle(class), root(*squares)])
             .collect(),
-        shades: None,
+        ..PlateErrors::default()
     }
 }
 

@@ -8,19 +8,15 @@ use super::rows::LeafTimes;
 use super::stages::StageRound;
 use crate::error::Result;
 use crate::experiments::common::bar_picture;
-use crate::experiments::timing::{TimingPlan, whisker, whisker_words, whiskered};
+use crate::experiments::timing::{TimingPlan, whisker, whiskered};
 use crate::numbers::{drawn_count, drawn_number as number};
 use crate::outcome::{Picture, Table};
 use crate::rates::PassTimes;
 use crate::texts::table;
 
 pub fn shares(rows: &[LeafTimes], plan: TimingPlan) -> Result<Picture> {
-    let values = json!({
-        "samples": number(plan.samples as f64, 3), "rounds": plan.rounds,
-        "whiskers": whisker_words(plan.rounds as usize),
-    });
     let groups = rows.iter().map(group).collect();
-    bar_picture("fig11/procedures", &values, groups)
+    bar_picture("fig11/procedures", &plan.values(), groups)
 }
 
 fn group(row: &LeafTimes) -> BarGroup {

@@ -1,7 +1,7 @@
 //! Every method compared with both groups of reference sets of its radius. Verdicts are in `claims`.
 
 use super::method::Method;
-use super::spectra::{MethodSpectra, difference};
+use super::spectra::{MethodSpectra, difference, find};
 
 /// A leaf size at a radius against the reference sampler.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -42,11 +42,9 @@ impl Against {
 
 /// Compares every method with both groups of reference sets of its radius.
 pub fn against(found: &[MethodSpectra]) -> Vec<Against> {
-    let of = |radius: f64, method: Method| {
-        (found.iter()).find(|one| one.radius.to_bits() == radius.to_bits() && one.method == method)
-    };
     let compare = |one: &MethodSpectra| {
-        let groups = [Method::Reference, Method::Again].map(|method| of(one.radius, method));
+        let groups =
+            [Method::Reference, Method::Again].map(|method| find(found, one.radius, method));
         let [Some(a), Some(b)] = groups else {
             return None;
         };

@@ -5,6 +5,7 @@ use tilescope_core::{Domain, Parameters, Point, Rect};
 
 use crate::control::Control;
 use crate::error::Result;
+use crate::experiments::common::DENSITY;
 use crate::sets::{Set, pattern_side};
 
 /// Side in radii of the default pattern.
@@ -114,7 +115,7 @@ pub struct SetGroup {
 impl SetGroup {
     /// Samples of a set, about.
     pub fn samples(&self) -> f64 {
-        0.698 / (self.radius * self.radius)
+        DENSITY / (self.radius * self.radius)
     }
 
     /// Returns the set of a method by its number.

@@ -11,7 +11,7 @@ use crate::error::{ReproduceError, Result};
 use crate::experiments::common::{
     bar_picture, curve, ends, picture, power_scale, tile, whole_ticks,
 };
-use crate::experiments::timing::{whisker, whisker_words, whiskered};
+use crate::experiments::timing::{TimingPlan, whisker, whiskered};
 use crate::numbers::drawn_number as number;
 use crate::outcome::{Picture, Table};
 use crate::rates::{EngineRate, ONE_LEAF, distinct};
@@ -199,7 +199,7 @@ fn noise(one: &MethodSpectra) -> Series {
     }
 }
 
-pub fn rates(rows: &[EngineRate], samples: u64, rounds: u64) -> Result<Picture> {
+pub fn rates(rows: &[EngineRate], plan: TimingPlan) -> Result<Picture> {
     let heading = |row: &EngineRate| {
         let leaf = row.leaf.map(|leaf| format!("KDRT, leaf {leaf} r"));
         leaf.unwrap_or_else(|| "From scratch".to_owned())
@@ -212,11 +212,7 @@ pub fn rates(rows: &[EngineRate], samples: u64, rounds: u64) -> Result<Picture> 
     };
     let headings = distinct(rows.iter().map(heading)).into_iter();
     let groups = headings.enumerate().map(group).collect();
-    let values = json!({
-        "samples": number(samples as f64, 3), "rounds": rounds,
-        "whiskers": whisker_words(rounds as usize),
-    });
-    bar_picture("fig13/rates", &values, groups)
+    bar_picture("fig13/rates", &plan.values(), groups)
 }
 
 fn bar(row: &EngineRate, color: usize) -> Bar {

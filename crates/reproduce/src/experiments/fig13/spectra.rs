@@ -53,6 +53,12 @@ impl MethodSpectra {
     }
 }
 
+/// Returns the measurements of a method at a radius, if there are any.
+pub fn find(found: &[MethodSpectra], radius: f64, method: Method) -> Option<&MethodSpectra> {
+    let same = |one: &&MethodSpectra| one.radius.to_bits() == radius.to_bits();
+    found.iter().filter(same).find(|one| one.method == method)
+}
+
 /// Values by annulus.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Curves {

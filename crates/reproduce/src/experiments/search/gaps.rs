@@ -96,11 +96,7 @@ impl GapCounts {
         };
         let report = set.judged(&options, control)?;
         if report.conflicts > 0 {
-            return Err(ReproduceError::Invalid {
-                what: "a set with gaps".to_owned(),
-                conflicts: report.conflicts,
-                gaps: report.gaps,
-            });
+            return Err(ReproduceError::invalid("a set with gaps", &report));
         }
         let mut found = Self {
             count: report.count,

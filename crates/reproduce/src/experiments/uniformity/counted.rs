@@ -133,8 +133,7 @@ impl Counter {
             columns: self.cells,
             rows: self.cells,
         };
-        let user = |p: &Point| self.domain.user_from_lattice(*p);
-        let positions: Vec<[f64; 2]> = points.iter().map(user).collect();
+        let positions = self.domain.users_from_lattice(points);
         Ok(SetCounts {
             count: points.len() as u64,
             cells: classes.counts(&positions)?,
@@ -157,9 +156,7 @@ impl Counter {
         let samples = run.samples.origins.iter().zip(&run.samples.points);
         let inserted = samples.filter(|(origin, _)| matches!(origin, Origin::Inserted { .. }));
         let inserted: Vec<Point> = inserted.map(|(_, point)| *point).collect();
-        let user = |p: &Point| self.domain.user_from_lattice(*p);
-        let places: Vec<[f64; 2]> = inserted.iter().map(user).collect();
-        let ranked = gaps.ranked(&places, seed);
+        let ranked = gaps.ranked(&self.domain.users_from_lattice(&inserted), seed);
         Ok(SetCounts {
             inserted: depths(&inserted, &self.rects)?,
             ranks: ranked.classes,
