@@ -6,7 +6,7 @@
 use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
-use tilescope_analysis::{Judge, PrefixClaim, PrefixReport, Region, Report};
+use tilescope_analysis::{Judge, PrefixClaim, PrefixReport, Region};
 
 use crate::error::FormatError;
 use crate::format::{Format, Precision};

@@ -10,7 +10,7 @@ use serde::Deserialize;
 use super::Raw;
 use crate::certificate::Certificate;
 use crate::error::FormatError;
-use crate::format::{Format, Precision};
+use crate::format::Precision;
 use crate::point_set::{PointSet, Provenance};
 use crate::text::{push, without_bom};
 

@@ -79,7 +79,7 @@ impl State {
         };
         if let Some(debugger) = &self.runs.first.debugger {
             content.breakpoints = debugger.saved_breakpoints();
-            content.watches = debugger.watches.clone();
+            content.watches.clone_from(&debugger.watches);
             content.scenes.clone_from(&debugger.scenes);
             let layout = json!(self.window.layout);
             let is_other = |layout_of: &Value| !layout_of.is_null() && *layout_of != layout;
