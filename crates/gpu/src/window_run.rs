@@ -454,10 +454,10 @@ impl WindowRun {
                 }
             }
             Step::Level(k) => {
-                if self.counter(counter::ACTIVE) == 0 {
+                let active = u64::from(self.counter(counter::ACTIVE));
+                if active == 0 {
                     self.step = Step::Finish;
                 } else if let Some(kept) = &mut self.kept {
-                    let active = u64::from(self.counter(counter::ACTIVE));
                     let cells = self.device.bytes(Name::Active, 0..8 * active).await?;
                     kept.entry(k).or_default().active = cells;
                 }
@@ -468,8 +468,8 @@ impl WindowRun {
     }
 
     async fn keep(&mut self, k: u32) -> Result<(), GpuError> {
+        let count = u64::from(self.counter(counter::PROPOSALS));
         if let Some(kept) = &mut self.kept {
-            let count = u64::from(self.counter(counter::PROPOSALS));
             let proposals = self.device.bytes(Name::Proposals, 0..32 * count).await?;
             kept.entry(k).or_default().proposals = proposals;
         }

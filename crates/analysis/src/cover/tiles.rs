@@ -268,7 +268,7 @@ mod tests {
             for i in copies.clone() {
                 for j in copies.clone() {
                     let shift = DVec2::new(f64::from(i) * width, f64::from(j) * height);
-                    let copy = shifted(entry.position, shift);
+                    let copy = site(entry.position + shift);
                     let near = [(copy.x, 0, width), (copy.y, 1, height)].into_iter().all(
                         |(value, axis, extent)| {
                             let halo = if periodic {

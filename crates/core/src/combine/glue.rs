@@ -335,7 +335,7 @@ mod tests {
     fn too_little_is_widened_until_it_suffices() {
         let (domain, pieces) = layout(Boundary::Bounded);
         let options = CombineOptions::default();
-        let from = |near| glue_from(near, domain, &pieces, &options, &mut Unobserved).unwrap();
+        let from = |near| glue(near, domain, &pieces, &options, &mut Unobserved).unwrap();
         let within = |near| glue_within(domain, &pieces, &options, near, &mut Unobserved).unwrap();
         let whole = kept(&within(i32::MAX).0).0;
         let narrow = 2 * R + R / 4;
