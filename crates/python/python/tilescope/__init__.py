@@ -186,7 +186,7 @@ class Plane:
     True
     """
 
-    __slots__ = ("_domain", "_parameters", "_plane", "_radius")
+    __slots__ = ("_arguments", "_domain", "_parameters", "_plane", "_radius")
 
     def __init__(
         self,
@@ -208,16 +208,25 @@ class Plane:
         search: Literal[4, 2] = 4,
         progress: Progress = False,
     ) -> None:
-        request = _request(
-            count=count, radius=radius, width=width, height=height, boundary=boundary, seed=seed, leaf=leaf,
-            pattern_side=pattern_side, pattern_boundary=pattern_boundary, pattern_seed=pattern_seed, pattern=pattern,
-            dihedral=dihedral, order=order, insertion=insertion, search=search, variant="staged",
-        )  # fmt: skip
+        arguments: dict[str, Any] = {
+            "width": width, "height": height, "boundary": boundary, "seed": seed, "leaf": leaf, "dihedral": dihedral,
+            "pattern_side": pattern_side, "pattern_boundary": pattern_boundary, "pattern_seed": pattern_seed,
+            "order": order, "insertion": insertion, "search": search,
+        }  # fmt: skip
+        request = _request(count=count, radius=radius, pattern=pattern, variant="staged", **arguments)
         with following(progress) as told:
             self._plane = _tilescope.Plane(request, told)
         facts = json.loads(self._plane.facts())
         self._domain, self._radius = Domain(*facts["domain"]), float(facts["radius"])
         self._parameters = json.dumps(facts["parameters"])
+        # A copy in another process does not search for the radius, and cannot read the file of a pattern.
+        if pattern is not None and not isinstance(pattern, PointSet):
+            pattern = read(pattern)
+        self._arguments = arguments | {"radius": self._radius, "pattern": pattern}
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Returns what :mod:`copy` and :mod:`pickle` make the same plane from."""
+        return _plane_of, (self._arguments, self._parameters)
 
     @property
     def domain(self) -> Domain:
@@ -273,6 +282,12 @@ class Plane:
     def __repr__(self) -> str:
         width, height, boundary = self.domain
         return f"<Plane: radius {self.radius:.6g}, {width:g} x {height:g}, {boundary}>"
+
+
+def _plane_of(arguments: dict[str, Any], parameters: str) -> Plane:
+    plane = Plane(**arguments)
+    plane._parameters = parameters
+    return plane
 
 
 def verify(
