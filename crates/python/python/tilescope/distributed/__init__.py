@@ -129,7 +129,7 @@ def write(
             raise ValueError(f"{folder} has another set: {difference}")
         for index, tile in enumerate(before.get("tiles", [])):
             known[index] = tile.get("file_digest")
-    elif any(folder.iterdir()):
+    elif any(file.suffix != _tile.PARTIAL for file in folder.iterdir()):
         raise FileExistsError(f"{folder} is not empty, and has no {MANIFEST}: give another folder")
     else:
         _save(folder, facts | {"complete": False, "tiles": []})

@@ -64,9 +64,7 @@ class Grid:
     def borders(self, axis: int) -> Positions:
         """Returns where tiles begin along an axis, and where the last one ends."""
         side, tiles = self.sides[axis], self.shape[axis]
-        borders: Positions = np.arange(tiles + 1) * (side / tiles)
-        borders[-1] = side
-        return borders
+        return np.array([*(tile * (side / tiles) for tile in range(tiles)), side])
 
     def bounds(self, index: int) -> Window:
         """Returns the corners of a tile."""
