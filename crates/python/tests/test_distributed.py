@@ -516,20 +516,27 @@ def test_twenty_million_samples_on_dask_though_a_worker_is_killed(tmp_path):
                 kill(processes[worker])
                 killed.update(process=processes[worker], tasks=len(tasks[worker]), outstanding=total - done)
 
-        stored = tilescope.distributed.write(
-            plane, tmp_path / "dask", engine="dask", rows=1_000_000, progress=kill_a_worker
-        )
+        stored = tilescope.distributed.write(plane, tmp_path / "dask", engine="dask", progress=kill_a_worker)
         client.wait_for_workers(2)
         assert killed["process"] not in client.run(os.getpid).values()
+        assert stored.verify(positions=False, engine="dask") == []
     assert killed["tasks"] >= 1
     assert killed["outstanding"] == len(stored.files) - 3 > 10
     assert len(stored) > 19_900_000
-    single = tilescope.distributed.write(plane, tmp_path / "local", rows=1_000_000)
+    single = tilescope.distributed.write(plane, tmp_path / "local")
     assert stored.manifest == single.manifest
     shutil.rmtree(tmp_path / "local")
-    assert stored.verify(positions=False) == []
     shutil.rmtree(tmp_path / "dask")
-    assert stored.digest == tilescope.distributed.digest(tilescope.sample(**arguments), rows=1_000_000)
+    assert stored.digest == tilescope.distributed.digest(tilescope.sample(**arguments))
+
+
+@pytest.mark.filterwarnings("default")
+@pytest.mark.parametrize("engine", ["dask", "ray"])
+def test_a_cluster_is_started_where_there_is_none(engine, tmp_path):
+    plane = tilescope.Plane(**parameters("bounded"))
+    single = tilescope.distributed.write(plane, tmp_path / "local", rows=ROWS)
+    stored = tilescope.distributed.write(plane, tmp_path / engine, engine=engine, rows=ROWS)
+    assert stored.manifest == single.manifest
 
 
 @pytest.mark.filterwarnings("default")
@@ -552,6 +559,8 @@ def test_two_million_samples_on_ray_though_a_worker_is_killed(tmp_path):
     ray.init(num_cpus=2, include_dashboard=False, log_to_driver=False, configure_logging=False)
     try:
         stored = tilescope.distributed.write(plane, tmp_path / "ray", engine="ray", rows=50_000, progress=kill_a_worker)
+        with pytest.raises(ValueError, match="judge is 'me'"):
+            tilescope.distributed.write(plane, tmp_path / "refused", engine="ray", rows=50_000, judge="me")
     finally:
         ray.shutdown()
     assert len(killed) == 1

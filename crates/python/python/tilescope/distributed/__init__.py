@@ -75,7 +75,7 @@ def write(
         or one on this machine.
     rows : int
         The most rows that a tile is expected to have, and thus a row group of Parquet: a row is a
-        sample. From 1000 to 5e7. Making a tile takes about 150 bytes a row in each worker's thread.
+        sample. From 1000 to 5e7. Making a tile takes about 200 bytes a row in each worker's thread.
     judge : {'delaunay', 'circles', 'both'}, optional
         Who judges. If not given, both do up to 2**20 samples with the halo, and covered circles for more.
     retries : int

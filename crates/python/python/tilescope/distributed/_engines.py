@@ -135,7 +135,7 @@ def _dask(
             waiting.update(new)
             return new
 
-        ended = distributed.as_completed(submitted())
+        ended = distributed.as_completed(submitted(), loop=client.loop)
         for future in ended:
             outcome = future.result()
             waiting.discard(future)

@@ -54,7 +54,9 @@ def total_digest(digests: list[str]) -> str:
 
 
 def _bbox(positions: Positions) -> list[float]:
-    return [*positions.min(axis=0).tolist(), *positions.max(axis=0).tolist()]
+    # numpy is several times slower along both axes at once.
+    x, y = positions.T
+    return [float(x.min()), float(y.min()), float(x.max()), float(y.max())]
 
 
 def _encoded(positions: Positions, facts: dict[str, Any]) -> bytes:
