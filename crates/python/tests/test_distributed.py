@@ -339,9 +339,9 @@ def test_ctrl_c_keeps_finished_tiles(tmp_path):
         def press(name, done, total):
             if done == 2:
                 os.kill(os.getpid(), signal.SIGINT)
-        plane = tilescope.Plane(radius=0.0005)
+        plane = tilescope.Plane(radius=0.001)
         try:
-            tilescope.distributed.write(plane, {str(tmp_path / "set")!r}, rows=200_000, progress=press)
+            tilescope.distributed.write(plane, {str(tmp_path / "set")!r}, rows=50_000, progress=press)
         except KeyboardInterrupt:
             print("stopped")
     """
@@ -351,7 +351,7 @@ def test_ctrl_c_keeps_finished_tiles(tmp_path):
     finished = states(tmp_path / "set")
     assert 2 <= len(finished) < 16
     assert set(os.listdir(tmp_path / "set")) == {"manifest.json", *finished}
-    assert len(tilescope.distributed.write(tilescope.Plane(radius=0.0005), tmp_path / "set", rows=200_000).files) == 16
+    assert len(tilescope.distributed.write(tilescope.Plane(radius=0.001), tmp_path / "set", rows=50_000).files) == 16
     assert finished.items() <= states(tmp_path / "set").items()
 
 

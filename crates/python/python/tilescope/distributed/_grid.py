@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import functools
 import math
+import operator
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -15,7 +16,7 @@ from tilescope._progress import ProgressFunction
 
 Positions = npt.NDArray[np.float64]
 
-# Lattice units in a radius.
+# Lattice units in a radius; domains have fewer than twice as many radii.
 _UNITS = 1 << 15
 # Samples in a squared radius, as the limits of windows count them.
 _DENSITY = 0.696
@@ -147,11 +148,6 @@ class Lattice:
                 units -= 1
             self._units.append(units)
 
-    def numbers(self, positions: Positions) -> npt.NDArray[np.int64]:
-        """Returns the numbers of samples along both axes."""
-        unit = np.array(self._grid.sides) / self._units
-        return np.rint(positions / unit).astype(np.int64)
-
     def _first(self, axis: int, position: float) -> int:
         """Returns the first number whose position is not below `position`."""
         unit = self._grid.sides[axis] / self._units[axis]
@@ -215,17 +211,21 @@ class Lattice:
             )
         return [row * self._grid.shape[0] + column for row in found[1] for column in found[0]]
 
-    @staticmethod
-    def inside(numbers: npt.NDArray[np.int64], spans: list[list[tuple[int, int]]]) -> npt.NDArray[np.bool_]:
-        """Returns which samples lie in a window."""
-        inside = np.ones(len(numbers), dtype=bool)
-        for axis in (0, 1):
-            along: Any = numbers[:, axis]
-            inside &= np.logical_or.reduce([(low <= along) & (along < high) for low, high in spans[axis]])
+    def inside(self, positions: Positions, spans: list[list[tuple[int, int]]]) -> npt.NDArray[np.bool_]:
+        """Returns which samples lie in a window. Positions ascend with their numbers, so that they can be compared."""
+        inside = np.ones(len(positions), dtype=bool)
+        for axis, (side, units) in enumerate(zip(self._grid.sides, self._units, strict=True)):
+            along, unit = positions[:, axis], side / units
+            parts = [
+                (min(low * unit, side) <= along) & (along < (min(high * unit, side) if high <= units else math.inf))
+                for low, high in spans[axis]
+            ]
+            inside &= functools.reduce(operator.or_, parts)
         return inside
 
-    @staticmethod
-    def order(numbers: npt.NDArray[np.int64]) -> npt.NDArray[np.intp]:
-        """Returns the sequence of the whole set: by squares of side r, row by row, and in them by y and x."""
-        i, j = numbers.T
-        return np.lexsort((i, j, i // _UNITS, j // _UNITS))
+    def sequence(self, positions: Positions) -> npt.NDArray[np.intp]:
+        """Returns the order of samples in the whole set: by squares of side r, row by row, and in them by y and x."""
+        numbers = np.rint(positions / (np.array(self._grid.sides) / self._units)).astype(np.int64)
+        (i, j), bits = numbers.T, _UNITS.bit_length() - 1
+        squares = (j >> bits) << bits + 1 | i >> bits
+        return np.argsort(squares << 2 * bits | (j & _UNITS - 1) << bits | i & _UNITS - 1, kind="stable")

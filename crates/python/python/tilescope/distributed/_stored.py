@@ -13,7 +13,7 @@ from typing import Any, Literal
 import numpy as np
 
 from tilescope import Domain
-from tilescope._point_set import Judge, Path
+from tilescope._point_set import Judge, Path, Window
 from tilescope._progress import Progress, ProgressFunction, following
 from tilescope.distributed import _engines as engines
 from tilescope.distributed._engines import Engine, module
@@ -124,18 +124,20 @@ class StoredPlane:
         OSError
             If a file cannot be read.
         """
-        lattice = self._grid.lattice()
-        spans = lattice.spans((x0, y0, x1, y1))
-        places, numbers = [np.empty((0, 2))], [np.empty((0, 2), dtype=np.int64)]
-        for index in lattice.tiles(spans):
-            found, _ = read(os.path.join(self._folder, self._tiles[index].file))
-            found_numbers = lattice.numbers(found)
-            inside = lattice.inside(found_numbers, spans)
-            places.append(found[inside])
-            numbers.append(found_numbers[inside])
-        found = np.concatenate(places)[lattice.order(np.concatenate(numbers))]
+        found = self._samples((x0, y0, x1, y1))
+        found = found[self._grid.lattice().sequence(found)]
         found.flags.writeable = False
         return found
+
+    def _samples(self, window: Window) -> Positions:
+        """Returns the samples in a window, tile by tile."""
+        lattice = self._grid.lattice()
+        spans = lattice.spans(window)
+        found = [np.empty((0, 2))]
+        for index in lattice.tiles(spans):
+            tile, _ = read(os.path.join(self._folder, self._tiles[index].file))
+            found.append(tile[lattice.inside(tile, spans)])
+        return np.concatenate(found)
 
     def frame(self, engine: Literal["dask", "arrow"] | None = None) -> Any:
         """Returns a lazy frame of all samples.
@@ -224,7 +226,7 @@ def _verdict(
     stored, judge = shared
     grid = stored._grid
     bounds = grid.bounds(index)
-    conflicts, gaps = grid.judge(stored.window(*grid.surroundings(bounds)), bounds, judge, progress)
+    conflicts, gaps = grid.judge(stored._samples(grid.surroundings(bounds)), bounds, judge, progress)
     if not conflicts and not gaps:
         return index, None
     return index, f"{stored.files[index]} is not valid: conflicts: {conflicts}, gaps: {gaps}"
