@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 import os
 import threading
+import time
 from collections.abc import Callable, Generator, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from importlib import import_module
@@ -12,6 +14,9 @@ from typing import Any, Literal, TypeAlias, TypeVar
 
 from tilescope import set_threads
 from tilescope._progress import ProgressFunction
+
+# Seconds after which the threads of a cluster are counted again.
+_PERIOD = 1.0
 
 Engine: TypeAlias = Literal["local", "dask", "ray"]
 Item = TypeVar("Item")
@@ -126,18 +131,21 @@ def _dask(
         # What a lost worker held of it is made again, unlike data that is scattered.
         common = client.submit(_itself, shared, pure=False)
 
+        threads, counted = 0, -math.inf
+
         def submitted() -> list[Any]:
-            most = 2 * sum(client.nthreads().values()) + 2
+            nonlocal threads, counted
+            if time.monotonic() - counted > _PERIOD:
+                threads, counted = sum(client.nthreads().values()), time.monotonic()
             new = [
                 client.submit(_on_dask, task, common, item, os.getpid(), pure=False, retries=retries)
-                for item in islice(items, max(most - len(waiting), 0))
+                for item in islice(items, max(2 * threads + 2 - len(waiting), 0))
             ]
             waiting.update(new)
             return new
 
-        ended = distributed.as_completed(submitted(), loop=client.loop)
-        for future in ended:
-            outcome = future.result()
+        ended = distributed.as_completed(submitted(), loop=client.loop, with_results=True)
+        for future, outcome in ended:
             waiting.discard(future)
             ended.update(submitted())
             yield outcome
