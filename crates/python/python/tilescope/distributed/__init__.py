@@ -13,7 +13,7 @@ Examples
 >>> plane = tilescope.Plane(radius=0.002)
 >>> stored = tilescope.distributed.write(plane, folder / "set", rows=50_000)
 >>> stored
-<StoredPlane: 174... samples in 2 x 2 tiles, radius 0.002, 1 x 1, periodic>
+<StoredPlane: 175... samples in 2 x 2 tiles, radius 0.002, 1 x 1, periodic>
 >>> import numpy as np
 >>> np.array_equal(stored.window(0.4, 0.4, 0.6, 0.6), plane.window(0.4, 0.4, 0.6, 0.6))
 True
@@ -74,8 +74,8 @@ def write(
         or of a cluster on this machine if there is none; the Ray cluster that ``ray.init`` joined,
         or one on this machine.
     rows : int
-        The most rows that a tile is expected to have, and thus a row group of Parquet: a row is a
-        sample. From 1000 to 5e7. Making a tile takes about 200 bytes a row in each worker's thread.
+        About the most rows that a tile has, and thus a row group of Parquet: a row is a sample.
+        From 1000 to 5e7. Making a tile takes about 200 bytes a row in each worker's thread.
     judge : {'delaunay', 'circles', 'both'}, optional
         Who judges. If not given, both do up to 2**20 samples with the halo, and covered circles for more.
     retries : int

@@ -40,7 +40,7 @@ class Grid:
 
     @classmethod
     def of(cls, domain: Domain, radius: float, rows: int) -> Grid:
-        """Returns nearly square tiles that are expected to have at most `rows` samples each."""
+        """Returns nearly square tiles that have about `rows` samples at most."""
         side = radius * math.sqrt(rows / _DENSITY)
         return cls(domain, radius, (math.ceil(domain.width / side), math.ceil(domain.height / side)))
 
