@@ -581,7 +581,8 @@ def test_examples_of_docstrings_and_of_the_page_run(tmp_path, monkeypatch):
         assert outcome.failed == 0, name
         attempted += outcome.attempted
     assert attempted >= 10
-    monkeypatch.chdir(tmp_path)
+    (tmp_path / "page").mkdir()
+    monkeypatch.chdir(tmp_path / "page")
     blocks = re.findall(r"```python\n(.*?)```", PAGE.read_text(), re.DOTALL)
     assert len(blocks) >= 2
     names = {}
