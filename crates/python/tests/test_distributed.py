@@ -228,7 +228,7 @@ def test_a_tile_with_a_flipped_bit_is_found(copied):
     assert copied.verify() == []
 
 
-def test_a_window_does_not_show_a_damaged_page(copied):
+def test_windows_and_frames_refuse_a_damaged_page(copied):
     file = Path(copied.files[0])
     flipped = bytearray(file.read_bytes())
     flipped[len(flipped) // 2] ^= 1
@@ -236,6 +236,10 @@ def test_a_window_does_not_show_a_damaged_page(copied):
     with pytest.raises(ValueError, match="tile-00000-00000.parquet is not a tile, or it is damaged"):
         copied.window(0, 0, 0.1, 0.1)
     copied.window(0.6, 0.5, 0.7, 0.6)
+    with pytest.raises(ValueError, match="tile-00000-00000.parquet is not a tile, or it is damaged"):
+        copied.frame("dask").x.sum().compute(scheduler="synchronous")
+    with pytest.raises(OSError, match="CRC checksum verification failed"):
+        copied.frame("arrow").to_table()
 
 
 def test_missing_and_exchanged_tiles_are_found(copied):
@@ -296,7 +300,9 @@ class Interrupted(Exception):
     pass
 
 
-def test_finished_tiles_are_kept_and_the_others_made(plane, written, tmp_path):
+def test_finished_tiles_are_kept_and_the_others_made(plane, written, tmp_path, monkeypatch):
+    # With many cores all tiles would be finished before the first of them is reported.
+    monkeypatch.setattr(_engines, "_cores", lambda: 2)
     folder = tmp_path / "set"
 
     def stop(name, done, total):
@@ -336,6 +342,7 @@ def test_ctrl_c_keeps_finished_tiles(tmp_path):
         import os, signal
         import tilescope.distributed
         signal.signal(signal.SIGINT, signal.default_int_handler)
+        tilescope.distributed._engines._cores = lambda: 2
         def press(name, done, total):
             if done == 2:
                 os.kill(os.getpid(), signal.SIGINT)

@@ -79,7 +79,8 @@ def write(
     judge : {'delaunay', 'circles', 'both'}, optional
         Who judges. If not given, both do up to 2**20 samples with the halo, and covered circles for more.
     retries : int
-        How often a tile is tried again whose file cannot be written, or whose worker is lost.
+        How often a tile is tried again whose file cannot be written; by Ray, also one whose worker
+        is lost. Dask has a setting for lost workers, ``distributed.scheduler.allowed-failures``.
     progress : bool or callable
         Whether to show a bar, or what to call with the work's name, the number of finished tiles,
         and that of all tiles.

@@ -47,8 +47,8 @@ def outcomes(
 ) -> Generator[Outcome, None, None]:
     """Carries out a task on each item, and returns what they return, in the order in which they end.
 
-    A task that raises ``OSError`` is tried `retries` times more. Items are taken as tasks end, so
-    that their number does not matter.
+    A task that raises ``OSError`` is tried `retries` times more, by Dask one that raises anything.
+    Items are taken as tasks end, so that their number does not matter.
     """
     carry_out = {"local": _local, "dask": _dask, "ray": _ray}[engine]
     return carry_out(task, shared, iter(items), retries)
@@ -130,7 +130,6 @@ def _dask(
     try:
         # What a lost worker held of it is made again, unlike data that is scattered.
         common = client.submit(_itself, shared, pure=False)
-
         threads, counted = 0, -math.inf
 
         def submitted() -> list[Any]:

@@ -161,7 +161,9 @@ class StoredPlane:
             frames = module("dask.dataframe", "dask")
             return frames.from_map(_frame_of, self.files, meta=_frame(np.empty((0, 2))))
         if engine == "arrow":
-            return module("pyarrow.dataset", "parquet").dataset(self.files, format="parquet")
+            dataset = module("pyarrow.dataset", "parquet")
+            options = dataset.ParquetFragmentScanOptions(page_checksum_verification=True)
+            return dataset.dataset(self.files, format=dataset.ParquetFileFormat(default_fragment_scan_options=options))
         raise ValueError(f"engine is {engine!r}; it must be 'dask' or 'arrow'")
 
     def verify(
