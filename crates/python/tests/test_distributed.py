@@ -284,6 +284,17 @@ def test_a_conflict_or_a_gap_in_files_that_agree_is_found(index, copied):
     assert fault == f"{stored.files[index]} has positions outside of its tile"
 
 
+def test_tiles_that_do_not_fit_together_are_found(plane, copied):
+    other = tilescope.Plane(**(parameters(plane.domain.boundary) | {"seed": 6}))
+    grid = Grid(copied.domain, copied.radius, tuple(copied.manifest["grid"]))
+    stored = replaced(copied, 0, other.window(*grid.bounds(0)))
+    assert stored.verify(positions=False) == []
+    faulty = [stored.files.index(fault.split(" is not valid")[0]) for fault in stored.verify()]
+    across = [3, 8] if plane.domain.boundary == "periodic" else []
+    assert set(faulty) >= {0, 1, 4, *across}
+    assert not set(faulty) & {2, 6, 10}
+
+
 def test_a_tile_that_is_not_valid_is_not_written(plane, tmp_path, monkeypatch):
     class Holed:
         def window(self, *window, progress):

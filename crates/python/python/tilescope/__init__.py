@@ -171,7 +171,8 @@ class Plane:
     """The plane of a run, from which any window can be computed alone.
 
     A window has exactly the samples that the whole set has there, and costs only its own area: the
-    set may have three thousand million samples. A periodic plane repeats without end.
+    set may have three thousand million samples. A periodic plane repeats without end. A plane can be
+    pickled; :mod:`tilescope.distributed` writes all of it, tile by tile.
 
     Parameters are those of :func:`sample`.
 
