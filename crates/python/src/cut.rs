@@ -4,10 +4,8 @@ use pyo3::prelude::*;
 use tilescope_analysis::{VerifyOptions, verify};
 
 use crate::arguments::{SetArgument, verify_options};
+use crate::plane::MAX_GAPS;
 use crate::task::run;
-
-/// Gaps that the verifier lists, more than the cut borders of a set have.
-const MAX_GAPS: usize = 1 << 20;
 
 /// Returns the number of pairs in conflict in a set that was cut from a larger one, and of uncovered places in a window
 /// of it. Places outside the window may be uncovered because the set is cut.

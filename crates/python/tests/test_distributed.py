@@ -433,6 +433,13 @@ def test_wrong_arguments_are_refused(arguments, text, tmp_path):
         tilescope.distributed.write(tilescope.Plane(radius=0.01), tmp_path / "set", **arguments)
 
 
+def test_nested_levels_are_refused(tmp_path):
+    plane = tilescope.Plane(radius=0.01)
+    plane._parameters = json.dumps(plane.parameters | {"levels": 3})
+    with pytest.raises(ValueError, match="the plane has nested levels"):
+        tilescope.distributed.write(plane, tmp_path / "set")
+
+
 @pytest.mark.parametrize("arguments", [{"rows": 1e6}, {"rows": "many"}, {"retries": None}, {"progress": 1}])
 def test_arguments_of_other_types_are_refused(arguments, tmp_path):
     with pytest.raises(TypeError):

@@ -209,12 +209,13 @@ class Plane:
         search: Literal[4, 2] = 4,
         progress: Progress = False,
     ) -> None:
-        arguments: dict[str, Any] = {
-            "width": width, "height": height, "boundary": boundary, "seed": seed, "leaf": leaf, "dihedral": dihedral,
-            "pattern_side": pattern_side, "pattern_boundary": pattern_boundary, "pattern_seed": pattern_seed,
-            "order": order, "insertion": insertion, "search": search,
-        }  # fmt: skip
-        request = _request(count=count, radius=radius, pattern=pattern, variant="staged", **arguments)
+        # All arguments, before there are other variables.
+        arguments: dict[str, Any] = {name: value for name, value in locals().items() if name != "self"}
+        request = _request(
+            count=count, radius=radius, width=width, height=height, boundary=boundary, seed=seed, leaf=leaf,
+            pattern_side=pattern_side, pattern_boundary=pattern_boundary, pattern_seed=pattern_seed, pattern=pattern,
+            dihedral=dihedral, order=order, insertion=insertion, search=search, variant="staged",
+        )  # fmt: skip
         with following(progress) as told:
             self._plane = _tilescope.Plane(request, told)
         facts = json.loads(self._plane.facts())
@@ -223,7 +224,7 @@ class Plane:
         # A copy in another process does not search for the radius, and cannot read the file of a pattern.
         if pattern is not None and not isinstance(pattern, PointSet):
             pattern = read(pattern)
-        self._arguments = arguments | {"radius": self._radius, "pattern": pattern}
+        self._arguments = arguments | {"count": None, "radius": self._radius, "pattern": pattern, "progress": False}
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Returns what :mod:`copy` and :mod:`pickle` make the same plane from."""

@@ -93,8 +93,8 @@ def write(
     Raises
     ------
     ValueError
-        If an argument is wrong, a tile is not valid, or the folder has another set; the text names
-        the difference.
+        If an argument is wrong, the plane has nested levels, a tile is not valid, or the folder has
+        another set; the text names the difference.
     FileExistsError
         If the folder has other files, and no set.
     OSError
@@ -104,6 +104,8 @@ def write(
     """
     if not isinstance(plane, Plane):
         raise TypeError(f"plane is {plane!r}; it must be a tilescope.Plane")
+    if plane.parameters.get("levels") is not None:
+        raise ValueError("the plane has nested levels; a folder keeps neither their order nor their radii")
     if operator.index(retries) < 0:
         raise ValueError(f"retries is {retries}; it must be at least 0")
     _engines.check(engine)
