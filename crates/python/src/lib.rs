@@ -13,6 +13,7 @@
 mod arguments;
 mod arrays;
 mod combine;
+mod cut;
 mod failure;
 mod files;
 mod judge;
@@ -29,6 +30,8 @@ mod _tilescope {
     use crate::arguments::{RunRequest, check_domain};
     #[pymodule_export]
     use crate::combine::combine;
+    #[pymodule_export]
+    use crate::cut::verify_window;
     #[pymodule_export]
     use crate::files::{certify, digest, named_by_content, read, save};
     #[pymodule_export]

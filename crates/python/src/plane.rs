@@ -13,7 +13,7 @@ use crate::failure::Failure;
 use crate::task::run;
 
 /// Gaps that the verifier lists, more than the cut borders of a window have.
-const MAX_GAPS: usize = 1 << 20;
+pub const MAX_GAPS: usize = 1 << 20;
 
 /// A plane.
 #[pyclass(frozen, name = "Plane", module = "tilescope._tilescope")]

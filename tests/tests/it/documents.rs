@@ -22,6 +22,7 @@ fn documents() -> Vec<PathBuf> {
         "crates/README.md",
         "crates/cli/README.md",
         "crates/python/README.md",
+        "crates/python/distributed.md",
         "web/README.md",
     ];
     let mut all = fixed.map(PathBuf::from).to_vec();

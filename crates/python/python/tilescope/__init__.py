@@ -171,7 +171,8 @@ class Plane:
     """The plane of a run, from which any window can be computed alone.
 
     A window has exactly the samples that the whole set has there, and costs only its own area: the
-    set may have three thousand million samples. A periodic plane repeats without end.
+    set may have three thousand million samples. A periodic plane repeats without end. A plane can be
+    pickled; :mod:`tilescope.distributed` writes all of it, tile by tile.
 
     Parameters are those of :func:`sample`.
 
@@ -186,7 +187,7 @@ class Plane:
     True
     """
 
-    __slots__ = ("_domain", "_parameters", "_plane", "_radius")
+    __slots__ = ("_arguments", "_domain", "_parameters", "_plane", "_radius")
 
     def __init__(
         self,
@@ -208,6 +209,8 @@ class Plane:
         search: Literal[4, 2] = 4,
         progress: Progress = False,
     ) -> None:
+        # All arguments, before there are other variables.
+        arguments: dict[str, Any] = {name: value for name, value in locals().items() if name != "self"}
         request = _request(
             count=count, radius=radius, width=width, height=height, boundary=boundary, seed=seed, leaf=leaf,
             pattern_side=pattern_side, pattern_boundary=pattern_boundary, pattern_seed=pattern_seed, pattern=pattern,
@@ -218,6 +221,14 @@ class Plane:
         facts = json.loads(self._plane.facts())
         self._domain, self._radius = Domain(*facts["domain"]), float(facts["radius"])
         self._parameters = json.dumps(facts["parameters"])
+        # A copy in another process does not search for the radius, and cannot read the file of a pattern.
+        if pattern is not None and not isinstance(pattern, PointSet):
+            pattern = read(pattern)
+        self._arguments = arguments | {"count": None, "radius": self._radius, "pattern": pattern, "progress": False}
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Returns what :mod:`copy` and :mod:`pickle` make the same plane from."""
+        return _plane_of, (self._arguments, self._parameters)
 
     @property
     def domain(self) -> Domain:
@@ -273,6 +284,12 @@ class Plane:
     def __repr__(self) -> str:
         width, height, boundary = self.domain
         return f"<Plane: radius {self.radius:.6g}, {width:g} x {height:g}, {boundary}>"
+
+
+def _plane_of(arguments: dict[str, Any], parameters: str) -> Plane:
+    plane = Plane(**arguments)
+    plane._parameters = parameters
+    return plane
 
 
 def verify(
