@@ -93,6 +93,28 @@ pub fn verify_prefix(
     Ok(PrefixReport { claim, report })
 }
 
+/// Judges each prefix of which something is claimed. `whole` is the report on all `points`, which is not made again.
+///
+/// # Errors
+///
+/// See [`verify_prefix`].
+pub fn verify_levels(
+    points: &[[f64; 2]],
+    whole: &Report,
+    claims: &[PrefixClaim],
+    options: &VerifyOptions,
+    control: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+) -> Result<Vec<PrefixReport>, VerifyError> {
+    let judged = |&claim: &PrefixClaim| {
+        if claim.count == points.len() && claim.covering == Some(whole.radius) {
+            let report = whole.clone();
+            return Ok(PrefixReport { claim, report });
+        }
+        verify_prefix(points, whole.region, claim, options, control)
+    };
+    claims.iter().map(judged).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

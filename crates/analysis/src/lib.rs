@@ -54,7 +54,7 @@ pub use circles::{ExposedArc, exposed_arcs};
 pub use error::VerifyError;
 pub use findings::MAX_CONFLICTS;
 pub use judge::{Judge, JudgeChoice};
-pub use levels::{PrefixClaim, PrefixReport, verify_prefix};
+pub use levels::{PrefixClaim, PrefixReport, verify_levels, verify_prefix};
 pub use monitor::Progress;
 pub use number::Number;
 pub use region::{Boundary, Region};

@@ -10,8 +10,7 @@ use std::ops::ControlFlow;
 use std::path::Path;
 
 use tilescope_analysis::{
-    PrefixClaim, PrefixReport, Progress, Region, Report, VerifyError, VerifyOptions, verify,
-    verify_prefix,
+    PrefixClaim, Progress, Region, Report, VerifyError, VerifyOptions, verify, verify_levels,
 };
 
 use crate::certificate::{CERTIFICATE_FORMAT_VERSION, Certificate, CertifiedLevel, Rounding};
@@ -369,19 +368,9 @@ fn judged_levels(
     control: Control<'_>,
 ) -> Result<Vec<CertifiedLevel>, ExportError> {
     let precision = target.format.precision(target.precision);
-    let judged = |&claim: &PrefixClaim| {
-        // The last level is the whole set, which has been judged.
-        let is_whole = claim.count == points.len() && claim.covering == Some(context.radius);
-        let found = if is_whole {
-            let report = whole.clone();
-            Ok(PrefixReport { claim, report })
-        } else {
-            verify_prefix(points, context.region, claim, &context.verify, control)
-        };
-        let found = found.map_err(|source| ExportError::Verify { precision, source })?;
-        Ok(CertifiedLevel::of(&found))
-    };
-    context.levels.iter().map(judged).collect()
+    let found = verify_levels(points, whole, &context.levels, &context.verify, control)
+        .map_err(|source| ExportError::Verify { precision, source })?;
+    Ok(found.iter().map(CertifiedLevel::of).collect())
 }
 
 /// Measures how storing changed the positions. Where that may have changed the verdict, the original positions are
@@ -495,10 +484,14 @@ pub(crate) fn warnings(
             by_rounding: rounding.is_some_and(|r| r.made_conflicts),
         });
     }
-    if certificate.gaps > 0 {
+    // Of nested levels that were cut to a count of samples, no maximal set is claimed.
+    let last = certificate.levels.last();
+    let is_claimed = last.is_none_or(|last| last.covering == Some(certificate.radius));
+    let made_gaps = rounding.is_some_and(|r| r.made_gaps);
+    if certificate.gaps > 0 && (is_claimed || made_gaps) {
         warnings.push(Warning::Gaps {
             count: certificate.gaps,
-            by_rounding: rounding.is_some_and(|r| r.made_gaps),
+            by_rounding: made_gaps,
         });
     }
     warnings.extend(left_out(has_provenance, format));

@@ -239,6 +239,23 @@ fn levels_that_are_none_are_stated_as_such() {
 }
 
 #[test]
+fn gaps_of_levels_that_were_cut_are_warned_of_only_if_a_maximal_set_is_claimed() {
+    let (mut set, mut context) = two_levels();
+    set.points.truncate(40);
+    for (covering, valid, warnings) in [(2.0, true, 0), (1.0, false, 1)] {
+        context.levels[1] = PrefixClaim {
+            covering: Some(covering),
+            ..PrefixClaim::maximal(40, 1.0)
+        };
+        let exported = export_bytes("set.csv", &set, &context, &GO).expect("a verdict");
+        let certificate = &exported.certificate;
+        assert!(certificate.gaps > 0 && !certificate.valid);
+        assert_eq!(certificate.levels[1].valid, valid);
+        assert_eq!(exported.warnings.len(), warnings);
+    }
+}
+
+#[test]
 fn storage_that_changes_a_level_is_found_out() {
     let (set, context) = two_levels();
     let mut faulty = |mut bytes: Vec<u8>| {
