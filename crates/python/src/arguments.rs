@@ -101,22 +101,30 @@ pub fn check_domain(radius: Option<f64>, width: f64, height: f64, boundary: &str
     Err(PyValueError::new_err(error.to_string()))
 }
 
-/// A level, as the Python class `Level` holds it: count, distance and covering of a claim.
-pub type LevelArgument = (usize, f64, Option<f64>);
+/// A level, as the Python class `Level` holds it.
+#[derive(FromPyObject)]
+pub struct LevelArgument {
+    count: usize,
+    distance: f64,
+    covering: Option<f64>,
+}
 
 /// Returns what is claimed of the levels of a set.
 pub fn claims(levels: &[LevelArgument]) -> Vec<PrefixClaim> {
-    let claim = |&(count, distance, covering): &LevelArgument| PrefixClaim {
-        count,
-        distance,
-        covering,
+    let claim = |level: &LevelArgument| PrefixClaim {
+        count: level.count,
+        distance: level.distance,
+        covering: level.covering,
     };
     levels.iter().map(claim).collect()
 }
 
-/// Returns what holds for the first `count` samples of a set with levels, as a level.
+/// Count, distance and covering of a level, which Python makes a `Level` of.
+pub type LevelFields = (usize, f64, Option<f64>);
+
+/// Returns what holds for the first `count` samples of a set with levels.
 #[pyfunction]
-pub fn prefix(levels: Vec<LevelArgument>, count: usize) -> PyResult<LevelArgument> {
+pub fn prefix(levels: Vec<LevelArgument>, count: usize) -> PyResult<LevelFields> {
     let missing = || PyValueError::new_err(format!("the levels have fewer than {count} samples"));
     let claim = PrefixClaim::within(&claims(&levels), count).ok_or_else(missing)?;
     Ok((claim.count, claim.distance, claim.covering))

@@ -12,7 +12,7 @@ use tilescope_formats::{
     read_whole,
 };
 
-use crate::arguments::{LevelArgument, SetArgument, claims, format, named, verify_options, whole};
+use crate::arguments::{LevelFields, SetArgument, claims, format, named, verify_options, whole};
 use crate::arrays::rows;
 use crate::judge::{GivenDomain, of_report};
 use crate::sample::{MadeSet, PythonSet, row};
@@ -77,7 +77,7 @@ pub fn read<'py>(
 }
 
 /// Returns what a certificate claims of levels.
-fn levels_stated(stated: &Certificate) -> Vec<LevelArgument> {
+fn levels_stated(stated: &Certificate) -> Vec<LevelFields> {
     let level = |level: &CertifiedLevel| {
         let claim = level.claim();
         (claim.count, claim.distance, claim.covering)

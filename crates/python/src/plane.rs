@@ -21,7 +21,7 @@ const MAX_GAPS: usize = 1 << 20;
 
 /// What computes windows.
 enum Windows {
-    Single(Plane),
+    Single(Box<Plane>),
     /// With the number of the last level.
     Nested(NestedPlane, u32),
 }
@@ -48,7 +48,7 @@ impl PythonPlane {
             }
             let (parameters, pattern) = request.resolved(watch)?;
             Ok(Self {
-                windows: Windows::Single(Plane::new(&parameters, &pattern)?),
+                windows: Windows::Single(Box::new(Plane::new(&parameters, &pattern)?)),
                 stated: request.stated(parameters.radius),
             })
         })
@@ -136,7 +136,7 @@ impl PythonPlane {
 }
 
 impl PythonPlane {
-    const fn domain(&self) -> &Domain {
+    fn domain(&self) -> &Domain {
         match &self.windows {
             Windows::Single(plane) => plane.domain(),
             Windows::Nested(plane, _) => plane.domain(),

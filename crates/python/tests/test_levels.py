@@ -4,6 +4,7 @@ import copy
 import json
 import math
 import subprocess
+from dataclasses import asdict
 
 import numpy as np
 import pytest
@@ -37,7 +38,7 @@ def test_verify_judges_every_level(nested):
         assert level.covering_radius <= level.covering * (1 + report.covering_tolerance)
     # Another order: the same set, but not the same levels.
     swapped = copy.copy(nested)
-    swapped._points = nested.points[::-1]
+    swapped._points = np.ascontiguousarray(nested.points[::-1])
     report = swapped.verify()
     assert (report.conflict_free, report.maximal, report.valid) == (True, True, False)
     assert [level.valid for level in report.levels] == [False] * 4 + [True]
@@ -55,7 +56,7 @@ def test_a_prefix_is_what_is_promised(nested):
     assert nested.prefix(first.count).levels == (first,)
     assert nested.prefix(first.count).verify().maximal
     between = nested.prefix(first.count + 1)
-    assert between.levels == (first, (first.count + 1, second.distance, first.covering))
+    assert between.levels == (first, tilescope.Level(first.count + 1, second.distance, first.covering))
     assert between.parameters == {"prefix": first.count + 1, "of": nested.parameters}
     assert between.prefix(first.count).levels == (first,)
 
@@ -184,11 +185,11 @@ def test_files_of_levels_are_those_of_the_command_line(arguments, extension, tmp
     for certificate in certificates:
         del certificate["file"]
     assert certificates[0] == certificates[1]
-    assert [level._asdict() for level in report.levels] == printed["levels"]
+    assert [asdict(level) for level in report.levels] == printed["levels"]
     count = len(points) // 3
     command = [PROGRAM, "verify", tmp_path / names[1], "--prefix", str(count), "--json"]
     printed = json.loads(subprocess.run(command, check=True, capture_output=True).stdout)
-    assert tilescope.verify(tmp_path / names[0], prefix=count).levels[-1]._asdict() == printed
+    assert tilescope.verify(tmp_path / names[0], prefix=count).levels[-1] == tilescope.LevelReport(**printed)
 
 
 @pytest.mark.parametrize("boundary", ["periodic", "bounded"])

@@ -81,9 +81,8 @@ def test_sets_are_conflict_free_and_maximal_at_any_coordinates(corner, sides, ra
         assert closest(samples) >= radius
     width, height = sides
     report = tilescope.verify(samples - corner, radius, width=width, height=height, boundary="bounded")
-    assert report.maximal
-    # A difference of large coordinates is not a distance that was given.
-    assert report.min_distance > radius * (1 - 1e-9)
+    # Differences of such coordinates are exact.
+    assert report.valid
     assert engine.num_generated == len(samples)
     assert engine.random(3).shape == engine.fill_space().shape == (0, 2)
 

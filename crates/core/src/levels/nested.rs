@@ -237,6 +237,9 @@ impl<'a> Farthest<'a> {
 
 /// Returns the squared distance from a place to the nearest sample of a grid, or the largest number if it is empty.
 fn nearest_squared(grid: &SampleGrid, point: Point, longest: i32) -> i64 {
+    if grid.is_empty() {
+        return i64::MAX;
+    }
     let mut reach = crate::lattice::R;
     loop {
         let mut nearest = i64::MAX;

@@ -41,7 +41,8 @@ class Gap(NamedTuple):
     """``'voronoi-vertex'``, ``'border'`` or ``'corner'``."""
 
 
-class Level(NamedTuple):
+@dataclass(frozen=True)
+class Level:
     """What is to hold for the first samples of a set with nested levels."""
 
     count: int
@@ -52,7 +53,8 @@ class Level(NamedTuple):
     """No place of the domain is farther than this from all of them; ``None`` if they hold no whole level."""
 
 
-class LevelReport(NamedTuple):
+@dataclass(frozen=True)
+class LevelReport:
     """What the verifier found out about the first samples of a set with nested levels."""
 
     count: int

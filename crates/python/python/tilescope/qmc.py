@@ -31,7 +31,7 @@ __all__ = ["PoissonDisk"]
 # The shortest side of a box for `tilescope.sample`, in radii: 6, and room for rounding.
 _SHORTEST_SIDE = 6.001
 
-_MOST_LEVELS = 6
+_MOST_LEVELS = 3
 
 
 class PoissonDisk(qmc.QMCEngine):  # type: ignore[misc]
@@ -44,7 +44,7 @@ class PoissonDisk(qmc.QMCEngine):  # type: ignore[misc]
     The samples are one sequence, whose first ones are spread evenly, however many they are:
     :meth:`random` continues it. It is made as a whole when its first sample is asked for. The sequence is
     that of ``tilescope.sample(..., boundary="bounded", levels=K, order_within="farthest")``, with as many
-    levels as the box has room for, at most 6; in a box with a side shorter than 6 radii it is one of darts.
+    levels as the box has room for, at most 3; in a box with a side shorter than 6 radii it is one of darts.
 
     Parameters
     ----------
@@ -99,8 +99,8 @@ class PoissonDisk(qmc.QMCEngine):  # type: ignore[misc]
                 f"{hypersphere!r} is not a valid hypersphere sampling method. It must be 'volume' or 'surface'"
             )
         try:
-            lower = np.broadcast_to(np.asarray(0.0 if l_bounds is None else l_bounds, dtype=np.float64), d)
-            upper = np.broadcast_to(np.asarray(1.0 if u_bounds is None else u_bounds, dtype=np.float64), d)
+            lower = np.broadcast_to(np.array(0.0 if l_bounds is None else l_bounds, dtype=np.float64), d)
+            upper = np.broadcast_to(np.array(1.0 if u_bounds is None else u_bounds, dtype=np.float64), d)
         except ValueError as error:
             raise ValueError(
                 "'l_bounds' and 'u_bounds' must be broadcastable and respect the sample dimension"
@@ -112,7 +112,8 @@ class PoissonDisk(qmc.QMCEngine):  # type: ignore[misc]
                 f"d is {d}; tilescope.qmc.PoissonDisk samples the plane, so it must be 2: "
                 "scipy.stats.qmc.PoissonDisk has other dimensions"
             )
-        _tilescope.check_domain(radius, *(upper - lower), "bounded")
+        width, height = (upper - lower).tolist()
+        _tilescope.check_domain(radius, width, height, "bounded")
         self.radius = radius
         self.l_bounds, self.u_bounds = lower, upper
         # Scipy's qmc_quad makes its engines from these.
@@ -125,7 +126,8 @@ class PoissonDisk(qmc.QMCEngine):  # type: ignore[misc]
     def _samples(self) -> npt.NDArray[np.float64]:
         """Returns the whole sequence."""
         if self._sequence is None:
-            seed = int.from_bytes(self.rng.bytes(8), "little")
+            draw = getattr(self.rng, "integers", None) or self.rng.randint
+            seed = int(draw(2**63, dtype=np.int64))
             lower, upper = self.l_bounds, self.u_bounds
             sides = upper - lower
             # Rounding a sum, and moving it off a bound, changes a coordinate by less than two of its last digits.
@@ -261,4 +263,5 @@ def _corners_of_gaps(
                 found.append(place)
     places = np.concatenate(found)
     places = places[((places >= 0) & (places <= sides)).all(axis=1)]
-    return places[tree.query(places)[0] > radius]
+    uncovered: npt.NDArray[np.bool_] = tree.query(places)[0] > radius
+    return places[uncovered]
