@@ -142,7 +142,7 @@ class PointSet:
         --------
         >>> points = tilescope.sample(radius=0.02, levels=3)
         >>> [level.count for level in points.levels]
-        [437, 850, 1730]
+        [438, 837, 1724]
         >>> points.levels[0].covering == 2 * points.radius
         True
         """

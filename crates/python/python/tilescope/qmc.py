@@ -7,7 +7,7 @@ Examples
 >>> engine.random(100).shape, engine.random(100).shape
 ((100, 2), (100, 2))
 >>> len(engine.fill_space())
-145
+101
 """
 
 from __future__ import annotations
