@@ -32,6 +32,9 @@ exec(compile(in_the_plane(inspect.getsource(theirs.TestPoisson)), theirs.__file_
 
 
 class TestPoisson(_NAMES["TestPoisson"]):
+    # Lloyd's relaxation enlarges the smallest distance of samples that are so even only for some seeds. The one of
+    # scipy's test of optimizers is such a seed.
+
     def test_0dim(self):
         with pytest.raises(ValueError, match="d is 0; .* so it must be 2: scipy.stats.qmc.PoissonDisk has other dim"):
             self.engine(d=0, scramble=False)

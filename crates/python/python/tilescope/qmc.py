@@ -56,7 +56,8 @@ class PoissonDisk(qmc.QMCEngine):  # type: ignore[misc]
     ncandidates : int
         Scipy's ways of searching, which have no effect: no place is missed.
     optimization : {None, 'random-cd', 'lloyd'}, optional
-        Whether scipy is to move the samples afterwards. They may then be closer than `radius`.
+        Whether scipy is to move the samples afterwards. They may then be closer than `radius`. Lloyd's
+        relaxation seldom spreads the first samples more evenly than they are.
     rng : numpy.random.Generator or int, optional
         Where the seed is drawn from. Equal generators give equal samples on every machine.
     l_bounds, u_bounds : array_like of shape (2,)
