@@ -227,16 +227,17 @@ impl RunRequest {
         insertion: &str,
         search: u8,
         variant: &str,
-        levels: Option<u32>,
+        levels: Option<&Bound<'_, PyAny>>,
         exactly: Option<&Bound<'_, PyAny>>,
         order_within: &str,
     ) -> PyResult<Self> {
         let refused = |text: &str| Err(PyValueError::new_err(text.to_owned()));
         let count = count.map(|count| whole("count", count)).transpose()?;
         let exactly = exactly.map(|count| whole("exactly", count)).transpose()?;
+        let levels = levels.map(|levels| whole("levels", levels)).transpose()?;
         let order_within = named("order_within", order_within)?;
         let nested = levels.map(|levels| NestedRequest {
-            levels,
+            levels: u32::try_from(levels).unwrap_or(u32::MAX),
             order_within,
             exactly: exactly.map(|count| usize::try_from(count).unwrap_or(usize::MAX)),
         });

@@ -92,7 +92,7 @@ def test_sets_without_levels_have_none(small):
         ({"radius": 0.02, "levels": 0}, "0 levels"),
         ({"radius": 0.02, "levels": 12}, "12 levels"),
         ({"radius": 0.02, "levels": 11}, "11 levels"),
-        ({"radius": 0.02, "levels": -1}, "levels"),
+        ({"radius": 0.02, "levels": -1}, "levels is -1; it must be a whole number"),
         ({"count": 1000, "levels": 3}, "count is given with levels; give exactly, or radius"),
         ({"radius": 0.02, "exactly": 100}, "exactly is given without levels"),
         ({"radius": 0.02, "levels": 3, "exactly": 100}, "both exactly and radius are given"),
@@ -107,7 +107,7 @@ def test_sets_without_levels_have_none(small):
     ids=str,
 )
 def test_levels_that_cannot_be_are_refused(arguments, text):
-    with pytest.raises((ValueError, OverflowError), match=text):
+    with pytest.raises(ValueError, match=text):
         tilescope.sample(**arguments)
 
 
