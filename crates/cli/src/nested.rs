@@ -4,10 +4,10 @@ use std::fmt::Write;
 use std::path::Path;
 
 use anyhow::{Context, Result, bail, ensure};
-use serde_json::json;
+use serde_json::{Value, json};
 use tilescope_analysis::{Number, PrefixClaim, verify_prefix};
-use tilescope_core::{Nested, NestedPlane, Parameters, WithinLevel};
-use tilescope_formats::{CertifiedLevel, ExportContext, Format, PointSet, Warning};
+use tilescope_core::{NestedRequest, Parameters};
+use tilescope_formats::{CertifiedLevel, ExportContext, Format, PointSet};
 
 use crate::facts::Facts;
 use crate::make::Made;
@@ -40,21 +40,18 @@ fn make(arguments: &SampleArguments, levels: u32) -> Result<(Made, ExportContext
         !arguments.engine.wants_gpu(),
         "--engine gpu and --gpu-adapter make one set; --levels runs on the CPU"
     );
-    let nested = &arguments.nested;
     ensure!(
-        nested.exactly.is_none() || levels > 1,
+        arguments.nested.exactly.is_none() || levels > 1,
         "--exactly needs --levels of at least 2: cut, a set of one level covers nothing for certain"
     );
+    let nested = NestedRequest {
+        levels,
+        order_within: arguments.nested.order_within,
+        exactly: arguments.nested.exactly,
+    };
     let asked = arguments.run.parameters()?;
     let mut watch = Stopwatch::start();
-    let mut made = if let Some(count) = nested.exactly {
-        NestedPlane::exactly(&asked, levels, count, &mut watch)?
-    } else {
-        NestedPlane::new(&asked, levels, &mut watch)?.whole(&mut watch)?
-    };
-    if nested.order_within == WithinLevel::Farthest {
-        made.order_by_distance();
-    }
+    let made = nested.make(&asked, &mut watch)?;
     let domain = *made.domain();
     let parameters = Parameters {
         radius: domain.radius(),
@@ -64,33 +61,20 @@ fn make(arguments: &SampleArguments, levels: u32) -> Result<(Made, ExportContext
         seconds: watch.take(),
         ..Facts::of_run(&parameters, &domain)?
     };
-    let stated = &mut facts.parameters;
-    stated.insert("levels".to_owned(), json!(levels));
-    stated.insert("order_within".to_owned(), json!(nested.order_within));
-    if let Some(count) = nested.exactly {
-        stated.insert("exactly".to_owned(), json!(count));
+    if let Value::Object(stated) = json!(nested) {
+        facts.parameters.extend(stated);
     }
+    let claims = (made.claims()).map(|(count, distance, covering)| PrefixClaim {
+        count,
+        distance,
+        covering,
+    });
     let context = ExportContext {
-        levels: claims(&made),
+        levels: claims.collect(),
         ..arguments.context(&facts)
     };
     let set = PointSet::from_points(made.positions());
     Ok((Made { facts, set }, context))
-}
-
-/// Returns what is promised of the samples to the end of each level. Levels that are cut off have no samples of their own.
-fn claims(nested: &Nested) -> Vec<PrefixClaim> {
-    let mut ends = nested.ends().to_vec();
-    ends.dedup();
-    let claim = |count| {
-        let promised = nested.guarantee(count);
-        PrefixClaim {
-            count,
-            distance: promised.distance,
-            covering: promised.level.map(|level| nested.radius(level)),
-        }
-    };
-    ends.into_iter().map(claim).collect()
 }
 
 /// Verifies the set, saved at `path` if there is one, and what is to hold for each level.
@@ -115,31 +99,12 @@ fn finish(
         })?;
         (made.report, made.certificate, None, made.warnings)
     };
-    // That a set which is cut is not maximal for its radius is what its last level says.
-    let is_cut = certificate
-        .levels
-        .last()
-        .is_some_and(|level| level.covering != Some(level.distance));
-    let told = |warning: &&Warning| {
-        !(is_cut
-            && matches!(
-                warning,
-                Warning::Gaps {
-                    by_rounding: false,
-                    ..
-                }
-            ))
-    };
     let outcome = Outcome {
         facts,
         count: set.len() as u64,
         report: Some(report),
         certificate: saved,
-        warnings: warnings
-            .iter()
-            .filter(told)
-            .map(ToString::to_string)
-            .collect(),
+        warnings: warnings.iter().map(ToString::to_string).collect(),
     };
     Ok((outcome, certificate.levels))
 }

@@ -51,6 +51,12 @@ impl SampleGrid {
         }
     }
 
+    /// Returns whether there are no samples.
+    #[must_use]
+    pub const fn is_empty(&self) -> bool {
+        self.entries.is_empty()
+    }
+
     /// Adds the sample `id` at `point`, which must lie in the domain.
     pub fn insert(&mut self, id: u32, point: Point) {
         let cell = (point.y >> CELL_BITS) as usize * self.columns + (point.x >> CELL_BITS) as usize;

@@ -37,5 +37,5 @@ mod region;
 
 pub use nested::{Nested, PrefixGuarantee, WithinLevel};
 pub use pattern::NestedPattern;
-pub use plane::NestedPlane;
+pub use plane::{NestedPlane, NestedRequest};
 pub use radius::MAX_LEVELS;

@@ -64,7 +64,9 @@ pub use lattice::{
     Boundary, Domain, MAX_SIDE_RADII, MIN_SIDE_RADII_BOUNDED, MIN_SIDE_RADII_PERIODIC, Point, R,
     R_SQUARED, Rect, SIDE_LIMITS, Window, covers_offset,
 };
-pub use levels::{MAX_LEVELS, Nested, NestedPattern, NestedPlane, PrefixGuarantee, WithinLevel};
+pub use levels::{
+    MAX_LEVELS, Nested, NestedPattern, NestedPlane, NestedRequest, PrefixGuarantee, WithinLevel,
+};
 pub use parameters::{
     Insertion, MAX_PATTERN_SIDE_RADII, MAX_SEQUENTIAL_SAMPLES, MAXIMAL_DENSITY, MIN_LEAF_RADII,
     MIN_PATTERN_SIDE_RADII, Order, Parameters, PatternSpec, Search, Variant,

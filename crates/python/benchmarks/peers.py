@@ -15,6 +15,7 @@ import numpy as np
 from scipy.stats import qmc
 
 import tilescope
+from tilescope import qmc as ours
 
 # Where a map might have its corner: eastings and northings in metres.
 ORIGIN = np.array([500_000.0, 5_400_000.0])
@@ -23,6 +24,10 @@ ORIGIN = np.array([500_000.0, 5_400_000.0])
 def by_scipy(radius, low, high, seed):
     engine = qmc.PoissonDisk(2, radius=radius, l_bounds=low, u_bounds=high, rng=np.random.default_rng(seed))
     return engine.fill_space()
+
+
+def by_engine(radius, low, high, seed):
+    return ours.PoissonDisk(2, radius=radius, l_bounds=low, u_bounds=high, rng=seed).fill_space()
 
 
 def by_poisson_disc(radius, low, high, seed):
@@ -75,6 +80,7 @@ def main():
     samplers = [
         ("tilescope.sample", by_tilescope),
         ("tilescope.sample, method='reference'", by_darts),
+        ("tilescope.qmc.PoissonDisk", by_engine),
         (f"scipy.stats.qmc.PoissonDisk, {name_of('scipy')}", by_scipy),
     ]
     if name_of("poisson_disc"):

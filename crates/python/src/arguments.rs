@@ -7,11 +7,11 @@ use pyo3::exceptions::{PyOverflowError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use serde::de::DeserializeOwned;
 use serde_json::{Value, json};
-use tilescope_analysis::{JudgeChoice, Region, VerifyOptions};
+use tilescope_analysis::{JudgeChoice, PrefixClaim, Region, VerifyOptions};
 use tilescope_core::combine::file::Set;
 use tilescope_core::{
-    Boundary, Domain, ParameterError, Parameters, Pattern, PatternSpec, Search, radius_estimate,
-    radius_for_count,
+    Boundary, Domain, NestedRequest, ParameterError, Parameters, Pattern, PatternSpec, Search,
+    WithinLevel, radius_estimate, radius_for_count,
 };
 use tilescope_formats::{Format, positions_digest};
 
@@ -101,6 +101,35 @@ pub fn check_domain(radius: Option<f64>, width: f64, height: f64, boundary: &str
     Err(PyValueError::new_err(error.to_string()))
 }
 
+/// A level, as the Python class `Level` holds it.
+#[derive(FromPyObject)]
+pub struct LevelArgument {
+    count: usize,
+    distance: f64,
+    covering: Option<f64>,
+}
+
+/// Returns what is claimed of the levels of a set.
+pub fn claims(levels: &[LevelArgument]) -> Vec<PrefixClaim> {
+    let claim = |level: &LevelArgument| PrefixClaim {
+        count: level.count,
+        distance: level.distance,
+        covering: level.covering,
+    };
+    levels.iter().map(claim).collect()
+}
+
+/// Count, distance and covering of a level, which Python makes a `Level` of.
+pub type LevelFields = (usize, f64, Option<f64>);
+
+/// Returns what holds for the first `count` samples of a set with levels.
+#[pyfunction]
+pub fn prefix(levels: Vec<LevelArgument>, count: usize) -> PyResult<LevelFields> {
+    let missing = || PyValueError::new_err(format!("the levels have fewer than {count} samples"));
+    let claim = PrefixClaim::within(&claims(&levels), count).ok_or_else(missing)?;
+    Ok((claim.count, claim.distance, claim.covering))
+}
+
 /// A set, as the Python class `PointSet` holds it.
 #[derive(FromPyObject)]
 pub struct SetArgument<'py> {
@@ -108,6 +137,7 @@ pub struct SetArgument<'py> {
     pub provenance: Option<PyReadonlyArray2<'py, u32>>,
     domain: (f64, f64, String),
     radius: Option<f64>,
+    pub levels: Vec<LevelArgument>,
     pub method: String,
     /// As JSON.
     #[pyo3(attribute("_parameters"))]
@@ -157,6 +187,8 @@ pub fn set(points: &[[f64; 2]], region: &Region, radius: f64) -> Result<Set, Fai
 pub struct RunRequest {
     pub parameters: Parameters,
     pub count: Option<u64>,
+    /// Nested levels, if they are asked for.
+    pub nested: Option<NestedRequest>,
     /// A pattern that is given rather than generated.
     pattern: Option<Arc<Pattern>>,
     /// Every parameter by its name, as certificates state them.
@@ -170,7 +202,7 @@ impl RunRequest {
     #[new]
     #[pyo3(signature = (
         *, count, radius, width, height, boundary, seed, leaf, pattern_side, pattern_boundary, pattern_seed, pattern,
-        pattern_source, dihedral, order, insertion, search, variant
+        pattern_source, dihedral, order, insertion, search, variant, levels, exactly, order_within
     ))]
     #[expect(
         clippy::too_many_arguments,
@@ -195,9 +227,34 @@ impl RunRequest {
         insertion: &str,
         search: u8,
         variant: &str,
+        levels: Option<&Bound<'_, PyAny>>,
+        exactly: Option<&Bound<'_, PyAny>>,
+        order_within: &str,
     ) -> PyResult<Self> {
         let refused = |text: &str| Err(PyValueError::new_err(text.to_owned()));
         let count = count.map(|count| whole("count", count)).transpose()?;
+        let exactly = exactly.map(|count| whole("exactly", count)).transpose()?;
+        let levels = levels.map(|levels| whole("levels", levels)).transpose()?;
+        let order_within = named("order_within", order_within)?;
+        let nested = levels.map(|levels| NestedRequest {
+            levels: u32::try_from(levels).unwrap_or(u32::MAX),
+            order_within,
+            exactly: exactly.map(|count| usize::try_from(count).unwrap_or(usize::MAX)),
+        });
+        if nested.is_some() && count.is_some() {
+            return refused("count is given with levels; give exactly, or radius");
+        }
+        if nested.is_some() && pattern.is_some() {
+            return refused(
+                "pattern is given with levels, which have a nested pattern of their own",
+            );
+        }
+        if nested.is_none() && exactly.is_some() {
+            return refused("exactly is given without levels");
+        }
+        if nested.is_none() && order_within != WithinLevel::default() {
+            return refused("order_within is given without levels");
+        }
         let mut parameters = Parameters {
             width,
             height,
@@ -220,7 +277,10 @@ impl RunRequest {
             },
             variant: named("variant", variant)?,
         };
-        match (count, radius) {
+        match (count.or(exactly), radius) {
+            (Some(_), Some(_)) if exactly.is_some() => {
+                return refused("both exactly and radius are given; give one");
+            }
             (Some(_), Some(_)) => return refused("both count and radius are given; give one"),
             (None, None) => return refused("neither count nor radius is given; give one"),
             (Some(count), None) => {
@@ -231,6 +291,11 @@ impl RunRequest {
             }
         }
         let mut stated = serde_json::to_value(parameters).unwrap_or_default();
+        if let (Some(stated), Some(Value::Object(nested))) =
+            (stated.as_object_mut(), nested.map(|nested| json!(nested)))
+        {
+            stated.extend(nested);
+        }
         let pattern = match &pattern {
             Some(given) => {
                 let (points, region, radius) = (given.points()?, given.region()?, given.radius()?);
@@ -245,6 +310,7 @@ impl RunRequest {
         Ok(Self {
             parameters,
             count,
+            nested,
             pattern,
             stated,
         })
@@ -252,7 +318,7 @@ impl RunRequest {
 
     /// Returns the side in radii of a pattern that would not repeat within blocks, where this one does.
     fn side_without_repeats(&self) -> Option<f64> {
-        let generated = self.pattern.is_none();
+        let generated = self.pattern.is_none() && self.nested.is_none();
         (self.parameters.side_without_repeats()).filter(|_| generated)
     }
 }

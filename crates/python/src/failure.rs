@@ -146,6 +146,7 @@ impl From<ExportError> for Failure {
         match error {
             ExportError::Format(error) => error.into(),
             ExportError::Verify { source, .. } => source.into(),
+            ExportError::ShuffledLevels { .. } => Self::Value(error.to_string()),
             other => Self::Runtime(other.to_string()),
         }
     }

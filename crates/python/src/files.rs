@@ -7,11 +7,12 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use serde_json::{Value, json};
 use tilescope_formats::{
-    Certificate, ExportContext, Format, FormatError, Hint, Mapping, PointSet, Provenance,
-    bytes_digest, export, export_bytes, export_unverified, positions_digest, read_whole,
+    Certificate, CertifiedLevel, ExportContext, Format, FormatError, Hint, Mapping, PointSet,
+    Provenance, bytes_digest, export, export_bytes, export_unverified, positions_digest,
+    read_whole,
 };
 
-use crate::arguments::{SetArgument, format, named, verify_options, whole};
+use crate::arguments::{LevelFields, SetArgument, claims, format, named, verify_options, whole};
 use crate::arrays::rows;
 use crate::judge::{GivenDomain, of_report};
 use crate::sample::{MadeSet, PythonSet, row};
@@ -62,6 +63,7 @@ pub fn read<'py>(
         "parameters": stated.as_ref().map_or(&BTreeMap::new(), |stated| &stated.parameters),
         "domain": [region.width, region.height, region.boundary],
         "radius": given.radius.or(stated.as_ref().map(|stated| stated.radius)),
+        "levels": stated.as_ref().filter(|_| given.radius.is_none()).map(levels_stated).unwrap_or_default(),
         "summary": null,
         "certificate": stated.as_ref(),
     });
@@ -72,6 +74,15 @@ pub fn read<'py>(
         facts,
     }
     .into_python(py)
+}
+
+/// Returns what a certificate claims of levels.
+fn levels_stated(stated: &Certificate) -> Vec<LevelFields> {
+    let level = |level: &CertifiedLevel| {
+        let claim = level.claim();
+        (claim.count, claim.distance, claim.covering)
+    };
+    stated.levels.iter().map(level).collect()
 }
 
 /// Writes a set to a file, with a certificate beside it if it is to be verified. Returns the report on what was written,
@@ -115,10 +126,11 @@ pub fn save(
             return Ok((None, export_unverified(&path, &set, &context)?));
         }
         let exported = export(&path, &set, &context, &watch.control("verify"))?;
-        Ok((Some(exported.report), exported.warnings))
+        let report = of_report(&exported.report, &exported.certificate.levels);
+        Ok((Some(report), exported.warnings))
     })?;
     let warnings: Vec<String> = warnings.iter().map(ToString::to_string).collect();
-    Ok(json!({ "report": report.as_ref().map(of_report), "warnings": warnings }).to_string())
+    Ok(json!({ "report": report, "warnings": warnings }).to_string())
 }
 
 /// Returns the certificate that a `.npy` file of a set would have, as JSON.
@@ -143,6 +155,7 @@ fn context(set: &SetArgument<'_>) -> PyResult<ExportContext> {
     Ok(ExportContext {
         method: set.method.clone(),
         parameters,
+        levels: claims(&set.levels),
         ..ExportContext::new(set.region()?, set.radius()?)
     })
 }

@@ -4,14 +4,14 @@ use std::path::{Path, PathBuf};
 
 use pyo3::prelude::*;
 use serde_json::{Value, json};
-use tilescope_analysis::{Boundary, Region, Report};
+use tilescope_analysis::{Boundary, PrefixClaim, Region, Report, VerifyOptions, verify_levels};
 use tilescope_formats::{
-    Certificate, CheckError, Format, Hint, Overrides, StreamReader, check_stream,
+    Certificate, CertifiedLevel, CheckError, Format, Hint, Overrides, StreamReader, check_stream,
 };
 
-use crate::arguments::{SetArgument, format, named, verify_options};
+use crate::arguments::{SetArgument, claims, format, named, verify_options};
 use crate::failure::Failure;
-use crate::task::run;
+use crate::task::{TaskWatch, run};
 
 /// Returns the verifier's report on a set, as JSON.
 #[pyfunction]
@@ -22,22 +22,40 @@ pub fn verify(
     progress: Option<Py<PyAny>>,
 ) -> PyResult<String> {
     let (points, region, radius) = (set.points()?, set.region()?, set.radius()?);
-    let options = verify_options(judge)?;
+    let (options, claims) = (verify_options(judge)?, claims(&set.levels));
     let report = run(py, progress, |watch| {
         let control = watch.control("verify");
-        Ok(tilescope_analysis::verify(
-            points, region, radius, &options, &control,
-        )?)
+        let whole = tilescope_analysis::verify(points, region, radius, &options, &control)?;
+        let levels = levels(points, &whole, &claims, &options, watch)?;
+        Ok(of_report(&whole, &levels))
     })?;
-    Ok(of_report(&report).to_string())
+    Ok(report.to_string())
 }
 
-/// Returns a report with what follows from its numbers.
-pub fn of_report(report: &Report) -> Value {
+/// Judges the levels of a set.
+fn levels(
+    points: &[[f64; 2]],
+    whole: &Report,
+    claims: &[PrefixClaim],
+    options: &VerifyOptions,
+    watch: &TaskWatch,
+) -> Result<Vec<CertifiedLevel>, Failure> {
+    let found = verify_levels(points, whole, claims, options, &watch.control("levels"))?;
+    Ok(found.iter().map(CertifiedLevel::of).collect())
+}
+
+/// Returns a report with what follows from its numbers, and what was found of each level. A set with levels is valid if each
+/// is as claimed.
+pub fn of_report(report: &Report, levels: &[CertifiedLevel]) -> Value {
     let mut all = json!(report);
     all["conflict_free"] = json!(report.conflict_free());
     all["maximal"] = json!(report.maximal());
-    all["valid"] = json!(report.valid());
+    all["valid"] = json!(if levels.is_empty() {
+        report.valid()
+    } else {
+        levels.iter().all(|level| level.valid)
+    });
+    all["levels"] = json!(levels);
     all
 }
 
@@ -75,7 +93,7 @@ impl GivenDomain {
     }
 }
 
-/// Verifies a file and compares its certificate. Returns the report, and the statements that do not hold, as JSON.
+/// Verifies a file, and its levels if its certificate states any, and compares its certificate. Returns the report, and the statements that do not hold, as JSON.
 #[pyfunction]
 pub fn check(
     py: Python<'_>,
@@ -95,7 +113,7 @@ pub fn check(
         judges: verify_options(judge)?.judges,
         ..Overrides::default()
     };
-    let check = run(py, progress, |watch| {
+    let (check, levels) = run(py, progress, |watch| {
         let control = watch.control("verify");
         let outcome = match check_stream(&path, &overrides, &control) {
             Err(CheckError::NoRegion(_)) => {
@@ -111,16 +129,38 @@ pub fn check(
             }
             outcome => outcome,
         };
-        outcome.map_err(|error| match error {
+        let check = outcome.map_err(|error| match error {
             CheckError::NoRadius => {
                 Failure::Value("the set has no certificate; give radius".to_owned())
             }
             other => Failure::from(other),
-        })
+        })?;
+        let stated = check.certificate.as_ref().map(|stated| &stated.levels[..]);
+        let stated = stated.filter(|_| given.radius.is_none());
+        let claims: Vec<_> = (stated.unwrap_or_default().iter())
+            .map(CertifiedLevel::claim)
+            .collect();
+        // Of a file that lacks samples the certificate's count is a difference.
+        let count = check.report.count;
+        if claims.is_empty() || claims.iter().any(|claim| claim.count > count) {
+            return Ok((check, Vec::new()));
+        }
+        let hint = Hint {
+            format,
+            ..Hint::default()
+        };
+        let points = tilescope_formats::read(&path, &hint)?.set.points;
+        let options = VerifyOptions {
+            judges: overrides.judges,
+            ..VerifyOptions::default()
+        };
+        let levels = levels(&points, &check.report, &claims, &options, watch)?;
+        Ok((check, levels))
     })?;
     let differences = check.differences.iter().map(ToString::to_string);
     let differences: Vec<String> = differences.collect();
-    Ok(json!({ "report": of_report(&check.report), "differences": differences }).to_string())
+    let report = of_report(&check.report, &levels);
+    Ok(json!({ "report": report, "differences": differences }).to_string())
 }
 
 /// Returns the certificate of a file, if it has one that can be read.

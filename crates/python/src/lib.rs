@@ -27,7 +27,7 @@ mod task;
 #[pyo3::pymodule]
 mod _tilescope {
     #[pymodule_export]
-    use crate::arguments::{RunRequest, check_domain};
+    use crate::arguments::{RunRequest, check_domain, prefix};
     #[pymodule_export]
     use crate::combine::combine;
     #[pymodule_export]

@@ -1,11 +1,15 @@
 //! The plane of a run: windows of a set that is never made as a whole.
 
+use std::ops::RangeInclusive;
+
 use numpy::PyArray2;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use serde_json::{Value, json};
 use tilescope_analysis::{Boundary, Region, VerifyOptions, verify};
-use tilescope_core::{MAX_SEQUENTIAL_SAMPLES, MAXIMAL_DENSITY, Plane, R, Window};
+use tilescope_core::{
+    Domain, MAX_SEQUENTIAL_SAMPLES, MAXIMAL_DENSITY, NestedPlane, Plane, R, Window,
+};
 
 use crate::arguments::{RunRequest, region_of};
 use crate::arrays::array;
@@ -15,10 +19,17 @@ use crate::task::run;
 /// Gaps that the verifier lists, more than the cut borders of a window have.
 pub const MAX_GAPS: usize = 1 << 20;
 
+/// What computes windows.
+enum Windows {
+    Single(Box<Plane>),
+    /// With the number of the last level.
+    Nested(NestedPlane, u32),
+}
+
 /// A plane.
 #[pyclass(frozen, name = "Plane", module = "tilescope._tilescope")]
 pub struct PythonPlane {
-    plane: Plane,
+    windows: Windows,
     stated: Value,
 }
 
@@ -27,9 +38,17 @@ impl PythonPlane {
     #[new]
     fn new(py: Python<'_>, request: &RunRequest, progress: Option<Py<PyAny>>) -> PyResult<Self> {
         run(py, progress, |watch| {
+            if let Some(nested) = &request.nested {
+                let (parameters, levels) = (&request.parameters, nested.levels);
+                let plane = NestedPlane::new(parameters, levels, &mut watch.observer())?;
+                return Ok(Self {
+                    windows: Windows::Nested(plane, levels - 1),
+                    stated: request.stated(parameters.radius),
+                });
+            }
             let (parameters, pattern) = request.resolved(watch)?;
             Ok(Self {
-                plane: Plane::new(&parameters, &pattern)?,
+                windows: Windows::Single(Box::new(Plane::new(&parameters, &pattern)?)),
                 stated: request.stated(parameters.radius),
             })
         })
@@ -37,7 +56,7 @@ impl PythonPlane {
 
     /// Returns facts as JSON.
     fn facts(&self) -> String {
-        let domain = self.plane.domain();
+        let domain = self.domain();
         let region = region_of(domain);
         json!({
             "parameters": self.stated,
@@ -47,23 +66,33 @@ impl PythonPlane {
         .to_string()
     }
 
-    /// Returns the samples in a rectangle.
+    /// Returns the samples in a rectangle, and where each level ends.
     fn window<'py>(
         &self,
         py: Python<'py>,
         rectangle: [f64; 4],
         progress: Option<Py<PyAny>>,
-    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    ) -> PyResult<(Bound<'py, PyArray2<f64>>, Vec<usize>)> {
         let window = self.rectangle(rectangle)?;
-        let positions = run(py, progress, |watch| {
-            let points = (self.plane).observed_window(&window, &mut watch.observer())?;
-            Ok(self.plane.domain().users_from_lattice(&points))
+        let (positions, ends) = run(py, progress, |watch| {
+            let mut observer = watch.observer();
+            Ok(match &self.windows {
+                Windows::Single(plane) => {
+                    let points = plane.observed_window(&window, &mut observer)?;
+                    let ends = vec![points.len()];
+                    (plane.domain().users_from_lattice(&points), ends)
+                }
+                Windows::Nested(plane, _) => {
+                    let found = plane.window(&window, &mut observer)?;
+                    (found.positions(), found.ends().to_vec())
+                }
+            })
         })?;
-        array(py, positions)
+        Ok((array(py, positions)?, ends))
     }
 
     /// Returns the number of pairs in conflict in a rectangle and around it, and of uncovered places in it, as the
-    /// verifier finds them.
+    /// verifier finds them. Of nested levels they are those of all levels together.
     fn verify(
         &self,
         py: Python<'_>,
@@ -72,31 +101,58 @@ impl PythonPlane {
     ) -> PyResult<(u64, usize)> {
         let window = self.rectangle(rectangle)?;
         run(py, progress, |watch| {
-            let cut = self.plane.widened(&window, &mut watch.observer())?;
-            let region = Region {
-                width: cut.size[0],
-                height: cut.size[1],
-                boundary: Boundary::Bounded,
-            };
-            let options = VerifyOptions {
-                witnesses: MAX_GAPS,
-                ..VerifyOptions::default()
-            };
-            let radius = self.plane.domain().radius();
-            let control = watch.control("verify");
-            let report = verify(&cut.positions, region, radius, &options, &control)?;
-            // Gaps around the window come from the cut.
-            let gaps = report.worst_gaps.iter().map(|gap| gap.center);
-            let gaps = gaps.filter(|center| cut.window_has(*center)).count();
-            Ok((report.conflicts, gaps))
+            let mut found = (0, 0);
+            for level in self.levels() {
+                let mut observer = watch.observer();
+                let (cut, radius) = match &self.windows {
+                    Windows::Single(plane) => (
+                        plane.widened(&window, &mut observer)?,
+                        plane.domain().radius(),
+                    ),
+                    Windows::Nested(plane, _) => (
+                        plane.widened(&window, level, &mut observer)?,
+                        plane.radius(level),
+                    ),
+                };
+                let region = Region {
+                    width: cut.size[0],
+                    height: cut.size[1],
+                    boundary: Boundary::Bounded,
+                };
+                let options = VerifyOptions {
+                    witnesses: MAX_GAPS,
+                    ..VerifyOptions::default()
+                };
+                let control = watch.control("verify");
+                let report = verify(&cut.positions, region, radius, &options, &control)?;
+                // Gaps around the window come from the cut.
+                let gaps = report.worst_gaps.iter().map(|gap| gap.center);
+                found.0 += report.conflicts;
+                found.1 += gaps.filter(|center| cut.window_has(*center)).count();
+            }
+            Ok(found)
         })
     }
 }
 
 impl PythonPlane {
+    fn domain(&self) -> &Domain {
+        match &self.windows {
+            Windows::Single(plane) => plane.domain(),
+            Windows::Nested(plane, _) => plane.domain(),
+        }
+    }
+
+    const fn levels(&self) -> RangeInclusive<u32> {
+        match &self.windows {
+            Windows::Single(_) => 0..=0,
+            Windows::Nested(_, last) => 0..=*last,
+        }
+    }
+
     /// Returns a window of lattice points. Refuses one without a place of the domain, or with too many.
     fn rectangle(&self, [left, bottom, right, top]: [f64; 4]) -> PyResult<Window> {
-        let domain = self.plane.domain();
+        let domain = self.domain();
         let window = domain.window([left, bottom], [right, top]);
         let window = window.map_err(Failure::from)?;
         for (axis, name) in ["width", "height"].into_iter().enumerate() {

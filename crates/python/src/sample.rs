@@ -3,12 +3,13 @@
 use std::sync::Arc;
 
 use numpy::PyArray2;
+use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use serde::Deserialize;
 use serde_json::{Map, Value, json};
 use tilescope_core::{
-    Domain, MAXIMAL_DENSITY, Origin, Parameters, Point, Run, SampleError, Sequential, Source,
-    Summary, Sweep, Variant, reference_sample, search_radius,
+    Domain, MAXIMAL_DENSITY, NestedRequest, Origin, Parameters, Point, Run, SampleError,
+    Sequential, Source, Summary, Sweep, Variant, reference_sample, search_radius,
 };
 use tilescope_formats::Provenance;
 
@@ -88,9 +89,15 @@ pub fn sample<'py>(
     // With a count the radius is an estimate, which is near enough.
     let limited = request.parameters.validate_sequential();
     limited.map_err(Failure::from)?;
-    let made = run(py, progress, |watch| match method {
-        SetMethod::Kdrt => kdrt(request, engine, watch),
-        SetMethod::Reference => reference(request, watch),
+    if request.nested.is_some() && matches!(method, SetMethod::Reference) {
+        return Err(PyValueError::new_err(
+            "method is 'reference', which makes one set; levels need 'kdrt'",
+        ));
+    }
+    let made = run(py, progress, |watch| match (method, &request.nested) {
+        (SetMethod::Kdrt, Some(nested)) => levels(request, nested, watch),
+        (SetMethod::Kdrt, None) => kdrt(request, engine, watch),
+        (SetMethod::Reference, _) => reference(request, watch),
     })?;
     made.into_python(py)
 }
@@ -117,6 +124,19 @@ fn kdrt(request: &RunRequest, engine: RunEngine, watch: &TaskWatch) -> Result<Ma
     };
     let stated = request.stated(parameters.radius);
     Ok(made("kdrt", &stated, &domain, &points, provenance).with_counts(&summary))
+}
+
+fn levels(
+    request: &RunRequest,
+    nested: &NestedRequest,
+    watch: &TaskWatch,
+) -> Result<MadeSet, Failure> {
+    let found = nested.make(&request.parameters, &mut watch.observer())?;
+    let domain = found.domain();
+    let stated = request.stated(domain.radius());
+    let mut set = made("kdrt", &stated, domain, found.points(), None);
+    set.facts["levels"] = json!(found.claims().collect::<Vec<_>>());
+    Ok(set)
 }
 
 fn reference(request: &RunRequest, watch: &TaskWatch) -> Result<MadeSet, Failure> {
@@ -161,6 +181,7 @@ pub fn made(
             "parameters": parameters,
             "domain": [region.width, region.height, region.boundary],
             "radius": domain.radius(),
+            "levels": [],
             "summary": null,
         }),
     }

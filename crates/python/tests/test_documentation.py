@@ -1,21 +1,29 @@
 """Examples in the documentation run, and types are what the stubs say."""
 
 import ast
+import copy
 import doctest
 import importlib
 import inspect
+import os
 import re
 import subprocess
 import sys
 from pathlib import Path
 
+import nbclient
+import nbformat
 import pytest
 
 import tilescope
 from tilescope import _tilescope
 
-MODULES = ["tilescope", "tilescope._point_set", "tilescope._progress", "tilescope._report", "tilescope._spectrum"]
+MODULES = [
+    "tilescope", "tilescope._point_set", "tilescope._progress", "tilescope._report", "tilescope._spectrum",
+    "tilescope.qmc",
+]  # fmt: skip
 README = Path(__file__).parents[1] / "README.md"
+NOTEBOOK = Path(__file__).parents[3] / "assets/notebook/tilescope.ipynb"
 
 
 def test_examples_of_docstrings_run(tmp_path):
@@ -44,6 +52,27 @@ def test_examples_of_the_readme_run(tmp_path, monkeypatch):
     names = {}
     for block in blocks:
         exec(compile(block, str(README), "exec"), names)
+
+
+def texts(notebook):
+    """The texts that each cell of a notebook shows, without pictures."""
+    cells = [cell for cell in notebook.cells if cell.cell_type == "code"]
+    shown = [[one.text if "text" in one else one.data["text/plain"] for one in cell.outputs] for cell in cells]
+    return list(zip([cell.source for cell in cells], shown, strict=True))
+
+
+# The kernel's and the client's own.
+@pytest.mark.filterwarnings("default")
+def test_the_notebook_runs_and_shows_what_is_stored():
+    stored = nbformat.read(NOTEBOOK, as_version=4)
+    made = copy.deepcopy(stored)
+    nbclient.NotebookClient(made, timeout=120, kernel_name="python3", record_timing=False).execute()
+    if os.environ.get("TILESCOPE_RENEW"):
+        nbformat.write(made, NOTEBOOK)
+        return
+    assert texts(made) == texts(stored)
+    shown = {name for cell in made.cells for output in cell.get("outputs", []) for name in output.get("data", [])}
+    assert "image/png" in shown
 
 
 def public():

@@ -36,7 +36,7 @@ fn nested_levels_have_their_pinned_digests() {
     };
     let drawn = whole(&default, 5);
     let mut farthest = drawn.clone();
-    farthest.order_by_distance();
+    farthest.order_by_distance(&mut Unobserved).unwrap();
     let bounded = whole(&bounded, 4);
     assert_eq!(drawn.ends(), [627, 1200, 2470, 4934, 9938]);
     let found = [&drawn, &farthest, &bounded].map(|nested| digest(nested.points()));

@@ -24,7 +24,9 @@ use glam::{DVec2, I64Vec2, IVec2, Vec2Swizzles};
 use rayon::prelude::*;
 
 use crate::circumcentre::on_line;
+use crate::error::SampleError;
 use crate::lattice::{Point, Rect};
+use crate::progress::Meter;
 use crate::random::{Key, Stream};
 
 use super::grid::Place;
@@ -79,6 +81,9 @@ const fn gathered(radius: &LevelRadius) -> i32 {
 /// Cells and pixels of one task of a thread.
 const TURN: usize = 256;
 
+/// Cells and pixels between two calls of the observer.
+const SHIFT: usize = 256 * TURN;
+
 /// The samples around a cell, as offsets from its lowest point, and the pixels found so far.
 #[derive(Default)]
 struct Gathered {
@@ -88,25 +93,36 @@ struct Gathered {
 }
 
 impl LevelRegion {
-    /// Fills the gaps of a level, as far as they can be known. `key` is the level's. Uses the current rayon pool.
-    pub fn fill(&mut self, radius: &LevelRadius, key: Key) {
-        let mut pixels = self.open_pixels(radius);
+    /// Fills the gaps of a level, as far as they can be known. `key` is the level's. Uses the current rayon pool. Fails
+    /// only when the observer of `meter` stops it.
+    pub fn fill(
+        &mut self,
+        radius: &LevelRadius,
+        key: Key,
+        meter: &mut Meter<'_>,
+    ) -> Result<(), SampleError> {
+        let mut pixels = self.open_pixels(radius, meter)?;
         if self.frame.ends_inside() {
             self.doubt_pixels(radius, &mut pixels);
         }
         for iteration in 1.. {
-            let searched = pixels.par_chunks(TURN).map(|pixels| {
-                let (mut open, mut found, mut sites) = (Vec::new(), Vec::new(), Vec::new());
-                for mut pixel in pixels.iter().copied() {
-                    if !pixel.is_due || self.find(&mut pixel, radius, &mut sites, &mut found) {
-                        open.push(pixel);
+            let (mut open, mut found) = (Vec::new(), Vec::new());
+            for some in pixels.chunks(SHIFT) {
+                let searched = some.par_chunks(TURN).map(|pixels| {
+                    let (mut open, mut found, mut sites) = (Vec::new(), Vec::new(), Vec::new());
+                    for mut pixel in pixels.iter().copied() {
+                        if !pixel.is_due || self.find(&mut pixel, radius, &mut sites, &mut found) {
+                            open.push(pixel);
+                        }
                     }
-                }
-                (open, found)
-            });
-            let (open, found): (Vec<_>, Vec<_>) = searched.unzip();
-            pixels = open.concat();
-            let found = found.concat();
+                    (open, found)
+                });
+                let (still_open, candidates): (Vec<_>, Vec<_>) = searched.unzip();
+                open.append(&mut still_open.concat());
+                found.append(&mut candidates.concat());
+                meter.ask()?;
+            }
+            pixels = open;
             if found.is_empty() {
                 break;
             }
@@ -120,25 +136,35 @@ impl LevelRegion {
                 changed || pixel.sight > farther
             });
         }
+        Ok(())
     }
 
     /// Returns the pixels of dirty cells that no sample covers whole.
-    fn open_pixels(&self, radius: &LevelRadius) -> Vec<GapPixel> {
+    fn open_pixels(
+        &self,
+        radius: &LevelRadius,
+        meter: &mut Meter<'_>,
+    ) -> Result<Vec<GapPixel>, SampleError> {
         // Near the frame's edges nothing can be known.
         let inside = self.frame.inside(radius.units);
-        let open = self.dirty.par_chunks(TURN).map(|cells| {
-            let mut around = Gathered::default();
-            for &cell in cells {
-                let rect = self.grid.cell_rect(cell as usize);
-                let (min, max) = (rect.min, rect.max);
-                let across = min.x < inside.max.x && inside.min.x < max.x;
-                if across && min.y < inside.max.y && inside.min.y < max.y {
-                    self.open_cell(&rect, radius, &mut around);
+        let mut pixels = Vec::new();
+        for some in self.dirty.chunks(SHIFT) {
+            let open = some.par_chunks(TURN).map(|cells| {
+                let mut around = Gathered::default();
+                for &cell in cells {
+                    let rect = self.grid.cell_rect(cell as usize);
+                    let (min, max) = (rect.min, rect.max);
+                    let across = min.x < inside.max.x && inside.min.x < max.x;
+                    if across && min.y < inside.max.y && inside.min.y < max.y {
+                        self.open_cell(&rect, radius, &mut around);
+                    }
                 }
-            }
-            around.pixels
-        });
-        open.collect::<Vec<_>>().concat()
+                around.pixels
+            });
+            pixels.append(&mut open.collect::<Vec<_>>().concat());
+            meter.ask()?;
+        }
+        Ok(pixels)
     }
 
     fn open_cell(&self, cell: &Rect, radius: &LevelRadius, around: &mut Gathered) {

@@ -5,9 +5,12 @@ use std::collections::BinaryHeap;
 
 use rayon::prelude::*;
 
+use crate::error::SampleError;
 use crate::grid::SampleGrid;
 use crate::lattice::{Domain, Point};
+use crate::progress::{Meter, Observer};
 use crate::random::{Key, Stream};
+use crate::stage::Stage;
 
 /// How the samples that a level adds follow each other.
 #[derive(
@@ -117,6 +120,18 @@ impl Nested {
         }
     }
 
+    /// Returns what there is to verify: for each level that has samples of its own, how many samples there are to its end,
+    /// the radius that their distances exceed, and the radius for which they are maximal, if they hold a whole level.
+    pub fn claims(&self) -> impl Iterator<Item = (usize, f64, Option<f64>)> {
+        let mut ends = self.ends.clone();
+        ends.dedup();
+        ends.into_iter().map(|count| {
+            let promised = self.guarantee(count);
+            let covering = promised.level.map(|level| self.radius(level));
+            (count, promised.distance, covering)
+        })
+    }
+
     /// Keeps the first `count` samples. Levels that are cut end there.
     pub fn truncate(&mut self, count: usize) {
         let whole = self.ends[..self.whole].partition_point(|&end| end <= count);
@@ -130,8 +145,10 @@ impl Nested {
     /// Rearranges each level: every sample is the one of its level that is farthest from all samples before it. Of
     /// equally far ones the order drawn decides, and it gives the first sample of all.
     ///
-    /// Samples of a window are rearranged as a set of their own, since what is farthest depends on all samples.
-    pub fn order_by_distance(&mut self) {
+    /// Samples of a window are rearranged as a set of their own, since what is farthest depends on all samples. Fails only
+    /// when `observer` stops it, and has then changed nothing.
+    pub fn order_by_distance(&mut self, observer: &mut dyn Observer) -> Result<(), SampleError> {
+        let mut meter = Meter::begin(observer, Stage::Finish, self.points.len() as u64)?;
         let mut grid = SampleGrid::with_capacity(self.domain, self.points.len());
         let mut ordered = Vec::with_capacity(self.points.len());
         let mut first = 0;
@@ -139,6 +156,7 @@ impl Nested {
             let mut level = Farthest::new(&self.domain, &grid, &self.points[first..end]);
             while let Some(point) = level.take() {
                 ordered.push(point);
+                meter.tick()?;
             }
             for &point in &ordered[first..] {
                 grid.insert(0, point);
@@ -146,6 +164,7 @@ impl Nested {
             first = end;
         }
         self.points = ordered;
+        meter.end()
     }
 }
 
@@ -212,6 +231,9 @@ impl<'a> Farthest<'a> {
 
 /// Returns the squared distance from a place to the nearest sample of a grid, or the largest number if it is empty.
 fn nearest_squared(grid: &SampleGrid, point: Point, longest: i32) -> i64 {
+    if grid.is_empty() {
+        return i64::MAX;
+    }
     let mut reach = crate::lattice::R;
     loop {
         let mut nearest = i64::MAX;

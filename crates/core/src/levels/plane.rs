@@ -8,6 +8,7 @@ use rayon::prelude::*;
 
 use crate::count::radius_estimate;
 use crate::engine::parallel::plane::{parts, pieces};
+use crate::engine::parallel::widened::WidenedWindow;
 use crate::error::{ParameterError, SampleError};
 use crate::lattice::{
     Boundary, Domain, MIN_SIDE_RADII_BOUNDED, MIN_SIDE_RADII_PERIODIC, Point, R, Rect, Window,
@@ -15,13 +16,13 @@ use crate::lattice::{
 use crate::parameters::{Insertion, Order, Parameters, Search, Variant, check_sequential};
 use crate::pattern::Symmetry;
 use crate::pool::Pool;
-use crate::progress::{Meter, Observer};
+use crate::progress::{Meter, Observer, Unobserved};
 use crate::random::{Key, Stream};
 use crate::stage::Stage;
 
 use super::blocks::BlockDraws;
 use super::frame::LevelFrame;
-use super::nested::Nested;
+use super::nested::{Nested, WithinLevel};
 use super::pattern::{LevelClip, NestedPattern};
 use super::radius::{LevelRadius, check_levels};
 use super::region::LevelRegion;
@@ -47,6 +48,38 @@ const WINDOWS_A_THREAD: usize = 4;
 
 /// The largest domain that is made whole for a window, in squared radii: about 700,000 samples.
 const MAX_WHOLE_AREA: f64 = 1_048_576.0;
+
+/// What is asked of nested levels besides the parameters of a run. Certificates state it by these names.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+pub struct NestedRequest {
+    /// How many levels.
+    pub levels: u32,
+    /// How the samples that a level adds follow each other.
+    pub order_within: WithinLevel,
+    /// How many samples, if the radius of the parameters is not to be used (see [`NestedPlane::exactly`]).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub exactly: Option<usize>,
+}
+
+impl NestedRequest {
+    /// Returns the samples. Uses the current rayon pool.
+    ///
+    /// Fails as [`NestedPlane::new`], [`NestedPlane::whole`] and [`NestedPlane::exactly`].
+    pub fn make(
+        &self,
+        parameters: &Parameters,
+        observer: &mut dyn Observer,
+    ) -> Result<Nested, SampleError> {
+        let mut made = match self.exactly {
+            Some(count) => NestedPlane::exactly(parameters, self.levels, count, observer)?,
+            None => NestedPlane::new(parameters, self.levels, observer)?.whole(observer)?,
+        };
+        if self.order_within == WithinLevel::Farthest {
+            made.order_by_distance(observer)?;
+        }
+        Ok(made)
+    }
+}
 
 /// A run of nested levels, of which any window can be computed alone.
 ///
@@ -185,6 +218,23 @@ impl NestedPlane {
         self.compute_parts(&parts(self.domain(), window), observer)
     }
 
+    /// Returns `window` with a margin around it, with the samples of the set `S_level`.
+    ///
+    /// Fails as [`Self::window`].
+    pub fn widened(
+        &self,
+        window: &Window,
+        level: u32,
+        observer: &mut dyn Observer,
+    ) -> Result<WidenedWindow, SampleError> {
+        let samples = |wide: &Window| {
+            let mut found = self.window(wide, observer)?;
+            found.truncate(found.ends()[level as usize]);
+            Ok(found.points().to_vec())
+        };
+        WidenedWindow::of(window, self.domain(), self.units(level).units, samples)
+    }
+
     /// Returns the whole run. Uses the current rayon pool, and some 120 bytes a sample.
     ///
     /// Fails when the domain would hold more samples than the sequential engine accepts, or `observer` stops it.
@@ -192,7 +242,7 @@ impl NestedPlane {
         check_sequential(self.domain())?;
         let mut region = LevelRegion::default();
         let mut meter = Meter::begin(observer, Stage::Regions, self.levels.into())?;
-        self.compute_whole(&mut region, Some(&mut meter))?;
+        self.compute_whole(&mut region, &mut meter)?;
         let levels = collect(&region, &self.domain().rect());
         meter.end()?;
         Ok(self.in_order(levels))
@@ -232,7 +282,7 @@ impl NestedPlane {
         }
         if !left.is_empty() {
             let mut region = LevelRegion::default();
-            self.compute_whole(&mut region, None)?;
+            self.compute_whole(&mut region, &mut meter)?;
             for window in left {
                 add(collect(&region, window));
             }
@@ -324,7 +374,9 @@ impl NestedPlane {
             };
             frame
         };
-        self.run(region, frame, domain.is_periodic(), None)?;
+        let mut unobserved = Unobserved;
+        let mut meter = Meter::begin(&mut unobserved, Stage::Regions, self.levels.into())?;
+        self.run(region, frame, domain.is_periodic(), &mut meter)?;
         let shown = |unknown: &super::region::UnknownDisk| {
             let reach = unknown.radius;
             (-reach..window.width() + reach).contains(&unknown.at.x)
@@ -337,7 +389,7 @@ impl NestedPlane {
     fn compute_whole(
         &self,
         region: &mut LevelRegion,
-        meter: Option<&mut Meter<'_>>,
+        meter: &mut Meter<'_>,
     ) -> Result<(), SampleError> {
         let domain = self.domain();
         let frame = LevelFrame {
@@ -353,7 +405,7 @@ impl NestedPlane {
         region: &mut LevelRegion,
         frame: impl Fn(u32) -> LevelFrame,
         images: bool,
-        mut meter: Option<&mut Meter<'_>>,
+        meter: &mut Meter<'_>,
     ) -> Result<(), SampleError> {
         region.clear();
         let coarsest = self.units(0);
@@ -364,13 +416,10 @@ impl NestedPlane {
         for level in 0..self.levels {
             let radius = self.units(level);
             region.begin(frame(level), &radius);
-            region.claim(level as usize, &self.variants, &radius);
-            region.fill(&radius, self.level_key(level));
+            region.claim(level as usize, &self.variants, &radius, meter)?;
+            region.fill(&radius, self.level_key(level), meter)?;
             region.ends.push(region.samples.len());
-            if let Some(meter) = &mut meter {
-                meter.tick()?;
-                meter.ask()?;
-            }
+            meter.tick()?;
         }
         Ok(())
     }
@@ -443,7 +492,6 @@ fn collect(region: &LevelRegion, shown: &Rect) -> Vec<Vec<Point>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::progress::Unobserved;
 
     /// With narrow halos windows have unknowns. Whatever a window then says that it knows is right.
     #[test]
@@ -459,7 +507,9 @@ mod tests {
             };
             let plane = NestedPlane::new(&parameters, 4, &mut Unobserved).unwrap();
             let mut region = LevelRegion::default();
-            plane.compute_whole(&mut region, None).unwrap();
+            let mut unobserved = Unobserved;
+            let mut meter = Meter::begin(&mut unobserved, Stage::Regions, 4).unwrap();
+            plane.compute_whole(&mut region, &mut meter).unwrap();
             let domain = plane.domain().rect();
             let all = collect(&region, &domain);
             let side = 40 * R;

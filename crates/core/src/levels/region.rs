@@ -5,7 +5,9 @@
 //! listed, none that may lie in an unknown or beyond the frame. It is lost only if a listed sample covers it. All others
 //! become unknowns. How insertion deals with unknowns stands in [`super::gaps`].
 
+use crate::error::SampleError;
 use crate::lattice::{Point, Rect};
+use crate::progress::Meter;
 
 use super::blocks::NestedBlock;
 use super::frame::LevelFrame;
@@ -76,6 +78,9 @@ pub(super) struct LevelRegion {
 }
 
 const NONE: u32 = u32::MAX;
+
+/// Fates decided between two calls of the observer.
+const CLAIMED: usize = 1 << 14;
 
 impl LevelRegion {
     /// Empties the region.
@@ -158,8 +163,15 @@ impl LevelRegion {
         })
     }
 
-    /// Tiles what the level number `level` adds and decides all fates, as far as they can be known.
-    pub fn claim(&mut self, level: usize, variants: &[Vec<LevelClip>], radius: &LevelRadius) {
+    /// Tiles what the level number `level` adds and decides all fates, as far as they can be known. Fails only when the
+    /// observer of `meter` stops it.
+    pub fn claim(
+        &mut self,
+        level: usize,
+        variants: &[Vec<LevelClip>],
+        radius: &LevelRadius,
+        meter: &mut Meter<'_>,
+    ) -> Result<(), SampleError> {
         let blocks = std::mem::take(&mut self.blocks);
         let mut claimants = std::mem::take(&mut self.claimants);
         claimants.clear();
@@ -181,6 +193,7 @@ impl LevelRegion {
                     claimants.push(Claimant::new(block, index, p, &self.frame));
                 }
             });
+            meter.ask()?;
         }
         // A margin is narrower than at the level before.
         claimants.extend(self.waiting.drain(..).filter(|claimant| {
@@ -192,11 +205,15 @@ impl LevelRegion {
                 && tiled.contains(Point::new(claimant.x, claimant.y))
         }));
         claimants.sort_unstable();
-        for claimant in &claimants {
-            self.decide(claimant, &inside, radius);
+        for some in claimants.chunks(CLAIMED) {
+            for claimant in some {
+                self.decide(claimant, &inside, radius);
+            }
+            meter.ask()?;
         }
         self.blocks = blocks;
         self.claimants = claimants;
+        Ok(())
     }
 
     /// Decides the fate of a sample: all before it in the order are decided.

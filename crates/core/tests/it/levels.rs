@@ -349,7 +349,7 @@ fn every_level_is_valid_and_every_prefix_is_good() {
         let mut nested = whole(&parameters(180.0, boundary, seed, leaf), levels);
         for by_distance in [false, true] {
             if by_distance {
-                nested.order_by_distance();
+                nested.order_by_distance(&mut Unobserved).unwrap();
             }
             let domain = *nested.domain();
             let mut counts = Vec::new();
@@ -400,7 +400,7 @@ fn each_sample_is_the_farthest_of_its_level() {
     for boundary in [Boundary::Periodic, Boundary::Bounded] {
         let mut nested = whole(&parameters(32.0, boundary, 5, 9.0), 4);
         let drawn = nested.clone();
-        nested.order_by_distance();
+        nested.order_by_distance(&mut Unobserved).unwrap();
         assert_eq!(nested.ends(), drawn.ends());
         let domain = *nested.domain();
         let (mut before, mut first): (Vec<Point>, usize) = (Vec::new(), 0);

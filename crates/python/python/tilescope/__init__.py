@@ -32,13 +32,15 @@ import numpy.typing as npt
 from tilescope import _tilescope
 from tilescope._point_set import Boundary, Format, Judge, Path, PointSet
 from tilescope._progress import Progress, following
-from tilescope._report import Conflict, Domain, Gap, Report, report_of
+from tilescope._report import Conflict, Domain, Gap, Level, LevelReport, Report, report_of
 from tilescope._spectrum import Spectrum
 
 __all__ = [
     "Conflict",
     "Domain",
     "Gap",
+    "Level",
+    "LevelReport",
     "Plane",
     "PointSet",
     "Report",
@@ -75,13 +77,17 @@ def sample(
     insertion: _Insertion = "circumcentre",
     search: Literal[4, 2] = 4,
     variant: _Variant = "staged",
+    levels: int | None = None,
+    exactly: int | None = None,
+    order_within: Literal["random", "farthest"] = "random",
     method: Literal["kdrt", "reference"] = "kdrt",
     engine: Literal["auto", "parallel", "sequential"] = "auto",
     progress: Progress = False,
 ) -> PointSet:
     """Makes a maximal Poisson-disk set.
 
-    Names, defaults and points are those of ``tilescope sample``. Give either `count` or `radius`.
+    Names, defaults and points are those of ``tilescope sample``. Give `count`, `radius`, or `levels`
+    with `exactly`.
 
     Parameters
     ----------
@@ -112,6 +118,19 @@ def sample(
         How far detectors look for gaps, in radii: 4 is proven, 2 is an experiment that leaves gaps.
     variant : {'staged', 'as-printed'}
         Staged, or the paper's Algorithm 4 as it is printed.
+    levels : int, optional
+        Make so many nested sets, at most 11, each with all samples of the one before and maximal for a
+        radius smaller by the root of 2; the last has `radius`. The samples of the first come first, so
+        that every prefix of the set is evenly spread. Order, insertion, search, variant and the
+        pattern's boundary must be the defaults; the pattern cannot be given. Long blocks are advisable:
+        a leaf of ten of the first set's radii.
+    exactly : int, optional
+        Keep exactly so many samples: the first of `levels` whose last set has as many or a few more.
+        There is no maximal set of exactly so many samples in general: of these, every place is within
+        1.42 radii.
+    order_within : {'random', 'farthest'}
+        How the samples that a level adds follow each other: as drawn, or each the one that is farthest
+        from all before it.
     method : {'kdrt', 'reference'}
         Randomized tiling, or dart throwing (Ebeida et al. 2012), which uses only radius or count,
         sides, boundary and seed.
@@ -124,7 +143,7 @@ def sample(
     Returns
     -------
     PointSet
-        The set, of at most 2e8 samples.
+        The set, of at most 2e8 samples. :attr:`PointSet.levels` says what holds for nested levels.
 
     Raises
     ------
@@ -138,6 +157,9 @@ def sample(
     >>> points = tilescope.sample(5000, boundary="bounded", seed=3)
     >>> abs(len(points) - 5000) <= 50
     True
+    >>> exact = tilescope.sample(levels=4, exactly=5000, order_within="farthest")
+    >>> len(exact), exact.verify().valid
+    (5000, True)
     >>> tilescope.sample(radius=-1)
     Traceback (most recent call last):
         ...
@@ -146,7 +168,8 @@ def sample(
     request = _request(
         count=count, radius=radius, width=width, height=height, boundary=boundary, seed=seed, leaf=leaf,
         pattern_side=pattern_side, pattern_boundary=pattern_boundary, pattern_seed=pattern_seed, pattern=pattern,
-        dihedral=dihedral, order=order, insertion=insertion, search=search, variant=variant,
+        dihedral=dihedral, order=order, insertion=insertion, search=search, variant=variant, levels=levels,
+        exactly=exactly, order_within=order_within,
     )  # fmt: skip
     side = request.side_without_repeats()
     if side is not None and method == "kdrt":
@@ -174,7 +197,8 @@ class Plane:
     set may have three thousand million samples. A periodic plane repeats without end. A plane can be
     pickled; :mod:`tilescope.distributed` writes all of it, tile by tile.
 
-    Parameters are those of :func:`sample`.
+    Parameters are those of :func:`sample`. With `levels` a window has the samples of nested levels, the
+    first level's first, in the order of the whole set.
 
     Examples
     --------
@@ -207,6 +231,7 @@ class Plane:
         order: _Order = "own-block-first",
         insertion: _Insertion = "circumcentre",
         search: Literal[4, 2] = 4,
+        levels: int | None = None,
         progress: Progress = False,
     ) -> None:
         # All arguments, before there are other variables.
@@ -215,6 +240,7 @@ class Plane:
             count=count, radius=radius, width=width, height=height, boundary=boundary, seed=seed, leaf=leaf,
             pattern_side=pattern_side, pattern_boundary=pattern_boundary, pattern_seed=pattern_seed, pattern=pattern,
             dihedral=dihedral, order=order, insertion=insertion, search=search, variant="staged",
+            levels=levels, exactly=None, order_within="random",
         )  # fmt: skip
         with following(progress) as told:
             self._plane = _tilescope.Plane(request, told)
@@ -273,10 +299,25 @@ class Plane:
             samples.
         """
         with following(progress) as told:
-            return self._plane.window((x0, y0, x1, y1), told)
+            return self._plane.window((x0, y0, x1, y1), told)[0]
+
+    def window_levels(
+        self, x0: float, y0: float, x1: float, y1: float, *, progress: Progress = False
+    ) -> list[npt.NDArray[np.float64]]:
+        """Returns the samples of a window, as :meth:`window` does, in one array for each level that adds them.
+
+        Examples
+        --------
+        >>> plane = tilescope.Plane(radius=1e-3, levels=3)
+        >>> [len(added) for added in plane.window_levels(0.5, 0.5, 0.6, 0.6)]
+        [1756, 1642, 3523]
+        """
+        with following(progress) as told:
+            samples, ends = self._plane.window((x0, y0, x1, y1), told)
+        return np.split(samples, ends[:-1])
 
     def is_valid(self, x0: float, y0: float, x1: float, y1: float, *, progress: Progress = False) -> bool:
-        """Returns whether a window has no conflict and no gap, judged by the samples in it and around it."""
+        """Returns whether a window has no conflict and no gap, at any level, judged by the samples in it and around it."""
         with following(progress) as told:
             conflicts, gaps = self._plane.verify((x0, y0, x1, y1), told)
         return conflicts == gaps == 0
@@ -301,6 +342,7 @@ def verify(
     boundary: Boundary | None = None,
     format: Format | None = None,
     judge: Judge | None = None,
+    prefix: int | None = None,
     progress: Progress = False,
 ) -> Report:
     """Judges whether a set is conflict-free and maximal, whoever made it.
@@ -308,7 +350,8 @@ def verify(
     Parameters
     ----------
     points : array_like of shape (N, 2), path-like or PointSet
-        Positions, or the file of a set. Of a file the certificate is compared as well.
+        Positions, or the file of a set. Of a file the certificate is compared as well, and nested levels
+        that it states are judged.
     radius : float, optional
         The radius. It must be given unless the set, or a certificate, has one.
     width, height, boundary, optional
@@ -316,6 +359,8 @@ def verify(
         square.
     format : str, optional
         Format of a file, if neither its extension nor its content says it.
+    prefix : int, optional
+        Judge only so many samples, the first, of a set with nested levels.
     judge, progress
         As in :meth:`PointSet.verify`.
 
@@ -340,6 +385,14 @@ def verify(
     >>> report.conflicts, report.maximal
     (1, False)
     """
+    if prefix is not None:
+        if radius is not None:
+            raise ValueError(f"both prefix and radius are given; the levels say the radius of the first {prefix} samples")
+        if isinstance(points, (str, os.PathLike)):
+            points = read(points, width=width, height=height, boundary=boundary, format=format)
+        else:
+            points = _set_of(points, None, width, height, boundary)
+        return points.prefix(prefix).verify(judge=judge, progress=progress)
     if isinstance(points, (str, os.PathLike)):
         given = _Given(radius, width, height, boundary)
         with following(progress) as told:

@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from tilescope import _tilescope
 from tilescope._progress import Progress, following
-from tilescope._report import Domain, Report, report_of, report_of_json
+from tilescope._report import Domain, Level, Report, report_of, report_of_json
 from tilescope._spectrum import Spectrum, axes
 
 Path: TypeAlias = Union[str, "os.PathLike[str]"]
@@ -59,7 +59,7 @@ class PointSet:
     """
 
     __slots__ = (
-        "_certificate", "_domain", "_method", "_parameters", "_points", "_provenance", "_radius", "_summary"
+        "_certificate", "_domain", "_levels", "_method", "_parameters", "_points", "_provenance", "_radius", "_summary"
     )  # fmt: skip
 
     def __init__(
@@ -79,6 +79,7 @@ class PointSet:
         self._points = copy
         self._radius = None if radius is None else float(radius)
         self._domain = Domain(float(width), float(height), boundary)
+        self._levels: tuple[Level, ...] = ()
         self._provenance: npt.NDArray[np.uint32] | None = None
         self._method = "unknown"
         self._parameters = "{}"
@@ -92,6 +93,7 @@ class PointSet:
         made._points, made._provenance = points, provenance
         made._radius = known["radius"]
         made._domain = Domain(*known["domain"])
+        made._levels = tuple(Level(*level) for level in known["levels"])
         made._method = known["method"]
         made._parameters = json.dumps(known["parameters"])
         made._summary = known["summary"]
@@ -133,6 +135,65 @@ class PointSet:
         return parameters
 
     @property
+    def levels(self) -> tuple[Level, ...]:
+        """The nested levels, if the set was made with ``levels``: what holds for all samples to the end of each.
+
+        Examples
+        --------
+        >>> points = tilescope.sample(radius=0.02, levels=3)
+        >>> [level.count for level in points.levels]
+        [438, 837, 1724]
+        >>> points.levels[0].covering == 2 * points.radius
+        True
+        """
+        return self._levels
+
+    @property
+    def level(self) -> npt.NDArray[np.uint32] | None:
+        """The level that adds each sample, from 0: an array of shape ``(N,)``. ``None`` if there are no levels."""
+        if not self._levels:
+            return None
+        counts = np.diff([0, *(level.count for level in self._levels)])
+        return np.repeat(np.arange(len(counts), dtype=np.uint32), counts)
+
+    def prefix(self, count: int) -> PointSet:
+        """Returns the first samples of a set with nested levels, as a set with the levels that they hold.
+
+        Its radius is the largest that is promised for their distances. What is promised, and verified, of
+        their covering radius is in :attr:`levels`.
+
+        Parameters
+        ----------
+        count : int
+            How many samples.
+
+        Raises
+        ------
+        ValueError
+            If the set has no levels, or fewer samples.
+
+        Examples
+        --------
+        >>> points = tilescope.sample(radius=0.02, levels=3)
+        >>> points.prefix(1000).verify().valid
+        True
+        """
+        if not self._levels:
+            raise ValueError("the set has no levels, which say what holds for its first samples")
+        most = min(len(self), self._levels[-1].count)
+        if not 1 <= count <= most:
+            raise ValueError(f"count is {count}; it must be between 1 and {most}, the number of samples")
+        last = Level(*_tilescope.prefix(self._levels, count))
+        first = PointSet(
+            self._points[:count], last.distance, width=self._domain.width, height=self._domain.height,
+            boundary=self._domain.boundary,  # type: ignore[arg-type]
+        )  # fmt: skip
+        first._levels = (*(level for level in self._levels if level.count < count), last)
+        first._method = self._method
+        first._parameters = json.dumps({"prefix": count, "of": self.parameters})
+        return first
+
+    @property
     def summary(self) -> dict[str, Any] | None:
         """Counts of the run that made the set: blocks, tiled, dropped, eliminated, and inserted by iteration."""
         return None if self._summary is None else dict(self._summary)
@@ -167,6 +228,9 @@ class PointSet:
 
     def verify(self, *, judge: Judge | None = None, progress: Progress = False) -> Report:
         """Returns the verifier's report: whether the set is conflict-free and maximal for its radius.
+
+        Of a set with nested levels each level is judged as well, and the set is valid if all are as
+        :attr:`levels` says.
 
         Parameters
         ----------
@@ -212,7 +276,8 @@ class PointSet:
             Number type, for formats that leave the choice. Rounding to f32 makes conflicts in large
             sets.
         shuffle : int, optional
-            Seed of an order to write the samples in, so that the first ones are spread evenly.
+            Seed of an order to write the samples in, so that the first ones are spread evenly. A set
+            with nested levels keeps its order.
         verify : bool
             Whether to verify and to certify.
         judge, progress
@@ -228,7 +293,7 @@ class PointSet:
         OSError
             If the file cannot be written.
         ValueError
-            If the format is not known, or cannot hold the set.
+            If the format is not known, or cannot hold the set, or nested levels are to be shuffled.
 
         Examples
         --------

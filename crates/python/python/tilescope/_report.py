@@ -41,6 +41,36 @@ class Gap(NamedTuple):
     """``'voronoi-vertex'``, ``'border'`` or ``'corner'``."""
 
 
+@dataclass(frozen=True)
+class Level:
+    """What is to hold for the first samples of a set with nested levels."""
+
+    count: int
+    """How many samples."""
+    distance: float
+    """No two of them are closer than this."""
+    covering: float | None
+    """No place of the domain is farther than this from all of them; ``None`` if they hold no whole level."""
+
+
+@dataclass(frozen=True)
+class LevelReport:
+    """What the verifier found out about the first samples of a set with nested levels."""
+
+    count: int
+    """How many samples."""
+    distance: float
+    """No two of them are to be closer than this."""
+    covering: float | None
+    """No place is to be farther from them than this, but for the tolerance; ``None`` where that is not promised."""
+    min_distance: float
+    """Smallest distance between two of them; infinite for one sample of a bounded domain."""
+    covering_radius: float
+    """Largest distance from a place of the domain to the nearest of them."""
+    valid: bool
+    """Whether they are as they are to be."""
+
+
 @dataclass(frozen=True, repr=False)
 class Report:
     """What the verifier found out about a set. Lengths are in the unit of the samples.
@@ -50,7 +80,7 @@ class Report:
     """
 
     valid: bool
-    """Whether the set is both conflict-free and maximal."""
+    """Whether the set is both conflict-free and maximal; with nested levels, whether each level is as it is to be."""
     conflict_free: bool
     """Whether no two samples are closer than the radius."""
     maximal: bool
@@ -81,6 +111,8 @@ class Report:
     """``min_distance`` over that of the densest packing of as many samples."""
     judges: tuple[str, ...]
     """Who judged: ``'delaunay'``, ``'circles'``, or both, which agree."""
+    levels: tuple[LevelReport, ...] = ()
+    """The nested levels, if the set has any: of each, what was found of all samples to its end."""
     differences: tuple[str, ...] = ()
     """Statements of a file's certificate that do not hold; empty for a set in memory."""
 
@@ -96,6 +128,10 @@ class Report:
             f"<Report: {verdict}, {self.count} samples, {self.conflicts} conflicts, {self.gaps} gaps, "
             f"smallest distance {self.min_distance / r:.6f} r, covering radius {self.covering_radius / r:.6f} r>"
         )
+
+
+def _level_of(found: dict[str, Any]) -> LevelReport:
+    return LevelReport(**found | {"min_distance": math.inf if found["min_distance"] is None else found["min_distance"]})
 
 
 def report_of(found: dict[str, Any], differences: list[str] | None = None) -> Report:
@@ -114,6 +150,7 @@ def report_of(found: dict[str, Any], differences: list[str] | None = None) -> Re
             Gap((one["center"][0], one["center"][1]), one["distance"], one["kind"]) for one in found["worst_gaps"]
         ),
         judges=tuple(found["judges"]),
+        levels=tuple(_level_of(level) for level in found["levels"]),
         differences=tuple(differences or ()),
         **fields,
     )

@@ -5,11 +5,11 @@ use glam::I64Vec2;
 
 use super::plane::Plane;
 use crate::error::SampleError;
-use crate::lattice::{Point, R, Window};
+use crate::lattice::{Domain, Point, R, Window};
 use crate::progress::Observer;
 
-/// Units around a window that a [`WidenedWindow`] has: 4r, although 2r suffice to judge the window.
-const MARGIN: i64 = 4 * R as i64;
+/// Radii around a window that a [`WidenedWindow`] has, although 2 suffice to judge the window.
+const MARGIN: i64 = 4;
 
 /// The samples of a window and around it, as far as the domain reaches. Positions are in user units, from the lowest corner
 /// of the whole; those of a periodic domain may come twice, if it is longer than the domain.
@@ -30,24 +30,21 @@ impl WidenedWindow {
         let [low, high] = self.window;
         (0..2).all(|axis| (low[axis]..=high[axis]).contains(&position[axis]))
     }
-}
 
-impl Plane {
-    /// Returns `window` with a margin around it.
-    ///
-    /// Fails as [`Self::observed_window`].
-    pub fn widened(
-        &self,
+    /// Returns a window of a set of radius `radius` in units with a margin around it, in which `samples` finds the samples.
+    pub(crate) fn of(
         window: &Window,
-        observer: &mut dyn Observer,
-    ) -> Result<WidenedWindow, SampleError> {
-        let domain = self.domain();
+        domain: &Domain,
+        radius: i32,
+        samples: impl FnOnce(&Window) -> Result<Vec<Point>, SampleError>,
+    ) -> Result<Self, SampleError> {
+        let margin = MARGIN * i64::from(radius);
         let periodic = domain.is_periodic();
         let sides = [domain.width(), domain.height()];
         let unit = domain.unit();
         let mut wide = Window {
-            min: window.min - MARGIN,
-            max: window.max + MARGIN,
+            min: window.min - margin,
+            max: window.max + margin,
         };
         if !periodic {
             wide.min = wide.min.max(I64Vec2::ZERO);
@@ -73,14 +70,28 @@ impl Plane {
                 .flat_map(move |y| xs.clone().map(move |x| [x, y]))
                 .collect::<Vec<_>>()
         };
-        let samples = self.observed_window(&wide, observer)?;
+        let samples = samples(&wide)?;
         // The border of a bounded domain is its last unit.
         let last = i64::from(!periodic);
-        Ok(WidenedWindow {
+        Ok(Self {
             positions: samples.iter().flat_map(shown).collect(),
             size: user(wide.max - wide.min - last),
             window: [window.min, window.max].map(|corner| user(corner - wide.min)),
         })
+    }
+}
+
+impl Plane {
+    /// Returns `window` with a margin around it.
+    ///
+    /// Fails as [`Self::observed_window`].
+    pub fn widened(
+        &self,
+        window: &Window,
+        observer: &mut dyn Observer,
+    ) -> Result<WidenedWindow, SampleError> {
+        let samples = |wide: &Window| self.observed_window(wide, observer);
+        WidenedWindow::of(window, self.domain(), R, samples)
     }
 }
 
