@@ -30,6 +30,7 @@ pub mod layers;
 pub mod limits;
 pub mod look;
 pub mod moment;
+pub mod nested;
 pub mod recipe;
 pub mod sampling;
 pub mod selection;

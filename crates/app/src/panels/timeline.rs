@@ -2,9 +2,10 @@
 
 use egui::text::LayoutJob;
 use egui::{
-    Align, Button, Color32, ComboBox, Context, FontId, Layout, RichText, Role, TextStyle, Ui, Vec2,
-    WidgetInfo, vec2,
+    Align, Button, Color32, ComboBox, Context, DragValue, FontId, Layout, RichText, Role,
+    TextStyle, Ui, Vec2, WidgetInfo, vec2,
 };
+use tilescope_session::glossary;
 use tilescope_session::sentence::happened;
 use tilescope_session::words::{capital, grouped};
 use tilescope_ui::theme::{FINGER, is_for_fingers};
@@ -69,7 +70,10 @@ fn room_beside(ctx: &Context, context: &TimeContext<'_>, width: f32) -> f32 {
         Some((_, len)) => format!("event {0} of {0}", grouped(len)),
         None => "stage 9 of 9".to_owned(),
     };
-    let text = format!("{most} samples   {moment}   iteration 9");
+    let text = match context.run.prefix() {
+        Some(_) => format!("{most} of {most} samples   level 9   radius 32.00 r"),
+        None => format!("{most} samples   {moment}   iteration 9"),
+    };
     let font = TextStyle::Monospace.resolve(&ctx.style_of(ctx.theme()));
     let job = LayoutJob::simple_singleline(text, font, Color32::WHITE);
     ctx.fonts_mut(|fonts| fonts.layout_job(job)).size().x + BESIDE
@@ -140,6 +144,7 @@ pub fn show(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>)
         ui.add_space(6.0);
         clock(ui, context, 72.0, commands);
         speed(ui, context, commands);
+        prefix(ui, context, commands);
         ui.add_space(14.0);
         track::show(ui, context, commands);
     });
@@ -222,6 +227,7 @@ pub fn show_compact(
         if ui.available_width() >= CLOCK {
             clock(ui, context, ui.available_width().min(110.0), commands);
         }
+        prefix(ui, context, commands);
     });
     track::show(ui, context, commands);
 }
@@ -326,7 +332,7 @@ pub fn more(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>)
             ("Loop up to here", TimeCommand::LoopEnd),
             ("No loop", TimeCommand::Loop(None)),
         ] {
-            let button = ui.add_enabled(context.run.debugger.is_some(), Button::new(name));
+            let button = ui.add_enabled(context.run.cursor().is_some(), Button::new(name));
             button.known_as(Kebab(&command));
             let button = button.on_disabled_hover_text("There are no events to loop over.");
             if button.clicked() {
@@ -351,12 +357,16 @@ fn controls(ui: &mut Ui, context: &TimeContext<'_>, with_ends: bool, commands: &
     } else {
         (Icon::Play, "Play (Space)")
     };
-    let clock = context.time.playback.clock.name();
+    let clock = context.run.clock_name(context.time.playback.clock);
+    let unit = match context.run.prefix() {
+        Some(_) => "level",
+        None => "stage",
+    };
     ui.spacing_mut().item_spacing.x = 2.0;
     for (icon, name, refusal, command) in [
         (
             Icon::First,
-            "First stage (Home)",
+            &format!("First {unit} (Home)"),
             at_start,
             Command::Time(TimeCommand::FirstStage),
         ),
@@ -380,7 +390,7 @@ fn controls(ui: &mut Ui, context: &TimeContext<'_>, with_ends: bool, commands: &
         ),
         (
             Icon::Last,
-            "Last stage (End)",
+            &format!("Last {unit} (End)"),
             at_end,
             Command::Time(TimeCommand::LastStage),
         ),
@@ -395,16 +405,35 @@ fn controls(ui: &mut Ui, context: &TimeContext<'_>, with_ends: bool, commands: &
     }
 }
 
+/// Shows a field for the number of samples that are shown of nested levels, to be typed or dragged.
+fn prefix(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>) {
+    let (Some(mut count), Some(session)) = (context.run.prefix(), &context.run.session) else {
+        return;
+    };
+    let all = session.summary.count;
+    let field = DragValue::new(&mut count)
+        .range(1..=all)
+        .speed(0.002 * all as f64)
+        .update_while_editing(false);
+    let response = ui.add(field).accessible_name("Samples shown");
+    response.known_as("prefix");
+    if response.changed() {
+        commands.push(Command::Time(TimeCommand::Jump(count)));
+    }
+    response.on_hover_text(glossary::PREFIX.meaning);
+}
+
 /// Shows the choice of the clock's tick.
 fn clock(ui: &mut Ui, context: &TimeContext<'_>, width: f32, commands: &mut Vec<Command>) {
     let playback = &context.time.playback;
     let chosen = ComboBox::from_id_salt("clock")
         .width(width)
-        .selected_text(playback.clock.name());
+        .selected_text(context.run.clock_name(playback.clock));
     let response = chosen.show_ui(ui, |ui| {
         for clock in Clock::ALL {
             let refusal = context.run.clock_refusal(clock);
-            let button = Button::selectable(playback.clock == clock, clock.name());
+            let name = context.run.clock_name(clock);
+            let button = Button::selectable(playback.clock == clock, name);
             let response = ui.add_enabled(refusal.is_none(), button);
             response.known_as(format_args!("clock.{}", Kebab(clock)));
             let response = response.on_disabled_hover_text(refusal.unwrap_or_default());
@@ -422,6 +451,7 @@ fn clock(ui: &mut Ui, context: &TimeContext<'_>, width: f32, commands: &mut Vec<
 /// Shows the choice of the speed.
 fn speed(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>) {
     let playback = &context.time.playback;
+    let unit = context.run.clock_name(playback.clock);
     let chosen =
         ComboBox::from_id_salt("speed")
             .width(58.0)
@@ -442,7 +472,7 @@ fn speed(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>) {
         for speed in SPEEDS {
             let same = playback.pace_secs().is_none() && (playback.speed - speed).abs() < 1e-6;
             if ui
-                .selectable_label(same, format!("{speed}\u{d7} by {}", playback.clock.name()))
+                .selectable_label(same, format!("{speed}\u{d7} by {unit}"))
                 .clicked()
             {
                 commands.push(Command::Time(TimeCommand::Speed(speed)));
