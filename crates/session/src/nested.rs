@@ -10,7 +10,7 @@ use tilescope_analysis::{Boundary as Judged, PrefixClaim};
 use tilescope_core::{
     Boundary, Domain, MAX_LEVELS, Nested, NestedPlane, Parameters, Run, SampleError, WithinLevel,
 };
-use tilescope_formats::ReadSet;
+use tilescope_formats::{CertifiedLevel, ReadSet};
 
 use crate::encoding::as_json;
 use crate::recipe::Recipe;
@@ -43,6 +43,7 @@ pub struct NestedLevels {
 
 impl NestedLevels {
     /// Returns how many samples there are to the end of each level.
+    #[must_use]
     pub fn ends(&self) -> impl ExactSizeIterator<Item = usize> {
         self.claims.iter().map(|claim| claim.count)
     }
@@ -146,12 +147,13 @@ pub(crate) fn sample(
 /// Returns the session of a set that was exported with its levels; `None` if its certificate states none.
 ///
 /// Fails when the levels that it states do not fit the set.
+#[must_use]
 pub fn of_file(set: &ReadSet, name: &str, generation: u64) -> Option<Result<Session, String>> {
     let certificate = set.certificate.as_ref()?;
     let claims: Vec<PrefixClaim> = certificate
         .levels
         .iter()
-        .map(|level| level.claim())
+        .map(CertifiedLevel::claim)
         .collect();
     (!claims.is_empty()).then(|| {
         let region = certificate.region;

@@ -89,7 +89,7 @@ pub fn run<E: From<ScriptError>>(
     if !each {
         print_state(&state)?;
     }
-    Ok(state.verdict().map(|verdict| verdict.valid()))
+    Ok(state.verdict().map(Verdict::valid))
 }
 
 #[cfg(test)]

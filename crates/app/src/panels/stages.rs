@@ -86,9 +86,10 @@ fn levels(
         let current = level == nested.level_of(count - 1);
         let key = format!("level-{level}");
         let shown = row(ui, texts, current, palette, Some(&key));
-        let about = match claim.covering == Some(claim.distance) {
-            true => glossary::LEVEL.meaning,
-            false => "The set ends within this level, which is not maximal.",
+        let about = if claim.covering == Some(claim.distance) {
+            glossary::LEVEL.meaning
+        } else {
+            "The set ends within this level, which is not maximal."
         };
         if shown.on_hover_text(about).clicked() {
             commands.push(Command::Time(TimeCommand::ShowStage(level)));

@@ -125,13 +125,19 @@ impl RunView {
 
     /// Returns whether the number has to rest before its prefix is verified: another frame is due.
     pub(in crate::state) fn awaits_rest(&self) -> bool {
-        self.prefix_at_work().is_some() && self.prefix.work.is_none()
+        let is_idle = self.prefix.work.is_none();
+        let is_known = matches!(
+            self.verification,
+            Verification::Done(_) | Verification::Failed(_)
+        );
+        is_known && is_idle && self.prefix_at_work().is_some()
     }
 
     /// Waits for the verdict on the prefix.
     #[cfg(not(target_arch = "wasm32"))]
     pub(super) fn settle_prefix(&mut self, context: &Context) {
-        while self.prefix_at_work().is_some() {
+        // The first round ends work on another number.
+        for _ in 0..2 {
             self.follow_prefix(REST_SECS, context);
             if let Some((judged, job)) = self.prefix.work.take() {
                 self.prefix.judged = judged;
