@@ -8,6 +8,7 @@ use std::sync::Arc;
 use emath::{Pos2, Rect, vec2};
 use serde_json::Value;
 use thiserror::Error;
+use tilescope_session::verification::Verdict;
 
 use crate::command::{Command, ViewCommand, Which};
 use crate::state::State;

@@ -58,15 +58,12 @@ fn summary(context: &PanelContext<'_>, palette: &Palette) -> (String, Option<boo
         Verification::Pending(_) => ("verifying\u{2026}".to_owned(), None, palette.muted),
         Verification::Failed(_) => ("no verdict".to_owned(), Some(false), palette.conflict),
         Verification::Done(verdict) => {
-            let text = match (verdict.conflict_free(), verdict.maximal()) {
-                _ if let Some(claim) = verdict.claim => {
-                    let word = if verdict.valid() {
-                        "verified"
-                    } else {
-                        "not valid"
-                    };
-                    format!("first {}: {word}", grouped(claim.count))
-                }
+            let well = verdict.valid();
+            let of_prefix = |claim: PrefixClaim| {
+                let word = if well { "verified" } else { "not valid" };
+                format!("first {}: {word}", grouped(claim.count))
+            };
+            let of_result = || match (verdict.conflict_free(), verdict.maximal()) {
                 (true, true) if context.run.is_at_end() => "verified".to_owned(),
                 // The canvas does not show the final result yet.
                 (true, true) => "final result verified".to_owned(),
@@ -74,7 +71,7 @@ fn summary(context: &PanelContext<'_>, palette: &Palette) -> (String, Option<boo
                 (false, true) => "not conflict-free".to_owned(),
                 (false, false) => "conflicts and gaps".to_owned(),
             };
-            let well = verdict.valid();
+            let text = verdict.claim.map_or_else(of_result, of_prefix);
             let color = if context.run.prefix_at_work().is_some() {
                 palette.muted
             } else if well {

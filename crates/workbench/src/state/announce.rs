@@ -69,16 +69,22 @@ impl State {
         let text = match &self.runs.first.verification {
             Verification::Nothing | Verification::Pending(_) => return None,
             Verification::Failed(why) => format!("There is no verdict. {why}"),
-            Verification::Done(verdict) => match (verdict.conflict_free(), verdict.maximal()) {
-                (true, true) if let Some(claim) = verdict.claim => {
-                    let count = grouped(claim.count);
-                    format!("The first {count} samples are verified.")
+            Verification::Done(verdict) => {
+                let found = match (verdict.conflict_free(), verdict.maximal()) {
+                    (true, true) => "Verified: conflict-free and maximal.",
+                    (true, false) => "The verifier found gaps: the set is not maximal.",
+                    (false, true) => "The verifier found conflicts.",
+                    (false, false) => "The verifier found conflicts and gaps.",
+                };
+                match verdict.claim {
+                    Some(claim) => {
+                        let word = if verdict.valid() { "" } else { " not" };
+                        let count = grouped(claim.count);
+                        format!("The first {count} samples are{word} as promised.")
+                    }
+                    None => found.to_owned(),
                 }
-                (true, true) => "Verified: conflict-free and maximal.".to_owned(),
-                (true, false) => "The verifier found gaps: the set is not maximal.".to_owned(),
-                (false, true) => "The verifier found conflicts.".to_owned(),
-                (false, false) => "The verifier found conflicts and gaps.".to_owned(),
-            },
+            }
         };
         Some((generation, text))
     }
