@@ -366,7 +366,7 @@ fn controls(ui: &mut Ui, context: &TimeContext<'_>, with_ends: bool, commands: &
     for (icon, name, refusal, command) in [
         (
             Icon::First,
-            &format!("First {unit} (Home)"),
+            format!("First {unit} (Home)").as_str(),
             at_start,
             Command::Time(TimeCommand::FirstStage),
         ),
