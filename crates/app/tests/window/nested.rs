@@ -54,6 +54,7 @@ fn keys_clicks_and_a_typed_number_move_the_prefix_and_its_verdict_names_it() {
     assert_eq!(slider.numeric_value(), Some(ends[3] as f64));
     for (id, count) in [("stage.level-0", ends[0]), ("stage.level-2", ends[2])] {
         node(&harness, id).click();
+        harness.run();
         settle(&mut harness);
         assert_eq!(prefix(&harness), count);
         let verdict = text(&harness, "verdict");
@@ -66,6 +67,7 @@ fn keys_clicks_and_a_typed_number_move_the_prefix_and_its_verdict_names_it() {
         (egui::Key::End, ends[3]),
     ] {
         harness.key_press(key);
+        harness.run();
         settle(&mut harness);
         assert_eq!(prefix(&harness), count, "{key:?}");
     }
@@ -76,6 +78,7 @@ fn keys_clicks_and_a_typed_number_move_the_prefix_and_its_verdict_names_it() {
     harness.event(egui::Event::Text("345".to_owned()));
     harness.run();
     harness.key_press(egui::Key::Enter);
+    harness.run();
     settle(&mut harness);
     assert_eq!(prefix(&harness), 345);
     assert!(text(&harness, "status").starts_with("The first 345 of "));
@@ -102,6 +105,7 @@ fn legend_layers_and_levels_are_those_of_nested_levels() {
     }
     assert!(find(&harness, "layer.disks").is_some() && find(&harness, "layer.gaps").is_none());
     node(&harness, "row.level-1").click();
+    harness.run();
     settle(&mut harness);
     assert_eq!(prefix(&harness), session(&harness).ends()[1]);
     let legend = Command::Window(WindowCommand::OpenPanel(Panel::Legend));
