@@ -71,7 +71,7 @@ fn room_beside(ctx: &Context, context: &TimeContext<'_>, width: f32) -> f32 {
         None => "stage 9 of 9".to_owned(),
     };
     let text = match context.run.prefix() {
-        Some(_) => format!("{most} of {most} samples   level 9   radius 32.00 r"),
+        Some(_) => format!("{most} of {most} samples   radius 32.00 r   no verdict"),
         None => format!("{most} samples   {moment}   iteration 9"),
     };
     let font = TextStyle::Monospace.resolve(&ctx.style_of(ctx.theme()));
@@ -227,7 +227,6 @@ pub fn show_compact(
         if ui.available_width() >= CLOCK {
             clock(ui, context, ui.available_width().min(110.0), commands);
         }
-        prefix(ui, context, commands);
     });
     track::show(ui, context, commands);
 }
@@ -326,6 +325,7 @@ pub fn more(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>)
     }
     ui.add_space(4.0);
     speed(ui, context, commands);
+    prefix(ui, context, commands);
     ui.horizontal_wrapped(|ui| {
         for (name, command) in [
             ("Loop from here", TimeCommand::LoopStart),
@@ -405,6 +405,9 @@ fn controls(ui: &mut Ui, context: &TimeContext<'_>, with_ends: bool, commands: &
     }
 }
 
+/// Width of that field beside its digits.
+const PREFIX: f32 = 18.0;
+
 /// Shows a field for the number of samples that are shown of nested levels, to be typed or dragged.
 fn prefix(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>) {
     let (Some(mut count), Some(session)) = (context.run.prefix(), &context.run.session) else {
@@ -415,7 +418,15 @@ fn prefix(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>) {
         .range(1..=all)
         .speed(0.002 * all as f64)
         .update_while_editing(false);
-    let response = ui.add(field).accessible_name("Samples shown");
+    // As wide as the largest number, so that nothing moves while this one does.
+    let size = vec2(
+        PREFIX + 9.0 * all.to_string().len() as f32,
+        ui.spacing().interact_size.y,
+    );
+    if ui.available_width() < size.x {
+        return;
+    }
+    let response = ui.add_sized(size, field).accessible_name("Samples shown");
     response.known_as("prefix");
     if response.changed() {
         commands.push(Command::Time(TimeCommand::Jump(count)));

@@ -87,6 +87,17 @@ impl RunView {
         (count != self.prefix.judged).then_some(count)
     }
 
+    /// Returns the verdict on the prefix that is shown, in a word or two.
+    pub(super) fn verdict_text(&self) -> &'static str {
+        match &self.verification {
+            _ if self.prefix_at_work().is_some() => "verifying",
+            Verification::Done(verdict) if verdict.valid() => "verified",
+            Verification::Done(_) => "not valid",
+            Verification::Failed(_) => "no verdict",
+            Verification::Pending(_) | Verification::Nothing => "verifying",
+        }
+    }
+
     /// Has the prefix verified, unless it is, and takes finished work. Work on a large prefix that is no longer shown is
     /// stopped.
     pub(in crate::state) fn follow_prefix(&mut self, dt_secs: f32, context: &Context) {

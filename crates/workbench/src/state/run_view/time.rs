@@ -24,8 +24,8 @@ impl RunView {
             let samples = counted(session.summary.count, "sample", "samples");
             return vec![
                 format!("{} of {samples}", grouped(count)),
-                format!("level {}", nested.level_of(count - 1)),
                 format!("radius {:.2} r", nested.disk_radius(count) / radius),
+                self.verdict_text().to_owned(),
             ];
         }
         let blocks = || self.shown().map_or(0, |shown| Made::at(&shown).leaves);
