@@ -70,17 +70,20 @@ pub enum Preset {
     LargeBlocks,
     /// Gaps are filled by uniform darts.
     Uniform,
+    /// Nested levels.
+    Nested,
 }
 
 impl Preset {
     /// Every preset.
-    pub const ALL: [Self; 6] = [
+    pub const ALL: [Self; 7] = [
         Self::First,
         Self::SmallBlocks,
         Self::Million,
         Self::BreakIt,
         Self::LargeBlocks,
         Self::Uniform,
+        Self::Nested,
     ];
 
     /// Returns its name.
@@ -93,6 +96,7 @@ impl Preset {
             Self::BreakIt => "Break it",
             Self::LargeBlocks => "Blocks too large",
             Self::Uniform => "Uniform insertion",
+            Self::Nested => "Nested levels",
         }
     }
 
@@ -116,6 +120,9 @@ impl Preset {
             Self::Uniform => {
                 "Gaps are filled by darts, uniformly over their area, instead of at circumcentres."
             }
+            Self::Nested => {
+                "A set in an order of which every prefix is evenly spread: the timeline shows its first samples, however many."
+            }
         }
     }
 
@@ -124,7 +131,7 @@ impl Preset {
     pub fn parameters(self) -> Parameters {
         let mut p = Parameters::default();
         match self {
-            Self::First => {}
+            Self::First | Self::Nested => {}
             Self::SmallBlocks => {
                 p.leaf = 20.0;
                 p.pattern.boundary = Boundary::Bounded;
@@ -135,6 +142,16 @@ impl Preset {
             Self::Uniform => p.insertion = Insertion::Uniform,
         }
         p
+    }
+
+    /// Returns its nested levels, if it has any.
+    #[must_use]
+    pub fn nesting(self) -> Option<Nesting> {
+        (self == Self::Nested).then_some(Nesting {
+            levels: 6,
+            exactly: None,
+            within: WithinLevel::Random,
+        })
     }
 }
 
@@ -658,6 +675,7 @@ mod tests {
     fn every_preset_can_be_run() {
         for preset in Preset::ALL {
             let draft = Draft::from_parameters(preset.parameters());
+            let draft = draft.with_nesting(preset.nesting());
             assert_eq!(draft.refusals(), [], "{}", preset.name());
             let repeats = draft.side_without_repeats().is_some();
             assert_eq!(repeats, preset == Preset::LargeBlocks);

@@ -73,10 +73,7 @@ pub fn draw(scene: &Scene<'_>, looks: &Looks<'_>, surface: &mut impl Surface) {
 pub fn copies(scene: &Scene<'_>, looks: &Looks<'_>, surface: &mut impl Surface) {
     let [radius, ..] = radii_at(scene.symbol_scale());
     let index = &scene.session.index;
-    index.visit(scene.low, scene.high, AROUND, |seen| {
-        if !seen.image {
-            return;
-        }
+    index.visit_images(scene.low, scene.high, AROUND, |seen| {
         let look = looks.of(seen.id);
         if matches!(look.symbol, Symbol::Dot | Symbol::Diamond) {
             let color = look.color.gamma_multiply(DIMMED);

@@ -25,7 +25,8 @@ impl Form {
             FormCommand::Count(text) => self.draft.set_count(text),
             FormCommand::Exactly(text) => self.draft.exactly = text,
             FormCommand::Preset(preset) => {
-                self.draft = Draft::from_parameters(preset.parameters());
+                let draft = Draft::from_parameters(preset.parameters());
+                self.draft = draft.with_nesting(preset.nesting());
                 self.own_pattern = None;
             }
             FormCommand::Choose(choice) => self.draft.choose(choice),
