@@ -41,6 +41,11 @@ const COMPACT_SIZE: f32 = 14.5;
 const SPECIMEN: &str = "The circumcentre of sample 10,774 of block 88 with sample 17,364 of block 88 and sample 10,974 of \
      block 88, 1.99 r away, is nearer to sample 10,775 of block 88.";
 
+/// Returns the last step in words; of nested levels with the verdict on the samples that are shown.
+fn said(context: &TimeContext<'_>) -> String {
+    happened(context.run.shown().as_ref()) + context.run.prefix_verdict()
+}
+
 /// Returns the height of a text wrapped at `width`.
 fn text_height(ctx: &Context, text: &str, size: f32, width: f32) -> f32 {
     let job = LayoutJob::simple(
@@ -55,9 +60,7 @@ fn text_height(ctx: &Context, text: &str, size: f32, width: f32) -> f32 {
 /// Returns the size of the whole sentence, at least that of [`SPECIMEN`].
 fn sentence_height(ctx: &Context, context: &TimeContext<'_>, size: f32, width: f32) -> f32 {
     let height = |text: &str| text_height(ctx, text, size, width);
-    height(SPECIMEN)
-        .max(height(&happened(context.run.shown().as_ref())))
-        .ceil()
+    height(SPECIMEN).max(height(&said(context))).ceil()
 }
 
 /// Returns the room for counts beside the sentence, the same at every moment.
@@ -71,7 +74,7 @@ fn room_beside(ctx: &Context, context: &TimeContext<'_>, width: f32) -> f32 {
         None => "stage 9 of 9".to_owned(),
     };
     let text = match context.run.prefix() {
-        Some(_) => format!("{most} of {most} samples   radius 32.00 r   no verdict"),
+        Some(_) => format!("{most} of {most} samples   radius 32.00 r"),
         None => format!("{most} samples   {moment}   iteration 9"),
     };
     let font = TextStyle::Monospace.resolve(&ctx.style_of(ctx.theme()));
@@ -165,8 +168,7 @@ fn sentence(ui: &mut Ui, context: &TimeContext<'_>, size: f32, room: Vec2, lines
         ui.set_min_size(room);
         let color = context.palette.text;
         let font = FontId::proportional(size);
-        let mut text =
-            LayoutJob::simple(happened(context.run.shown().as_ref()), font, color, room.x);
+        let mut text = LayoutJob::simple(said(context), font, color, room.x);
         // The tooltip shows the rest.
         text.wrap.max_rows = lines;
         let galley = ui.painter().layout_job(text);
@@ -317,7 +319,7 @@ impl Player {
 /// loop.
 pub fn more(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>) {
     let palette = context.palette;
-    ui.label(RichText::new(happened(context.run.shown().as_ref())).size(14.5))
+    ui.label(RichText::new(said(context)).size(14.5))
         .known_as("status-whole");
     for (k, text) in context.run.moment_texts().into_iter().enumerate() {
         ui.label(RichText::new(text).monospace().color(palette.muted))

@@ -81,7 +81,9 @@ fn keys_clicks_and_a_typed_number_move_the_prefix_and_its_verdict_names_it() {
     harness.run();
     settle(&mut harness);
     assert_eq!(prefix(&harness), 345);
-    assert!(text(&harness, "status").starts_with("The first 345 of "));
+    let said = text(&harness, "status");
+    let is_said = said.starts_with("The first 345 of ") && said.ends_with(" Verified.");
+    assert!(is_said, "{said}");
 }
 
 #[test]

@@ -6,12 +6,10 @@ use std::sync::Arc;
 use tilescope_analysis::Region;
 use tilescope_core::{NestedPlane, Parameters, Standing, Unobserved, WithinLevel};
 use tilescope_formats::Certificate;
-use tilescope_session::jobs::Monitor;
 use tilescope_session::layers::Layer;
 use tilescope_session::nested::Nesting;
 use tilescope_session::session::Session;
-use tilescope_session::task::{SessionRef, Task};
-use tilescope_session::verification::{Verdict, VerifyTask, Witness};
+use tilescope_session::verification::{Verdict, Witness};
 use tilescope_workbench::clock::Clock;
 use tilescope_workbench::command::{FormCommand, TimeCommand, ViewCommand, Which};
 use tilescope_workbench::compare::ComparePreset;
@@ -171,35 +169,29 @@ fn verdicts_come_while_the_prefix_moves() {
     assert!(judged.len() > 3, "{judged:?}");
 }
 
-/// A set of the same levels whose samples are not in their order.
-fn spoilt(state: &State) -> Arc<Session> {
-    let session = session(state);
-    let mut run = session.run().clone();
-    let end = session.ends()[0];
-    let last = run.samples.points.len() - 1;
-    run.samples.points.swap(end / 2, last);
-    let levels = session.nested.clone().unwrap();
-    Arc::new(Session::from_levels(run, levels, 77))
-}
-
 #[test]
 fn a_sample_of_a_finer_level_among_the_first_is_found() {
-    let state = made();
+    let mut state = made();
     let [first, .., all] = ends(&state)[..] else {
         panic!("four levels");
     };
-    let judge = |session: &Arc<Session>, count| {
-        let task = VerifyTask {
-            session: SessionRef(Arc::clone(session)),
-            prefix: Some(count),
-        };
-        task.run(&Monitor::reporting(|_, _| {})).unwrap()
-    };
-    let spoilt = spoilt(&state);
-    assert!(judge(session(&state), first).valid());
-    assert!(!judge(&spoilt, first).valid());
-    // All samples together are the same set.
-    assert!(judge(&spoilt, all).valid());
+    // The same set, but for the order of two samples.
+    let mut run = session(&state).run().clone();
+    run.samples.points.swap(first / 2, all - 1);
+    let levels = session(&state).nested.clone().unwrap();
+    for (is_spoilt, judged) in [(false, " Verified."), (true, " This is not so.")] {
+        if is_spoilt {
+            state.show(Session::from_levels(run.clone(), levels.clone(), 77));
+        }
+        time(&mut state, TimeCommand::Jump(first));
+        assert_eq!(state.runs.first.prefix_verdict(), " Verifying.");
+        state.settle();
+        assert_eq!(verdict(&state).valid(), !is_spoilt);
+        assert_eq!(state.runs.first.prefix_verdict(), judged);
+    }
+    time(&mut state, TimeCommand::LastStage);
+    state.settle();
+    assert!(verdict(&state).valid());
 }
 
 #[test]

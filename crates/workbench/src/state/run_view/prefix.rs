@@ -87,14 +87,16 @@ impl RunView {
         (count != self.prefix.judged).then_some(count)
     }
 
-    /// Returns the verdict on the prefix that is shown, in a word or two.
-    pub(super) fn verdict_text(&self) -> &'static str {
+    /// Returns the verdict on the prefix that is shown, in a short sentence; nothing for other sessions.
+    #[must_use]
+    pub fn prefix_verdict(&self) -> &'static str {
         match &self.verification {
-            _ if self.prefix_at_work().is_some() => "verifying",
-            Verification::Done(verdict) if verdict.valid() => "verified",
-            Verification::Done(_) => "not valid",
-            Verification::Failed(_) => "no verdict",
-            Verification::Pending(_) | Verification::Nothing => "verifying",
+            _ if self.prefix().is_none() => "",
+            _ if self.prefix_at_work().is_some() => " Verifying.",
+            Verification::Done(verdict) if verdict.valid() => " Verified.",
+            Verification::Done(_) => " This is not so.",
+            Verification::Failed(_) => " There is no verdict.",
+            Verification::Pending(_) | Verification::Nothing => " Verifying.",
         }
     }
 

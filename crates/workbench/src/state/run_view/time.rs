@@ -25,7 +25,6 @@ impl RunView {
             return vec![
                 format!("{} of {samples}", grouped(count)),
                 format!("radius {:.2} r", nested.disk_radius(count) / radius),
-                self.verdict_text().to_owned(),
             ];
         }
         let blocks = || self.shown().map_or(0, |shown| Made::at(&shown).leaves);
