@@ -31,6 +31,7 @@ pub mod limits;
 pub mod look;
 pub mod moment;
 pub mod nested;
+pub mod nesting;
 pub mod recipe;
 pub mod sampling;
 pub mod selection;

@@ -21,7 +21,7 @@ use crate::index::SampleIndex;
 use crate::jobs::Monitor;
 use crate::layers::{Layers, SessionKind};
 use crate::limits::MAX_STAGED;
-use crate::nested::{self, NestedLevels};
+use crate::nested::NestedLevels;
 use crate::recipe::{OwnPattern, Recipe};
 use crate::units;
 pub use report::{MakeError, Reporter};
@@ -107,11 +107,8 @@ impl Session {
         monitor: &Monitor,
     ) -> Result<Self, SampleError> {
         let parameters = &recipe.parameters;
-        let mut observer = Reporter { monitor };
-        if let Some(nesting) = recipe.nested {
-            return nested::sample(recipe, nesting, generation, &mut observer);
-        }
         parameters.validate_sequential()?;
+        let mut observer = Reporter { monitor };
         if keeps_everything(parameters)? {
             let recording = recipe.record(&mut observer)?;
             let made = observer.prepare(|| Self::from_recording(Arc::new(recording), generation));

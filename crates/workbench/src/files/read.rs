@@ -15,7 +15,7 @@ use tilescope_session::combining::{SavedCombination, make};
 use tilescope_session::encoding::as_json;
 use tilescope_session::incoming::holds_combination;
 use tilescope_session::jobs::Monitor;
-use tilescope_session::nested;
+use tilescope_session::nesting;
 use tilescope_session::recipe::{self, OwnPattern, Recipe, load};
 use tilescope_session::session::{Reporter, Session};
 use tilescope_session::task::{SessionRef, Task};
@@ -186,7 +186,7 @@ fn opened(gathered: (Incoming, Vec<String>)) -> Result<(Incoming, Vec<String>), 
 fn open(incoming: &Incoming, generation: u64, monitor: &Monitor) -> Made {
     let set = (!incoming.is_document()).then(|| incoming.point_set());
     if let Some(Ok(set)) = set {
-        if let Some(session) = nested::of_file(&set, &incoming.name, generation) {
+        if let Some(session) = nesting::of_file(&set, &incoming.name, generation) {
             return session.map(|session| Done::Levels(Box::new(session)));
         }
         let hint = "is a point set, not a saved session; drop it on the window to use it";
@@ -320,7 +320,7 @@ fn dropped(
         return open(incoming, generation, monitor);
     }
     let set = incoming.point_set()?;
-    if let Some(session) = nested::of_file(&set, name, generation) {
+    if let Some(session) = nesting::of_file(&set, name, generation) {
         return session.map(|session| Done::Levels(Box::new(session)));
     }
     let no_pattern = match recipe::pattern_of(&set, name) {
