@@ -8,7 +8,7 @@ use crate::report::Report;
 use crate::verify::{VerifyOptions, verify};
 
 /// What should hold for the first samples of a sequence, however many.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct PrefixClaim {
     /// How many samples.
     pub count: usize,
@@ -62,14 +62,25 @@ impl PrefixClaim {
             covering: held.and_then(|level| level.covering),
         })
     }
+
+    /// Returns whether the report on these samples says that no two are closer than claimed.
+    #[must_use]
+    pub fn is_apart(&self, report: &Report) -> bool {
+        report.min_distance >= self.distance
+    }
+
+    /// Returns whether the report, judged with the radius of the covering, says that they cover as claimed.
+    #[must_use]
+    pub fn is_covering(&self, report: &Report) -> bool {
+        self.covering.is_none() || report.maximal()
+    }
 }
 
 impl PrefixReport {
     /// Returns whether what should hold does.
     #[must_use]
     pub fn valid(&self) -> bool {
-        let apart = self.report.min_distance >= self.claim.distance;
-        apart && (self.claim.covering.is_none() || self.report.maximal())
+        self.claim.is_apart(&self.report) && self.claim.is_covering(&self.report)
     }
 }
 

@@ -112,7 +112,7 @@ fn main() {
         size.x, size.y
     );
     timed("points sorted and uploaded", || {
-        canvas.set_points(1, &points, &domain).expect("room");
+        canvas.set_points(1, &points, &domain, &[]).expect("room");
     });
     timed("all looks uploaded", || canvas.set_looks(1, look));
     timed("one look in a thousand changed", || {

@@ -17,7 +17,7 @@ use egui::{Key, KeyboardShortcut, Modifiers, vec2};
 
 pub use keys::{keys_of, press_keys, takes_key};
 use tilescope_debugger::Direction;
-use tilescope_session::layers::{Colouring, Layer};
+use tilescope_session::layers::{Colouring, Layer, SessionKind};
 use tilescope_session::limits::MAX_STAGED;
 use tilescope_session::look::Look;
 use tilescope_session::selection::Selection;
@@ -182,6 +182,10 @@ static NO_EVENTS: LazyLock<String> = LazyLock::new(|| {
     )
 });
 
+/// Why nested levels have no events.
+pub const NO_EVENTS_OF_LEVELS: &str =
+    "Nested levels have no events; the timeline shows how many of their samples there are.";
+
 /// Returns why the first run has no events, if it has none.
 fn no_events(state: &State) -> Option<&'static str> {
     match &state.runs.first {
@@ -190,6 +194,7 @@ fn no_events(state: &State) -> Option<&'static str> {
         _ if state.shows_combination() => {
             Some("A combination has stages but no events: its sets existed before.")
         }
+        run if run.prefix().is_some() => Some(NO_EVENTS_OF_LEVELS),
         _ => Some(NO_EVENTS.as_str()),
     }
 }
@@ -498,9 +503,12 @@ fn layers(list: &mut List, state: &State) {
         .marked(state.appearance.chosen_layers.is_none());
     list.group();
     let shown = state.appearance.layers(state.current_stage());
+    let is_nested = state.runs.first.kind() == SessionKind::Nested;
     for layer in Layer::ALL {
         let command = Command::Appearance(AppearanceCommand::ToggleLayer(layer));
+        let has_none = is_nested && !layer.is_of(SessionKind::Nested);
         list.add(format!("Layer: {}", layer.name()), command)
+            .refused(has_none.then_some("Nested levels have samples alone."))
             .marked(shown.has(layer));
     }
 }
@@ -511,10 +519,17 @@ fn colours(list: &mut List, state: &State) {
         ("Colour by block", Colouring::Block),
         ("Colour by origin", Colouring::Provenance),
         ("Colour by age", Colouring::Age),
+        ("Colour by level", Colouring::Level),
     ] {
         let command = Command::Appearance(AppearanceCommand::Colour(colouring));
+        let kind = state.runs.first.kind();
+        let refusal = match kind {
+            SessionKind::Nested => "Nested levels have no blocks and origins.",
+            _ => "Only nested levels have levels.",
+        };
         list.add(name, command)
-            .marked(state.appearance.colouring == colouring);
+            .refused((colouring.of(kind) != colouring).then_some(refusal))
+            .marked(state.appearance.colouring.of(kind) == colouring);
     }
 }
 
@@ -567,13 +582,15 @@ pub fn time_refusals(run: &RunView, time: &Time) -> [Option<&'static str>; 2] {
     let Some(session) = &run.session else {
         return [Some(NO_SESSION); 2];
     };
+    // The shortest prefix of nested levels has one sample.
+    let first = usize::from(run.prefix().is_some());
     let (at, last) = time
         .pass_tick(run)
         .or_else(|| run.cursor())
         .unwrap_or((run.stage, session.stages.len() - 1));
     [
         (at == last).then_some("This is the end of the run."),
-        (at == 0).then_some("This is the start of the run."),
+        (at == first).then_some("This is the start of the run."),
     ]
 }
 

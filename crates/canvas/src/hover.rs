@@ -64,7 +64,7 @@ fn name(subject: &Subject<'_>, rect: Rect, pointer: Pos2) -> Option<Named> {
     }
     let position = subject.camera.domain_from_screen(rect, pointer);
     // Where symbols overlap too much, no single sample can be pointed at.
-    let fine = subject.camera.scale >= MIN_DISK_SCALE;
+    let fine = subject.camera.scale * shown.spacing() >= MIN_DISK_SCALE;
     let hovered = subject.hovered.filter(|_| fine);
     let hovered = hovered.map(|id| {
         let at = shown.session.position(id);
@@ -109,6 +109,10 @@ fn sample(subject: &Subject<'_>, id: u32) -> [String; 2] {
         Standing::Dropped => "dropped outside the domain".to_owned(),
         Standing::Eliminated { by } => format!("eliminated by sample {}", grouped(by as usize)),
     };
+    if let Some(nested) = &shown.session.nested {
+        let text = format!("Sample {number} of level {}", nested.level_of(id as usize));
+        return [text.clone(), text];
+    }
     let block_name = block_name(shown.session);
     let from = match shown.session.run().samples.origins[id as usize] {
         Origin::Tiled {
@@ -149,7 +153,7 @@ fn gap(subject: &Subject<'_>, position: DVec2) -> Option<(String, f32)> {
     let shown = &subject.shown;
     let size = shown.session.size_radii();
     let is_inside = (position.cmpge(DVec2::ZERO) & position.cmplt(size)).all();
-    if shown.stage < Stage::Eliminate || !is_inside {
+    if shown.stage < Stage::Eliminate || !is_inside || shown.prefix.is_some() {
         return None;
     }
     let tessellation = subject.geometry.of(shown)?;

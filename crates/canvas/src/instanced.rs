@@ -19,7 +19,7 @@ use tilescope_core::{Domain, Point};
 use tilescope_session::units;
 
 use gpu::{Gpu, InstanceKind, InstanceRange};
-use order::{CellOrder, LEVELS};
+use order::CellOrder;
 pub use set::Symbols;
 use tilescope_drawing::camera::Camera;
 use tilescope_drawing::look::SampleLook;
@@ -85,7 +85,8 @@ impl Limits {
 #[derive(Clone, Copy, Default)]
 struct Motion {
     frame: u64,
-    view: Option<PlaneView>,
+    /// The view, and how many samples of nested levels it showed.
+    view: Option<(PlaneView, u32)>,
     moving: bool,
     /// Layers drawn so far in this frame.
     layers: u32,
@@ -142,8 +143,8 @@ impl InstancedCanvas {
         self.limits = limits;
     }
 
-    /// Uploads the samples of a session, all hidden; their ids are indices of `points`. Does nothing if `generation` is
-    /// already loaded.
+    /// Uploads the samples of a session, all hidden; their ids are indices of `points`, and `nested` are the ends of their
+    /// levels, if those are nested. Does nothing if `generation` is already loaded.
     ///
     /// Fails when they are too many for the device; the canvas is then empty.
     pub fn set_points(
@@ -151,6 +152,7 @@ impl InstancedCanvas {
         generation: u64,
         points: &[Point],
         domain: &Domain,
+        nested: &[usize],
     ) -> Result<(), InstancedError> {
         let (count, limit) = (points.len() as u64, self.gpu.capacity());
         if self.generation == Some(generation) {
@@ -160,15 +162,15 @@ impl InstancedCanvas {
         if count > limit.min(u64::from(u32::MAX)) {
             self.order = CellOrder::default();
             self.looks = Vec::new();
-            self.gpu.replace(&[]);
+            self.gpu.replace(&[], &[]);
             return Err(InstancedError::TooMany { count, limit });
         }
-        self.order = CellOrder::new(domain, points);
+        self.order = CellOrder::new(domain, points, nested);
         self.size = units::size(domain);
         self.periodic = domain.is_periodic();
         let at = |&id: &u32| [points[id as usize].x, points[id as usize].y];
         let points: Vec<[i32; 2]> = self.order.ids.iter().map(at).collect();
-        self.gpu.replace(&points);
+        self.gpu.replace(&points, &self.order.ids);
         self.looks = vec![SampleLook::HIDDEN.packed(); points.len()];
         self.gpu.write_looks(0, &self.looks);
         self.generation = Some(generation);
@@ -242,21 +244,24 @@ impl InstancedCanvas {
         options: &PaintOptions,
     ) -> bool {
         let view = PlaneView::of(painter, rect, camera);
-        let (moving, layer) = self.next_layer(painter.ctx().cumulative_frame_nr(), view);
+        let frame = painter.ctx().cumulative_frame_nr();
+        let (moving, layer) = self.next_layer(frame, (view, options.shown));
         let clip = painter.clip_rect().intersect(rect);
         let copies = view.copies(clip, self.size, self.periodic, options);
         if !clip.is_positive() || copies.is_empty() || self.order.ids.is_empty() {
             return false;
         }
-        let seen = count(&self.parts(&copies, LEVELS, options.cull));
-        let Some((kind, limit)) = self.kind(options.marks, view.scale(), seen, moving) else {
+        let (all, seen) = self.seen(&copies, options);
+        let Some((kind, limit)) = self.kind(options, view.scale(), seen, moving) else {
             return false;
         };
-        let levels = self.levels_within(&copies, limit, options.cull);
+        let levels = self.levels_within(all, &copies, limit, options.cull);
         let parts = self.parts(&copies, levels, options.cull);
         let drawn = count(&parts);
         let still = (!moving && drawn >= self.limits.still).then_some(layer);
-        let opacity = self.point_opacity(view.scale(), drawn as f32 / seen.max(1) as f32);
+        let shown = f64::from(options.shown) / self.order.ids.len() as f64;
+        let share = (drawn as f32 / seen.max(1) as f32).min(1.0) * shown.min(1.0) as f32;
+        let opacity = self.point_opacity(view.scale(), share);
         let parts = copies.iter().zip(parts).map(|(copy, ranges)| {
             let mut frame = view.frame(copy.shift, options);
             frame.scale[3] = opacity;
@@ -269,7 +274,7 @@ impl InstancedCanvas {
         });
         let drawing = self.gpu.drawing(kind, parts.collect(), still);
         painter.add(Callback::new_paint_callback(rect, drawing));
-        moving && levels < LEVELS
+        moving && levels < all
     }
 
     /// Returns whether a layer of the view that `camera` has in `rect` would be drawn as points of one pixel.
@@ -284,13 +289,24 @@ impl InstancedCanvas {
         let view = PlaneView::of(painter, rect, camera);
         let clip = painter.clip_rect().intersect(rect);
         let copies = view.copies(clip, self.size, self.periodic, options);
-        let seen = count(&self.parts(&copies, LEVELS, options.cull));
-        let kind = self.kind(options.marks, view.scale(), seen, false);
+        let (_, seen) = self.seen(&copies, options);
+        let kind = self.kind(options, view.scale(), seen, false);
         kind.is_some_and(|(kind, _)| kind == InstanceKind::Point)
     }
 
+    /// Returns how many levels hold the samples shown, and about how many of these samples are in view.
+    fn seen(&self, copies: &[Copy], options: &PaintOptions) -> (usize, usize) {
+        let (levels, held) = self.order.levels_of(options.shown);
+        let seen = count(&self.parts(copies, levels, options.cull));
+        let shown = u64::from(options.shown.min(held));
+        (
+            levels,
+            (seen as u64 * shown / u64::from(held.max(1))) as usize,
+        )
+    }
+
     /// Returns whether the view differs from the last frame's, and the number of this layer in its frame.
-    fn next_layer(&self, frame: u64, view: PlaneView) -> (bool, u32) {
+    fn next_layer(&self, frame: u64, view: (PlaneView, u32)) -> (bool, u32) {
         let last = self.motion.get();
         let next = if last.view.is_some() && last.frame == frame {
             Motion {
@@ -312,18 +328,21 @@ impl InstancedCanvas {
     /// Returns the kind of instance that stands for `seen` samples, and the most that are drawn; `None` if none are.
     fn kind(
         &self,
-        marks: Marks,
+        options: &PaintOptions,
         scale: f64,
         seen: usize,
         moving: bool,
     ) -> Option<(InstanceKind, usize)> {
         let limit = |limit| if moving { limit } else { usize::MAX };
         let (symbols, points) = (self.limits.moving_symbols, self.limits.moving_points);
-        match marks {
-            Marks::Disks if scale < MIN_DISK_PIXELS => None,
+        // Where few samples of nested levels are shown, they have more room.
+        let spacing = (self.order.ids.len() as f64 / f64::from(options.shown.max(1))).max(1.0);
+        let room = scale * spacing.sqrt();
+        match options.marks {
+            Marks::Disks if scale * options.disk_radius < MIN_DISK_PIXELS => None,
             Marks::Disks => Some((InstanceKind::Disk, limit(symbols))),
             Marks::Symbols(_) => {
-                let fine = scale >= MIN_SYMBOL_SCALE && seen <= self.limits.symbols;
+                let fine = room >= MIN_SYMBOL_SCALE && seen <= self.limits.symbols;
                 if fine || seen <= UNCROWDED {
                     Some((InstanceKind::Symbol, limit(symbols)))
                 } else {
@@ -344,9 +363,9 @@ impl InstancedCanvas {
         copies.iter().map(ranges).collect()
     }
 
-    fn levels_within(&self, copies: &[Copy], limit: usize, cull: bool) -> usize {
+    fn levels_within(&self, all: usize, copies: &[Copy], limit: usize, cull: bool) -> usize {
         let fits = |levels: &usize| count(&self.parts(copies, *levels, cull)) <= limit;
-        (1..=LEVELS).rev().find(fits).unwrap_or(1)
+        (1..=all).rev().find(fits).unwrap_or(1)
     }
 
     /// Returns the opacity of points when `share` of all samples are drawn: less than 1 where several are expected

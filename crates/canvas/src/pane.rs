@@ -89,7 +89,7 @@ impl Pane {
             sprites: &mut self.sprites,
             kept: &mut self.kept,
             edges: &self.edges,
-            resident: resident.and_then(|resident| resident.follow(scene, &looks)),
+            resident: resident.and_then(|resident| resident.follow(scene, &looks.of_all_levels())),
         };
         let crowded = stack.is_crowded();
         let points = &mut self.points;

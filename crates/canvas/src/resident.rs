@@ -34,7 +34,8 @@ impl Resident {
         }
     }
 
-    /// Updates the GPU to the moment shown. Returns `None` if the samples do not fit.
+    /// Updates the GPU to the moment shown. Returns `None` if the samples do not fit. Nested levels have the looks of all
+    /// their samples at every moment: which of them are shown is a number of the draw calls.
     pub fn follow(&mut self, scene: &Scene<'_>, looks: &Looks<'_>) -> Option<&Self> {
         let generation = scene.session.generation;
         if self.refused == Some(generation) {
@@ -42,15 +43,16 @@ impl Resident {
         }
         let run = scene.session.run();
         let points = &run.samples.points;
-        if self
+        let nested = scene.session.nested.as_ref();
+        let ends: Vec<usize> = nested.map_or_else(Vec::new, |nested| nested.ends().collect());
+        let made = self
             .canvas
-            .set_points(generation, points, &run.domain)
-            .is_err()
-        {
+            .set_points(generation, points, &run.domain, &ends);
+        if made.is_err() {
             (self.refused, self.key) = (Some(generation), None);
             return None;
         }
-        let key = LooksKey::of(&scene.subject, scene.palette);
+        let key = LooksKey::of(looks.subject(), scene.palette);
         let before = self.key.replace(key);
         if before == Some(key) {
             return Some(self);
@@ -70,7 +72,8 @@ impl Resident {
 
     /// Draws the disks, in a periodic domain including those that cross its border.
     pub fn disks(&self, painter: &Painter, scene: &Scene<'_>) {
-        self.layer(painter, scene, &PaintOptions::disks().with_images(true));
+        let disks = PaintOptions::disks().with_images(true);
+        self.layer(painter, scene, &of_moment(scene, disks));
     }
 
     /// Returns whether samples in view are so many or so small that they are drawn as points.
@@ -120,5 +123,15 @@ fn changed<'a>(
 }
 
 fn options(scene: &Scene<'_>, symbols: Symbols) -> PaintOptions {
-    PaintOptions::symbols(symbols, scene.subject.camera.scale).with_outline(scene.palette.domain)
+    let scale = f64::from(scene.symbol_scale());
+    let options = PaintOptions::symbols(symbols, scale).with_outline(scene.palette.domain);
+    of_moment(scene, options)
+}
+
+/// Returns the options for the samples that are shown of nested levels.
+fn of_moment(scene: &Scene<'_>, options: PaintOptions) -> PaintOptions {
+    let prefix = scene.shown.prefix;
+    prefix.map_or(options, |count| {
+        options.with_prefix(count as u32, scene.shown.disk_radius())
+    })
 }

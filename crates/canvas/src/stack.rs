@@ -2,7 +2,6 @@
 
 use egui::Painter;
 use tilescope_core::Stage;
-use tilescope_drawing::MIN_DISK_SCALE;
 use tilescope_drawing::looks::Looks;
 use tilescope_drawing::parts::Part;
 use tilescope_drawing::scene::Scene;
@@ -70,7 +69,7 @@ impl<K: PartialEq> Stack<'_, K> {
         let as_points = self
             .resident
             .is_some_and(|resident| resident.shows_points(self.painter, scene));
-        as_points || scene.session.index.count_in(scene.low, scene.high) > MAX_SYMBOLS
+        as_points || scene.count_in_view() > MAX_SYMBOLS
     }
 
     /// Returns whether a crowd's samples are drawn as points, if at all.
@@ -162,8 +161,7 @@ pub fn note(scene: &Scene<'_>, crowded: bool, as_points: bool) -> Option<String>
             "More than {most} samples in view: conflicts, detectors, candidates and triangles are left out. Zoom in."
         ));
     }
-    let coarse = scene.subject.camera.scale < MIN_DISK_SCALE;
-    (coarse && (has(Layer::Disks) || has(Layer::Gaps)))
+    (!scene.is_fine() && (has(Layer::Disks) || has(Layer::Gaps)))
         .then(|| "Zoom in to see disks and gaps.".to_owned())
 }
 

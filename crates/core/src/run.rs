@@ -146,6 +146,40 @@ impl Run {
         self.counted = Some(counted);
     }
 
+    /// Returns a finished run of samples in an order of their own, of which nothing else is known: it has no pattern and no
+    /// blocks, and all samples count as tiled.
+    #[must_use]
+    pub fn of_points(parameters: Parameters, domain: Domain, points: Vec<Point>) -> Self {
+        let count = points.len();
+        let origin = Origin::Tiled {
+            block: 0,
+            pattern: 0,
+            own: true,
+        };
+        Self {
+            parameters,
+            domain,
+            pattern: Arc::new(Pattern::of_samples(&domain, Vec::new(), false)),
+            blocks: Blocks::default(),
+            tiles: Vec::new(),
+            samples: Samples {
+                points,
+                origins: vec![origin; count],
+                fates: vec![Fate::Kept; count],
+            },
+            iterations: Vec::new(),
+            result: (0..count as u32).collect(),
+            counted: Some(Summary {
+                blocks: 0,
+                tiled: count,
+                dropped: 0,
+                eliminated: 0,
+                inserted: Vec::new(),
+                count,
+            }),
+        }
+    }
+
     /// Returns the result's lattice points in canonical order.
     #[must_use]
     pub fn points(&self) -> Vec<Point> {

@@ -17,6 +17,8 @@ pub struct Ages {
     tiled: Result<u32, u32>,
     /// The number of iterations that inserted samples.
     pub iterations: u32,
+    /// The number of samples of nested levels, which are in their order.
+    ordered: Option<usize>,
 }
 
 impl Ages {
@@ -33,12 +35,22 @@ impl Ages {
                 Err(run.blocks.leaves.len() as u32)
             },
             iterations: session.summary.inserted.len() as u32,
+            ordered: session.nested.as_ref().map(|_| session.summary.count),
         }
+    }
+
+    /// Returns the age of the last tiled sample: 1 of nested levels, which have no others.
+    #[must_use]
+    pub fn last_tiled(&self) -> f32 {
+        self.ordered.map_or(LAST_TILED, |_| 1.0)
     }
 
     /// Returns the age of a sample.
     #[must_use]
     pub fn of_sample(&self, id: u32, origin: &Origin) -> f32 {
+        if let Some(count) = self.ordered {
+            return id as f32 / count.saturating_sub(1).max(1) as f32;
+        }
         match *origin {
             Origin::Tiled { block, .. } => {
                 let (before, all) = match self.tiled {
@@ -84,6 +96,7 @@ mod tests {
             let ages = Ages {
                 tiled: kept,
                 iterations: 3,
+                ordered: None,
             };
             let ages = [
                 ages.of_sample(0, &tiled(0)),
@@ -100,6 +113,7 @@ mod tests {
         let one = Ages {
             tiled: Ok(1),
             iterations: 1,
+            ordered: None,
         };
         assert_eq!(one.of_sample(0, &tiled(0)), 0.0);
         assert_eq!(one.of_iteration(1), 1.0);

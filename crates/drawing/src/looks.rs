@@ -7,6 +7,7 @@ use crate::palette::Palette;
 use ecolor::Color32;
 use tilescope_core::{Origin, Stage, Standing};
 use tilescope_session::layers::{Colouring, Layer, Layers};
+use tilescope_session::nested::NestedLevels;
 
 use crate::age::Ages;
 use crate::brushed;
@@ -88,7 +89,14 @@ impl Swatches {
     }
 }
 
+/// Returns the age whose colour a level has: from the first to the last of them.
+#[must_use]
+pub fn level_age(level: usize, levels: &NestedLevels) -> f32 {
+    level as f32 / (levels.claims.len() - 1).max(1) as f32
+}
+
 /// How samples look at a moment.
+#[derive(Clone, Copy)]
 pub struct Looks<'a> {
     subject: Subject<'a>,
     palette: &'a Palette,
@@ -118,6 +126,21 @@ impl<'a> Looks<'a> {
             ghost: palette.eliminated.gamma_multiply(presence),
             dropped: palette.eliminated.gamma_multiply(0.35),
         }
+    }
+
+    /// Returns the looks of the same samples with all samples of nested levels present.
+    #[must_use]
+    pub fn of_all_levels(&self) -> Self {
+        let mut all = *self;
+        let shown = &mut all.subject.shown;
+        shown.prefix = shown.prefix.map(|_| shown.session.summary.count);
+        all
+    }
+
+    /// Returns the subject.
+    #[must_use]
+    pub const fn subject(&self) -> &Subject<'a> {
+        &self.subject
     }
 
     /// Returns how a sample looks.
@@ -164,7 +187,13 @@ impl<'a> Looks<'a> {
             return color;
         }
         let origin = self.origin(id);
-        match (origin, self.subject.colouring) {
+        let session = self.subject.shown.session;
+        match (origin, self.subject.colouring.of(session.kind())) {
+            (_, Colouring::Level) => {
+                let nested = session.nested.as_ref();
+                let share = |levels: &NestedLevels| level_age(levels.level_of(id as usize), levels);
+                self.swatches.age(nested.map_or(0.0, share))
+            }
             (_, Colouring::Age) => self.swatches.age(self.ages.of_sample(id, origin)),
             (Origin::Inserted { .. }, _) => self.palette.inserted,
             (Origin::Tiled { block, .. }, Colouring::Block) => self.swatches.block(*block),

@@ -73,6 +73,26 @@ impl<'a> Scene<'a> {
         self.subject.camera.scale as f32
     }
 
+    /// Returns the radius of the disks of samples, in screen points.
+    #[must_use]
+    pub fn disk_scale(&self) -> f32 {
+        self.scale() * self.shown.disk_radius() as f32
+    }
+
+    /// Returns the screen points that symbols of samples are as large as in one r: more where fewer samples of nested levels
+    /// are shown, which have more room.
+    #[must_use]
+    pub fn symbol_scale(&self) -> f32 {
+        self.scale() * self.shown.spacing() as f32
+    }
+
+    /// Returns about how many samples are in view.
+    #[must_use]
+    pub fn count_in_view(&self) -> usize {
+        let all = self.session.index.count_in(self.low, self.high);
+        (all as f64 / self.shown.spacing().powi(2)) as usize
+    }
+
     /// Returns whether a layer is on.
     #[must_use]
     pub fn has(&self, layer: Layer) -> bool {
@@ -115,7 +135,7 @@ impl<'a> Scene<'a> {
     /// Returns whether disks and gaps are large enough to be drawn.
     #[must_use]
     pub fn is_fine(&self) -> bool {
-        self.subject.camera.scale >= crate::MIN_DISK_SCALE
+        self.subject.camera.scale * self.shown.disk_radius() >= crate::MIN_DISK_SCALE
     }
 
     /// Draws a text with a background, so that it is readable over anything.

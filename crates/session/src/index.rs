@@ -86,7 +86,23 @@ impl SampleIndex {
 
     /// Calls `visit` with every sample within `reach` of the rectangle from `low` to `high` and, in
     /// a periodic domain, with their images up to `reach` outside the domain.
-    pub fn visit(&self, low: DVec2, high: DVec2, reach: f64, mut visit: impl FnMut(Seen)) {
+    pub fn visit(&self, low: DVec2, high: DVec2, reach: f64, visit: impl FnMut(Seen)) {
+        self.visit_copies(low, high, reach, false, visit);
+    }
+
+    /// Calls `visit` with these images alone.
+    pub fn visit_images(&self, low: DVec2, high: DVec2, reach: f64, visit: impl FnMut(Seen)) {
+        self.visit_copies(low, high, reach, true, visit);
+    }
+
+    fn visit_copies(
+        &self,
+        low: DVec2,
+        high: DVec2,
+        reach: f64,
+        images_alone: bool,
+        mut visit: impl FnMut(Seen),
+    ) {
         let copies: &[f64] = if self.periodic {
             &[0.0, -1.0, 1.0]
         } else {
@@ -98,6 +114,9 @@ impl SampleIndex {
             for &right in copies {
                 let shift = DVec2::new(right, up) * self.size;
                 let image = right != 0.0 || up != 0.0;
+                if images_alone && !image {
+                    continue;
+                }
                 let from = (low - reach).max(DVec2::splat(-beyond)) - shift;
                 let to = (high + reach).min(self.size + beyond) - shift;
                 self.visit_copy(from, to, |id, position| {
@@ -171,6 +190,11 @@ mod tests {
     fn images_appear_across_a_periodic_border_only() {
         let index = index(Boundary::Periodic);
         assert_eq!(seen(&index, [19.5, 9.0], [20.0, 11.0]), [(0, true)]);
+        let mut images = Vec::new();
+        let whole = [DVec2::ZERO, DVec2::splat(20.0)];
+        index.visit_images(whole[0], whole[1], 1.0, |seen| images.push(seen.id));
+        images.sort_unstable();
+        assert_eq!(images, [0, 2, 2, 2]);
         let corner = seen(&index, [-1.0, -1.0], [0.0, 0.0]);
         assert_eq!(corner, [(2, true)]);
     }

@@ -4,6 +4,17 @@ use tilescope_core::Stage;
 
 use crate::glossary;
 
+/// The kind of a session, which decides the layers and their meanings.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+pub enum SessionKind {
+    /// A run.
+    Run,
+    /// A combination.
+    Combination,
+    /// Nested levels.
+    Nested,
+}
+
 /// A layer of the canvas.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -94,31 +105,38 @@ impl Layer {
         }
     }
 
-    /// Returns whether a kind of session has this layer: seams belong to combinations, the tree to runs.
+    /// Returns whether a kind of session has this layer: seams belong to combinations, the tree to runs; nested levels have
+    /// samples alone.
     #[must_use]
-    pub const fn is_of(self, combination: bool) -> bool {
-        match self {
-            Self::Seams => combination,
-            Self::Tree => !combination,
+    pub const fn is_of(self, kind: SessionKind) -> bool {
+        match (self, kind) {
+            (Self::Samples | Self::Disks | Self::Delaunay | Self::Voronoi, _) => true,
+            (_, SessionKind::Nested) => false,
+            (Self::Seams, _) => matches!(kind, SessionKind::Combination),
+            (Self::Tree, _) => matches!(kind, SessionKind::Run),
             _ => true,
         }
     }
 
     /// Returns the name in a session: the blocks of a combination are its pieces.
     #[must_use]
-    pub const fn name_in(self, combination: bool) -> &'static str {
-        match self {
-            Self::Blocks if combination => "Pieces",
+    pub const fn name_in(self, kind: SessionKind) -> &'static str {
+        match (self, kind) {
+            (Self::Blocks, SessionKind::Combination) => "Pieces",
             _ => self.name(),
         }
     }
 
-    /// Returns the meaning of its symbol in a few words, in a combination or in a run.
+    /// Returns the meaning of its symbol in a few words, in a kind of session.
     #[must_use]
-    pub const fn meaning(self, combination: bool) -> &'static str {
+    pub const fn meaning(self, kind: SessionKind) -> &'static str {
+        match (self, kind) {
+            (Self::Blocks, SessionKind::Combination) => return "rectangle of a piece",
+            (Self::Pattern, SessionKind::Combination) => return "rectangle enlarged by r",
+            (Self::Disks, SessionKind::Nested) => return "disk of the last whole level's radius",
+            _ => {}
+        }
         match self {
-            Self::Blocks if combination => "rectangle of a piece",
-            Self::Pattern if combination => "rectangle enlarged by r",
             Self::Samples => "sample",
             Self::Disks => "disk of radius r",
             Self::Blocks => "building block",
@@ -229,6 +247,13 @@ impl Layers {
         Layer::NETS.into_iter().any(|layer| self.has(layer))
     }
 
+    /// Returns those that nested levels have.
+    #[must_use]
+    pub fn of_nested(self) -> Self {
+        let own = self.iter().filter(|layer| layer.is_of(SessionKind::Nested));
+        Self(own.fold(0, |bits, layer| bits | 1 << layer as u32))
+    }
+
     /// Returns no layers.
     #[must_use]
     pub const fn none() -> Self {
@@ -252,8 +277,22 @@ pub enum Colouring {
     Block,
     /// Where it comes from: its block, the margin around it, or an insertion.
     Provenance,
-    /// When it came: tiled early to late, then iteration by iteration.
+    /// When it came: tiled early to late, then iteration by iteration. Of nested levels its place in the order.
     Age,
+    /// The level that added it.
+    Level,
+}
+
+impl Colouring {
+    /// Returns the colouring of a kind of session instead of this one: nested levels have no blocks, others no levels.
+    #[must_use]
+    pub const fn of(self, kind: SessionKind) -> Self {
+        match (self, kind) {
+            (Self::Block | Self::Provenance, SessionKind::Nested) => Self::Level,
+            (Self::Level, SessionKind::Run | SessionKind::Combination) => Self::Block,
+            _ => self,
+        }
+    }
 }
 
 #[cfg(test)]

@@ -30,6 +30,8 @@ pub mod layers;
 pub mod limits;
 pub mod look;
 pub mod moment;
+pub mod nested;
+pub mod nesting;
 pub mod recipe;
 pub mod sampling;
 pub mod selection;

@@ -15,7 +15,7 @@ use crate::task::SessionRef;
 pub struct Moment {
     /// The current stage.
     pub stage: Stage,
-    /// How many events have happened; `None` without recorded events.
+    /// How many events have happened, or of nested levels the number of samples; `None` without recorded events.
     pub cursor: Option<usize>,
 }
 
@@ -38,10 +38,25 @@ impl Moment {
         }
     }
 
+    /// Returns how many samples are there at a moment of nested levels: all at a moment without a number.
+    #[must_use]
+    pub fn prefix(&self, session: &Session) -> Option<usize> {
+        let count = session.summary.count;
+        session.nested.as_ref()?;
+        Some(self.cursor.map_or(count, |cursor| cursor.min(count)))
+    }
+
     /// Returns the status of a sample.
     #[must_use]
     pub fn standing(&self, session: &Session, id: u32) -> Standing {
         let run = session.run();
+        if let Some(count) = self.prefix(session) {
+            return if (id as usize) < count {
+                Standing::Valid
+            } else {
+                Standing::Absent
+            };
+        }
         let Some((recording, cursor)) = session.recording().zip(self.cursor) else {
             return run.standing(id, self.stage);
         };
@@ -75,6 +90,9 @@ impl Moment {
     /// Returns the samples that cover their disks, in the order of results.
     #[must_use]
     pub fn samples(&self, session: &Session) -> Vec<u32> {
+        if let Some(count) = self.prefix(session) {
+            return (0..count as u32).collect();
+        }
         let covering = self.covering(session);
         let keyed = covering.iter().map(|(point, id)| (point.canonical(), *id));
         let mut keyed: Vec<(u64, u32)> = keyed.collect();
@@ -92,15 +110,19 @@ impl Moment {
     /// Returns whether a stage ends at this moment.
     #[must_use]
     pub fn ends_stage(&self, session: &Session) -> bool {
-        self.cursor.is_none_or(|cursor| {
-            let is_last = session.stage_end(session.stage_at(cursor)) == Some(cursor);
-            is_last && !session.is_cut_off_at(cursor)
-        })
+        session.nested.is_some()
+            || self.cursor.is_none_or(|cursor| {
+                let is_last = session.stage_end(session.stage_at(cursor)) == Some(cursor);
+                is_last && !session.is_cut_off_at(cursor)
+            })
     }
 
     /// Returns the description of the moment for files.
     #[must_use]
     pub fn description(&self, session: &Session) -> Value {
+        if let Some(count) = self.prefix(session) {
+            return json!({ "prefix": count });
+        }
         json!({
             "stage": self.stage.to_string(),
             "cursor": self.cursor,
@@ -118,6 +140,8 @@ pub struct ShownMoment<'a> {
     pub debugger: Option<&'a Debugger>,
     /// The current stage.
     pub stage: Stage,
+    /// Of nested levels, how many samples are shown.
+    pub prefix: Option<usize>,
 }
 
 impl<'a> ShownMoment<'a> {
@@ -126,7 +150,9 @@ impl<'a> ShownMoment<'a> {
     pub fn moment(&self) -> Moment {
         Moment {
             stage: self.stage,
-            cursor: self.debugger.map(|debugger| debugger.state().cursor()),
+            cursor: self
+                .debugger
+                .map_or(self.prefix, |debugger| Some(debugger.state().cursor())),
         }
     }
 
@@ -142,14 +168,33 @@ impl<'a> ShownMoment<'a> {
         self.moment().covers(self.session, id)
     }
 
-    /// Returns the number of events that have happened; without events, the stage's index.
+    /// Returns the number of events that have happened, or of nested levels the number of samples; without either, the
+    /// stage's index.
     #[must_use]
     pub fn cursor(&self) -> usize {
         let mut stages = self.session.stages.iter();
-        match self.debugger {
-            Some(debugger) => debugger.state().cursor(),
-            None => stages.position(|&stage| stage == self.stage).unwrap_or(0),
+        match (self.debugger, self.prefix) {
+            (Some(debugger), _) => debugger.state().cursor(),
+            (None, Some(count)) => count,
+            (None, None) => stages.position(|&stage| stage == self.stage).unwrap_or(0),
         }
+    }
+
+    /// Returns the radius of the disks of samples, in r: 1, but of nested levels that of the last level that is whole.
+    #[must_use]
+    pub fn disk_radius(&self) -> f64 {
+        let nested = self.session.nested.as_ref().zip(self.prefix);
+        nested.map_or(1.0, |(nested, count)| {
+            nested.disk_radius(count) / self.session.run().domain.radius()
+        })
+    }
+
+    /// Returns by how much farther apart samples are than all samples of the session: 1, but more of nested levels.
+    #[must_use]
+    pub fn spacing(&self) -> f64 {
+        let all = self.session.summary.count;
+        self.prefix
+            .map_or(1.0, |count| (all as f64 / count.max(1) as f64).sqrt())
     }
 
     /// Returns whether the moment is the end of a stage.

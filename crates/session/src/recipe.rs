@@ -9,6 +9,7 @@ use tilescope_debugger::{DEFAULT_BUDGET, PatternFile, Recording, pattern_digest}
 use tilescope_formats::ReadSet;
 
 use crate::incoming::Incoming;
+use crate::nested::Nesting;
 
 /// A pattern that was read from a file.
 #[derive(Clone, serde::Serialize, serde::Deserialize)]
@@ -38,6 +39,8 @@ pub struct Recipe {
     pub parameters: Parameters,
     /// The pattern to use instead of the one that the parameters describe.
     pub own: Option<OwnPattern>,
+    /// The levels, if nested ones are wanted instead of a run.
+    pub nested: Option<Nesting>,
 }
 
 impl From<Parameters> for Recipe {
@@ -45,6 +48,7 @@ impl From<Parameters> for Recipe {
         Self {
             parameters,
             own: None,
+            nested: None,
         }
     }
 }

@@ -7,6 +7,7 @@ use tilescope_core::{Parameters, Pattern, PatternSpec, Run, SampleError, Stage};
 use tilescope_gpu::{Gpu, GpuError, GpuSweep, Stepper};
 
 use crate::jobs::Monitor;
+use crate::nesting;
 use crate::recipe::Recipe;
 use crate::session::{Failure, MakeError, Reporter, Session, keeps_everything};
 use crate::task::{self, SessionRef, Task};
@@ -28,7 +29,11 @@ impl Task for SampleTask {
     const NAME: &'static str = "sample";
 
     fn run(self, monitor: &Monitor) -> Made {
-        Ok(Session::sample(&self.recipe, self.generation, monitor)?)
+        let Self { recipe, generation } = &self;
+        Ok(match recipe.nested {
+            Some(nesting) => nesting::sample(recipe, nesting, *generation, monitor)?,
+            None => Session::sample(recipe, *generation, monitor)?,
+        })
     }
 
     fn cancelled(monitor: &Monitor) -> Option<Made> {

@@ -3,6 +3,7 @@
 use tilescope_core::{Boundary, Stage};
 
 use crate::moment::ShownMoment;
+use crate::nested::NestedLevels;
 use crate::session::Session;
 use crate::units::radii;
 use crate::words::{counted, grouped, share, stage_name};
@@ -13,6 +14,7 @@ pub fn name_in(session: &Session, stage: Stage) -> String {
     match stage {
         Stage::Blocks if session.combination.is_some() => "Pieces".to_owned(),
         Stage::Tile if session.combination.is_some() => "Place".to_owned(),
+        Stage::Finish if session.nested.is_some() => "Levels".to_owned(),
         stage => stage_name(stage),
     }
 }
@@ -23,12 +25,39 @@ pub fn happened(shown: Option<&ShownMoment<'_>>) -> String {
     let Some(shown) = shown else {
         return "The default session is being sampled.".to_owned();
     };
+    if let Some((nested, count)) = shown.session.nested.as_ref().zip(shown.prefix) {
+        return prefix_sentence(shown.session, nested, count);
+    }
     match (shown.debugger, shown.cursor().checked_sub(1)) {
         (Some(debugger), Some(last)) if !shown.ends_stage() => {
             tilescope_debugger::sentence(debugger.recording(), last)
         }
         _ => stage_sentence(shown.session, shown.stage),
     }
+}
+
+/// Returns what is to hold for the first `count` samples of nested levels, in words.
+fn prefix_sentence(session: &Session, nested: &NestedLevels, count: usize) -> String {
+    let r = session.run().domain.radius();
+    let claim = nested.claim(count);
+    let (distance, all) = (claim.distance / r, grouped(session.summary.count));
+    let last = nested.level_of(count - 1);
+    let begun = match nested.whole(count) {
+        Some(level) if level == last => format!("level {level} is whole"),
+        Some(level) => format!("level {level} is whole, and {last} has begun"),
+        None => format!("level {last} has begun"),
+    };
+    let covering = match claim.covering {
+        Some(covering) => format!(
+            "no place is farther than {:.2} r from a sample.",
+            covering / r
+        ),
+        None => "they need not cover yet.".to_owned(),
+    };
+    format!(
+        "The first {} of {all} samples: {begun}. Distances exceed {distance:.2} r, and {covering}",
+        grouped(count)
+    )
 }
 
 /// Returns the events of `stage`, in one sentence.

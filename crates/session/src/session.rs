@@ -19,7 +19,9 @@ use tilescope_gpu::GpuError;
 use crate::combination::Combination;
 use crate::index::SampleIndex;
 use crate::jobs::Monitor;
+use crate::layers::{Layers, SessionKind};
 use crate::limits::MAX_STAGED;
+use crate::nested::NestedLevels;
 use crate::recipe::{OwnPattern, Recipe};
 use crate::units;
 pub use report::{MakeError, Reporter};
@@ -66,6 +68,8 @@ pub struct Session {
     pub own: Option<OwnPattern>,
     /// The combination, if it is one; its blocks are the pieces.
     pub combination: Option<Combination>,
+    /// The levels, if it has nested ones; its samples are then in their order.
+    pub nested: Option<NestedLevels>,
     /// Why the GPU run failed, if the CPU had to make the session instead; taken when the user is notified.
     #[serde(skip)]
     pub failure: Option<Failure>,
@@ -125,12 +129,40 @@ impl Session {
         }
     }
 
-    /// Returns the recipe it was made from.
+    /// Returns the recipe it was made from, if [`Self::has_recipe`].
     #[must_use]
     pub fn recipe(&self) -> Recipe {
+        let asked = self.nested.as_ref().and_then(|nested| nested.asked);
         Recipe {
-            parameters: self.run().parameters,
+            parameters: asked.map_or(self.run().parameters, |(parameters, _)| parameters),
             own: self.own.clone(),
+            nested: asked.map(|(_, nesting)| nesting),
+        }
+    }
+
+    /// Returns whether it was made from a recipe, not from a layout or a file.
+    #[must_use]
+    pub fn has_recipe(&self) -> bool {
+        let is_made = |nested: &NestedLevels| nested.asked.is_some();
+        self.combination.is_none() && self.nested.as_ref().is_none_or(is_made)
+    }
+
+    /// Returns its kind.
+    #[must_use]
+    pub const fn kind(&self) -> SessionKind {
+        match (&self.combination, &self.nested) {
+            (Some(_), _) => SessionKind::Combination,
+            (None, Some(_)) => SessionKind::Nested,
+            (None, None) => SessionKind::Run,
+        }
+    }
+
+    /// Returns those of the layers that can be drawn of it.
+    #[must_use]
+    pub fn drawable(&self, layers: Layers) -> Layers {
+        match self.kind() {
+            SessionKind::Nested => layers.of_nested(),
+            SessionKind::Run | SessionKind::Combination => layers,
         }
     }
 
@@ -200,12 +232,27 @@ impl Session {
         self.starts.partition_point(|&start| start < cursor)
     }
 
-    /// Returns the cursor after the last event of the stage at `index`, if events were recorded.
+    /// Returns the cursor after the last event of the stage at `index`, if events were recorded; of nested levels the number
+    /// of samples.
     #[must_use]
     pub fn stage_end(&self, index: usize) -> Option<usize> {
+        if self.nested.is_some() {
+            return Some(self.summary.count);
+        }
         let recording = self.recording()?;
         let next = self.starts.get(index).copied();
         Some(next.unwrap_or_else(|| recording.len()))
+    }
+
+    /// Returns the cursors at which its stages end, if events were recorded; of nested levels those at which levels end.
+    #[must_use]
+    pub fn ends(&self) -> Vec<usize> {
+        match &self.nested {
+            Some(nested) => nested.ends().collect(),
+            None => (0..self.stages.len())
+                .map_while(|index| self.stage_end(index))
+                .collect(),
+        }
     }
 
     /// Returns whether the recording was cut off at a cursor, as before an open question of a lesson: later events of the
@@ -242,6 +289,15 @@ impl Session {
         let mut session = Self::from_run(run, generation);
         session.stages.retain(|&stage| stage != Stage::Pattern);
         session.combination = Some(combination);
+        session
+    }
+
+    /// Prepares nested levels, whose samples are in the order of the run's result. The end is their only stage.
+    #[must_use]
+    pub fn from_levels(run: Run, levels: NestedLevels, generation: u64) -> Self {
+        let mut session = Self::from_run(run, generation);
+        session.stages = vec![Stage::Finish];
+        session.nested = Some(levels);
         session
     }
 
@@ -284,6 +340,7 @@ impl Session {
             engine: "CPU".to_owned(),
             own: None,
             combination: None,
+            nested: None,
             failure: None,
             digest: OnceLock::new(),
             positions_digest: OnceLock::new(),

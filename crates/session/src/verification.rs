@@ -4,7 +4,8 @@
 use glam::DVec2;
 
 use tilescope_analysis::{
-    Boundary, Conflict, Gap, JudgeChoice, Region, Report, VerifyError, VerifyOptions, verify,
+    Boundary, Conflict, Gap, JudgeChoice, PrefixClaim, Region, Report, VerifyError, VerifyOptions,
+    verify,
 };
 
 use crate::jobs::Monitor;
@@ -32,8 +33,10 @@ const HAIR: f64 = 1e-9;
 /// A report with its witnesses.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Verdict {
-    /// The verifier's report on the result.
+    /// The verifier's report on the result, or on a prefix of it.
     pub report: Report,
+    /// What is to hold for that prefix, if the session has nested levels.
+    pub claim: Option<PrefixClaim>,
     /// The closest pair, if known; indices are of the result.
     pub closest: Option<Conflict>,
     /// The largest empty circle, if known.
@@ -83,15 +86,36 @@ impl Verdict {
         }
         Ok(Self {
             report,
+            claim: None,
             closest,
             largest,
         })
     }
 
+    /// Returns whether no two samples are closer than they may be.
+    #[must_use]
+    pub fn conflict_free(&self) -> bool {
+        let of_claim = |claim: PrefixClaim| claim.is_apart(&self.report);
+        self.claim.map_or(self.report.conflict_free(), of_claim)
+    }
+
+    /// Returns whether no place is farther from all samples than it may be.
+    #[must_use]
+    pub fn maximal(&self) -> bool {
+        let of_claim = |claim: PrefixClaim| claim.is_covering(&self.report);
+        self.claim.map_or(self.report.maximal(), of_claim)
+    }
+
+    /// Returns whether the samples are as they are to be.
+    #[must_use]
+    pub fn valid(&self) -> bool {
+        self.conflict_free() && self.maximal()
+    }
+
     /// Returns where `witness` lies in the plane, if it is known.
     #[must_use]
     pub fn witness_mark(&self, witness: Witness, session: &Session) -> Option<WitnessMark> {
-        let radius = self.report.radius;
+        let radius = session.run().domain.radius();
         let pair = || {
             let pair = self.closest?;
             let id = |index: usize| session.run().result.get(index).copied();
@@ -108,25 +132,42 @@ impl Verdict {
         match witness {
             Witness::ClosestPair => pair(),
             Witness::LargestHole => circle(),
-            Witness::Verdict if !self.report.conflict_free() => pair(),
-            Witness::Verdict if !self.report.maximal() => circle(),
+            Witness::Verdict if !self.conflict_free() => pair(),
+            Witness::Verdict if !self.maximal() => circle(),
             Witness::Verdict => pair().or_else(circle),
         }
     }
 }
 
-/// The task of verifying a session's result.
+/// The task of verifying a session's result, or the first so many samples of its nested levels.
 #[derive(serde::Serialize, serde::Deserialize)]
-pub struct VerifyTask(pub SessionRef);
+pub struct VerifyTask {
+    /// The session.
+    pub session: SessionRef,
+    /// How many samples, of nested levels.
+    pub prefix: Option<usize>,
+}
 
 impl Task for VerifyTask {
     type Outcome = Result<Verdict, String>;
     const NAME: &'static str = "verify";
 
     fn run(self, monitor: &Monitor) -> Self::Outcome {
-        let session = &self.0;
-        let (points, region) = (session.run().positions(), region_of(session));
-        let verdict = Verdict::of(&points, region, session.run().domain.radius(), monitor);
+        let session = &self.session;
+        let (run, region) = (session.run(), region_of(session));
+        let verdict = match session.nested.as_ref().zip(self.prefix) {
+            Some((nested, count)) => {
+                let claim = nested.claim(count);
+                let points = run.domain.users_from_lattice(&run.samples.points[..count]);
+                let radius = claim.covering.unwrap_or(claim.distance);
+                let verdict = Verdict::of(&points, region, radius, monitor);
+                verdict.map(|verdict| Verdict {
+                    claim: Some(claim),
+                    ..verdict
+                })
+            }
+            None => Verdict::of(&run.positions(), region, run.domain.radius(), monitor),
+        };
         verdict.map_err(|error| error.to_string())
     }
 }

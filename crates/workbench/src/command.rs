@@ -48,7 +48,7 @@ pub enum TimeCommand {
     Speed(f32),
     /// Plays the whole run in so many seconds.
     WholeRun(f32),
-    /// Goes to the moment after this many events.
+    /// Goes to the moment after this many events; shows this many samples of nested levels.
     Jump(usize),
     /// Steps into, over or out.
     Step(Step, Direction),
@@ -104,6 +104,8 @@ pub enum FormCommand {
     Live(bool),
     /// Types a number of samples, which sets the radius.
     Count(String),
+    /// Types how many samples nested levels are to have exactly; nothing if their radius decides.
+    Exactly(String),
     /// Chooses a parameter.
     Choose(Choice),
     /// Sets all parameters to those of a preset.

@@ -2,10 +2,12 @@
 //! [`Draft::refusals`] assigns its errors to fields.
 
 use tilescope_core::{
-    Boundary, Insertion, MAXIMAL_DENSITY, Order, ParameterError, Parameters, Search, Variant,
+    Boundary, Insertion, MAXIMAL_DENSITY, NestedPlane, Order, ParameterError, Parameters, Search,
+    Variant, WithinLevel, radius_estimate,
 };
 
 use tilescope_session::limits::{MAX_ON_A_PAGE, MAX_STAGED};
+use tilescope_session::nested::Nesting;
 use tilescope_session::words::{grouped, sentence};
 
 /// A parameter that is typed as a number.
@@ -46,6 +48,10 @@ pub enum Choice {
     Search(Search),
     /// The form of Algorithm 4: staged, or as printed.
     Variant(Variant),
+    /// The number of nested levels; `None` for a run.
+    Levels(Option<u32>),
+    /// The order of the samples within a level.
+    Within(WithinLevel),
 }
 
 /// Parameters to begin with.
@@ -64,17 +70,20 @@ pub enum Preset {
     LargeBlocks,
     /// Gaps are filled by uniform darts.
     Uniform,
+    /// Nested levels.
+    Nested,
 }
 
 impl Preset {
     /// Every preset.
-    pub const ALL: [Self; 6] = [
+    pub const ALL: [Self; 7] = [
         Self::First,
         Self::SmallBlocks,
         Self::Million,
         Self::BreakIt,
         Self::LargeBlocks,
         Self::Uniform,
+        Self::Nested,
     ];
 
     /// Returns its name.
@@ -87,6 +96,7 @@ impl Preset {
             Self::BreakIt => "Break it",
             Self::LargeBlocks => "Blocks too large",
             Self::Uniform => "Uniform insertion",
+            Self::Nested => "Nested levels",
         }
     }
 
@@ -110,6 +120,9 @@ impl Preset {
             Self::Uniform => {
                 "Gaps are filled by darts, uniformly over their area, instead of at circumcentres."
             }
+            Self::Nested => {
+                "A set in an order of which every prefix is evenly spread: the timeline shows its first samples, however many."
+            }
         }
     }
 
@@ -118,7 +131,7 @@ impl Preset {
     pub fn parameters(self) -> Parameters {
         let mut p = Parameters::default();
         match self {
-            Self::First => {}
+            Self::First | Self::Nested => {}
             Self::SmallBlocks => {
                 p.leaf = 20.0;
                 p.pattern.boundary = Boundary::Bounded;
@@ -129,6 +142,16 @@ impl Preset {
             Self::Uniform => p.insertion = Insertion::Uniform,
         }
         p
+    }
+
+    /// Returns its nested levels, if it has any.
+    #[must_use]
+    pub fn nesting(self) -> Option<Nesting> {
+        (self == Self::Nested).then_some(Nesting {
+            levels: 6,
+            exactly: None,
+            within: WithinLevel::Random,
+        })
     }
 }
 
@@ -149,6 +172,12 @@ pub struct Draft {
     texts: [String; FIELDS.len()],
     /// The number of samples as typed, if the radius was given by it.
     count: Option<String>,
+    /// The number of nested levels, if there are to be some.
+    pub levels: Option<u32>,
+    /// How many samples these are to have exactly, as typed; empty if the radius decides.
+    pub exactly: String,
+    /// The order of the samples within a level.
+    pub within: WithinLevel,
     /// The values; a number is that of the last valid text.
     pub parameters: Parameters,
 }
@@ -175,8 +204,61 @@ impl Draft {
         Self {
             texts,
             count: None,
+            levels: None,
+            exactly: String::new(),
+            within: WithinLevel::default(),
             parameters,
         }
+    }
+
+    /// Returns the draft with these nested levels, if any.
+    pub(crate) fn with_nesting(self, nesting: Option<Nesting>) -> Self {
+        let exactly = nesting.and_then(|nesting| nesting.exactly);
+        Self {
+            levels: nesting.map(|nesting| nesting.levels),
+            exactly: exactly.map_or_else(String::new, |count| count.to_string()),
+            within: nesting.map_or(self.within, |nesting| nesting.within),
+            ..self
+        }
+    }
+
+    /// Returns the nested levels that are asked for, if any. A number of samples that cannot be read is left out; it is
+    /// among the refusals.
+    #[must_use]
+    pub fn nesting(&self) -> Option<Nesting> {
+        Some(Nesting {
+            levels: self.levels?,
+            exactly: self.exactly_read().ok().flatten(),
+            within: self.within,
+        })
+    }
+
+    /// Returns how many samples are to be there exactly, or why the text says no number.
+    fn exactly_read(&self) -> Result<Option<usize>, String> {
+        let text = self.exactly.trim();
+        if text.is_empty() {
+            return Ok(None);
+        }
+        count_of(text).map(|count| usize::try_from(count).ok())
+    }
+
+    /// Returns why the nested levels cannot be made with these parameters, if some are asked for.
+    fn nesting_refusal(&self) -> Option<DraftRefusal> {
+        let levels = self.levels?;
+        let check = || {
+            let mut parameters = self.parameters;
+            if let Some(count) = self.exactly_read()? {
+                let radius = radius_estimate(&parameters, count as u64);
+                parameters.radius = radius.map_err(|error| sentence(&error.to_string()))?;
+            }
+            let checked = NestedPlane::check(&parameters, levels);
+            checked.map_err(|error| sentence(&error.to_string()))
+        };
+        let reason = check().err()?;
+        Some(DraftRefusal {
+            field: None,
+            reason,
+        })
     }
 
     /// Returns the text of a field.
@@ -239,14 +321,7 @@ impl Draft {
 
     /// Returns the radius of about so many samples, with five significant digits.
     fn radius_of(&self, text: &str) -> Result<f64, String> {
-        let text = text.trim();
-        let count = text
-            .replace(',', "")
-            .parse()
-            .ok()
-            .filter(|&count: &u64| count > 0);
-        let wrong = || format!("\"{text}\" is not a whole number of samples from 1 on.");
-        let radius = tilescope_core::radius_estimate(&self.parameters, count.ok_or_else(wrong)?);
+        let radius = radius_estimate(&self.parameters, count_of(text.trim())?);
         let radius = radius.map_err(|error| sentence(&error.to_string()))?;
         Ok(format!("{radius:.4e}").parse().unwrap_or(radius))
     }
@@ -268,6 +343,8 @@ impl Draft {
             Choice::Insertion(insertion) => p.insertion = insertion,
             Choice::Search(search) => p.search = search,
             Choice::Variant(variant) => p.variant = variant,
+            Choice::Levels(levels) => self.levels = levels,
+            Choice::Within(within) => self.within = within,
         }
     }
 
@@ -286,6 +363,8 @@ impl Draft {
                 let reason = sentence(&error.to_string());
                 refusals.push(DraftRefusal { field, reason });
             }
+        } else if let Some(refusal) = self.nesting_refusal() {
+            refusals.push(refusal);
         }
         // Algorithm 4 as printed always records events, which limits its size.
         let most = match self.parameters.variant {
@@ -339,6 +418,9 @@ impl Draft {
     /// Returns the expected number of samples of a run.
     pub(crate) fn expected_samples(&self) -> Option<f64> {
         let domain = self.read()?.validate_sequential().ok()?;
+        if let Some(count) = self.nesting().and_then(|nesting| nesting.exactly) {
+            return Some(count as f64);
+        }
         Some(domain.area_radii() * MAXIMAL_DENSITY)
     }
 
@@ -348,7 +430,8 @@ impl Draft {
         let samples = self
             .expected_samples()
             .filter(|samples| *samples > MAX_STAGED);
-        samples.is_some() && self.parameters.variant == Variant::Staged
+        let has_steps = self.parameters.variant == Variant::AsPrinted || self.levels.is_some();
+        samples.is_some() && !has_steps
     }
 
     /// Returns the smallest side of a pattern that does not repeat within a block, if the present one does.
@@ -370,6 +453,13 @@ impl Draft {
             _ => None,
         }
     }
+}
+
+/// Returns the number of samples that a text says, or why it says none.
+fn count_of(text: &str) -> Result<u64, String> {
+    let count = text.replace(',', "").parse().ok();
+    let wrong = || format!("\"{text}\" is not a whole number of samples from 1 on.");
+    count.filter(|&count: &u64| count > 0).ok_or_else(wrong)
 }
 
 /// The number of a field.
@@ -585,6 +675,7 @@ mod tests {
     fn every_preset_can_be_run() {
         for preset in Preset::ALL {
             let draft = Draft::from_parameters(preset.parameters());
+            let draft = draft.with_nesting(preset.nesting());
             assert_eq!(draft.refusals(), [], "{}", preset.name());
             let repeats = draft.side_without_repeats().is_some();
             assert_eq!(repeats, preset == Preset::LargeBlocks);

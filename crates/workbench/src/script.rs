@@ -8,6 +8,7 @@ use std::sync::Arc;
 use emath::{Pos2, Rect, vec2};
 use serde_json::Value;
 use thiserror::Error;
+use tilescope_session::verification::Verdict;
 
 use crate::command::{Command, ViewCommand, Which};
 use crate::state::State;
@@ -89,7 +90,7 @@ pub fn run<E: From<ScriptError>>(
     if !each {
         print_state(&state)?;
     }
-    Ok(state.verdict().map(|verdict| verdict.report.valid()))
+    Ok(state.verdict().map(Verdict::valid))
 }
 
 #[cfg(test)]

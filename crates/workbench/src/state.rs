@@ -196,6 +196,10 @@ impl State {
     pub fn run_refusal(&self) -> Option<String> {
         let refusal = self.form.draft.refusals().into_iter().next();
         let refusal = refusal.map(|refusal| refusal.reason);
+        let own =
+            "Nested levels have a pattern of their own; they cannot be made from that of a file.";
+        let has_own = self.form.draft.levels.is_some() && self.form.own_pattern.is_some();
+        let refusal = refusal.or_else(|| has_own.then(|| own.to_owned()));
         refusal.or_else(|| self.gpu.waiting())
     }
 

@@ -17,6 +17,10 @@ pub(super) fn add(list: &mut List, state: &State) {
     list.add("Play or pause", Command::Time(TimeCommand::TogglePlay))
         .on_key(Key::Space)
         .refused(no_session(state));
+    let [first, last] = match state.runs.first.prefix() {
+        Some(_) => ["First level", "Last level"],
+        None => ["First stage", "Last stage"],
+    };
     for (name, key, command, refusal) in [
         (
             "Tick forward",
@@ -25,8 +29,8 @@ pub(super) fn add(list: &mut List, state: &State) {
             at_end,
         ),
         ("Tick back", Key::ArrowLeft, TimeCommand::StepBack, at_start),
-        ("First stage", Key::Home, TimeCommand::FirstStage, at_start),
-        ("Last stage", Key::End, TimeCommand::LastStage, at_end),
+        (first, Key::Home, TimeCommand::FirstStage, at_start),
+        (last, Key::End, TimeCommand::LastStage, at_end),
     ] {
         let action = list.add(name, Command::Time(command));
         action.on_key(key).refused(refusal);
@@ -35,11 +39,13 @@ pub(super) fn add(list: &mut List, state: &State) {
     list.within(Submenu::Ticks, |list| {
         for clock in Clock::ALL {
             let command = Command::Time(TimeCommand::Clock(clock));
-            list.add(format!("Step by: {}", clock.name()), command)
+            let name = state.runs.first.clock_name(clock);
+            list.add(format!("Step by: {name}"), command)
                 .refused(state.runs.first.clock_refusal(clock))
                 .marked(state.time.playback.clock == clock);
         }
     });
+    let no_loop = no_events.filter(|_| state.cursor().is_none());
     let (on, back) = (no_events.or(at_end), no_events.or(at_start));
     let (forwards, backwards) = (Direction::Forwards, Direction::Backwards);
     steps(list, state, forwards, on);
@@ -57,7 +63,7 @@ pub(super) fn add(list: &mut List, state: &State) {
             ("Loop up to here", TimeCommand::LoopEnd),
             ("No loop", TimeCommand::Loop(None)),
         ] {
-            list.add(name, Command::Time(command)).refused(no_events);
+            list.add(name, Command::Time(command)).refused(no_loop);
         }
     });
 }

@@ -1,6 +1,6 @@
 //! The meanings of the fields of the parameter form, and the options of its lists, each with its name and its meaning.
 
-use tilescope_core::{Boundary, Insertion, Order, Search, Variant};
+use tilescope_core::{Boundary, Insertion, Order, Search, Variant, WithinLevel};
 use tilescope_session::glossary;
 use tilescope_workbench::draft::Field;
 
@@ -46,6 +46,32 @@ pub const ORIENTATIONS: [Listed<bool>; 2] = [
         true,
         "random",
         "Each block clips from one of the pattern's 8 rotations and mirror images.",
+    ),
+];
+
+/// The numbers of nested levels.
+pub const LEVELS: [Listed<Option<u32>>; 12] = [
+    (None, "none", "A run: one maximal set."),
+    (Some(1), "1", "One maximal set in an order."),
+    (Some(2), "2", "The radius of the first is 1.41 r."),
+    (Some(3), "3", "The radius of the first is 2 r."),
+    (Some(4), "4", "The radius of the first is 2.83 r."),
+    (Some(5), "5", "The radius of the first is 4 r."),
+    (Some(6), "6", "The radius of the first is 5.66 r."),
+    (Some(7), "7", "The radius of the first is 8 r."),
+    (Some(8), "8", "The radius of the first is 11.3 r."),
+    (Some(9), "9", "The radius of the first is 16 r."),
+    (Some(10), "10", "The radius of the first is 22.6 r."),
+    (Some(11), "11", "The radius of the first is 32 r."),
+];
+
+/// The orders of the samples within a level.
+pub const WITHIN: [Listed<WithinLevel>; 2] = [
+    (WithinLevel::Random, "random", "By a draw for each place."),
+    (
+        WithinLevel::Farthest,
+        "farthest first",
+        "Each sample is the one that is farthest from all before it.",
     ),
 ];
 

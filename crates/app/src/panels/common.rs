@@ -8,6 +8,7 @@ use tilescope_ui::focus;
 use tilescope_ui::widgets::Known;
 
 use super::context::PanelContext;
+use crate::actions::NO_EVENTS_OF_LEVELS;
 use tilescope_workbench::layout::Panel;
 use tilescope_workbench::thumbnails::Thumbnail;
 
@@ -39,6 +40,7 @@ pub fn no_events(ui: &mut Ui, context: &PanelContext<'_>) {
         Some(session) if session.combination.is_some() => {
             "A combination has stages but no events: its sets existed before.".to_owned()
         }
+        Some(session) if session.nested.is_some() => NO_EVENTS_OF_LEVELS.to_owned(),
         Some(session) if session.has_stages() => {
             "The GPU's run differs from the CPU's, so that it has no events.".to_owned()
         }

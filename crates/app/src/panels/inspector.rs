@@ -176,6 +176,11 @@ fn sample(
     let run = session.run();
     row(ui, "Id", &grouped(id as usize), palette);
     coordinates(ui, shown, session.position(id), palette);
+    if let Some(nested) = &session.nested {
+        let level = nested.level_of(id as usize);
+        row(ui, "Added by level", &level.to_string(), palette);
+        return;
+    }
     match run.samples.origins[id as usize] {
         Origin::Tiled {
             block,

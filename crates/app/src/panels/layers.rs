@@ -27,10 +27,10 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
         if automatic.clicked() {
             commands.push(Command::Appearance(AppearanceCommand::AutomaticLayers));
         }
-        let combination = context.run.shows_combination();
-        let offered = |layer: &Layer| layer.is_of(combination);
+        let kind = context.run.kind();
+        let offered = |layer: &Layer| layer.is_of(kind);
         for layer in Layer::ALL.into_iter().filter(offered) {
-            let named = (Some(layer), layer.name_in(combination));
+            let named = (Some(layer), layer.name_in(kind));
             let is_on = shown.has(layer);
             let chip = chip(ui, named, is_on, context.palette);
             let chip = chip.on_hover_ui(|ui| explain(ui, layer, context.palette));

@@ -2,12 +2,15 @@
 
 use egui::{Align2, Button, FontId, Painter, Rect, Response, RichText, Sense, Ui, pos2, vec2};
 use tilescope_drawing::palette::Palette;
-use tilescope_session::layers::{Colouring, Layer};
+use tilescope_session::Session;
+use tilescope_session::glossary;
+use tilescope_session::layers::{Colouring, Layer, SessionKind};
 use tilescope_ui::widgets::{Kebab, Known, explain, heading, symbol};
 
 use super::context::PanelContext;
 use tilescope_drawing::age::{Ages, LAST_TILED};
 use tilescope_drawing::brushed::{BrushedCause, Cause};
+use tilescope_drawing::looks::level_age;
 use tilescope_workbench::command::{AppearanceCommand, Command};
 
 /// Shows the legend.
@@ -19,21 +22,21 @@ pub fn show(
 ) {
     let palette = context.palette;
     heading(ui, "Legend");
-    colouring(ui, context, commands);
-    if let (Colouring::Age, Some(session)) = (context.appearance.colouring, &context.run.session) {
-        ages(ui, Ages::of(session), palette);
+    let kind = context.run.kind();
+    colouring(ui, context, kind, commands);
+    match (context.appearance.colouring.of(kind), &context.run.session) {
+        (Colouring::Age, Some(session)) => ages(ui, Ages::of(session), palette),
+        (Colouring::Level, Some(session)) => levels(ui, session, palette),
+        _ => {}
     }
     ui.add_space(2.0);
     ui.spacing_mut().item_spacing.y = 1.0;
-    let combination = context.run.shows_combination();
     let shown = context.appearance.layers(context.run.current_stage());
-    let is_listed = |layer: &Layer| {
-        layer.is_of(combination) && (!Layer::NETS.contains(layer) || shown.has(*layer))
-    };
+    let is_listed =
+        |layer: &Layer| layer.is_of(kind) && (!Layer::NETS.contains(layer) || shown.has(*layer));
     for layer in Layer::ALL.into_iter().filter(is_listed) {
         let draw = |painter: &Painter, rect: Rect| symbol(painter, layer, rect.center(), palette);
-        entry(ui, layer.meaning(combination), palette, draw)
-            .on_hover_ui(|ui| explain(ui, layer, palette));
+        entry(ui, layer.meaning(kind), palette, draw).on_hover_ui(|ui| explain(ui, layer, palette));
     }
     if context.is_compared {
         marks(ui, palette);
@@ -96,15 +99,22 @@ fn marks(ui: &mut Ui, palette: &Palette) {
     }
 }
 
-fn colouring(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>) {
+fn colouring(
+    ui: &mut Ui,
+    context: &PanelContext<'_>,
+    kind: SessionKind,
+    commands: &mut Vec<Command>,
+) {
     let palette = context.palette;
-    let combination = context.run.shows_combination();
     ui.horizontal_wrapped(|ui| {
         ui.label(RichText::new("Colour").color(palette.muted));
         for (colouring, name, explanation) in [
             (
                 Colouring::Block,
-                if combination { "by piece" } else { "by block" },
+                match kind {
+                    SessionKind::Combination => "by piece",
+                    _ => "by block",
+                },
                 "Samples have the colour of the block, or the piece, that they come from.",
             ),
             (
@@ -114,11 +124,19 @@ fn colouring(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command
             ),
             (
                 Colouring::Age,
-                "by age",
-                "When a sample came: tiled early to late, then inserted iteration by iteration.",
+                match kind {
+                    SessionKind::Nested => "by order",
+                    _ => "by age",
+                },
+                "When a sample came: tiled early to late, then inserted iteration by iteration; of nested levels its place in their order.",
             ),
-        ] {
-            let button = Button::selectable(context.appearance.colouring == colouring, name);
+            (Colouring::Level, "by level", glossary::LEVEL.meaning),
+        ]
+        .into_iter()
+        .filter(|(colouring, ..)| colouring.of(kind) == *colouring)
+        {
+            let is_chosen = context.appearance.colouring.of(kind) == colouring;
+            let button = Button::selectable(is_chosen, name);
             let button = ui.add(button);
             button.known_as(format_args!("colour.{}", Kebab(colouring)));
             if button.on_hover_text(explanation).clicked() {
@@ -130,6 +148,22 @@ fn colouring(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command
 
 /// The number of bands that draw the tiled part of the ramp.
 const SHADES: u16 = 64;
+
+/// Shows the colour of each level, with its radius.
+fn levels(ui: &mut Ui, session: &Session, palette: &Palette) {
+    let Some(nested) = &session.nested else {
+        return;
+    };
+    ui.spacing_mut().item_spacing.y = 1.0;
+    for (level, claim) in nested.claims.iter().enumerate() {
+        let radius = claim.distance / session.run().domain.radius();
+        let meaning = format!("level {level}, radius {radius:.2} r");
+        entry(ui, &meaning, palette, |painter, rect| {
+            let color = palette.age(level_age(level, nested));
+            painter.circle_filled(rect.center(), 5.0, color);
+        });
+    }
+}
 
 /// Shows the ramp of ages with its ends named: the tiled samples without steps, then a step for each iteration.
 fn ages(ui: &mut Ui, ages: Ages, palette: &Palette) {
@@ -146,8 +180,9 @@ fn ages(ui: &mut Ui, ages: Ages, palette: &Palette) {
         let swatch = Rect::from_x_y_ranges(x(from)..=x(to), rect.top()..=rect.top() + 14.0);
         painter.rect_filled(swatch, 0.0, palette.age(age));
     };
+    let tiled = ages.last_tiled();
     for k in 0..SHADES {
-        let at = |k: u16| LAST_TILED * f32::from(k) / f32::from(SHADES);
+        let at = |k: u16| tiled * f32::from(k) / f32::from(SHADES);
         band(at(k), at(k + 1), at(k));
     }
     let start = LAST_TILED + 0.03;
@@ -156,14 +191,15 @@ fn ages(ui: &mut Ui, ages: Ages, palette: &Palette) {
         band(at(k), at(k + 1), ages.of_iteration(k + 1));
     }
     let font = FontId::proportional(11.5);
+    let first = if tiled < 1.0 { "tiled first" } else { "first" };
     let inserted = match ages.iterations {
         0 => String::new(),
         1 => "inserted".to_owned(),
         all => format!("iteration 1 to {all}"),
     };
     for (at, anchor, text) in [
-        (0.0, Align2::LEFT_TOP, "tiled first"),
-        (LAST_TILED, Align2::RIGHT_TOP, "last"),
+        (0.0, Align2::LEFT_TOP, first),
+        (tiled, Align2::RIGHT_TOP, "last"),
         (1.0, Align2::RIGHT_TOP, inserted.as_str()),
     ] {
         let corner = pos2(x(at), rect.top() + 18.0);

@@ -146,7 +146,7 @@ impl<'a> FormContext<'a> {
             refusal: state.run_refusal(),
             remark: state.run_remark(),
             made: match &state.runs.first.session {
-                Some(session) if session.combination.is_none() => Some(session.run().parameters),
+                Some(session) if session.has_recipe() => Some(session.recipe().parameters),
                 _ => None,
             },
             engine: state.gpu.engine_text(state.form.draft.parameters.variant),

@@ -4,7 +4,9 @@ use egui::{CursorIcon, FontId, Role, Sense, Ui, WidgetInfo, vec2};
 use tilescope_core::Stage;
 use tilescope_drawing::palette::Palette;
 use tilescope_session::combination::Combination;
+use tilescope_session::glossary;
 use tilescope_session::limits::MAX_STAGED;
+use tilescope_session::nested::NestedLevels;
 use tilescope_session::sentence::{name_in, stage_sentence};
 use tilescope_session::session::Session;
 use tilescope_session::words::{grouped, share};
@@ -17,11 +19,18 @@ use tilescope_workbench::command::{Command, TimeCommand};
 /// Shows the table.
 pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>) {
     let palette = context.palette;
-    heading(ui, "Stages");
+    let heads = match context.run.prefix() {
+        Some(_) => "Levels",
+        None => "Stages",
+    };
+    heading(ui, heads);
     let Some(session) = &context.run.session else {
         return;
     };
     ui.spacing_mut().item_spacing.y = 1.0;
+    if let Some(nested) = &session.nested {
+        return levels(ui, context, session, nested, commands);
+    }
     row(ui, ["", "change", "samples"], false, palette, None);
     for (index, &stage) in session.stages.iter().enumerate() {
         let texts = [
@@ -34,7 +43,8 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
             },
         ];
         let texts = texts.each_ref().map(String::as_str);
-        let shown = row(ui, texts, index == context.run.stage, palette, Some(stage));
+        let key = Kebab(stage).to_string();
+        let shown = row(ui, texts, index == context.run.stage, palette, Some(&key));
         if shown
             .on_hover_text(stage_sentence(session, stage))
             .clicked()
@@ -51,6 +61,39 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
     }
     if let Some(combination) = &session.combination {
         seams(ui, session, combination, palette);
+    }
+}
+
+/// Shows the levels: their radii, and how many samples there are to the end of each.
+fn levels(
+    ui: &mut Ui,
+    context: &PanelContext<'_>,
+    session: &Session,
+    nested: &NestedLevels,
+    commands: &mut Vec<Command>,
+) {
+    let palette = context.palette;
+    row(ui, ["", "radius", "samples"], false, palette, None);
+    let count = context.run.prefix().unwrap_or(1);
+    for (level, claim) in nested.claims.iter().enumerate() {
+        let radius = claim.distance / session.run().domain.radius();
+        let texts = [
+            format!("Level {level}"),
+            format!("{radius:.2} r"),
+            grouped(claim.count),
+        ];
+        let texts = texts.each_ref().map(String::as_str);
+        let current = level == nested.level_of(count - 1);
+        let key = format!("level-{level}");
+        let shown = row(ui, texts, current, palette, Some(&key));
+        let about = if claim.covering == Some(claim.distance) {
+            glossary::LEVEL.meaning
+        } else {
+            "The set ends within this level, which is not maximal."
+        };
+        if shown.on_hover_text(about).clicked() {
+            commands.push(Command::Time(TimeCommand::ShowStage(level)));
+        }
     }
 }
 
@@ -99,15 +142,15 @@ fn change(session: &Session, stage: Stage) -> String {
     }
 }
 
-/// Shows a row; rows of stages can be clicked.
+/// Shows a row; rows of stages and levels, which have an id, can be clicked.
 fn row(
     ui: &mut Ui,
     texts: [&str; 3],
     current: bool,
     palette: &Palette,
-    stage: Option<Stage>,
+    key: Option<&str>,
 ) -> egui::Response {
-    let click = stage.is_some();
+    let click = key.is_some();
     let sense = if click {
         Sense::click()
     } else {
@@ -124,10 +167,10 @@ fn row(
         ),
         sense,
     );
-    if let Some(stage) = stage {
+    if let Some(key) = key {
         let label = format!("Row {}", texts[0]);
         response.widget_info(|| WidgetInfo::selected(Role::Button, true, current, &label));
-        response.known_as(format_args!("row.{}", Kebab(stage)));
+        response.known_as(format_args!("row.{key}"));
     }
     let painter = ui.painter();
     if current {

@@ -2,9 +2,10 @@
 
 use egui::text::LayoutJob;
 use egui::{
-    Align, Button, Color32, ComboBox, Context, FontId, Layout, RichText, Role, TextStyle, Ui, Vec2,
-    WidgetInfo, vec2,
+    Align, Button, Color32, ComboBox, Context, DragValue, FontId, Layout, RichText, Role,
+    TextStyle, Ui, Vec2, WidgetInfo, vec2,
 };
+use tilescope_session::glossary;
 use tilescope_session::sentence::happened;
 use tilescope_session::words::{capital, grouped};
 use tilescope_ui::theme::{FINGER, is_for_fingers};
@@ -40,6 +41,11 @@ const COMPACT_SIZE: f32 = 14.5;
 const SPECIMEN: &str = "The circumcentre of sample 10,774 of block 88 with sample 17,364 of block 88 and sample 10,974 of \
      block 88, 1.99 r away, is nearer to sample 10,775 of block 88.";
 
+/// Returns the last step in words; of nested levels with the verdict on the samples that are shown.
+fn said(context: &TimeContext<'_>) -> String {
+    happened(context.run.shown().as_ref()) + context.run.prefix_verdict()
+}
+
 /// Returns the height of a text wrapped at `width`.
 fn text_height(ctx: &Context, text: &str, size: f32, width: f32) -> f32 {
     let job = LayoutJob::simple(
@@ -54,9 +60,7 @@ fn text_height(ctx: &Context, text: &str, size: f32, width: f32) -> f32 {
 /// Returns the size of the whole sentence, at least that of [`SPECIMEN`].
 fn sentence_height(ctx: &Context, context: &TimeContext<'_>, size: f32, width: f32) -> f32 {
     let height = |text: &str| text_height(ctx, text, size, width);
-    height(SPECIMEN)
-        .max(height(&happened(context.run.shown().as_ref())))
-        .ceil()
+    height(SPECIMEN).max(height(&said(context))).ceil()
 }
 
 /// Returns the room for counts beside the sentence, the same at every moment.
@@ -69,7 +73,10 @@ fn room_beside(ctx: &Context, context: &TimeContext<'_>, width: f32) -> f32 {
         Some((_, len)) => format!("event {0} of {0}", grouped(len)),
         None => "stage 9 of 9".to_owned(),
     };
-    let text = format!("{most} samples   {moment}   iteration 9");
+    let text = match context.run.prefix() {
+        Some(_) => format!("{most} of {most} samples   radius 32.00 r"),
+        None => format!("{most} samples   {moment}   iteration 9"),
+    };
     let font = TextStyle::Monospace.resolve(&ctx.style_of(ctx.theme()));
     let job = LayoutJob::simple_singleline(text, font, Color32::WHITE);
     ctx.fonts_mut(|fonts| fonts.layout_job(job)).size().x + BESIDE
@@ -140,6 +147,7 @@ pub fn show(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>)
         ui.add_space(6.0);
         clock(ui, context, 72.0, commands);
         speed(ui, context, commands);
+        prefix(ui, context, commands);
         ui.add_space(14.0);
         track::show(ui, context, commands);
     });
@@ -160,8 +168,7 @@ fn sentence(ui: &mut Ui, context: &TimeContext<'_>, size: f32, room: Vec2, lines
         ui.set_min_size(room);
         let color = context.palette.text;
         let font = FontId::proportional(size);
-        let mut text =
-            LayoutJob::simple(happened(context.run.shown().as_ref()), font, color, room.x);
+        let mut text = LayoutJob::simple(said(context), font, color, room.x);
         // The tooltip shows the rest.
         text.wrap.max_rows = lines;
         let galley = ui.painter().layout_job(text);
@@ -312,7 +319,7 @@ impl Player {
 /// loop.
 pub fn more(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>) {
     let palette = context.palette;
-    ui.label(RichText::new(happened(context.run.shown().as_ref())).size(14.5))
+    ui.label(RichText::new(said(context)).size(14.5))
         .known_as("status-whole");
     for (k, text) in context.run.moment_texts().into_iter().enumerate() {
         ui.label(RichText::new(text).monospace().color(palette.muted))
@@ -320,13 +327,14 @@ pub fn more(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>)
     }
     ui.add_space(4.0);
     speed(ui, context, commands);
+    prefix(ui, context, commands);
     ui.horizontal_wrapped(|ui| {
         for (name, command) in [
             ("Loop from here", TimeCommand::LoopStart),
             ("Loop up to here", TimeCommand::LoopEnd),
             ("No loop", TimeCommand::Loop(None)),
         ] {
-            let button = ui.add_enabled(context.run.debugger.is_some(), Button::new(name));
+            let button = ui.add_enabled(context.run.cursor().is_some(), Button::new(name));
             button.known_as(Kebab(&command));
             let button = button.on_disabled_hover_text("There are no events to loop over.");
             if button.clicked() {
@@ -351,12 +359,16 @@ fn controls(ui: &mut Ui, context: &TimeContext<'_>, with_ends: bool, commands: &
     } else {
         (Icon::Play, "Play (Space)")
     };
-    let clock = context.time.playback.clock.name();
+    let clock = context.run.clock_name(context.time.playback.clock);
+    let unit = match context.run.prefix() {
+        Some(_) => "level",
+        None => "stage",
+    };
     ui.spacing_mut().item_spacing.x = 2.0;
     for (icon, name, refusal, command) in [
         (
             Icon::First,
-            "First stage (Home)",
+            format!("First {unit} (Home)").as_str(),
             at_start,
             Command::Time(TimeCommand::FirstStage),
         ),
@@ -380,7 +392,7 @@ fn controls(ui: &mut Ui, context: &TimeContext<'_>, with_ends: bool, commands: &
         ),
         (
             Icon::Last,
-            "Last stage (End)",
+            &format!("Last {unit} (End)"),
             at_end,
             Command::Time(TimeCommand::LastStage),
         ),
@@ -395,16 +407,46 @@ fn controls(ui: &mut Ui, context: &TimeContext<'_>, with_ends: bool, commands: &
     }
 }
 
+/// Width of that field beside its digits.
+const PREFIX: f32 = 18.0;
+
+/// Shows a field for the number of samples that are shown of nested levels, to be typed or dragged.
+fn prefix(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>) {
+    let (Some(mut count), Some(session)) = (context.run.prefix(), &context.run.session) else {
+        return;
+    };
+    let all = session.summary.count;
+    let field = DragValue::new(&mut count)
+        .range(1..=all)
+        .speed(0.002 * all as f64)
+        .update_while_editing(false);
+    // As wide as the largest number, so that nothing moves while this one does.
+    let size = vec2(
+        PREFIX + 9.0 * all.to_string().len() as f32,
+        ui.spacing().interact_size.y,
+    );
+    if ui.available_width() < size.x {
+        return;
+    }
+    let response = ui.add_sized(size, field).accessible_name("Samples shown");
+    response.known_as("prefix");
+    if response.changed() {
+        commands.push(Command::Time(TimeCommand::Jump(count)));
+    }
+    response.on_hover_text(glossary::PREFIX.meaning);
+}
+
 /// Shows the choice of the clock's tick.
 fn clock(ui: &mut Ui, context: &TimeContext<'_>, width: f32, commands: &mut Vec<Command>) {
     let playback = &context.time.playback;
     let chosen = ComboBox::from_id_salt("clock")
         .width(width)
-        .selected_text(playback.clock.name());
+        .selected_text(context.run.clock_name(playback.clock));
     let response = chosen.show_ui(ui, |ui| {
         for clock in Clock::ALL {
             let refusal = context.run.clock_refusal(clock);
-            let button = Button::selectable(playback.clock == clock, clock.name());
+            let name = context.run.clock_name(clock);
+            let button = Button::selectable(playback.clock == clock, name);
             let response = ui.add_enabled(refusal.is_none(), button);
             response.known_as(format_args!("clock.{}", Kebab(clock)));
             let response = response.on_disabled_hover_text(refusal.unwrap_or_default());
@@ -422,6 +464,7 @@ fn clock(ui: &mut Ui, context: &TimeContext<'_>, width: f32, commands: &mut Vec<
 /// Shows the choice of the speed.
 fn speed(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>) {
     let playback = &context.time.playback;
+    let unit = context.run.clock_name(playback.clock);
     let chosen =
         ComboBox::from_id_salt("speed")
             .width(58.0)
@@ -442,7 +485,7 @@ fn speed(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>) {
         for speed in SPEEDS {
             let same = playback.pace_secs().is_none() && (playback.speed - speed).abs() < 1e-6;
             if ui
-                .selectable_label(same, format!("{speed}\u{d7} by {}", playback.clock.name()))
+                .selectable_label(same, format!("{speed}\u{d7} by {unit}"))
                 .clicked()
             {
                 commands.push(Command::Time(TimeCommand::Speed(speed)));

@@ -39,12 +39,17 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             .filter(|_| room >= ROOM_FOR_RUN)
         {
             let parameters = &session.run().parameters;
-            let made = match &session.combination {
-                Some(_) => counted(session.summary.blocks, "piece", "pieces"),
-                None => format!("seed {}", parameters.seed),
+            let made = match (&session.combination, &session.nested) {
+                (Some(_), _) => counted(session.summary.blocks, "piece", "pieces"),
+                (None, Some(nested)) => counted(nested.claims.len(), "level", "levels"),
+                (None, None) => format!("seed {}", parameters.seed),
             };
             let count = grouped(session.summary.count);
-            let text = format!("{count} samples   r {}   {made}", parameters.radius);
+            let radius = match &session.nested {
+                Some(_) => format!("{:.6}", parameters.radius),
+                None => parameters.radius.to_string(),
+            };
+            let text = format!("{count} samples   r {radius}   {made}");
             ui.label(RichText::new(text).monospace().color(palette.muted))
                 .known_as("run-shown");
             if room >= ROOM_FOR_ENGINE {

@@ -1,17 +1,20 @@
 //! The track of the timeline: a segment per stage, wider the more events it has, with the cursor, scenes and the
-//! loop. Click or drag to move in time.
+//! loop. Click or drag to move in time. Nested levels have a segment per level, and the cursor is the prefix that is shown.
 
 use std::ops::Range;
 
 use egui::{
-    CursorIcon, FontId, Painter, Rect, Role, Sense, Shape, Stroke, Ui, WidgetInfo, pos2, vec2,
+    Color32, CursorIcon, FontId, Painter, Rect, Role, Sense, Shape, Stroke, Ui, WidgetInfo, pos2,
+    vec2,
 };
 use tilescope_core::Stage;
 use tilescope_debugger::{Marked, Recording};
+use tilescope_drawing::looks::level_age;
 use tilescope_drawing::palette::Palette;
+use tilescope_session::nested::NestedLevels;
 use tilescope_session::sentence::name_in;
 use tilescope_session::session::Session;
-use tilescope_session::words::stage_name;
+use tilescope_session::words::grouped;
 use tilescope_ui::theme::is_for_fingers;
 use tilescope_ui::widgets::{Kebab, Known};
 
@@ -24,39 +27,80 @@ pub(super) const HEIGHT: f32 = 54.0;
 /// Height on a small window, for touch.
 pub(super) const COMPACT_HEIGHT: f32 = 44.0;
 const BAR: f32 = 24.0;
+/// Height of the colour of a level at the bottom of its bar.
+const SWATCH: f32 = 5.0;
 
-/// A stage on the track.
+/// A stage or a level on the track.
 struct Segment {
     index: usize,
-    stage: Stage,
+    /// Its name, and a shorter one.
+    names: [String; 2],
+    /// Its name in ids.
+    key: String,
+    /// What a click does.
+    tip: String,
     left: f32,
     right: f32,
     events: Range<usize>,
 }
 
+/// Returns the names of a stage, its name in ids, and what a click on it does.
+fn of_stage(session: &Session, stage: Stage, events: usize) -> ([String; 2], String, String) {
+    let name = name_in(session, stage);
+    let tip = format!("To the end of stage {name}: {} events", grouped(events));
+    ([name.clone(), short(&name)], Kebab(stage).to_string(), tip)
+}
+
+/// Returns the same of a level.
+fn of_level(
+    session: &Session,
+    nested: &NestedLevels,
+    level: usize,
+) -> ([String; 2], String, String) {
+    let claim = nested.claims[level];
+    let radius = claim.distance / session.run().domain.radius();
+    let tip = format!(
+        "To the end of level {level}: {} samples",
+        grouped(claim.count)
+    );
+    let names = [format!("Level {level}: {radius:.2} r"), level.to_string()];
+    (names, format!("level-{level}"), tip)
+}
+
 /// Returns the segments of a session between `left` and `right`.
 fn segments(session: &Session, left: f32, right: f32) -> Vec<Segment> {
-    let count = session.stages.len();
-    let end = |index: usize| session.stage_end(index).unwrap_or(index);
+    let ends = session.ends();
+    let count = if ends.is_empty() {
+        session.stages.len()
+    } else {
+        ends.len()
+    };
+    let end = |index: usize| ends.get(index).copied().unwrap_or(index);
     let range = |index: usize| index.checked_sub(1).map_or(0, end)..end(index);
     let total: usize = (0..count).map(|index| range(index).len()).sum();
     let least = MIN_WIDTH.min((right - left) / count as f32);
     let room = (right - left - least * count as f32).max(0.0);
     let mut at = left;
-    let segment = |(index, &stage): (usize, &Stage)| {
+    let segment = |index: usize| {
         let events = range(index);
+        let (names, key, tip) = match &session.nested {
+            Some(nested) => of_level(session, nested, index),
+            None => of_stage(session, session.stages[index], events.len()),
+        };
         let width = least + room * events.len() as f32 / total.max(1) as f32;
         let from = at;
         at += width;
         Segment {
             index,
-            stage,
+            names,
+            key,
+            tip,
             left: from,
             right: at,
             events,
         }
     };
-    session.stages.iter().enumerate().map(segment).collect()
+    (0..count).map(segment).collect()
 }
 
 /// Returns where a cursor is on the track.
@@ -97,7 +141,9 @@ pub fn show(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>)
     };
     let segments = segments(session, rect.left() + 4.0, rect.right() - 4.0);
     let cursor = context.run.cursor().map_or(context.run.stage, |(at, _)| at);
-    response.widget_info(|| WidgetInfo::slider(true, cursor as f64, "Moment"));
+    let prefix = context.run.prefix();
+    let name = prefix.map_or("Moment", |_| "Samples shown");
+    response.widget_info(|| WidgetInfo::slider(true, cursor as f64, name));
     response.known_as("moment");
     if response.dragged()
         && let Some(pos) = response.interact_pointer_pos()
@@ -108,8 +154,20 @@ pub fn show(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>)
             None => commands.push(Command::Time(TimeCommand::ShowStage(target))),
         }
     }
+    let nested = session.nested.as_ref().zip(prefix);
+    let current = nested.map_or(context.run.stage, |(nested, count)| {
+        nested.level_of(count - 1)
+    });
     for segment in &segments {
-        show_segment(ui, context, segment, rect, commands);
+        let color = nested.map(|(nested, _)| palette.age(level_age(segment.index, nested)));
+        show_segment(
+            ui,
+            palette,
+            segment,
+            (segment.index == current, color),
+            rect,
+            commands,
+        );
     }
     let painter = ui.painter_at(rect.expand(6.0));
     if let Some(recording) = session.recording() {
@@ -129,17 +187,13 @@ pub fn show(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>)
 
 fn show_segment(
     ui: &Ui,
-    context: &TimeContext<'_>,
+    palette: &Palette,
     segment: &Segment,
+    (current, color): (bool, Option<Color32>),
     rect: Rect,
     commands: &mut Vec<Command>,
 ) {
-    let palette = context.palette;
-    let name = match &context.run.session {
-        Some(session) => name_in(session, segment.stage),
-        None => stage_name(segment.stage),
-    };
-    let current = segment.index == context.run.stage;
+    let [name, shorter] = &segment.names;
     let bar = Rect::from_min_max(
         pos2(segment.left + 1.0, rect.top()),
         pos2(segment.right - 1.0, rect.top() + BAR),
@@ -151,13 +205,17 @@ fn show_segment(
         palette.line.gamma_multiply(0.8)
     };
     ui.painter().rect_filled(bar, 3.0, fill);
+    if let Some(color) = color {
+        let swatch = bar.with_min_y(bar.bottom() - SWATCH);
+        ui.painter().rect_filled(swatch, 2.0, color);
+    }
     let response = ui.interact(
         label,
         ui.scope_id().with(("stage", segment.index)),
         Sense::click(),
     );
-    response.widget_info(|| WidgetInfo::selected(Role::Button, true, current, &name));
-    response.known_as(format_args!("stage.{}", Kebab(segment.stage)));
+    response.widget_info(|| WidgetInfo::selected(Role::Button, true, current, name));
+    response.known_as(format_args!("stage.{}", segment.key));
     let hot = response.hovered() || response.has_focus();
     let ink = if current || hot {
         palette.text
@@ -169,19 +227,15 @@ fn show_segment(
         ui.painter().layout_no_wrap(text.to_owned(), font, ink)
     };
     // A name that does not fit is left out rather than cut off; the tooltip has it.
-    let galleys = [laid(&name), laid(&short(&name))];
+    let galleys = [laid(name), laid(shorter)];
     let fits = |galley: &std::sync::Arc<egui::Galley>| galley.size().x <= label.width() + 2.0;
     if let Some(galley) = galleys.into_iter().find(fits) {
         let at = label.center_top() + vec2(-galley.size().x / 2.0, 4.0);
         ui.painter().galley(at, galley, ink);
     }
-    let tip = format!(
-        "To the end of stage {name}: {} events",
-        tilescope_session::words::grouped(segment.events.len())
-    );
     if response
         .on_hover_cursor(CursorIcon::PointingHand)
-        .on_hover_text(tip)
+        .on_hover_text(&segment.tip)
         .clicked()
     {
         commands.push(Command::Time(TimeCommand::ShowStage(segment.index)));

@@ -3,7 +3,7 @@
 use egui::{
     Color32, CursorIcon, FontId, RichText, Role, Sense, Stroke, StrokeKind, Ui, WidgetInfo, vec2,
 };
-use tilescope_analysis::Judge;
+use tilescope_analysis::{Judge, PrefixClaim, Report};
 use tilescope_drawing::palette::Palette;
 use tilescope_session::glossary;
 use tilescope_session::verification::{Verdict, Witness};
@@ -58,8 +58,12 @@ fn summary(context: &PanelContext<'_>, palette: &Palette) -> (String, Option<boo
         Verification::Pending(_) => ("verifying\u{2026}".to_owned(), None, palette.muted),
         Verification::Failed(_) => ("no verdict".to_owned(), Some(false), palette.conflict),
         Verification::Done(verdict) => {
-            let report = &verdict.report;
-            let text = match (report.conflict_free(), report.maximal()) {
+            let well = verdict.valid();
+            let of_prefix = |claim: PrefixClaim| {
+                let word = if well { "verified" } else { "not valid" };
+                format!("first {}: {word}", grouped(claim.count))
+            };
+            let of_result = || match (verdict.conflict_free(), verdict.maximal()) {
                 (true, true) if context.run.is_at_end() => "verified".to_owned(),
                 // The canvas does not show the final result yet.
                 (true, true) => "final result verified".to_owned(),
@@ -67,8 +71,10 @@ fn summary(context: &PanelContext<'_>, palette: &Palette) -> (String, Option<boo
                 (false, true) => "not conflict-free".to_owned(),
                 (false, false) => "conflicts and gaps".to_owned(),
             };
-            let well = report.valid();
-            let color = if well {
+            let text = verdict.claim.map_or_else(of_result, of_prefix);
+            let color = if context.run.prefix_at_work().is_some() {
+                palette.muted
+            } else if well {
                 palette.inserted
             } else {
                 palette.conflict
@@ -85,7 +91,19 @@ fn explanation(context: &PanelContext<'_>) -> String {
             format!("The verifier is at work: {:.0}%.", job.fraction() * 100.0)
         }
         Verification::Failed(reason) => reason.clone(),
-        Verification::Done(verdict) if verdict.report.valid() => format!(
+        Verification::Done(verdict) if verdict.claim.is_some() => {
+            let judges = Judge::joined(&verdict.report.judges);
+            let next = context
+                .run
+                .prefix_at_work()
+                .map_or_else(String::new, |count| {
+                    format!(" The first {} are being verified.", grouped(count))
+                });
+            format!(
+                "Found by {judges}, which share no code with the sampler. Click to see these samples and their closest pair, or what is wrong.{next}"
+            )
+        }
+        Verification::Done(verdict) if verdict.valid() => format!(
             "Conflict-free and maximal, verified by {}, which share no code with the sampler. Click to see the closest pair.",
             Judge::joined(&verdict.report.judges)
         ),
@@ -101,29 +119,18 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
     ui.spacing_mut().interact_size.y = 21.0;
     let verdict = context.run.verdict();
     let report = verdict.map(|v| &v.report);
-    let free = report.map(|r| (r.conflict_free(), conflicts_in(r)));
-    property(
-        ui,
-        ("Conflict-free", glossary::CONFLICT.meaning),
-        free.as_ref(),
-        palette,
-    );
-    let maximal = report.map(|r| {
-        let count = counted(r.gaps as usize, "open place", "open places");
-        (r.maximal(), count)
-    });
-    property(
-        ui,
-        ("Maximal", glossary::MAXIMAL.meaning),
-        maximal.as_ref(),
-        palette,
-    );
+    let unit = context.run.session.as_ref();
+    let unit = unit.map_or(1.0, |session| session.run().domain.radius());
+    match verdict.and_then(|verdict| Some((verdict, verdict.claim?))) {
+        Some((verdict, claim)) => guarantee(ui, verdict, claim, unit, palette),
+        None => properties(ui, report, palette),
+    }
     let number = |value: Option<f64>, digits: usize, unit: &str| match value {
         Some(value) if value.is_finite() => format!("{value:.digits$}{unit}"),
         Some(_) => "none".to_owned(),
         None => "\u{2013}".to_owned(),
     };
-    let in_radii = |value: fn(&Verdict) -> f64| verdict.map(|v| value(v) / v.report.radius);
+    let in_radii = |value: fn(&Verdict) -> f64| verdict.map(|v| value(v) / unit);
     let least = number(in_radii(|v| v.report.min_distance), 6, " r");
     let cover = number(in_radii(|v| v.report.covering_radius), 6, " r");
     let density = number(report.map(|r| r.density), 4, "");
@@ -134,7 +141,15 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
         ("Covering radius", glossary::COVERING_RADIUS, &cover),
         ("Density N r\u{b2}/A", glossary::DENSITY, &density),
         ("Relative radius", glossary::RELATIVE_RADIUS, &relative),
-        ("Samples", glossary::SAMPLE, &count),
+        (
+            if context.run.prefix().is_some() {
+                "First samples"
+            } else {
+                "Samples"
+            },
+            glossary::SAMPLE,
+            &count,
+        ),
     ] {
         let shown = ui.scope(|ui| row(ui, name, value, palette));
         shown.response.on_hover_text(term.meaning);
@@ -173,6 +188,52 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
         ui.label(RichText::new(reason).color(palette.conflict));
     }
     divide(ui, palette);
+}
+
+/// Shows whether a set is conflict-free and maximal.
+fn properties(ui: &mut Ui, report: Option<&Report>, palette: &Palette) {
+    let free = report.map(|r| (r.conflict_free(), conflicts_in(r)));
+    property(
+        ui,
+        ("Conflict-free", glossary::CONFLICT.meaning),
+        free.as_ref(),
+        palette,
+    );
+    let maximal = report.map(|r| {
+        let count = counted(r.gaps as usize, "open place", "open places");
+        (r.maximal(), count)
+    });
+    property(
+        ui,
+        ("Maximal", glossary::MAXIMAL.meaning),
+        maximal.as_ref(),
+        palette,
+    );
+}
+
+/// Shows whether a prefix of nested levels is as it is to be.
+fn guarantee(ui: &mut Ui, verdict: &Verdict, claim: PrefixClaim, unit: f64, palette: &Palette) {
+    let of = |well: bool| (well, "not as promised".to_owned());
+    let distance = format!("Distances over {:.3} r", claim.distance / unit);
+    let apart = of(verdict.conflict_free());
+    property(
+        ui,
+        (&distance, glossary::PREFIX.meaning),
+        Some(&apart),
+        palette,
+    );
+    let covering = claim.covering.map(|covering| covering / unit);
+    let name = covering.map_or_else(
+        || "Covering not promised".to_owned(),
+        |covering| format!("Covering up to {covering:.3} r"),
+    );
+    let covers = covering.map(|_| of(verdict.maximal()));
+    property(
+        ui,
+        (&name, glossary::COVERING_RADIUS.meaning),
+        covers.as_ref(),
+        palette,
+    );
 }
 
 /// Returns "Delaunay, circles".

@@ -185,7 +185,7 @@ pub(super) fn nearest(
 ) -> Option<u32> {
     let shown = subject.shown;
     let position = subject.camera.domain_from_screen(response.rect, pos);
-    let reach = (reach / subject.camera.scale).min(1.5);
+    let reach = (reach / subject.camera.scale).min(1.5 * shown.spacing());
     let mut best: Option<(f64, u32)> = None;
     shown
         .session

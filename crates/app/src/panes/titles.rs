@@ -88,6 +88,9 @@ fn title(
                 "piece",
                 "pieces",
             ));
+        } else if let Some(nested) = &own.nested {
+            let levels = nested.claims.len();
+            parts.push(tilescope_session::words::counted(levels, "level", "levels"));
         } else if parts.is_empty() {
             parts.push(format!("seed {}", own.run().parameters.seed));
         }
@@ -113,7 +116,7 @@ fn title(
 
 fn verdict(verification: &Verification) -> &'static str {
     match verification {
-        Verification::Done(verdict) if verdict.report.valid() => "verified",
+        Verification::Done(verdict) if verdict.valid() => "verified",
         Verification::Done(_) => "not valid",
         Verification::Pending(_) => "being verified",
         Verification::Failed(_) => "not verified",

@@ -18,6 +18,7 @@ mod link;
 mod marks;
 mod menus;
 mod names;
+mod nested;
 mod panels;
 mod passes;
 mod passes_panel;

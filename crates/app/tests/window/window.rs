@@ -4,7 +4,7 @@ use egui_kittest::Harness;
 use tilescope_app::{App, tiles};
 use tilescope_core::{Search, Stage};
 use tilescope_session::combination::CombineCommand;
-use tilescope_session::layers::Layer;
+use tilescope_session::layers::{Layer, SessionKind};
 use tilescope_ui::widgets::Kebab;
 use tilescope_workbench::Command;
 use tilescope_workbench::command::{FormCommand, GpuCommand, WindowCommand};
@@ -128,8 +128,8 @@ fn a_failing_verdict_is_red_and_flies_to_the_gap() {
 #[test]
 fn every_layer_of_a_run_or_a_combination_has_a_chip_that_toggles_it() {
     let mut harness = opened();
-    for combination in [false, true] {
-        if combination {
+    for kind in [SessionKind::Run, SessionKind::Combination] {
+        if kind == SessionKind::Combination {
             let command = Command::Combine(CombineCommand::Nine);
             harness.state_mut().state.apply(command);
             settle(&mut harness);
@@ -137,10 +137,10 @@ fn every_layer_of_a_run_or_a_combination_has_a_chip_that_toggles_it() {
         for layer in Layer::ALL {
             let id = format!("layer.{}", Kebab(layer));
             let chip = find(&harness, &id);
-            assert_eq!(chip.is_some(), layer.is_of(combination), "{layer:?}");
+            assert_eq!(chip.is_some(), layer.is_of(kind), "{layer:?}");
             let before = harness.state().state.appearance.layers(None).has(layer);
             if let Some(chip) = chip {
-                assert_eq!(text(&harness, &id), layer.name_in(combination));
+                assert_eq!(text(&harness, &id), layer.name_in(kind));
                 chip.click();
                 harness.run();
                 assert_ne!(
@@ -151,7 +151,8 @@ fn every_layer_of_a_run_or_a_combination_has_a_chip_that_toggles_it() {
             }
         }
     }
-    let of_none = |layer: &Layer| !layer.is_of(false) && !layer.is_of(true);
+    let of_none =
+        |layer: &Layer| !layer.is_of(SessionKind::Run) && !layer.is_of(SessionKind::Combination);
     assert_eq!(Layer::ALL.iter().find(|layer| of_none(layer)), None);
 }
 

@@ -13,6 +13,8 @@ use super::still::{Origin, Stills};
 
 /// Bytes of a position and of a look.
 pub const BYTES_PER_SAMPLE: u64 = 8;
+/// Bytes of an id.
+pub const BYTES_PER_ID: u64 = 4;
 /// Number of frame parameters kept at once: more than one frame of the window needs.
 const SLOTS: u32 = 512;
 /// Bytes from one slot to the next: the largest alignment that a device may ask for.
@@ -32,7 +34,7 @@ pub struct LayerUniforms {
     pub outline: [f32; 4],
     pub disk: [f32; 2],
     pub kinds: u32,
-    pub unused: u32,
+    pub shown: u32,
 }
 
 /// The mark of a sample.
@@ -53,6 +55,7 @@ struct GpuBuffers {
     parameters: wgpu::BindGroup,
     positions: wgpu::Buffer,
     looks: wgpu::Buffer,
+    ids: wgpu::Buffer,
     stills: Stills,
 }
 
@@ -82,6 +85,7 @@ impl Gpu {
             frames,
             positions: sample_buffer(device, "samples: positions", 0),
             looks: sample_buffer(device, "samples: looks", 0),
+            ids: sample_buffer(device, "samples: ids", 0),
             stills: Stills::new(render),
         };
         let gpu = Self {
@@ -103,19 +107,23 @@ impl Gpu {
         self.render.device.limits().max_buffer_size / BYTES_PER_SAMPLE
     }
 
-    /// Creates buffers for samples at `positions`; their styles are written later.
-    pub fn replace(&mut self, positions: &[[i32; 2]]) {
+    /// Creates buffers for samples at `positions` with their ids; their styles are written later.
+    pub fn replace(&mut self, positions: &[[i32; 2]], ids: &[u32]) {
         self.revision.update(|revision| revision + 1);
         let device = &self.render.device;
         self.positions = sample_buffer(device, "samples: positions", positions.len());
         self.looks = sample_buffer(device, "samples: looks", positions.len());
         let bytes = bytemuck::cast_slice(positions);
         self.render.queue.write_buffer(&self.positions, 0, bytes);
+        let id_buffer = sample_buffer(device, "samples: ids", ids.len());
+        let bytes = bytemuck::cast_slice(ids);
+        self.render.queue.write_buffer(&id_buffer, 0, bytes);
         let mut renderer = self.render.renderer.write();
         let residents = renderer.callback_resources.get_mut::<Residents>();
         if let Some(resident) = residents.and_then(|all| all.0.get_mut(&self.key)) {
             resident.positions = self.positions.clone();
             resident.looks = self.looks.clone();
+            resident.ids = id_buffer;
         }
     }
 
@@ -181,6 +189,7 @@ impl Drawing {
         pass.set_pipeline(&resident.pipelines[self.kind as usize]);
         pass.set_vertex_buffer(0, resident.positions.slice(..));
         pass.set_vertex_buffer(1, resident.looks.slice(..));
+        pass.set_vertex_buffer(2, resident.ids.slice(..));
         // A frame laid out before the samples were replaced must not draw beyond the new buffer.
         let count = (resident.positions.size() / BYTES_PER_SAMPLE) as u32;
         for part in &self.parts {

@@ -1,6 +1,6 @@
 //! The order of samples in GPU buffers: levels of increasing density, each sorted by grid cell. A region of the plane
 //! is a few ranges, and a thinned subset is a prefix. A level adds the samples that are far enough from those before, so
-//! that a thinned set of blue noise still looks like one, only coarser.
+//! that a thinned set of blue noise still looks like one, only coarser. Nested levels are such levels as they are.
 
 use std::ops::Range;
 
@@ -9,7 +9,7 @@ use tilescope_core::{Domain, Point, R};
 use tilescope_session::units::{radii, size};
 
 /// About every 64th sample, then every 16th, every fourth, and the rest.
-pub const LEVELS: usize = 4;
+const LEVELS: usize = 4;
 /// The smallest distances between the samples of a level and those before, in r; the last level has the rest.
 const DISTANCES: [f64; LEVELS - 1] = [8.0, 4.0, 2.0];
 /// Most cells of the grid; a level holds their offsets.
@@ -27,6 +27,8 @@ pub struct CellOrder {
     side: f64,
     cells: [usize; 2],
     size: DVec2,
+    /// How many samples there are to the end of each level.
+    ends: Vec<u32>,
     /// The first position of each cell, by level; one more entry at the end.
     starts: Vec<u32>,
     /// The sample at each position.
@@ -36,8 +38,9 @@ pub struct CellOrder {
 }
 
 impl CellOrder {
-    /// Returns the order of `points`: the same for the same points.
-    pub fn new(domain: &Domain, points: &[Point]) -> Self {
+    /// Returns the order of `points`: the same for the same points. They may have nested levels, whose ends are
+    /// `nested`.
+    pub fn new(domain: &Domain, points: &[Point], nested: &[usize]) -> Self {
         let size = size(domain);
         let side = (size.element_product() / MAX_CELLS).sqrt().max(MIN_CELL);
         let mut order = Self {
@@ -47,7 +50,13 @@ impl CellOrder {
             ..Self::default()
         };
         let by_cell = order.by_cell(points);
-        order.split_into_levels(points, &by_cell);
+        let levels = if nested.is_empty() {
+            order.levels(points, &by_cell)
+        } else {
+            let level = |id: &u32| nested.partition_point(|&end| end <= *id as usize);
+            by_cell.iter().map(level).collect()
+        };
+        order.split_into_levels(points, &by_cell, &levels, nested.len().max(LEVELS));
         order
     }
 
@@ -84,17 +93,25 @@ impl CellOrder {
     }
 
     /// Assigns samples to levels and sorts them by level and cell.
-    fn split_into_levels(&mut self, points: &[Point], by_cell: &[u32]) {
+    fn split_into_levels(
+        &mut self,
+        points: &[Point],
+        by_cell: &[u32],
+        levels: &[usize],
+        count: usize,
+    ) {
         let cells = self.cell_count();
-        self.starts = vec![0_u32; LEVELS * cells + 1];
-        let levels = self.levels(points, by_cell);
+        self.starts = vec![0_u32; count * cells + 1];
         let slot = |level: usize, id: u32| level * cells + self.cell_of(points[id as usize]);
-        let slots = levels.into_iter().zip(by_cell);
-        let slots: Vec<usize> = slots.map(|(level, &id)| slot(level, id)).collect();
+        let slots = levels.iter().zip(by_cell);
+        let slots: Vec<usize> = slots.map(|(&level, &id)| slot(level, id)).collect();
         for slot in &slots {
             self.starts[slot + 1] += 1;
         }
         accumulate(&mut self.starts);
+        self.ends = (1..=count)
+            .map(|level| self.starts[level * cells])
+            .collect();
         let mut next = self.starts.clone();
         self.ids = vec![0; points.len()];
         self.positions = vec![0; points.len()];
@@ -127,6 +144,13 @@ impl CellOrder {
         levels
     }
 
+    /// Returns how many levels hold the first `count` samples, at least one, and how many samples these levels have.
+    pub fn levels_of(&self, count: u32) -> (usize, u32) {
+        let level = self.ends.partition_point(|&end| end < count);
+        let level = level.min(self.ends.len().saturating_sub(1));
+        (level + 1, self.ends.get(level).copied().unwrap_or(0))
+    }
+
     /// Returns the positions of the samples of the first `levels` levels in the cells that meet the rectangle from
     /// `low` to `high`, in r: all samples of those levels in it, and some around it.
     pub fn ranges(&self, low: DVec2, high: DVec2, levels: usize) -> Vec<Range<u32>> {
@@ -134,7 +158,7 @@ impl CellOrder {
         let (Some(columns), Some(rows)) = (self.span(low, high, 0), self.span(low, high, 1)) else {
             return ranges;
         };
-        for level in 0..levels.min(LEVELS) {
+        for level in 0..levels.min(self.ends.len()) {
             for row in rows.clone() {
                 let first = level * self.cell_count() + row * self.cells[0];
                 let range = self.starts[first + columns.start]..self.starts[first + columns.end];
@@ -261,7 +285,7 @@ mod tests {
     #[test]
     fn every_sample_has_one_position() {
         let (domain, points) = grid();
-        let order = CellOrder::new(&domain, &points);
+        let order = CellOrder::new(&domain, &points, &[]);
         let mut all = order.ids.clone();
         all.sort_unstable();
         assert!(all.iter().copied().eq(0..10_000));
@@ -275,7 +299,7 @@ mod tests {
     #[test]
     fn a_view_holds_all_its_samples_and_few_others() {
         let (domain, points) = grid();
-        let order = CellOrder::new(&domain, &points);
+        let order = CellOrder::new(&domain, &points, &[]);
         let (low, high) = ([20.0, 31.0], [40.0, 44.0]);
         let seen = ids(&order, low, high, LEVELS);
         for (id, point) in (0..).zip(&points) {
@@ -291,7 +315,7 @@ mod tests {
     #[test]
     fn levels_are_a_64th_a_16th_a_quarter_and_all_everywhere() {
         let (domain, points) = grid();
-        let order = CellOrder::new(&domain, &points);
+        let order = CellOrder::new(&domain, &points, &[]);
         for (levels, share) in [(1, 64), (2, 16), (3, 4), (4, 1)] {
             for corner in [[0.0, 0.0], [0.0, 50.0], [50.0, 0.0], [50.0, 50.0]] {
                 let far = corner.map(|from| from + 49.0);
@@ -311,7 +335,7 @@ mod tests {
     #[test]
     fn the_samples_of_a_thinned_set_keep_their_distance() {
         let (domain, points) = grid();
-        let order = CellOrder::new(&domain, &points);
+        let order = CellOrder::new(&domain, &points, &[]);
         let at = |id: u32| {
             let point = points[id as usize];
             DVec2::new(radii(point.x), radii(point.y))
@@ -329,11 +353,27 @@ mod tests {
     }
 
     #[test]
+    fn nested_levels_are_the_levels() {
+        let (domain, points) = grid();
+        let order = CellOrder::new(&domain, &points, &[100, 2_500, 10_000]);
+        for (levels, count) in [(1, 100), (2, 2_500), (3, 10_000)] {
+            let mut seen = ids(&order, [0.0; 2], [SIDE; 2], levels);
+            seen.sort_unstable();
+            assert!(seen.into_iter().eq(0..count));
+        }
+        let of = |count| order.levels_of(count);
+        assert_eq!([of(0), of(100), of(101)], [(1, 100), (1, 100), (2, 2_500)]);
+        assert_eq!(of(u32::MAX), (3, 10_000));
+        let plain = CellOrder::new(&domain, &points, &[]);
+        assert_eq!(plain.levels_of(u32::MAX), (LEVELS, 10_000));
+    }
+
+    #[test]
     fn samples_outside_the_domain_are_found_and_no_samples_work() {
         let domain = Domain::from_size([SIDE; 2], 1.0, Boundary::Bounded).unwrap();
-        let order = CellOrder::new(&domain, &[Point::new(-R, 5 * R)]);
+        let order = CellOrder::new(&domain, &[Point::new(-R, 5 * R)], &[]);
         assert_eq!(ids(&order, [-1.2, 4.0], [-0.9, 6.0], LEVELS), [0]);
-        let empty = CellOrder::new(&domain, &[]);
+        let empty = CellOrder::new(&domain, &[], &[]);
         assert!(
             empty
                 .ranges(DVec2::ZERO, DVec2::splat(SIDE), LEVELS)

@@ -2,10 +2,11 @@
 
 use eframe::egui_wgpu::{RenderState, wgpu};
 
-use super::gpu::{BYTES_PER_SAMPLE, InstanceKind};
+use super::gpu::{BYTES_PER_ID, BYTES_PER_SAMPLE, InstanceKind};
 
 const POSITION: [wgpu::VertexAttribute; 1] = wgpu::vertex_attr_array![0 => Sint32x2];
 const LOOK: [wgpu::VertexAttribute; 2] = wgpu::vertex_attr_array![1 => Unorm8x4, 2 => Uint32];
+const ID: [wgpu::VertexAttribute; 1] = wgpu::vertex_attr_array![3 => Uint32];
 
 /// Returns the pipelines of disks, symbols and points, in the order of [`InstanceKind`].
 pub fn pipelines(
@@ -36,14 +37,18 @@ pub fn pipelines(
                 wgpu::PrimitiveTopology::TriangleStrip,
             ),
         };
-        let buffer = |attributes| {
+        let buffer = |array_stride, attributes| {
             Some(wgpu::VertexBufferLayout {
-                array_stride: BYTES_PER_SAMPLE,
+                array_stride,
                 step_mode,
                 attributes,
             })
         };
-        let buffers = [buffer(&POSITION), buffer(&LOOK)];
+        let buffers = [
+            buffer(BYTES_PER_SAMPLE, &POSITION[..]),
+            buffer(BYTES_PER_SAMPLE, &LOOK),
+            buffer(BYTES_PER_ID, &ID),
+        ];
         let entries = [vertex, names[kind as usize]];
         pipeline(render, layout, &shader, entries, &buffers, topology)
     })

@@ -9,7 +9,7 @@ struct Frame {
     rest: vec2<f32>,
     // Pixels per r, pixels per lattice unit, pixels per screen point, opacity of points.
     scale: vec4<f32>,
-    // Radii of dot, cross, diamond and ring in pixels.
+    // Radii of dot, cross, diamond and ring in pixels, or of disks.
     radii: vec4<f32>,
     // Outlines, premultiplied, gamma encoded.
     outline: vec4<f32>,
@@ -17,7 +17,8 @@ struct Frame {
     disk: vec2<f32>,
     // Bit k: symbols of kind k are drawn.
     kinds: u32,
-    unused: u32,
+    // Only samples of ids below this are drawn.
+    shown: u32,
 };
 
 @group(0) @binding(0) var<uniform> frame: Frame;
@@ -30,6 +31,7 @@ struct Sample {
     @location(0) place: vec2<i32>,
     @location(1) color: vec4<f32>,
     @location(2) look: u32,
+    @location(3) id: u32,
 };
 
 struct Mark {
@@ -52,8 +54,8 @@ fn clip_from_pixel(pixel: vec2<f32>) -> vec4<f32> {
     return vec4<f32>(unit.x, -unit.y, 0.0, 1.0);
 }
 
-fn is_shown(look: u32) -> bool {
-    return ((frame.kinds >> (look & 7u)) & 1u) == 1u;
+fn is_shown(in: Sample) -> bool {
+    return ((frame.kinds >> (in.look & 7u)) & 1u) == 1u && in.id < frame.shown;
 }
 
 // The corner of a square around `middle`, cut off at the border of the target: what lies beyond is not interpolated.
@@ -68,11 +70,11 @@ fn disk_corner(@builtin(vertex_index) index: u32, in: Sample) -> Mark {
     let middle = pixel_from_lattice(in.place);
     var out: Mark;
     out.position = NOWHERE;
-    if (in.look & 8u) != 0u {
-        out.position = corner(index, middle, frame.scale.x + frame.scale.z + 1.0);
+    if (in.look & 8u) != 0u && in.id < frame.shown {
+        out.position = corner(index, middle, frame.radii.x + frame.scale.z + 1.0);
     }
     out.color = in.color;
-    out.shape = vec4<f32>(middle, frame.scale.x, 0.0);
+    out.shape = vec4<f32>(middle, frame.radii.x, 0.0);
     return out;
 }
 
@@ -89,7 +91,7 @@ fn symbol_corner(@builtin(vertex_index) index: u32, in: Sample) -> Mark {
     radius *= size;
     var out: Mark;
     out.position = NOWHERE;
-    if is_shown(in.look) {
+    if is_shown(in) {
         let around = (1.0 + OUTLINE * f32(outlined)) * frame.scale.z + 1.0;
         out.position = corner(index, middle, radius + around);
     }
@@ -103,7 +105,7 @@ fn point(in: Sample) -> Mark {
     let middle = pixel_from_lattice(in.place);
     var out: Mark;
     out.position = NOWHERE;
-    if is_shown(in.look) {
+    if is_shown(in) {
         out.position = clip_from_pixel(middle);
     }
     out.color = in.color * frame.scale.w;

@@ -37,6 +37,10 @@ pub struct PaintOptions {
     pub disk_ring: f32,
     /// Whether samples outside the view are skipped; the picture is the same either way.
     pub cull: bool,
+    /// The radius of disks, in r.
+    pub disk_radius: f64,
+    /// Only samples of ids below this are drawn: the first of nested levels.
+    pub shown: u32,
 }
 
 impl PaintOptions {
@@ -51,6 +55,8 @@ impl PaintOptions {
             disk_fill: 0.07,
             disk_ring: 0.62,
             cull: true,
+            disk_radius: 1.0,
+            shown: u32::MAX,
         }
     }
 
@@ -76,10 +82,20 @@ impl PaintOptions {
         Self { images, ..self }
     }
 
+    /// Returns these options for the first `shown` samples alone, with disks of this radius, in r.
+    #[must_use]
+    pub const fn with_prefix(self, shown: u32, disk_radius: f64) -> Self {
+        Self {
+            disk_radius,
+            shown,
+            ..self
+        }
+    }
+
     /// Returns how far a mark extends from its position, in screen points, including antialiasing.
     fn reach(&self, scale: f64) -> f64 {
         match self.marks {
-            Marks::Disks => scale + 3.0,
+            Marks::Disks => scale * self.disk_radius + 3.0,
             Marks::Symbols(_) => {
                 // Sizes up to 15 times the usual are rare, but must not vanish at the border either.
                 f64::from(self.radii.into_iter().fold(0.0, f32::max)) * 2.0 + 4.0
@@ -158,9 +174,9 @@ impl PlaneView {
         // Clamped: beyond these bounds nothing is in view.
         let whole = center.floor().clamp(DVec2::splat(-1e9), DVec2::splat(1e9));
         let middle = self.rect.center();
-        let kinds = match options.marks {
-            Marks::Disks => 0,
-            Marks::Symbols(symbols) => symbols.0,
+        let (kinds, radii) = match options.marks {
+            Marks::Disks => (0, [(self.scale() * options.disk_radius) as f32; 4]),
+            Marks::Symbols(symbols) => (symbols.0, options.radii.map(|radius| radius * pixels)),
         };
         LayerUniforms {
             target_size: [0.0; 2],
@@ -173,14 +189,14 @@ impl PlaneView {
                 pixels,
                 1.0,
             ],
-            radii: options.radii.map(|radius| radius * pixels),
+            radii,
             outline: options
                 .outline
                 .to_array()
                 .map(|byte| f32::from(byte) / 255.0),
             disk: [options.disk_fill, options.disk_ring],
             kinds,
-            unused: 0,
+            shown: options.shown,
         }
     }
 }

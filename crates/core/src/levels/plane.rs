@@ -150,6 +150,13 @@ impl NestedPlane {
         })
     }
 
+    /// Returns the domain of such a plane, or why there is none, without making a pattern.
+    ///
+    /// Fails as [`Self::new`].
+    pub fn check(parameters: &Parameters, levels: u32) -> Result<Domain, ParameterError> {
+        check(parameters, levels)
+    }
+
     /// Returns the plane with large windows cut into ones of `radii` finest radii a side instead of 512. The samples are
     /// the same.
     #[must_use]

@@ -19,7 +19,7 @@ const DIMMED: f32 = 0.42;
 
 /// Calls `visit` with every sample whose symbol may reach into view.
 pub fn visit(scene: &Scene<'_>, mut visit: impl FnMut(u32, Pos2)) {
-    let reach = 6.0 / scene.subject.camera.scale;
+    let reach = 6.0 * scene.shown.spacing() / scene.subject.camera.scale;
     let index = &scene.session.index;
     index.visit(scene.low, scene.high, reach, |seen| {
         if !seen.image {
@@ -41,17 +41,17 @@ pub fn pattern(scene: &Scene<'_>, surface: &mut impl Surface) {
 /// Draws the disks of the samples that cover them.
 pub fn disks(scene: &Scene<'_>, looks: &Looks<'_>, surface: &mut impl Surface) {
     let index = &scene.session.index;
-    index.visit(scene.low, scene.high, 1.0, |seen| {
+    index.visit(scene.low, scene.high, scene.shown.disk_radius(), |seen| {
         let look = looks.of(seen.id);
         if look.disk {
-            surface.disk(scene.at(seen.position), scene.scale(), look.color);
+            surface.disk(scene.at(seen.position), scene.disk_scale(), look.color);
         }
     });
 }
 
 /// Draws the samples, eliminated ones below the others.
 pub fn draw(scene: &Scene<'_>, looks: &Looks<'_>, surface: &mut impl Surface) {
-    let [radius, cross, diamond, _] = radii_at(scene.scale());
+    let [radius, cross, diamond, _] = radii_at(scene.symbol_scale());
     let around = outline(diamond);
     visit(scene, |id, pos| {
         let look = looks.of(id);
@@ -71,12 +71,11 @@ pub fn draw(scene: &Scene<'_>, looks: &Looks<'_>, surface: &mut impl Surface) {
 
 /// Draws the copies of samples around a periodic domain, dimmed.
 pub fn copies(scene: &Scene<'_>, looks: &Looks<'_>, surface: &mut impl Surface) {
-    let [radius, ..] = radii_at(scene.scale());
+    let [radius, ..] = radii_at(scene.symbol_scale());
     let index = &scene.session.index;
-    index.visit(scene.low, scene.high, AROUND, |seen| {
+    index.visit_images(scene.low, scene.high, AROUND, |seen| {
         let look = looks.of(seen.id);
-        let is_shown = matches!(look.symbol, Symbol::Dot | Symbol::Diamond);
-        if seen.image && is_shown {
+        if matches!(look.symbol, Symbol::Dot | Symbol::Diamond) {
             let color = look.color.gamma_multiply(DIMMED);
             surface.mark(Mark::Dot, scene.at(seen.position), [radius, 0.0], color);
         }

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use tilescope_drawing::surface::Stroke;
 use tilescope_drawing::symbol::{SymbolShape, symbol};
 use tilescope_figures::{Baseline, Font, Group, Shape, Text, text_width, wrapped};
-use tilescope_session::layers::{Layer, Layers};
+use tilescope_session::layers::{Layer, Layers, SessionKind};
 
 use super::picture::PictureView;
 use super::surface::{at, color, line, style};
@@ -17,8 +17,8 @@ use super::surface::{at, color, line, style};
 pub struct Legend {
     /// The layers.
     pub layers: Layers,
-    /// Whether the session is a combination, in which some layers have other meanings.
-    pub combination: bool,
+    /// The kind of the session, in which some layers have other meanings.
+    pub kind: SessionKind,
 }
 
 /// Font size of the caption, relative to the picture's width.
@@ -55,15 +55,11 @@ impl Below {
         let lines = wrapped(&view.caption, room, CAPTION_SIZE * width);
         let mut height = lines.len() as f64 * LINE_HEIGHT * CAPTION_SIZE * width;
         let mut entries = Vec::new();
-        if let Some(Legend {
-            layers,
-            combination,
-        }) = view.legend
-        {
+        if let Some(Legend { layers, kind }) = view.legend {
             let size = LEGEND_SIZE * width;
             let mut x = 0.0;
-            for layer in layers.iter().filter(|layer| layer.is_of(combination)) {
-                let meaning = layer.meaning(combination);
+            for layer in layers.iter().filter(|layer| layer.is_of(kind)) {
+                let meaning = layer.meaning(kind);
                 let wide = 2.0 * SYMBOL_WIDTH * size + text_width(meaning, Font::Regular, size);
                 if x > 0.0 && x + wide > room {
                     (x, height) = (0.0, height + LINE_HEIGHT * size);

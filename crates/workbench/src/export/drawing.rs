@@ -26,7 +26,7 @@ pub(super) fn groups(
     causes: Option<&BrushedCause>,
     frame: Rect,
 ) -> Vec<Group> {
-    let layers = view.layers(shown.stage);
+    let layers = shown.session.drawable(view.layers(shown.stage));
     let shows_gaps = layers.has(Layer::Gaps) && view.camera.scale >= MIN_DISK_SCALE;
     let is_wanted = shows_gaps || layers.has_net();
     let geometry = if is_wanted && shown.stage >= Stage::Tile {
@@ -83,7 +83,7 @@ fn subject<'a>(
     Subject {
         shown,
         camera: view.camera,
-        layers: view.layers(shown.stage),
+        layers: shown.session.drawable(view.layers(shown.stage)),
         colouring: view.colouring,
         hovered: None,
         selected,

@@ -15,7 +15,7 @@ use tilescope_figures::{
 use tilescope_session::layers::{Colouring, Layer, Layers};
 use tilescope_session::moment::{Moment, ShownMoment};
 use tilescope_session::selection::Selection;
-use tilescope_session::sentence::stage_sentence;
+use tilescope_session::sentence::{happened, stage_sentence};
 use tilescope_session::session::Session;
 use tilescope_session::words::{counted, grouped};
 
@@ -188,6 +188,7 @@ pub(crate) fn thumbnail(session: &Session, MomentView { moment, view }: &MomentV
         session,
         debugger: debugger.as_ref(),
         stage: moment.stage,
+        prefix: moment.prefix(session),
     };
     let [width, height] = view.size;
     let mut scene = Scene::new(width, height, color(view.outside()));
@@ -208,6 +209,7 @@ fn drawn(
         session,
         debugger: debugger.as_ref(),
         stage: moment.stage,
+        prefix: moment.prefix(session),
     };
     let palette = view.palette();
     let background = if view.print {
@@ -258,6 +260,9 @@ fn heading(scene: &mut Scene, shown: &ShownMoment<'_>, view: &PictureView) {
 
 /// Returns the moment in a sentence: the result, a whole stage, or the last event.
 fn moment_sentence(shown: &ShownMoment<'_>) -> String {
+    if shown.prefix.is_some() {
+        return happened(Some(shown));
+    }
     let session = shown.session;
     let last = shown.cursor().checked_sub(1);
     match (shown.debugger, last) {

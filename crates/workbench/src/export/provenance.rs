@@ -6,11 +6,13 @@ use serde_json::{Value, json};
 use tilescope_core::{Fate, Origin, Run};
 use tilescope_debugger::{digest, pattern_digest};
 use tilescope_formats::{PointSet, Provenance};
+use tilescope_session::layers::SessionKind;
 use tilescope_session::session::Session;
 
 /// Returns samples of a run by id, with their origins.
 pub(crate) fn point_set(run: &Run, ids: &[u32]) -> PointSet {
     let samples = &run.samples;
+    let has_sources = !run.blocks.leaves.is_empty();
     let provenance = |&id: &u32| match samples.origins[id as usize] {
         Origin::Tiled { block, pattern, .. } => Provenance::tiled(block, pattern),
         Origin::Inserted { iteration, .. } => Provenance::inserted(iteration),
@@ -22,16 +24,17 @@ pub(crate) fn point_set(run: &Run, ids: &[u32]) -> PointSet {
     let user = |&id: &u32| run.domain.user_from_lattice(samples.points[id as usize]);
     PointSet {
         points: ids.iter().map(user).collect(),
-        provenance: Some(ids.iter().map(provenance).collect()),
+        provenance: has_sources.then(|| ids.iter().map(provenance).collect()),
     }
 }
 
 /// Returns how a session's set was made, as certificates name it.
 #[must_use]
-pub const fn method(session: &Session) -> &'static str {
-    match session.combination {
-        Some(_) => "combined",
-        None => "kdrt",
+pub fn method(session: &Session) -> &str {
+    match (&session.combination, &session.nested) {
+        (Some(_), _) => "combined",
+        (None, Some(nested)) => &nested.method,
+        (None, None) => "kdrt",
     }
 }
 
@@ -40,6 +43,9 @@ pub const fn method(session: &Session) -> &'static str {
 pub(crate) fn parameter_map(session: &Session) -> BTreeMap<String, Value> {
     if let Some(combination) = &session.combination {
         return BTreeMap::from([("layout".to_owned(), combination.stated.clone())]);
+    }
+    if let Some(nested) = &session.nested {
+        return nested.stated.clone();
     }
     let mut map: BTreeMap<String, Value> = match serde_json::to_value(session.run().parameters) {
         Ok(Value::Object(map)) => map.into_iter().collect(),
@@ -59,8 +65,8 @@ pub(crate) fn parameter_map(session: &Session) -> BTreeMap<String, Value> {
 #[must_use]
 pub fn provenance(session: &Session) -> Vec<(String, String)> {
     let run = session.run();
-    // A combination clips from no pattern.
-    let pattern = session.combination.is_none();
+    // Combinations and nested levels clip from no pattern of this kind.
+    let pattern = session.kind() == SessionKind::Run;
     let recording = json!({
         "digest": digest(run),
         "pattern_digest": pattern.then(|| pattern_digest(&run.pattern)),

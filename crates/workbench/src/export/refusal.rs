@@ -23,6 +23,9 @@ pub enum ExportRefusal {
     /// Animations need events, and a combination has none.
     #[error("A combination has stages but no events, so that there is no time to animate.")]
     Combination,
+    /// Animations need events, and nested levels have none.
+    #[error("Nested levels have no events, so that there is no time to animate.")]
+    Nested,
     /// No sample covers its disk.
     #[error("No sample covers its disk at this moment.")]
     NoSamples,

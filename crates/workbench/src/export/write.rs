@@ -14,7 +14,8 @@ use tilescope_figures::{
     AnimationError, FigureError, to_pixels, to_png, to_svg, write_apng, write_gif,
 };
 use tilescope_formats::{
-    ExportContext, ExportError, FormatError, PointSet, Warning, certificate_path, export_bytes,
+    Certificate, ExportContext, ExportError, FormatError, PointSet, Warning, certificate_path,
+    export_bytes,
 };
 #[cfg(not(target_arch = "wasm32"))]
 use tilescope_formats::{export, write_through, write_whole};
@@ -52,6 +53,8 @@ pub enum What {
         warnings: Vec<Warning>,
         /// Whether they are the result, which must be valid.
         result: bool,
+        /// Whether they are valid, or of nested levels each level is.
+        valid: bool,
     },
     /// A picture.
     Picture,
@@ -225,6 +228,10 @@ fn samples(
         context.precision = *precision;
         moment = wanted.as_ref();
     }
+    if let Some(nested) = &session.nested {
+        let prefix = moment.and_then(|moment| moment.prefix(session));
+        context.levels = nested.cut(prefix.unwrap_or(session.summary.count));
+    }
     let set = match moment {
         Some(moment) => {
             let description = moment.description(session);
@@ -244,6 +251,7 @@ fn write_samples(job: &ExportJob, monitor: &Monitor) -> Result<What, WriteError>
     })?;
     Ok(What::Samples {
         certificate: exported.certificate_path,
+        valid: is_valid(&exported.certificate),
         report: Box::new(exported.report),
         warnings: exported.warnings,
         result,
@@ -264,10 +272,19 @@ fn render_samples(
     files.push(NamedBytes::new(beside, exported.certificate_bytes));
     Ok(What::Samples {
         certificate,
+        valid: is_valid(&exported.certificate),
         report: Box::new(exported.report),
         warnings: exported.warnings,
         result,
     })
+}
+
+/// Returns whether the samples are as they are to be: a set of nested levels that ends within one is not maximal.
+fn is_valid(certificate: &Certificate) -> bool {
+    match certificate.levels.as_slice() {
+        [] => certificate.valid,
+        levels => levels.iter().all(|level| level.valid),
+    }
 }
 
 /// Returns the files of a picture or of the scenes; all are drawn before the first one is written.

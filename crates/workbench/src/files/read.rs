@@ -15,6 +15,7 @@ use tilescope_session::combining::{SavedCombination, make};
 use tilescope_session::encoding::as_json;
 use tilescope_session::incoming::holds_combination;
 use tilescope_session::jobs::Monitor;
+use tilescope_session::nesting;
 use tilescope_session::recipe::{self, OwnPattern, Recipe, load};
 use tilescope_session::session::{Reporter, Session};
 use tilescope_session::task::{SessionRef, Task};
@@ -74,6 +75,8 @@ pub enum Done {
     Opened(Box<Opened>),
     /// A combination was read.
     Combined(Box<Combined>),
+    /// A set of nested levels was read.
+    Levels(Box<Session>),
     /// A pattern was read.
     Pattern(OwnPattern),
     /// A point set was read and measured.
@@ -129,6 +132,7 @@ impl Task for ReadTask {
         match outcome.done {
             Ok(Done::Opened(opened)) => SessionRef::keep::<()>(Ok(opened.session)),
             Ok(Done::Combined(combined)) => SessionRef::keep::<()>(Ok(combined.session)),
+            Ok(Done::Levels(session)) => SessionRef::keep::<()>(Ok(*session)),
             _ => {}
         }
     }
@@ -180,7 +184,11 @@ fn opened(gathered: (Incoming, Vec<String>)) -> Result<(Incoming, Vec<String>), 
 /// Reads a session and computes its run again, or reads a combination, from a session or a layout, and makes
 /// it.
 fn open(incoming: &Incoming, generation: u64, monitor: &Monitor) -> Made {
-    if !incoming.is_document() && incoming.point_set().is_ok() {
+    let set = (!incoming.is_document()).then(|| incoming.point_set());
+    if let Some(Ok(set)) = set {
+        if let Some(session) = nesting::of_file(&set, &incoming.name, generation) {
+            return session.map(|session| Done::Levels(Box::new(session)));
+        }
         let hint = "is a point set, not a saved session; drop it on the window to use it";
         return Err(format!("{} {hint}", incoming.name));
     }
@@ -248,7 +256,10 @@ fn session(incoming: &Incoming, generation: u64, monitor: &Monitor) -> Made {
     // Check here, in the background, that the session fits the recording.
     Debugger::resume(&saved, Arc::clone(&recording)).map_err(|error| named(&error))?;
     let parameters = saved.parameters;
-    let recipe = Recipe { parameters, own };
+    let recipe = Recipe {
+        own,
+        ..Recipe::from(parameters)
+    };
     let session = Session::from_recording(recording, generation).with(&recipe);
     Ok(Done::Opened(Box::new(Opened {
         path: incoming.name.clone(),
@@ -309,6 +320,9 @@ fn dropped(
         return open(incoming, generation, monitor);
     }
     let set = incoming.point_set()?;
+    if let Some(session) = nesting::of_file(&set, name, generation) {
+        return session.map(|session| Done::Levels(Box::new(session)));
+    }
     let no_pattern = match recipe::pattern_of(&set, name) {
         Ok(own) => return Ok(Done::Pattern(own)),
         Err(why) => why,

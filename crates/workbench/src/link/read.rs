@@ -32,7 +32,12 @@ const OTHERS: &str = "v combine at stage camera layers colouring look select clo
      mark-view layout lesson step practice";
 
 /// Every colouring, in the sequence of their numbers in links.
-pub const COLOURINGS: [Colouring; 3] = [Colouring::Block, Colouring::Provenance, Colouring::Age];
+pub const COLOURINGS: [Colouring; 4] = [
+    Colouring::Block,
+    Colouring::Provenance,
+    Colouring::Age,
+    Colouring::Level,
+];
 const CLOCKS: [Clock; 3] = [Clock::Event, Clock::Line, Clock::Stage];
 
 /// Reads a fragment, with or without its `#`, or a whole address. Returns the nearest content that may be

@@ -1,6 +1,7 @@
 //! Announcements for screen readers: the last event or stage, the verdict and the notice, each when it changes.
 
 use tilescope_session::sentence::{happened, name_in};
+use tilescope_session::words::grouped;
 
 use super::{State, Verification};
 
@@ -69,12 +70,19 @@ impl State {
             Verification::Nothing | Verification::Pending(_) => return None,
             Verification::Failed(why) => format!("There is no verdict. {why}"),
             Verification::Done(verdict) => {
-                let report = &verdict.report;
-                match (report.conflict_free(), report.maximal()) {
-                    (true, true) => "Verified: conflict-free and maximal.".to_owned(),
-                    (true, false) => "The verifier found gaps: the set is not maximal.".to_owned(),
-                    (false, true) => "The verifier found conflicts.".to_owned(),
-                    (false, false) => "The verifier found conflicts and gaps.".to_owned(),
+                let found = match (verdict.conflict_free(), verdict.maximal()) {
+                    (true, true) => "Verified: conflict-free and maximal.",
+                    (true, false) => "The verifier found gaps: the set is not maximal.",
+                    (false, true) => "The verifier found conflicts.",
+                    (false, false) => "The verifier found conflicts and gaps.",
+                };
+                match verdict.claim {
+                    Some(claim) => {
+                        let word = if verdict.valid() { "" } else { " not" };
+                        let count = grouped(claim.count);
+                        format!("The first {count} samples are{word} as promised.")
+                    }
+                    None => found.to_owned(),
                 }
             }
         };

@@ -14,6 +14,7 @@ use crate::device::EngineChoice;
 use crate::draft::Draft;
 use crate::layout::Panel;
 use tilescope_drawing::subject::{Contrast, Subject};
+use tilescope_session::layers::SessionKind;
 use tilescope_session::moment::Moment;
 use tilescope_session::session::Session;
 
@@ -46,8 +47,13 @@ impl State {
         if preset == ComparePreset::Typed {
             return self.run_refusal();
         }
-        if session.combination.is_some() {
-            return Some(super::combine::NO_PARAMETERS.to_owned());
+        match session.kind() {
+            SessionKind::Run => {}
+            SessionKind::Combination => return Some(super::combine::NO_PARAMETERS.to_owned()),
+            SessionKind::Nested => {
+                let text = "Nested levels have no variants like those of a run; the parameters as typed can be compared.";
+                return Some(text.to_owned());
+            }
         }
         if preset == ComparePreset::Engine && self.other_engine() == EngineChoice::Gpu {
             return self.gpu.device.not_ready();
@@ -102,6 +108,7 @@ impl State {
                 parameters: preset
                     .parameters(&session.run().parameters, &self.form.draft.parameters),
                 own: session.own.clone(),
+                nested: None,
             },
         };
         let engine = match preset {
@@ -114,7 +121,8 @@ impl State {
 
     pub(super) fn compare_with(&mut self, recipe: Recipe, engine: EngineChoice) {
         let (side, _) = self.runs.second.get_or_insert_default();
-        side.asked = recipe.own.is_none().then_some(recipe.parameters);
+        let is_linked = recipe.own.is_none() && recipe.nested.is_none();
+        side.asked = is_linked.then_some(recipe.parameters);
         self.start_sampling(Which::Second, recipe, engine);
     }
 
@@ -137,6 +145,7 @@ impl State {
         let first = &self.runs.first;
         (side.stage, side.camera, side.viewport) = (first.stage, first.camera, viewport);
         (side.fitted, side.before_pattern) = (first.fitted, first.before_pattern);
+        side.show_whole(session.summary.count);
         side.session = Some(session);
         self.on(Which::Second, |run, context| run.verify(context));
     }
@@ -154,9 +163,10 @@ impl State {
             self.runs.second = Some((side, comparison));
         }
         if let Some(session) = &self.runs.first.session
-            && session.combination.is_none()
+            && session.has_recipe()
         {
-            self.form.draft = Draft::from_parameters(session.run().parameters);
+            let recipe = session.recipe();
+            self.form.draft = Draft::from_parameters(recipe.parameters).with_nesting(recipe.nested);
             self.form.own_pattern.clone_from(&session.own);
             self.forget_changes();
         }
@@ -229,10 +239,11 @@ impl State {
         let with_geometry = self.wants_geometry();
         let flies = self.on(Which::Second, |run, context| {
             run.fly_on(dt_secs);
+            run.follow_prefix(dt_secs, context);
             if with_geometry {
                 run.want_geometry(context);
             }
-            run.flight.is_some()
+            run.flight.is_some() || run.awaits_rest()
         });
         self.follow_first();
         self.compare();

@@ -1,6 +1,7 @@
 //! Makes runs with the chosen engine, and opens the passes of the GPU. `state/gpu.rs` chooses the engine.
 
 use tilescope_session::jobs::Job;
+use tilescope_session::layers::SessionKind;
 use tilescope_session::limits::MAX_PASSES_ON_A_PAGE;
 use tilescope_session::recipe::Recipe;
 use tilescope_session::sampling::SampleTask;
@@ -19,7 +20,9 @@ impl State {
     pub(super) fn start_sampling(&mut self, which: Which, recipe: Recipe, engine: EngineChoice) {
         self.jobs.generation += 1;
         let generation = self.jobs.generation;
-        let job = match self.gpu.for_run(&recipe.parameters, engine) {
+        let gpu = self.gpu.for_run(&recipe.parameters, engine);
+        // Nested levels are made on the CPU.
+        let job = match gpu.filter(|_| recipe.nested.is_none()) {
             Some(gpu) => Job::start_future(&self.jobs.wake, move |monitor| async move {
                 tilescope_session::sampling::on_gpu(gpu, &recipe, generation, &monitor).await
             }),
@@ -32,7 +35,9 @@ impl State {
     pub(super) fn show_made(&mut self, which: Which, mut session: Session) {
         let failure = session.failure.take();
         let is_run = session.combination.is_none();
-        let differs = is_run && session.has_stages() && session.recording().is_none();
+        let differs = session.kind() == SessionKind::Run
+            && session.has_stages()
+            && session.recording().is_none();
         let engine = session.engine.clone();
         if is_run {
             self.show_in(which, session);
@@ -61,6 +66,10 @@ impl State {
         if session.combination.is_some() {
             let text =
                 "This is a combination of sets, made on the CPU; the passes are those of a run.";
+            return Some(text.to_owned());
+        }
+        if session.nested.is_some() {
+            let text = "These are nested levels, made on the CPU; the passes are those of a run.";
             return Some(text.to_owned());
         }
         if session.own.is_some() {

@@ -300,6 +300,7 @@ impl ExportSource<'_> {
             ExportKind::Animation if session.combination.is_some() => {
                 Some(ExportRefusal::Combination)
             }
+            ExportKind::Animation if session.nested.is_some() => Some(ExportRefusal::Nested),
             ExportKind::Animation if session.recording().is_none() => Some(ExportRefusal::NoEvents),
             ExportKind::Samples if !moment.has_samples(session) => Some(ExportRefusal::NoSamples),
             ExportKind::Scenes if self.scenes().is_empty() => Some(ExportRefusal::NoScenes),
@@ -336,10 +337,9 @@ impl ExportSource<'_> {
             None if kind == ExportKind::Animation => Layers::of_any_stage(),
             None => Layers::of_stage(stage),
         };
-        let combination = self.run.shows_combination();
         Legend {
             layers,
-            combination,
+            kind: self.run.kind(),
         }
     }
 
@@ -372,6 +372,10 @@ impl ExportSource<'_> {
 
     /// Returns the moment in a few words.
     pub(crate) fn moment_name(&self) -> String {
+        if let Some((count, all)) = self.run.prefix().zip(self.run.session.as_ref()) {
+            let all = counted(all.summary.count, "sample", "samples");
+            return format!("The first {} of {all}", grouped(count));
+        }
         let stage = self.run.current_stage().map(|stage| stage.to_string());
         let stage = tilescope_session::words::sentence(&stage.unwrap_or_default());
         let stage = stage.trim_end_matches('.');
@@ -429,7 +433,9 @@ fn checked_scale(
     view: &PictureView,
 ) -> Result<f64, ExportRefusal> {
     let (low, high) = view.camera.visible(source.run.viewport);
-    let samples = source.session()?.index.count_in(low, high);
+    let spacing = source.run.shown().map_or(1.0, |shown| shown.spacing());
+    let samples = source.session()?.index.count_in(low, high) as f64 / spacing.powi(2);
+    let samples = samples as usize;
     if samples > MAX_DRAWN {
         return Err(ExportRefusal::TooManySamples(samples));
     }

@@ -23,8 +23,10 @@ impl Form {
             FormCommand::Nudge(field, steps) => self.draft.nudge(field, steps),
             FormCommand::Live(live) => self.live = live,
             FormCommand::Count(text) => self.draft.set_count(text),
+            FormCommand::Exactly(text) => self.draft.exactly = text,
             FormCommand::Preset(preset) => {
-                self.draft = Draft::from_parameters(preset.parameters());
+                let draft = Draft::from_parameters(preset.parameters());
+                self.draft = draft.with_nesting(preset.nesting());
                 self.own_pattern = None;
             }
             FormCommand::Choose(choice) => self.draft.choose(choice),

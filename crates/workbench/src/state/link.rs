@@ -115,6 +115,9 @@ impl State {
             None => {
                 content.parameters = session.run().parameters;
                 left_out.extend(link::excess(&content.parameters));
+                if session.nested.is_some() {
+                    left_out.push("the nested levels".to_owned());
+                }
             }
             Some(combination) if combination.files > 0 => {
                 left_out.push("the combination, which has sets from files".to_owned());
@@ -130,7 +133,7 @@ impl State {
         let Some(session) = &self.runs.first.session else {
             return NamedMoment::End;
         };
-        match self.cursor() {
+        match self.cursor().filter(|_| session.nested.is_none()) {
             Some((cursor, len)) if cursor < len => NamedMoment::Event(cursor),
             None if self.runs.first.stage + 1 < session.stages.len() => {
                 NamedMoment::Stage(slug(&stage_name(session.stages[self.runs.first.stage])))
@@ -229,7 +232,10 @@ impl State {
             return false;
         };
         match (&session.combination, &content.combination) {
-            (None, None) => session.own.is_none() && session.run().parameters == content.parameters,
+            (None, None) => {
+                let is_run = session.own.is_none() && session.nested.is_none();
+                is_run && session.run().parameters == content.parameters
+            }
             (Some(made), Some(asked)) => made.layout == *asked,
             _ => false,
         }

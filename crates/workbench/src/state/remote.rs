@@ -3,9 +3,10 @@
 use serde_json::{Value, json};
 use tilescope_core::Parameters;
 use tilescope_debugger::{Direction, Target, moves};
-use tilescope_session::layers::Layers;
+use tilescope_session::layers::{Layers, SessionKind};
 use tilescope_session::recipe::Recipe;
 use tilescope_session::sentence::happened;
+use tilescope_session::verification::Verdict;
 use tilescope_session::words::{grouped, stage_name};
 
 use super::State;
@@ -195,8 +196,11 @@ impl State {
     #[must_use]
     pub fn to_json(&self) -> Value {
         let session = self.runs.first.session.as_deref();
-        let made = session.filter(|session| session.combination.is_none());
+        let made = session.filter(|session| session.kind() == SessionKind::Run);
         let parameters = made.map_or(self.form.draft.parameters, |made| made.run().parameters);
+        // A verdict on another prefix of nested levels is not that of the samples shown.
+        let is_known = self.runs.first.prefix_at_work().is_none();
+        let verdict = self.verdict().filter(|_| is_known);
         let (cursor, events) = self.cursor().unwrap_or((0, 0));
         let stage = self.current_stage().map(|stage| slug(&stage_name(stage)));
         json!({
@@ -210,7 +214,7 @@ impl State {
             "sentence": happened(self.shown().as_ref()),
             "caption": self.caption(),
             "playing": self.time.playback.is_playing(),
-            "verified": self.verdict().map(|verdict| verdict.report.valid()),
+            "verified": verdict.map(Verdict::valid),
             "digest": session.map(tilescope_session::session::Session::digest),
             "positions_digest": session.map(tilescope_session::session::Session::positions_digest),
             "engine": session.map(|session| session.engine.as_str()),

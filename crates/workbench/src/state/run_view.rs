@@ -10,6 +10,7 @@ use tilescope_core::{Parameters, Stage};
 use tilescope_debugger::{Debugger, OutlineRows, Stops};
 use tilescope_session::geometry::Geometry;
 use tilescope_session::jobs::Job;
+use tilescope_session::layers::SessionKind;
 use tilescope_session::moment::{Moment, ShownMoment};
 use tilescope_session::selection::Selection;
 use tilescope_session::session::{MakeError, Session};
@@ -24,6 +25,7 @@ mod camera;
 mod debug;
 mod hits;
 mod passes;
+mod prefix;
 mod time;
 mod transition;
 mod work;
@@ -88,6 +90,8 @@ pub struct RunView {
     /// fitted.
     pub(super) before_pattern: Option<(Camera, bool)>,
     transition: transition::Transition,
+    /// The prefix that is shown, of nested levels.
+    prefix: prefix::Prefix,
 }
 
 impl Default for RunView {
@@ -118,6 +122,7 @@ impl Default for RunView {
             fitted: true,
             before_pattern: None,
             transition: transition::Transition::default(),
+            prefix: prefix::Prefix::default(),
         }
     }
 }
@@ -131,6 +136,7 @@ impl RunView {
             session,
             debugger: self.debugger.as_ref(),
             stage: *session.stages.get(self.stage)?,
+            prefix: self.prefix(),
         })
     }
 
@@ -153,6 +159,13 @@ impl RunView {
     pub fn shows_combination(&self) -> bool {
         let session = self.session.as_ref();
         session.is_some_and(|session| session.combination.is_some())
+    }
+
+    /// Returns the kind of the session; before there is one, a run.
+    #[must_use]
+    pub fn kind(&self) -> SessionKind {
+        let session = self.session.as_ref();
+        session.map_or(SessionKind::Run, |session| session.kind())
     }
 
     /// Returns the stage shown.
@@ -179,7 +192,10 @@ impl RunView {
         Some(Subject {
             shown: self.shown()?,
             camera: self.camera,
-            layers: appearance.layers(self.current_stage()),
+            layers: self
+                .session
+                .as_ref()?
+                .drawable(appearance.layers(self.current_stage())),
             colouring: appearance.colouring,
             hovered: self.hovered,
             selected: self.selected,

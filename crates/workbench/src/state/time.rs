@@ -134,6 +134,9 @@ impl Time {
             };
             return run.apply_to_passes(command, context);
         }
+        if run.prefix().is_some() {
+            return run.step_prefix(self.playback.clock == Clock::Event, direction);
+        }
         let Some(debugger) = &run.debugger else {
             return run.show_stage(match direction {
                 Direction::Forwards => run.stage.saturating_add(1),
@@ -166,7 +169,10 @@ impl Time {
                 run.jump(range.start);
             }
         } else if self.is_at_end(run) {
-            run.show_stage(0);
+            match run.prefix() {
+                Some(_) => run.jump(1),
+                None => run.show_stage(0),
+            }
         }
         self.playback.start();
     }
@@ -204,7 +210,7 @@ impl Time {
         let Some(session) = &run.session else {
             return false;
         };
-        let course = Course::of((0..session.stages.len()).map_while(|k| session.stage_end(k)));
+        let course = Course::of(session.ends().into_iter());
         let passed = match self.played {
             Some((passed, cursor)) if cursor == at => passed,
             _ => course.share(at),

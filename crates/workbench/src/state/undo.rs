@@ -4,6 +4,7 @@
 
 use tilescope_core::combine::file::Layout as Combination;
 use tilescope_debugger::Stops;
+use tilescope_session::layers::SessionKind;
 use tilescope_session::recipe::Recipe;
 
 use super::{Form, State};
@@ -55,6 +56,7 @@ enum Typed {
     Condition(usize),
     Watch(usize),
     Caption(usize),
+    Exactly,
 }
 
 /// Returns the field in which a command types.
@@ -64,6 +66,7 @@ const fn typed_in(command: &Command) -> Option<Typed> {
             Typed::Parameter(*field)
         }
         Command::Form(FormCommand::Count(_)) => Typed::Parameter(Field::Radius),
+        Command::Form(FormCommand::Exactly(_)) => Typed::Exactly,
         Command::Debug(DebugCommand::Condition(index, _)) => Typed::Condition(*index),
         Command::Debug(DebugCommand::EditWatch(index, _)) => Typed::Watch(*index),
         Command::Scene(SceneCommand::Caption(index, _)) => Typed::Caption(*index),
@@ -162,7 +165,8 @@ impl State {
     fn made(&self) -> Option<Made> {
         let session = self.runs.first.session.as_ref()?;
         match &session.combination {
-            None => Some(Made::Run(session.recipe())),
+            None if session.has_recipe() => Some(Made::Run(session.recipe())),
+            None => None,
             // The content of its files is not kept.
             Some(combination) if combination.files > 0 => None,
             Some(combination) => Some(Made::Combination(combination.layout.clone())),
@@ -258,7 +262,9 @@ impl State {
         if let Some(Change { part, memento }) = self.history.past.pop() {
             let mut now = self.memento();
             // The run may still be being made.
-            if matches!(part, UndoPart::Run | UndoPart::Everything) && !self.shows_combination() {
+            let session = self.runs.first.session.as_ref();
+            let is_made = session.is_none_or(|session| session.has_recipe());
+            if matches!(part, UndoPart::Run | UndoPart::Everything) && is_made {
                 now.made = Some(Made::Run(self.typed()));
             }
             self.history.future.push(Change { part, memento: now });
@@ -322,11 +328,18 @@ impl State {
     pub fn run_remark(&self) -> Option<String> {
         let run = &self.runs.first;
         let session = run.session.as_ref().filter(|_| run.sampling.is_none())?;
-        if session.combination.is_some() {
-            let text = "A combination is shown, not a run of these parameters.";
-            return Some(text.to_owned());
+        if !session.has_recipe() {
+            let what = match session.kind() {
+                SessionKind::Combination => "A combination is",
+                _ => "Nested levels of a file are",
+            };
+            return Some(format!("{what} shown, not a run of these parameters."));
         }
-        let mut names = self.form.draft.differences(&session.run().parameters);
+        let made = session.recipe();
+        let mut names = self.form.draft.differences(&made.parameters);
+        if self.form.draft.nesting() != made.nested {
+            names.push("nested levels");
+        }
         if self.form.own_pattern != session.own {
             names.push("pattern file");
         }

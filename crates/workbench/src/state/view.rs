@@ -1,5 +1,6 @@
 //! The current view as a [`SavedView`], and applying one.
 
+use tilescope_session::layers::SessionKind;
 use tilescope_session::recipe::Recipe;
 use tilescope_session::selection::Selection;
 
@@ -13,7 +14,7 @@ impl State {
     pub fn view(&self) -> SavedView {
         let second = self.runs.second.as_ref().and_then(|(side, _)| {
             let session = side.session.as_ref()?;
-            let made = session.own.is_none() && session.combination.is_none();
+            let made = session.own.is_none() && session.kind() == SessionKind::Run;
             made.then_some(session.run().parameters)
         });
         let first = &self.runs.first;

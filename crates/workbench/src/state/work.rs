@@ -22,8 +22,8 @@ impl State {
         self.stop_making();
         let recipe = self.typed();
         let session = self.runs.first.session.as_ref();
-        let is_new = session.is_none_or(|session| session.recipe() != recipe);
-        if is_new || self.shows_combination() {
+        let is_same = |session: &Session| session.has_recipe() && session.recipe() == recipe;
+        if !session.is_some_and(|session| is_same(session)) {
             self.remember_run(UndoPart::Run);
         }
         self.start_sampling(Which::First, recipe, self.gpu.engine);
@@ -50,6 +50,7 @@ impl State {
         Recipe {
             parameters: self.form.draft.parameters,
             own: self.form.own_pattern.clone(),
+            nested: self.form.draft.nesting(),
         }
     }
 
@@ -67,7 +68,8 @@ impl State {
         }
         let shows_events = self.window.shows(Panel::Events);
         let with_geometry = self.wants_geometry();
-        self.on(Which::First, |run, context| {
+        let awaits_rest = self.on(Which::First, |run, context| {
+            run.follow_prefix(dt_secs, context);
             if shows_events {
                 run.reveal();
             }
@@ -75,6 +77,7 @@ impl State {
             if with_geometry {
                 run.want_geometry(context);
             }
+            run.awaits_rest()
         });
         self.want_analysis();
         self.follow_thumbnails();
@@ -86,7 +89,7 @@ impl State {
         self.announce();
         let is_wanted = !is_fast && !self.appearance.reduced_motion;
         let changes = self.runs.first.advance_transition(dt_secs, is_wanted);
-        self.runs.first.flight.is_some() || runs || flies || changes
+        self.runs.first.flight.is_some() || runs || flies || changes || awaits_rest == Some(true)
     }
 
     fn poll(&mut self) {
@@ -186,8 +189,9 @@ impl State {
 
     /// Returns whether a layer is on that needs the triangulation of the moment.
     pub(super) fn wants_geometry(&self) -> bool {
-        let stage = self.current_stage();
-        self.appearance.layers(stage).wants_geometry()
+        let layers = self.appearance.layers(self.current_stage());
+        let session = self.runs.first.session.as_ref();
+        session.is_some_and(|session| session.drawable(layers).wants_geometry())
     }
 
     /// Waits for the work on a run.

@@ -12,6 +12,7 @@ mod files_in_memory;
 mod files_refused;
 mod gate;
 mod link;
+mod nested;
 mod parts;
 mod runs;
 mod script;

@@ -3,12 +3,13 @@
 use egui::{ComboBox, CursorIcon, Label, Rect, RichText, TextEdit, Ui, UiBuilder, vec2};
 use tilescope_core::Parameters;
 use tilescope_drawing::palette::Palette;
+use tilescope_session::glossary;
 use tilescope_session::words::grouped;
 use tilescope_ui::widgets::{Kebab, Known, heading};
 
 use super::super::choices::{
-    BOUNDARIES, INSERTIONS, Listed, ORDERS, ORIENTATIONS, PATTERN_BOUNDARIES, SEARCHES, VARIANTS,
-    meaning,
+    BOUNDARIES, INSERTIONS, LEVELS, Listed, ORDERS, ORIENTATIONS, PATTERN_BOUNDARIES, SEARCHES,
+    VARIANTS, WITHIN, meaning,
 };
 use super::super::engine;
 use super::{FormContext, field_width, labelled};
@@ -121,12 +122,47 @@ impl Fields<'_> {
             (p.variant, &VARIANTS),
             Choice::Variant,
         );
+        self.nested(ui);
         let combinations = self.refusals.iter().filter(|r| r.field.is_none());
         for (k, refusal) in combinations.enumerate() {
             let text = RichText::new(&refusal.reason).small();
             ui.label(text.color(self.palette.conflict))
                 .known_as(format_args!("refusal-{k}"));
         }
+    }
+
+    /// Shows the choice of nested levels, and below it their choices where there are to be some.
+    fn nested(&mut self, ui: &mut Ui) {
+        heading(ui, "Nested levels");
+        let draft = &self.context.form.draft;
+        self.choice(
+            ui,
+            ("levels", "Levels"),
+            glossary::LEVEL.meaning,
+            (draft.levels, &LEVELS),
+            Choice::Levels,
+        );
+        if draft.levels.is_none() {
+            return;
+        }
+        let meaning = "How many samples there are to be exactly. They are the first of a set that has as many or a few more, whose radius follows from it; there is no maximal set of every number. Empty: the radius decides.";
+        labelled(ui, ("Exactly", meaning), self.palette, |ui, _| {
+            let mut text = draft.exactly.clone();
+            let width = field_width(ui);
+            let field = self.text_field(ui, &mut text, ("Exactly", meaning), width, false);
+            field.known_as("exactly");
+            if field.changed() {
+                self.issue(FormCommand::Exactly(text));
+            }
+            self.run_on_enter(ui, &field);
+        });
+        self.choice(
+            ui,
+            ("within", "Within a level"),
+            "The order of the samples that a level adds.",
+            (draft.within, &WITHIN),
+            Choice::Within,
+        );
     }
 
     fn parameters(&self) -> &Parameters {

@@ -160,9 +160,11 @@ fn new_samples_replace_the_old_ones() {
     let mut harness = probe(&domain, &[at(10.0, 10.0), at(12.0, 12.0)], camera);
     let first = shoot(&mut harness);
     let canvas = &mut harness.state_mut().canvas;
-    canvas.set_points(1, &[], &domain).expect("the same");
+    canvas.set_points(1, &[], &domain, &[]).expect("the same");
     assert_eq!(canvas.generation(), Some(1));
-    canvas.set_points(2, &[at(5.0, 5.0)], &domain).expect("one");
+    canvas
+        .set_points(2, &[at(5.0, 5.0)], &domain, &[])
+        .expect("one");
     assert_eq!(
         canvas.set_looks(1, |_| SampleLook::new(Symbol::Dot, RED)),
         1
@@ -172,7 +174,7 @@ fn new_samples_replace_the_old_ones() {
     let pos = camera.screen_from_domain(Probe::rect(), [5.0, 5.0]);
     assert_eq!(second.at_pos(pos), RED.to_array());
     let canvas = &mut harness.state_mut().canvas;
-    canvas.set_points(3, &[], &domain).expect("none");
+    canvas.set_points(3, &[], &domain, &[]).expect("none");
     assert_eq!(shoot(&mut harness).marked(), 0);
 }
 

@@ -52,7 +52,9 @@ pub fn probe(domain: &Domain, points: &[Point], camera: Camera) -> Harness<'stat
         .build_eframe(move |creation| {
             let state = creation.wgpu_render_state.as_ref().expect("a device");
             let mut canvas = InstancedCanvas::new(state);
-            canvas.set_points(1, &points, &domain).expect("few points");
+            canvas
+                .set_points(1, &points, &domain, &[])
+                .expect("few points");
             canvas.set_looks(1, |_| SampleLook::new(Symbol::Dot, RED));
             Probe {
                 canvas,

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use tilescope_formats::Warning;
 use tilescope_session::incoming::NamedBytes;
 use tilescope_session::jobs::{Job, Monitor};
 use tilescope_session::task::{self, Task};
@@ -180,18 +181,29 @@ fn notice_of(written: &Written, download: Option<&str>) -> (String, bool) {
             report,
             warnings,
             result,
+            valid,
         } => {
             let samples = counted(report.count, "sample", "samples");
             let certificate = certificate.display();
             let mut text = format!("{verb} {samples} {to}. Certificate: {certificate}.");
-            if report.valid() && !result {
+            if *valid && report.valid() && !result {
                 text.push_str(" The set is conflict-free and maximal.");
             }
-            for warning in warnings {
+            let is_cut = |warning: &&Warning| {
+                *valid
+                    && matches!(
+                        warning,
+                        Warning::Gaps {
+                            by_rounding: false,
+                            ..
+                        }
+                    )
+            };
+            for warning in warnings.iter().filter(|warning| !is_cut(warning)) {
                 text.push(' ');
                 text.push_str(&sentence(&warning.to_string()));
             }
-            (text, *result && !report.valid())
+            (text, *result && !valid)
         }
         What::Picture => (format!("{verb} the picture {to}."), false),
         What::Scenes { count } => {

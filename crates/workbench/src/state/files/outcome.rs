@@ -126,6 +126,11 @@ impl State {
             Done::Opened(opened) => self.take_up(*opened),
             Done::Combined(combined) => self.take_combination(*combined),
             Done::Against { file, no_pattern } => self.take_reference_file(*file, no_pattern),
+            Done::Levels(session) => {
+                self.stop_making();
+                self.remember_run(UndoPart::Run);
+                self.show(*session);
+            }
             Done::Pattern(own) => self.take_pattern(own),
         }
     }

@@ -271,9 +271,11 @@ impl RunView {
                 from.midpoint(session.image_near(b, from))
             }
         };
-        // The verdict is about the result.
-        let last = session.stages.len() - 1;
-        self.show_stage(last);
+        // The verdict is about the result, or about a prefix.
+        match verdict.claim {
+            Some(claim) => self.jump(claim.count),
+            None => self.show_stage(session.stages.len() - 1),
+        }
         self.witness_mark = Some(witness_mark);
         self.fly_to(center, 9.0, context);
     }

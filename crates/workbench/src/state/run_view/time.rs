@@ -4,6 +4,7 @@
 use tilescope_core::{Stage, Standing};
 use tilescope_debugger::{Debugger, Direction, Event, Step, Stop, Target, moves};
 use tilescope_drawing::made::Made;
+use tilescope_session::layers::SessionKind;
 use tilescope_session::words::{counted, grouped};
 
 use super::RunView;
@@ -18,6 +19,14 @@ impl RunView {
         let Some(session) = &self.session else {
             return Vec::new();
         };
+        if let (Some(count), Some(nested)) = (self.prefix(), &session.nested) {
+            let radius = session.run().domain.radius();
+            let samples = counted(session.summary.count, "sample", "samples");
+            return vec![
+                format!("{} of {samples}", grouped(count)),
+                format!("radius {:.2} r", nested.disk_radius(count) / radius),
+            ];
+        }
         let blocks = || self.shown().map_or(0, |shown| Made::at(&shown).leaves);
         let count = match session.stages[self.stage] {
             Stage::Blocks if session.combination.is_some() => counted(blocks(), "piece", "pieces"),
@@ -44,9 +53,13 @@ impl RunView {
         texts
     }
 
-    /// Returns the cursor, and how many events there are; `None` for a session without events.
+    /// Returns the cursor, and how many events there are; `None` for a session without events. Of nested levels it is how
+    /// many samples are shown, and how many there are.
     #[must_use]
     pub fn cursor(&self) -> Option<(usize, usize)> {
+        if let (Some(count), Some(session)) = (self.prefix(), &self.session) {
+            return Some((count, session.summary.count));
+        }
         let debugger = self.debugger.as_ref()?;
         Some((debugger.state().cursor(), debugger.recording().len()))
     }
@@ -61,6 +74,16 @@ impl RunView {
         }
     }
 
+    /// Returns the name of a clock's tick: nested levels have samples and levels instead of events and stages.
+    #[must_use]
+    pub fn clock_name(&self, clock: Clock) -> &'static str {
+        match (clock, self.kind()) {
+            (Clock::Event, SessionKind::Nested) => "sample",
+            (Clock::Stage, SessionKind::Nested) => "level",
+            _ => clock.name(),
+        }
+    }
+
     /// Returns why a clock cannot be chosen, or `None` if it can.
     #[must_use]
     pub fn clock_refusal(&self, clock: Clock) -> Option<&'static str> {
@@ -69,6 +92,7 @@ impl RunView {
                 "The passes of the GPU have not been run: the panel of GPU passes runs them.",
             ),
             Clock::Stage => None,
+            Clock::Event if self.prefix().is_some() => None,
             Clock::Event | Clock::Line => {
                 let has_none = self.debugger.is_none();
                 has_none.then_some("This session has no events.")
@@ -81,6 +105,10 @@ impl RunView {
         let Some(session) = &self.session else {
             return;
         };
+        if session.nested.is_some() {
+            let end = session.ends().get(index).copied();
+            return self.show_prefix(end.unwrap_or(usize::MAX));
+        }
         let index = index.min(session.stages.len() - 1);
         match session.stage_end(index) {
             Some(cursor) => self.jump(cursor),
@@ -98,6 +126,9 @@ impl RunView {
 
     /// Moves to a cursor.
     pub(in crate::state) fn jump(&mut self, cursor: usize) {
+        if self.prefix().is_some() {
+            return self.show_prefix(cursor);
+        }
         let (Some(debugger), Some(session)) = (&mut self.debugger, &self.session) else {
             return;
         };
@@ -153,7 +184,7 @@ impl RunView {
     /// Goes to the moment of another run.
     pub(in crate::state) fn go_to(&mut self, moment: Moment) {
         match (moment.cursor, &self.session) {
-            (Some(cursor), _) if self.debugger.is_some() => self.jump(cursor),
+            (Some(cursor), _) if self.cursor().is_some() => self.jump(cursor),
             (_, Some(session)) => self.set_stage(session.stage_index(moment.stage)),
             (_, None) => {}
         }

@@ -34,6 +34,7 @@ impl RunView {
         self.stage = session.stages.len() - 1;
         (self.hovered, self.selected, self.witness_mark) = (None, None, None);
         self.place = None;
+        self.show_whole(session.summary.count);
         let session = Arc::new(session);
         self.session = Some(Arc::clone(&session));
         self.debug(&session, context);
@@ -57,7 +58,7 @@ impl RunView {
     /// Returns whether a session is of the same run as the one shown.
     pub(in crate::state) fn is_same_run(&self, session: &Session) -> bool {
         self.session.as_ref().is_some_and(|old| {
-            let are_runs = old.combination.is_none() && session.combination.is_none();
+            let are_runs = old.has_recipe() && session.has_recipe();
             are_runs && old.recipe() == session.recipe()
         })
     }
@@ -65,12 +66,15 @@ impl RunView {
     /// Starts verifying the session.
     pub(in crate::state) fn verify(&mut self, context: &Context) {
         if let Some(session) = self.session.clone() {
-            let judging = VerifyTask(SessionRef(session));
+            let judging = VerifyTask {
+                prefix: session.nested.as_ref().map(|_| session.summary.count),
+                session: SessionRef(session),
+            };
             self.verification = Verification::Pending(task::start(&context.wake, judging));
         }
     }
 
-    fn finish_verification(&mut self, outcome: Result<Result<Verdict, String>, String>) {
+    pub(super) fn finish_verification(&mut self, outcome: Result<Result<Verdict, String>, String>) {
         self.verification = match outcome {
             Ok(Ok(verdict)) => Verification::Done(Box::new(verdict)),
             Ok(Err(failure)) | Err(failure) => Verification::Failed(sentence(&failure)),
@@ -107,6 +111,7 @@ impl RunView {
             let outcome = job.wait();
             self.finish_verification(outcome);
         }
+        self.settle_prefix(context);
         // The first round ends work that was started for another moment.
         for _ in 0..2 {
             if with_geometry {

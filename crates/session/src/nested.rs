@@ -1,0 +1,84 @@
+//! The levels of a session whose set is in an order of which every prefix is evenly spread. It has no stages to step
+//! through: a moment of it is a prefix. Begin with [`NestedLevels`]; its claims are what the verifier is asked about.
+//! [`crate::nesting`] makes such sessions.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+use tilescope_analysis::PrefixClaim;
+use tilescope_core::{Parameters, WithinLevel};
+
+use crate::encoding::as_json;
+
+/// The input of nested levels beside the parameters of a run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Nesting {
+    /// The number of levels.
+    pub levels: u32,
+    /// How many samples are wanted; the radius then follows from it.
+    pub exactly: Option<usize>,
+    /// How the samples that a level adds follow each other.
+    pub within: WithinLevel,
+}
+
+/// The levels of a session.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct NestedLevels {
+    /// What is to hold for the samples to the end of each level, the coarsest first.
+    pub claims: Vec<PrefixClaim>,
+    /// What the set was made from; `None` if it was read from a file.
+    pub asked: Option<(Parameters, Nesting)>,
+    /// How the set was made, as certificates name it.
+    pub method: String,
+    /// The parameters of that, by name.
+    #[serde(with = "as_json")]
+    pub stated: BTreeMap<String, Value>,
+}
+
+impl NestedLevels {
+    /// Returns how many samples there are to the end of each level.
+    #[must_use]
+    pub fn ends(&self) -> impl ExactSizeIterator<Item = usize> {
+        self.claims.iter().map(|claim| claim.count)
+    }
+
+    /// Returns the level that adds a sample, from 0.
+    #[must_use]
+    pub fn level_of(&self, id: usize) -> usize {
+        self.claims.partition_point(|claim| claim.count <= id)
+    }
+
+    /// Returns what is to hold for the first `count` samples.
+    ///
+    /// # Panics
+    ///
+    /// If there are not as many.
+    #[must_use]
+    pub fn claim(&self, count: usize) -> PrefixClaim {
+        PrefixClaim::within(&self.claims, count).expect("there are that many samples")
+    }
+
+    /// Returns the last level that the first `count` samples hold whole, if they hold one.
+    #[must_use]
+    pub fn whole(&self, count: usize) -> Option<usize> {
+        let is_whole =
+            |claim: &PrefixClaim| claim.count <= count && claim.covering == Some(claim.distance);
+        self.claims.iter().rposition(is_whole)
+    }
+
+    /// Returns what is to hold for the first `count` samples, level by level.
+    #[must_use]
+    pub fn cut(&self, count: usize) -> Vec<PrefixClaim> {
+        let whole = self.claims.iter().filter(|claim| claim.count < count);
+        whole.copied().chain([self.claim(count)]).collect()
+    }
+
+    /// Returns the radius of the disks of the first `count` samples, in user units: that of the last whole level, with which
+    /// they cover the domain, or of the first level.
+    #[must_use]
+    pub fn disk_radius(&self, count: usize) -> f64 {
+        let claim = self.claim(count);
+        claim.covering.unwrap_or(claim.distance)
+    }
+}

@@ -1,0 +1,206 @@
+//! Makes nested levels on the CPU, or takes them from a file that was exported with them. Begin with [`sample`] and
+//! [`of_file`].
+
+use std::collections::BTreeMap;
+
+use serde_json::{Value, json};
+use tilescope_analysis::{Boundary as Judged, PrefixClaim};
+use tilescope_core::{
+    Boundary, Domain, MAX_LEVELS, Nested, NestedPlane, Parameters, Run, SampleError, WithinLevel,
+};
+use tilescope_formats::{CertifiedLevel, ReadSet};
+
+use crate::jobs::Monitor;
+use crate::nested::{NestedLevels, Nesting};
+use crate::recipe::Recipe;
+use crate::session::{Reporter, Session};
+
+/// Returns what is to hold for the samples to the end of each level. Levels that are cut off have no samples of their own.
+fn claims(nested: &Nested) -> Vec<PrefixClaim> {
+    let mut ends = nested.ends().to_vec();
+    ends.dedup();
+    let claim = |count| {
+        let promised = nested.guarantee(count);
+        PrefixClaim {
+            count,
+            distance: promised.distance,
+            covering: promised.level.map(|level| nested.radius(level)),
+        }
+    };
+    ends.into_iter().map(claim).collect()
+}
+
+/// Makes the levels that a recipe asks for, on the CPU.
+///
+/// Fails as [`NestedPlane`] does, and when `monitor` is cancelled.
+pub fn sample(
+    recipe: &Recipe,
+    nesting: Nesting,
+    generation: u64,
+    monitor: &Monitor,
+) -> Result<Session, SampleError> {
+    let observer = &mut Reporter { monitor };
+    let asked = recipe.parameters;
+    let levels = nesting.levels;
+    let mut nested = match nesting.exactly {
+        Some(count) => NestedPlane::exactly(&asked, levels, count, observer)?,
+        None => NestedPlane::new(&asked, levels, observer)?.whole(observer)?,
+    };
+    if nesting.within == WithinLevel::Farthest {
+        nested.order_by_distance();
+    }
+    let domain = *nested.domain();
+    let parameters = Parameters {
+        radius: domain.radius(),
+        ..asked
+    };
+    let mut stated = BTreeMap::from([
+        ("levels".to_owned(), json!(levels)),
+        ("order_within".to_owned(), json!(nesting.within)),
+    ]);
+    if let Some(count) = nesting.exactly {
+        stated.insert("exactly".to_owned(), json!(count));
+    }
+    if let Value::Object(all) = json!(parameters) {
+        stated.extend(all);
+    }
+    let levels = NestedLevels {
+        claims: claims(&nested),
+        asked: Some((asked, nesting)),
+        method: "kdrt".to_owned(),
+        stated,
+    };
+    let run = Run::of_points(parameters, domain, nested.points().to_vec());
+    observer.prepare(|| Session::from_levels(run, levels, generation))
+}
+
+/// Returns the session of a set that was exported with its levels; `None` if its certificate states none.
+///
+/// Fails when the levels that it states do not fit the set.
+#[must_use]
+pub fn of_file(set: &ReadSet, name: &str, generation: u64) -> Option<Result<Session, String>> {
+    let certificate = set.certificate.as_ref()?;
+    let claims: Vec<PrefixClaim> = certificate
+        .levels
+        .iter()
+        .map(CertifiedLevel::claim)
+        .collect();
+    (!claims.is_empty()).then(|| {
+        let region = certificate.region;
+        let boundary = match region.boundary {
+            Judged::Periodic => Boundary::Periodic,
+            Judged::Bounded => Boundary::Bounded,
+        };
+        let radius = certificate.radius;
+        let domain = Domain::from_size([region.width, region.height], radius, boundary)
+            .map_err(|error| format!("{name}: {error}"))?;
+        if !fit(&claims, set.set.points.len(), radius) {
+            return Err(format!(
+                "{name}: the levels of its certificate do not fit its samples"
+            ));
+        }
+        let at = |&position: &[f64; 2]| domain.lattice_from_user(position);
+        let parameters = Parameters {
+            width: region.width,
+            height: region.height,
+            radius,
+            boundary,
+            ..Parameters::default()
+        };
+        let levels = NestedLevels {
+            claims,
+            asked: None,
+            method: certificate.method.clone(),
+            stated: certificate.parameters.clone(),
+        };
+        let run = Run::of_points(parameters, domain, set.set.points.iter().map(at).collect());
+        Ok(Session::from_levels(run, levels, generation))
+    })
+}
+
+/// Returns whether claims from outside are those of levels of so many samples.
+fn fit(claims: &[PrefixClaim], count: usize, radius: f64) -> bool {
+    let is_radius = |length: f64| (0.5 * radius..=64.0 * radius).contains(&length);
+    let radii = claims.iter().all(|claim| {
+        is_radius(claim.distance) && claim.covering.is_none_or(is_radius) && claim.count > 0
+    });
+    let ascend = claims.windows(2).all(|pair| pair[0].count < pair[1].count);
+    let ends = claims.last().is_some_and(|last| last.count == count);
+    radii && ascend && ends && claims.len() <= MAX_LEVELS as usize
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn made(exactly: Option<usize>) -> Session {
+        let nesting = Nesting {
+            levels: 3,
+            exactly,
+            within: WithinLevel::Random,
+        };
+        let recipe = Recipe {
+            nested: Some(nesting),
+            ..Recipe::from(Parameters {
+                radius: 0.03,
+                ..Parameters::default()
+            })
+        };
+        let monitor = Monitor::reporting(|_, _| {});
+        let session = sample(&recipe, nesting, 1, &monitor).unwrap();
+        assert_eq!(session.recipe(), recipe);
+        session
+    }
+
+    #[test]
+    fn prefixes_have_the_claims_of_their_levels() {
+        let session = made(None);
+        let levels = session.nested.as_ref().unwrap();
+        let ends: Vec<usize> = levels.ends().collect();
+        assert_eq!((ends.len(), ends[2]), (3, session.summary.count));
+        assert_eq!(
+            (levels.whole(ends[0] - 1), levels.whole(ends[0])),
+            (None, Some(0))
+        );
+        assert_eq!(
+            (levels.whole(ends[1]), levels.whole(ends[2])),
+            (Some(1), Some(2))
+        );
+        assert_eq!(
+            (levels.level_of(ends[0] - 1), levels.level_of(ends[0])),
+            (0, 1)
+        );
+        let cut = levels.cut(ends[1] + 1);
+        assert_eq!((cut.len(), cut[1]), (3, levels.claims[1]));
+        assert_eq!(
+            (cut[2].distance, cut[2].covering),
+            (0.03, Some(levels.claims[1].distance))
+        );
+        assert!((levels.disk_radius(1) / 0.06 - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn exactly_so_many_samples_end_within_a_level() {
+        let session = made(Some(500));
+        let levels = session.nested.as_ref().unwrap();
+        assert_eq!(
+            (session.summary.count, levels.ends().last()),
+            (500, Some(500))
+        );
+        assert_eq!(levels.whole(500), Some(1));
+    }
+
+    #[test]
+    fn claims_from_outside_have_to_fit() {
+        let levels = made(None).nested.unwrap();
+        let count = levels.claims[2].count;
+        assert!(fit(&levels.claims, count, 0.03));
+        assert!(!fit(&levels.claims, count + 1, 0.03) && !fit(&levels.claims, count, 3.0));
+        let mut claims = levels.claims.clone();
+        claims.swap(0, 1);
+        assert!(!fit(&claims, count, 0.03));
+        claims.swap(0, 1);
+        claims[1].distance = f64::NAN;
+        assert!(!fit(&claims, count, 0.03));
+    }
+}
