@@ -63,6 +63,15 @@ def measured(make, radius, low, high, rounds):
     return report, len(points) / best
 
 
+def reach_of_first(engine_of, count, rounds):
+    """Returns the largest distance from a place of the unit square to the first samples of an engine, on average."""
+    reaches = []
+    for seed in range(1, rounds + 1):
+        first = engine_of(2, radius=0.02, rng=seed).random(count)
+        reaches.append(tilescope.verify(first, 0.02, boundary="bounded").covering_radius)
+    return np.mean(reaches)
+
+
 def name_of(package):
     try:
         return f"{package} {version(package)}"
@@ -104,6 +113,12 @@ def main():
                 flush=True,
             )
         print()
+    print("Largest distance from a place of the unit square to the nearest of the first samples, radius 0.02:\n")
+    print("| the first | tilescope.qmc.PoissonDisk | scipy.stats.qmc.PoissonDisk |")
+    print("|---|---|---|")
+    for count in (10, 30, 100, 300, 1000):
+        reaches = (reach_of_first(engine, count, given.rounds) for engine in (ours.PoissonDisk, qmc.PoissonDisk))
+        print(f"| {count} |" + "".join(f" {reach:.3f} |" for reach in reaches))
 
 
 if __name__ == "__main__":
