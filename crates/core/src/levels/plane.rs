@@ -46,7 +46,7 @@ const WINDOW_SIDE: i32 = 512 * R;
 const MAX_TRIES: u32 = 16;
 
 /// Windows for each thread between two calls of the observer.
-const WINDOWS_A_THREAD: usize = 4;
+const WINDOWS_A_THREAD: usize = 1;
 
 /// The largest domain that is made whole for a window, in squared radii: about 700,000 samples.
 const MAX_WHOLE_AREA: f64 = 1_048_576.0;
