@@ -21,7 +21,7 @@ LONG = {
     "pattern": "tilescope.sample(radius=0.001, pattern_side=2000, pattern_seed=4)",
     "levels": "tilescope.sample(radius=2e-4, levels=6, order_within='farthest')",
     "window": "tilescope.Plane(radius=2e-5).window(0, 0, 0.3, 0.3)",
-    "window of levels": "tilescope.Plane(radius=2e-5, levels=3).window(0, 0, 0.1, 0.1)",
+    "window of levels": "tilescope.Plane(radius=2e-5, levels=2).window(0, 0, 0.1, 0.1)",
     "verify": "points.verify(judge='delaunay')",
     "save": "points.save(folder + '/set.npy', judge='delaunay')",
     "analyze": "tilescope.analyze(points)",

@@ -50,13 +50,13 @@ impl CellOrder {
             ..Self::default()
         };
         let by_cell = order.by_cell(points);
-        let levels = if nested.is_empty() {
-            order.levels(points, &by_cell)
+        let (levels, count) = if nested.is_empty() {
+            (order.levels(points, &by_cell), LEVELS)
         } else {
             let level = |id: &u32| nested.partition_point(|&end| end <= *id as usize);
-            by_cell.iter().map(level).collect()
+            (by_cell.iter().map(level).collect(), nested.len())
         };
-        order.split_into_levels(points, &by_cell, &levels, nested.len().max(LEVELS));
+        order.split_into_levels(points, &by_cell, &levels, count);
         order
     }
 

@@ -43,9 +43,6 @@ const WINDOW_SIDE: i32 = 512 * R;
 /// How often a radius is tried that should give a count of samples.
 const MAX_TRIES: u32 = 16;
 
-/// Windows for each thread between two calls of the observer.
-const WINDOWS_A_THREAD: usize = 4;
-
 /// The largest domain that is made whole for a window, in squared radii: about 700,000 samples.
 const MAX_WHOLE_AREA: f64 = 1_048_576.0;
 
@@ -273,7 +270,8 @@ impl NestedPlane {
                 all.append(&mut found);
             }
         };
-        for some in windows.chunks(WINDOWS_A_THREAD * rayon::current_num_threads()) {
+        // Each thread computes a window between two calls of the observer.
+        for some in windows.chunks(rayon::current_num_threads()) {
             let found = some
                 .par_iter()
                 .with_max_len(1)

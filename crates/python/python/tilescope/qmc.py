@@ -264,5 +264,5 @@ def _corners_of_gaps(
                 found.append(place)
     places = np.concatenate(found)
     places = places[((places >= 0) & (places <= sides)).all(axis=1)]
-    uncovered: npt.NDArray[np.bool_] = tree.query(places)[0] > radius
-    return places[uncovered]
+    uncovered: npt.NDArray[np.float64] = places[tree.query(places)[0] > radius]
+    return uncovered

@@ -152,7 +152,7 @@ fn an_export_has_the_certificate_of_a_combination() {
     let mut state = nine();
     write(&mut state, ExportKind::Result, &path, &[]);
     let go_on = |_| ControlFlow::Continue(());
-    let checked = check(&path, &Overrides::default(), &go_on).unwrap();
+    let (_, checked) = check(&path, &Overrides::default(), &go_on).unwrap();
     assert!(checked.report.valid() && checked.differences.is_empty());
     let certificate = checked.certificate.unwrap();
     assert_eq!(certificate.method, "combined");
@@ -164,7 +164,7 @@ fn an_export_has_the_certificate_of_a_combination() {
     let kept = text.lines().enumerate().filter(|(k, _)| *k != middle);
     let kept: Vec<&str> = kept.map(|(_, line)| line).collect();
     fs::write(&path, kept.join("\n")).unwrap();
-    let checked = check(&path, &Overrides::default(), &go_on).unwrap();
+    let (_, checked) = check(&path, &Overrides::default(), &go_on).unwrap();
     assert!(!checked.report.maximal() && !checked.differences.is_empty());
 }
 
@@ -207,7 +207,7 @@ fn sets_from_files_are_glued_and_named_by_their_content() {
     let out = folder.path().join("out.csv");
     write(&mut state, ExportKind::Result, &out, &[]);
     let go_on = |_| ControlFlow::Continue(());
-    let checked = check(&out, &Overrides::default(), &go_on).unwrap();
+    let (_, checked) = check(&out, &Overrides::default(), &go_on).unwrap();
     assert!(checked.report.valid() && checked.differences.is_empty());
     let stated = &checked.certificate.unwrap().parameters["layout"]["pieces"];
     assert_eq!(stated[1]["file"], "b.ply");

@@ -432,7 +432,7 @@ fn samples_of_a_moment_are_certified() {
         let checked = check(&path, &Overrides::default(), &|_| {
             std::ops::ControlFlow::Continue(())
         });
-        assert_eq!(checked.unwrap().differences, []);
+        assert_eq!(checked.unwrap().1.differences, []);
         assert_eq!(certificate.count, covering as u64);
         assert!(!state.messages.notice.as_ref().unwrap().is_error);
         (certificate, notice_text(&state))

@@ -29,6 +29,7 @@ pub(super) fn show(ui: &mut Ui, context: &FormContext<'_>, commands: &mut Vec<Co
     fields.tiling(ui);
     fields.algorithm(ui);
     engine::show(ui, context, fields.commands);
+    fields.nested(ui);
     fields.errors(ui);
 }
 
@@ -122,7 +123,6 @@ impl Fields<'_> {
             (p.variant, &VARIANTS),
             Choice::Variant,
         );
-        self.nested(ui);
         let combinations = self.refusals.iter().filter(|r| r.field.is_none());
         for (k, refusal) in combinations.enumerate() {
             let text = RichText::new(&refusal.reason).small();
