@@ -5,34 +5,17 @@ use std::collections::BTreeMap;
 
 use serde_json::{Value, json};
 use tilescope_analysis::{Boundary as Judged, PrefixClaim};
-use tilescope_core::{
-    Boundary, Domain, MAX_LEVELS, Nested, NestedPlane, Parameters, Run, SampleError, WithinLevel,
-};
-use tilescope_formats::{CertifiedLevel, ReadSet};
+use tilescope_core::{Boundary, Domain, MAX_LEVELS, NestedRequest, Parameters, Run, SampleError};
+use tilescope_formats::ReadSet;
 
 use crate::jobs::Monitor;
 use crate::nested::{NestedLevels, Nesting};
 use crate::recipe::Recipe;
 use crate::session::{Reporter, Session};
 
-/// Returns what is to hold for the samples to the end of each level. Levels that are cut off have no samples of their own.
-fn claims(nested: &Nested) -> Vec<PrefixClaim> {
-    let mut ends = nested.ends().to_vec();
-    ends.dedup();
-    let claim = |count| {
-        let promised = nested.guarantee(count);
-        PrefixClaim {
-            count,
-            distance: promised.distance,
-            covering: promised.level.map(|level| nested.radius(level)),
-        }
-    };
-    ends.into_iter().map(claim).collect()
-}
-
 /// Makes the levels that a recipe asks for, on the CPU.
 ///
-/// Fails as [`NestedPlane`] does, and when `monitor` is cancelled.
+/// Fails as [`NestedRequest::make`] does, and when `monitor` is cancelled.
 pub fn sample(
     recipe: &Recipe,
     nesting: Nesting,
@@ -41,31 +24,30 @@ pub fn sample(
 ) -> Result<Session, SampleError> {
     let observer = &mut Reporter { monitor };
     let asked = recipe.parameters;
-    let levels = nesting.levels;
-    let mut nested = match nesting.exactly {
-        Some(count) => NestedPlane::exactly(&asked, levels, count, observer)?,
-        None => NestedPlane::new(&asked, levels, observer)?.whole(observer)?,
+    let request = NestedRequest {
+        levels: nesting.levels,
+        order_within: nesting.within,
+        exactly: nesting.exactly,
     };
-    if nesting.within == WithinLevel::Farthest {
-        nested.order_by_distance();
-    }
+    let nested = request.make(&asked, observer)?;
     let domain = *nested.domain();
     let parameters = Parameters {
         radius: domain.radius(),
         ..asked
     };
-    let mut stated = BTreeMap::from([
-        ("levels".to_owned(), json!(levels)),
-        ("order_within".to_owned(), json!(nesting.within)),
-    ]);
-    if let Some(count) = nesting.exactly {
-        stated.insert("exactly".to_owned(), json!(count));
+    let mut stated = BTreeMap::new();
+    for part in [json!(request), json!(parameters)] {
+        if let Value::Object(part) = part {
+            stated.extend(part);
+        }
     }
-    if let Value::Object(all) = json!(parameters) {
-        stated.extend(all);
-    }
+    let claims = (nested.claims()).map(|(count, distance, covering)| PrefixClaim {
+        count,
+        distance,
+        covering,
+    });
     let levels = NestedLevels {
-        claims: claims(&nested),
+        claims: claims.collect(),
         asked: Some((asked, nesting)),
         method: "kdrt".to_owned(),
         stated,
@@ -80,11 +62,7 @@ pub fn sample(
 #[must_use]
 pub fn of_file(set: &ReadSet, name: &str, generation: u64) -> Option<Result<Session, String>> {
     let certificate = set.certificate.as_ref()?;
-    let claims: Vec<PrefixClaim> = certificate
-        .levels
-        .iter()
-        .map(CertifiedLevel::claim)
-        .collect();
+    let claims = certificate.claims();
     (!claims.is_empty()).then(|| {
         let region = certificate.region;
         let boundary = match region.boundary {
@@ -131,6 +109,8 @@ fn fit(claims: &[PrefixClaim], count: usize, radius: f64) -> bool {
 
 #[cfg(test)]
 mod tests {
+    use tilescope_core::WithinLevel;
+
     use super::*;
 
     fn made(exactly: Option<usize>) -> Session {
