@@ -12,7 +12,7 @@ use tilescope_formats::{
 use crate::options::{JudgeArguments, SetArguments, UNIT_SQUARE};
 use crate::paths::{InFile, check_target};
 use crate::progress::verifying;
-use crate::{interrupt, nested, output, verdict_code};
+use crate::{interrupt, output, verdict_code};
 
 /// Arguments of `tilescope convert`.
 #[derive(Debug, Args)]
@@ -49,12 +49,7 @@ pub fn run(arguments: &ConvertArguments) -> Result<u8> {
     let exported = exported.in_file(path)?;
     let (report, certificate) = (exported.report, exported.certificate_path.display());
     let levels = &exported.certificate.levels;
-    let (verdict, is_valid) = if levels.is_empty() {
-        (output::verdict_text(&report), report.valid())
-    } else {
-        let is_valid = levels.iter().all(|level| level.valid);
-        (nested::table(levels), is_valid)
-    };
+    let verdict = output::verdict_text(&report, levels);
     let (count, radius) = (report.count, report.radius);
     let warnings = exported.warnings.iter();
     let warnings = warnings.map(|warning| output::warning_line(&warning.to_string()));
@@ -62,7 +57,7 @@ pub fn run(arguments: &ConvertArguments) -> Result<u8> {
     output::emit(&format!(
         "{count} samples, r = {radius}\n{verdict}{warnings}certificate    {certificate}\n"
     ))?;
-    Ok(verdict_code(is_valid))
+    Ok(verdict_code(output::is_valid(&report, levels)))
 }
 
 /// Returns the set, and the statements of the new file's certificate.

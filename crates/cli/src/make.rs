@@ -7,12 +7,12 @@ use std::sync::Arc;
 use anyhow::{Context, Result};
 use pollster::block_on;
 use serde_json::json;
-use tilescope_analysis::{Region, Report, VerifyError, VerifyOptions};
+use tilescope_analysis::{Region, Report, VerifyError, VerifyOptions, verify_levels};
 use tilescope_core::{
     Origin, Parameters, Run, SampleError, Sampled, Sequential, Source, reference_sample,
     search_radius,
 };
-use tilescope_formats::{ExportContext, Format, PointSet, Provenance};
+use tilescope_formats::{CertifiedLevel, ExportContext, Format, PointSet, Provenance};
 use tilescope_gpu::{Bands, Engine};
 
 use crate::engine::of_engine;
@@ -34,18 +34,25 @@ impl Made {
         let Made { facts, set } = self;
         let count = set.len() as u64;
         let with_set = |error| with_set(error, Path::new(DISAGREEMENT), &set, context);
-        let verdict = if let Some(path) = path {
+        let (verdict, levels) = if let Some(path) = path {
             let exported =
                 verifying(|control| tilescope_formats::export(path, &set, context, control));
             let exported = exported.map_err(|error| with_set(error.into()));
             let exported = exported.in_file(path)?;
             let certificate = Some(exported.certificate_path);
-            (Some(exported.report), certificate, exported.warnings)
+            let verdict = (Some(exported.report), certificate, exported.warnings);
+            (verdict, exported.certificate.levels)
         } else {
             let report = judge(&set.points, facts.region, facts.radius, &context.verify);
-            (Some(report.map_err(with_set)?), None, Vec::new())
+            let report = report.map_err(with_set)?;
+            let (claims, options) = (&context.levels, &context.verify);
+            let levels =
+                verifying(|control| verify_levels(&set.points, &report, claims, options, control))?;
+            let levels = levels.iter().map(CertifiedLevel::of).collect();
+            ((Some(report), None, Vec::new()), levels)
         };
-        Ok(Outcome::new(facts, count, verdict))
+        let outcome = Outcome::new(facts, count, verdict);
+        Ok(Outcome { levels, ..outcome })
     }
 }
 

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use serde_json::{Value, json};
 use tilescope_analysis::{Boundary, Judge, MAX_CONFLICTS, Number, Region, Report};
 use tilescope_core::{Stage, Summary};
-use tilescope_formats::Warning;
+use tilescope_formats::{CertifiedLevel, Warning};
 use tilescope_gpu::Backend;
 
 use crate::facts::Facts;
@@ -49,6 +49,8 @@ pub struct Outcome {
     pub count: u64,
     /// `None` if it was not verified.
     pub report: Option<Report>,
+    /// What was found of each level of nested levels.
+    pub levels: Vec<CertifiedLevel>,
     /// The certificate, if the set was saved with one.
     pub certificate: Option<PathBuf>,
     pub warnings: Vec<String>,
@@ -61,6 +63,7 @@ impl Outcome {
             facts,
             count,
             report,
+            levels: Vec::new(),
             certificate,
             warnings: warnings.iter().map(ToString::to_string).collect(),
         }
@@ -68,7 +71,8 @@ impl Outcome {
 
     /// Returns the exit code; a set without a verdict has no negative one.
     pub fn code(&self) -> u8 {
-        crate::verdict_code(self.report.as_ref().is_none_or(Report::valid))
+        let report = self.report.as_ref();
+        crate::verdict_code(report.is_none_or(|report| is_valid(report, &self.levels)))
     }
 
     /// Returns the facts and the verdict as an object.
@@ -93,6 +97,9 @@ impl Outcome {
             None => json!({ "count": self.count, "verified": false }),
         };
         add(&mut object, verdict);
+        if !self.levels.is_empty() {
+            object["levels"] = json!(self.levels);
+        }
         if let Some(backend) = &facts.backend {
             object["engine"] = json!(backend.engine.name());
             object["engine_reason"] = json!(backend.reason);
@@ -111,7 +118,7 @@ impl Outcome {
         let stages = stage_table(facts.summary.as_ref(), &facts.seconds);
         let count = self.count;
         let verdict = match &self.report {
-            Some(report) => verdict_text(report),
+            Some(report) => verdict_text(report, &self.levels),
             None => format!("samples        {count}\nverdict        none: not verified\n"),
         };
         let _ = write!(out, "\n{stages}\n{verdict}");
@@ -219,8 +226,23 @@ fn what_happened(stage: Stage, s: &Summary, at_once: bool) -> String {
     }
 }
 
-/// Returns the verdict in a few lines.
-pub fn verdict_text(report: &Report) -> String {
+/// Returns whether a set is valid: each of its levels, if it has nested levels.
+pub fn is_valid(report: &Report, levels: &[CertifiedLevel]) -> bool {
+    match levels {
+        [] => report.valid(),
+        levels => levels.iter().all(|level| level.valid),
+    }
+}
+
+/// Returns the verdict in a few lines, or a row for each level, with what is promised and, in brackets, what was found.
+pub fn verdict_text(report: &Report, levels: &[CertifiedLevel]) -> String {
+    if !levels.is_empty() {
+        let rows: String = levels.iter().map(level_row).collect();
+        let valid = validity(is_valid(report, levels));
+        return format!(
+            "   samples   smallest distance above   covering radius up to\n{rows}verdict        {valid}\n"
+        );
+    }
     let (r, count, density) = (report.radius, report.count, report.density);
     let (closest, farthest) = (report.min_distance / r, report.covering_radius / r);
     let conflict_free = conflicts_answer(report.conflicts);
@@ -246,6 +268,19 @@ pub fn verdict_text(report: &Report) -> String {
     }
     let _ = writeln!(out, "verdict        {}", validity(report.valid()));
     out
+}
+
+/// Returns the row of a level.
+pub fn level_row(level: &CertifiedLevel) -> String {
+    let covering = (level.covering).map_or_else(|| "-".to_owned(), |r| format!("{r:.6}"));
+    format!(
+        "  {:>8}   {:.6} ({:.6})   {covering} ({:.6})   {}\n",
+        level.count,
+        level.distance,
+        level.min_distance.unwrap_or(f64::INFINITY),
+        level.covering_radius,
+        validity(level.valid)
+    )
 }
 
 pub const fn validity(valid: bool) -> &'static str {

@@ -19,10 +19,12 @@ pub fn run(arguments: &SampleArguments) -> Result<u8> {
     if let Some(window) = &arguments.window {
         return window::run(arguments, window);
     }
-    if let Some(levels) = arguments.nested.levels {
-        return nested::run(arguments, levels);
-    }
-    let outcome = outcome(arguments)?;
+    let outcome = if let Some(levels) = arguments.nested.levels {
+        let (made, context) = nested::make(arguments, levels)?;
+        made.finish(arguments.out.as_deref(), &context)?
+    } else {
+        outcome(arguments)?
+    };
     output::report(arguments.json, || outcome.json(), || outcome.text())?;
     Ok(outcome.code())
 }

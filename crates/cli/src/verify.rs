@@ -88,11 +88,7 @@ fn to_json(check: &Check) -> serde_json::Value {
 
 fn to_text(check: &Check) -> String {
     let report = &check.report;
-    let verdict = if check.levels.is_empty() {
-        output::verdict_text(report)
-    } else {
-        nested::table(&check.levels)
-    };
+    let verdict = output::verdict_text(report, &check.levels);
     let mut out = format!(
         "{}: {}, r = {}\n\n{verdict}",
         check.detection,

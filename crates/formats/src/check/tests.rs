@@ -291,10 +291,10 @@ fn levels_are_not_believed() {
     type Change = fn(&mut Certificate);
     let changes: [(&str, Change); 5] = [
         ("levels.min_distance", |c| {
-            c.levels[0].min_distance = Some(1.5)
+            c.levels[0].min_distance = Some(1.5);
         }),
         ("levels.covering_radius", |c| {
-            c.levels[1].covering_radius = 0.5
+            c.levels[1].covering_radius = 0.5;
         }),
         ("levels", |c| c.levels[1].covering = None),
         ("levels", |c| c.levels[1].covering = Some(9.0)),
