@@ -9,8 +9,7 @@ use pollster::block_on;
 use serde_json::json;
 use tilescope_analysis::{Region, Report, VerifyError, VerifyOptions, verify_levels};
 use tilescope_core::{
-    Origin, Parameters, Run, SampleError, Sampled, Sequential, Source, reference_sample,
-    search_radius,
+    Parameters, Run, SampleError, Sampled, Sequential, Source, reference_sample, search_radius,
 };
 use tilescope_formats::{CertifiedLevel, ExportContext, Format, PointSet, Provenance};
 use tilescope_gpu::{Bands, Engine};
@@ -87,10 +86,7 @@ pub fn bands(run: &Resolved, sources: bool) -> Result<Bands> {
 
 /// Returns a finished run as a set with its provenance.
 pub fn from_run(run: &Run, mut facts: Facts) -> Made {
-    let origin = |&id: &u32| match run.samples.origins[id as usize] {
-        Origin::Tiled { block, pattern, .. } => Provenance::tiled(block, pattern),
-        Origin::Inserted { iteration, .. } => Provenance::inserted(iteration),
-    };
+    let origin = |&id: &u32| Source::from(run.samples.origins[id as usize]).row().into();
     facts.summary = Some(run.summary());
     let set = PointSet {
         points: run.positions(),
@@ -102,11 +98,7 @@ pub fn from_run(run: &Run, mut facts: Facts) -> Made {
 /// Returns the provenance of samples, if it is known.
 pub fn provenance(sampled: &Sampled) -> Option<Vec<Provenance>> {
     let sources = sampled.sources.as_ref()?;
-    let of = |source: &Source| match *source {
-        Source::Tiled { block, pattern } => Provenance::tiled(block, pattern),
-        Source::Inserted { iteration } => Provenance::inserted(iteration),
-    };
-    Some(sources.iter().map(of).collect())
+    Some(sources.iter().map(|source| source.row().into()).collect())
 }
 
 /// Makes a set with the reference sampler; with a count, of the radius that gives it.

@@ -4,6 +4,7 @@ use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
+use tilescope_analysis::Control;
 use tilescope_core::{Observer, Progress, Stage};
 
 use crate::interrupt;
@@ -42,9 +43,6 @@ impl Bar {
         self.0.finish_and_clear();
     }
 }
-
-/// A progress callback for a function of the analysis; its result is whether to continue.
-pub type Control<'a> = &'a (dyn Fn(tilescope_analysis::Progress) -> ControlFlow<()> + Sync);
 
 /// Verifies with a bar; stops on Ctrl-C.
 pub fn verifying<T>(work: impl FnOnce(Control<'_>) -> T) -> T {

@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use anyhow::{Context, Result, bail, ensure};
+use anyhow::{Context, Result, ensure};
 use clap::Args;
 use serde_json::json;
 use tilescope_reproduce::{
@@ -33,9 +33,6 @@ pub struct ReproduceArguments {
     /// Seed of the first set; every set has its own
     #[arg(long, value_name = "S", default_value_t = 1)]
     seed: u64,
-    /// An option of earlier versions; the error names the command that replaces it
-    #[arg(long, hide = true)]
-    file: Vec<PathBuf>,
     #[command(flatten)]
     before: Before,
     #[command(flatten)]
@@ -98,13 +95,6 @@ pub fn run(arguments: &ReproduceArguments) -> Result<u8> {
     interrupt::listen();
     arguments.threads.set()?;
     let experiments = chosen(&arguments.experiments);
-    if let Some(path) = arguments.file.first() {
-        let path = path.display();
-        bail!(
-            "--file is no longer an option of reproduce: tilescope analyze {path} --against OURS compares the file with other sets, \
-             which tilescope sample makes"
-        );
-    }
     let settings = Settings {
         quick: arguments.quick,
         seed: arguments.seed,

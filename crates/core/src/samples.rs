@@ -132,6 +132,18 @@ pub enum Source {
     },
 }
 
+impl Source {
+    /// Returns the source as point-set files have it: block, pattern sample and iteration. Where a number is missing there
+    /// is `u32::MAX`, and 0 for the iteration.
+    #[must_use]
+    pub const fn row(self) -> [u32; 3] {
+        match self {
+            Self::Tiled { block, pattern } => [block, pattern, 0],
+            Self::Inserted { iteration } => [u32::MAX, u32::MAX, iteration],
+        }
+    }
+}
+
 impl From<Origin> for Source {
     fn from(origin: Origin) -> Self {
         match origin {

@@ -15,7 +15,7 @@ use tilescope_formats::{
 use crate::arguments::{LevelFields, SetArgument, claims, format, named, verify_options, whole};
 use crate::arrays::rows;
 use crate::judge::{GivenDomain, of_report};
-use crate::sample::{MadeSet, PythonSet, row};
+use crate::sample::{MadeSet, PythonSet};
 use crate::task::run;
 
 /// Returns the digest of a set's positions.
@@ -70,7 +70,7 @@ pub fn read<'py>(
     let provenance = read.set.provenance.as_ref();
     MadeSet {
         points,
-        provenance: provenance.map(|all| all.iter().map(row).collect()),
+        provenance: provenance.map(|all| all.iter().map(|&one| one.into()).collect()),
         facts,
     }
     .into_python(py)

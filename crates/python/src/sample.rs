@@ -8,10 +8,9 @@ use pyo3::prelude::*;
 use serde::Deserialize;
 use serde_json::{Map, Value, json};
 use tilescope_core::{
-    Domain, MAXIMAL_DENSITY, NestedRequest, Origin, Parameters, Point, Run, SampleError,
-    Sequential, Source, Summary, Sweep, Variant, reference_sample, search_radius,
+    Domain, MAXIMAL_DENSITY, NestedRequest, Parameters, Point, Run, SampleError, Sequential,
+    Source, Summary, Sweep, Variant, reference_sample, search_radius,
 };
-use tilescope_formats::Provenance;
 
 use crate::arguments::{RunRequest, named, region_of};
 use crate::arrays::array;
@@ -188,30 +187,10 @@ pub fn made(
 }
 
 fn provenance_of_run(run: &Run) -> Vec<[u32; 3]> {
-    let of = |&id: &u32| {
-        row(&match run.samples.origins[id as usize] {
-            Origin::Tiled { block, pattern, .. } => Provenance::tiled(block, pattern),
-            Origin::Inserted { iteration, .. } => Provenance::inserted(iteration),
-        })
-    };
+    let of = |&id: &u32| Source::from(run.samples.origins[id as usize]).row();
     run.result.iter().map(of).collect()
 }
 
 pub fn provenance_of_sources(sources: &[Source]) -> Vec<[u32; 3]> {
-    let of = |source: &Source| {
-        row(&match *source {
-            Source::Tiled { block, pattern } => Provenance::tiled(block, pattern),
-            Source::Inserted { iteration } => Provenance::inserted(iteration),
-        })
-    };
-    sources.iter().map(of).collect()
-}
-
-/// Returns the row that stands for a provenance in Python.
-pub const fn row(provenance: &Provenance) -> [u32; 3] {
-    [
-        provenance.block,
-        provenance.pattern_index,
-        provenance.iteration,
-    ]
+    sources.iter().map(|source| source.row()).collect()
 }

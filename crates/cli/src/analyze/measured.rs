@@ -10,14 +10,14 @@ use tilescope_analysis::measures::{
     FrequencyWindow, MeasureError, PairBins, PairCorrelation, Periodogram, PowerCurve, SetNumbers,
     Spectrum, largest_min_distance,
 };
-use tilescope_analysis::{MAX_CONFLICTS, Region, Report, VerifyError};
+use tilescope_analysis::{Control, MAX_CONFLICTS, Region, Report, VerifyError};
 use tilescope_formats::{Check, CheckError, Format, PointSet, StreamReader};
 
 use super::measure::{Measure, of_set, values_by_key};
 use crate::options::{SetArguments, UNIT_SQUARE, check_or_unit_square};
 use crate::output;
 use crate::paths::InFile;
-use crate::progress::{Control, verifying, watched};
+use crate::progress::{verifying, watched};
 
 /// Frequencies that take more memory than this are computed only with `--frequencies`: those of 1.3 million samples
 /// take 2 GiB.

@@ -221,8 +221,6 @@ fn what_cannot_be_used_is_named_before_anything_is_made() {
         "--out names a folder",
     );
     refused(&["fig12"], "--out");
-    let file = ["fig10", "--quick", "--file", "theirs.csv", "--out", "d"];
-    refused(&file, "tilescope analyze theirs.csv --against");
     assert!(!folder.path().join("d").exists());
     let kept = fs::read_to_string(folder.path().join("out")).unwrap();
     assert!(predicate::eq("a file").eval(kept.as_str()));

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use glam::DVec2;
 
+use tilescope_analysis::Control;
 use tilescope_analysis::measures::{MeasureError, frequency_shares, pairs_between};
 use tilescope_session::geometry::{Key, key_of};
 use tilescope_session::jobs::{Job, Monitor, Wake};
@@ -15,7 +16,7 @@ use tilescope_session::words::{counted, grouped};
 
 use tilescope_drawing::brushed::{BrushedCause, Cause, MAX_PAIRS, Pair};
 
-use super::measured::{Control, Samples, refusal};
+use super::measured::{Samples, refusal};
 
 /// The share of samples whose colour shows their value; those beyond all have the strongest colour.
 const TINTED: f64 = 0.95;

@@ -1,21 +1,17 @@
 //! The measures of a set, in parts: the quick and informative ones first. `tilescope_analysis` computes them.
 
-use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use tilescope_analysis::measures::{
     FrequencyWindow, MeasureError, PairCorrelation, Periodogram, PowerCurve, Spectrum,
 };
-use tilescope_analysis::{Progress, Region, Report, VerifyError, VerifyOptions, verify};
+use tilescope_analysis::{Control, Region, Report, VerifyError, VerifyOptions, verify};
 use tilescope_session::words::{counted, sentence};
 
 /// The size of a set from which the spectrum of its low frequencies is measured first.
 const ROUGH_FROM: usize = 20_000;
 /// The factor by which that spectrum has fewer frequencies along each axis.
 const ROUGHER: i64 = 4;
-
-/// Receives the progress of a measure, and breaks to stop it.
-pub type Control<'a> = &'a (dyn Fn(Progress) -> ControlFlow<()> + Sync);
 
 /// A set to be measured.
 #[derive(serde::Serialize, serde::Deserialize)]

@@ -3,9 +3,9 @@
 use std::collections::BTreeMap;
 
 use serde_json::{Value, json};
-use tilescope_core::{Fate, Origin, Run};
+use tilescope_core::{Fate, Run, Source};
 use tilescope_debugger::{digest, pattern_digest};
-use tilescope_formats::{PointSet, Provenance};
+use tilescope_formats::PointSet;
 use tilescope_session::layers::SessionKind;
 use tilescope_session::session::Session;
 
@@ -13,10 +13,7 @@ use tilescope_session::session::Session;
 pub(crate) fn point_set(run: &Run, ids: &[u32]) -> PointSet {
     let samples = &run.samples;
     let has_sources = !run.blocks.leaves.is_empty();
-    let provenance = |&id: &u32| match samples.origins[id as usize] {
-        Origin::Tiled { block, pattern, .. } => Provenance::tiled(block, pattern),
-        Origin::Inserted { iteration, .. } => Provenance::inserted(iteration),
-    };
+    let provenance = |&id: &u32| Source::from(samples.origins[id as usize]).row().into();
     debug_assert!(
         ids.iter()
             .all(|&id| samples.fates[id as usize] != Fate::Dropped)
