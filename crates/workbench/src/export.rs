@@ -1,6 +1,6 @@
 //! Exports as values: samples with a certificate, pictures and animations. An export goes through three files.
 //! `state/export.rs` keeps the sheet and decides whether an export may begin; [`refusal`] lists the reasons for which it may
-//! not. [`write`] makes the files in the background. `state/export/outcome.rs` starts that and shows a notice at the end.
+//! not. `write.rs` makes the files in the background. `state/export/outcome.rs` starts that and shows a notice at the end.
 
 mod below;
 #[cfg(not(target_arch = "wasm32"))]

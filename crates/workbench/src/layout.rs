@@ -12,7 +12,7 @@ pub mod text;
 pub use old::OldLayout;
 
 /// A panel of the window. Its content is in `panels/registry.rs` of `tilescope-app`; its name, letter and default position
-/// are in [`ROWS`]. Earlier versions saved the aliases.
+/// are in `ROWS`. Earlier versions saved the aliases.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Panel {

@@ -1,6 +1,6 @@
 //! The state of the window, and [`State::apply`], through which every command goes. Begin there: `dispatch` passes a command
 //! to one of the parts that [`State`] lists, each in a file of `state/`. A part that needs something of another part asks
-//! for an effect ([`effects`]), which the state carries out. No window is needed, so that tests and scripts use the state.
+//! for an effect (`effects`), which the state carries out. No window is needed, so that tests and scripts use the state.
 
 use tilescope_core::Stage;
 
