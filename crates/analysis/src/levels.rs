@@ -23,7 +23,7 @@ pub struct PrefixClaim {
 pub struct PrefixReport {
     /// What should hold.
     pub claim: PrefixClaim,
-    /// The report on these samples, judged with the radius of the covering, or else of the distance.
+    /// The report on these samples, judged with [`PrefixClaim::radius`].
     pub report: Report,
 }
 
@@ -63,6 +63,12 @@ impl PrefixClaim {
         })
     }
 
+    /// Returns the radius to judge with: that of the covering, or else of the distance.
+    #[must_use]
+    pub fn radius(&self) -> f64 {
+        self.covering.unwrap_or(self.distance)
+    }
+
     /// Returns whether the report on these samples says that no two are closer than claimed.
     #[must_use]
     pub fn is_apart(&self, report: &Report) -> bool {
@@ -73,6 +79,16 @@ impl PrefixClaim {
     #[must_use]
     pub fn is_covering(&self, report: &Report) -> bool {
         self.covering.is_none() || report.maximal()
+    }
+}
+
+impl From<(usize, f64, Option<f64>)> for PrefixClaim {
+    fn from((count, distance, covering): (usize, f64, Option<f64>)) -> Self {
+        Self {
+            count,
+            distance,
+            covering,
+        }
     }
 }
 
@@ -97,8 +113,7 @@ pub fn verify_prefix(
     control: Control<'_>,
 ) -> Result<PrefixReport, VerifyError> {
     let points = points.get(..claim.count).ok_or(VerifyError::Empty)?;
-    let radius = claim.covering.unwrap_or(claim.distance);
-    let report = verify(points, region, radius, options, control)?;
+    let report = verify(points, region, claim.radius(), options, control)?;
     Ok(PrefixReport { claim, report })
 }
 

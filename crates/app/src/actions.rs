@@ -508,7 +508,10 @@ fn layers(list: &mut List, state: &State) {
         let command = Command::Appearance(AppearanceCommand::ToggleLayer(layer));
         let has_none = is_nested && !layer.is_of(SessionKind::Nested);
         list.add(format!("Layer: {}", layer.name()), command)
-            .refused(has_none.then_some("Nested levels have samples alone."))
+            .refused(
+                has_none
+                    .then_some("This layer shows parts of a run, which nested levels do not have."),
+            )
             .marked(shown.has(layer));
     }
 }
@@ -524,7 +527,7 @@ fn colours(list: &mut List, state: &State) {
         let command = Command::Appearance(AppearanceCommand::Colour(colouring));
         let kind = state.runs.first.kind();
         let refusal = match kind {
-            SessionKind::Nested => "Nested levels have no blocks and origins.",
+            SessionKind::Nested => "Samples of nested levels have neither block nor origin.",
             _ => "Only nested levels have levels.",
         };
         list.add(name, command)

@@ -6,7 +6,7 @@ use anyhow::{Context, Result, bail, ensure};
 use clap::Args;
 use tilescope_analysis::{JudgeChoice, Region, VerifyOptions};
 use tilescope_formats::{
-    CertifiedLevel, Check, CheckError, ExportContext, Format, Overrides, PointSet,
+    CertifiedLevel, Check, CheckError, ExportContext, Format, Overrides, PointSet, is_valid,
 };
 
 use crate::options::{JudgeArguments, SetArguments, UNIT_SQUARE};
@@ -57,7 +57,7 @@ pub fn run(arguments: &ConvertArguments) -> Result<u8> {
     output::emit(&format!(
         "{count} samples, r = {radius}\n{verdict}{warnings}certificate    {certificate}\n"
     ))?;
-    Ok(verdict_code(output::is_valid(&report, levels)))
+    Ok(verdict_code(is_valid(&report, levels)))
 }
 
 /// Returns the set, and the statements of the new file's certificate.

@@ -120,7 +120,11 @@ fn scene(
         radius,
         blocks: (certificate.filter(|_| as_certified).and_then(blocks)).unwrap_or_default(),
         block_of: provenance.map(|all| all.iter().map(block_of).collect()),
-        exposed: exposed(arguments.gaps, set, region, radius)?,
+        exposed: if arguments.gaps {
+            exposed(set, region, radius)?
+        } else {
+            Vec::new()
+        },
         caption: caption(set.len(), radius, &arguments.file),
     };
     let options = PictureOptions {
@@ -135,15 +139,8 @@ fn scene(
     Ok(set_scene(&picture, &options))
 }
 
-fn exposed(
-    asked: bool,
-    set: &PointSet,
-    region: Region,
-    radius: Option<f64>,
-) -> Result<Vec<(usize, [f64; 2])>> {
-    if !asked {
-        return Ok(Vec::new());
-    }
+/// Returns the parts of the circles around samples that lie in no other disk.
+fn exposed(set: &PointSet, region: Region, radius: Option<f64>) -> Result<Vec<(usize, [f64; 2])>> {
     let radius = radius.context("--gaps needs a radius: from the certificate, or --radius")?;
     let covering = radius * (1.0 + COVERING_TOLERANCE);
     let arcs = verifying(|control| exposed_arcs(&set.points, region, covering, control))?;

@@ -26,10 +26,6 @@ pub fn make(arguments: &SampleArguments, levels: u32) -> Result<(Made, ExportCon
         !arguments.engine.wants_gpu(),
         "--engine gpu and --gpu-adapter make one set; --levels runs on the CPU"
     );
-    ensure!(
-        arguments.nested.exactly.is_none() || levels > 1,
-        "--exactly needs --levels of at least 2: cut, a set of one level covers nothing for certain"
-    );
     let nested = NestedRequest {
         levels,
         order_within: arguments.nested.order_within,
@@ -50,13 +46,8 @@ pub fn make(arguments: &SampleArguments, levels: u32) -> Result<(Made, ExportCon
     if let Value::Object(stated) = json!(nested) {
         facts.parameters.extend(stated);
     }
-    let claims = (made.claims()).map(|(count, distance, covering)| PrefixClaim {
-        count,
-        distance,
-        covering,
-    });
     let context = ExportContext {
-        levels: claims.collect(),
+        levels: made.claims().map(PrefixClaim::from).collect(),
         ..arguments.context(&facts)
     };
     let set = PointSet::from_points(made.positions());

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use serde_json::{Value, json};
 use tilescope_analysis::{Boundary, Judge, MAX_CONFLICTS, Number, Region, Report};
 use tilescope_core::{Stage, Summary};
-use tilescope_formats::{CertifiedLevel, Warning};
+use tilescope_formats::{CertifiedLevel, Warning, is_valid};
 use tilescope_gpu::Backend;
 
 use crate::facts::Facts;
@@ -223,14 +223,6 @@ fn what_happened(stage: Stage, s: &Summary, at_once: bool) -> String {
             )
         }
         Stage::Finish => format!("{} samples in canonical order", s.count),
-    }
-}
-
-/// Returns whether a set is valid: each of its levels, if it has nested levels.
-pub fn is_valid(report: &Report, levels: &[CertifiedLevel]) -> bool {
-    match levels {
-        [] => report.valid(),
-        levels => levels.iter().all(|level| level.valid),
     }
 }
 

@@ -47,7 +47,7 @@ pub struct CertifiedLevel {
     pub min_distance: Option<f64>,
     /// Radius of the largest empty circle centred in the region.
     pub covering_radius: f64,
-    /// Whether they are as they are to be.
+    /// Whether distance and covering are as stated.
     pub valid: bool,
 }
 

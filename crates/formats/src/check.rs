@@ -4,10 +4,9 @@
 //! the radius are used for that, and only if the caller gives none.
 
 use std::fmt;
-use std::ops::ControlFlow;
 
 use tilescope_analysis::{
-    Boundary, JudgeChoice, MAX_CONFLICTS, Progress, Region, Report, VerifyError, VerifyOptions,
+    Boundary, Control, JudgeChoice, MAX_CONFLICTS, Region, Report, VerifyError, VerifyOptions,
     verify, verify_levels,
 };
 
@@ -104,11 +103,16 @@ impl Check {
     /// Whether the set is valid, or its levels are, and, if there is a certificate, every statement of it true.
     #[must_use]
     pub fn passed(&self) -> bool {
-        let is_covered = match self.levels.as_slice() {
-            [] => self.report.maximal(),
-            levels => levels.iter().all(|level| level.valid),
-        };
-        self.report.conflict_free() && is_covered && self.differences.is_empty()
+        is_valid(&self.report, &self.levels) && self.differences.is_empty()
+    }
+}
+
+/// Returns whether a set is conflict-free and maximal or, if it has nested levels, whether each level is as claimed.
+#[must_use]
+pub fn is_valid(report: &Report, levels: &[CertifiedLevel]) -> bool {
+    match levels {
+        [] => report.valid(),
+        levels => levels.iter().all(|level| level.valid),
     }
 }
 
@@ -161,7 +165,7 @@ pub fn check_bytes(
     name: &str,
     certificate: Option<&[u8]>,
     overrides: &Overrides,
-    control: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    control: Control<'_>,
 ) -> Result<(PointSet, Check), CheckError> {
     let hint = Hint {
         name,

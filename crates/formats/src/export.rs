@@ -6,11 +6,10 @@
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::fmt;
-use std::ops::ControlFlow;
 use std::path::Path;
 
 use tilescope_analysis::{
-    PrefixClaim, Progress, Region, Report, VerifyError, VerifyOptions, verify, verify_levels,
+    Control, PrefixClaim, Region, Report, VerifyError, VerifyOptions, verify, verify_levels,
 };
 
 use crate::certificate::{
@@ -21,9 +20,6 @@ use crate::digest::{bytes_digest, positions_digest};
 use crate::error::FormatError;
 use crate::format::{Format, Precision};
 use crate::point_set::PointSet;
-
-/// Progress and cancellation of the verification inside an export or a check.
-pub(crate) type Control<'a> = &'a (dyn Fn(Progress) -> ControlFlow<()> + Sync);
 
 /// What an export needs besides the points.
 #[derive(Clone, Debug)]
@@ -230,7 +226,7 @@ pub fn export_bytes(
     name: &str,
     set: &PointSet,
     context: &ExportContext,
-    control: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    control: Control<'_>,
 ) -> Result<ExportedBytes, ExportError> {
     export_through(&mut Ok, name, set, context, control)
 }

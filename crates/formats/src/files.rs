@@ -6,11 +6,10 @@
 use std::ffi::OsString;
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Read, Write};
-use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU32, Ordering};
 
-use tilescope_analysis::{Progress, Report};
+use tilescope_analysis::{Control, Report};
 
 use crate::certificate::{Certificate, MAX_CERTIFICATE_BYTES};
 use crate::check::{Check, CheckError, Overrides, check_bytes};
@@ -78,7 +77,7 @@ pub fn read(path: &Path, hint: &Hint<'_>) -> Result<ReadSet, FormatError> {
 pub fn check(
     path: &Path,
     overrides: &Overrides,
-    control: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    control: Control<'_>,
 ) -> Result<(PointSet, Check), CheckError> {
     let data = read_whole(path)?;
     let certificate = read_certificate(path)?;
@@ -98,7 +97,7 @@ pub fn export(
     path: &Path,
     set: &PointSet,
     context: &ExportContext,
-    control: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    control: Control<'_>,
 ) -> Result<Exported, ExportError> {
     let name = file_name(path)?;
     let certificate_path = certificate_path(path);

@@ -41,7 +41,7 @@ pub use certificate::{
     MAX_CERTIFICATE_BYTES, Rounding,
 };
 pub use check::{
-    CertificateDifference, Check, CheckError, MEASURE_TOLERANCE, Overrides, check_bytes,
+    CertificateDifference, Check, CheckError, MEASURE_TOLERANCE, Overrides, check_bytes, is_valid,
 };
 pub use codecs::{Hint, ReadSet, Target, decode, encode};
 #[cfg(not(target_arch = "wasm32"))]

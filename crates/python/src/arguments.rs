@@ -111,11 +111,7 @@ pub struct LevelArgument {
 
 /// Returns what is claimed of the levels of a set.
 pub fn claims(levels: &[LevelArgument]) -> Vec<PrefixClaim> {
-    let claim = |level: &LevelArgument| PrefixClaim {
-        count: level.count,
-        distance: level.distance,
-        covering: level.covering,
-    };
+    let claim = |level: &LevelArgument| (level.count, level.distance, level.covering).into();
     levels.iter().map(claim).collect()
 }
 

@@ -7,9 +7,8 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use serde_json::{Value, json};
 use tilescope_formats::{
-    Certificate, CertifiedLevel, ExportContext, Format, FormatError, Hint, Mapping, PointSet,
-    Provenance, bytes_digest, export, export_bytes, export_unverified, positions_digest,
-    read_whole,
+    Certificate, ExportContext, Format, FormatError, Hint, Mapping, PointSet, Provenance,
+    bytes_digest, export, export_bytes, export_unverified, positions_digest, read_whole,
 };
 
 use crate::arguments::{LevelFields, SetArgument, claims, format, named, verify_options, whole};
@@ -78,11 +77,10 @@ pub fn read<'py>(
 
 /// Returns what a certificate claims of levels.
 fn levels_stated(stated: &Certificate) -> Vec<LevelFields> {
-    let level = |level: &CertifiedLevel| {
-        let claim = level.claim();
-        (claim.count, claim.distance, claim.covering)
-    };
-    stated.levels.iter().map(level).collect()
+    let claims = stated.claims().into_iter();
+    claims
+        .map(|claim| (claim.count, claim.distance, claim.covering))
+        .collect()
 }
 
 /// Writes a set to a file, with a certificate beside it if it is to be verified. Returns the report on what was written,

@@ -4,14 +4,15 @@ use std::path::{Path, PathBuf};
 
 use pyo3::prelude::*;
 use serde_json::{Value, json};
-use tilescope_analysis::{Boundary, PrefixClaim, Region, Report, VerifyOptions, verify_levels};
+use tilescope_analysis::{Boundary, Region, Report, verify_levels};
 use tilescope_formats::{
     Certificate, CertifiedLevel, CheckError, Format, Hint, Overrides, StreamReader, check_stream,
+    is_valid,
 };
 
 use crate::arguments::{SetArgument, claims, format, named, verify_options};
 use crate::failure::Failure;
-use crate::task::{TaskWatch, run};
+use crate::task::run;
 
 /// Returns the verifier's report on a set, as JSON.
 #[pyfunction]
@@ -26,22 +27,12 @@ pub fn verify(
     let report = run(py, progress, |watch| {
         let control = watch.control("verify");
         let whole = tilescope_analysis::verify(points, region, radius, &options, &control)?;
-        let levels = levels(points, &whole, &claims, &options, watch)?;
+        let control = watch.control("levels");
+        let levels = verify_levels(points, &whole, &claims, &options, &control)?;
+        let levels: Vec<_> = levels.iter().map(CertifiedLevel::of).collect();
         Ok(of_report(&whole, &levels))
     })?;
     Ok(report.to_string())
-}
-
-/// Judges the levels of a set.
-fn levels(
-    points: &[[f64; 2]],
-    whole: &Report,
-    claims: &[PrefixClaim],
-    options: &VerifyOptions,
-    watch: &TaskWatch,
-) -> Result<Vec<CertifiedLevel>, Failure> {
-    let found = verify_levels(points, whole, claims, options, &watch.control("levels"))?;
-    Ok(found.iter().map(CertifiedLevel::of).collect())
 }
 
 /// Returns a report with what follows from its numbers, and what was found of each level. A set with levels is valid if each
@@ -50,11 +41,7 @@ pub fn of_report(report: &Report, levels: &[CertifiedLevel]) -> Value {
     let mut all = json!(report);
     all["conflict_free"] = json!(report.conflict_free());
     all["maximal"] = json!(report.maximal());
-    all["valid"] = json!(if levels.is_empty() {
-        report.valid()
-    } else {
-        levels.iter().all(|level| level.valid)
-    });
+    all["valid"] = json!(is_valid(report, levels));
     all["levels"] = json!(levels);
     all
 }
@@ -93,7 +80,8 @@ impl GivenDomain {
     }
 }
 
-/// Verifies a file, and its levels if its certificate states any, and compares its certificate. Returns the report, and the statements that do not hold, as JSON.
+/// Verifies a file, and the levels that its certificate states, and compares its certificate. Returns the report, and the
+/// statements that do not hold, as JSON.
 #[pyfunction]
 pub fn check(
     py: Python<'_>,
@@ -113,7 +101,7 @@ pub fn check(
         judges: verify_options(judge)?.judges,
         ..Overrides::default()
     };
-    let (check, levels) = run(py, progress, |watch| {
+    let check = run(py, progress, |watch| {
         let control = watch.control("verify");
         let outcome = match check_stream(&path, &overrides, &control) {
             Err(CheckError::NoRegion(_)) => {
@@ -129,37 +117,16 @@ pub fn check(
             }
             outcome => outcome,
         };
-        let check = outcome.map_err(|error| match error {
+        outcome.map_err(|error| match error {
             CheckError::NoRadius => {
                 Failure::Value("the set has no certificate; give radius".to_owned())
             }
             other => Failure::from(other),
-        })?;
-        let stated = check.certificate.as_ref().map(|stated| &stated.levels[..]);
-        let stated = stated.filter(|_| given.radius.is_none());
-        let claims: Vec<_> = (stated.unwrap_or_default().iter())
-            .map(CertifiedLevel::claim)
-            .collect();
-        // Of a file that lacks samples the certificate's count is a difference.
-        let count = check.report.count;
-        if claims.is_empty() || claims.iter().any(|claim| claim.count > count) {
-            return Ok((check, Vec::new()));
-        }
-        let hint = Hint {
-            format,
-            ..Hint::default()
-        };
-        let points = tilescope_formats::read(&path, &hint)?.set.points;
-        let options = VerifyOptions {
-            judges: overrides.judges,
-            ..VerifyOptions::default()
-        };
-        let levels = levels(&points, &check.report, &claims, &options, watch)?;
-        Ok((check, levels))
+        })
     })?;
     let differences = check.differences.iter().map(ToString::to_string);
     let differences: Vec<String> = differences.collect();
-    let report = of_report(&check.report, &levels);
+    let report = of_report(&check.report, &check.levels);
     Ok(json!({ "report": report, "differences": differences }).to_string())
 }
 

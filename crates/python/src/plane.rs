@@ -6,18 +6,16 @@ use numpy::PyArray2;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use serde_json::{Value, json};
-use tilescope_analysis::{Boundary, Region, VerifyOptions, verify};
+use tilescope_analysis::{Boundary, Region, VerifyOptions};
 use tilescope_core::{
     Domain, MAX_SEQUENTIAL_SAMPLES, MAXIMAL_DENSITY, NestedPlane, Plane, R, Window,
 };
 
 use crate::arguments::{RunRequest, region_of};
 use crate::arrays::array;
+use crate::cut::judge;
 use crate::failure::Failure;
 use crate::task::run;
-
-/// Gaps that the verifier lists, more than the cut borders of a window have.
-pub const MAX_GAPS: usize = 1 << 20;
 
 /// What computes windows.
 enum Windows {
@@ -98,7 +96,7 @@ impl PythonPlane {
         py: Python<'_>,
         rectangle: [f64; 4],
         progress: Option<Py<PyAny>>,
-    ) -> PyResult<(u64, usize)> {
+    ) -> PyResult<(u64, u64)> {
         let window = self.rectangle(rectangle)?;
         run(py, progress, |watch| {
             let mut found = (0, 0);
@@ -119,16 +117,12 @@ impl PythonPlane {
                     height: cut.size[1],
                     boundary: Boundary::Bounded,
                 };
-                let options = VerifyOptions {
-                    witnesses: MAX_GAPS,
-                    ..VerifyOptions::default()
-                };
-                let control = watch.control("verify");
-                let report = verify(&cut.positions, region, radius, &options, &control)?;
-                // Gaps around the window come from the cut.
-                let gaps = report.worst_gaps.iter().map(|gap| gap.center);
-                found.0 += report.conflicts;
-                found.1 += gaps.filter(|center| cut.window_has(*center)).count();
+                let inside = |center| cut.window_has(center);
+                let options = VerifyOptions::default();
+                let (conflicts, gaps) =
+                    judge(&cut.positions, (region, radius), options, inside, watch)?;
+                found.0 += conflicts;
+                found.1 += gaps;
             }
             Ok(found)
         })

@@ -7,20 +7,9 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use tilescope_analysis::PrefixClaim;
-use tilescope_core::{Parameters, WithinLevel};
+use tilescope_core::{NestedRequest, Parameters};
 
 use crate::encoding::as_json;
-
-/// The input of nested levels beside the parameters of a run.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Nesting {
-    /// The number of levels.
-    pub levels: u32,
-    /// How many samples are wanted; the radius then follows from it.
-    pub exactly: Option<usize>,
-    /// How the samples that a level adds follow each other.
-    pub within: WithinLevel,
-}
 
 /// The levels of a session.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -28,7 +17,8 @@ pub struct NestedLevels {
     /// What is to hold for the samples to the end of each level, the coarsest first.
     pub claims: Vec<PrefixClaim>,
     /// What the set was made from; `None` if it was read from a file.
-    pub asked: Option<(Parameters, Nesting)>,
+    #[serde(with = "as_json")]
+    pub asked: Option<(Parameters, NestedRequest)>,
     /// How the set was made, as certificates name it.
     pub method: String,
     /// The parameters of that, by name.
@@ -78,7 +68,6 @@ impl NestedLevels {
     /// they cover the domain, or of the first level.
     #[must_use]
     pub fn disk_radius(&self, count: usize) -> f64 {
-        let claim = self.claim(count);
-        claim.covering.unwrap_or(claim.distance)
+        self.claim(count).radius()
     }
 }

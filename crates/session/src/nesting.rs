@@ -9,7 +9,7 @@ use tilescope_core::{Boundary, Domain, MAX_LEVELS, NestedRequest, Parameters, Ru
 use tilescope_formats::ReadSet;
 
 use crate::jobs::Monitor;
-use crate::nested::{NestedLevels, Nesting};
+use crate::nested::NestedLevels;
 use crate::recipe::Recipe;
 use crate::session::{Reporter, Session};
 
@@ -18,17 +18,12 @@ use crate::session::{Reporter, Session};
 /// Fails as [`NestedRequest::make`] does, and when `monitor` is cancelled.
 pub fn sample(
     recipe: &Recipe,
-    nesting: Nesting,
+    request: NestedRequest,
     generation: u64,
     monitor: &Monitor,
 ) -> Result<Session, SampleError> {
     let observer = &mut Reporter { monitor };
     let asked = recipe.parameters;
-    let request = NestedRequest {
-        levels: nesting.levels,
-        order_within: nesting.within,
-        exactly: nesting.exactly,
-    };
     let nested = request.make(&asked, observer)?;
     let domain = *nested.domain();
     let parameters = Parameters {
@@ -41,14 +36,9 @@ pub fn sample(
             stated.extend(part);
         }
     }
-    let claims = (nested.claims()).map(|(count, distance, covering)| PrefixClaim {
-        count,
-        distance,
-        covering,
-    });
     let levels = NestedLevels {
-        claims: claims.collect(),
-        asked: Some((asked, nesting)),
+        claims: nested.claims().map(PrefixClaim::from).collect(),
+        asked: Some((asked, request)),
         method: "kdrt".to_owned(),
         stated,
     };
@@ -114,20 +104,20 @@ mod tests {
     use super::*;
 
     fn made(exactly: Option<usize>) -> Session {
-        let nesting = Nesting {
+        let request = NestedRequest {
             levels: 3,
             exactly,
-            within: WithinLevel::Random,
+            order_within: WithinLevel::Random,
         };
         let recipe = Recipe {
-            nested: Some(nesting),
+            nested: Some(request),
             ..Recipe::from(Parameters {
                 radius: 0.03,
                 ..Parameters::default()
             })
         };
         let monitor = Monitor::reporting(|_, _| {});
-        let session = sample(&recipe, nesting, 1, &monitor).unwrap();
+        let session = sample(&recipe, request, 1, &monitor).unwrap();
         assert_eq!(session.recipe(), recipe);
         session
     }

@@ -4,12 +4,12 @@
 use std::sync::Arc;
 
 use tilescope_analysis::Boundary;
-use tilescope_core::{Observer, Parameters, Pattern, SampleError};
+use tilescope_core::{NestedRequest, Observer, Parameters, Pattern, SampleError};
 use tilescope_debugger::{DEFAULT_BUDGET, PatternFile, Recording, pattern_digest};
 use tilescope_formats::ReadSet;
 
+use crate::encoding::as_json;
 use crate::incoming::Incoming;
-use crate::nested::Nesting;
 
 /// A pattern that was read from a file.
 #[derive(Clone, serde::Serialize, serde::Deserialize)]
@@ -40,7 +40,8 @@ pub struct Recipe {
     /// The pattern to use instead of the one that the parameters describe.
     pub own: Option<OwnPattern>,
     /// The levels, if nested ones are wanted instead of a run.
-    pub nested: Option<Nesting>,
+    #[serde(with = "as_json")]
+    pub nested: Option<NestedRequest>,
 }
 
 impl From<Parameters> for Recipe {

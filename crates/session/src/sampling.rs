@@ -31,7 +31,7 @@ impl Task for SampleTask {
     fn run(self, monitor: &Monitor) -> Made {
         let Self { recipe, generation } = &self;
         Ok(match recipe.nested {
-            Some(nesting) => nesting::sample(recipe, nesting, *generation, monitor)?,
+            Some(request) => nesting::sample(recipe, request, *generation, monitor)?,
             None => Session::sample(recipe, *generation, monitor)?,
         })
     }

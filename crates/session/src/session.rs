@@ -136,7 +136,7 @@ impl Session {
         Recipe {
             parameters: asked.map_or(self.run().parameters, |(parameters, _)| parameters),
             own: self.own.clone(),
-            nested: asked.map(|(_, nesting)| nesting),
+            nested: asked.map(|(_, request)| request),
         }
     }
 

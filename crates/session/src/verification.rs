@@ -106,7 +106,7 @@ impl Verdict {
         self.claim.map_or(self.report.maximal(), of_claim)
     }
 
-    /// Returns whether the samples are as they are to be.
+    /// Returns whether the set is valid: conflict-free and maximal, or, of a prefix, as claimed.
     #[must_use]
     pub fn valid(&self) -> bool {
         self.conflict_free() && self.maximal()
@@ -159,8 +159,7 @@ impl Task for VerifyTask {
             Some((nested, count)) => {
                 let claim = nested.claim(count);
                 let points = run.domain.users_from_lattice(&run.samples.points[..count]);
-                let radius = claim.covering.unwrap_or(claim.distance);
-                let verdict = Verdict::of(&points, region, radius, monitor);
+                let verdict = Verdict::of(&points, region, claim.radius(), monitor);
                 verdict.map(|verdict| Verdict {
                     claim: Some(claim),
                     ..verdict

@@ -2,12 +2,11 @@
 //! [`Draft::refusals`] assigns its errors to fields.
 
 use tilescope_core::{
-    Boundary, Insertion, MAXIMAL_DENSITY, NestedPlane, Order, ParameterError, Parameters, Search,
+    Boundary, Insertion, MAXIMAL_DENSITY, NestedRequest, Order, ParameterError, Parameters, Search,
     Variant, WithinLevel, radius_estimate,
 };
 
 use tilescope_session::limits::{MAX_ON_A_PAGE, MAX_STAGED};
-use tilescope_session::nested::Nesting;
 use tilescope_session::words::{grouped, sentence};
 
 /// A parameter that is typed as a number.
@@ -146,11 +145,11 @@ impl Preset {
 
     /// Returns its nested levels, if it has any.
     #[must_use]
-    pub fn nesting(self) -> Option<Nesting> {
-        (self == Self::Nested).then_some(Nesting {
+    pub fn nesting(self) -> Option<NestedRequest> {
+        (self == Self::Nested).then_some(NestedRequest {
             levels: 6,
             exactly: None,
-            within: WithinLevel::Random,
+            order_within: WithinLevel::Random,
         })
     }
 }
@@ -212,12 +211,12 @@ impl Draft {
     }
 
     /// Returns the draft with these nested levels, if any.
-    pub(crate) fn with_nesting(self, nesting: Option<Nesting>) -> Self {
+    pub(crate) fn with_nesting(self, nesting: Option<NestedRequest>) -> Self {
         let exactly = nesting.and_then(|nesting| nesting.exactly);
         Self {
             levels: nesting.map(|nesting| nesting.levels),
             exactly: exactly.map_or_else(String::new, |count| count.to_string()),
-            within: nesting.map_or(self.within, |nesting| nesting.within),
+            within: nesting.map_or(self.within, |nesting| nesting.order_within),
             ..self
         }
     }
@@ -225,11 +224,11 @@ impl Draft {
     /// Returns the nested levels that are asked for, if any. A number of samples that cannot be read is left out; it is
     /// among the refusals.
     #[must_use]
-    pub fn nesting(&self) -> Option<Nesting> {
-        Some(Nesting {
+    pub fn nesting(&self) -> Option<NestedRequest> {
+        Some(NestedRequest {
             levels: self.levels?,
             exactly: self.exactly_read().ok().flatten(),
-            within: self.within,
+            order_within: self.within,
         })
     }
 
@@ -244,14 +243,14 @@ impl Draft {
 
     /// Returns why the nested levels cannot be made with these parameters, if some are asked for.
     fn nesting_refusal(&self) -> Option<DraftRefusal> {
-        let levels = self.levels?;
+        let request = self.nesting()?;
         let check = || {
             let mut parameters = self.parameters;
             if let Some(count) = self.exactly_read()? {
                 let radius = radius_estimate(&parameters, count as u64);
                 parameters.radius = radius.map_err(|error| sentence(&error.to_string()))?;
             }
-            let checked = NestedPlane::check(&parameters, levels);
+            let checked = request.check(&parameters);
             checked.map_err(|error| sentence(&error.to_string()))
         };
         let reason = check().err()?;

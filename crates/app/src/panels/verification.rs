@@ -211,7 +211,7 @@ fn properties(ui: &mut Ui, report: Option<&Report>, palette: &Palette) {
     );
 }
 
-/// Shows whether a prefix of nested levels is as it is to be.
+/// Shows whether a prefix of nested levels keeps what is promised of it.
 fn guarantee(ui: &mut Ui, verdict: &Verdict, claim: PrefixClaim, unit: f64, palette: &Palette) {
     let of = |well: bool| (well, "not as promised".to_owned());
     let distance = format!("Distances over {:.3} r", claim.distance / unit);

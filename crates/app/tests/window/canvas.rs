@@ -25,10 +25,10 @@ const FIRST_ITERATION: usize = 4;
 
 use crate::support::{MAX_FRAMES, debugger, find, node, opened, session, settle};
 
-/// Returns the window on its default session, its samples drawn by instancing or as meshes.
-fn window(instanced: bool) -> Harness<'static, App> {
+/// Returns a window of a size on its default session, its samples drawn by instancing or as meshes.
+pub fn drawn(size: [f32; 2], instanced: bool) -> Harness<'static, App> {
     let mut harness = Harness::builder()
-        .with_size([1_100.0, 760.0])
+        .with_size(size)
         .with_max_steps(MAX_FRAMES)
         .wgpu()
         .build_eframe(move |creation| {
@@ -46,7 +46,11 @@ fn window(instanced: bool) -> Harness<'static, App> {
     harness
 }
 
-fn apply(harness: &mut Harness<'_, App>, command: Command) {
+fn window(instanced: bool) -> Harness<'static, App> {
+    drawn([1_100.0, 760.0], instanced)
+}
+
+pub fn apply(harness: &mut Harness<'_, App>, command: Command) {
     harness.state_mut().state.apply(command);
     settle(harness);
 }

@@ -9,29 +9,13 @@ use tilescope_workbench::command::{AppearanceCommand, FormCommand, TimeCommand, 
 use tilescope_workbench::draft::{Choice, Field};
 use tilescope_workbench::layout::Panel;
 
-use crate::support::{MAX_FRAMES, find, is_disabled, node, session, settle, text};
-
-fn apply(harness: &mut Harness<'_, App>, command: Command) {
-    harness.state_mut().state.apply(command);
-    settle(harness);
-}
+use crate::canvas::{apply, drawn};
+use crate::support::{find, is_disabled, node, session, settle, text};
 
 /// A window with four levels of some 1,700 samples, drawn by instancing or as meshes.
 fn made(instanced: bool) -> Harness<'static, App> {
-    let mut harness = Harness::builder()
-        .with_size([1_400.0, 900.0])
-        .with_max_steps(MAX_FRAMES)
-        .wgpu()
-        .build_eframe(move |creation| {
-            let mut app = App::new(&creation.egui_ctx);
-            if instanced {
-                app.draw_with(creation.wgpu_render_state.as_ref().expect("a device"));
-            }
-            app
-        });
-    settle(&mut harness);
+    let mut harness = drawn([1_400.0, 900.0], instanced);
     for command in [
-        Command::Appearance(AppearanceCommand::ToggleReducedMotion),
         Command::Form(FormCommand::Type(Field::Radius, "0.02".to_owned())),
         Command::Form(FormCommand::Choose(Choice::Levels(Some(4)))),
         Command::Run,

@@ -168,6 +168,14 @@ pub enum ParameterError {
         /// The most possible.
         maximum: u32,
     },
+    /// Exactly so many samples were asked for with one level.
+    #[error(
+        "exactly {count} samples need at least 2 levels: the first samples of one level may leave any place uncovered"
+    )]
+    OneLevel {
+        /// The wanted number.
+        count: usize,
+    },
     /// A side is too short for the coarsest of nested levels.
     #[error(
         "the {name} is {} r long; {levels} levels need at least {minimum:.1} r: choose fewer levels or a smaller radius",

@@ -47,7 +47,7 @@ const MAX_TRIES: u32 = 16;
 const MAX_WHOLE_AREA: f64 = 1_048_576.0;
 
 /// What is asked of nested levels besides the parameters of a run. Certificates state it by these names.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct NestedRequest {
     /// How many levels.
     pub levels: u32,
@@ -59,14 +59,32 @@ pub struct NestedRequest {
 }
 
 impl NestedRequest {
+    /// Returns why these levels cannot be made with `parameters`, without making a pattern.
+    ///
+    /// # Errors
+    ///
+    /// As [`NestedPlane::new`], and [`ParameterError::OneLevel`].
+    pub fn check(&self, parameters: &Parameters) -> Result<(), ParameterError> {
+        self.check_exactly()?;
+        check(parameters, self.levels).map(|_| ())
+    }
+
+    const fn check_exactly(&self) -> Result<(), ParameterError> {
+        match (self.exactly, self.levels) {
+            (Some(count), 1) => Err(ParameterError::OneLevel { count }),
+            _ => Ok(()),
+        }
+    }
+
     /// Returns the samples. Uses the current rayon pool.
     ///
-    /// Fails as [`NestedPlane::new`], [`NestedPlane::whole`] and [`NestedPlane::exactly`].
+    /// Fails as [`Self::check`], [`NestedPlane::whole`] and [`NestedPlane::exactly`].
     pub fn make(
         &self,
         parameters: &Parameters,
         observer: &mut dyn Observer,
     ) -> Result<Nested, SampleError> {
+        self.check_exactly()?;
         let mut made = match self.exactly {
             Some(count) => NestedPlane::exactly(parameters, self.levels, count, observer)?,
             None => NestedPlane::new(parameters, self.levels, observer)?.whole(observer)?,
@@ -145,13 +163,6 @@ impl NestedPlane {
             window_side: WINDOW_SIDE,
             idle: Pool::default(),
         })
-    }
-
-    /// Returns the domain of such a plane, or why there is none, without making a pattern.
-    ///
-    /// Fails as [`Self::new`].
-    pub fn check(parameters: &Parameters, levels: u32) -> Result<Domain, ParameterError> {
-        check(parameters, levels)
     }
 
     /// Returns the plane with large windows cut into ones of `radii` finest radii a side instead of 512. The samples are

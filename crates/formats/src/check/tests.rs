@@ -1,8 +1,10 @@
 //! Checks every statement of a certificate, true and falsified.
 
+use std::ops::ControlFlow;
+
 use super::*;
 use crate::export::{ExportContext, ExportedBytes, export_bytes};
-use tilescope_analysis::{Judge, PrefixClaim};
+use tilescope_analysis::{Judge, PrefixClaim, Progress};
 
 const GO: fn(Progress) -> ControlFlow<()> = |_| ControlFlow::Continue(());
 

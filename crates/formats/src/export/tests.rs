@@ -1,6 +1,8 @@
 //! The pipeline on small sets, with and without rounding.
 
-use tilescope_analysis::Boundary;
+use std::ops::ControlFlow;
+
+use tilescope_analysis::{Boundary, Progress};
 
 use super::*;
 use crate::point_set::Provenance;

@@ -1,8 +1,9 @@
 //! What is on disk after an export, a failed export and a check.
 
 use std::collections::BTreeSet;
+use std::ops::ControlFlow;
 
-use tilescope_analysis::{Boundary, Region};
+use tilescope_analysis::{Boundary, Progress, Region};
 
 use super::*;
 use crate::format::Format;

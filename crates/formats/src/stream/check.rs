@@ -3,10 +3,9 @@
 //! A file that a stream cannot verify (points not in row order, a wide hole) is also read whole, up to a limit. The
 //! result is the same as that of [`check`](crate::check).
 
-use std::ops::ControlFlow;
 use std::path::Path;
 
-use tilescope_analysis::{Progress, StreamVerifier};
+use tilescope_analysis::{Control, StreamVerifier};
 
 use super::read::StreamReader;
 use crate::certificate::Certificate;
@@ -29,7 +28,7 @@ pub const WHOLE_FILE_BYTES: u64 = 32 << 20;
 pub fn check_stream(
     path: &Path,
     overrides: &Overrides,
-    control: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    control: Control<'_>,
 ) -> Result<Check, CheckError> {
     check_from(path, overrides, WHOLE_FILE_BYTES, control)
 }
@@ -39,7 +38,7 @@ pub(super) fn check_from(
     path: &Path,
     overrides: &Overrides,
     whole: u64,
-    control: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    control: Control<'_>,
 ) -> Result<Check, CheckError> {
     let in_memory = || check(path, overrides, control).map(|(_, check)| check);
     let length = Input::open(path).and_then(|input| input.length());
@@ -78,7 +77,7 @@ pub(super) fn check_from(
 fn in_pieces(
     mut reader: StreamReader,
     overrides: &Overrides,
-    control: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    control: Control<'_>,
 ) -> Result<Check, CheckError> {
     let (detection, precision) = (reader.detection(), reader.precision());
     let certificate = reader.certificate().cloned();

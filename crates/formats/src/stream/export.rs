@@ -3,11 +3,10 @@
 //! Points are verified as decoded from the encoded bytes, and before the file gets its name it is read back and
 //! compared with those bytes. An existing file is not replaced before that.
 
-use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
 use serde_json::Value;
-use tilescope_analysis::{Progress, StreamBand};
+use tilescope_analysis::{Control, StreamBand};
 
 use super::judge::Judges;
 use super::lock::Lock;
@@ -17,7 +16,7 @@ use crate::codecs::rows::{Layout, Rows, head, push_rows};
 use crate::codecs::{Target, check_target};
 use crate::destination::destination;
 use crate::error::FormatError;
-use crate::export::{Control, ExportContext, ExportError, target};
+use crate::export::{ExportContext, ExportError, target};
 use crate::files::file_name;
 use crate::point_set::Provenance;
 use crate::read::certificate_path;
@@ -161,7 +160,7 @@ impl StreamExport {
         &mut self,
         points: &[[f64; 2]],
         provenance: Option<&[Provenance]>,
-        control: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+        control: Control<'_>,
     ) -> Result<(), ExportError> {
         self.guarded(|this| this.take(points, provenance, control))
     }

@@ -6,14 +6,14 @@ use std::fs;
 use std::ops::ControlFlow;
 use std::path::PathBuf;
 
-use tilescope_analysis::{Progress, Report, VerifyError};
+use tilescope_analysis::{Control, Progress, Report, VerifyError};
 
 use super::export::StreamExport;
 use super::judge::unjudged;
 use super::resume;
 use crate::certificate::Certificate;
 use crate::error::{FormatError, io_error};
-use crate::export::{Control, ExportError, Warning, certificate, left_out, warnings};
+use crate::export::{ExportError, Warning, certificate, left_out, warnings};
 use crate::files::{Exported, Temporary, publish, remove_certificate};
 use crate::read::certificate_path;
 
@@ -40,10 +40,7 @@ impl StreamExport {
     /// # Errors
     ///
     /// [`ExportError`]. An existing file is unchanged, and a resumable export can still be resumed.
-    pub fn finish(
-        mut self,
-        control: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
-    ) -> Result<Streamed, ExportError> {
+    pub fn finish(mut self, control: Control<'_>) -> Result<Streamed, ExportError> {
         let streamed = self.guarded(|this| this.complete(control))?;
         resume::remove(&self.file);
         Ok(streamed)

@@ -6,12 +6,12 @@
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use tilescope_analysis::{Progress, Report, StreamBand, StreamVerifier, VerifyError};
+use tilescope_analysis::{Control, Progress, Report, StreamBand, StreamVerifier, VerifyError};
 
 use crate::certificate::Rounding;
 use crate::codecs::Target;
 use crate::digest::{add_positions, digest_text};
-use crate::export::{Control, ExportContext, ExportError, statement};
+use crate::export::{ExportContext, ExportError, statement};
 use crate::format::{Format, Precision};
 
 /// The verifiers and digests of one export.

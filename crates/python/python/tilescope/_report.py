@@ -68,7 +68,7 @@ class LevelReport:
     covering_radius: float
     """Largest distance from a place of the domain to the nearest of them."""
     valid: bool
-    """Whether they are as they are to be."""
+    """Whether distance and covering are as promised."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -80,7 +80,7 @@ class Report:
     """
 
     valid: bool
-    """Whether the set is both conflict-free and maximal; with nested levels, whether each level is as it is to be."""
+    """Whether the set is both conflict-free and maximal; with nested levels, whether each level is as promised."""
     conflict_free: bool
     """Whether no two samples are closer than the radius."""
     maximal: bool

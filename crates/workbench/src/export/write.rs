@@ -14,8 +14,8 @@ use tilescope_figures::{
     AnimationError, FigureError, to_pixels, to_png, to_svg, write_apng, write_gif,
 };
 use tilescope_formats::{
-    Certificate, ExportContext, ExportError, FormatError, PointSet, Warning, certificate_path,
-    export_bytes,
+    ExportContext, ExportError, FormatError, PointSet, Warning, certificate_path, export_bytes,
+    is_valid,
 };
 #[cfg(not(target_arch = "wasm32"))]
 use tilescope_formats::{export, write_through, write_whole};
@@ -251,7 +251,7 @@ fn write_samples(job: &ExportJob, monitor: &Monitor) -> Result<What, WriteError>
     })?;
     Ok(What::Samples {
         certificate: exported.certificate_path,
-        valid: is_valid(&exported.certificate),
+        valid: is_valid(&exported.report, &exported.certificate.levels),
         report: Box::new(exported.report),
         warnings: exported.warnings,
         result,
@@ -272,19 +272,11 @@ fn render_samples(
     files.push(NamedBytes::new(beside, exported.certificate_bytes));
     Ok(What::Samples {
         certificate,
-        valid: is_valid(&exported.certificate),
+        valid: is_valid(&exported.report, &exported.certificate.levels),
         report: Box::new(exported.report),
         warnings: exported.warnings,
         result,
     })
-}
-
-/// Returns whether the samples are as they are to be: a set of nested levels that ends within one is not maximal.
-fn is_valid(certificate: &Certificate) -> bool {
-    match certificate.levels.as_slice() {
-        [] => certificate.valid,
-        levels => levels.iter().all(|level| level.valid),
-    }
 }
 
 /// Returns the files of a picture or of the scenes; all are drawn before the first one is written.

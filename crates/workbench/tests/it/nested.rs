@@ -4,10 +4,9 @@ use std::path::Path;
 use std::sync::Arc;
 
 use tilescope_analysis::Region;
-use tilescope_core::{NestedPlane, Parameters, Standing, Unobserved, WithinLevel};
+use tilescope_core::{NestedPlane, NestedRequest, Parameters, Standing, Unobserved, WithinLevel};
 use tilescope_formats::Certificate;
 use tilescope_session::layers::Layer;
-use tilescope_session::nested::Nesting;
 use tilescope_session::session::Session;
 use tilescope_session::verification::{Verdict, Witness};
 use tilescope_workbench::clock::Clock;
@@ -201,6 +200,10 @@ fn exactly_so_many_samples_are_made_and_exported_as_promised() {
     let refusal = state.run_refusal().unwrap();
     assert!(refusal.contains("not a whole number"), "{refusal}");
     form(&mut state, FormCommand::Exactly("1,000".to_owned()));
+    form(&mut state, FormCommand::Choose(Choice::Levels(Some(1))));
+    let refusal = state.run_refusal().unwrap();
+    assert!(refusal.contains("at least 2 levels"), "{refusal}");
+    form(&mut state, FormCommand::Choose(Choice::Levels(Some(4))));
     form(
         &mut state,
         FormCommand::Choose(Choice::Within(WithinLevel::Farthest)),
@@ -209,10 +212,10 @@ fn exactly_so_many_samples_are_made_and_exported_as_promised() {
     state.settle();
     assert_eq!(state.run_remark(), None);
     assert_eq!(session(&state).summary.count, 1_000);
-    let nesting = Nesting {
+    let nesting = NestedRequest {
         levels: 4,
         exactly: Some(1_000),
-        within: WithinLevel::Farthest,
+        order_within: WithinLevel::Farthest,
     };
     assert_eq!(session(&state).recipe().nested, Some(nesting));
     // The set ends within its last level: it is not maximal for its radius, and need not be.

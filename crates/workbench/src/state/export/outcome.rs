@@ -2,7 +2,6 @@
 
 use std::path::PathBuf;
 
-use tilescope_formats::Warning;
 use tilescope_session::incoming::NamedBytes;
 use tilescope_session::jobs::{Job, Monitor};
 use tilescope_session::task::{self, Task};
@@ -189,17 +188,7 @@ fn notice_of(written: &Written, download: Option<&str>) -> (String, bool) {
             if *valid && report.valid() && !result {
                 text.push_str(" The set is conflict-free and maximal.");
             }
-            let is_cut = |warning: &&Warning| {
-                *valid
-                    && matches!(
-                        warning,
-                        Warning::Gaps {
-                            by_rounding: false,
-                            ..
-                        }
-                    )
-            };
-            for warning in warnings.iter().filter(|warning| !is_cut(warning)) {
+            for warning in warnings {
                 text.push(' ');
                 text.push_str(&sentence(&warning.to_string()));
             }
