@@ -1,8 +1,10 @@
 // @ts-check Detects whether a frame is in view. Browsers keep only some displays at a time (Chrome sixteen of WebGL),
 // so on a page with many frames those out of view have no display.
 
-/** If the browser reports nothing for so long, the frame is hidden completely, as on a later slide. */
-const SILENT_MS = 500;
+/** How long a frame must have no size, while nothing is observed, to count as hidden completely, as on a later slide. */
+const HIDDEN_MS = 500;
+/** Longest wait for an observation. */
+const SILENT_MS = 10_000;
 
 let isSeen = true;
 /** @type {(() => void)[]} */
@@ -39,10 +41,16 @@ export function inView() {
   return isSeen;
 }
 
-/** Waits until the frame is in view or a request arrives. */
+/** Waits until the frame is in view or a request arrives. A frame that is hidden completely counts as in view. */
 export async function comesIntoView() {
   told ??= look();
-  await Promise.race([told, new Promise((resolve) => setTimeout(resolve, SILENT_MS))]);
+  const observed = told.then(() => true);
+  /** @param {number} ms */
+  const observedIn = (ms) => Promise.race([observed, new Promise((resolve) => setTimeout(resolve, ms))]);
+  if (!(await observedIn(HIDDEN_MS)) && innerWidth * innerHeight > 0) {
+    // A busy machine: the frame has a place, which is not known yet.
+    await observedIn(SILENT_MS);
+  }
   if (!isSeen) {
     await new Promise((resolve) => waiting.push(() => resolve(undefined)));
   }

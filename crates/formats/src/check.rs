@@ -107,13 +107,14 @@ impl Check {
     }
 }
 
-/// Returns whether a set is conflict-free and maximal or, if it has nested levels, whether each level is as claimed.
+/// Returns whether a set is conflict-free and maximal or, if it has nested levels, whether each level is as claimed and the
+/// last one has all samples.
 #[must_use]
 pub fn is_valid(report: &Report, levels: &[CertifiedLevel]) -> bool {
-    match levels {
-        [] => report.valid(),
-        levels => levels.iter().all(|level| level.valid),
-    }
+    levels.last().map_or_else(
+        || report.valid(),
+        |last| last.count == report.count as u64 && levels.iter().all(|level| level.valid),
+    )
 }
 
 /// The largest covering radius of a level, in its smallest distance: that of the level before, a little more than the root

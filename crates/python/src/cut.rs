@@ -12,7 +12,7 @@ const MAX_GAPS: usize = 1 << 20;
 
 /// Returns the number of pairs in conflict in a set that was cut from a larger one, and of uncovered places in the part of it
 /// that `is_inside` says. Other places may be uncovered because the set is cut.
-pub fn judge(
+pub fn judge_within(
     points: &[[f64; 2]],
     (region, radius): (Region, f64),
     options: VerifyOptions,
@@ -31,20 +31,20 @@ pub fn judge(
     Ok((report.conflicts, gaps + (report.gaps - listed)))
 }
 
-/// Returns what [`judge`] finds in a rectangular window of a set.
+/// Returns what [`judge_within`] finds in a rectangular window of a set.
 #[pyfunction]
 pub fn verify_window(
     py: Python<'_>,
     set: SetArgument<'_>,
     window: [f64; 4],
-    judge_name: Option<&str>,
+    judge: Option<&str>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<(u64, u64)> {
     let (points, asked) = (set.points()?, (set.region()?, set.radius()?));
-    let options = verify_options(judge_name)?;
+    let options = verify_options(judge)?;
     let [left, bottom, right, top] = window;
     let inside = |[x, y]: [f64; 2]| (left..=right).contains(&x) && (bottom..=top).contains(&y);
     run(py, progress, |watch| {
-        judge(points, asked, options, inside, watch)
+        judge_within(points, asked, options, inside, watch)
     })
 }

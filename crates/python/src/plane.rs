@@ -13,7 +13,7 @@ use tilescope_core::{
 
 use crate::arguments::{RunRequest, region_of};
 use crate::arrays::array;
-use crate::cut::judge;
+use crate::cut::judge_within;
 use crate::failure::Failure;
 use crate::task::run;
 
@@ -120,7 +120,7 @@ impl PythonPlane {
                 let inside = |center| cut.window_has(center);
                 let options = VerifyOptions::default();
                 let (conflicts, gaps) =
-                    judge(&cut.positions, (region, radius), options, inside, watch)?;
+                    judge_within(&cut.positions, (region, radius), options, inside, watch)?;
                 found.0 += conflicts;
                 found.1 += gaps;
             }
