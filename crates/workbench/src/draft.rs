@@ -245,12 +245,8 @@ impl Draft {
     fn nesting_refusal(&self) -> Option<DraftRefusal> {
         let request = self.nesting()?;
         let check = || {
-            let mut parameters = self.parameters;
-            if let Some(count) = self.exactly_read()? {
-                let radius = radius_estimate(&parameters, count as u64);
-                parameters.radius = radius.map_err(|error| sentence(&error.to_string()))?;
-            }
-            let checked = request.check(&parameters);
+            self.exactly_read()?;
+            let checked = request.check(&self.parameters);
             checked.map_err(|error| sentence(&error.to_string()))
         };
         let reason = check().err()?;

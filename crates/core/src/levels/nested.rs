@@ -25,6 +25,11 @@ pub enum WithinLevel {
     Farthest,
 }
 
+impl WithinLevel {
+    /// All orders.
+    pub const ALL: [Self; 2] = [Self::Random, Self::Farthest];
+}
+
 /// The samples of a run or of one of its windows, level by level.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Nested {

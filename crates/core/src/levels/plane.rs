@@ -66,7 +66,11 @@ impl NestedRequest {
     /// As [`NestedPlane::new`], and [`ParameterError::OneLevel`].
     pub fn check(&self, parameters: &Parameters) -> Result<(), ParameterError> {
         self.check_exactly()?;
-        check(parameters, self.levels).map(|_| ())
+        let mut parameters = *parameters;
+        if let Some(count) = self.exactly {
+            parameters.radius = radius_estimate(&parameters, count as u64)?;
+        }
+        check(&parameters, self.levels).map(|_| ())
     }
 
     const fn check_exactly(&self) -> Result<(), ParameterError> {

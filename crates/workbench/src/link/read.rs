@@ -7,7 +7,7 @@ use std::collections::hash_map::Entry;
 use glam::DVec2;
 
 use tilescope_core::combine::file::{Layout as Combination, PieceSource, PlacedPiece};
-use tilescope_core::{MAXIMAL_DENSITY, Parameters, PatternSpec};
+use tilescope_core::{MAXIMAL_DENSITY, NestedRequest, Parameters, PatternSpec, WithinLevel};
 use tilescope_debugger::{Listings, SavedBreakpoint, SavedScene};
 use tilescope_session::combination::NINE;
 use tilescope_session::layers::Colouring;
@@ -20,7 +20,7 @@ use super::parameters::{self, KEYS, VARIANT};
 use super::text::{from_base64, items, named, numbers, pairs};
 use super::view::{read_layers, read_scene_view, read_selection};
 use super::warnings::{LinkWarnings, quoted};
-use super::write::{LINKS, NINE_SETS};
+use super::write::{LINKS, NESTED, NINE_SETS};
 use super::{MAX_BYTES, MAX_COMBINATION, MAX_SAMPLES, MAX_SCENES, MAX_STOPS, MAX_TEXT, VERSION};
 use crate::clock::Clock;
 use crate::layout;
@@ -28,7 +28,7 @@ use crate::lessons::WantedLesson;
 use crate::view::{sound_camera, speed, whole_run};
 
 /// The keys of a link besides the parameters of its runs.
-const OTHERS: &str = "v combine at stage camera layers colouring look select clock speed whole-run loop b break watch mark \
+const OTHERS: &str = "v levels exactly order-within combine at stage camera layers colouring look select clock speed whole-run loop b break watch mark \
      mark-view layout lesson step practice";
 
 /// Every colouring, in the sequence of their numbers in links.
@@ -162,6 +162,7 @@ impl LinkReader {
             let texts = |key: &str| self.pairs.get(key).map(String::as_str);
             content.parameters =
                 parameters::read(texts, &Parameters::default(), "", &mut self.warnings);
+            content.nested = self.nested(&content.parameters);
         }
         let at = self.take("at", |text| text.parse().ok());
         let stage = self.take("stage", name);
@@ -170,6 +171,41 @@ impl LinkReader {
             (None, Some(stage)) => NamedMoment::Stage(stage),
             (None, None) => NamedMoment::End,
         };
+    }
+
+    /// Returns the nested levels, if the link has some that can be made with `parameters`.
+    fn nested(&mut self, parameters: &Parameters) -> Option<NestedRequest> {
+        let [levels, exactly, order_within] = NESTED;
+        let count = self.take(exactly, |text| text.parse().ok());
+        let order = self.take(order_within, |text| named(&WithinLevel::ALL, text));
+        let Some(levels) = self.take(levels, |text| text.parse().ok()) else {
+            if count.is_some() || order.is_some() {
+                let text = "The link says how nested levels are made but not how many (\"levels\"): they were left out.";
+                self.warnings.add(text.to_owned());
+            }
+            return None;
+        };
+        let request = NestedRequest {
+            levels,
+            exactly: count,
+            order_within: order.unwrap_or_default(),
+        };
+        let refusal = match count.filter(|&count: &usize| count as f64 > MAX_SAMPLES) {
+            Some(count) => Some(format!(
+                "they have {} samples, and a link may ask for {}",
+                grouped(count),
+                grouped(MAX_SAMPLES as usize)
+            )),
+            None => request
+                .check(parameters)
+                .err()
+                .map(|error| error.to_string()),
+        };
+        if let Some(why) = &refusal {
+            self.warnings
+                .add(format!("The link's nested levels were left out: {why}."));
+        }
+        refusal.is_none().then_some(request)
     }
 
     fn combination(&mut self) -> Option<Combination> {

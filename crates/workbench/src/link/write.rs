@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use serde_json::Value;
-use tilescope_core::Parameters;
+use tilescope_core::{NestedRequest, Parameters, WithinLevel};
 use tilescope_debugger::{SavedBreakpoint, SavedScene};
 use tilescope_session::combination::NINE;
 use tilescope_session::layers::Layer;
@@ -34,6 +34,9 @@ pub(crate) fn layer_name(layer: Layer) -> String {
         layer => slug(layer.name()),
     }
 }
+
+/// The keys of nested levels: how many, their number of samples, and their order within a level.
+pub(super) const NESTED: [&str; 3] = ["levels", "exactly", "order-within"];
 
 /// The name that stands for the paper's combination of nine sets; others are written by their layout.
 pub(super) const NINE_SETS: &str = "nine";
@@ -97,6 +100,9 @@ impl Writer {
             Some(layout) => self.combination(layout),
             None => self.parameters("", &content.parameters, &Parameters::default()),
         }
+        if let Some(nested) = &content.nested {
+            self.nested(nested);
+        }
         match &content.moment {
             NamedMoment::End => {}
             NamedMoment::Event(cursor) => self.put("at", cursor.to_string()),
@@ -107,6 +113,17 @@ impl Writer {
     fn parameters(&mut self, prefix: &str, parameters: &Parameters, base: &Parameters) {
         for (key, value) in differing(parameters, base) {
             self.put(&format!("{prefix}{key}"), value);
+        }
+    }
+
+    fn nested(&mut self, request: &NestedRequest) {
+        let [levels, exactly, order_within] = NESTED;
+        self.put(levels, request.levels.to_string());
+        if let Some(count) = request.exactly {
+            self.put(exactly, count.to_string());
+        }
+        if request.order_within != WithinLevel::default() {
+            self.put(order_within, name(&request.order_within));
         }
     }
 

@@ -297,7 +297,7 @@ impl State {
         };
         let events = "Only a session with events can be saved; a larger run is reproduced by its parameters.";
         let files = "This combination has sets from files, which a saved session would not contain; keep its layout instead.";
-        let levels = "Nested levels are not saved as a session: their parameters, or an export of the set, give them again.";
+        let levels = "Nested levels are not saved as a session: a link to them, or an export of the set, gives them again.";
         match &session.combination {
             None if session.nested.is_some() => Some(levels),
             Some(combination) => (combination.files > 0).then_some(files),

@@ -4,7 +4,6 @@
 use serde_json::{Value, json};
 use tilescope_core::Parameters;
 use tilescope_debugger::{SavedScene, Stops};
-use tilescope_session::recipe::Recipe;
 use tilescope_session::selection::Selection;
 use tilescope_session::words::{counted, grouped, stage_name};
 
@@ -108,15 +107,18 @@ impl State {
 
     fn put_run(&self, content: &mut LinkContent, left_out: &mut Vec<String>) {
         content.parameters = self.form.draft.parameters;
+        content.nested = self.form.draft.nesting();
         let Some(session) = &self.runs.first.session else {
             return;
         };
         match &session.combination {
             None => {
-                content.parameters = session.run().parameters;
-                left_out.extend(link::excess(&content.parameters));
-                if session.nested.is_some() {
-                    left_out.push("the nested levels".to_owned());
+                let recipe = session.recipe();
+                (content.parameters, content.nested) = (recipe.parameters, recipe.nested);
+                let exactly = recipe.nested.and_then(|nested| nested.exactly);
+                left_out.extend(link::excess(&recipe.parameters, exactly));
+                if !session.has_recipe() {
+                    left_out.push("the nested levels, which come from a file".to_owned());
                 }
             }
             Some(combination) if combination.files > 0 => {
@@ -133,7 +135,7 @@ impl State {
         let Some(session) = &self.runs.first.session else {
             return NamedMoment::End;
         };
-        match self.cursor().filter(|_| session.nested.is_none()) {
+        match self.cursor() {
             Some((cursor, len)) if cursor < len => NamedMoment::Event(cursor),
             None if self.runs.first.stage + 1 < session.stages.len() => {
                 NamedMoment::Stage(slug(&stage_name(session.stages[self.runs.first.stage])))
@@ -208,7 +210,8 @@ impl State {
         }
         self.form.own_pattern = None;
         if content.combination.is_none() {
-            self.form.draft = Draft::from_parameters(content.parameters);
+            self.form.draft =
+                Draft::from_parameters(content.parameters).with_nesting(content.nested);
         }
         if is_made {
             self.take_up_link(&content, &mut warnings);
@@ -220,7 +223,7 @@ impl State {
         if let Some(layout) = content.combination.clone() {
             self.start_combining(layout);
         } else {
-            let recipe = Recipe::from(content.parameters);
+            let recipe = content.recipe();
             self.start_sampling(Which::First, recipe, self.gpu.engine);
         }
         self.links.arriving = Some(Box::new(Arriving { content, warnings }));
@@ -232,10 +235,7 @@ impl State {
             return false;
         };
         match (&session.combination, &content.combination) {
-            (None, None) => {
-                let is_run = session.own.is_none() && session.nested.is_none();
-                is_run && session.run().parameters == content.parameters
-            }
+            (None, None) => session.has_recipe() && session.recipe() == content.recipe(),
             (Some(made), Some(asked)) => made.layout == *asked,
             _ => false,
         }
@@ -307,10 +307,16 @@ impl State {
             }
             (NamedMoment::Stage(_), _, Some(index)) => return self.runs.first.show_stage(index),
             (NamedMoment::End, ..) => None,
-            (NamedMoment::Event(cursor), Some(len), _) => Some(format!(
-                "The link asked for event {cursor} of a run of {}",
-                grouped(len)
-            )),
+            (NamedMoment::Event(cursor), Some(len), _) => {
+                let (item, whole) = match self.runs.first.prefix() {
+                    Some(_) => ("sample", "set"),
+                    None => ("event", "run"),
+                };
+                let len = grouped(len);
+                Some(format!(
+                    "The link asked for {item} {cursor} of a {whole} of {len}"
+                ))
+            }
             (NamedMoment::Event(_), None, _) => {
                 Some("The link asked for an event, and this run has none".to_owned())
             }

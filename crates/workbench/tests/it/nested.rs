@@ -266,6 +266,10 @@ fn an_exported_prefix_keeps_its_order_and_opens_as_levels() {
     );
     assert!(verdict(&state).valid());
     assert!(state.run_remark().unwrap().contains("file"));
+    assert_eq!(
+        state.link().left_out,
+        ["the nested levels, which come from a file"]
+    );
     // A spoilt certificate is refused in words.
     let beside = tilescope_formats::certificate_path(&path);
     let text = std::fs::read_to_string(&beside).unwrap();
@@ -286,6 +290,75 @@ fn an_exported_prefix_keeps_its_order_and_opens_as_levels() {
 
 fn ends_of(session: &Session) -> Vec<usize> {
     session.ends()
+}
+
+#[test]
+fn a_link_leads_to_the_same_prefix() {
+    let mut state = made();
+    form(&mut state, FormCommand::Exactly("1500".to_owned()));
+    let farthest = Choice::Within(WithinLevel::Farthest);
+    form(&mut state, FormCommand::Choose(farthest));
+    state.apply(Command::Run);
+    state.settle();
+    time(&mut state, TimeCommand::Jump(400));
+    let link = state.link();
+    assert_eq!(link.left_out, Vec::<String>::new());
+    assert!(
+        link.fragment
+            .contains("levels=4&exactly=1500&order-within=farthest&at=400"),
+        "{}",
+        link.fragment
+    );
+    let mut other = State::new(Arc::new(|| {}));
+    other.settle();
+    other.open_link(&link.fragment);
+    other.settle();
+    assert_eq!(
+        session(&other).run().points(),
+        session(&state).run().points()
+    );
+    assert_eq!(other.cursor(), Some((400, 1_500)));
+    assert_eq!(other.form.draft, state.form.draft);
+    assert_eq!(other.link(), link);
+    assert!(other.messages.notice.is_none());
+    // Opening it again makes nothing anew.
+    let before = Arc::clone(session(&other));
+    other.open_link(&link.fragment);
+    other.settle();
+    assert!(Arc::ptr_eq(session(&other), &before));
+    // A link to a run leads back from levels.
+    other.open_link("v=1&radius=0.02");
+    other.settle();
+    assert!(session(&other).nested.is_none() && other.form.draft.levels.is_none());
+}
+
+#[test]
+fn levels_that_cannot_be_made_are_left_out_of_a_link() {
+    for (text, why) in [
+        ("levels=11&radius=0.02", "levels"),
+        ("levels=0", "levels"),
+        ("levels=many", "levels \"many\" is invalid"),
+        ("levels=3&exactly=99999999999", "a link may ask for"),
+        ("levels=1&exactly=1000", "at least 2 levels"),
+        ("exactly=1000", "not how many"),
+        ("order-within=farthest", "not how many"),
+        ("levels=4&insertion=uniform", "insertion"),
+    ] {
+        let (content, warnings) = tilescope_workbench::link::read(text);
+        assert_eq!(content.nested, None, "{text}");
+        assert!(warnings.text().contains(why), "{text}: {}", warnings.text());
+    }
+    // A wrong part leaves the others.
+    let (content, warnings) = tilescope_workbench::link::read("levels=3&order-within=nearest");
+    assert_eq!(content.nested.map(|nested| nested.levels), Some(3));
+    assert!(warnings.text().contains("nearest"));
+    // More samples than there are.
+    let mut state = State::new(Arc::new(|| {}));
+    state.settle();
+    state.open_link("levels=3&exactly=1000&at=2000");
+    state.settle();
+    assert_eq!(state.cursor(), Some((1_000, 1_000)));
+    assert!(notice_text(&state).contains("sample 2000 of a set of 1,000"));
 }
 
 #[test]
@@ -315,13 +388,6 @@ fn what_nested_levels_lack_is_refused_in_words() {
     for refusal in refusals {
         assert!(refusal.unwrap().to_lowercase().contains("nested levels"));
     }
-    assert!(
-        state
-            .link()
-            .left_out
-            .iter()
-            .any(|part| part.contains("nested"))
-    );
     let layers = state.subject().unwrap().layers;
     assert!(layers.has(Layer::Samples) && !layers.has(Layer::Gaps));
     // Too many levels for the domain, and a choice that nested levels do not have.
