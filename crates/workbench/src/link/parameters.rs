@@ -163,13 +163,12 @@ fn fit(p: &mut Parameters, run: &str, warnings: &mut LinkWarnings) {
 /// Returns the parameters that a link to a run, or to nested levels of `exactly` so many samples, cannot reproduce, because
 /// they exceed the limits of links.
 pub(crate) fn excess(p: &Parameters, exactly: Option<usize>) -> Vec<String> {
-    let (name, samples) = match exactly {
-        Some(count) => ("the number of samples", count as f64),
-        None => {
-            let domain = p.validate_sequential();
-            let samples = domain.map_or(0.0, |domain| domain.area_radii() * MAXIMAL_DENSITY);
-            ("the radius", samples)
-        }
+    let (name, samples) = if let Some(count) = exactly {
+        ("the number of samples", count as f64)
+    } else {
+        let domain = p.validate_sequential();
+        let samples = domain.map_or(0.0, |domain| domain.area_radii() * MAXIMAL_DENSITY);
+        ("the radius", samples)
     };
     let mut excess = Vec::new();
     if samples > MAX_SAMPLES {
