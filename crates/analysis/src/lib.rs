@@ -30,6 +30,7 @@
 mod agreement;
 mod circles;
 mod cover;
+mod cut;
 mod delaunay;
 mod domain;
 mod error;
@@ -51,6 +52,7 @@ mod witness;
 mod worst;
 
 pub use circles::{ExposedArc, exposed_arcs};
+pub use cut::{CutReport, verify_cut};
 pub use error::VerifyError;
 pub use findings::MAX_CONFLICTS;
 pub use judge::{Judge, JudgeChoice};

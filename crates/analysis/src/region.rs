@@ -41,6 +41,35 @@ impl Region {
     /// rounding of sums with the long one.
     pub const MAX_ASPECT: f64 = f64::from_bits((1023 + 40) << 52);
 
+    /// The periodic unit square: the domain of a set whose domain is not stated.
+    pub const UNIT_SQUARE: Self = Self::new([1.0, 1.0], true);
+
+    /// Returns the periodic or bounded region of a width and a height.
+    #[must_use]
+    pub const fn new([width, height]: [f64; 2], is_periodic: bool) -> Self {
+        Self {
+            width,
+            height,
+            boundary: if is_periodic {
+                Boundary::Periodic
+            } else {
+                Boundary::Bounded
+            },
+        }
+    }
+
+    /// Width and height.
+    #[must_use]
+    pub const fn size(&self) -> [f64; 2] {
+        [self.width, self.height]
+    }
+
+    /// Whether opposite sides are glued.
+    #[must_use]
+    pub const fn is_periodic(&self) -> bool {
+        matches!(self.boundary, Boundary::Periodic)
+    }
+
     /// The area, `width * height`.
     #[must_use]
     pub fn area(&self) -> f64 {
@@ -126,7 +155,7 @@ mod tests {
     fn is_written_as_an_interval_product() {
         let text = region(Boundary::Periodic).to_string();
         assert_eq!(text, "periodic [0, 2) x [0, 1)");
-        let text = region(Boundary::Bounded).to_string();
+        let text = Region::new([2.0, 1.0], false).to_string();
         assert_eq!(text, "bounded [0, 2] x [0, 1]");
     }
 }

@@ -17,12 +17,13 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, ensure};
 use clap::Args;
+use tilescope_analysis::Region;
 use tilescope_analysis::measures::Spectrum;
 use tilescope_figures::Palette;
 use tilescope_figures::chart::{Figure, figure_scene};
 use tilescope_formats::write_whole;
 
-use crate::options::{SetArguments, UNIT_SQUARE};
+use crate::options::SetArguments;
 use crate::paths::{check_file, extension};
 use crate::{EXIT_BAD_INPUT, EXIT_FINE, interrupt, output};
 use gather::Analysis;
@@ -95,7 +96,7 @@ pub fn run(arguments: &AnalyzeArguments) -> Result<u8> {
     }
     if let Some(nu) = arguments.frequencies {
         // A frequency that is too large for one sample is too large for any set.
-        Spectrum::window_to(nu, 1.0, UNIT_SQUARE).context("--frequencies")?;
+        Spectrum::window_to(nu, 1.0, Region::UNIT_SQUARE).context("--frequencies")?;
     }
     let mut analysis = Analysis::of(arguments)?;
     let is_empty = analysis.compared().is_empty();

@@ -8,7 +8,7 @@ use tilescope_reproduce::rates::{Bench, CpuRates, Engine, EngineRate};
 
 use crate::bench_common::{BenchArguments, Measured, parallel_name, with_bar, yes};
 use crate::engine::check_threads;
-use crate::{bench_gpu, interrupt, output, verdict_code, window};
+use crate::{bench_gpu, interrupt, output, verdict_code};
 
 pub fn run(arguments: &BenchArguments) -> Result<u8> {
     interrupt::listen();
@@ -31,12 +31,7 @@ pub fn run(arguments: &BenchArguments) -> Result<u8> {
         2.0 * Bench::WINDOW_SAMPLES
     );
     let bench = arguments.bench(threads(&arguments.threads)?);
-    let rates = with_bar(arguments, |watch| {
-        bench.cpu(watch, &|plane, window| {
-            watch.clear();
-            Ok(window::is_valid(plane, window)?)
-        })
-    })?;
+    let rates = with_bar(arguments, |watch| bench.cpu(watch))?;
     let valid = rates.rows.iter().all(EngineRate::valid) && rates.windows.valid;
     let text = || to_text(&rates, arguments);
     output::report(arguments.json, || to_json(&rates), text)?;

@@ -6,6 +6,7 @@ use tilescope_reproduce::ReproduceError;
 use tilescope_reproduce::rates::Bench;
 
 use crate::engine::AdapterArguments;
+use crate::progress::bar;
 use crate::reproduce::WatchBar;
 
 /// Arguments of `tilescope bench`.
@@ -83,10 +84,8 @@ pub fn with_bar<T>(
     arguments: &BenchArguments,
     bench: impl FnOnce(&WatchBar) -> Result<T, ReproduceError>,
 ) -> Result<T> {
-    let watch = WatchBar::new("bench", arguments.rounds as usize);
-    let outcome = bench(&watch);
-    watch.clear();
-    outcome.map_err(|error| match error {
+    let watch = WatchBar(bar("bench", arguments.rounds));
+    bench(&watch).map_err(|error| match error {
         ReproduceError::Cancelled => anyhow!("interrupted"),
         error => error.into(),
     })

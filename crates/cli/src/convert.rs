@@ -9,7 +9,7 @@ use tilescope_formats::{
     CertifiedLevel, Check, CheckError, ExportContext, Format, Overrides, PointSet, is_valid,
 };
 
-use crate::options::{JudgeArguments, SetArguments, UNIT_SQUARE};
+use crate::options::{JudgeArguments, SetArguments};
 use crate::paths::{InFile, check_target};
 use crate::progress::verifying;
 use crate::{interrupt, output, verdict_code};
@@ -98,7 +98,7 @@ fn certified((set, check): (PointSet, Check), path: &Path) -> Result<(PointSet, 
 fn uncertified(arguments: &ConvertArguments) -> Result<(PointSet, ExportContext)> {
     let (path, given) = (&arguments.input, &arguments.set);
     let set = given.read(path)?.set;
-    let region = given.region_over(UNIT_SQUARE);
+    let region = given.region_over(Region::UNIT_SQUARE);
     let radius = match given.radius {
         Some(radius) => radius,
         None => smallest_distance(&set.points, region).in_file(path)?,

@@ -5,11 +5,11 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail, ensure};
 use clap::{Args, ValueEnum};
 use tilescope_analysis::{COVERING_TOLERANCE, Number, Region, exposed_arcs};
-use tilescope_core::{Key, Parameters, PatternSpec, stages};
+use tilescope_core::{Boundary, Key, Parameters, PatternSpec, stages};
 use tilescope_figures::{Palette, PictureOptions, Rect, Scene, SetPicture, set_scene};
 use tilescope_formats::{Certificate, PointSet, Provenance, write_whole};
 
-use crate::options::{SetArguments, UNIT_SQUARE, of_run};
+use crate::options::SetArguments;
 use crate::paths::{check_file, extension};
 use crate::progress::verifying;
 use crate::{EXIT_FINE, interrupt, output};
@@ -96,7 +96,7 @@ fn scene(
     certificate: Option<&Certificate>,
 ) -> Result<Scene> {
     let given = &arguments.set;
-    let region = given.region_over(certificate.map_or(UNIT_SQUARE, |c| c.region));
+    let region = given.region_over(certificate.map_or(Region::UNIT_SQUARE, |c| c.region));
     let radius = given.radius.or(certificate.map(|c| c.radius));
     // Blocks of other sides or another radius are not those of this set.
     let as_certified = certificate.is_some_and(|c| c.region == region && Some(c.radius) == radius);
@@ -113,18 +113,15 @@ fn scene(
         Some(provenance.block).filter(|block| *block != Provenance::NO_BLOCK)
     };
     let provenance = set.provenance.as_ref();
+    let exposed = (arguments.gaps).then(|| exposed(set, region, radius));
     let picture = SetPicture {
         points: &set.points,
-        size: [region.width, region.height],
-        boundary: of_run(region.boundary),
+        size: region.size(),
+        boundary: Boundary::of(region.is_periodic()),
         radius,
         blocks: (certificate.filter(|_| as_certified).and_then(blocks)).unwrap_or_default(),
         block_of: provenance.map(|all| all.iter().map(block_of).collect()),
-        exposed: if arguments.gaps {
-            exposed(set, region, radius)?
-        } else {
-            Vec::new()
-        },
+        exposed: exposed.transpose()?.unwrap_or_default(),
         caption: caption(set.len(), radius, &arguments.file),
     };
     let options = PictureOptions {

@@ -47,12 +47,11 @@ impl Facts {
 
     /// Returns the statements of an export's certificate.
     pub fn context(&self) -> ExportContext {
-        let mut context = ExportContext::new(self.region, self.radius);
-        "tilescope".clone_into(&mut context.program);
-        env!("CARGO_PKG_VERSION").clone_into(&mut context.program_version);
-        self.method.clone_into(&mut context.method);
-        context.parameters.clone_from(&self.parameters);
-        context
+        ExportContext {
+            method: self.method.to_owned(),
+            parameters: self.parameters.clone(),
+            ..ExportContext::new(self.region, self.radius)
+        }
     }
 }
 

@@ -7,8 +7,7 @@ use std::sync::Arc;
 use anyhow::{Result, anyhow};
 use clap::Args;
 use pollster::block_on;
-use serde::Serialize;
-use serde_json::json;
+use serde_json::{Value, json};
 use tilescope_gpu::{AdapterReport, Choice, Gpu, GpuError, Limits, adapters, self_test};
 
 use crate::{interrupt, output, verdict_code};
@@ -38,24 +37,13 @@ Examples:
   tilescope gpu --gpu-adapter llvmpipe --json";
 
 /// An adapter and its test.
-#[derive(Serialize)]
 struct TestedAdapter {
-    #[serde(flatten)]
     report: AdapterReport,
-    #[serde(rename = "self_test")]
-    test: TestReport,
-}
-
-/// The result of the test of an adapter.
-#[derive(Serialize)]
-struct TestReport {
-    /// `passed`, `FAILED`, or `not run` if the adapter's limits are too low or an earlier one has the same name.
+    /// [`PASSED`], [`FAILED`], or [`NOT_RUN`] if the adapter's limits are too low or an earlier one has the same name.
     verdict: &'static str,
-    passed: bool,
     /// Samples compared.
     samples: usize,
     /// The comparison made, or why the test failed or was not run.
-    #[serde(rename = "said")]
     detail: String,
 }
 
@@ -87,13 +75,14 @@ pub fn run(arguments: &GpuArguments) -> Result<u8> {
     let test = |report: AdapterReport| TestedAdapter::of(open(Some(report.name.clone())), report);
     let tested: Vec<TestedAdapter> = reports.map(test).collect();
     interrupt::check("the last test")?;
-    let json = || json!({ "adapters": tested, "drivers": drivers });
+    let adapters = || tested.iter().map(TestedAdapter::json).collect::<Vec<_>>();
+    let json = || json!({ "adapters": adapters(), "drivers": drivers });
     let mut texts: Vec<String> = tested.iter().map(TestedAdapter::text).collect();
     if let Some(drivers) = &drivers {
         texts.push(format!("No GPU was found.\n{}\n", drivers.text()));
     }
     output::report(arguments.json, json, || texts.join("\n"))?;
-    let has = |verdict: &str| tested.iter().any(|one| one.test.verdict == verdict);
+    let has = |verdict: &str| tested.iter().any(|one| one.verdict == verdict);
     Ok(verdict_code(has(PASSED) && !has(FAILED)))
 }
 
@@ -117,22 +106,28 @@ impl TestedAdapter {
                 Err(error) => (FAILED, 0, error.to_string()),
             },
         };
-        let test = TestReport {
+        Self {
+            report,
             verdict,
-            passed: verdict == PASSED,
             samples,
             detail,
-        };
-        Self { report, test }
+        }
+    }
+
+    fn json(&self) -> Value {
+        let mut object = json!(self.report);
+        object["self_test"] = json!({
+            "verdict": self.verdict,
+            "passed": self.verdict == PASSED,
+            "samples": self.samples,
+            "said": self.detail,
+        });
+        object
     }
 
     fn text(&self) -> String {
-        let (
-            report,
-            TestReport {
-                verdict, detail, ..
-            },
-        ) = (&self.report, &self.test);
+        let (verdict, detail) = (self.verdict, &self.detail);
+        let report = &self.report;
         let AdapterReport {
             name,
             backend,

@@ -46,14 +46,14 @@ fn start() -> io::Result<()> {
     // From here on no signal is missed, although the thread starts later.
     let mut signals = {
         let _within = runtime.enter();
-        Signals::new()?
+        signals()?
     };
     std::thread::Builder::new()
         .name("signals".to_owned())
         .spawn(move || {
             runtime.block_on(async {
                 loop {
-                    signals.next().await;
+                    next(&mut signals).await;
                     if REQUESTED.swap(true, Ordering::Relaxed) {
                         process::exit(i32::from(crate::EXIT_INTERRUPTED));
                     }
@@ -65,43 +65,36 @@ fn start() -> io::Result<()> {
 
 /// Waits until the process is asked to end. Needs a runtime.
 pub async fn asked() -> io::Result<()> {
-    Signals::new()?.next().await;
+    next(&mut signals()?).await;
     Ok(())
 }
 
-struct Signals(Vec<Signal>);
+#[cfg(windows)]
+fn signals() -> io::Result<Vec<Signal>> {
+    Ok(vec![tokio::signal::windows::ctrl_c()?])
+}
 
-impl Signals {
-    #[cfg(windows)]
-    fn new() -> io::Result<Self> {
-        Ok(Self(vec![tokio::signal::windows::ctrl_c()?]))
+#[cfg(unix)]
+fn signals() -> io::Result<Vec<Signal>> {
+    use tokio::signal::unix::{SignalKind, signal};
+    let mut kinds = vec![SignalKind::interrupt(), SignalKind::terminate()];
+    if !is_hangup_ignored() {
+        kinds.push(SignalKind::hangup());
     }
+    // With a listener, a write beyond a limit on file sizes returns an error instead of ending the process.
+    let beyond_limit = SignalKind::from_raw(SIGXFSZ);
+    drop(signal(beyond_limit));
+    kinds.into_iter().map(signal).collect()
+}
 
-    #[cfg(unix)]
-    fn new() -> io::Result<Self> {
-        use tokio::signal::unix::{SignalKind, signal};
-        let mut kinds = vec![SignalKind::interrupt(), SignalKind::terminate()];
-        if !is_hangup_ignored() {
-            kinds.push(SignalKind::hangup());
-        }
-        // With a listener, a write beyond a limit on file sizes returns an error instead of ending the process.
-        let beyond_limit = SignalKind::from_raw(SIGXFSZ);
-        drop(signal(beyond_limit));
-        let signals: io::Result<Vec<_>> = kinds.into_iter().map(signal).collect();
-        signals.map(Self)
-    }
-
-    async fn next(&mut self) {
-        poll_fn(|context| {
-            let mut came = self.0.iter_mut().map(|signal| signal.poll_recv(context));
-            if came.any(|came| came.is_ready()) {
-                Poll::Ready(())
-            } else {
-                Poll::Pending
-            }
-        })
-        .await;
-    }
+/// Waits for one of the signals.
+async fn next(signals: &mut [Signal]) {
+    poll_fn(|context| {
+        let mut came = signals.iter_mut().map(|signal| signal.poll_recv(context));
+        let next = came.find(Poll::is_ready);
+        next.map_or(Poll::Pending, |_| Poll::Ready(()))
+    })
+    .await;
 }
 
 /// The signal of a write beyond a limit on file sizes, the same on Linux (but MIPS), macOS and the BSDs.

@@ -14,17 +14,8 @@ use tilescope_lessons::shipped::{self, Shipped};
 use tilescope_lessons::{Checked, Lesson, LessonError, Runs, Translation, check};
 
 use crate::paths::InFile;
-use crate::progress::Bar;
+use crate::progress::bar;
 use crate::{EXIT_FINE, FromWindow, interrupt, output, verdict_code};
-
-/// Arguments of `tilescope lesson`.
-#[derive(Debug, Args)]
-#[command(after_help = EXAMPLES)]
-pub struct LessonArguments {
-    /// The command.
-    #[command(subcommand)]
-    pub command: LessonCommand,
-}
 
 /// The commands of `tilescope lesson`.
 #[derive(Debug, Subcommand)]
@@ -122,7 +113,8 @@ pub struct Handout {
     pub notes: bool,
 }
 
-const EXAMPLES: &str = "\
+/// The end of the help of `tilescope lesson`.
+pub(crate) const EXAMPLES: &str = "\
 Examples:
   tilescope lesson play gaps            the window, with a lesson that comes with the program
   tilescope lesson play gaps --present  the same, for a projector and a clicker
@@ -135,9 +127,9 @@ Examples:
   tilescope lesson results *.json --out class.csv";
 
 /// Runs `tilescope lesson`. Returns the exit code.
-pub fn run(arguments: &LessonArguments, window: FromWindow) -> Result<u8> {
+pub fn run(command: &LessonCommand, window: FromWindow) -> Result<u8> {
     interrupt::listen();
-    match &arguments.command {
+    match command {
         LessonCommand::Check(arguments) => return check_all(arguments),
         LessonCommand::New { file } => new(file)?,
         // The program opens the window before commands are run.
@@ -169,8 +161,8 @@ pub enum Played {
 ///
 /// The argument is neither a file nor the name of a lesson that comes with the program.
 #[must_use]
-pub fn played(arguments: &LessonArguments) -> Option<Result<Played>> {
-    let LessonCommand::Play { lesson, present } = &arguments.command else {
+pub fn played(command: &LessonCommand) -> Option<Result<Played>> {
+    let LessonCommand::Play { lesson, present } = command else {
         return None;
     };
     let file = PathBuf::from(lesson);
@@ -281,14 +273,13 @@ fn create(file: &Path, text: &str) -> Result<()> {
 
 /// Checks a lesson with a bar.
 fn checked(lesson: &Lesson, seeds: u64) -> Result<Checked> {
-    let bar = Bar::new(&lesson.name);
+    let bar = bar(&lesson.name, 1000);
     let mut go_on = |share: f64| {
-        bar.set((1000.0 * share) as u64, 1000);
+        bar.set_position((1000.0 * share) as u64);
         interrupt::flow().is_continue()
     };
     let (seeds, mut runs) = (seeds as usize, Runs::default());
     let found = check(lesson, seeds, &mut runs, &mut Unobserved, &mut go_on);
-    bar.clear();
     Ok(found?)
 }
 
@@ -314,8 +305,16 @@ fn check_all(arguments: &CheckArguments) -> Result<u8> {
         let found = checked(&lesson, arguments.seeds)?;
         let faults = found.faults.iter().map(|fault| format!("{name}: {fault}"));
         let mut faults: Vec<String> = faults.collect();
-        for (name, translation) in &source.translations {
-            faults.extend(faults_of_translation(&lesson, name, translation));
+        for (name, translation) in source.translations {
+            let (missing, wrong) = match translation {
+                Err(error) => (Vec::new(), vec![error]),
+                Ok(translation) => translation.compared(&lesson),
+            };
+            let missing = missing
+                .iter()
+                .map(|text| format!("not translated: \"{text}\""));
+            let all = missing.chain(wrong.iter().map(ToString::to_string));
+            faults.extend(all.map(|fault| format!("{name}: {fault}")));
         }
         is_fine &= faults.is_empty();
         text.extend(faults.iter().map(|fault| format!("{fault}\n")));
@@ -337,22 +336,6 @@ fn check_all(arguments: &CheckArguments) -> Result<u8> {
     }
     output::report(arguments.json, || json!(objects), || text)?;
     Ok(verdict_code(is_fine))
-}
-
-fn faults_of_translation(
-    lesson: &Lesson,
-    name: &str,
-    translation: &Result<Translation, LessonError>,
-) -> Vec<String> {
-    let (missing, faults) = match translation {
-        Err(error) => (Vec::new(), vec![error.clone()]),
-        Ok(translation) => translation.compared(lesson),
-    };
-    let missing = missing
-        .iter()
-        .map(|text| format!("not translated: \"{text}\""));
-    let faults = missing.chain(faults.iter().map(ToString::to_string));
-    faults.map(|fault| format!("{name}: {fault}")).collect()
 }
 
 fn new(file: &Path) -> Result<()> {

@@ -26,7 +26,6 @@ mod interrupt;
 pub mod lesson;
 mod make;
 mod nested;
-mod nested_arguments;
 mod options;
 mod output;
 mod parameters;
@@ -97,7 +96,8 @@ pub enum Command {
     /// Carry out the paper's experiments and write a report of verdicts, figures and numbers
     Reproduce(reproduce::ReproduceArguments),
     /// Check, write and list lessons, and merge their results
-    Lesson(lesson::LessonArguments),
+    #[command(subcommand, after_help = lesson::EXAMPLES)]
+    Lesson(lesson::LessonCommand),
     /// Serve the page that runs the same program in a browser
     Web(web::WebArguments),
     /// Carry out commands of the window from a file, without a window, and print the state
@@ -139,7 +139,7 @@ impl Arguments {
     #[must_use]
     pub fn played(&self) -> Option<anyhow::Result<lesson::Played>> {
         match &self.command {
-            Some(Command::Lesson(arguments)) => lesson::played(arguments),
+            Some(Command::Lesson(command)) => lesson::played(command),
             _ => None,
         }
     }
@@ -187,7 +187,7 @@ pub fn run(command: &Command, window: FromWindow) -> ExitCode {
         Command::Headless(arguments) => headless::run(arguments),
         Command::Gpu(arguments) => gpu::run(arguments),
         Command::Reproduce(arguments) => reproduce::run(arguments),
-        Command::Lesson(arguments) => lesson::run(arguments, window),
+        Command::Lesson(command) => lesson::run(command, window),
         Command::Web(arguments) => web::run(arguments),
         Command::Script(arguments) => script::run(arguments, window.script),
         Command::Completions { shell } => completions(*shell),

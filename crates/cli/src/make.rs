@@ -134,8 +134,11 @@ pub fn judge(
     options: &VerifyOptions,
 ) -> Result<Report> {
     verifying(|control| tilescope_analysis::verify(points, region, radius, options, control))
-        .context("the verifier gives no verdict")
+        .context(NO_VERDICT)
 }
+
+/// The error of a set that cannot be judged.
+pub const NO_VERDICT: &str = "the verifier gives no verdict";
 
 /// The file of a set on which the judges disagree.
 const DISAGREEMENT: &str = "tilescope-disagreement.csv";
@@ -176,7 +179,7 @@ mod tests {
 
     #[test]
     fn a_set_on_which_the_judges_disagree_is_saved() {
-        let region = crate::options::UNIT_SQUARE;
+        let region = Region::UNIT_SQUARE;
         let set = PointSet::from_points(vec![[0.25, 0.25], [0.75, 0.75]]);
         let context = ExportContext::new(region, 0.5);
         let report = judge(&set.points, region, 0.5, &VerifyOptions::default()).unwrap();

@@ -1,20 +1,15 @@
-//! Nested levels for `tilescope sample`, and prefixes for `tilescope verify`.
+//! Nested levels for `tilescope sample`.
 
-use std::path::Path;
-
-use anyhow::{Context, Result, bail, ensure};
+use anyhow::{Result, ensure};
 use serde_json::{Value, json};
-use tilescope_analysis::{PrefixClaim, verify_prefix};
+use tilescope_analysis::PrefixClaim;
 use tilescope_core::{NestedRequest, Parameters};
-use tilescope_formats::{CertifiedLevel, ExportContext, PointSet};
+use tilescope_formats::{ExportContext, PointSet};
 
 use crate::facts::Facts;
 use crate::make::Made;
-use crate::options::{JudgeArguments, SetArguments};
-use crate::output;
-use crate::progress::{Stopwatch, verifying};
+use crate::progress::Stopwatch;
 use crate::sample_arguments::{SampleArguments, SamplingMethod};
-use crate::verdict_code;
 
 /// Makes a set of nested levels, and what its file is to state.
 pub fn make(arguments: &SampleArguments, levels: u32) -> Result<(Made, ExportContext)> {
@@ -52,30 +47,4 @@ pub fn make(arguments: &SampleArguments, levels: u32) -> Result<(Made, ExportCon
     };
     let set = PointSet::from_points(made.positions());
     Ok((Made { facts, set }, context))
-}
-
-/// Judges the first `count` samples of a file, by the levels that its certificate states, and prints the verdict.
-pub fn verify(
-    file: &Path,
-    count: usize,
-    set: &SetArguments,
-    judge: &JudgeArguments,
-    as_json: bool,
-) -> Result<u8> {
-    let read = set.read(file)?;
-    let name = file.display();
-    let Some(certificate) = read.certificate else {
-        bail!("{name}: there is no certificate, which states the levels of a set");
-    };
-    let Some(claim) = certificate.prefix(count) else {
-        bail!("{name}: the certificate states no levels, or fewer than {count} samples");
-    };
-    let region = set.region_over(certificate.region);
-    let options = judge.options();
-    let found =
-        verifying(|control| verify_prefix(&read.set.points, region, claim, &options, control));
-    let found = found.with_context(|| name.to_string())?;
-    let level = CertifiedLevel::of(&found);
-    output::report(as_json, || json!(level), || output::level_row(&level))?;
-    Ok(verdict_code(level.valid))
 }

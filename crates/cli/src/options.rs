@@ -68,28 +68,7 @@ where
 
 /// Returns the verifier's region of a run's domain.
 pub fn region(domain: &tilescope_core::Domain) -> Region {
-    let ([width, height], boundary) = (domain.size(), verifier_boundary(domain.boundary()));
-    Region {
-        width,
-        height,
-        boundary,
-    }
-}
-
-/// Converts a run's boundary to the verifier's type.
-pub const fn verifier_boundary(boundary: tilescope_core::Boundary) -> Boundary {
-    match boundary {
-        tilescope_core::Boundary::Periodic => Boundary::Periodic,
-        tilescope_core::Boundary::Bounded => Boundary::Bounded,
-    }
-}
-
-/// Converts the verifier's boundary to the type of a run's.
-pub const fn of_run(boundary: Boundary) -> tilescope_core::Boundary {
-    match boundary {
-        Boundary::Periodic => tilescope_core::Boundary::Periodic,
-        Boundary::Bounded => tilescope_core::Boundary::Bounded,
-    }
+    Region::new(domain.size(), domain.is_periodic())
 }
 
 /// Options that stand in for, or override, a set's certificate.
@@ -125,7 +104,7 @@ impl SetArguments {
         if given.contains(&true) && given.contains(&false) {
             stated = self.certificate(path)?.map(|stated| stated.region);
         }
-        let region = || self.region_over(stated.unwrap_or(UNIT_SQUARE));
+        let region = || self.region_over(stated.unwrap_or(Region::UNIT_SQUARE));
         Ok(Overrides {
             format: self.format,
             region: given.contains(&true).then(region),
@@ -168,16 +147,9 @@ pub fn check_or_unit_square<T>(
 ) -> Result<T, CheckError> {
     match check(overrides) {
         Err(CheckError::NoRegion(_)) => check(&Overrides {
-            region: Some(UNIT_SQUARE),
+            region: Some(Region::UNIT_SQUARE),
             ..overrides.clone()
         }),
         outcome => outcome,
     }
 }
-
-/// The default domain of a set.
-pub const UNIT_SQUARE: Region = Region {
-    width: 1.0,
-    height: 1.0,
-    boundary: Boundary::Periodic,
-};

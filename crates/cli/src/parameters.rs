@@ -17,7 +17,7 @@ use tilescope_formats::Hint;
 use tilescope_gpu::Backend;
 
 use crate::facts::{Facts, named_by_content};
-use crate::options::{BOUNDARIES, Names, UNIT_SQUARE, named, of_run};
+use crate::options::{BOUNDARIES, Names, named};
 use crate::paths::InFile;
 use crate::progress::Stopwatch;
 
@@ -176,8 +176,9 @@ impl RunArguments {
         }
         let (pattern, pattern_file) = match &self.pattern {
             Some(path) => {
-                let pattern = self.pattern_from(path);
-                (pattern.in_file(path)?, Some(named_by_content(path)?))
+                let radius = (self.pattern_radius, "--pattern-radius");
+                let set = set_of_file(path, radius, [None; 2], None).in_file(path)?;
+                (set.pattern, Some(named_by_content(path)?))
             }
             None => (Pattern::of_spec(&parameters.pattern, watch)?, None),
         };
@@ -198,32 +199,24 @@ impl RunArguments {
             pattern_file,
         })
     }
-
-    fn pattern_from(&self, path: &Path) -> Result<Arc<Pattern>> {
-        let (radius, wanted) = (self.pattern_radius, "--pattern-radius");
-        let stated = |region: Option<Region>| region.unwrap_or(UNIT_SQUARE);
-        Ok(set_of_file(path, radius, wanted, stated)?.pattern)
-    }
 }
 
-/// Returns the set in a file; fails unless it is conflict-free and maximal. `region` gets the certificate's region and
-/// returns the one to use. The radius is `radius` or the certificate's; without either, the error asks for `wanted`.
+/// Returns the set in a file; fails unless it is conflict-free and maximal. What is not given is the certificate's, or that
+/// of the periodic unit square. If no radius is known, the error asks for `wanted`.
 pub fn set_of_file(
     path: &Path,
-    radius: Option<f64>,
-    wanted: &str,
-    region: impl FnOnce(Option<Region>) -> Region,
+    (radius, wanted): (Option<f64>, &str),
+    size: [Option<f64>; 2],
+    boundary: Option<Boundary>,
 ) -> Result<Set> {
     let read = tilescope_formats::read(path, &Hint::default())?;
     let stated = read.certificate.as_ref();
     let Some(radius) = radius.or(stated.map(|stated| stated.radius)) else {
         bail!("the set has no certificate; give {wanted}");
     };
-    let region = region(stated.map(|stated| stated.region));
-    let (size, boundary) = ([region.width, region.height], of_run(region.boundary));
-    let pattern = Pattern::from_positions(&read.set.points, size, radius, boundary)?;
-    Ok(Set {
-        pattern: Arc::new(pattern),
-        domain: Domain::from_size(size, radius, boundary)?,
-    })
+    let region = stated.map_or(Region::UNIT_SQUARE, |stated| stated.region);
+    let size = [0, 1].map(|axis| size[axis].unwrap_or(region.size()[axis]));
+    let boundary = boundary.unwrap_or(Boundary::of(region.is_periodic()));
+    let points = &read.set.points;
+    Ok(Set::from_positions(points, size, radius, boundary)?)
 }

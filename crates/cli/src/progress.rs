@@ -3,45 +3,23 @@
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::{ProgressBar, ProgressFinish, ProgressStyle};
 use tilescope_analysis::Control;
 use tilescope_core::{Observer, Progress, Stage};
 
 use crate::interrupt;
 
-/// A bar, hidden if standard error is not a terminal.
-pub struct Bar(ProgressBar);
-
-impl Bar {
-    pub fn new(what: &str) -> Self {
-        let bar = ProgressBar::new(0);
-        let style =
-            ProgressStyle::with_template("{msg:14} {wide_bar:.cyan/dim} {percent:>3}% {eta:>4}");
-        if let Ok(style) = style {
-            bar.set_style(style);
-        }
-        bar.set_message(what.to_owned());
-        Self(bar)
+/// Returns a bar, hidden if standard error is not a terminal. It disappears when it is dropped.
+pub fn bar(what: &str, total: u64) -> ProgressBar {
+    let bar = ProgressBar::new(total)
+        .with_message(what.to_owned())
+        .with_finish(ProgressFinish::AndClear);
+    let style =
+        ProgressStyle::with_template("{msg:14} {wide_bar:.cyan/dim} {percent:>3}% {eta:>4}");
+    if let Ok(style) = style {
+        bar.set_style(style);
     }
-
-    pub fn set(&self, done: u64, total: u64) {
-        self.0.set_length(total);
-        self.0.set_position(done);
-    }
-
-    /// Sets the name of the work.
-    pub fn name(&self, what: &str) {
-        self.0.set_message(what.to_owned());
-    }
-
-    /// Prints something beside the bar.
-    pub fn suspend(&self, print: impl FnOnce()) {
-        self.0.suspend(print);
-    }
-
-    pub fn clear(&self) {
-        self.0.finish_and_clear();
-    }
+    bar
 }
 
 /// Verifies with a bar; stops on Ctrl-C.
@@ -51,18 +29,17 @@ pub fn verifying<T>(work: impl FnOnce(Control<'_>) -> T) -> T {
 
 /// Works with a bar of that name; stops on Ctrl-C.
 pub fn watched<T>(what: &str, work: impl FnOnce(Control<'_>) -> T) -> T {
-    let bar = Bar::new(what);
-    let outcome = work(&|progress| {
-        bar.set(progress.done, progress.total);
+    let bar = bar(what, 0);
+    work(&|progress| {
+        bar.set_length(progress.total);
+        bar.set_position(progress.done);
         interrupt::flow()
-    });
-    bar.clear();
-    outcome
+    })
 }
 
 /// Observes a run: shows its bar, measures its stages, and stops it on Ctrl-C.
 pub struct Stopwatch {
-    bar: Bar,
+    bar: ProgressBar,
     began: Instant,
     seconds: Vec<(Stage, f64)>,
 }
@@ -70,7 +47,7 @@ pub struct Stopwatch {
 impl Stopwatch {
     pub fn start() -> Self {
         Self {
-            bar: Bar::new("sample"),
+            bar: bar("sample", 0),
             began: Instant::now(),
             seconds: Vec::new(),
         }
@@ -78,7 +55,7 @@ impl Stopwatch {
 
     /// Seconds of each stage since the start or the last [`Self::take`], in their sequence.
     pub fn take(&mut self) -> Vec<(Stage, f64)> {
-        self.bar.clear();
+        self.bar.finish_and_clear();
         std::mem::take(&mut self.seconds)
     }
 
@@ -90,7 +67,7 @@ impl Stopwatch {
     fn add(&mut self, stage: Stage, time: Duration) {
         // If a stage comes again, another try for the radius has begun; only the times of the last one are reported.
         if self.seconds.last().is_some_and(|&(last, _)| stage < last) {
-            self.seconds.retain(|&(stage, _)| stage == Stage::Pattern);
+            self.drop_tries();
         }
         match self.seconds.last_mut() {
             Some((last, seconds)) if *last == stage => *seconds += time.as_secs_f64(),
@@ -106,8 +83,9 @@ impl Observer for Stopwatch {
         // begin, and the time between two stages is preparation of the second.
         self.add(progress.stage, now - self.began);
         self.began = now;
-        self.bar.0.set_message(progress.stage.to_string());
-        self.bar.set(progress.done, progress.total);
+        self.bar.set_message(progress.stage.to_string());
+        self.bar.set_length(progress.total);
+        self.bar.set_position(progress.done);
         interrupt::flow()
     }
 }

@@ -3,10 +3,10 @@
 use std::fmt::Write;
 use std::ops::ControlFlow;
 use std::path::PathBuf;
-use std::sync::atomic::{AtomicUsize, Ordering};
 
 use anyhow::{Context, Result, ensure};
 use clap::Args;
+use indicatif::ProgressBar;
 use serde_json::json;
 use tilescope_reproduce::{
     Claim, Experiment, Finished, Options, Planned, ReproduceError, Settings, Summary, Verdict,
@@ -14,7 +14,7 @@ use tilescope_reproduce::{
 };
 
 use crate::engine::ThreadArguments;
-use crate::progress::Bar;
+use crate::progress::bar;
 use crate::{EXIT_BAD_INPUT, EXIT_FINE, interrupt, output};
 
 /// Arguments of `tilescope reproduce`.
@@ -99,7 +99,7 @@ pub fn run(arguments: &ReproduceArguments) -> Result<u8> {
         quick: arguments.quick,
         seed: arguments.seed,
     };
-    let watch = WatchBar::new("reproduce", 0);
+    let watch = WatchBar(bar("reproduce", 0));
     let fresh = arguments.before.fresh;
     let (Some(out), false) = (&arguments.out, arguments.before.plan) else {
         let kept = arguments.out.as_deref().filter(|_| !fresh);
@@ -119,7 +119,7 @@ pub fn run(arguments: &ReproduceArguments) -> Result<u8> {
         fresh,
     };
     let outcome = reproduce(&experiments, &options, &watch);
-    watch.clear();
+    watch.0.finish_and_clear();
     let summary = outcome?;
     output::report(arguments.json, || json(&summary), || text(&summary))?;
     let is_fine = summary.failed.is_empty();
@@ -162,32 +162,18 @@ fn duration(seconds: f64) -> String {
 }
 
 /// A bar of units of work, which Ctrl-C stops.
-pub struct WatchBar {
-    bar: Bar,
-    units: AtomicUsize,
-}
+pub struct WatchBar(pub ProgressBar);
 
 impl WatchBar {
-    pub fn new(name: &str, units: usize) -> Self {
-        Self {
-            bar: Bar::new(name),
-            units: AtomicUsize::new(units),
-        }
-    }
-
-    pub fn clear(&self) {
-        self.bar.clear();
-    }
-
     /// Prints a line beside the bar.
     fn note(&self, line: &str) {
-        self.bar.suspend(|| output::note(line));
+        self.0.suspend(|| output::note(line));
     }
 }
 
 impl Watch for WatchBar {
     fn planned(&self, each: &[Planned]) {
-        self.units.store(totals(each)[0], Ordering::Relaxed);
+        self.0.set_length(totals(each)[0] as u64);
         self.note(plan_text(each).trim_end());
     }
 
@@ -196,9 +182,8 @@ impl Watch for WatchBar {
     }
 
     fn progress(&self, done: usize, what: &str) -> ControlFlow<()> {
-        self.bar.name(what);
-        let units = self.units.load(Ordering::Relaxed);
-        self.bar.set(done as u64, units as u64);
+        self.0.set_message(what.to_owned());
+        self.0.set_position(done as u64);
         interrupt::flow()
     }
 

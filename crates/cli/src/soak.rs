@@ -19,7 +19,7 @@ use tilescope_core::{
 
 use crate::engine::ThreadArguments;
 use crate::options::{JudgeArguments, region};
-use crate::progress::Bar;
+use crate::progress::bar;
 use crate::{interrupt, output, verdict_code};
 
 /// Arguments of `tilescope soak`.
@@ -99,7 +99,7 @@ impl Tally {
 pub fn run(arguments: &SoakArguments) -> Result<u8> {
     interrupt::listen();
     arguments.threads.set()?;
-    let bar = Bar::new("soak");
+    let bar = bar("soak", arguments.samples);
     let mut sum = Tally::default();
     while sum.samples < arguments.samples
         && sum.commands.len() < MAX_FAULTS
@@ -111,9 +111,9 @@ pub fn run(arguments: &SoakArguments) -> Result<u8> {
         for round in rounds.collect::<Vec<Tally>>() {
             sum.add(round);
         }
-        bar.set(sum.samples, arguments.samples);
+        bar.set_position(sum.samples);
     }
-    bar.clear();
+    bar.finish_and_clear();
     output::report(arguments.json, || json!(sum), || text(&sum))?;
     if interrupt::requested() {
         return Ok(crate::EXIT_INTERRUPTED);
@@ -240,9 +240,10 @@ fn round(parameters: &Parameters, dice: &Dice, verify: &VerifyOptions) -> Result
     let points = run.points();
     let (swept, summary) = Sweep::new(parameters, &pattern, false)?.finish(&mut Unobserved)?;
     let engines_agree = swept.points == points && summary == run.summary();
-    let windows_agree = windows_agree(&Plane::new(parameters, &pattern)?, &points, dice)?;
     drop(run);
-    let domain = parameters.validate()?;
+    let plane = Plane::new(parameters, &pattern)?;
+    let domain = *plane.domain();
+    let windows_agree = windows_agree(&domain, &points, dice, |window| plane.window(window))?;
     let report = tilescope_analysis::verify(
         &domain.users_from_lattice(&points),
         region(&domain),
@@ -250,7 +251,6 @@ fn round(parameters: &Parameters, dice: &Dice, verify: &VerifyOptions) -> Result
         verify,
         &|_| interrupt::flow(),
     )?;
-    let is_complete = parameters.search == Search::Complete;
     let mut round = Tally {
         rounds: 1,
         samples: report.count as u64,
@@ -258,16 +258,15 @@ fn round(parameters: &Parameters, dice: &Dice, verify: &VerifyOptions) -> Result
         unequal: u64::from(!engines_agree || !windows_agree),
         ..Tally::default()
     };
-    if is_complete {
+    if parameters.search == Search::Complete {
         round.gaps = report.gaps;
         round.covering_radius_r = report.covering_radius;
     }
     let engines_differ = "--engine sequential and --engine parallel differ: ";
-    let is_valid = round.conflicts + round.gaps == 0;
     let faults = [
         (engines_agree, engines_differ),
         (windows_agree, "a --window differs from the set: "),
-        (is_valid, "not valid: "),
+        (round.conflicts + round.gaps == 0, "not valid: "),
     ];
     let faults = faults.into_iter().filter(|(is_fine, _)| !is_fine);
     let faults: String = faults.map(|(_, fault)| fault).collect();
@@ -278,15 +277,17 @@ fn round(parameters: &Parameters, dice: &Dice, verify: &VerifyOptions) -> Result
     Ok(round)
 }
 
-/// Compares windows of random sizes with the whole set.
-fn windows_agree(plane: &Plane, points: &[Point], dice: &Dice) -> Result<bool, SampleError> {
-    let domain = plane.domain();
-    for index in 0..WINDOWS {
-        let Some(window) = random_window(domain, dice, index) else {
-            continue;
-        };
+/// Compares windows of random sizes, which `made` makes, with the whole set.
+fn windows_agree(
+    domain: &Domain,
+    points: &[Point],
+    dice: &Dice,
+    made: impl Fn(&Window) -> Result<Vec<Point>, SampleError>,
+) -> Result<bool, SampleError> {
+    let windows = (0..WINDOWS).filter_map(|index| random_window(domain, dice, index));
+    for window in windows {
         let inside = points.iter().filter(|p| shows(&window, domain, **p));
-        if !plane.window(&window)?.iter().eq(inside) {
+        if !made(&window)?.iter().eq(inside) {
             return Ok(false);
         }
     }

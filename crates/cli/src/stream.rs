@@ -166,7 +166,16 @@ impl Sink {
                 let range = k * PIECE..k * PIECE + points.len();
                 self.push(&points, provenance.as_ref().map(|all| &all[range]))?;
             }
-            self.checkpoint(&token)?;
+            if let Self::File {
+                export,
+                last_checkpoint,
+                checkpoint,
+            } = &mut self
+                && last_checkpoint.elapsed() >= *checkpoint
+            {
+                export.checkpoint(&token)?;
+                *last_checkpoint = Instant::now();
+            }
         }
         Ok(None)
     }
@@ -175,20 +184,6 @@ impl Sink {
         match self {
             Self::File { export, .. } => export.push(points, provenance, &|_| interrupt::flow())?,
             Self::Judge(verifier) => verifier.push(points, &|_| interrupt::flow())?,
-        }
-        Ok(())
-    }
-
-    fn checkpoint(&mut self, token: &Value) -> Result<()> {
-        if let Self::File {
-            export,
-            last_checkpoint,
-            checkpoint,
-        } = self
-            && last_checkpoint.elapsed() >= *checkpoint
-        {
-            export.checkpoint(token)?;
-            *last_checkpoint = Instant::now();
         }
         Ok(())
     }

@@ -3,15 +3,16 @@
 use std::fmt::Write;
 use std::path::PathBuf;
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use clap::Args;
 use serde_json::json;
-use tilescope_formats::{Certificate, Check, CheckError, Overrides, check_stream};
+use tilescope_analysis::verify_prefix;
+use tilescope_formats::{Certificate, CertifiedLevel, Check, CheckError, Overrides, check_stream};
 
 use crate::options::{JudgeArguments, SetArguments, check_or_unit_square};
 use crate::paths::InFile;
 use crate::progress::verifying;
-use crate::{interrupt, nested, output, verdict_code};
+use crate::{interrupt, output, verdict_code};
 
 /// Arguments of `tilescope verify`.
 #[derive(Debug, Args)]
@@ -46,14 +47,35 @@ Examples:
 pub fn run(arguments: &VerifyArguments) -> Result<u8> {
     interrupt::listen();
     if let Some(count) = arguments.prefix {
-        let VerifyArguments {
-            file, set, judge, ..
-        } = arguments;
-        return nested::verify(file, count, set, judge, arguments.json);
+        return prefix(arguments, count);
     }
     let check = checked(arguments)?;
     output::report(arguments.json, || to_json(&check), || to_text(&check))?;
     Ok(verdict_code(check.passed()))
+}
+
+/// Judges the first `count` samples by the levels that the certificate states, and prints the verdict.
+fn prefix(arguments: &VerifyArguments, count: usize) -> Result<u8> {
+    let (file, set) = (&arguments.file, &arguments.set);
+    let read = set.read(file)?;
+    let name = file.display();
+    let Some(certificate) = read.certificate else {
+        bail!("{name}: there is no certificate, which states the levels of a set");
+    };
+    let Some(claim) = certificate.prefix(count) else {
+        bail!("{name}: the certificate states no levels, or fewer than {count} samples");
+    };
+    let region = set.region_over(certificate.region);
+    let options = arguments.judge.options();
+    let found =
+        verifying(|control| verify_prefix(&read.set.points, region, claim, &options, control));
+    let level = CertifiedLevel::of(&found.in_file(file)?);
+    output::report(
+        arguments.json,
+        || json!(level),
+        || output::level_row(&level),
+    )?;
+    Ok(verdict_code(level.valid))
 }
 
 /// Reads and verifies a file.

@@ -56,10 +56,7 @@ async fn serve(arguments: &WebArguments, site: ServedFolder) -> Result<u8> {
     let listener = listen(arguments).await?;
     let address = listener.local_addr()?;
     let page = format!("http://{}/", reachable(address));
-    let mut text = format!(
-        "{page} serves {}; Ctrl+C ends it\n",
-        site.folder().display()
-    );
+    let mut text = format!("{page} serves {}; Ctrl+C ends it\n", site.folder.display());
     if !address.ip().is_loopback() {
         text += &elsewhere(address, outward(address.ip()));
         text += " is its address for other machines\n";

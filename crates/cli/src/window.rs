@@ -1,62 +1,26 @@
 //! `tilescope sample --window`: makes a part of a set without the rest.
 
-use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::time::Instant;
 
-use anyhow::{Result, ensure};
-use serde::Serialize;
-use serde_json::{Value, json};
-use tilescope_analysis::{Boundary, Region, VerifyOptions};
+use anyhow::{Context, Result, ensure};
+use serde_json::json;
+use tilescope_analysis::{CutReport, Region, VerifyOptions, verify_cut};
 use tilescope_core::{Domain, MAXIMAL_DENSITY, Plane, Progress, R, Window};
 use tilescope_formats::PointSet;
 use tilescope_gpu::{ASKED_FOR, Backend, Engine};
 
-use crate::make::{self, Made};
+use crate::make::{Made, NO_VERDICT};
 use crate::options::region;
-use crate::progress::Stopwatch;
+use crate::progress::{Stopwatch, verifying};
 use crate::sample_arguments::{SampleArguments, SamplingMethod};
 use crate::{interrupt, output, verdict_code};
 
 /// The largest number of samples of a window: they are verified in memory.
 const MAX_SAMPLES: f64 = 2e7;
 
-/// The most gaps that the verifier lists; the cut borders of a window have fewer.
-const MAX_GAPS: usize = 1 << 20;
-
-/// The verdict of the verifier on a window.
-#[derive(Serialize)]
-struct WindowVerdict {
-    /// Pairs in conflict in the window and around it.
-    conflicts: u64,
-    /// Uncovered places in the window.
-    gaps: usize,
-    /// The smallest distance in the window and around it, in radii.
-    min_distance_r: f64,
-    conflict_free: bool,
-    maximal: bool,
-    valid: bool,
-}
-
-/// A window that was made.
-#[derive(Serialize)]
-struct WindowReport {
-    method: &'static str,
-    parameters: BTreeMap<String, Value>,
-    /// Left, bottom, right, top.
-    window: [f64; 4],
-    radius: f64,
-    #[serde(skip)]
-    domain: Domain,
-    count: usize,
-    seconds: f64,
-    #[serde(flatten)]
-    verdict: WindowVerdict,
-    file: Option<String>,
-}
-
-pub fn run(arguments: &SampleArguments, window: &[f64]) -> Result<u8> {
-    let &[left, bottom, right, top] = window else {
+pub fn run(arguments: &SampleArguments, asked: &[f64]) -> Result<u8> {
+    let &[left, bottom, right, top] = asked else {
         anyhow::bail!("--window takes four numbers");
     };
     ensure!(
@@ -66,8 +30,8 @@ pub fn run(arguments: &SampleArguments, window: &[f64]) -> Result<u8> {
     );
     let mut watch = Stopwatch::start();
     let backend = Backend::new(Engine::Parallel, ASKED_FOR);
-    let asked = arguments.run.parameters()?;
-    let run = (arguments.run).resolve(asked, backend, false, &mut watch)?;
+    let parameters = arguments.run.parameters()?;
+    let run = (arguments.run).resolve(parameters, backend, false, &mut watch)?;
     watch.take();
     let plane = Plane::new(&run.parameters, &run.pattern)?;
     let domain = *plane.domain();
@@ -85,12 +49,31 @@ pub fn run(arguments: &SampleArguments, window: &[f64]) -> Result<u8> {
     let began = Instant::now();
     let points = plane.observed_window(&window, &mut |_: Progress| interrupt::flow())?;
     let seconds = began.elapsed().as_secs_f64();
-    let verdict = judge(&plane, &window)?;
-    let valid = verdict.valid;
+    let report = judge(&plane, &window)?;
     let (facts, count) = (run.facts()?, points.len());
-    let parameters = facts.parameters.clone();
     let file = arguments.out.as_ref();
     let file = file.map(|path| path.display().to_string());
+    let object = json!({
+        "method": "kdrt",
+        "parameters": facts.parameters,
+        "window": asked,
+        "radius": domain.radius(),
+        "count": count,
+        "seconds": seconds,
+        "conflicts": report.whole.conflicts,
+        "gaps": report.gaps,
+        "min_distance_r": report.whole.min_distance / report.whole.radius,
+        "conflict_free": report.whole.conflict_free(),
+        "maximal": report.gaps == 0,
+        "valid": report.valid(),
+        "file": file,
+    });
+    let mut text = text(
+        [left, bottom, right, top],
+        &domain,
+        (count, seconds),
+        &report,
+    );
     if let (Some(path), Some(file)) = (&arguments.out, &file) {
         ensure!(
             count > 0,
@@ -98,20 +81,11 @@ pub fn run(arguments: &SampleArguments, window: &[f64]) -> Result<u8> {
         );
         let set = PointSet::from_points(domain.users_from_lattice(&points));
         arguments.save_unverified(&Made { facts, set }, path)?;
+        let remark = "a part of a set has no certificate";
+        let _ = writeln!(text, "file           {file} ({remark})");
     }
-    let report = WindowReport {
-        method: "kdrt",
-        parameters,
-        window: [left, bottom, right, top],
-        radius: domain.radius(),
-        domain,
-        count,
-        seconds,
-        verdict,
-        file,
-    };
-    output::report(arguments.json, || json!(report), || text(&report))?;
-    Ok(verdict_code(valid))
+    output::report(arguments.json, || object, || text)?;
+    Ok(verdict_code(report.valid()))
 }
 
 fn check_size(window: &Window) -> Result<()> {
@@ -125,66 +99,39 @@ fn check_size(window: &Window) -> Result<()> {
     Ok(())
 }
 
-fn text(report: &WindowReport) -> String {
-    let [left, bottom, right, top] = report.window;
-    let (domain, verdict) = (&report.domain, &report.verdict);
+fn text(
+    [left, bottom, right, top]: [f64; 4],
+    domain: &Domain,
+    (count, seconds): (usize, f64),
+    report: &CutReport,
+) -> String {
     // The border of a bounded domain belongs to the windows that reach it.
     let end = |high: f64, axis: usize| {
         let is_border = !domain.is_periodic() && high >= domain.size()[axis];
         if is_border { ']' } else { ')' }
     };
     let (x, y) = (end(right, 0), end(top, 1));
-    let (region, r) = (output::region_text(&region(domain)), report.radius);
-    let (count, milliseconds) = (report.count, report.seconds * 1e3);
-    let mut out = format!(
+    let (region, r) = (output::region_text(&region(domain)), domain.radius());
+    let whole = &report.whole;
+    format!(
         "window         [{left}, {right}{x} x [{bottom}, {top}{y} of {region}, r = {r}\n\
-         samples        {count} in {milliseconds:.2} ms\n\
+         samples        {count} in {:.2} ms\n\
          conflict-free  {}   min distance {:.9} r\n\
          maximal        {}\n\
          verdict        {}\n",
-        output::conflicts_answer(verdict.conflicts),
-        verdict.min_distance_r,
-        output::answer(verdict.maximal, verdict.gaps as u64),
-        output::validity(verdict.valid),
-    );
-    if let Some(file) = &report.file {
-        let remark = "a part of a set has no certificate";
-        let _ = writeln!(out, "file           {file} ({remark})");
-    }
-    out
+        seconds * 1e3,
+        output::conflicts_answer(whole.conflicts),
+        whole.min_distance / whole.radius,
+        output::answer(report.gaps == 0, report.gaps),
+        output::validity(report.valid()),
+    )
 }
 
 /// Judges a window of a plane by the samples in it and around it.
-fn judge(plane: &Plane, window: &Window) -> Result<WindowVerdict> {
+fn judge(plane: &Plane, window: &Window) -> Result<CutReport> {
     let cut = plane.widened(window, &mut |_: Progress| interrupt::flow())?;
-    let ([width, height], boundary) = (cut.size, Boundary::Bounded);
-    let region = Region {
-        width,
-        height,
-        boundary,
-    };
-    let options = VerifyOptions {
-        witnesses: MAX_GAPS,
-        ..VerifyOptions::default()
-    };
-    let radius = plane.domain().radius();
-    let report = make::judge(&cut.positions, region, radius, &options)?;
-    // Gaps outside the window arise where the set is cut.
-    let gaps = report.worst_gaps.iter().map(|gap| gap.center);
-    let gaps = gaps.filter(|center| cut.window_has(*center)).count();
-    let conflicts = report.conflicts;
-    Ok(WindowVerdict {
-        conflicts,
-        gaps,
-        min_distance_r: report.min_distance / report.radius,
-        conflict_free: conflicts == 0,
-        maximal: gaps == 0,
-        valid: conflicts == 0 && gaps == 0,
-    })
-}
-
-/// Returns whether a window is valid. For `bench`, which times windows.
-pub fn is_valid(plane: &Plane, window: &Window) -> Result<bool> {
-    interrupt::check("the verdict")?;
-    Ok(judge(plane, window)?.valid)
+    let asked = (Region::new(cut.size, false), plane.domain().radius());
+    let options = VerifyOptions::default();
+    verifying(|control| verify_cut(&cut.positions, asked, cut.window, &options, control))
+        .context(NO_VERDICT)
 }

@@ -185,6 +185,18 @@ pub enum Boundary {
     Bounded,
 }
 
+impl Boundary {
+    /// Returns the boundary of a periodic or of a bounded domain.
+    #[must_use]
+    pub const fn of(is_periodic: bool) -> Self {
+        if is_periodic {
+            Self::Periodic
+        } else {
+            Self::Bounded
+        }
+    }
+}
+
 /// The domain in lattice units, with its exact relation to user space.
 ///
 /// A periodic domain holds the points `0 <= x < width`; a bounded one is closed and also holds

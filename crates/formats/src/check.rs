@@ -6,8 +6,8 @@
 use std::fmt;
 
 use tilescope_analysis::{
-    Boundary, Control, JudgeChoice, MAX_CONFLICTS, Region, Report, VerifyError, VerifyOptions,
-    verify, verify_levels,
+    Control, JudgeChoice, MAX_CONFLICTS, Region, Report, VerifyError, VerifyOptions, verify,
+    verify_levels,
 };
 
 use crate::certificate::{Certificate, CertifiedLevel, finite};
@@ -229,11 +229,7 @@ impl Judged {
         certificate: Option<&Certificate>,
         overrides: &Overrides,
     ) -> Result<Self, CheckError> {
-        let unit_torus = Region {
-            width: 1.0,
-            height: 1.0,
-            boundary: Boundary::Periodic,
-        };
+        let unit_torus = Region::UNIT_SQUARE;
         let region = overrides
             .region
             .or_else(|| certificate.map(|c| c.region))

@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 
 use glam::DVec2;
 use tilescope_analysis::measures::{MeasureError, Periodogram, RadialProfile, Spectrum};
-use tilescope_analysis::{Boundary, Progress, Region, VerifyOptions, verify};
+use tilescope_analysis::{Progress, Region, VerifyOptions, verify};
 use tilescope_core::{Domain, Key, Point, R, Run, Stream};
 use tilescope_debugger::Recording;
 
@@ -65,17 +65,8 @@ impl Measure {
 }
 
 fn region(domain: &Domain) -> Region {
-    let [width, height] = [domain.width(), domain.height()].map(radii);
-    let boundary = if domain.is_periodic() {
-        Boundary::Periodic
-    } else {
-        Boundary::Bounded
-    };
-    Region {
-        width,
-        height,
-        boundary,
-    }
+    let size = [domain.width(), domain.height()].map(radii);
+    Region::new(size, domain.is_periodic())
 }
 
 /// Returns a length of lattice units in r.
@@ -163,8 +154,8 @@ impl PointSet {
     /// Returns the distance of two places, around the domain if it is periodic.
     pub fn distance(&self, a: [f64; 2], b: [f64; 2]) -> f64 {
         let mut offset = DVec2::from(a) - DVec2::from(b);
-        if self.region.boundary == Boundary::Periodic {
-            let sides = DVec2::new(self.region.width, self.region.height);
+        if self.region.is_periodic() {
+            let sides = DVec2::from(self.region.size());
             offset -= (offset / sides).round() * sides;
         }
         offset.x.hypot(offset.y)

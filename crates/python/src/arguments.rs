@@ -57,30 +57,9 @@ pub fn format(name: Option<&str>) -> PyResult<Option<Format>> {
     format.map_err(|error| PyValueError::new_err(error.to_string()))
 }
 
-/// Converts a boundary of the analysis to the core's.
-pub const fn boundary_of_run(boundary: tilescope_analysis::Boundary) -> Boundary {
-    match boundary {
-        tilescope_analysis::Boundary::Periodic => Boundary::Periodic,
-        tilescope_analysis::Boundary::Bounded => Boundary::Bounded,
-    }
-}
-
-/// Converts a boundary of the core to the analysis'.
-pub const fn boundary_of_analysis(boundary: Boundary) -> tilescope_analysis::Boundary {
-    match boundary {
-        Boundary::Periodic => tilescope_analysis::Boundary::Periodic,
-        Boundary::Bounded => tilescope_analysis::Boundary::Bounded,
-    }
-}
-
 /// Returns the analysis' region of a domain.
 pub fn region_of(domain: &Domain) -> Region {
-    let [width, height] = domain.size();
-    Region {
-        width,
-        height,
-        boundary: boundary_of_analysis(domain.boundary()),
-    }
+    Region::new(domain.size(), domain.is_periodic())
 }
 
 /// Checks the domain and radius of a set: raises `ValueError` for what no set can have.
@@ -167,15 +146,8 @@ impl SetArgument<'_> {
 
 /// Returns a set to clip or to combine from. Fails when it is not conflict-free and maximal.
 pub fn set(points: &[[f64; 2]], region: &Region, radius: f64) -> Result<Set, Failure> {
-    let (size, boundary) = (
-        [region.width, region.height],
-        boundary_of_run(region.boundary),
-    );
-    let pattern = Pattern::from_positions(points, size, radius, boundary)?;
-    Ok(Set {
-        pattern: Arc::new(pattern),
-        domain: Domain::from_size(size, radius, boundary)?,
-    })
+    let (size, boundary) = (region.size(), Boundary::of(region.is_periodic()));
+    Ok(Set::from_positions(points, size, radius, boundary)?)
 }
 
 /// What a run is to be made from.

@@ -7,10 +7,10 @@ use pyo3::prelude::*;
 use serde_json::{Value, json};
 use tilescope_analysis::Region;
 use tilescope_core::combine::file::{Layout, PieceSource, PlacedLayout, Set};
-use tilescope_core::{Pattern, combine::combine as combined};
+use tilescope_core::{Boundary, Pattern, combine::combine as combined};
 use tilescope_formats::{Hint, bytes_digest, positions_digest, read_whole};
 
-use crate::arguments::{SetArgument, boundary_of_analysis, set};
+use crate::arguments::{SetArgument, set};
 use crate::failure::Failure;
 use crate::sample::{PythonSet, made, provenance_of_sources};
 use crate::task::{TaskWatch, run};
@@ -76,10 +76,14 @@ fn set_of(
             size: [width, height],
             boundary,
         } => {
-            let of = |region: Region| Region {
-                width: width.unwrap_or(region.width),
-                height: height.unwrap_or(region.height),
-                boundary: boundary.map_or(region.boundary, boundary_of_analysis),
+            let of = |region: Region| {
+                let size = [
+                    width.unwrap_or(region.width),
+                    height.unwrap_or(region.height),
+                ];
+                let is_periodic =
+                    boundary.map_or(region.is_periodic(), |b| b == Boundary::Periodic);
+                Region::new(size, is_periodic)
             };
             if let Some(held) = given.get(path.as_str()) {
                 let radius = radius.unwrap_or(held.radius);
@@ -90,7 +94,7 @@ fn set_of(
             let certificate = read.certificate.as_ref();
             let radius = radius.or(certificate.map(|stated| stated.radius));
             let missing = || Failure::Value("the set has no certificate; give its radius".into());
-            let region = certificate.map_or(crate::judge::UNIT_SQUARE, |stated| stated.region);
+            let region = certificate.map_or(Region::UNIT_SQUARE, |stated| stated.region);
             set(&read.set.points, &of(region), radius.ok_or_else(missing)?)
                 .map_err(|error| error.of(&path.display().to_string()))
         }

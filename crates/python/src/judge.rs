@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use pyo3::prelude::*;
 use serde_json::{Value, json};
-use tilescope_analysis::{Boundary, Region, Report, verify_levels};
+use tilescope_analysis::{Region, Report, verify_levels};
 use tilescope_formats::{
     Certificate, CertifiedLevel, CheckError, Format, Hint, Overrides, StreamReader, check_stream,
     is_valid,
@@ -55,17 +55,10 @@ pub struct GivenDomain {
     boundary: Option<String>,
 }
 
-/// The domain of a set if nothing states one.
-pub const UNIT_SQUARE: Region = Region {
-    width: 1.0,
-    height: 1.0,
-    boundary: Boundary::Periodic,
-};
-
 impl GivenDomain {
     /// Returns the domain, with missing parts taken from `stated`, or from the periodic unit square.
     pub fn region_over(&self, stated: Option<Region>) -> PyResult<Region> {
-        let base = stated.unwrap_or(UNIT_SQUARE);
+        let base = stated.unwrap_or(Region::UNIT_SQUARE);
         let boundary = self.boundary.as_deref();
         let boundary = boundary.map(|boundary| named("boundary", boundary));
         Ok(Region {
@@ -105,7 +98,7 @@ pub fn check(
         let control = watch.control("verify");
         let outcome = match check_stream(&path, &overrides, &control) {
             Err(CheckError::NoRegion(_)) => {
-                let region = Some(UNIT_SQUARE);
+                let region = Some(Region::UNIT_SQUARE);
                 check_stream(
                     &path,
                     &Overrides {

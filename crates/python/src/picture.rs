@@ -3,11 +3,12 @@
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use tilescope_analysis::Region;
+use tilescope_core::Boundary;
 use tilescope_figures::{
     Palette, PictureOptions, Rect, SetPicture, set_scene, to_png, to_svg_with_fonts,
 };
 
-use crate::arguments::{SetArgument, boundary_of_run};
+use crate::arguments::SetArgument;
 use crate::task::run;
 
 /// Widths of pictures in pixels that are accepted.
@@ -58,8 +59,8 @@ pub fn draw(
     let near = near(points, &region, radius.unwrap_or_default(), window);
     let picture = SetPicture {
         points: near.as_deref().unwrap_or(points),
-        size: [region.width, region.height],
-        boundary: boundary_of_run(region.boundary),
+        size: region.size(),
+        boundary: Boundary::of(region.is_periodic()),
         radius,
         blocks: Vec::new(),
         block_of: None,

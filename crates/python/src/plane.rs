@@ -6,14 +6,13 @@ use numpy::PyArray2;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use serde_json::{Value, json};
-use tilescope_analysis::{Boundary, Region, VerifyOptions};
+use tilescope_analysis::{Region, VerifyOptions, verify_cut};
 use tilescope_core::{
     Domain, MAX_SEQUENTIAL_SAMPLES, MAXIMAL_DENSITY, NestedPlane, Plane, R, Window,
 };
 
 use crate::arguments::{RunRequest, region_of};
 use crate::arrays::array;
-use crate::cut::judge_within;
 use crate::failure::Failure;
 use crate::task::run;
 
@@ -112,17 +111,12 @@ impl PythonPlane {
                         plane.radius(level),
                     ),
                 };
-                let region = Region {
-                    width: cut.size[0],
-                    height: cut.size[1],
-                    boundary: Boundary::Bounded,
-                };
-                let inside = |center| cut.window_has(center);
+                let asked = (Region::new(cut.size, false), radius);
                 let options = VerifyOptions::default();
-                let (conflicts, gaps) =
-                    judge_within(&cut.positions, (region, radius), options, inside, watch)?;
-                found.0 += conflicts;
-                found.1 += gaps;
+                let control = watch.control("verify");
+                let report = verify_cut(&cut.positions, asked, cut.window, &options, &control)?;
+                found.0 += report.whole.conflicts;
+                found.1 += report.gaps;
             }
             Ok(found)
         })

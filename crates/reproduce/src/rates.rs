@@ -19,7 +19,7 @@ use crate::error::{ReproduceError, Result};
 use crate::sets::Set;
 
 pub use crate::engines::Engine;
-pub use bench::{Bench, CpuRates, JudgeWindow, WindowTimes};
+pub use bench::{Bench, CpuRates, WindowTimes};
 pub(crate) use gpu::run_timed;
 pub use gpu::{GpuRates, GpuRun, PassTimes};
 

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use tilescope_analysis::{Region, Report, VerifyOptions};
 use tilescope_core::{
-    Boundary, Domain, Parameters, Pattern, PatternSpec, Point, Run, Sequential, Summary, Sweep,
+    Domain, Parameters, Pattern, PatternSpec, Point, Run, Sequential, Summary, Sweep,
     reference_sample,
 };
 
@@ -108,16 +108,7 @@ pub fn pattern(spec: &PatternSpec, control: &Control<'_>) -> Result<Arc<Pattern>
 
 /// Returns the verifier's region of a domain.
 pub fn region(domain: &Domain) -> Region {
-    let [width, height] = domain.size();
-    let boundary = match domain.boundary() {
-        Boundary::Periodic => tilescope_analysis::Boundary::Periodic,
-        Boundary::Bounded => tilescope_analysis::Boundary::Bounded,
-    };
-    Region {
-        width,
-        height,
-        boundary,
-    }
+    Region::new(domain.size(), domain.is_periodic())
 }
 
 /// Returns the shortest of the ways in a periodic region that differ by whole periods.

@@ -13,7 +13,6 @@ use crate::jobs::{Job, Monitor, Wake};
 use crate::moment::ShownMoment;
 use crate::session::Session;
 use crate::task::{self, Task};
-use crate::verification;
 
 /// The most samples that are triangulated for the canvas; more would take seconds at each moment.
 pub const MAX_SAMPLES: usize = 200_000;
@@ -204,10 +203,6 @@ fn covering(shown: &ShownMoment<'_>) -> (Vec<u32>, Vec<[f64; 2]>) {
 /// Returns the region of a session, in r.
 #[must_use]
 pub fn region_of(session: &Session) -> Region {
-    let DVec2 { x, y } = session.size_radii();
-    Region {
-        width: x,
-        height: y,
-        ..verification::region_of(session)
-    }
+    let is_periodic = session.run().domain.is_periodic();
+    Region::new(session.size_radii().into(), is_periodic)
 }

@@ -3,8 +3,7 @@
 
 use std::sync::Arc;
 
-use tilescope_analysis::Boundary;
-use tilescope_core::{NestedRequest, Observer, Parameters, Pattern, SampleError};
+use tilescope_core::{Boundary, NestedRequest, Observer, Parameters, Pattern, SampleError};
 use tilescope_debugger::{DEFAULT_BUDGET, PatternFile, Recording, pattern_digest};
 use tilescope_formats::ReadSet;
 
@@ -92,11 +91,7 @@ pub fn pattern_of(read: &ReadSet, name: &str) -> Result<OwnPattern, String> {
         format!("{name} has no certificate, which says how large its domain and its radius are")
     })?;
     let region = certificate.region;
-    let boundary = match region.boundary {
-        Boundary::Periodic => tilescope_core::Boundary::Periodic,
-        Boundary::Bounded => tilescope_core::Boundary::Bounded,
-    };
-    let size = [region.width, region.height];
+    let (size, boundary) = (region.size(), Boundary::of(region.is_periodic()));
     let pattern = Pattern::from_positions(&read.set.points, size, certificate.radius, boundary)
         .map_err(|error| format!("{name}: {error}"))?;
     Ok(OwnPattern {

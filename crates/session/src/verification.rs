@@ -4,8 +4,7 @@
 use glam::DVec2;
 
 use tilescope_analysis::{
-    Boundary, Conflict, Gap, JudgeChoice, PrefixClaim, Region, Report, VerifyError, VerifyOptions,
-    verify,
+    Conflict, Gap, JudgeChoice, PrefixClaim, Region, Report, VerifyError, VerifyOptions, verify,
 };
 
 use crate::jobs::Monitor;
@@ -174,14 +173,6 @@ impl Task for VerifyTask {
 /// Returns the region of a session's result, in user units.
 #[must_use]
 pub fn region_of(session: &Session) -> Region {
-    let [width, height] = session.run().domain.size();
-    Region {
-        width,
-        height,
-        boundary: if session.run().domain.is_periodic() {
-            Boundary::Periodic
-        } else {
-            Boundary::Bounded
-        },
-    }
+    let domain = &session.run().domain;
+    Region::new(domain.size(), domain.is_periodic())
 }

@@ -6,7 +6,7 @@ use std::fmt::Write;
 use tilescope_analysis::measures::anisotropy_reference_db;
 use tilescope_figures::chart::{Axis, Figure, ImageChart, Level, LineChart, Look, Panel, Series};
 
-use super::curve::{Band, Curve};
+use super::curve::Curve;
 use super::gather::Analysis;
 use super::names;
 use super::subject::Subject;
@@ -160,13 +160,13 @@ fn drawn(charts: impl IntoIterator<Item = LineChart>) -> Vec<Panel> {
 
 /// Returns the curves that have points.
 fn series<'a>(curves: impl Iterator<Item = (String, Look, &'a Curve)>) -> Vec<Series> {
-    let curves = curves.filter(|(_, _, curve)| !curve.x.is_empty());
+    let curves = curves.filter(|(_, _, curve)| !curve.points.is_empty());
     curves
         .map(|(name, look, curve)| Series {
             name,
             look,
-            points: curve.points(),
-            band: curve.band.as_ref().map(Band::ends),
+            points: curve.points.clone(),
+            band: curve.bands.clone(),
         })
         .collect()
 }

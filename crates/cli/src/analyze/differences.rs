@@ -49,8 +49,8 @@ impl Differences {
             measures: subject.measures.iter().map(difference).collect(),
             of_curves: of_power.into_iter().chain(of_pairs).collect(),
             curves: [
-                (power_key, Curve::from(&power)),
-                (pairs_key, Curve::from(&pairs)),
+                (power_key, Curve::new(power.points, power.bands)),
+                (pairs_key, Curve::new(pairs.points, pairs.bands)),
             ],
         })
     }

@@ -60,7 +60,7 @@ impl Analysis {
         };
         if let [path] = &against[..] {
             let reference = request.measure(path, None).context("--against")?;
-            analysis.subjects.push(Subject::one(reference));
+            analysis.subjects.extend(Subject::one(reference)?);
         } else if analysis.has_reference {
             let average = analysis.average(against, &request)?;
             let average = average.context("--against: none of its sets can be used")?;
@@ -89,10 +89,11 @@ impl Analysis {
 
     fn one_by_one(&mut self, paths: &[PathBuf], request: &Request<'_>) -> Result<()> {
         for (path, same) in paths.iter().zip(repetitions(paths)) {
-            let measured = request.measure(path, None);
-            match measured.and_then(|set| self.with_domain_of_reference(set)) {
-                Ok(set) => {
-                    self.subjects.push(Subject::one(set));
+            let set = request.measure(path, None);
+            let set = set.and_then(|set| self.with_domain_of_reference(set));
+            match set.and_then(|set| Ok(Subject::one(set)?)) {
+                Ok(subject) => {
+                    self.subjects.extend(subject);
                     if let Some(same) = same {
                         self.note(format!("{same}: it is analysed twice"));
                     }
@@ -109,14 +110,14 @@ impl Analysis {
         for (path, same) in paths.iter().zip(repetitions(paths)) {
             let measured = match same {
                 Some(same) => Err(anyhow!("{same}: a set counts once in an average")),
-                None => request.measure(path, population.common()),
+                None => request.measure(path, population.common.as_ref()),
             };
             let set = measured.and_then(|set| self.with_domain_of_reference(set));
             if let Err(error) = set.and_then(|set| Ok(population.add(set)?)) {
                 self.fail(path, error)?;
             }
         }
-        Ok(population.finish()?)
+        Ok(population.finish(true)?)
     }
 
     fn fail(&mut self, path: &Path, error: anyhow::Error) -> Result<()> {

@@ -69,17 +69,21 @@ pub fn of_set(numbers: &SetNumbers) -> Vec<Measure> {
 pub fn of_mean_power(curve: Option<&PowerCurve>) -> [Measure; 2] {
     let nyquist = curve.and_then(PowerCurve::effective_nyquist);
     let oscillation = curve.and_then(PowerCurve::oscillation);
-    let measure = |(key, label, unit, decimals): Row, value| {
+    let measure = |key, label, unit, value| {
         let (key, label) = (
             format!("mean_power_{key}"),
             format!("{label} of the mean power"),
         );
-        Measure::new(key, label, (unit, decimals), value)
+        Measure::new(key, label, (unit, 3), value)
     };
-    let of_nyquist = ("effective_nyquist", "effective Nyquist frequency", "nu", 3);
     [
-        measure(of_nyquist, nyquist),
-        measure(("oscillation", "oscillation", "", 3), oscillation),
+        measure(
+            "effective_nyquist",
+            "effective Nyquist frequency",
+            "nu",
+            nyquist,
+        ),
+        measure("oscillation", "oscillation", "", oscillation),
     ]
 }
 

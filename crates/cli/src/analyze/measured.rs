@@ -10,11 +10,11 @@ use tilescope_analysis::measures::{
     FrequencyWindow, MeasureError, PairBins, PairCorrelation, Periodogram, PowerCurve, SetNumbers,
     Spectrum, largest_min_distance,
 };
-use tilescope_analysis::{Control, MAX_CONFLICTS, Region, Report, VerifyError};
+use tilescope_analysis::{Control, MAX_CONFLICTS, Region, VerifyError};
 use tilescope_formats::{Check, CheckError, Format, PointSet, StreamReader};
 
 use super::measure::{Measure, of_set, values_by_key};
-use crate::options::{SetArguments, UNIT_SQUARE, check_or_unit_square};
+use crate::options::{SetArguments, check_or_unit_square};
 use crate::output;
 use crate::paths::InFile;
 use crate::progress::{verifying, watched};
@@ -50,7 +50,8 @@ fn as_text<S: Serializer>(value: &impl Display, serializer: S) -> Result<S::Ok, 
 /// A set and its curves.
 pub struct MeasuredSet {
     pub member: Member,
-    pub spectrum: Spectrum,
+    /// The radial mean power.
+    pub powers: Vec<f64>,
     /// The smooth spectrum that follows from g(r), unless the domain is too narrow.
     pub curve: Option<PowerCurve>,
     /// Distance over `r_max`, and g(r).
@@ -107,15 +108,37 @@ impl<'a> Request<'a> {
         if let Some(common) = common {
             common.admit(samples, region)?;
         }
-        let window = self.window(samples as f64, region)?;
         let bins = PairBins::of(self.radius, samples, region);
-        let shared = common.map_or((window, bins), |common| {
-            (common.window.clone(), common.bins)
-        });
-        let name = path.display().to_string();
-        let measured =
-            |control: Control<'_>| measure(name, &set.points, &check, has_radius, shared, control);
-        let mut measured = watched("measure", measured)?;
+        let own = (self.window(samples as f64, region)?, bins);
+        let shared = common.map(|common| (common.window.clone(), common.bins));
+        let (window, bins) = shared.unwrap_or(own);
+        let (points, report) = (&set.points, &check.report);
+        let measure = |control: Control<'_>| {
+            let (numbers, curve) = SetNumbers::of(points, report, has_radius, control)?;
+            let periodogram = Periodogram::of(points, region, &window, control)?;
+            let powers = Spectrum::of(&periodogram)?.profile.powers();
+            let farthest = bins.farthest(samples, region);
+            let pairs = PairCorrelation::of(points, region, farthest, bins.count(), control)?;
+            let member = Member {
+                name: path.display().to_string(),
+                region,
+                format: check.detection.format,
+                samples,
+                has_radius,
+                // The verdict for a radius that is not known means nothing.
+                valid: has_radius.then(|| report.valid()),
+                measures: of_set(&numbers),
+            };
+            Ok::<_, MeasureError>(MeasuredSet {
+                member,
+                powers,
+                curve,
+                pairs: pairs.points(),
+                periodogram,
+                bins,
+            })
+        };
+        let mut measured = watched("measure", measure)?;
         if self.radius.is_some() {
             let own = largest_min_distance(samples, region.area());
             let unit = self.unit.get().unwrap_or(own);
@@ -148,7 +171,7 @@ impl<'a> Request<'a> {
             && let Some(count) = reader.count()
         {
             let stated = reader.certificate().map(|stated| stated.region);
-            self.window(count as f64, stated.unwrap_or(UNIT_SQUARE))?;
+            self.window(count as f64, stated.unwrap_or(Region::UNIT_SQUARE))?;
         }
         Ok(())
     }
@@ -190,41 +213,6 @@ impl Common {
     }
 }
 
-fn measure(
-    name: String,
-    points: &[[f64; 2]],
-    check: &Check,
-    has_radius: bool,
-    (window, bins): (FrequencyWindow, PairBins),
-    control: Control<'_>,
-) -> Result<MeasuredSet, MeasureError> {
-    let report = &check.report;
-    let region = report.region;
-    let samples = points.len();
-    let (numbers, curve) = SetNumbers::of(points, report, has_radius, control)?;
-    let periodogram = Periodogram::of(points, region, &window, control)?;
-    let spectrum = Spectrum::of(&periodogram)?;
-    let farthest = bins.farthest(samples, region);
-    let pairs = PairCorrelation::of(points, region, farthest, bins.count(), control)?;
-    Ok(MeasuredSet {
-        member: Member {
-            name,
-            region,
-            format: check.detection.format,
-            samples,
-            has_radius,
-            // The verdict for a radius that is not known means nothing.
-            valid: has_radius.then(|| report.valid()),
-            measures: of_set(&numbers),
-        },
-        spectrum,
-        curve,
-        pairs: pairs.points(),
-        periodogram,
-        bins,
-    })
-}
-
 /// Reads and verifies a file, and prints warnings. Returns also whether its radius is known; if not, the report is for
 /// the mean spacing of the samples.
 fn read(path: &Path, arguments: &SetArguments) -> Result<(PointSet, Check, bool)> {
@@ -239,7 +227,7 @@ fn read(path: &Path, arguments: &SetArguments) -> Result<(PointSet, Check, bool)
             return Err(MeasureError::TooFew { count, limit: 3 }.into());
         }
         // The smallest distance and the covering radius do not depend on the radius; the spacing keeps the search quick.
-        let region = overrides.region.unwrap_or(UNIT_SQUARE);
+        let region = overrides.region.unwrap_or(Region::UNIT_SQUARE);
         overrides.radius = Some((region.area() / count as f64).sqrt());
         outcome = check_or_unit_square(&overrides, check);
     }
@@ -249,7 +237,7 @@ fn read(path: &Path, arguments: &SetArguments) -> Result<(PointSet, Check, bool)
     for difference in &check.differences {
         warn(&difference.to_string());
     }
-    if let (true, Some(pair)) = (has_equal(report), report.worst_conflicts.first()) {
+    if let (true, Some(pair)) = (report.min_distance <= 0.0, report.worst_conflicts.first()) {
         let (first, second) = (pair.first, pair.second);
         let pair = format!("samples {first} and {second} are the same point");
         warn(&format!("{pair}: the set is measured without cells"));
@@ -276,9 +264,4 @@ fn reason(error: CheckError) -> anyhow::Error {
         ),
         other => other.into(),
     }
-}
-
-/// Returns whether two samples are the same point.
-fn has_equal(report: &Report) -> bool {
-    report.min_distance <= 0.0
 }

@@ -51,12 +51,10 @@ fn csv_measures(out: &mut String, name: &str, measures: &[Measure]) {
 
 fn csv_curves(out: &mut String, name: &str, curves: &[(&str, Curve)]) {
     for (key, curve) in curves {
-        for (index, (x, y)) in curve.x.iter().zip(&curve.y).enumerate() {
-            let _ = write!(out, "{name},{key},{x},{y}");
-            let _ = match &curve.band {
-                Some(band) => writeln!(out, ",{},{}", band.lower[index], band.upper[index]),
-                None => writeln!(out, ",,"),
-            };
+        for (index, [x, y]) in curve.points.iter().enumerate() {
+            let band = curve.bands.as_ref().map(|bands| bands[index]);
+            let ends = band.map_or_else(|| ",".to_owned(), |[low, high]| format!("{low},{high}"));
+            let _ = writeln!(out, "{name},{key},{x},{y},{ends}");
         }
     }
 }
@@ -111,7 +109,8 @@ fn subject_json(subject: &Subject, differences: Option<&Differences>) -> Value {
             "measures": object(subject.measures.iter().map(mean_json)),
         }),
     };
-    let curves = |curves: &[(&'static str, Curve)]| object(curves.iter().map(|(key, c)| (*key, c)));
+    let curves =
+        |all: &[(&'static str, Curve)]| object(all.iter().map(|(key, c)| (*key, c.json())));
     json["label"] = json!(subject.label);
     json["curves"] = curves(&subject.curves);
     if let Some(differences) = differences {
@@ -122,9 +121,9 @@ fn subject_json(subject: &Subject, differences: Option<&Differences>) -> Value {
         let of_curves = of_curves.map(|own| (own.key.as_str(), own.value));
         json["differences"] = object(values.chain(of_curves));
         json["curves_of_differences"] = curves(&differences.curves);
-        let mut errors = each.filter_map(|(key, one)| Some((key, one.standard_error?)));
-        if let Some(first) = errors.next() {
-            json["standard_errors_of_differences"] = object(std::iter::once(first).chain(errors));
+        let errors = object(each.filter_map(|(key, one)| Some((key, one.standard_error?))));
+        if errors != json!({}) {
+            json["standard_errors_of_differences"] = errors;
         }
     }
     json

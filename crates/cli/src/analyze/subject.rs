@@ -6,7 +6,7 @@ use tilescope_analysis::measures::{
     Average, DifferenceCurve, MeanCurve, MeanPeriodogram, MeasureError, PowerCurve, Spectrum,
 };
 
-use super::curve::{Curve, rows};
+use super::curve::Curve;
 use super::measure::{Measure, of_mean_power};
 use super::measured::{Common, MeasuredSet, Member};
 
@@ -31,44 +31,12 @@ pub struct Subject {
     correlations: MeanCurve,
 }
 
-/// Returns the curves of a subject; annuli without an anisotropy are left out.
-fn curves(
-    spectrum: &Spectrum,
-    bands: Option<&Vec<[f64; 2]>>,
-    pairs: Curve,
-) -> [(&'static str, Curve); 3] {
-    [
-        ("power", Curve::new(&spectrum.power(), bands)),
-        ("anisotropy_db", Curve::new(&spectrum.anisotropy(), None)),
-        ("pair_correlation", pairs),
-    ]
-}
-
 impl Subject {
     /// Returns the column of one set.
-    pub fn one(set: MeasuredSet) -> Self {
-        let (member, spectrum) = (set.member, set.spectrum);
-        let pairs = Curve::new(&set.pairs, None);
-        let curves = curves(&spectrum, spectrum.bands.as_ref(), pairs);
-        let alone = |curve: &Curve| MeanCurve {
-            x: curve.x.clone(),
-            y: curve.y.clone(),
-            errors: None,
-            sets: 1,
-        };
-        Self {
-            name: member.name.clone(),
-            label: String::new(),
-            title: String::new(),
-            region: member.region,
-            average: false,
-            measures: member.measures.clone(),
-            powers: alone(&curves[0].1),
-            correlations: alone(&curves[2].1),
-            curves,
-            members: vec![member],
-            spectrum,
-        }
+    pub fn one(set: MeasuredSet) -> Result<Option<Self>, MeasureError> {
+        let mut alone = Population::default();
+        alone.add(set)?;
+        alone.finish(false)
     }
 
     /// Number of sets behind it.
@@ -92,10 +60,11 @@ impl Subject {
     }
 }
 
-/// An average to which sets are added one by one.
+/// An average to which sets are added one by one, or a single set.
 #[derive(Default)]
 pub struct Population {
-    common: Option<Common>,
+    /// The settings of the first set, which all others share.
+    pub common: Option<Common>,
     members: Vec<Member>,
     distances: Vec<f64>,
     periodograms: MeanPeriodogram,
@@ -108,11 +77,6 @@ pub struct Population {
 }
 
 impl Population {
-    /// Returns the settings of the first set, which all others share.
-    pub const fn common(&self) -> Option<&Common> {
-        self.common.as_ref()
-    }
-
     /// Adds a set that was measured with [`Self::common`].
     pub fn add(&mut self, set: MeasuredSet) -> Result<(), MeasureError> {
         if self.common.is_none() {
@@ -128,9 +92,8 @@ impl Population {
             _ => self.lacks_smooth = true,
         }
         self.periodograms.add(&set.periodogram)?;
-        let powers = set.spectrum.profile.powers();
-        let average = (self.powers).get_or_insert_with(|| Average::new(powers.len()));
-        average.add(&powers)?;
+        let average = (self.powers).get_or_insert_with(|| Average::new(set.powers.len()));
+        average.add(&set.powers)?;
         let correlation: Vec<f64> = set.pairs.iter().map(|point| point[1]).collect();
         let average = (self.correlations).get_or_insert_with(|| Average::new(correlation.len()));
         average.add(&correlation)?;
@@ -138,35 +101,48 @@ impl Population {
         Ok(())
     }
 
-    /// Returns the column of the average; `None` without a set.
-    pub fn finish(self) -> Result<Option<Subject>, MeasureError> {
+    /// Returns the column of the average, or of its only set; `None` without a set.
+    pub fn finish(self, average: bool) -> Result<Option<Subject>, MeasureError> {
         let (Some(mean), Some(powers), Some(correlations)) =
             (self.periodograms.mean(), self.powers, self.correlations)
         else {
             return Ok(None);
         };
         let spectrum = Spectrum::of(&mean)?;
-        let of_spread = powers.band(Spectrum::LEVEL)?;
-        let power_bands = spectrum.bands.clone().or(of_spread);
-        let smooth = self.smooth.filter(|_| !self.lacks_smooth);
-        let smooth =
-            smooth.and_then(|(nu, powers)| PowerCurve::new(nu, powers.means().to_vec()).ok());
         let mut measures = means(&self.members)?;
-        measures.extend(of_mean_power(smooth.as_ref()));
-        let bands = correlations.band(Spectrum::LEVEL)?;
-        let pairs = Curve::new(&rows(&self.distances, correlations.means()), bands.as_ref());
-        let sets = self.members.len();
-        let plural = if sets == 1 { "" } else { "s" };
+        let mut name = self.members[0].name.clone();
+        if average {
+            let smooth = self.smooth.filter(|_| !self.lacks_smooth);
+            let smooth =
+                smooth.and_then(|(nu, powers)| PowerCurve::new(nu, powers.means().to_vec()).ok());
+            measures.extend(of_mean_power(smooth.as_ref()));
+            let sets = self.members.len();
+            let plural = if sets == 1 { "" } else { "s" };
+            name = format!("average of {sets} set{plural}");
+        }
+        let bands = spectrum.bands.clone().or(powers.band(Spectrum::LEVEL)?);
+        let distances = self.distances.iter().copied();
+        let pairs = distances.zip(correlations.means().iter().copied());
+        let pairs = pairs.map(<[f64; 2]>::from).collect();
+        // Annuli without an anisotropy are left out.
+        let curves = [
+            ("power", Curve::new(spectrum.power(), bands)),
+            ("anisotropy_db", Curve::new(spectrum.anisotropy(), None)),
+            (
+                "pair_correlation",
+                Curve::new(pairs, correlations.band(Spectrum::LEVEL)?),
+            ),
+        ];
         Ok(Some(Subject {
-            name: format!("average of {sets} set{plural}"),
+            name,
             label: String::new(),
             title: String::new(),
             region: mean.region,
-            average: true,
+            average,
             measures,
             powers: mean_curve(&powers, spectrum.profile.relative_frequencies()),
             correlations: mean_curve(&correlations, self.distances),
-            curves: curves(&spectrum, power_bands.as_ref(), pairs),
+            curves,
             members: self.members,
             spectrum,
         }))

@@ -3,22 +3,19 @@
 use std::fs;
 use std::ops::ControlFlow;
 use std::path::Path;
-use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
 use anyhow::{Result, ensure};
 use serde::Serialize;
 use serde_json::{Value, json};
-use tilescope_analysis::Region;
 use tilescope_core::combine::Piece;
 use tilescope_core::combine::file::{PieceError, PieceSource, PlacedLayout, PlacedPiece, Set};
 use tilescope_core::{Boundary, Pattern, Progress};
 
 use crate::interrupt;
-use crate::options::UNIT_SQUARE;
 use crate::parameters::set_of_file;
 use crate::paths::InFile;
-use crate::progress::Bar;
+use crate::progress::bar;
 
 /// The longest file of a set, in bytes: as many samples as a result may have, of 40 bytes each.
 const MAX_FILE_BYTES: u64 = 8_000_000_000;
@@ -75,15 +72,10 @@ fn described(source: &PieceSource, folder: &Path) -> Value {
 /// Makes all pieces of a layout; files are relative to `folder`.
 pub fn make(placed: &PlacedLayout, folder: &Path) -> Result<(Vec<Piece>, Census)> {
     let began = Instant::now();
-    let bar = Bar::new("pieces");
-    let (done, total) = (AtomicU64::new(0), placed.pieces.len() as u64);
-    bar.set(0, total);
-    let made = |count: usize| {
-        let before = done.fetch_add(count as u64, Ordering::Relaxed);
-        bar.set(before + count as u64, total);
-    };
+    let bar = bar("pieces", placed.pieces.len() as u64);
+    let made = |count: usize| bar.inc(count as u64);
     let pieces = placed.pieces(|source| set(source, folder), made);
-    bar.clear();
+    bar.finish_and_clear();
     let of_piece = |PieceError { piece, error }: PieceError<anyhow::Error>| {
         error.context(format!("pieces[{piece}]"))
     };
@@ -115,7 +107,7 @@ fn set(source: &PieceSource, folder: &Path) -> Result<Set> {
 fn file(
     path: &Path,
     radius: Option<f64>,
-    [width, height]: [Option<f64>; 2],
+    size: [Option<f64>; 2],
     boundary: Option<Boundary>,
 ) -> Result<Set> {
     let about = fs::metadata(path)?;
@@ -125,12 +117,5 @@ fn file(
         "the file has {} bytes; it may have {MAX_FILE_BYTES}",
         about.len()
     );
-    set_of_file(path, radius, "its \"radius\"", |stated| {
-        let stated = stated.unwrap_or(UNIT_SQUARE);
-        Region {
-            width: width.unwrap_or(stated.width),
-            height: height.unwrap_or(stated.height),
-            boundary: boundary.map_or(stated.boundary, crate::options::verifier_boundary),
-        }
-    })
+    set_of_file(path, (radius, "its \"radius\""), size, boundary)
 }

@@ -3,11 +3,11 @@
 use anyhow::Result;
 use tilescope_analysis::{PrefixClaim, VerifyOptions, verify_prefix};
 use tilescope_core::{
-    Insertion, NestedPlane, Order, ParameterError, Parameters, PatternSpec, Point, SampleError,
-    Search, Unobserved,
+    Insertion, NestedPlane, Order, ParameterError, Parameters, PatternSpec, SampleError, Search,
+    Unobserved, Window,
 };
 
-use super::{Dice, Tally, WINDOWS, command, random_window, shows};
+use super::{Dice, Tally, command, windows_agree};
 use crate::interrupt;
 use crate::options::region;
 
@@ -34,22 +34,14 @@ pub fn add(
     let (plane, levels) = plane(&parameters, dice.pick(21, &[2, 3, 4, 5, 7]))?;
     let nested = plane.whole(&mut Unobserved)?;
     let domain = nested.domain();
-    let mut differ = false;
-    for index in 0..WINDOWS {
-        let Some(window) = random_window(domain, dice, index) else {
-            continue;
-        };
-        let found = plane.window(&window, &mut Unobserved)?;
-        let shown = |p: &&Point| shows(&window, domain, **p);
-        differ |= !nested.points().iter().filter(shown).eq(found.points());
-    }
+    let made = |window: &Window| Ok(plane.window(window, &mut Unobserved)?.points().to_vec());
+    let differ = !windows_agree(domain, nested.points(), dice, made)?;
     let positions = nested.positions();
     let mut invalid = 0;
+    let control = |_| interrupt::flow();
     for (&count, level) in nested.ends().iter().zip(0..) {
         let claim = PrefixClaim::maximal(count, nested.radius(level));
-        let found = verify_prefix(&positions, region(domain), claim, verify, &|_| {
-            interrupt::flow()
-        })?;
+        let found = verify_prefix(&positions, region(domain), claim, verify, &control)?;
         round.samples += count as u64;
         round.conflicts += found.report.conflicts;
         round.gaps += found.report.gaps;
@@ -57,16 +49,9 @@ pub fn add(
     }
     round.unequal += u64::from(differ);
     let made = format!("{} --levels {levels}", command(&parameters));
-    if differ {
-        round
-            .commands
-            .push(format!("a window differs from the set: {made}"));
-    }
-    if invalid > 0 {
-        round
-            .commands
-            .push(format!("{invalid} levels are not valid: {made}"));
-    }
+    let differs = differ.then(|| format!("a window differs from the set: {made}"));
+    let invalid = (invalid > 0).then(|| format!("{invalid} levels are not valid: {made}"));
+    round.commands.extend(differs.into_iter().chain(invalid));
     Ok(())
 }
 

@@ -19,8 +19,8 @@ use super::{headers, within};
 /// A folder that is served.
 #[derive(Clone, Debug)]
 pub struct ServedFolder {
-    /// Canonical.
-    folder: PathBuf,
+    /// The folder, canonical.
+    pub folder: PathBuf,
     /// Whether requests must name this machine as their host. Otherwise a foreign page could point its own host name at
     /// this machine's address and read the served files (DNS rebinding).
     local: bool,
@@ -33,11 +33,6 @@ impl ServedFolder {
             .canonicalize()
             .with_context(|| format!("cannot read the folder {}", folder.display()))?;
         Ok(Self { folder, local })
-    }
-
-    /// Returns the folder, canonical.
-    pub fn folder(&self) -> &Path {
-        &self.folder
     }
 
     /// Returns the router, which answers every request.

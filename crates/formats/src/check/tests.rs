@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 
 use super::*;
 use crate::export::{ExportContext, ExportedBytes, export_bytes};
-use tilescope_analysis::{Judge, PrefixClaim, Progress};
+use tilescope_analysis::{Boundary, Judge, PrefixClaim, Progress};
 
 const GO: fn(Progress) -> ControlFlow<()> = |_| ControlFlow::Continue(());
 

@@ -1,15 +1,15 @@
 //! The rounds of `tilescope bench`: the CPU's engines against the reference sampler, and windows of a large plane.
 
-use std::error::Error;
 use std::sync::Arc;
 
 use serde::Serialize;
-use tilescope_core::{Key, Parameters, Pattern, Plane, Stream, Window};
+use tilescope_analysis::{Region, VerifyOptions, verify_cut};
+use tilescope_core::{Key, Parameters, Pattern, Plane, Stream};
 
 use super::{EngineRate, EngineTime, median, rows, sized, timed, times};
 use crate::control::{Control, Watch};
 use crate::engines::{Engine, Engines};
-use crate::error::{ReproduceError, Result};
+use crate::error::Result;
 
 /// The settings of a bench.
 #[derive(Clone, Debug)]
@@ -68,16 +68,12 @@ impl WindowTimes {
     }
 }
 
-/// Returns whether a window of a plane is valid.
-pub type JudgeWindow<'a> =
-    &'a dyn Fn(&Plane, &Window) -> Result<bool, Box<dyn Error + Send + Sync>>;
-
 impl Bench {
     /// Samples of a window, about.
     pub const WINDOW_SAMPLES: f64 = 10_000.0;
 
     /// Times the CPU's engines and windows.
-    pub fn cpu(&self, watch: &dyn Watch, is_valid: JudgeWindow<'_>) -> Result<CpuRates> {
+    pub fn cpu(&self, watch: &dyn Watch) -> Result<CpuRates> {
         let base = self.base()?;
         let of_plane = sized(self.plane, self.seed)?;
         let open = Engines::open(&self.threads, Vec::new())?;
@@ -97,7 +93,7 @@ impl Bench {
         Ok(CpuRates {
             pattern_seconds,
             rows: rows(&rounds, None),
-            windows: self.windows(&of_plane, &pattern, is_valid)?,
+            windows: self.windows(&of_plane, &pattern, watch)?,
         })
     }
 
@@ -140,8 +136,9 @@ impl Bench {
         &self,
         parameters: &Parameters,
         pattern: &Pattern,
-        is_valid: JudgeWindow<'_>,
+        watch: &dyn Watch,
     ) -> Result<WindowTimes> {
+        let control = Control::new(watch, self.rounds as usize, "windows".to_owned());
         let (plane, plane_seconds) = timed(|| Plane::new(parameters, pattern));
         let plane = plane?;
         let side = (Self::WINDOW_SAMPLES / 0.7).sqrt() * parameters.radius;
@@ -159,7 +156,13 @@ impl Bench {
             let (points, seconds) = timed(|| plane.window(&window));
             windows.seconds.push(seconds);
             windows.counts.push(points?.len());
-            windows.valid &= is_valid(&plane, &window).map_err(ReproduceError::Failed)?;
+            control.go_on()?;
+            let cut = plane.widened(&window, &mut control.observer())?;
+            let asked = (Region::new(cut.size, false), plane.domain().radius());
+            let options = VerifyOptions::default();
+            let control = control.analysis();
+            let report = verify_cut(&cut.positions, asked, cut.window, &options, &control)?;
+            windows.valid &= report.valid();
         }
         Ok(windows)
     }

@@ -6,9 +6,9 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use serde_json::{Value, json};
-use tilescope_analysis::{Boundary as Judged, Region};
+use tilescope_analysis::Region;
 use tilescope_core::combine::file::{Layout, PieceSource, PlacedLayout, Set};
-use tilescope_core::{Boundary, Domain, Pattern, SampleError, Stage};
+use tilescope_core::{Boundary, SampleError, Stage};
 use tilescope_formats::{Certificate, bytes_digest};
 
 use super::saved;
@@ -16,13 +16,6 @@ use crate::combination::CombinationError;
 use crate::incoming::{Incoming, Unread};
 use crate::jobs::Monitor;
 use crate::words::last_part;
-
-/// The region of a set that has no certificate, unless the layout states another.
-const UNIT_SQUARE: Region = Region {
-    width: 1.0,
-    height: 1.0,
-    boundary: Judged::Periodic,
-};
 
 /// The content of a set's file.
 struct SetFile {
@@ -152,19 +145,12 @@ fn set(
     let stated = file.certificate.as_ref();
     let radius = radius.or(stated.map(|stated| stated.radius));
     let radius = radius.ok_or("the set has no certificate; give its \"radius\"")?;
-    let region = stated.map_or(UNIT_SQUARE, |stated| stated.region);
-    let boundary = boundary.unwrap_or(match region.boundary {
-        Judged::Periodic => Boundary::Periodic,
-        Judged::Bounded => Boundary::Bounded,
-    });
+    let region = stated.map_or(Region::UNIT_SQUARE, |stated| stated.region);
+    let boundary = boundary.unwrap_or(Boundary::of(region.is_periodic()));
     let size = [
         width.unwrap_or(region.width),
         height.unwrap_or(region.height),
     ];
-    let pattern = Pattern::from_positions(&file.points, size, radius, boundary);
-    let domain = Domain::from_size(size, radius, boundary);
-    Ok(Set {
-        pattern: pattern.map_err(|error| error.to_string())?.into(),
-        domain: domain.map_err(|error| error.to_string())?,
-    })
+    let set = Set::from_positions(&file.points, size, radius, boundary);
+    set.map_err(|error| error.to_string())
 }

@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use tilescope_analysis::{Boundary, Region};
-use tilescope_core::{Boundary as Border, Pattern, PatternSpec, Unobserved};
+use tilescope_analysis::Region;
+use tilescope_core::{Boundary, Pattern, PatternSpec, Unobserved};
 use tilescope_session::jobs::{Job, Monitor, Wake};
 use tilescope_session::task::{self, Task};
 use tilescope_session::units::radii;
@@ -14,7 +14,7 @@ use super::measured::{MeasuredSet, Samples, refusal};
 /// The set is made as a pattern, larger than the default pattern of runs.
 pub const SPEC: PatternSpec = PatternSpec {
     side: 200.0,
-    boundary: Border::Periodic,
+    boundary: Boundary::Periodic,
     seed: 0,
 };
 
@@ -103,11 +103,7 @@ impl Task for MeasureReferenceTask {
         let points = points.map(|point| [radii(point.x), radii(point.y)]);
         let set = Samples {
             points: points.collect(),
-            region: Region {
-                width: radii(domain.width()),
-                height: radii(domain.height()),
-                boundary: Boundary::Periodic,
-            },
+            region: Region::new([domain.width(), domain.height()].map(radii), true),
             radius: 1.0,
         };
         let measured = MeasuredSet::whole(&set, &|progress| monitor.follow(progress));

@@ -72,15 +72,7 @@ pub fn of(
 ) -> Result<ReferenceFile, String> {
     let named = |text: &str| format!("{name}: {text}");
     let torus = read.detection.format.is_unit_torus();
-    let unit = Region {
-        width: 1.0,
-        height: 1.0,
-        boundary: if torus {
-            Boundary::Periodic
-        } else {
-            run.boundary
-        },
-    };
+    let unit = Region::new([1.0, 1.0], torus || run.is_periodic());
     let certificate = read.certificate.as_ref();
     let region = certificate.map_or(unit, |certificate| certificate.region);
     let guessed = certificate.is_none() && !torus;

@@ -8,8 +8,8 @@ use rayon::prelude::*;
 
 use super::{LayoutError, PieceSource, PlacedLayout, PlacedPiece};
 use crate::combine::Piece;
-use crate::error::SampleError;
-use crate::lattice::{Domain, Point};
+use crate::error::{PatternError, SampleError};
+use crate::lattice::{Boundary, Domain, Point};
 use crate::parameters::Parameters;
 use crate::pattern::Pattern;
 use crate::progress::Observer;
@@ -88,6 +88,22 @@ fn distinct(pieces: &[PlacedPiece]) -> Vec<Vec<usize>> {
 }
 
 impl Set {
+    /// Returns a set of given positions on `[0, size[0]] x [0, size[1]]`.
+    ///
+    /// Fails as [`Pattern::from_positions`].
+    pub fn from_positions(
+        positions: &[[f64; 2]],
+        size: [f64; 2],
+        radius: f64,
+        boundary: Boundary,
+    ) -> Result<Self, PatternError> {
+        let pattern = Pattern::from_positions(positions, size, radius, boundary)?;
+        Ok(Self {
+            pattern: Arc::new(pattern),
+            domain: Domain::from_size(size, radius, boundary)?,
+        })
+    }
+
     /// Returns a set by the reference sampler.
     ///
     /// Fails as [`Pattern::of_reference`].

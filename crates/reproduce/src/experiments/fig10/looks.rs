@@ -1,8 +1,8 @@
 //! Samples and power spectra of the samplers: the first two rows of the figure.
 
 use serde::{Deserialize, Serialize};
+use tilescope_analysis::Region;
 use tilescope_analysis::measures::{FrequencyWindow, MeanPeriodogram, Periodogram, Spectrum};
-use tilescope_analysis::{Boundary, Region};
 
 use super::samplers::Sampler;
 use crate::control::Control;
@@ -44,11 +44,7 @@ pub fn spectrum(
     settings: &Settings,
     control: &Control<'_>,
 ) -> Result<MeanSpectrum> {
-    let region = Region {
-        width: 1.0,
-        height: 1.0,
-        boundary: Boundary::Periodic,
-    };
+    let region = Region::UNIT_SQUARE;
     let (sets, window) = (sampler.sets(sets), window(count));
     let mut mean = MeanPeriodogram::default();
     for index in 0..sets {

@@ -2,8 +2,8 @@
 
 use glam::DVec2;
 use serde_json::json;
-use tilescope_analysis::{Boundary, Region, Tessellation};
-use tilescope_core::Boundary as Ends;
+use tilescope_analysis::{Region, Tessellation};
+use tilescope_core::Boundary;
 use tilescope_figures::{
     Anchor, Baseline, Fill, Font, Hatch, Marker, Palette, PictureOptions, Rect, Scene, SetPicture,
     Shape, Stroke, Style, Text, set_scene, with_alpha,
@@ -52,7 +52,7 @@ fn scene(set: &Set, witness: &Witness, caption: String) -> Result<Scene> {
     let picture = SetPicture {
         points: &points,
         size,
-        boundary: Ends::Bounded,
+        boundary: Boundary::Bounded,
         radius: Some(radius),
         blocks: Vec::new(),
         block_of: None,
@@ -60,11 +60,7 @@ fn scene(set: &Set, witness: &Witness, caption: String) -> Result<Scene> {
         caption,
     };
     let mut scene = set_scene(&picture, &options);
-    let region = Region {
-        width: size[0],
-        height: size[1],
-        boundary: Boundary::Bounded,
-    };
+    let region = Region::new(size, false);
     let parts = Tessellation::of(&points, region, radius)?;
     let gap = parts.gap_at(middle).map(|gap| &parts.gaps[gap].fill[..]);
     // Positions of a picture point down; its middle stays where it is.
