@@ -5,7 +5,7 @@ use std::io::{self, Write};
 use std::mem;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, SyncSender, channel, sync_channel};
-use std::thread::{Builder, JoinHandle};
+use std::thread::{self, Builder, JoinHandle};
 
 use super::partial::BLOCK;
 
@@ -110,21 +110,29 @@ impl Appending {
     }
 }
 
+/// Another thread waits for the device: else no rows could be made meanwhile, as few blocks wait.
 fn append_all(
     mut file: &File,
     incoming: &Receiver<Vec<u8>>,
     emptied: &Sender<Vec<u8>>,
     digest: &mut blake3::Hasher,
 ) -> io::Result<()> {
-    for (index, mut block) in incoming.iter().enumerate() {
-        file.write_all(&block)?;
-        digest.update(&block);
-        block.clear();
-        // After the last block nobody takes it.
-        let _ = emptied.send(block);
-        if index % BLOCKS_PER_SYNC == BLOCKS_PER_SYNC - 1 {
-            file.sync_data()?;
+    thread::scope(|scope| {
+        let (due, syncs) = sync_channel(1);
+        let syncing = scope.spawn(move || syncs.iter().try_for_each(|()| file.sync_data()));
+        for (index, mut block) in incoming.iter().enumerate() {
+            file.write_all(&block)?;
+            digest.update(&block);
+            block.clear();
+            // After the last block nobody takes it.
+            let _ = emptied.send(block);
+            if index % BLOCKS_PER_SYNC == BLOCKS_PER_SYNC - 1 && due.send(()).is_err() {
+                // The other thread ended because of an error, which is returned below.
+                break;
+            }
         }
-    }
-    Ok(())
+        drop(due);
+        let synced = syncing.join();
+        synced.map_err(|_| io::Error::other("the thread that waits for the device has failed"))?
+    })
 }
