@@ -171,8 +171,9 @@ pub fn stage_accent(state: &State) -> egui::Color32 {
 }
 
 /// Returns the first of `screens` that does not contain the point `here`, all in pixels.
+#[cfg(not(target_arch = "wasm32"))]
 #[must_use]
-pub fn other_screen(screens: &[Rect], here: egui::Pos2) -> Option<Rect> {
+fn other_screen(screens: &[Rect], here: egui::Pos2) -> Option<Rect> {
     screens
         .iter()
         .copied()
