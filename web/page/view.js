@@ -43,15 +43,18 @@ export function inView() {
 
 /** Waits until the frame is in view or a request arrives. A frame that is hidden completely counts as in view. */
 export async function comesIntoView() {
+  /** @type {Promise<boolean>} */
+  const asked = new Promise((resolve) => waiting.push(() => resolve(true)));
   told ??= look();
   const observed = told.then(() => true);
   /** @param {number} ms */
-  const observedIn = (ms) => Promise.race([observed, new Promise((resolve) => setTimeout(resolve, ms))]);
-  if (!(await observedIn(HIDDEN_MS)) && innerWidth * innerHeight > 0) {
+  const settledIn = (ms) => Promise.race([asked, observed, new Promise((resolve) => setTimeout(resolve, ms))]);
+  // Nothing is observed in a tab in the background.
+  if (!(await settledIn(HIDDEN_MS)) && innerWidth * innerHeight > 0 && !document.hidden) {
     // A busy machine: the frame has a place, which is not known yet.
-    await observedIn(SILENT_MS);
+    await settledIn(SILENT_MS);
   }
   if (!isSeen) {
-    await new Promise((resolve) => waiting.push(() => resolve(undefined)));
+    await asked;
   }
 }

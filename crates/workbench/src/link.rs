@@ -11,6 +11,7 @@ mod warnings;
 mod write;
 
 pub use content::{LinkContent, NamedMoment};
+pub(crate) use content::{allows, normal};
 pub(crate) use parameters::excess;
 pub use read::COLOURINGS;
 #[cfg(test)]

@@ -110,7 +110,7 @@ impl Appending {
     }
 }
 
-/// Another thread waits for the device: else no rows could be made meanwhile, as few blocks wait.
+/// Writes and digests blocks. A second thread waits for the device, so that writing goes on meanwhile.
 fn append_all(
     mut file: &File,
     incoming: &Receiver<Vec<u8>>,
@@ -119,7 +119,11 @@ fn append_all(
 ) -> io::Result<()> {
     thread::scope(|scope| {
         let (due, syncs) = sync_channel(1);
-        let syncing = scope.spawn(move || syncs.iter().try_for_each(|()| file.sync_data()));
+        let syncing = Builder::new()
+            .name("waiting for the device".to_owned())
+            .spawn_scoped(scope, move || {
+                syncs.iter().try_for_each(|()| file.sync_data())
+            })?;
         for (index, mut block) in incoming.iter().enumerate() {
             file.write_all(&block)?;
             digest.update(&block);

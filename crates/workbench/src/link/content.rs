@@ -1,10 +1,11 @@
 //! The content of a link, as values. `write.rs` writes it as text, `read.rs` reads it.
 
 use tilescope_core::combine::file::Layout as Combination;
-use tilescope_core::{NestedRequest, Parameters};
+use tilescope_core::{NestedRequest, Parameters, radius_estimate};
 use tilescope_debugger::{SavedBreakpoint, SavedScene};
 use tilescope_session::recipe::Recipe;
 
+use super::MAX_SAMPLES;
 use crate::lessons::WantedLesson;
 use crate::view::SavedView;
 
@@ -52,5 +53,29 @@ impl LinkContent {
             own: None,
             nested: self.nested,
         }
+    }
+}
+
+/// Returns whether a link may ask for the number of samples of nested levels, if that is given.
+pub(crate) fn allows(nested: &NestedRequest) -> bool {
+    nested
+        .exactly
+        .is_none_or(|count| count as f64 <= MAX_SAMPLES)
+}
+
+/// Returns the recipe as a link has it: if the number of samples is given, with a radius that suits it. The radius is not used
+/// then, and might be one that no link may ask for.
+pub(crate) fn normal(recipe: Recipe) -> Recipe {
+    let exactly = recipe.nested.and_then(|nested| nested.exactly);
+    let suited = exactly.and_then(|count| radius_estimate(&recipe.parameters, count as u64).ok());
+    // Four digits, as it is shown.
+    let rounded = suited.and_then(|radius| format!("{radius:.3e}").parse().ok());
+    let radius = rounded.unwrap_or(recipe.parameters.radius);
+    Recipe {
+        parameters: Parameters {
+            radius,
+            ..recipe.parameters
+        },
+        ..recipe
     }
 }

@@ -160,20 +160,16 @@ fn fit(p: &mut Parameters, run: &str, warnings: &mut LinkWarnings) {
     }
 }
 
-/// Returns the parameters that a link to a run, or to nested levels of `exactly` so many samples, cannot reproduce, because
-/// they exceed the limits of links.
-pub(crate) fn excess(p: &Parameters, exactly: Option<usize>) -> Vec<String> {
-    let (name, samples) = if let Some(count) = exactly {
-        ("the number of samples", count as f64)
-    } else {
-        let domain = p.validate_sequential();
-        let samples = domain.map_or(0.0, |domain| domain.area_radii() * MAXIMAL_DENSITY);
-        ("the radius", samples)
-    };
+/// Returns the parameters that a link to a run cannot reproduce, because they exceed the limits of links.
+pub(crate) fn excess(p: &Parameters) -> Vec<String> {
+    let domain = p.validate_sequential();
+    let samples = domain.map_or(0.0, |domain| domain.area_radii() * MAXIMAL_DENSITY);
     let mut excess = Vec::new();
     if samples > MAX_SAMPLES {
         let most = grouped(MAX_SAMPLES as usize);
-        excess.push(format!("{name}, as a link asks for at most {most} samples"));
+        excess.push(format!(
+            "the radius, as a link asks for at most {most} samples"
+        ));
     }
     if p.pattern.side > MAX_PATTERN_SIDE {
         let most = MAX_PATTERN_SIDE;

@@ -190,16 +190,16 @@ impl LinkReader {
             exactly: count,
             order_within: order.unwrap_or_default(),
         };
-        let refusal = match count.filter(|&count: &usize| count as f64 > MAX_SAMPLES) {
-            Some(count) => Some(format!(
-                "they have {} samples, and a link may ask for {}",
-                grouped(count),
-                grouped(MAX_SAMPLES as usize)
-            )),
-            None => request
+        let refusal = if super::content::allows(&request) {
+            request
                 .check(parameters)
                 .err()
-                .map(|error| error.to_string()),
+                .map(|error| error.to_string())
+        } else {
+            let most = grouped(MAX_SAMPLES as usize);
+            Some(format!(
+                "they have more samples than the {most} that a link may ask for"
+            ))
         };
         if let Some(why) = &refusal {
             self.warnings

@@ -113,18 +113,30 @@ impl State {
         };
         match &session.combination {
             None => {
-                let recipe = session.recipe();
-                (content.parameters, content.nested) = (recipe.parameters, recipe.nested);
-                let exactly = recipe.nested.and_then(|nested| nested.exactly);
-                left_out.extend(link::excess(&recipe.parameters, exactly));
-                if !session.has_recipe() {
-                    left_out.push("the nested levels, which come from a file".to_owned());
+                let recipe = link::normal(session.recipe());
+                content.parameters = recipe.parameters;
+                content.nested = recipe.nested.filter(link::allows);
+                left_out.extend(link::excess(&recipe.parameters));
+                if session.nested.is_some() && content.nested.is_none() {
+                    let why = match recipe.nested {
+                        Some(_) => "have too many samples for a link",
+                        None => "come from a file",
+                    };
+                    left_out.push(format!("the nested levels, which {why}"));
+                    content.moment = NamedMoment::End;
                 }
             }
             Some(combination) if combination.files > 0 => {
                 left_out.push("the combination, which has sets from files".to_owned());
             }
-            Some(combination) => content.combination = Some(combination.layout.clone()),
+            Some(combination) => {
+                *content = LinkContent {
+                    parameters: Parameters::default(),
+                    nested: None,
+                    combination: Some(combination.layout.clone()),
+                    ..std::mem::take(content)
+                };
+            }
         }
         if session.own.is_some() {
             left_out.push("the pattern, which comes from a file".to_owned());
@@ -152,7 +164,10 @@ impl State {
         let (side, _) = self.runs.second.as_ref()?;
         let second = made.or(side.asked.filter(|_| side.session.is_none()));
         if second.is_none() {
-            left_out.push("run B, which takes part of a file or is a combination".to_owned());
+            left_out.push(
+                "run B, which takes part of a file, is a combination or has nested levels"
+                    .to_owned(),
+            );
         }
         second
     }
@@ -235,7 +250,9 @@ impl State {
             return false;
         };
         match (&session.combination, &content.combination) {
-            (None, None) => session.has_recipe() && session.recipe() == content.recipe(),
+            (None, None) => {
+                session.has_recipe() && link::normal(session.recipe()) == content.recipe()
+            }
             (Some(made), Some(asked)) => made.layout == *asked,
             _ => false,
         }
@@ -298,7 +315,10 @@ impl State {
     fn take_moment(&mut self, moment: &NamedMoment, warnings: &mut LinkWarnings) {
         let len = self.cursor().map(|(_, len)| len);
         let index = match moment {
-            NamedMoment::Stage(name) => self.stage_named(name),
+            // Nested levels have no stages.
+            NamedMoment::Stage(name) if self.runs.first.prefix().is_none() => {
+                self.stage_named(name)
+            }
             _ => None,
         };
         let missed = match (moment, len, index) {

@@ -266,10 +266,9 @@ fn an_exported_prefix_keeps_its_order_and_opens_as_levels() {
     );
     assert!(verdict(&state).valid());
     assert!(state.run_remark().unwrap().contains("file"));
-    assert_eq!(
-        state.link().left_out,
-        ["the nested levels, which come from a file"]
-    );
+    let link = state.link();
+    assert_eq!(link.left_out, ["the nested levels, which come from a file"]);
+    assert!(!link.fragment.contains("at="), "{}", link.fragment);
     // A spoilt certificate is refused in words.
     let beside = tilescope_formats::certificate_path(&path);
     let text = std::fs::read_to_string(&beside).unwrap();
@@ -318,7 +317,7 @@ fn a_link_leads_to_the_same_prefix() {
         session(&state).run().points()
     );
     assert_eq!(other.cursor(), Some((400, 1_500)));
-    assert_eq!(other.form.draft, state.form.draft);
+    assert_eq!(other.form.draft.nesting(), state.form.draft.nesting());
     assert_eq!(other.link(), link);
     assert!(other.messages.notice.is_none());
     // Opening it again makes nothing anew.
@@ -326,6 +325,25 @@ fn a_link_leads_to_the_same_prefix() {
     other.open_link(&link.fragment);
     other.settle();
     assert!(Arc::ptr_eq(session(&other), &before));
+    // The radius that was typed is not used, and not one that a link may ask for.
+    form(
+        &mut other,
+        FormCommand::Type(Field::Radius, "0.0001".to_owned()),
+    );
+    other.apply(Command::Run);
+    other.settle();
+    let unused = other.link();
+    assert_eq!(unused.left_out, Vec::<String>::new());
+    let before = Arc::clone(session(&other));
+    other.open_link(&unused.fragment);
+    other.settle();
+    assert!(Arc::ptr_eq(session(&other), &before));
+    assert!(other.messages.notice.is_none());
+    assert_eq!(other.link(), unused);
+    // Levels have no stages.
+    other.open_link(&format!("{}&stage=finish", unused.fragment));
+    other.settle();
+    assert_eq!(other.cursor(), Some((1_500, 1_500)));
     // A link to a run leads back from levels.
     other.open_link("v=1&radius=0.02");
     other.settle();
@@ -338,7 +356,7 @@ fn levels_that_cannot_be_made_are_left_out_of_a_link() {
         ("levels=11&radius=0.02", "levels"),
         ("levels=0", "levels"),
         ("levels=many", "levels \"many\" is invalid"),
-        ("levels=3&exactly=99999999999", "a link may ask for"),
+        ("levels=3&exactly=99999999999", "that a link may ask for"),
         ("levels=1&exactly=1000", "at least 2 levels"),
         ("exactly=1000", "not how many"),
         ("order-within=farthest", "not how many"),
