@@ -251,7 +251,8 @@ impl State {
         };
         match (&session.combination, &content.combination) {
             (None, None) => {
-                session.has_recipe() && link::normal(session.recipe()) == content.recipe()
+                let asked = link::normal(content.recipe());
+                session.has_recipe() && link::normal(session.recipe()) == asked
             }
             (Some(made), Some(asked)) => made.layout == *asked,
             _ => false,
