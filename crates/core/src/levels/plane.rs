@@ -63,7 +63,7 @@ impl NestedRequest {
     ///
     /// # Errors
     ///
-    /// As [`NestedPlane::new`], and [`ParameterError::OneLevel`].
+    /// As [`NestedPlane::new`] and [`radius_estimate`], and [`ParameterError::OneLevel`].
     pub fn check(&self, parameters: &Parameters) -> Result<(), ParameterError> {
         self.check_exactly()?;
         let mut parameters = *parameters;
