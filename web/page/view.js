@@ -51,7 +51,7 @@ export async function comesIntoView() {
   const settledIn = (ms) => Promise.race([asked, observed, new Promise((resolve) => setTimeout(resolve, ms))]);
   // Nothing is observed in a tab in the background.
   if (!(await settledIn(HIDDEN_MS)) && innerWidth * innerHeight > 0 && !document.hidden) {
-    // A busy machine: the frame has a place, which is not known yet.
+    // On a busy machine the first observation may come late.
     await settledIn(SILENT_MS);
   }
   if (!isSeen) {

@@ -130,12 +130,9 @@ impl State {
                 left_out.push("the combination, which has sets from files".to_owned());
             }
             Some(combination) => {
-                *content = LinkContent {
-                    parameters: Parameters::default(),
-                    nested: None,
-                    combination: Some(combination.layout.clone()),
-                    ..std::mem::take(content)
-                };
+                // The typed parameters are not those of the combination. Parameters of run B differ from the defaults.
+                (content.parameters, content.nested) = (Parameters::default(), None);
+                content.combination = Some(combination.layout.clone());
             }
         }
         if session.own.is_some() {

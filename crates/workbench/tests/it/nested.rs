@@ -351,6 +351,18 @@ fn a_link_leads_to_the_same_prefix() {
 }
 
 #[test]
+fn a_link_to_a_combination_leaves_out_the_levels_that_are_typed() {
+    let mut state = State::new(Arc::new(|| {}));
+    state.settle();
+    state.open_link("combine=nine");
+    state.settle();
+    let link = state.link();
+    assert!(link.fragment.contains("combine=nine"), "{}", link.fragment);
+    form(&mut state, FormCommand::Choose(Choice::Levels(Some(4))));
+    assert_eq!(state.link(), link);
+}
+
+#[test]
 fn levels_that_cannot_be_made_are_left_out_of_a_link() {
     for (text, why) in [
         ("levels=11&radius=0.02", "levels"),
