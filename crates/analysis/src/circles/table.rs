@@ -6,17 +6,18 @@
 use std::f64::consts::TAU;
 use std::sync::OnceLock;
 
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f32x8, i32x8};
 use glam::DVec2;
 
 /// Bins of the circle, one a bit.
 const BINS: usize = 128;
-/// Squares along the two radii to either side of a sample.
-pub(super) const HALF: usize = 256;
-pub(super) const SQUARES: usize = 2 * HALF;
+/// Squares along the two radii to one side of a sample.
+pub(super) const SQUARES: usize = 256;
 /// Squares in a radius.
-pub(super) const PER_RADIUS: f64 = HALF as f64 / 2.0;
+pub(super) const PER_RADIUS: f64 = SQUARES as f64 / 2.0;
 /// Offsets are known up to this part of a square: more than the rounding of two positions in a tile.
-const UNCERTAIN: f64 = 1.0 / 64.0;
+pub(super) const UNCERTAIN: f64 = 1.0 / 64.0;
 
 /// Bins of the circle of a sample that are covered.
 pub(super) type Mask = u128;
@@ -71,23 +72,41 @@ fn directions() -> &'static [DVec2; BINS] {
     })
 }
 
-/// Bins side by side: the first one in the lower byte, their number in the higher one. A table of masks would be eight times as
-/// large, and most lookups would miss the caches near the processor.
+/// Bins side by side: the first one in the lower byte, the one after the last in the higher one, both counted on past a whole
+/// turn. A table of masks would be eight times as large, and most lookups would miss the caches near the processor.
 type Stretch = u16;
 
 /// Most bins of a stretch; only the disk of a sample at the same place covers one more.
 const MAX_STRETCH: i32 = 63;
 
+/// A quarter turn of both ends of a stretch. An end beyond the second turn is again in the first.
+const QUARTER: Stretch = (BINS / 4) as Stretch * 0x101;
+
+/// The bins before each one, counted on to two turns: in the second turn, all but those before it.
+const BEFORE: [Mask; 2 * BINS] = {
+    let mut before = [0; 2 * BINS];
+    let mut bin = 0;
+    while bin < BINS {
+        before[bin] = (1 << bin) - 1;
+        before[bin + BINS] = !before[bin];
+        bin += 1;
+    }
+    before
+};
+
+/// The mask of a stretch, whose ends may lie in either turn.
 const fn mask_of(stretch: Stretch) -> Mask {
-    let (first, count) = (stretch & 0x7f, stretch >> 8);
-    let bins = !(u64::MAX << count);
-    let shift = first % 64;
-    let (low, high) = (bins << shift, (bins >> 1) >> (63 - shift));
-    let (low, high) = if first < 64 { (low, high) } else { (high, low) };
-    (high as Mask) << 64 | low as Mask
+    BEFORE[(stretch & 0xff) as usize] ^ BEFORE[(stretch >> 8) as usize]
 }
 
+/// The stretches of the squares in the first quarter; those of the other squares are turned.
 pub(super) struct Table(Box<[Stretch; SQUARES * SQUARES]>);
+
+/// The square of an offset: its index in the table, and from bit [`TURN_SHIFT`] on the quarter turns that lead to it from
+/// there.
+pub(super) type Square = i32;
+
+const TURN_SHIFT: u32 = (SQUARES * SQUARES).trailing_zeros();
 
 impl Table {
     pub fn get() -> &'static Self {
@@ -96,39 +115,50 @@ impl Table {
     }
 
     fn new() -> Self {
-        // Only the corners of one quarter are computed; the others are its rotations by 32 bins.
-        let side = HALF + 1;
+        let side = SQUARES + 1;
         let arcs: Vec<Option<Arc>> = (0..side * side)
             .map(|index| Arc::at([index % side, index / side]))
             .collect();
         let mut stretches = vec![0; SQUARES * SQUARES];
-        for y in 0..HALF {
-            for x in 0..HALF {
+        for y in 0..SQUARES {
+            for x in 0..SQUARES {
                 let corners = [(x, y), (x + 1, y), (x, y + 1), (x + 1, y + 1)];
-                let arcs = corners.map(|(x, y)| arcs[y * side + x]);
-                let (first, count) = common(arcs);
-                let (x, y) = (x as i64, y as i64);
-                // A quarter turn takes the square at (x, y) to the one at (-y - 1, x).
-                for (turn, [x, y]) in [[x, y], [-y - 1, x], [-x - 1, -y - 1], [y, -x - 1]]
-                    .into_iter()
-                    .enumerate()
-                {
-                    let [x, y] = [x, y].map(|value| (value + HALF as i64) as usize);
-                    let turned = (first + (turn * BINS / 4) as i32).rem_euclid(BINS as i32);
-                    stretches[y * SQUARES + x] = (turned | count << 8) as Stretch;
-                }
+                let (first, count) = common(corners.map(|(x, y)| arcs[y * side + x]));
+                let first = first.rem_euclid(BINS as i32);
+                stretches[y * SQUARES + x] = (first | (first + count) << 8) as Stretch;
             }
         }
         let stretches = stretches.into_boxed_slice();
         Self(stretches.try_into().expect("a stretch for each square"))
     }
 
-    /// The mask of a square, counted line by line from the one at two radii below and to the left.
+    /// The mask of a square.
     #[inline]
-    pub fn mask(&self, square: i32) -> Mask {
+    pub fn mask(&self, square: Square) -> Mask {
         // The remainder spares a check of the index.
-        mask_of(self.0[square as usize % (SQUARES * SQUARES)])
+        let stretch = self.0[square as usize % (SQUARES * SQUARES)];
+        let turns = (square >> TURN_SHIFT) as Stretch;
+        mask_of(stretch.wrapping_add(turns.wrapping_mul(QUARTER)))
     }
+}
+
+/// The squares that offsets are in, given in squares.
+#[expect(
+    clippy::inline_always,
+    reason = "it must become a part of what dispatch! compiles for the processor"
+)]
+#[inline(always)]
+pub(super) fn squares_of<S: Simd>(simd: S, dx: f32x8<S>, dy: f32x8<S>) -> i32x8<S> {
+    let (left, below) = (dx.simd_lt(0.0), dy.simd_lt(0.0));
+    // An odd number of quarter turns exchanges the axes.
+    let is_odd = left ^ below;
+    let (dx, dy) = (dx.abs(), dy.abs());
+    let columns = i32x8::truncate_from(is_odd.select(dy, dx));
+    let lines = i32x8::truncate_from(is_odd.select(dx, dy));
+    let number = |value: i32| i32x8::splat(simd, value);
+    let one = is_odd.select(number(1 << TURN_SHIFT), number(0));
+    let two = below.select(number(2 << TURN_SHIFT), number(0));
+    lines * number(SQUARES as i32) + columns + one + two
 }
 
 /// Directions covered by the disk at an offset: from `start` to `end`, in turns counted anticlockwise.
@@ -178,7 +208,19 @@ fn common(arcs: [Option<Arc>; 4]) -> (i32, i32) {
 
 #[cfg(test)]
 mod tests {
+    use fearless_simd::{Level, dispatch};
+
     use super::*;
+
+    /// The square of the offsets from a corner on.
+    fn square(corner: [i32; 2]) -> Square {
+        let middle = corner.map(|at| at as f32 + 0.5);
+        let squares: [Square; 8] = dispatch!(Level::new(), simd => {
+            let [dx, dy] = middle.map(|at| f32x8::splat(simd, at));
+            squares_of(simd, dx, dy).into()
+        });
+        squares[0]
+    }
 
     /// By the definition: each bin of a mask is covered, at both ends and in the middle, for offsets all over the square.
     #[test]
@@ -186,9 +228,11 @@ mod tests {
         const E: f64 = UNCERTAIN;
         let table = Table::get();
         let (mut claimed, mut covered) = (0, 0);
-        for index in (0..SQUARES * SQUARES).step_by(37) {
-            let corner = [index % SQUARES, index / SQUARES].map(|at| at as f64 - HALF as f64);
-            let mask = table.mask(index as i32);
+        for index in (0..4 * SQUARES * SQUARES).step_by(37) {
+            let corner =
+                [index % (2 * SQUARES), index / (2 * SQUARES)].map(|at| at as i32 - SQUARES as i32);
+            let mask = table.mask(square(corner));
+            let corner = corner.map(f64::from);
             for bin in 0..BINS {
                 let mut all = true;
                 for step in 0..=2 {
@@ -222,10 +266,9 @@ mod tests {
     #[test]
     fn an_opposite_offset_covers_opposite_directions() {
         let table = Table::get();
-        let square = |x: i32, y: i32| (y + HALF as i32) * SQUARES as i32 + x + HALF as i32;
-        let mask = table.mask(square(40, 20));
+        let mask = table.mask(square([40, 20]));
         assert_ne!(mask, 0);
-        assert_eq!(table.mask(square(-41, -21)), opposite(mask));
+        assert_eq!(table.mask(square([-41, -21])), opposite(mask));
     }
 
     #[test]

@@ -5,19 +5,21 @@
 use std::ops::Range;
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Level, Simd, dispatch, f32x8, i32x8};
+use fearless_simd::{Level, Simd, dispatch, f32x8};
 use glam::DVec2;
 
 use super::found::{Declined, Found};
 use super::sample::Sample;
 use super::samples::{Cells, Samples};
-use super::table::{FULL, HALF, Mask, PER_RADIUS, SQUARES, Table, opposite};
+use super::table::{
+    FULL, Mask, PER_RADIUS, SQUARES, Square, Table, UNCERTAIN, opposite, squares_of,
+};
 
 /// Samples whose offsets are computed at once.
 const LANES: usize = 8;
 
 /// The largest squared distance, in squares, for which the table is used: a little less than two radii.
-const WIDEST: f32 = (HALF * HALF) as f32 * (1.0 - 1.0 / 1024.0);
+const WIDEST: f32 = (SQUARES * SQUARES) as f32 * (1.0 - 1.0 / 1024.0);
 
 /// Most pairs of samples in one cell, per sample of a tile.
 const MAX_CROWD: usize = 16;
@@ -42,8 +44,7 @@ pub(super) struct Tile {
     per_unit: DVec2,
     /// The first sample of each cell, row by row, and the end.
     starts: Vec<u32>,
-    pub x: Vec<f64>,
-    pub y: Vec<f64>,
+    positions: Vec<DVec2>,
     /// Its place in the sequence of all cells, where it may be as a copy.
     pub source: Vec<u32>,
     scan: Scan,
@@ -61,15 +62,23 @@ struct Scan {
     open: Vec<u32>,
 }
 
-/// The neighbours found for one sample. One loop marks all of them: a loop for each group would cost a mispredicted
-/// branch at each end.
+/// Neighbours found and not yet marked. One loop marks those of several samples: the end of each loop costs a mispredicted branch.
 #[derive(Default)]
 struct Looked {
-    /// The first sample of each group, and the squares of the table that the offsets of its samples are in.
-    groups: [(usize, [i32; LANES]); GROUPS],
+    groups: [Group; GROUPS],
     count: usize,
     /// The lanes of all groups that hold a neighbour.
     hits: u64,
+}
+
+/// Samples beside each other that may be neighbours of one.
+#[derive(Clone, Copy, Default)]
+struct Group {
+    of: u32,
+    /// The first of them.
+    start: u32,
+    /// The squares of the table that their offsets are in.
+    squares: [Square; LANES],
 }
 
 /// Most groups held.
@@ -77,10 +86,10 @@ const GROUPS: usize = 64 / LANES;
 
 impl Looked {
     #[inline]
-    fn add(&mut self, start: usize, squares: [i32; LANES], hits: u64) {
-        let group = self.count % GROUPS;
-        self.groups[group] = (start, squares);
-        self.hits |= hits << (group * LANES);
+    fn add(&mut self, group: Group, hits: u64) {
+        let place = self.count % GROUPS;
+        self.groups[place] = group;
+        self.hits |= hits << (place * LANES);
         self.count += 1;
     }
 
@@ -88,17 +97,18 @@ impl Looked {
         self.count == GROUPS
     }
 
-    /// Takes out a neighbour and its square.
+    /// Marks in both circles what the other disk covers, for each pair, and holds none any more.
     #[inline]
-    fn next(&mut self) -> Option<(usize, i32)> {
-        if self.hits == 0 {
-            self.count = 0;
-            return None;
+    fn mark(&mut self, table: &Table, masks: &mut [Mask]) {
+        while self.hits != 0 {
+            let place = self.hits.trailing_zeros() as usize;
+            self.hits &= self.hits - 1;
+            let (group, lane) = (&self.groups[place / LANES], place % LANES);
+            let covered = table.mask(group.squares[lane]);
+            masks[group.of as usize] |= covered;
+            masks[group.start as usize + lane] |= opposite(covered);
         }
-        let lane = self.hits.trailing_zeros() as usize;
-        self.hits &= self.hits - 1;
-        let (start, squares) = &self.groups[lane / LANES];
-        Some((start + lane % LANES, squares[lane % LANES]))
+        self.count = 0;
     }
 }
 
@@ -148,21 +158,21 @@ impl Tile {
             for run in &runs {
                 let starts = samples.starts(row, run.columns.clone());
                 let (first, end) = (starts[0], starts[starts.len() - 1]);
-                let before = self.x.len() as u32;
+                let before = self.positions.len() as u32;
                 for cell in starts.windows(2) {
                     self.starts.push(before + cell[0] - first);
                     let count = (cell[1] - cell[0]) as usize;
                     crowd += count * count;
                 }
-                for position in samples.positions(first as usize..end as usize) {
-                    self.x.push(position.x + run.shift);
-                    self.y.push(position.y + up);
-                }
+                let shift = DVec2::new(run.shift, up);
+                let positions = samples.positions(first as usize..end as usize);
+                self.positions
+                    .extend(positions.map(|position| position + shift));
                 self.source.extend(first..end);
             }
         }
-        self.starts.push(self.x.len() as u32);
-        if crowd > MAX_CROWD * (256 + self.x.len()) {
+        self.starts.push(self.positions.len() as u32);
+        if crowd > MAX_CROWD * (256 + self.positions.len()) {
             return Err(Unfilled::Declined(Declined::Crowded));
         }
         Ok(())
@@ -170,8 +180,7 @@ impl Tile {
 
     fn clear(&mut self) {
         self.starts.clear();
-        self.x.clear();
-        self.y.clear();
+        self.positions.clear();
         self.source.clear();
     }
 
@@ -201,7 +210,7 @@ impl Tile {
     }
 
     pub fn position(&self, index: usize) -> DVec2 {
-        DVec2::new(self.x[index], self.y[index])
+        self.positions[index]
     }
 
     /// The samples of some cells of a row.
@@ -232,17 +241,18 @@ impl Tile {
     /// seams, so it is counted in one tile.
     pub fn scan(&mut self, samples: &Samples<'_>, rho: f64, radius: f64, found: &mut Found) {
         let per_unit = PER_RADIUS / rho;
-        let in_squares = |values: &[f64], low: f64, out: &mut Vec<f32>| {
+        let in_squares = |out: &mut Vec<f32>, axis: usize| {
+            let at = |position: &DVec2| ((position[axis] - self.low[axis]) * per_unit) as f32;
             out.clear();
-            out.extend(values.iter().map(|value| ((value - low) * per_unit) as f32));
+            out.extend(self.positions.iter().map(at));
             // The last group of lanes reads beyond the end.
-            out.resize(values.len() + LANES, 0.0);
+            out.resize(self.positions.len() + LANES, 0.0);
         };
         let mut scan = std::mem::take(&mut self.scan);
-        in_squares(&self.x, self.low.x, &mut scan.x);
-        in_squares(&self.y, self.low.y, &mut scan.y);
+        in_squares(&mut scan.x, 0);
+        in_squares(&mut scan.y, 1);
         scan.masks.clear();
-        scan.masks.resize(self.x.len(), 0);
+        scan.masks.resize(self.positions.len(), 0);
         scan.open.clear();
         dispatch!(Level::new(), simd => self.scan_cells(simd, &mut scan, |pair, scan_found: &mut Found| {
             self.pair(samples, pair, radius, scan_found);
@@ -273,9 +283,9 @@ impl Tile {
         } = scan;
         let (xs, ys, masks) = (&xs[..], &ys[..], &mut masks[..]);
         let [width, height] = self.size;
-        // Rounding may make a distance shorter or longer by a few parts in 2^14.
         let limit = |square: f64| {
-            ((square * squares) * (1.0 + 1.0 / 1024.0)).min(f64::from(f32::MAX)) as f32
+            let farthest = (square * squares).sqrt() + 2.0 * UNCERTAIN;
+            (farthest * farthest).min(f64::from(f32::MAX)) as f32
         };
         let mut nearby = limit(found.nearby);
         let (mut runs, mut looked) = (Vec::new(), Looked::default());
@@ -291,21 +301,16 @@ impl Tile {
                 let same_row = self.cell(column..ahead, row).end;
                 let above = row + 1..(row + reach[1] + 1).min(height);
                 runs.clear();
+                runs.push(0..same_row);
                 runs.extend(above.map(|row| self.cell(columns.clone(), row)));
                 for index in cell {
+                    runs[0].start = index + 1;
                     let lanes = |value: f32| f32x8::splat(simd, value);
                     let (x, y) = (lanes(xs[index]), lanes(ys[index]));
                     let near = if is_own { lanes(nearby) } else { lanes(-1.0) };
-                    let mut mask = masks[index];
-                    let mut mark = |looked: &mut Looked| {
-                        while let Some((other, square)) = looked.next() {
-                            let covered = table.mask(square);
-                            mask |= covered;
-                            masks[other] |= opposite(covered);
-                        }
-                    };
-                    for run in std::iter::once(&(index + 1..same_row)).chain(&runs) {
-                        for start in run.clone().step_by(LANES) {
+                    for run in &runs {
+                        let mut start = run.start;
+                        while start < run.end {
                             let dx = f32x8::from_slice(simd, &xs[start..start + LANES]) - x;
                             let dy = f32x8::from_slice(simd, &ys[start..start + LANES]) - y;
                             let square = dx * dx + dy * dy;
@@ -313,13 +318,14 @@ impl Tile {
                             let within = (1_u64 << count) - 1;
                             let hits = square.simd_lt(lanes(WIDEST)).to_bitmask() & within;
                             let close = square.simd_le(near).to_bitmask() & within;
-                            let half = lanes(HALF as f32);
-                            let columns = i32x8::truncate_from(dx + half);
-                            let lines = i32x8::truncate_from(dy + half);
-                            let at = lines * i32x8::splat(simd, SQUARES as i32) + columns;
-                            looked.add(start, at.into(), hits);
+                            let group = Group {
+                                of: index as u32,
+                                start: start as u32,
+                                squares: squares_of(simd, dx, dy).into(),
+                            };
+                            looked.add(group, hits);
                             if looked.is_full() {
-                                mark(&mut looked);
+                                looked.mark(table, masks);
                             }
                             if close != 0 {
                                 for lane in (0..count).filter(|lane| close >> lane & 1 == 1) {
@@ -327,15 +333,19 @@ impl Tile {
                                 }
                                 nearby = limit(found.nearby);
                             }
+                            start += LANES;
                         }
                     }
-                    mark(&mut looked);
-                    // Samples before it have marked it already, so this is all.
-                    masks[index] = mask;
-                    if is_own && mask != FULL {
-                        open.push(index as u32);
-                    }
                 }
+            }
+            looked.mark(table, masks);
+            // Later rows do not mark circles of this one.
+            if self.own[1].contains(&row) {
+                let own = self.cell(self.own[0].clone(), row);
+                open.extend(
+                    own.filter(|&index| masks[index] != FULL)
+                        .map(|index| index as u32),
+                );
             }
         }
     }
