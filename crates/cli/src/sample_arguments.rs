@@ -46,7 +46,7 @@ pub struct SampleArguments {
     #[arg(long, requires = "out")]
     pub resume: bool,
     /// Seconds between checkpoints of a file that is written band by band: an interruption loses no more work
-    #[arg(long, value_name = "SECONDS", default_value_t = 10, requires = "out")]
+    #[arg(long, value_name = "SECONDS", default_value_t = 30, requires = "out")]
     pub checkpoint: u64,
     #[command(flatten)]
     pub judge: JudgeArguments,

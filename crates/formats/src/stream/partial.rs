@@ -13,8 +13,9 @@ use crate::digest::digest_text;
 use crate::error::{FormatError, io_error};
 use crate::export::ExportError;
 
-/// Bytes gathered before they are written, and read at a time.
-pub(super) const BLOCK: usize = 4 << 20;
+/// Bytes gathered before they are written, and read at a time: so few that they are still in the processor's caches when they are
+/// copied and digested.
+pub(super) const BLOCK: usize = 1 << 20;
 
 /// A file that is being written.
 #[derive(Debug)]

@@ -10,7 +10,7 @@ use std::thread::{self, Builder, JoinHandle};
 use super::partial::BLOCK;
 
 /// Blocks that wait for the thread.
-const WAITING: usize = 2;
+const WAITING: usize = (8 << 20) / BLOCK;
 
 /// Blocks after which the device is waited for. A whole file left in the system's memory would be waited for at the end, while
 /// nothing else is done.
