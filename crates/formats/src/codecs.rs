@@ -181,14 +181,9 @@ pub(crate) fn encode_certified(
     check_provenance(set)?;
     check_target(target)?;
     let mapping = target.mapping();
-    let mut points = Vec::with_capacity(set.len());
-    for (&point, index) in set.points.iter().zip(0..) {
-        let stored = mapping.file_from_domain(point);
-        for value in stored {
-            binary::finite(value, format, index)?;
-        }
-        points.push(stored);
-    }
+    let place = |&point: &[f64; 2]| mapping.file_from_domain(point);
+    let points: Vec<_> = set.points.iter().map(place).collect();
+    binary::all_finite(&points, 0, format)?;
     let precision = format.precision(target.precision);
     let provenance = set.provenance.as_deref();
     let levels = level_column(level_ends, points.len());

@@ -295,14 +295,9 @@ impl StreamExport {
         control: Control<'_>,
     ) -> Result<(), ExportError> {
         let (mapping, format) = (self.target.mapping(), self.target.format);
-        let mut stored = Vec::with_capacity(points.len());
-        for (&point, index) in points.iter().zip(self.count..) {
-            let place = mapping.file_from_domain(point);
-            for value in place {
-                binary::finite(value, format, index)?;
-            }
-            stored.push(place);
-        }
+        let place = |&point: &[f64; 2]| mapping.file_from_domain(point);
+        let stored: Vec<_> = points.iter().map(place).collect();
+        binary::all_finite(&stored, self.count, format)?;
         let start = self.partial.rows.len();
         let carried = provenance.filter(|_| format.carries_provenance());
         let precision = self.target.precision;
