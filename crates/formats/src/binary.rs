@@ -139,7 +139,7 @@ pub(crate) fn pairs(
     format: Format,
 ) -> Result<Vec<[f64; 2]>, FormatError> {
     let points: Vec<_> = if (precision, endian) == (Precision::Double, Endian::Little) {
-        // Nearly all files, and without questions for each coordinate.
+        // Nearly all files: no choice is left to be made for each coordinate.
         let (rows, _) = data.as_chunks::<16>();
         rows.iter().map(|&row| pair(row)).collect()
     } else {

@@ -97,7 +97,7 @@ impl Looked {
         self.count == GROUPS
     }
 
-    /// Marks in both circles what the other disk covers, for each pair, and holds none any more.
+    /// Marks in both circles what the other disk covers, for each pair, and begins again.
     #[inline]
     fn mark(&mut self, table: &Table, masks: &mut [Mask]) {
         while self.hits != 0 {

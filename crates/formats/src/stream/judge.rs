@@ -86,7 +86,7 @@ impl Judges {
             .iter()
             .map(|&p| mapping.domain_from_file(p))
             .collect();
-        // Rarely is there anything to compute.
+        // Most formats store points unchanged.
         if domain != points {
             let shifts = points
                 .iter()
