@@ -289,28 +289,16 @@ struct Intake {
     work: u64,
 }
 
-/// The lowest and the highest ordinate.
-fn heights(points: &[[f64; 2]]) -> [f64; 2] {
-    // Each lane waits for its own comparisons only.
-    let (mut low, mut high) = ([f64::INFINITY; 4], [f64::NEG_INFINITY; 4]);
-    for points in points.chunks(4) {
-        for (lane, &[_, y]) in points.iter().enumerate() {
-            low[lane] = if y < low[lane] { y } else { low[lane] };
-            high[lane] = if y > high[lane] { y } else { high[lane] };
-        }
-    }
-    [
-        low.into_iter().fold(f64::INFINITY, f64::min),
-        high.into_iter().fold(f64::NEG_INFINITY, f64::max),
-    ]
-}
-
 impl Intake {
     /// Checks samples and counts them.
     fn take(&mut self, points: &[[f64; 2]], search: &StreamSearch) -> Result<(), VerifyError> {
         // Most pieces lie within a row, where their order does not matter.
-        let scaled = heights(points).map(|y| search.domain.scale_point([0.0, y]).y);
-        let (low, high) = (scaled[0], scaled[1].max(self.highest));
+        let (mut low, mut high) = (f64::INFINITY, self.highest);
+        for point in points {
+            let y = search.domain.scale_point(*point).y;
+            low = if y < low { y } else { low };
+            high = if y > high { y } else { high };
+        }
         let in_a_row = low >= high - STREAM_LAG * search.scaled_radius;
         let fits = self.count + points.len() <= Grid::MAX_SAMPLES;
         if !(in_a_row && fits && all_are_in(points, search.region)) {

@@ -112,13 +112,13 @@ pub(crate) fn finite(value: f64, format: Format, index: u64) -> Result<f64, Form
     })
 }
 
-/// Fails if a coordinate is not finite; the first point is point `first` of the file.
+/// [`FormatError::NotFinite`] if a coordinate is not finite. The first point is point `first` of the file.
 pub(crate) fn all_finite(
     points: &[[f64; 2]],
     first: u64,
     format: Format,
 ) -> Result<(), FormatError> {
-    // Without a branch for each, several are compared at once.
+    // Without a branch for each coordinate the compiler compares several at once.
     let both = |all: bool, value: &f64| all & value.is_finite();
     if points.as_flattened().iter().fold(true, both) {
         return Ok(());
@@ -139,9 +139,10 @@ pub(crate) fn pairs(
     format: Format,
 ) -> Result<Vec<[f64; 2]>, FormatError> {
     let points: Vec<_> = if (precision, endian) == (Precision::Double, Endian::Little) {
-        // Nearly all files: no choice is left to be made for each coordinate.
-        let (rows, _) = data.as_chunks::<16>();
-        rows.iter().map(|&row| pair(row)).collect()
+        // A loop of its own for nearly all files, which need not look at precision and order in each row.
+        let (words, _) = data.as_chunks::<8>();
+        let (rows, _) = words.as_chunks::<2>();
+        rows.iter().map(|row| row.map(f64::from_le_bytes)).collect()
     } else {
         let rows = data.chunks_exact(2 * precision.bytes());
         rows.map(|row| {
@@ -152,12 +153,6 @@ pub(crate) fn pairs(
     };
     all_finite(&points, first, format)?;
     Ok(points)
-}
-
-/// Two coordinates of 64 bits, little-endian.
-fn pair(row: [u8; 16]) -> [f64; 2] {
-    let row = u128::from_le_bytes(row);
-    [row as u64, (row >> 64) as u64].map(f64::from_bits)
 }
 
 /// Appends coordinates, little-endian.
@@ -174,21 +169,15 @@ pub(crate) fn push(out: &mut Vec<u8>, values: &[f64], precision: Precision) {
 pub(crate) fn push_pairs(out: &mut Vec<u8>, points: &[[f64; 2]], precision: Precision) {
     let (start, size) = (out.len(), 2 * precision.bytes());
     out.resize(start + points.len() * size, 0);
+    let rows = out[start..].chunks_exact_mut(size).zip(points);
     match precision {
-        Precision::Single => {
-            let (rows, _) = out[start..].as_chunks_mut::<8>();
-            for (row, point) in rows.iter_mut().zip(points) {
-                let [x, y] = point.map(|value| u64::from((value as f32).to_bits()));
-                *row = (y << 32 | x).to_le_bytes();
-            }
-        }
-        Precision::Double => {
-            let (rows, _) = out[start..].as_chunks_mut::<16>();
-            for (row, point) in rows.iter_mut().zip(points) {
-                let [x, y] = point.map(|value| u128::from(value.to_bits()));
-                *row = (y << 64 | x).to_le_bytes();
-            }
-        }
+        Precision::Single => rows.for_each(|(row, point)| {
+            let point = point.map(|value| (value as f32).to_le_bytes());
+            row.copy_from_slice(point.as_flattened());
+        }),
+        Precision::Double => rows.for_each(|(row, point)| {
+            row.copy_from_slice(point.map(f64::to_le_bytes).as_flattened());
+        }),
     }
 }
 

@@ -94,6 +94,20 @@ impl Target {
     pub fn mapping(&self) -> Mapping {
         Mapping::new(self.format, self.region, self.precision)
     }
+
+    /// The coordinates that the file stores for points, of which the first is point `first` of the file. Fails if one is not
+    /// finite.
+    pub(crate) fn stored(
+        &self,
+        points: &[[f64; 2]],
+        first: u64,
+    ) -> Result<Vec<[f64; 2]>, FormatError> {
+        let mapping = self.mapping();
+        let place = |&point: &[f64; 2]| mapping.file_from_domain(point);
+        let stored: Vec<_> = points.iter().map(place).collect();
+        binary::all_finite(&stored, first, self.format)?;
+        Ok(stored)
+    }
 }
 
 /// A codec's reading of a file.
@@ -180,10 +194,7 @@ pub(crate) fn encode_certified(
     }
     check_provenance(set)?;
     check_target(target)?;
-    let mapping = target.mapping();
-    let place = |&point: &[f64; 2]| mapping.file_from_domain(point);
-    let points: Vec<_> = set.points.iter().map(place).collect();
-    binary::all_finite(&points, 0, format)?;
+    let points = target.stored(&set.points, 0)?;
     let precision = format.precision(target.precision);
     let provenance = set.provenance.as_deref();
     let levels = level_column(level_ends, points.len());

@@ -102,8 +102,8 @@ const fn mask_of(stretch: Stretch) -> Mask {
 /// The stretches of the squares in the first quarter; those of the other squares are turned.
 pub(super) struct Table(Box<[Stretch; SQUARES * SQUARES]>);
 
-/// The square of an offset: its index in the table, and from bit [`TURN_SHIFT`] on the quarter turns that lead to it from
-/// there.
+/// A square around a sample: the index of the square in the first quarter that it is a turn of, and from bit [`TURN_SHIFT`]
+/// on the number of quarter turns.
 pub(super) type Square = i32;
 
 const TURN_SHIFT: u32 = (SQUARES * SQUARES).trailing_zeros();
@@ -142,7 +142,7 @@ impl Table {
     }
 }
 
-/// The squares that offsets are in, given in squares.
+/// The squares that hold offsets, which are in units of a square's side.
 #[expect(
     clippy::inline_always,
     reason = "it must become a part of what dispatch! compiles for the processor"

@@ -44,8 +44,9 @@ pub(super) struct Tile {
     per_unit: DVec2,
     /// The first sample of each cell, row by row, and the end.
     starts: Vec<u32>,
+    /// The position of each sample; that of a copy lies beyond the seam.
     positions: Vec<DVec2>,
-    /// Its place in the sequence of all cells, where it may be as a copy.
+    /// The place of each sample, or of the one it copies, in the sequence of all cells.
     pub source: Vec<u32>,
     scan: Scan,
 }
@@ -62,29 +63,31 @@ struct Scan {
     open: Vec<u32>,
 }
 
-/// Neighbours found and not yet marked. One loop marks those of several samples: the end of each loop costs a mispredicted branch.
+/// Pairs of neighbours that are not yet marked. One loop marks the pairs of several samples, since the end of each loop
+/// costs a mispredicted branch.
 #[derive(Default)]
-struct Looked {
+struct Unmarked {
     groups: [Group; GROUPS],
+    /// Groups held.
     count: usize,
     /// The lanes of all groups that hold a neighbour.
     hits: u64,
 }
 
-/// Samples beside each other that may be neighbours of one.
+/// One sample, and consecutive samples that may be its neighbours.
 #[derive(Clone, Copy, Default)]
 struct Group {
-    of: u32,
-    /// The first of them.
+    sample: u32,
+    /// The first of the others.
     start: u32,
-    /// The squares of the table that their offsets are in.
+    /// The squares of the table that hold their offsets.
     squares: [Square; LANES],
 }
 
 /// Most groups held.
 const GROUPS: usize = 64 / LANES;
 
-impl Looked {
+impl Unmarked {
     #[inline]
     fn add(&mut self, group: Group, hits: u64) {
         let place = self.count % GROUPS;
@@ -97,7 +100,7 @@ impl Looked {
         self.count == GROUPS
     }
 
-    /// Marks in both circles what the other disk covers, for each pair, and begins again.
+    /// Marks in both circles of each pair what the other disk covers. Afterwards no pairs are held.
     #[inline]
     fn mark(&mut self, table: &Table, masks: &mut [Mask]) {
         while self.hits != 0 {
@@ -105,7 +108,7 @@ impl Looked {
             self.hits &= self.hits - 1;
             let (group, lane) = (&self.groups[place / LANES], place % LANES);
             let covered = table.mask(group.squares[lane]);
-            masks[group.of as usize] |= covered;
+            masks[group.sample as usize] |= covered;
             masks[group.start as usize + lane] |= opposite(covered);
         }
         self.count = 0;
@@ -283,12 +286,13 @@ impl Tile {
         } = scan;
         let (xs, ys, masks) = (&xs[..], &ys[..], &mut masks[..]);
         let [width, height] = self.size;
+        // Rounding moves an offset along both axes.
         let limit = |square: f64| {
             let farthest = (square * squares).sqrt() + 2.0 * UNCERTAIN;
             (farthest * farthest).min(f64::from(f32::MAX)) as f32
         };
         let mut nearby = limit(found.nearby);
-        let (mut runs, mut looked) = (Vec::new(), Looked::default());
+        let (mut runs, mut unmarked) = (Vec::new(), Unmarked::default());
         for row in 0..self.own[1].end {
             for column in 0..width {
                 let cell = self.cell(column..column + 1, row);
@@ -309,8 +313,7 @@ impl Tile {
                     let (x, y) = (lanes(xs[index]), lanes(ys[index]));
                     let near = if is_own { lanes(nearby) } else { lanes(-1.0) };
                     for run in &runs {
-                        let mut start = run.start;
-                        while start < run.end {
+                        for start in run.clone().step_by(LANES) {
                             let dx = f32x8::from_slice(simd, &xs[start..start + LANES]) - x;
                             let dy = f32x8::from_slice(simd, &ys[start..start + LANES]) - y;
                             let square = dx * dx + dy * dy;
@@ -319,13 +322,13 @@ impl Tile {
                             let hits = square.simd_lt(lanes(WIDEST)).to_bitmask() & within;
                             let close = square.simd_le(near).to_bitmask() & within;
                             let group = Group {
-                                of: index as u32,
+                                sample: index as u32,
                                 start: start as u32,
                                 squares: squares_of(simd, dx, dy).into(),
                             };
-                            looked.add(group, hits);
-                            if looked.is_full() {
-                                looked.mark(table, masks);
+                            unmarked.add(group, hits);
+                            if unmarked.is_full() {
+                                unmarked.mark(table, masks);
                             }
                             if close != 0 {
                                 for lane in (0..count).filter(|lane| close >> lane & 1 == 1) {
@@ -333,12 +336,11 @@ impl Tile {
                                 }
                                 nearby = limit(found.nearby);
                             }
-                            start += LANES;
                         }
                     }
                 }
             }
-            looked.mark(table, masks);
+            unmarked.mark(table, masks);
             // Later rows do not mark circles of this one.
             if self.own[1].contains(&row) {
                 let own = self.cell(self.own[0].clone(), row);

@@ -15,12 +15,12 @@ use super::resume::{self, Checkpoint, StateFile};
 use crate::codecs::rows::{Layout, Rows, head, push_rows};
 use crate::codecs::{Target, check_target};
 use crate::destination::destination;
+use crate::digest;
 use crate::error::FormatError;
 use crate::export::{ExportContext, ExportError, target};
 use crate::files::file_name;
 use crate::point_set::Provenance;
 use crate::read::certificate_path;
-use crate::{binary, digest};
 
 /// Points encoded, decoded and verified at a time.
 const PIECE: usize = 1 << 14;
@@ -294,10 +294,8 @@ impl StreamExport {
         provenance: Option<&[Provenance]>,
         control: Control<'_>,
     ) -> Result<(), ExportError> {
-        let (mapping, format) = (self.target.mapping(), self.target.format);
-        let place = |&point: &[f64; 2]| mapping.file_from_domain(point);
-        let stored: Vec<_> = points.iter().map(place).collect();
-        binary::all_finite(&stored, self.count, format)?;
+        let format = self.target.format;
+        let stored = self.target.stored(points, self.count)?;
         let start = self.partial.rows.len();
         let carried = provenance.filter(|_| format.carries_provenance());
         let precision = self.target.precision;

@@ -86,14 +86,11 @@ impl Judges {
             .iter()
             .map(|&p| mapping.domain_from_file(p))
             .collect();
-        // Most formats store points unchanged.
-        if domain != points {
-            let shifts = points
-                .iter()
-                .zip(&domain)
-                .map(|(&a, &b)| mapping.shift(a, b));
-            self.largest_shift = shifts.fold(self.largest_shift, f64::max);
-        }
+        let shifts = points
+            .iter()
+            .zip(&domain)
+            .map(|(&a, &b)| mapping.shift(a, b));
+        self.largest_shift = shifts.fold(self.largest_shift, f64::max);
         if self.largest_shift > 0.0 && self.original.is_none() {
             self.original = Some(self.stored.clone());
         }
