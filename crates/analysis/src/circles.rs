@@ -39,6 +39,7 @@ mod exact;
 mod exposed;
 mod found;
 mod gaps;
+mod rows;
 mod sample;
 mod samples;
 mod search;

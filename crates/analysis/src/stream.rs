@@ -124,7 +124,7 @@ impl StreamVerifier {
         let bands = by_delaunay || search.whole;
         Ok(Self {
             bands: bands.then(|| Bands::new(&search)),
-            circles: (by_circles && !search.whole).then(|| CircleBands::new(options.witnesses)),
+            circles: (by_circles && !search.whole).then(|| CircleBands::new(&search.question())),
             search,
             next_circles: StreamBand::default().samples,
             intake: Intake::default(),
@@ -206,7 +206,8 @@ impl StreamVerifier {
                 }
             }
             if let Some(circles) = &mut self.circles {
-                circles.add(piece, first as u32);
+                let complete = self.search.complete(self.intake.highest);
+                circles.add(&self.search.question(), piece, first as u32, complete)?;
             }
             self.judge_complete(&monitor)?;
         }
@@ -221,7 +222,7 @@ impl StreamVerifier {
         }
         if let Some(circles) = &mut self.circles {
             if circles.len() >= self.next_circles {
-                let complete = highest - STREAM_LAG * search.scaled_radius;
+                let complete = search.complete(highest);
                 circles.judge_complete(&search.question(), complete, monitor)?;
                 self.next_circles = circles.len() + search.band.samples;
             }
@@ -299,7 +300,7 @@ impl Intake {
             low = if y < low { y } else { low };
             high = if y > high { y } else { high };
         }
-        let in_a_row = low >= high - STREAM_LAG * search.scaled_radius;
+        let in_a_row = low >= search.complete(high);
         let fits = self.count + points.len() <= Grid::MAX_SAMPLES;
         if !(in_a_row && fits && all_are_in(points, search.region)) {
             let mut each = points.iter();
@@ -318,7 +319,7 @@ impl Intake {
             return Err(VerifyError::TooMany { count, limit });
         }
         let position = search.domain.scale_point(point);
-        let limit = self.highest - STREAM_LAG * search.scaled_radius;
+        let limit = search.complete(self.highest);
         if position.y < limit && !(search.domain.periodic && search.row(position.y) == 0) {
             return Err(VerifyError::OutOfOrder {
                 index,

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use super::found::{Declined, Found, Question};
 
-use super::samples::{Cells, Given, Samples};
+use super::samples::{Cells, Samples};
 use super::search::{Scratch, Search};
 use crate::domain::Domain;
 use crate::error::VerifyError;
@@ -63,9 +63,8 @@ pub fn exposed_arcs(
         },
         Declined::Radius | Declined::Sparse | Declined::Holes => VerifyError::BadRadius { radius },
     };
-    let given = Given { points, ids: None };
     let cells = Cells::new(domain, scaled_radius).map_err(declined)?;
-    let samples = Samples::new(cells, 0, cells.counts[1], given).map_err(declined)?;
+    let samples = Samples::new(cells, points).map_err(declined)?;
     let search = Search::resumed(&question, &samples, scaled_radius, scaled_radius);
     let tiles = search.rectangles(0..cells.counts[1] as i64);
     let arcs = tiles

@@ -1,11 +1,13 @@
 //! Samples in the sequence of cells, row by row, so that the neighbours of a sample are in the cells around its own.
 //! Some rows of the region are held, or all of them.
 
+use std::borrow::Cow;
 use std::ops::Range;
 
 use glam::DVec2;
 
 use super::found::Declined;
+use super::rows::Rows;
 use super::sample::Sample;
 use crate::domain::Domain;
 
@@ -71,6 +73,20 @@ impl Cells {
         ((y * self.per_unit.y) as i32 as usize).min(self.counts[1] - 1)
     }
 
+    /// The index of the cell at a position among those of the rows from `first` on.
+    pub fn cell(&self, position: DVec2, first: usize) -> usize {
+        (self.row(position.y) - first) * self.counts[0] + self.column(position.x)
+    }
+
+    /// Refuses so many rows for so few samples that their cells would take more memory than the samples.
+    pub fn check_count(&self, rows: usize, samples: usize) -> Result<(), Declined> {
+        let cells = rows.saturating_mul(self.counts[0]);
+        if cells > FEW_CELLS + MAX_CELLS_PER_SAMPLE * samples {
+            return Err(Declined::Sparse);
+        }
+        Ok(())
+    }
+
     /// The distance up to which all samples around one are in its cell and so many cells to either side.
     pub fn certain_distance(&self, around: [usize; 2]) -> f64 {
         let distance = |axis: usize| {
@@ -84,112 +100,78 @@ impl Cells {
     }
 }
 
-/// Samples as they were given.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Given<'a> {
-    /// In the caller's unit.
-    pub points: &'a [[f64; 2]],
-    /// Their indices in the whole set, where these are not the indices here.
-    pub ids: Option<&'a [u32]>,
-}
-
 /// Samples of consecutive rows.
 #[derive(Debug)]
 pub(crate) struct Samples<'a> {
     pub cells: Cells,
-    given: Given<'a>,
     /// The first row held.
     first: usize,
     /// Rows held; those past the last row of the region are its first ones.
     held: usize,
     /// The first sample of each cell of each row, and the end.
-    starts: Vec<u32>,
-    /// The samples in the sequence of cells, as indices of those given.
-    order: Vec<u32>,
+    starts: Cow<'a, [u32]>,
+    /// In the caller's unit.
+    points: &'a [[f64; 2]],
+    /// The samples in the sequence of cells, as indices of the points, unless these are in that sequence.
+    order: Option<Vec<u32>>,
+    /// Indices of the points in the whole set, where these are not the indices here.
+    ids: Option<&'a [u32]>,
 }
 
-/// The cell of a sample in no row that is held.
-const NOT_HELD: u32 = u32::MAX;
-
 impl<'a> Samples<'a> {
-    /// Sorts the samples of the `held` rows from `first` on. Others are skipped.
-    pub fn new(
-        cells: Cells,
-        first: usize,
-        held: usize,
-        given: Given<'a>,
-    ) -> Result<Self, Declined> {
-        let [columns, rows] = cells.counts;
-        let all_cells = held.saturating_mul(columns);
-        if all_cells > FEW_CELLS + MAX_CELLS_PER_SAMPLE * given.points.len() {
-            return Err(Declined::Sparse);
-        }
-        let cell = |point: &[f64; 2]| {
-            let position = cells.domain.scale_point(*point);
-            let row = cells.row(position.y);
-            // Rows before the first are those past the last row.
-            let slot = if row >= first {
-                row - first
-            } else {
-                row + rows - first
-            };
-            if slot < held {
-                (slot * columns + cells.column(position.x)) as u32
-            } else {
-                NOT_HELD
-            }
-        };
-        let mut starts = vec![0_u32; all_cells + 2];
-        let cell_of: Vec<u32> = given.points.iter().map(cell).collect();
-        for &cell in &cell_of {
-            if cell != NOT_HELD {
-                starts[cell as usize + 2] += 1;
-            }
-        }
-        for index in 2..starts.len() {
-            starts[index] += starts[index - 1];
-        }
-        let mut order = vec![0; starts[all_cells + 1] as usize];
-        for (index, cell) in cell_of.into_iter().enumerate() {
-            if cell != NOT_HELD {
-                // Each start moves on to that of the next cell.
-                let next = &mut starts[cell as usize + 1];
-                order[*next as usize] = index as u32;
-                *next += 1;
-            }
-        }
-        starts.pop();
+    /// Sorts a whole set into cells.
+    pub fn new(cells: Cells, points: &'a [[f64; 2]]) -> Result<Self, Declined> {
+        let rows = cells.counts[1];
+        cells.check_count(rows, points.len())?;
+        let cell = |point: &[f64; 2]| cells.cell(cells.domain.scale_point(*point), 0) as u32;
+        let cell_of: Vec<u32> = points.iter().map(cell).collect();
+        let (starts, order) = sorted(&cell_of, rows * cells.counts[0]);
         Ok(Self {
             cells,
-            given,
-            first,
-            held,
-            starts,
-            order,
+            first: 0,
+            held: rows,
+            starts: starts.into(),
+            points,
+            order: Some(order),
+            ids: None,
         })
     }
 
+    /// Samples that are sorted already.
+    pub fn of_rows(cells: Cells, rows: &'a Rows) -> Self {
+        Self {
+            cells,
+            first: rows.first,
+            held: rows.count(&cells),
+            starts: Cow::Borrowed(&rows.starts),
+            points: &rows.points,
+            order: None,
+            ids: Some(&rows.ids),
+        }
+    }
+
     pub fn len(&self) -> usize {
-        self.order.len()
+        self.starts[self.starts.len() - 1] as usize
     }
 
     /// A sample by its rank in the sequence of cells.
     pub fn at(&self, rank: usize) -> Sample {
-        let index = self.order[rank];
+        let index = (self.order.as_ref()).map_or(rank, |order| order[rank] as usize);
         Sample {
-            position: self.position(index),
-            id: self.given.ids.map_or(index, |ids| ids[index as usize]),
+            position: self.cells.domain.scale_point(self.points[index]),
+            id: self.ids.map_or(index as u32, |ids| ids[index]),
         }
     }
 
-    /// The positions of samples of consecutive ranks in the sequence of cells.
-    pub fn positions(&self, ranks: Range<usize>) -> impl ExactSizeIterator<Item = DVec2> {
-        self.order[ranks].iter().map(|&index| self.position(index))
-    }
-
-    fn position(&self, index: u32) -> DVec2 {
-        let point = self.given.points[index as usize];
-        self.cells.domain.scale_point(point)
+    /// Appends the shifted positions of samples of consecutive ranks in the sequence of cells.
+    pub fn append_positions(&self, ranks: Range<usize>, shift: DVec2, to: &mut Vec<DVec2>) {
+        let position = |&point: &[f64; 2]| self.cells.domain.scale_point(point) + shift;
+        if let Some(order) = &self.order {
+            let points = order[ranks].iter().map(|&index| &self.points[index as usize]);
+            to.extend(points.map(position));
+        } else {
+            to.extend(self.points[ranks].iter().map(position));
+        }
     }
 
     /// The rows that are held, counted on across the seam.
@@ -208,4 +190,31 @@ impl<'a> Samples<'a> {
 /// The place among the rows held of a row counted on across the seam.
 fn slot(row: i64, first: usize, rows: usize) -> usize {
     (row - first as i64).rem_euclid(rows as i64) as usize
+}
+
+/// The cell of a sample that is not sorted.
+pub(super) const NO_CELL: u32 = u32::MAX;
+
+/// Sorts samples, given the cell of each: the first of each cell and the end, and the samples as indices.
+pub(super) fn sorted(cell_of: &[u32], cells: usize) -> (Vec<u32>, Vec<u32>) {
+    let mut starts = vec![0_u32; cells + 2];
+    for &cell in cell_of {
+        if cell != NO_CELL {
+            starts[cell as usize + 2] += 1;
+        }
+    }
+    for index in 2..starts.len() {
+        starts[index] += starts[index - 1];
+    }
+    let mut order = vec![0; starts[cells + 1] as usize];
+    for (index, &cell) in (0..).zip(cell_of) {
+        if cell != NO_CELL {
+            // Each start moves on to that of the next cell.
+            let next = &mut starts[cell as usize + 1];
+            order[*next as usize] = index;
+            *next += 1;
+        }
+    }
+    starts.pop();
+    (starts, order)
 }

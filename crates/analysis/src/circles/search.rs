@@ -11,7 +11,7 @@ use super::cell::CellCutter;
 use super::found::{Declined, Found, Judged, Question};
 use super::gaps::Gaps;
 use super::sample::Sample;
-use super::samples::{Cells, Given, Samples};
+use super::samples::{Cells, Samples};
 use super::table;
 use super::tile::{self, Rectangle, Tile, Unfilled};
 use crate::monitor::Monitor;
@@ -34,9 +34,8 @@ pub(crate) fn search(
     question: &Question,
     monitor: &Monitor<'_>,
 ) -> Judged<Found> {
-    let given = Given { points, ids: None };
     let samples = Cells::new(question.domain, question.limit)
-        .and_then(|cells| Samples::new(cells, 0, cells.counts[1], given));
+        .and_then(|cells| Samples::new(cells, points));
     let samples = match samples {
         Ok(samples) => samples,
         Err(declined) => return Ok(Err(declined)),

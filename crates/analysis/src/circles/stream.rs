@@ -9,7 +9,8 @@ use serde::{Deserialize, Serialize};
 
 use super::found::{Declined, Found, Question};
 use super::sample::Sample;
-use super::samples::{Cells, Given, Samples};
+use super::rows::{Held, Rows};
+use super::samples::{Cells, Samples};
 use super::search::Search;
 use crate::error::VerifyError;
 use crate::monitor::Monitor;
@@ -23,56 +24,23 @@ const HALOS: [usize; 2] = [4, KEPT];
 /// Least rows of a band: with fewer, the overlaps are costly.
 const MIN_ROWS: usize = 16;
 
-/// Samples of a stream, as they came.
-#[derive(Clone, Debug, Default, Serialize, Deserialize)]
-struct Held {
-    /// In the caller's unit.
-    points: Vec<[f64; 2]>,
-    /// Indices in the stream.
-    ids: Vec<u32>,
-}
-
-impl Held {
-    fn push(&mut self, point: [f64; 2], id: u32) {
-        self.points.push(point);
-        self.ids.push(id);
-    }
-
-    fn append(&mut self, mut other: Self) {
-        self.points.append(&mut other.points);
-        self.ids.append(&mut other.ids);
-    }
-
-    fn given(&self) -> Given<'_> {
-        Given {
-            points: &self.points,
-            ids: Some(&self.ids),
-        }
-    }
-
-    fn retain(&mut self, mut is_wanted: impl FnMut([f64; 2], u32) -> bool) {
-        let mut kept = 0;
-        for index in 0..self.points.len() {
-            let (point, id) = (self.points[index], self.ids[index]);
-            if is_wanted(point, id) {
-                (self.points[kept], self.ids[kept]) = (point, id);
-                kept += 1;
-            }
-        }
-        self.points.truncate(kept);
-        self.ids.truncate(kept);
-    }
-}
+/// Samples that wait in the sequence of their coming before those of complete rows among them are sorted: few
+/// enough for the second-level cache.
+const UNSORTED: usize = 1 << 15;
 
 /// The samples held of a stream, and the findings so far.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct CircleBands {
-    /// Samples of the rows from `keep` on, as they came, and latecomers of the first row.
-    held: Held,
-    /// Samples of the first rows of a torus, once they are below `keep`.
-    seam: Held,
-    /// Rows below it are no longer in `held`.
-    keep: usize,
+    /// Samples of rows that were not complete when samples were sorted last.
+    open: Held,
+    /// Samples in `open` when they are sorted next.
+    sort_at: usize,
+    /// The complete rows that are still needed.
+    rows: Rows,
+    /// The first row of a torus, which stays open to the end.
+    lowest: Held,
+    /// The rows above it that its seam needs, once they are no longer in `rows`.
+    seam: Rows,
     /// Rows below it are judged, but for the first ones of a torus.
     closed: usize,
     found: Found,
@@ -82,32 +50,70 @@ pub(crate) struct CircleBands {
 }
 
 impl CircleBands {
-    pub fn new(witnesses: usize) -> Self {
+    pub fn new(question: &Question) -> Self {
+        let first = usize::from(question.domain.periodic);
         Self {
-            held: Held::default(),
-            seam: Held::default(),
-            keep: 0,
+            open: Held::default(),
+            sort_at: UNSORTED,
+            rows: Rows::new(first),
+            lowest: Held::default(),
+            seam: Rows::new(first),
             closed: 0,
-            found: Found::new(witnesses),
+            found: Found::new(question.witnesses),
             farthest: 0.0,
             least: 0.0,
         }
     }
 
-    /// Adds samples, the first of which has the index `first`.
-    pub fn add(&mut self, points: &[[f64; 2]], first: u32) {
-        self.held.points.extend_from_slice(points);
-        self.held.ids.extend(first..first + points.len() as u32);
+    /// Adds samples, the first of which has the index `first`. None can follow under the ordinate `complete`.
+    pub fn add(
+        &mut self,
+        question: &Question,
+        points: &[[f64; 2]],
+        first: u32,
+        complete: f64,
+    ) -> Result<(), VerifyError> {
+        self.open.add(points, first);
+        if self.open.len() >= self.sort_at {
+            let cells = cells(question)?;
+            // Sparse sets are refused where their rows are judged.
+            let _ = self.sort(&cells, cells.row(complete.max(0.0)));
+            self.sort_at = 2 * self.open.len() + UNSORTED;
+        }
+        Ok(())
+    }
+
+    /// Sorts the samples of the rows below `complete`.
+    fn sort(&mut self, cells: &Cells, complete: usize) -> Result<(), Declined> {
+        let end = complete.max(self.rows.end(cells));
+        cells.check_count(end - self.rows.first, self.len())?;
+        self.rows
+            .take(&mut self.open, &mut self.lowest, cells, end);
+        Ok(())
     }
 
     /// Samples held.
     pub fn len(&self) -> usize {
-        self.held.points.len() + self.seam.points.len()
+        self.open.len() + self.rows.len() + self.lowest.len() + self.seam.len()
     }
 
-    /// All samples, if no row was judged.
+    /// All samples in the sequence of their coming, if no row was judged.
     pub fn take_unjudged(&mut self) -> Option<Vec<[f64; 2]>> {
-        (self.closed == 0).then(|| mem::take(&mut self.held).points)
+        if self.closed > 0 {
+            return None;
+        }
+        let mut all = vec![[0.0; 2]; self.len()];
+        let parts = [
+            (&self.open.points, &self.open.ids),
+            (&self.rows.points, &self.rows.ids),
+            (&self.lowest.points, &self.lowest.ids),
+        ];
+        for (points, ids) in parts {
+            for (&point, &id) in points.iter().zip(ids) {
+                all[id as usize] = point;
+            }
+        }
+        Some(all)
     }
 
     /// Whether a region is so high that its rows are worth being judged in bands.
@@ -129,15 +135,15 @@ impl CircleBands {
         if rows.len() < MIN_ROWS {
             return Ok(());
         }
-        let held = mem::take(&mut self.held);
-        let samples = Samples::new(cells, self.keep, complete - self.keep, held.given());
-        let count = held.points.len();
-        let samples = samples.map_err(|declined| refused(declined, question, count))?;
+        self.sort(&cells, complete)
+            .map_err(|declined| refused(declined, question, self.len()))?;
+        let held = mem::replace(&mut self.rows, Rows::new(0));
+        let samples = Samples::of_rows(cells, &held);
         self.judge(question, &samples, rows.clone(), monitor)?;
         // Circles that reach into holes wait for the rows that their cells may need.
         let ready = |row: usize| row + KEPT < complete && (!cells.domain.periodic || row > KEPT);
         self.holes(question, &samples, ready, monitor)?;
-        self.held = held;
+        self.rows = held;
         self.closed = rows.end;
         let pending = self
             .found
@@ -197,17 +203,12 @@ impl CircleBands {
 
     /// Drops the rows below `keep`, but for the first ones of a torus.
     fn drop_below(&mut self, cells: &Cells, keep: usize) {
-        let keep = keep.max(self.keep);
-        let (seam, periodic) = (&mut self.seam, cells.domain.periodic);
-        let seam_rows = seam_rows(cells);
-        self.held.retain(|point, id| {
-            let row = cells.row(cells.domain.scale_point(point).y);
-            if row < keep && row < seam_rows && periodic {
-                seam.push(point, id);
-            }
-            row >= keep
-        });
-        self.keep = keep;
+        let dropped = keep.saturating_sub(self.rows.first);
+        if cells.domain.periodic {
+            let needed = seam_rows(cells).saturating_sub(self.rows.first);
+            self.seam.append(&self.rows, dropped.min(needed), cells);
+        }
+        self.rows.drop_first(dropped, cells);
     }
 
     /// Judges the remaining rows, those at the seam of a torus included.
@@ -219,20 +220,17 @@ impl CircleBands {
     ) -> Result<Found, VerifyError> {
         let cells = cells(question)?;
         let all = cells.counts[1];
-        let seam = if cells.domain.periodic {
-            seam_rows(&cells)
-        } else {
-            0
-        };
-        let (keep, held) = if all - self.keep + seam < all {
-            (self.keep, all - self.keep + seam)
-        } else {
-            (0, all)
-        };
-        let mut left = mem::take(&mut self.held);
-        left.append(mem::take(&mut self.seam));
-        let samples = Samples::new(cells, keep, held, left.given());
-        let samples = samples.map_err(|declined| refused(declined, question, count))?;
+        let refuse = |declined| refused(declined, question, count);
+        self.sort(&cells, all).map_err(refuse)?;
+        let mut held = mem::replace(&mut self.rows, Rows::new(0));
+        if cells.domain.periodic {
+            let mut lowest = Rows::new(0);
+            lowest.take(&mut self.lowest, &mut Held::default(), &cells, 1);
+            for rows in [&lowest, &self.seam] {
+                held.append(rows, rows.count(&cells), &cells);
+            }
+        }
+        let samples = Samples::of_rows(cells, &held);
         self.judge(
             question,
             &samples,
@@ -245,7 +243,7 @@ impl CircleBands {
         self.holes(question, &samples, |_| true, monitor)?;
         let search = Search::resumed(question, &samples, self.farthest, self.least);
         let finished = search.finish(self.found, count);
-        finished.map_err(|declined| refused(declined, question, count))
+        finished.map_err(refuse)
     }
 }
 

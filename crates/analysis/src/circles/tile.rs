@@ -168,9 +168,8 @@ impl Tile {
                     crowd += count * count;
                 }
                 let shift = DVec2::new(run.shift, up);
-                let positions = samples.positions(first as usize..end as usize);
-                self.positions
-                    .extend(positions.map(|position| position + shift));
+                let ranks = first as usize..end as usize;
+                samples.append_positions(ranks, shift, &mut self.positions);
                 self.source.extend(first..end);
             }
         }

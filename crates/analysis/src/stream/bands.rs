@@ -100,6 +100,11 @@ impl StreamSearch {
     }
 
     /// The same question for the second judge.
+    /// The ordinate under which no sample can follow after one of ordinate `highest`, but for the lowest row of a torus.
+    pub fn complete(&self, highest: f64) -> f64 {
+        highest - STREAM_LAG * self.scaled_radius
+    }
+
     pub fn question(&self) -> Question {
         Question {
             domain: self.domain,
@@ -169,7 +174,7 @@ impl Bands {
         let samples = self.held.len() + self.seam.len();
         if search.streams() {
             // No sample can follow in the rows below that of the lowest ordinate still allowed.
-            let complete = search.row(highest - STREAM_LAG * search.scaled_radius);
+            let complete = search.row(search.complete(highest));
             let end = complete.saturating_sub(ABOVE);
             let begin = self.closed.max(search.first_tiles());
             let crowded =

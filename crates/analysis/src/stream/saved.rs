@@ -13,7 +13,7 @@ use super::bands::Bands;
 use super::{Intake, StreamVerifier};
 
 /// The layout of a state: another number for every change of it.
-const LAYOUT: u32 = 4;
+const LAYOUT: u32 = 5;
 
 #[derive(Serialize)]
 struct SavedState<'a> {
