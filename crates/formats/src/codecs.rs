@@ -15,6 +15,8 @@ mod svg;
 mod utk;
 mod xyz;
 
+use std::borrow::Cow;
+
 use tilescope_analysis::Region;
 
 use crate::binary;
@@ -97,14 +99,12 @@ impl Target {
 
     /// The coordinates that the file stores for points, of which the first is point `first` of the file. Fails if one is not
     /// finite.
-    pub(crate) fn stored(
+    pub(crate) fn stored<'a>(
         &self,
-        points: &[[f64; 2]],
+        points: &'a [[f64; 2]],
         first: u64,
-    ) -> Result<Vec<[f64; 2]>, FormatError> {
-        let mapping = self.mapping();
-        let place = |&point: &[f64; 2]| mapping.file_from_domain(point);
-        let stored: Vec<_> = points.iter().map(place).collect();
+    ) -> Result<Cow<'a, [[f64; 2]]>, FormatError> {
+        let stored = self.mapping().to_file(points);
         binary::all_finite(&stored, first, self.format)?;
         Ok(stored)
     }

@@ -260,13 +260,7 @@ pub(crate) fn export_through(
     }
     let decoded = decode_own(&data, target.format)?;
     compare(&set, &decoded, &target)?;
-    let mapping = target.mapping();
-    let stored = decoded
-        .set
-        .points
-        .iter()
-        .map(|&p| mapping.domain_from_file(p));
-    let stored: Vec<[f64; 2]> = stored.collect();
+    let stored = target.mapping().to_domain(&decoded.set.points);
     let report = judge(&stored, &target, context, control)?;
     let levels = judged_levels(&stored, &report, &target, context, control)?;
     let rounding = rounding(&set.points, &stored, &report, &target, context, control)?;
@@ -328,8 +322,8 @@ fn compare(set: &PointSet, decoded: &ReadSet, target: &Target) -> Result<(), Exp
     if found.len() != set.len() {
         return differs(format!("{} points", set.len()), found.len().to_string());
     }
-    for (index, (&point, &read)) in set.points.iter().zip(&found.points).enumerate() {
-        let written = mapping.file_from_domain(point);
+    let written = mapping.to_file(&set.points);
+    for (index, (written, read)) in written.iter().zip(&found.points).enumerate() {
         if written.map(f64::to_bits) != read.map(f64::to_bits) {
             return differs(format!("{written:?} as point {index}"), format!("{read:?}"));
         }

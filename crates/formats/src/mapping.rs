@@ -3,6 +3,8 @@
 //! The only place that handles the unit torus of psa and UTK files and the rounding to f32. No position changes
 //! silently: the exporter measures the shift and the certificate states it.
 
+use std::borrow::Cow;
+
 use glam::DVec2;
 use tilescope_analysis::{Boundary, Region};
 
@@ -58,10 +60,6 @@ impl Mapping {
     /// lifted to the period becomes 0, the same place; in a bounded region it is rounded down.
     #[must_use]
     pub fn file_from_domain(&self, point: [f64; 2]) -> [f64; 2] {
-        if self.scale.to_bits() == 1.0_f64.to_bits() && self.precision == Precision::Double {
-            // What follows would give the same, slowly.
-            return point;
-        }
         let point = DVec2::from(point);
         let stored = (point / self.scale).map(|value| self.round(value));
         let Some(region) = self.region else {
@@ -97,6 +95,27 @@ impl Mapping {
             Boundary::Bounded => (point.cmpgt(extent) & stored.cmple(limit), extent),
         };
         DVec2::select(moves, to, point).into()
+    }
+
+    /// What a file stores for each of some domain positions.
+    pub(crate) fn to_file<'a>(&self, points: &'a [[f64; 2]]) -> Cow<'a, [[f64; 2]]> {
+        if self.is_identity() {
+            return points.into();
+        }
+        points.iter().map(|&p| self.file_from_domain(p)).collect()
+    }
+
+    /// The domain positions of coordinates which a file stores.
+    pub(crate) fn to_domain<'a>(&self, stored: &'a [[f64; 2]]) -> Cow<'a, [[f64; 2]]> {
+        if self.is_identity() {
+            return stored.into();
+        }
+        stored.iter().map(|&p| self.domain_from_file(p)).collect()
+    }
+
+    /// Whether files store domain positions as they are.
+    fn is_identity(&self) -> bool {
+        self.scale.to_bits() == 1.0_f64.to_bits() && self.precision == Precision::Double
     }
 
     /// The largest coordinate-wise distance between `a` and `b`, across the boundary of a torus if shorter.

@@ -82,13 +82,10 @@ impl Judges {
     ) -> Result<(), ExportError> {
         self.digest(stored);
         let mapping = self.target.mapping();
-        let domain: Vec<_> = stored
-            .iter()
-            .map(|&p| mapping.domain_from_file(p))
-            .collect();
+        let domain = mapping.to_domain(stored);
         let shifts = points
             .iter()
-            .zip(&domain)
+            .zip(domain.iter())
             .map(|(&a, &b)| mapping.shift(a, b));
         self.largest_shift = shifts.fold(self.largest_shift, f64::max);
         if self.largest_shift > 0.0 && self.original.is_none() {
