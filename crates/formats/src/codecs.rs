@@ -104,7 +104,7 @@ impl Target {
         points: &'a [[f64; 2]],
         first: u64,
     ) -> Result<Cow<'a, [[f64; 2]]>, FormatError> {
-        let stored = self.mapping().to_file(points);
+        let stored = self.mapping().stored(points);
         binary::all_finite(&stored, first, self.format)?;
         Ok(stored)
     }

@@ -260,7 +260,7 @@ pub(crate) fn export_through(
     }
     let decoded = decode_own(&data, target.format)?;
     compare(&set, &decoded, &target)?;
-    let stored = target.mapping().to_domain(&decoded.set.points);
+    let stored = target.mapping().positions(&decoded.set.points);
     let report = judge(&stored, &target, context, control)?;
     let levels = judged_levels(&stored, &report, &target, context, control)?;
     let rounding = rounding(&set.points, &stored, &report, &target, context, control)?;
@@ -322,7 +322,7 @@ fn compare(set: &PointSet, decoded: &ReadSet, target: &Target) -> Result<(), Exp
     if found.len() != set.len() {
         return differs(format!("{} points", set.len()), found.len().to_string());
     }
-    let written = mapping.to_file(&set.points);
+    let written = mapping.stored(&set.points);
     for (index, (written, read)) in written.iter().zip(&found.points).enumerate() {
         if written.map(f64::to_bits) != read.map(f64::to_bits) {
             return differs(format!("{written:?} as point {index}"), format!("{read:?}"));

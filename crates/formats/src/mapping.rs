@@ -98,7 +98,7 @@ impl Mapping {
     }
 
     /// What a file stores for each of some domain positions.
-    pub(crate) fn to_file<'a>(&self, points: &'a [[f64; 2]]) -> Cow<'a, [[f64; 2]]> {
+    pub(crate) fn stored<'a>(&self, points: &'a [[f64; 2]]) -> Cow<'a, [[f64; 2]]> {
         if self.is_identity() {
             return points.into();
         }
@@ -106,7 +106,7 @@ impl Mapping {
     }
 
     /// The domain positions of coordinates which a file stores.
-    pub(crate) fn to_domain<'a>(&self, stored: &'a [[f64; 2]]) -> Cow<'a, [[f64; 2]]> {
+    pub(crate) fn positions<'a>(&self, stored: &'a [[f64; 2]]) -> Cow<'a, [[f64; 2]]> {
         if self.is_identity() {
             return stored.into();
         }

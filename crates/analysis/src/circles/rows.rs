@@ -34,6 +34,7 @@ impl Held {
 /// The samples of consecutive rows in the sequence of cells.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Rows {
+    /// The index of the first row.
     pub first: usize,
     /// The first sample of each cell, row by row, and the end.
     pub starts: Vec<u32>,
@@ -66,8 +67,9 @@ impl Rows {
         self.points.len()
     }
 
-    /// Sorts the samples of the rows below `end` and appends them. Later ones stay in `open`, earlier ones move to `missed`.
-    pub fn take(&mut self, open: &mut Held, missed: &mut Held, cells: &Cells, end: usize) {
+    /// Sorts the samples of the rows below `end` and appends them. Later ones stay in `open`; those of the lowest row, if
+    /// these rows do not begin with it, move to `lowest`.
+    pub fn take(&mut self, open: &mut Held, lowest: &mut Held, cells: &Cells, end: usize) {
         let first = self.end(cells);
         let held = first..end;
         let cell = |point: &[f64; 2]| {
@@ -91,8 +93,10 @@ impl Rows {
                 continue;
             }
             let (point, id) = (open.points[index], open.ids[index]);
-            if cells.row(cells.domain.scale_point(point).y) < first {
-                missed.push(point, id);
+            let row = cells.row(cells.domain.scale_point(point).y);
+            if row < first {
+                debug_assert_eq!(row, 0, "rows are complete when they are sorted");
+                lowest.push(point, id);
             } else {
                 (open.points[kept], open.ids[kept]) = (point, id);
                 kept += 1;
@@ -127,5 +131,103 @@ impl Rows {
         self.points.drain(..samples as usize);
         self.ids.drain(..samples as usize);
         self.first += count;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::circles::samples::Samples;
+    use crate::domain::Domain;
+    use crate::region::{Boundary, Region};
+
+    /// Points of a square of side 20 in nearly row order: some come a unit late.
+    fn points() -> Vec<[f64; 2]> {
+        let place = |k: u32| {
+            let (x, late) = (k.wrapping_mul(2_654_435_761), k.wrapping_mul(40_503) % 8);
+            let up = 20.0 * f64::from(k) / 4_000.0 - f64::from(late) / 8.0;
+            [20.0 * f64::from(x) / 4_294_967_296.0, up.max(0.0)]
+        };
+        (0..4_000).map(place).collect()
+    }
+
+    fn cells() -> Cells {
+        let region = Region {
+            width: 20.0,
+            height: 20.0,
+            boundary: Boundary::Bounded,
+        };
+        let domain = Domain::new(region).expect("supported");
+        Cells::new(domain, domain.scale).expect("few cells")
+    }
+
+    /// The indices of samples in the sequence of cells.
+    fn ids(samples: &Samples<'_>) -> Vec<u32> {
+        (0..samples.len()).map(|rank| samples.at(rank).id).collect()
+    }
+
+    #[test]
+    fn samples_sorted_as_they_come_are_those_of_the_whole_set() {
+        let (points, cells) = (points(), cells());
+        let whole = Samples::new(cells, &points).expect("dense");
+        let (mut rows, mut open, mut lowest) = (Rows::new(0), Held::default(), Held::default());
+        for (piece, first) in points.chunks(100).zip((0..).step_by(100)) {
+            open.add(piece, first);
+            // The next samples come at most a unit late.
+            let complete = cells.row((piece[99][1] - 2.0).max(0.0) * cells.domain.scale);
+            let end = complete.max(rows.end(&cells));
+            rows.take(&mut open, &mut lowest, &cells, end);
+        }
+        assert!(rows.count(&cells) > 5 && open.len() > 100);
+        rows.take(&mut open, &mut lowest, &cells, cells.counts[1]);
+        assert_eq!((open.len(), lowest.len()), (0, 0));
+        let sorted = Samples::of_rows(cells, &rows);
+        assert_eq!(ids(&sorted), ids(&whole));
+        for row in 0..cells.counts[1] as i64 {
+            let columns = 0..cells.counts[0];
+            assert_eq!(
+                sorted.starts(row, columns.clone()),
+                whole.starts(row, columns)
+            );
+        }
+    }
+
+    #[test]
+    fn rows_that_are_dropped_and_appended_again_follow_the_others() {
+        let (points, cells) = (points(), cells());
+        let (mut rows, mut open) = (Rows::new(0), Held::default());
+        open.add(&points, 0);
+        rows.take(&mut open, &mut Held::default(), &cells, cells.counts[1]);
+        let before = ids(&Samples::of_rows(cells, &rows));
+        let mut first = Rows::new(0);
+        first.append(&rows, 3, &cells);
+        rows.drop_first(3, &cells);
+        rows.append(&first, 3, &cells);
+        assert_eq!((rows.first, rows.count(&cells)), (3, cells.counts[1]));
+        let after = Samples::of_rows(cells, &rows);
+        assert!(first.len() > 0 && after.holds(0) && after.holds(2));
+        assert_eq!(
+            ids(&after),
+            [&before[first.len()..], &before[..first.len()]].concat()
+        );
+        let width = cells.counts[0];
+        let lowest = after.starts(0, 0..width);
+        assert_eq!(lowest[0] as usize, before.len() - first.len());
+    }
+
+    #[test]
+    fn late_samples_of_the_lowest_row_are_kept_apart() {
+        let (points, cells) = (points(), cells());
+        let (mut rows, mut open, mut lowest) = (Rows::new(1), Held::default(), Held::default());
+        open.add(&points, 0);
+        rows.take(&mut open, &mut lowest, &cells, 4);
+        open.add(&[[7.0, 0.5]], 4_000);
+        rows.take(&mut open, &mut lowest, &cells, cells.counts[1]);
+        assert_eq!(lowest.ids.last(), Some(&4_000));
+        assert_eq!(lowest.len() + rows.len(), points.len() + 1);
+        let mut again = Rows::new(0);
+        again.take(&mut lowest, &mut Held::default(), &cells, 1);
+        let samples = Samples::of_rows(cells, &again);
+        assert!(ids(&samples).contains(&4_000) && lowest.len() == 0);
     }
 }

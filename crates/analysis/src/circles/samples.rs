@@ -171,7 +171,9 @@ impl<'a> Samples<'a> {
     pub fn append_positions(&self, ranks: Range<usize>, shift: DVec2, to: &mut Vec<DVec2>) {
         let position = |&point: &[f64; 2]| self.cells.domain.scale_point(point) + shift;
         if let Some(order) = &self.order {
-            let points = order[ranks].iter().map(|&index| &self.points[index as usize]);
+            let points = order[ranks]
+                .iter()
+                .map(|&index| &self.points[index as usize]);
             to.extend(points.map(position));
         } else {
             to.extend(self.points[ranks].iter().map(position));

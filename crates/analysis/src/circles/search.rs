@@ -34,8 +34,8 @@ pub(crate) fn search(
     question: &Question,
     monitor: &Monitor<'_>,
 ) -> Judged<Found> {
-    let samples = Cells::new(question.domain, question.limit)
-        .and_then(|cells| Samples::new(cells, points));
+    let samples =
+        Cells::new(question.domain, question.limit).and_then(|cells| Samples::new(cells, points));
     let samples = match samples {
         Ok(samples) => samples,
         Err(declined) => return Ok(Err(declined)),

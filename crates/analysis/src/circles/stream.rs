@@ -8,8 +8,8 @@ use std::ops::Range;
 use serde::{Deserialize, Serialize};
 
 use super::found::{Declined, Found, Question};
-use super::sample::Sample;
 use super::rows::{Held, Rows};
+use super::sample::Sample;
 use super::samples::{Cells, Samples};
 use super::search::Search;
 use crate::error::VerifyError;
@@ -21,7 +21,7 @@ const KEPT: usize = 8;
 /// Widths, in cells, of the surroundings in which the rim of a hole is searched.
 const HALOS: [usize; 2] = [4, KEPT];
 
-/// Least rows of a band: with fewer, the overlaps are costly.
+/// Least rows of a band: with fewer, the halos of tiles are costly.
 const MIN_ROWS: usize = 16;
 
 /// Samples that wait in the sequence of their coming before those of complete rows among them are sorted: few
@@ -87,8 +87,7 @@ impl CircleBands {
     fn sort(&mut self, cells: &Cells, complete: usize) -> Result<(), Declined> {
         let end = complete.max(self.rows.end(cells));
         cells.check_count(end - self.rows.first, self.len())?;
-        self.rows
-            .take(&mut self.open, &mut self.lowest, cells, end);
+        self.rows.take(&mut self.open, &mut self.lowest, cells, end);
         Ok(())
     }
 

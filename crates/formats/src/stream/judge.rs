@@ -82,7 +82,7 @@ impl Judges {
     ) -> Result<(), ExportError> {
         self.digest(stored);
         let mapping = self.target.mapping();
-        let domain = mapping.to_domain(stored);
+        let domain = mapping.positions(stored);
         let shifts = points
             .iter()
             .zip(domain.iter())
