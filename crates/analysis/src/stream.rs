@@ -239,10 +239,11 @@ impl StreamVerifier {
         let (region, radius, options) = (search.region, search.radius, &search.options);
         let unjudged = match (&mut self.bands, &mut self.circles) {
             (Some(bands), _) => bands.take_unjudged(search),
-            (None, Some(circles)) => circles.take_unjudged(),
+            (None, Some(circles)) => circles.unjudged(),
             (None, None) => None,
         };
         if let Some(all) = unjudged {
+            self.circles = None;
             return verify(&all, region, radius, options, control);
         }
         let monitor = self.monitor(control);

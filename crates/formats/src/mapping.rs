@@ -82,10 +82,7 @@ impl Mapping {
     pub fn domain_from_file(&self, stored: [f64; 2]) -> [f64; 2] {
         let stored = DVec2::from(stored);
         let point = stored * self.scale;
-        let region = self
-            .region
-            .filter(|_| self.scale.to_bits() != 1.0_f64.to_bits());
-        let Some(region) = region else {
+        let Some(region) = self.region.filter(|_| !self.keeps_units()) else {
             return point.into();
         };
         let extent = extent(region);
@@ -99,7 +96,7 @@ impl Mapping {
 
     /// What a file stores for each of some domain positions.
     pub(crate) fn stored<'a>(&self, points: &'a [[f64; 2]]) -> Cow<'a, [[f64; 2]]> {
-        if self.is_identity() {
+        if self.keeps_units() && self.precision == Precision::Double {
             return points.into();
         }
         points.iter().map(|&p| self.file_from_domain(p)).collect()
@@ -107,15 +104,15 @@ impl Mapping {
 
     /// The domain positions of coordinates which a file stores.
     pub(crate) fn positions<'a>(&self, stored: &'a [[f64; 2]]) -> Cow<'a, [[f64; 2]]> {
-        if self.is_identity() {
+        if self.keeps_units() {
             return stored.into();
         }
         stored.iter().map(|&p| self.domain_from_file(p)).collect()
     }
 
-    /// Whether files store domain positions as they are.
-    fn is_identity(&self) -> bool {
-        self.scale.to_bits() == 1.0_f64.to_bits() && self.precision == Precision::Double
+    /// Whether a file unit is a domain unit.
+    fn keeps_units(&self) -> bool {
+        self.scale.to_bits() == 1.0_f64.to_bits()
     }
 
     /// The largest coordinate-wise distance between `a` and `b`, across the boundary of a torus if shorter.

@@ -33,7 +33,7 @@ impl Held {
 
 /// The samples of consecutive rows in the sequence of cells.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub(crate) struct Rows {
+pub(crate) struct SortedRows {
     /// The index of the first row.
     pub first: usize,
     /// The first sample of each cell, row by row, and the end.
@@ -44,7 +44,7 @@ pub(crate) struct Rows {
     pub ids: Vec<u32>,
 }
 
-impl Rows {
+impl SortedRows {
     /// No rows.
     pub fn new(first: usize) -> Self {
         Self {
@@ -170,7 +170,8 @@ mod tests {
     fn samples_sorted_as_they_come_are_those_of_the_whole_set() {
         let (points, cells) = (points(), cells());
         let whole = Samples::new(cells, &points).expect("dense");
-        let (mut rows, mut open, mut lowest) = (Rows::new(0), Held::default(), Held::default());
+        let (mut rows, mut open, mut lowest) =
+            (SortedRows::new(0), Held::default(), Held::default());
         for (piece, first) in points.chunks(100).zip((0..).step_by(100)) {
             open.add(piece, first);
             // The next samples come at most a unit late.
@@ -195,11 +196,11 @@ mod tests {
     #[test]
     fn rows_that_are_dropped_and_appended_again_follow_the_others() {
         let (points, cells) = (points(), cells());
-        let (mut rows, mut open) = (Rows::new(0), Held::default());
+        let (mut rows, mut open) = (SortedRows::new(0), Held::default());
         open.add(&points, 0);
         rows.take(&mut open, &mut Held::default(), &cells, cells.counts[1]);
         let before = ids(&Samples::of_rows(cells, &rows));
-        let mut first = Rows::new(0);
+        let mut first = SortedRows::new(0);
         first.append(&rows, 3, &cells);
         rows.drop_first(3, &cells);
         rows.append(&first, 3, &cells);
@@ -218,14 +219,15 @@ mod tests {
     #[test]
     fn late_samples_of_the_lowest_row_are_kept_apart() {
         let (points, cells) = (points(), cells());
-        let (mut rows, mut open, mut lowest) = (Rows::new(1), Held::default(), Held::default());
+        let (mut rows, mut open, mut lowest) =
+            (SortedRows::new(1), Held::default(), Held::default());
         open.add(&points, 0);
         rows.take(&mut open, &mut lowest, &cells, 4);
         open.add(&[[7.0, 0.5]], 4_000);
         rows.take(&mut open, &mut lowest, &cells, cells.counts[1]);
         assert_eq!(lowest.ids.last(), Some(&4_000));
         assert_eq!(lowest.len() + rows.len(), points.len() + 1);
-        let mut again = Rows::new(0);
+        let mut again = SortedRows::new(0);
         again.take(&mut lowest, &mut Held::default(), &cells, 1);
         let samples = Samples::of_rows(cells, &again);
         assert!(ids(&samples).contains(&4_000) && lowest.len() == 0);

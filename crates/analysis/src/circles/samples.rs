@@ -8,7 +8,7 @@ use glam::DVec2;
 use rayon::prelude::*;
 
 use super::found::Declined;
-use super::rows::Rows;
+use super::rows::SortedRows;
 use super::sample::Sample;
 use crate::domain::Domain;
 
@@ -142,7 +142,7 @@ impl<'a> Samples<'a> {
     }
 
     /// Samples that are sorted already.
-    pub fn of_rows(cells: Cells, rows: &'a Rows) -> Self {
+    pub fn of_rows(cells: Cells, rows: &'a SortedRows) -> Self {
         Self {
             cells,
             first: rows.first,

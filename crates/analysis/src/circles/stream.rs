@@ -8,7 +8,7 @@ use std::ops::Range;
 use serde::{Deserialize, Serialize};
 
 use super::found::{Declined, Found, Question};
-use super::rows::{Held, Rows};
+use super::rows::{Held, SortedRows};
 use super::sample::Sample;
 use super::samples::{Cells, Samples};
 use super::search::Search;
@@ -36,11 +36,12 @@ pub(crate) struct CircleBands {
     /// Samples in `open` when they are sorted next.
     sort_at: usize,
     /// The complete rows that are still needed.
-    rows: Rows,
-    /// The first row of a torus, which stays open to the end.
+    rows: SortedRows,
+    /// The first row of a torus, which stays open to the end. Samples of the first judge's lowest row may come late; it is
+    /// lower than this one.
     lowest: Held,
     /// The rows above it that its seam needs, once they are no longer in `rows`.
-    seam: Rows,
+    seam: SortedRows,
     /// Rows below it are judged, but for the first ones of a torus.
     closed: usize,
     found: Found,
@@ -55,9 +56,9 @@ impl CircleBands {
         Self {
             open: Held::default(),
             sort_at: UNSORTED,
-            rows: Rows::new(first),
+            rows: SortedRows::new(first),
             lowest: Held::default(),
-            seam: Rows::new(first),
+            seam: SortedRows::new(first),
             closed: 0,
             found: Found::new(question.witnesses),
             farthest: 0.0,
@@ -65,7 +66,8 @@ impl CircleBands {
         }
     }
 
-    /// Adds samples, the first of which has the index `first`. None can follow under the ordinate `complete`.
+    /// Adds samples, the first of which has the index `first`. None can follow under the ordinate `complete`, but for the
+    /// lowest row of a torus.
     pub fn add(
         &mut self,
         question: &Question,
@@ -78,7 +80,6 @@ impl CircleBands {
             let cells = cells(question)?;
             // Sparse sets are refused where their rows are judged.
             let _ = self.sort(&cells, cells.row(complete.max(0.0)));
-            self.sort_at = 2 * self.open.len() + UNSORTED;
         }
         Ok(())
     }
@@ -86,9 +87,13 @@ impl CircleBands {
     /// Sorts the samples of the rows below `complete`.
     fn sort(&mut self, cells: &Cells, complete: usize) -> Result<(), Declined> {
         let end = complete.max(self.rows.end(cells));
-        cells.check_count(end - self.rows.first, self.len())?;
-        self.rows.take(&mut self.open, &mut self.lowest, cells, end);
-        Ok(())
+        let dense = cells.check_count(end - self.rows.first, self.len());
+        if dense.is_ok() {
+            self.rows.take(&mut self.open, &mut self.lowest, cells, end);
+        }
+        // Samples that stay wait for as many again: rows may hold more than are sorted at a time.
+        self.sort_at = 2 * self.open.len() + UNSORTED;
+        dense
     }
 
     /// Samples held.
@@ -97,7 +102,7 @@ impl CircleBands {
     }
 
     /// All samples in the sequence of their coming, if no row was judged.
-    pub fn take_unjudged(&mut self) -> Option<Vec<[f64; 2]>> {
+    pub fn unjudged(&self) -> Option<Vec<[f64; 2]>> {
         if self.closed > 0 {
             return None;
         }
@@ -121,7 +126,8 @@ impl CircleBands {
         cells.is_ok_and(|cells| cells.counts[1] >= 8 * KEPT && cells.reach[1] == 1)
     }
 
-    /// Judges the rows below the ordinate `complete`, under which no sample can follow, if there are enough of them.
+    /// Judges the rows below the ordinate `complete`, under which no sample can follow but in the lowest row of a torus, if there
+    /// are enough of them.
     pub fn judge_complete(
         &mut self,
         question: &Question,
@@ -136,7 +142,7 @@ impl CircleBands {
         }
         self.sort(&cells, complete)
             .map_err(|declined| refused(declined, question, self.len()))?;
-        let held = mem::replace(&mut self.rows, Rows::new(0));
+        let held = mem::replace(&mut self.rows, SortedRows::new(0));
         let samples = Samples::of_rows(cells, &held);
         self.judge(question, &samples, rows.clone(), monitor)?;
         // Circles that reach into holes wait for the rows that their cells may need.
@@ -221,14 +227,15 @@ impl CircleBands {
         let all = cells.counts[1];
         let refuse = |declined| refused(declined, question, count);
         self.sort(&cells, all).map_err(refuse)?;
-        let mut held = mem::replace(&mut self.rows, Rows::new(0));
+        let mut held = mem::replace(&mut self.rows, SortedRows::new(0));
         if cells.domain.periodic {
-            let mut lowest = Rows::new(0);
+            let mut lowest = SortedRows::new(0);
             lowest.take(&mut self.lowest, &mut Held::default(), &cells, 1);
             for rows in [&lowest, &self.seam] {
                 held.append(rows, rows.count(&cells), &cells);
             }
         }
+        assert_eq!(self.open.len() + self.lowest.len(), 0, "all are sorted");
         let samples = Samples::of_rows(cells, &held);
         self.judge(
             question,

@@ -99,12 +99,12 @@ impl StreamSearch {
         usize::from(self.domain.periodic)
     }
 
-    /// The same question for the second judge.
     /// The ordinate under which no sample can follow after one of ordinate `highest`, but for the lowest row of a torus.
     pub fn complete(&self, highest: f64) -> f64 {
         highest - STREAM_LAG * self.scaled_radius
     }
 
+    /// The same question for the second judge.
     pub fn question(&self) -> Question {
         Question {
             domain: self.domain,

@@ -57,7 +57,7 @@ impl SavedSearch {
 }
 
 impl StreamVerifier {
-    /// The state as bytes: about 25 for each sample held and few besides.
+    /// The state as bytes: about 24 for each sample of a maximal set that is held, and few besides.
     ///
     /// # Errors
     ///
