@@ -243,6 +243,7 @@ impl StreamVerifier {
             (None, None) => None,
         };
         if let Some(all) = unjudged {
+            // Its samples would double the memory of those that are now verified as a whole.
             self.circles = None;
             return verify(&all, region, radius, options, control);
         }

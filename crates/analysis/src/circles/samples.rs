@@ -12,9 +12,6 @@ use super::rows::SortedRows;
 use super::sample::Sample;
 use crate::domain::Domain;
 
-/// Least samples whose cells one thread computes.
-const PIECE: usize = 1 << 14;
-
 /// Sides of a cell in radii: fewer and longer runs of samples are scanned than in square cells.
 const SHAPE: DVec2 = DVec2::new(1.0, 2.0);
 
@@ -128,7 +125,7 @@ impl<'a> Samples<'a> {
         let rows = cells.counts[1];
         cells.check_count(rows, points.len())?;
         let cell = |point: &[f64; 2]| cells.cell(cells.domain.scale_point(*point), 0) as u32;
-        let cell_of: Vec<u32> = points.par_iter().with_min_len(PIECE).map(cell).collect();
+        let cell_of: Vec<u32> = points.par_iter().map(cell).collect();
         let (starts, order) = sorted(&cell_of, rows * cells.counts[0]);
         Ok(Self {
             cells,

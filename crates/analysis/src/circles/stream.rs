@@ -24,16 +24,15 @@ const HALOS: [usize; 2] = [4, KEPT];
 /// Least rows of a band: with fewer, the halos of tiles are costly.
 const MIN_ROWS: usize = 16;
 
-/// Samples that wait in the sequence of their coming before those of complete rows among them are sorted: few
-/// enough for the second-level cache.
+/// New samples after which those of complete rows are sorted: so few that they are still in the second-level cache.
 const UNSORTED: usize = 1 << 15;
 
 /// The samples held of a stream, and the findings so far.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct CircleBands {
-    /// Samples of rows that were not complete when samples were sorted last.
+    /// Samples that are not yet sorted, as they came.
     open: Held,
-    /// Samples in `open` when they are sorted next.
+    /// How many samples `open` holds when it is sorted next.
     sort_at: usize,
     /// The complete rows that are still needed.
     rows: SortedRows,
@@ -91,7 +90,7 @@ impl CircleBands {
         if dense.is_ok() {
             self.rows.take(&mut self.open, &mut self.lowest, cells, end);
         }
-        // Samples that stay wait for as many again: rows may hold more than are sorted at a time.
+        // So that each sample is looked at a few times only, even if a row holds many times `UNSORTED`.
         self.sort_at = 2 * self.open.len() + UNSORTED;
         dense
     }
