@@ -43,6 +43,10 @@ pub struct Results {
     /// The learner's name, if they gave one.
     #[serde(default)]
     pub learner: String,
+    /// When the results were cleared last, in seconds since 1970, if they ever were. Entries that are not newer are gone,
+    /// also where another window still has them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cleared: Option<f64>,
     /// The entries, oldest first.
     pub entries: Vec<Entry>,
 }
@@ -95,6 +99,36 @@ impl Results {
         self.entries.extend(entries);
         let over = self.entries.len().saturating_sub(MAX_ENTRIES);
         self.entries.drain(..over);
+    }
+
+    /// Takes the entries of results that were kept elsewhere, such as by another window: each entry once, in the order of
+    /// their times. What was cleared in either place is gone. The learner's name stays, unless there is none.
+    pub fn merge(&mut self, other: &Self) {
+        for entry in &other.entries {
+            if !self.entries.contains(entry) {
+                self.entries.push(entry.clone());
+            }
+        }
+        let cleared = [self.cleared, other.cleared].into_iter().flatten();
+        self.cleared = cleared.reduce(f64::max);
+        if let Some(cleared) = self.cleared {
+            self.entries.retain(|entry| entry.time > cleared);
+        }
+
+        // The sort is stable: entries of one time keep their order.
+        self.entries.sort_by(|a, b| a.time.total_cmp(&b.time));
+        if self.learner.is_empty() {
+            self.learner.clone_from(&other.learner);
+        }
+        self.add([]);
+    }
+
+    /// Removes all entries. `now` is the time in seconds since 1970.
+    pub fn clear(&mut self, now: f64) {
+        // An entry of this very moment, or of a clock that was ahead, must not come back by a merge.
+        let newest = self.entries.iter().map(|entry| entry.time);
+        self.cleared = Some(newest.fold(now, f64::max));
+        self.entries.clear();
     }
 
     /// Returns the mean score, from 0 to 1; 0 if there are no entries.
@@ -243,6 +277,60 @@ mod tests {
             Err(ResultsError::Newer(9))
         ));
         assert!(Results::read("[]").is_err());
+    }
+
+    fn at(time: f64) -> Entry {
+        Entry { time, ..entry() }
+    }
+
+    fn times(results: &Results) -> Vec<f64> {
+        results.entries.iter().map(|entry| entry.time).collect()
+    }
+
+    #[test]
+    fn results_of_two_windows_are_merged_each_entry_once() {
+        let mut one = Results::default();
+        one.add([at(1.0), at(4.0)]);
+        let mut two = Results {
+            learner: "Ada".to_owned(),
+            ..Results::default()
+        };
+        two.add([at(1.0), at(2.0), at(8.0)]);
+        one.merge(&two);
+        assert_eq!(times(&one), [1.0, 2.0, 4.0, 8.0]);
+        assert_eq!(one.learner, "Ada");
+        let before = one.clone();
+        one.merge(&two);
+        assert_eq!(one, before);
+        // Another question that was answered at the same time is another entry.
+        let mut third = Results::default();
+        third.add([Entry {
+            seed: 99,
+            ..at(4.0)
+        }]);
+        one.merge(&third);
+        assert_eq!(times(&one), [1.0, 2.0, 4.0, 4.0, 8.0]);
+    }
+
+    #[test]
+    fn what_was_cleared_does_not_come_back_from_another_window() {
+        let mut one = Results::default();
+        one.add([at(1.0), at(2.0)]);
+        let mut two = one.clone();
+        one.clear(3.0);
+        two.add([at(4.0)]);
+        one.merge(&two);
+        assert_eq!(times(&one), [4.0]);
+        two.merge(&one);
+        assert_eq!(times(&two), [4.0]);
+        assert_eq!(Results::read(&two.to_json()).unwrap(), two);
+        // The clock was ahead when the entry was made.
+        let mut ahead = Results::default();
+        ahead.add([at(90.0)]);
+        let old = ahead.clone();
+        ahead.clear(3.0);
+        ahead.merge(&old);
+        assert!(ahead.entries.is_empty());
     }
 
     #[test]

@@ -40,6 +40,8 @@ pub struct LessonLabels {
     pub name: &'static str,
     pub save: &'static str,
     pub clear: &'static str,
+    pub clear_all: &'static str,
+    pub keep: &'static str,
     pub number: &'static str,
     pub pick_several: &'static str,
     pub pick_one: &'static str,

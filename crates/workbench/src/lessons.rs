@@ -47,8 +47,10 @@ pub enum LessonCommand {
     /// Saves the results: `json`, `csv` or `xapi` beside where the program runs, or a file whose name ends in `.json`, `.csv`
     /// or `.xapi.json`.
     SaveResults(String),
-    /// Removes the results that are kept.
+    /// Removes the results that are kept; the first time, asks whether to.
     ClearResults,
+    /// Keeps the results, when asked whether to clear them.
+    KeepResults,
     /// Names the learner in saved results.
     Name(String),
 }
@@ -292,8 +294,14 @@ pub struct Lessons {
     pub lists: bool,
     /// The language of texts; empty for that of the lessons.
     pub language: String,
-    /// What the learner did.
+    /// What the learner did. [`Lessons::mark_unstored`] follows each change.
     pub results: Results,
+    /// Whether the learner was asked whether to clear the results.
+    pub asks_to_clear: bool,
+    /// Whether the results have changed since they were stored.
+    unstored: bool,
+    /// Whether the learner's name has changed since the results were stored.
+    renamed: bool,
     /// The time in seconds since 1970, which the window or page sets.
     pub now: f64,
 }
@@ -309,12 +317,71 @@ impl Default for Lessons {
             lists: false,
             language: String::new(),
             results: Results::default(),
+            asks_to_clear: false,
+            unstored: false,
+            renamed: false,
             now: 0.0,
         }
     }
 }
 
+/// Results to be put into the store, by [`Lessons::store_results`].
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ResultsToStore {
+    /// The text that replaces the one in the store.
+    pub text: String,
+    /// Whether the text in the store could not be read, as it is damaged or of a newer version: keep it under another name.
+    pub unreadable: bool,
+}
+
 impl Lessons {
+    /// Notes that the results have changed, so that the window or page stores them.
+    pub(crate) const fn mark_unstored(&mut self) {
+        self.unstored = true;
+    }
+
+    /// Names the learner in results.
+    pub(crate) fn name_learner(&mut self, name: &str) {
+        // A name that was pasted by mistake would fill the list.
+        self.results.learner = name.chars().take(80).collect();
+        self.renamed = true;
+        self.mark_unstored();
+    }
+
+    /// Returns whether the results have changed since they were stored: an answer was given, they were cleared, the learner
+    /// was named. The window or page asks after each frame and each request, and then stores them by
+    /// [`Self::store_results`].
+    #[must_use]
+    pub const fn has_unstored_results(&self) -> bool {
+        self.unstored
+    }
+
+    /// Returns what is to be put into the store, which contains `stored`: the results of this window merged with those, as
+    /// another window may have stored others meanwhile. The merged results are also those of this window from now on.
+    pub fn store_results(&mut self, stored: Option<&str>) -> ResultsToStore {
+        let is_read = stored.is_none_or(|text| self.take_stored(text));
+        (self.unstored, self.renamed) = (false, false);
+        ResultsToStore {
+            text: self.results.to_json(),
+            unreadable: !is_read,
+        }
+    }
+
+    /// Merges results from the store into those of this window, at the start and when another window has stored some.
+    /// Returns whether they could be read; if not, the results stay as they are.
+    pub fn take_stored(&mut self, stored: &str) -> bool {
+        let Ok(stored) = Results::read(stored) else {
+            return false;
+        };
+        self.results.merge(&stored);
+
+        // The newest name counts, which is that of the store unless this window has a new one.
+        if !self.renamed && !stored.learner.is_empty() {
+            self.results.learner = stored.learner;
+        }
+        true
+    }
+
     /// Returns whether a page has to load the lessons that come with the program.
     pub(crate) fn wants_shelf(&self) -> bool {
         self.shelf.is_empty() && (self.lists || self.wanted.is_some())

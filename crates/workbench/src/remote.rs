@@ -116,8 +116,8 @@ pub enum LessonRequest {
 }
 
 /// What `act` may be in a request about a lesson.
-const ACTS: [&str; 8] = [
-    "list", "tour", "present", "leave", "hint", "give-up", "again", "clear",
+const ACTS: [&str; 9] = [
+    "list", "tour", "present", "leave", "hint", "give-up", "again", "clear", "keep",
 ];
 /// The formats in which results are saved.
 const RESULT_FORMATS: [&str; 3] = ["json", "csv", "xapi"];
@@ -357,6 +357,7 @@ fn lesson(fields: &Map<String, Value>) -> Result<LessonRequest, RequestError> {
         ("act", "hint") => LessonCommand::Hint,
         ("act", "give-up") => LessonCommand::GiveUp,
         ("act", "clear") => LessonCommand::ClearResults,
+        ("act", "keep") => LessonCommand::KeepResults,
         ("act", "again") => LessonCommand::Practise(seed("practice")?.unwrap_or(0)),
         _ => return one_of(&ACTS),
     }))

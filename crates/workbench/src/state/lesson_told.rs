@@ -100,6 +100,7 @@ impl State {
             "answered": lessons.results.entries.len(),
             "share": lessons.results.share(),
             "learner": lessons.results.learner,
+            "asked_to_clear": lessons.asks_to_clear,
         })
     }
 
@@ -158,7 +159,12 @@ impl State {
                 .err()
                 .map(|error| error.to_string()),
             (
-                L::ToggleList | L::Language(_) | L::Name(_) | L::SaveResults(_) | L::ClearResults,
+                L::ToggleList
+                | L::Language(_)
+                | L::Name(_)
+                | L::SaveResults(_)
+                | L::ClearResults
+                | L::KeepResults,
                 _,
             ) => None,
             (_, None) => Some(NO_LESSON.to_owned()),

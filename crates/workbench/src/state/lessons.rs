@@ -96,6 +96,9 @@ impl State {
     }
 
     pub(super) fn apply_to_lessons(&mut self, command: LessonCommand) {
+        // Whoever does something else does not mean to clear the results.
+        self.lessons.asks_to_clear &= command == LessonCommand::ClearResults;
+
         match command {
             LessonCommand::ToggleList => self.lessons.lists = !self.lessons.lists,
             LessonCommand::Open(name) => match self.lessons.shipped(&name).cloned() {
@@ -149,10 +152,10 @@ impl State {
             LessonCommand::Language(language) => self.speak(language),
             LessonCommand::File(path) => self.open_lesson_file(&path),
             LessonCommand::SaveResults(format) => self.save_results(&format),
-            LessonCommand::ClearResults => self.lessons.results.entries.clear(),
-            LessonCommand::Name(name) => {
-                self.lessons.results.learner = name.chars().take(80).collect();
-            }
+            LessonCommand::ClearResults => self.clear_results(),
+            // Every other command ends the question whether to clear; this one does nothing else.
+            LessonCommand::KeepResults => {}
+            LessonCommand::Name(name) => self.lessons.name_learner(&name),
         }
     }
 
@@ -226,6 +229,20 @@ impl State {
         if changed.is_ok_and(|changed| Some(changed) != open.changed) {
             self.open_lesson_file(&path);
         }
+    }
+
+    /// Removes the results, once the learner has been asked.
+    fn clear_results(&mut self) {
+        let lessons = &mut self.lessons;
+        if lessons.results.entries.is_empty() {
+            lessons.asks_to_clear = false;
+            return;
+        }
+        if lessons.asks_to_clear {
+            lessons.results.clear(lessons.now);
+            lessons.mark_unstored();
+        }
+        lessons.asks_to_clear = !lessons.asks_to_clear;
     }
 
     /// Writes the results; on a page, downloads them.
@@ -536,8 +553,9 @@ impl State {
         if let Some(open) = &mut self.lessons.open {
             let entries = open.learner.take_entries();
             // The notes of a talk show the answers.
-            if !open.was_presented {
+            if !open.was_presented && !entries.is_empty() {
                 self.lessons.results.add(entries);
+                self.lessons.mark_unstored();
             }
         }
         self.show_moment();
@@ -552,6 +570,7 @@ mod tests {
     use crate::command::{DebugCommand, FormCommand, LinkCommand, TimeCommand};
     use crate::draft::Field;
     use crate::export::ExportCommand;
+    use tilescope_lessons::results::Results;
     use tilescope_lessons::shipped::TEMPLATE;
     use tilescope_lessons::{Answer, Key};
 
@@ -619,6 +638,55 @@ mod tests {
         lesson(&mut state, LessonCommand::Practise(5));
         assert!(state.lessons.open_question().is_some());
         assert_ne!(whole(&state).run().parameters.seed, 1);
+    }
+
+    #[test]
+    fn results_are_stored_at_the_answer_merged_with_those_of_another_window() {
+        let mut state = asked();
+        state.lessons.now = 100.0;
+        assert!(!state.lessons.has_unstored_results());
+        let [right, wrong] = options(&state);
+        choose(&mut state, wrong);
+        choose(&mut state, right);
+        assert!(state.lessons.has_unstored_results());
+        // Another window answered another question since this one began.
+        let mut other = state.lessons.results.clone();
+        other.entries[0].gate = "other".to_owned();
+        other.learner = "Ada".to_owned();
+        let stored = state.lessons.store_results(Some(&other.to_json()));
+        assert!(!stored.unreadable && !state.lessons.has_unstored_results());
+        let read = Results::read(&stored.text).unwrap();
+        assert_eq!((read.entries.len(), read.learner.as_str()), (2, "Ada"));
+        assert_eq!(state.lessons.results, read);
+        // A damaged store is reported, and the results of this window stay.
+        let stored = state.lessons.store_results(Some("{"));
+        assert!(stored.unreadable && Results::read(&stored.text).unwrap() == read);
+        // A name that is given here replaces the one of the store.
+        lesson(&mut state, LessonCommand::Name("Grace".to_owned()));
+        let stored = state.lessons.store_results(Some(&other.to_json()));
+        assert!(stored.text.contains("Grace") && !stored.text.contains("Ada"));
+    }
+
+    #[test]
+    fn clearing_the_results_is_asked_once_more() {
+        let mut state = asked();
+        let [right, _] = options(&state);
+        choose(&mut state, right);
+        let _ = state.lessons.store_results(None);
+        lesson(&mut state, LessonCommand::ClearResults);
+        assert!(state.lessons.asks_to_clear && state.lessons.results.entries.len() == 1);
+        // Keeping them, or any other action in the lessons, is a no.
+        for no in [LessonCommand::KeepResults, LessonCommand::ToggleList] {
+            lesson(&mut state, no);
+            assert!(!state.lessons.asks_to_clear && !state.lessons.has_unstored_results());
+            lesson(&mut state, LessonCommand::ClearResults);
+        }
+        let before = state.lessons.results.to_json();
+        lesson(&mut state, LessonCommand::ClearResults);
+        assert!(state.lessons.results.entries.is_empty() && !state.lessons.asks_to_clear);
+        // What another window still has does not come back.
+        let stored = state.lessons.store_results(Some(&before));
+        assert!(Results::read(&stored.text).unwrap().entries.is_empty());
     }
 
     #[test]

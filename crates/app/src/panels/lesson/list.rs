@@ -9,7 +9,7 @@ use tilescope_workbench::lessons::LessonCommand;
 use tilescope_workbench::scenes::SceneCommand;
 use tilescope_workbench::state::State;
 
-use super::super::common::divide;
+use super::super::common::{divide, read_out};
 use super::{issue, labels};
 
 /// Shows the list.
@@ -128,8 +128,29 @@ fn results(ui: &mut Ui, state: &State, palette: &Palette, commands: &mut Vec<Com
             let id = format_args!("lesson-save-{format}");
             ui.button(name).issues(id, command, commands);
         }
+        if !state.lessons.asks_to_clear {
+            let clear = Command::Lesson(LessonCommand::ClearResults);
+            ui.button(labels.clear)
+                .issues("lesson-clear", clear, commands);
+        }
+    });
+    if state.lessons.asks_to_clear {
+        ask_to_clear(ui, state, palette, commands);
+    }
+}
+
+/// Asks whether to clear the results, with a button for each answer.
+fn ask_to_clear(ui: &mut Ui, state: &State, palette: &Palette, commands: &mut Vec<Command>) {
+    let labels = labels(state);
+    let question = RichText::new(labels.clear_all).color(palette.candidate);
+    let question = ui.add(Label::new(question).wrap());
+    read_out(ui, &question);
+    question.known_as("lesson-clear-asked");
+    ui.horizontal(|ui| {
         let clear = Command::Lesson(LessonCommand::ClearResults);
         ui.button(labels.clear)
             .issues("lesson-clear", clear, commands);
+        let keep = Command::Lesson(LessonCommand::KeepResults);
+        ui.button(labels.keep).issues("lesson-keep", keep, commands);
     });
 }
