@@ -6,13 +6,18 @@
 use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
+use serde_json::Value;
 use tilescope_analysis::{Judge, PrefixClaim, PrefixReport, Region};
 
 use crate::error::FormatError;
 use crate::format::{Format, Precision};
 
-/// The version this crate writes; higher ones are refused on reading.
-pub const CERTIFICATE_FORMAT_VERSION: u32 = 1;
+/// The highest version that this crate reads. It is written for sets with an origin, which programs that read version 1 alone
+/// would take for other positions; version 1 is written for all others.
+pub const CERTIFICATE_FORMAT_VERSION: u32 = 2;
+
+/// The version of certificates that state an origin.
+pub(crate) const WITH_ORIGIN: u32 = 2;
 
 /// The suffix that makes a certificate's file name from the data file's name.
 pub const CERTIFICATE_SUFFIX: &str = ".certificate.json";
@@ -91,6 +96,9 @@ pub struct Certificate {
     pub parameters: BTreeMap<String, serde_json::Value>,
     /// The region of the positions.
     pub region: Region,
+    /// The position in the file of the region's lower corner, in version 2; version 1 has none, and positions begin at 0 0.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub origin: Option<[f64; 2]>,
     /// The sampling radius.
     pub radius: f64,
     /// Relative tolerance of maximality used by the verifier.
@@ -146,7 +154,8 @@ impl Certificate {
     ///
     /// # Errors
     ///
-    /// [`FormatError::Certificate`] when it is too large, of a newer version, not JSON, or lacks a field.
+    /// [`FormatError::Certificate`] when it is too large, of a newer version, not JSON, lacks a field, or, from version 2
+    /// on, has a part that is not known.
     pub fn from_bytes(bytes: &[u8], name: &str) -> Result<Self, FormatError> {
         let fault = |reason: String| FormatError::Certificate {
             name: name.to_owned(),
@@ -160,7 +169,44 @@ impl Certificate {
         let bytes = crate::text::without_bom(bytes);
         let version: Version = serde_json::from_slice(bytes).map_err(|e| fault(e.to_string()))?;
         check_version(version.format_version, name)?;
-        serde_json::from_slice(bytes).map_err(|e| fault(e.to_string()))
+        let read: Self = serde_json::from_slice(bytes).map_err(|e| fault(e.to_string()))?;
+        let parts = || serde_json::from_slice(bytes).unwrap_or_default();
+        read.check_parts(parts, name)?;
+        Ok(read)
+    }
+
+    /// Refuses a certificate that states more than its version has: an origin in version 1, and in version 2 whatever the
+    /// program does not know. `parts` returns the JSON that it was read from.
+    pub(crate) fn check_parts(
+        &self,
+        parts: impl FnOnce() -> Value,
+        name: &str,
+    ) -> Result<(), FormatError> {
+        let version = self.format_version;
+        let fault = |reason: String| FormatError::Certificate {
+            name: name.to_owned(),
+            reason,
+        };
+        match self.origin {
+            Some(_) if version < WITH_ORIGIN => {
+                return Err(fault(format!("version {version} has no origin")));
+            }
+            None if version >= WITH_ORIGIN => {
+                return Err(fault(format!("version {version} needs an origin")));
+            }
+            Some([x, y]) if !(x.is_finite() && y.is_finite()) => {
+                return Err(fault(format!("its origin is {x} {y}")));
+            }
+            // Programs of version 1 ignored what they did not know, and so do later ones with their certificates.
+            None => return Ok(()),
+            Some(_) => {}
+        }
+
+        let known = serde_json::to_value(self)?;
+        match unknown(&parts(), &known) {
+            Some(part) => Err(fault(format!("version {version} has no part {part}"))),
+            None => Ok(()),
+        }
     }
 
     /// Parameters that the certificate states a second time, as the region or the radius: name, field and that value.
@@ -208,7 +254,7 @@ impl Certificate {
         PrefixClaim::within(&self.claims(), count)
     }
 
-    /// Refuses a certificate of a newer version.
+    /// Refuses a certificate of a newer version, before its parts are looked at.
     pub(crate) fn check_version(&self, name: &str) -> Result<(), FormatError> {
         check_version(self.format_version, name)
     }
@@ -237,6 +283,26 @@ fn check_version(found: u32, name: &str) -> Result<(), FormatError> {
     })
 }
 
+/// Returns the first name in the objects of `found` that `known`, the same document written anew, lacks.
+fn unknown(found: &Value, known: &Value) -> Option<String> {
+    match (found, known) {
+        (Value::Object(found), Value::Object(known)) => found.iter().find_map(|(name, value)| {
+            let inner = match known.get(name) {
+                Some(known) => unknown(value, known)?,
+                // An empty list of levels is not written.
+                None if name == "levels" => return None,
+                None => return Some(name.chars().take(40).flat_map(char::escape_debug).collect()),
+            };
+            Some(format!("{name}.{inner}"))
+        }),
+        (Value::Array(found), Value::Array(known)) => found
+            .iter()
+            .zip(known)
+            .find_map(|(found, known)| unknown(found, known)),
+        _ => None,
+    }
+}
+
 /// JSON has no infinity; an infinite value becomes null.
 pub(crate) fn finite(value: f64) -> Option<f64> {
     Some(value).filter(|v| v.is_finite())
@@ -253,7 +319,7 @@ mod tests {
             error.expect_err(text).to_string()
         };
         assert!(message("{").contains("a.certificate.json is not readable: EOF"));
-        assert!(message("{\"format_version\": 2}").contains("format_version is 2"));
+        assert!(message("{\"format_version\": 3}").contains("format_version is 3"));
         assert!(message("{\"format_version\": 1}").contains("missing field `program`"));
         let large = " ".repeat(MAX_CERTIFICATE_BYTES + 1);
         assert!(message(&large).contains("exceed the limit"));

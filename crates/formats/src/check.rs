@@ -5,19 +5,21 @@
 
 use std::fmt;
 
+use glam::DVec2;
 use tilescope_analysis::{
     Control, JudgeChoice, MAX_CONFLICTS, Region, Report, VerifyError, VerifyOptions, verify,
     verify_levels,
 };
 
 use crate::certificate::{Certificate, CertifiedLevel, finite};
-use crate::codecs::{Hint, ReadSet, decode};
+use crate::codecs::{Hint, decode};
 use crate::detect::Detection;
 use crate::digest::{bytes_digest, positions_digest};
 use crate::error::FormatError;
 use crate::format::{Format, Precision};
-use crate::mapping::Mapping;
+use crate::mapping::{Mapping, check_origin};
 use crate::point_set::PointSet;
+use crate::read::refuse_degrees;
 
 /// Relative difference up to which two measured lengths count as equal, 1e-9. The verifier's arithmetic is correct to
 /// about 1e-15, and another version may round differently. Altered positions are found by the digest, not by this.
@@ -34,6 +36,10 @@ pub struct Overrides {
     pub region: Option<Region>,
     /// The radius.
     pub radius: Option<f64>,
+    /// The position in the file of the region's lower corner.
+    pub origin: Option<[f64; 2]>,
+    /// Takes positions that seem to be longitudes and latitudes for those of a plane.
+    pub planar: bool,
     /// Who verifies.
     pub judges: JudgeChoice,
 }
@@ -172,14 +178,11 @@ pub fn check_bytes(
         name,
         format: overrides.format,
         set: overrides.set,
+        ..Hint::default()
     };
-    let ReadSet {
-        mut set,
-        detection,
-        precision,
-        certificate: inside,
-        ..
-    } = decode(data, &hint)?;
+    let mut read = decode(data, &hint)?;
+    let (detection, precision) = (read.detection, read.precision);
+    let inside = read.certificate.take();
     let certificate = match certificate {
         Some(bytes) => {
             let name = format!("{name}{}", crate::CERTIFICATE_SUFFIX);
@@ -188,6 +191,10 @@ pub fn check_bytes(
         None => inside,
     };
     let judged = Judged::new(detection.format, precision, certificate.as_ref(), overrides)?;
+    if !overrides.planar {
+        refuse_degrees(&read, judged.region, judged.origin)?;
+    }
+    let mut set = read.set;
     let positions_digest = positions_digest(&set.points);
     for point in &mut set.points {
         *point = judged.mapping.domain_from_file(*point);
@@ -220,6 +227,7 @@ pub(crate) struct Judged {
     pub radius: f64,
     pub options: VerifyOptions,
     pub mapping: Mapping,
+    pub origin: [f64; 2],
 }
 
 impl Judged {
@@ -236,22 +244,28 @@ impl Judged {
             .or_else(|| format.is_unit_torus().then_some(unit_torus))
             .ok_or(CheckError::NoRegion(format))?;
         let radius = overrides.radius.or_else(|| certificate.map(|c| c.radius));
+        let radius = radius.ok_or(CheckError::NoRadius)?;
+        let stated = || certificate.and_then(|c| c.origin);
+        let origin = overrides.origin.or_else(stated).unwrap_or_default();
+        check_origin(origin, region, radius, format, precision)?;
         Ok(Self {
             region,
-            radius: radius.ok_or(CheckError::NoRadius)?,
+            radius,
+            origin,
             // Not from the certificate, which could hide any gap by stating a large tolerance.
             options: VerifyOptions {
                 judges: overrides.judges,
                 ..VerifyOptions::default()
             },
-            mapping: Mapping::new(format, Some(region), precision),
+            mapping: Mapping::new(format, Some(region), precision).with_origin(origin),
         })
     }
 
-    /// Whether these are the region, the radius and the tolerance that a certificate states.
+    /// Whether these are the region, its origin, the radius and the tolerance that a certificate states.
     fn is_as(&self, stated: &Certificate) -> bool {
         let tolerance = self.options.covering_tolerance;
         stated.region == self.region
+            && DVec2::from(stated.origin.unwrap_or_default()) == DVec2::from(self.origin)
             && stated.radius.to_bits() == self.radius.to_bits()
             && stated.covering_tolerance.to_bits() == tolerance.to_bits()
     }
@@ -318,6 +332,9 @@ fn differences(
     list.exact("count", &stated.count, &(report.count as u64));
     let region = judged.region;
     list.exact("region", &stated.region.to_string(), &region.to_string());
+    let [origin, used] = [stated.origin.unwrap_or_default(), judged.origin]
+        .map(|[x, y]| format!("{} {}", x + 0.0, y + 0.0));
+    list.exact("origin", &origin, &used);
     list.exact("radius", &stated.radius, &judged.radius);
     let tolerance = report.covering_tolerance;
     list.exact("covering_tolerance", &stated.covering_tolerance, &tolerance);

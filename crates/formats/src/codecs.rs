@@ -4,6 +4,7 @@
 //! codecs need not. They open no file and do not verify sets.
 
 mod csv;
+mod geojson;
 mod json;
 mod npy;
 mod ply;
@@ -24,7 +25,7 @@ use crate::certificate::Certificate;
 use crate::detect::Detection;
 use crate::error::FormatError;
 use crate::format::{Format, Precision};
-use crate::mapping::Mapping;
+use crate::mapping::{Mapping, check_origin};
 use crate::point_set::PointSet;
 
 /// What the caller knows about some bytes before they are decoded.
@@ -36,6 +37,9 @@ pub struct Hint<'a> {
     pub format: Option<Format>,
     /// Which set to read of a file that holds several (UTK), from 0.
     pub set: Option<usize>,
+    /// The position in the file of the domain's lower corner, if it is not that of the certificate, or 0 without one.
+    /// [`decode`] does not use it.
+    pub origin: Option<[f64; 2]>,
 }
 
 impl<'a> Hint<'a> {
@@ -61,6 +65,9 @@ pub struct ReadSet {
     pub precision: Precision,
     /// How many sets the file holds; only UTK files hold several.
     pub sets: usize,
+    /// Whether the positions may be longitudes and latitudes in degrees: those of a GeoJSON file whose points all lie
+    /// within 180 and 90. See [`refuse_degrees`](crate::refuse_degrees).
+    pub degrees: bool,
     /// The certificate beside or inside the file. [`check_bytes`](crate::check_bytes) says whether it is true. [`decode`]
     /// finds only one inside, which JSON files have.
     pub certificate: Option<Certificate>,
@@ -77,10 +84,12 @@ pub struct Target {
     pub radius: Option<f64>,
     /// The wanted number type; [`Format::precision`] gives the one that is written.
     pub precision: Precision,
+    /// The position in the file of the region's lower corner.
+    pub origin: [f64; 2],
 }
 
 impl Target {
-    /// A target of `format` in double precision, region and radius unknown.
+    /// A target of `format` in double precision, region and radius unknown, origin 0.
     #[must_use]
     pub fn new(format: Format) -> Self {
         Self {
@@ -88,13 +97,14 @@ impl Target {
             region: None,
             radius: None,
             precision: Precision::Double,
+            origin: [0.0; 2],
         }
     }
 
     /// How positions of this target's region are stored.
     #[must_use]
     pub fn mapping(&self) -> Mapping {
-        Mapping::new(self.format, self.region, self.precision)
+        Mapping::new(self.format, self.region, self.precision).with_origin(self.origin)
     }
 
     /// The coordinates that the file stores for points, of which the first is point `first` of the file. Fails if one is not
@@ -115,6 +125,7 @@ pub(crate) struct Raw {
     pub set: PointSet,
     pub precision: Precision,
     pub sets: usize,
+    pub degrees: bool,
     pub certificate: Option<Certificate>,
 }
 
@@ -124,6 +135,7 @@ impl Raw {
             set: PointSet::from_points(points),
             precision,
             sets: 1,
+            degrees: false,
             certificate: None,
         }
     }
@@ -163,6 +175,7 @@ pub fn decode(bytes: &[u8], hint: &Hint<'_>) -> Result<ReadSet, FormatError> {
         detection,
         precision: raw.precision,
         sets: raw.sets,
+        degrees: raw.degrees,
         certificate: raw.certificate,
     })
 }
@@ -240,7 +253,17 @@ pub(crate) fn check_target(target: &Target) -> Result<(), FormatError> {
     for (name, value) in parameters {
         positive(name, value.unwrap_or(1.0))?;
     }
-    Ok(())
+    // Without a region, or a radius, nothing is promised of the positions.
+    let (Some(region), Some(radius)) = (target.region, target.radius) else {
+        return Ok(());
+    };
+    check_origin(
+        target.origin,
+        region,
+        radius,
+        target.format,
+        target.precision,
+    )
 }
 
 /// Refuses a parameter that is not a finite number above 0.

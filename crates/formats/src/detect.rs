@@ -16,6 +16,8 @@ use crate::text::{data_lines, lines, without_bom, words};
 pub(crate) const NPY_MAGIC: &[u8] = b"\x93NUMPY";
 /// First bytes of a UTK binary file: 0x214B5455, little-endian.
 pub(crate) const UTK_MAGIC: &[u8] = b"UTK!";
+/// First bytes of a Parquet file.
+const PARQUET_MAGIC: &[u8] = b"PAR1";
 
 /// The evidence for a format.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -68,7 +70,8 @@ impl fmt::Display for Detection {
 ///
 /// # Errors
 ///
-/// [`FormatError::UnknownFormat`] when neither name nor content shows the format.
+/// [`FormatError::UnknownFormat`] when neither name nor content shows the format, [`FormatError::Parquet`] for a Parquet
+/// file.
 ///
 /// ```
 /// use tilescope_formats::{Format, detect};
@@ -78,6 +81,10 @@ impl fmt::Display for Detection {
 /// ```
 pub fn detect(bytes: &[u8], path: &Path) -> Result<Detection, FormatError> {
     let named = Format::from_path(path);
+    // Raw numbers may begin with any bytes.
+    if bytes.starts_with(PARQUET_MAGIC) && named != Some(Format::PsaRps) {
+        return Err(FormatError::Parquet);
+    }
     let marked = by_mark(bytes);
     let found = match (named, marked) {
         (Some(named), Some(marked)) if same_family(named, marked) => (marked, Evidence::Extension),
@@ -165,11 +172,18 @@ fn by_text_shape(bytes: &[u8]) -> Option<Format> {
 
 /// Headerless f32 pairs have no mark: accepted when every one of them lies in the unit square.
 fn looks_like_rps(bytes: &[u8]) -> Option<Format> {
-    let in_unit = |word: &[u8]| (0.0..=1.0).contains(&f32::from_le_bytes(array(word)));
+    let values = || {
+        bytes
+            .chunks_exact(4)
+            .map(|word| f32::from_le_bytes(array(word)))
+    };
+    // Whole numbers of 32 bits read as floats give subnormal ones, or at most very small ones.
+    let in_unit = |value: f32| (0.0..=1.0).contains(&value) && !value.is_subnormal();
+    let is_spread = || values().any(|value| value > 1e-6);
     let whole = !bytes.is_empty() && bytes.len().is_multiple_of(8);
     // Text read as floats gives tiny numbers and would pass, so it is excluded first.
     let text = |b: &u8| b.is_ascii_graphic() || b.is_ascii_whitespace();
-    (whole && !bytes.iter().all(text) && bytes.chunks_exact(4).all(in_unit))
+    (whole && !bytes.iter().all(text) && values().all(in_unit) && is_spread())
         .then_some(Format::PsaRps)
 }
 
@@ -253,6 +267,30 @@ mod tests {
         for bytes in [&b""[..], b"hello world", b"\x00\xFF\xFF\xFF", b"1 2 3 4\n"] {
             assert!(detect(bytes, "picture.jpeg".as_ref()).is_err());
         }
+    }
+
+    #[test]
+    fn whole_numbers_are_no_raw_floats() {
+        let raw =
+            |values: &[i32]| -> Vec<u8> { values.iter().flat_map(|v| v.to_le_bytes()).collect() };
+        for values in [&[0, 1, 2, 3][..], &[0, 0], &[20_000_000, 30_000_000]] {
+            let error = detect(&raw(values), "grid.raw".as_ref()).expect_err("whole numbers");
+            assert!(matches!(error, FormatError::UnknownFormat { .. }));
+        }
+        let floats = [0.0_f32, 0.25, 1.0, 0.5].map(f32::to_le_bytes).concat();
+        assert_eq!(found(&floats, "grid.raw").0, Format::PsaRps);
+    }
+
+    #[test]
+    fn parquet_is_refused_by_name() {
+        for name in ["points.parquet", "points.csv", ""] {
+            let error = detect(b"PAR1\x15\x04\x15\xf0", name.as_ref()).expect_err(name);
+            assert_eq!(
+                error.to_string(),
+                "Parquet and GeoParquet cannot be read here; the Python package reads them (tilescope.read)"
+            );
+        }
+        assert_eq!(found(b"PAR1\x15\x04\x15\xf0", "a.rps").0, Format::PsaRps);
     }
 
     #[test]

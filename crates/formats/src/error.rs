@@ -79,6 +79,55 @@ pub enum FormatError {
         /// The name that was given, possibly empty.
         name: String,
     },
+    /// The file is one that another tool reads.
+    #[error(
+        "Parquet and GeoParquet cannot be read here; the Python package reads them (tilescope.read)"
+    )]
+    Parquet,
+    /// The positions of a GeoJSON file seem to be degrees: they fit, and reach beyond the domain.
+    #[error(
+        "GeoJSON: point {index} at ({x}, {y}) lies beyond the domain, {width} x {height}, and all points lie within 180 \
+         and 90, as longitudes and latitudes do: distances in degrees are not those of a plane; project the points to a \
+         plane first, in metres for instance"
+    )]
+    Degrees {
+        /// The first point beyond the domain.
+        index: usize,
+        /// Its first coordinate.
+        x: f64,
+        /// Its second coordinate.
+        y: f64,
+        /// Width of the domain.
+        width: f64,
+        /// Height of the domain.
+        height: f64,
+    },
+    /// A format of the unit torus cannot hold positions with an origin.
+    #[error(
+        "{format} holds positions of the unit torus, which begins at 0 0; csv, npy, ply, xyz, json and svg hold an origin"
+    )]
+    OriginOfTorus {
+        /// The format.
+        format: Format,
+    },
+    /// Floating-point numbers around an origin are too far apart for the radius.
+    #[error(
+        "at the origin {origin} numbers ({precision}) are {spacing:.1e} apart, more than {limit} of the radius {}: rounded \
+         to them, samples would no longer keep their distance and cover; an origin nearer to 0, or a radius of at least \
+         {:.1e}, would do", Number(*.radius), 1.05 * spacing / limit
+    )]
+    OriginTooFar {
+        /// The origin.
+        origin: String,
+        /// Number type of the coordinates.
+        precision: crate::format::Precision,
+        /// How far apart they are.
+        spacing: f64,
+        /// The radius.
+        radius: f64,
+        /// The largest spacing allowed, in radii.
+        limit: f64,
+    },
     /// The file does not begin as its format must.
     #[error("{format}: the file does not begin with {expected}")]
     Magic {
@@ -95,6 +144,16 @@ pub enum FormatError {
         /// Where in the file.
         place: FilePlace,
         /// What is wrong, with the value found.
+        reason: String,
+    },
+    /// The file is not of its format's syntax.
+    #[error("{format}: {place}: {reason}")]
+    Malformed {
+        /// The format being read.
+        format: Format,
+        /// Where in the file.
+        place: FilePlace,
+        /// What is wrong.
         reason: String,
     },
     /// The file is well-formed but of a kind that is not supported.

@@ -12,9 +12,7 @@ use tilescope_analysis::{
     Control, PrefixClaim, Region, Report, VerifyError, VerifyOptions, verify, verify_levels,
 };
 
-use crate::certificate::{
-    CERTIFICATE_FORMAT_VERSION, Certificate, CertifiedLevel, Rounding, finite,
-};
+use crate::certificate::{Certificate, CertifiedLevel, Rounding, WITH_ORIGIN, finite};
 use crate::codecs::{Hint, ReadSet, Target, decode, encode_certified};
 use crate::digest::{bytes_digest, positions_digest};
 use crate::error::FormatError;
@@ -28,6 +26,8 @@ pub struct ExportContext {
     pub region: Region,
     /// The sampling radius that the verdict is about.
     pub radius: f64,
+    /// The position in the file of the region's lower corner; 0 0 where positions are stored as they are.
+    pub origin: [f64; 2],
     /// The format; `None` takes it from the file's extension.
     pub format: Option<Format>,
     /// The wanted number type, for formats that leave the choice.
@@ -56,6 +56,7 @@ impl ExportContext {
         Self {
             region,
             radius,
+            origin: [0.0; 2],
             format: None,
             precision: Precision::Double,
             shuffle_seed: None,
@@ -102,7 +103,7 @@ impl fmt::Display for Warning {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let cause = |by_rounding: bool| {
             if by_rounding {
-                ", made by rounding; npy, bin, csv, ply and json with f64 keep every position"
+                ", made by rounding; npy, bin, csv, ply and json with f64 and without an origin keep every position"
             } else {
                 ""
             }
@@ -303,6 +304,7 @@ pub(crate) fn target(name: &str, context: &ExportContext) -> Result<Target, Form
         region: Some(context.region),
         radius: Some(context.radius),
         precision: context.precision,
+        origin: context.origin,
     })
 }
 
@@ -431,13 +433,16 @@ pub(crate) fn certificate(
     rounding: Option<Rounding>,
     positions_digest: String,
 ) -> Certificate {
+    // Sets without an origin keep the version that programs before it read.
+    let origin = Some(target.origin).filter(|&[x, y]| x != 0.0 || y != 0.0);
     Certificate {
-        format_version: CERTIFICATE_FORMAT_VERSION,
+        format_version: if origin.is_some() { WITH_ORIGIN } else { 1 },
         program: context.program.clone(),
         program_version: context.program_version.clone(),
         method: context.method.clone(),
         parameters: context.parameters.clone(),
         region: report.region,
+        origin,
         radius: report.radius,
         covering_tolerance: report.covering_tolerance,
         count: report.count as u64,

@@ -58,7 +58,7 @@ pub use files::{
 pub use format::{Format, Precision, UnknownFormatName};
 pub use mapping::Mapping;
 pub use point_set::{PointSet, Provenance};
-pub use read::{certificate_path, read_bytes};
+pub use read::{certificate_path, read_bytes, refuse_degrees};
 #[cfg(not(target_arch = "wasm32"))]
 pub use stream::{
     StreamExport, StreamOptions, StreamReader, Streamed, WHOLE_FILE_BYTES, check_stream,

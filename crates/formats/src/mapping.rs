@@ -1,6 +1,6 @@
 //! From domain positions to file coordinates and back.
 //!
-//! The only place that handles the unit torus of psa and UTK files and the rounding to f32. No position changes
+//! The only place that handles the unit torus of psa and UTK files, origins and the rounding to f32. No position changes
 //! silently: the exporter measures the shift and the certificate states it.
 
 use std::borrow::Cow;
@@ -8,7 +8,12 @@ use std::borrow::Cow;
 use glam::DVec2;
 use tilescope_analysis::{Boundary, Region};
 
+use crate::error::FormatError;
 use crate::format::{Format, Precision};
+
+/// The largest spacing of floating-point numbers, in radii, at which positions are stored with an origin. Rounding moves a
+/// coordinate by half of it at most, a third of the verifier's tolerance of maximality (2^-15) in a distance.
+const MAX_SPACING: f64 = 1e-5;
 
 /// How the positions of a region are stored in a file.
 ///
@@ -31,6 +36,7 @@ pub struct Mapping {
     region: Option<Region>,
     precision: Precision,
     scale: f64,
+    origin: DVec2,
 }
 
 impl Mapping {
@@ -45,6 +51,26 @@ impl Mapping {
             region,
             precision: format.precision(precision),
             scale,
+            origin: DVec2::ZERO,
+        }
+    }
+
+    /// The same mapping of a region whose lower corner the file holds at `origin`, in domain units.
+    ///
+    /// ```
+    /// use tilescope_analysis::Region;
+    /// use tilescope_formats::{Format, Mapping, Precision};
+    ///
+    /// let mapping = Mapping::new(Format::Csv, Some(Region::UNIT_SQUARE), Precision::Double);
+    /// let mapping = mapping.with_origin([1000.0, -8.0]);
+    /// assert_eq!(mapping.file_from_domain([0.5, 0.25]), [1000.5, -7.75]);
+    /// assert_eq!(mapping.domain_from_file([1000.5, -7.75]), [0.5, 0.25]);
+    /// ```
+    #[must_use]
+    pub fn with_origin(self, origin: [f64; 2]) -> Self {
+        Self {
+            origin: origin.into(),
+            ..self
         }
     }
 
@@ -61,14 +87,14 @@ impl Mapping {
     #[must_use]
     pub fn file_from_domain(&self, point: [f64; 2]) -> [f64; 2] {
         let point = DVec2::from(point);
-        let stored = (point / self.scale).map(|value| self.round(value));
+        let stored = (point / self.scale + self.origin).map(|value| self.round(value));
         let Some(region) = self.region else {
             return stored.into();
         };
         let extent = extent(region);
-        let limit = extent / self.scale;
+        let limit = extent / self.scale + self.origin;
         let (moves, to) = match region.boundary {
-            Boundary::Periodic => (point.cmplt(extent) & stored.cmpge(limit), DVec2::ZERO),
+            Boundary::Periodic => (point.cmplt(extent) & stored.cmpge(limit), self.origin),
             Boundary::Bounded => (
                 point.cmple(extent) & stored.cmpgt(limit),
                 stored.map(|value| self.next_down(value)),
@@ -81,12 +107,12 @@ impl Mapping {
     #[must_use]
     pub fn domain_from_file(&self, stored: [f64; 2]) -> [f64; 2] {
         let stored = DVec2::from(stored);
-        let point = stored * self.scale;
+        let point = (stored - self.origin) * self.scale;
         let Some(region) = self.region.filter(|_| !self.keeps_units()) else {
             return point.into();
         };
         let extent = extent(region);
-        let limit = extent / self.scale;
+        let limit = extent / self.scale + self.origin;
         let (moves, to) = match region.boundary {
             Boundary::Periodic => (point.cmpge(extent) & stored.cmplt(limit), DVec2::ZERO),
             Boundary::Bounded => (point.cmpgt(extent) & stored.cmple(limit), extent),
@@ -110,9 +136,9 @@ impl Mapping {
         stored.iter().map(|&p| self.domain_from_file(p)).collect()
     }
 
-    /// Whether a file unit is a domain unit.
+    /// Whether file coordinates are those of the domain.
     fn keeps_units(&self) -> bool {
-        self.scale.to_bits() == 1.0_f64.to_bits()
+        self.scale.to_bits() == 1.0_f64.to_bits() && self.origin == DVec2::ZERO
     }
 
     /// The largest coordinate-wise distance between `a` and `b`, across the boundary of a torus if shorter.
@@ -140,6 +166,46 @@ impl Mapping {
             Precision::Double => stored.next_down(),
         }
     }
+}
+
+/// Refuses an origin that `format` cannot hold, or around which numbers of `precision` are too far apart for sets of
+/// `radius`. Without an origin, which is that at 0, nothing is refused.
+pub(crate) fn check_origin(
+    origin: [f64; 2],
+    region: Region,
+    radius: f64,
+    format: Format,
+    precision: Precision,
+) -> Result<(), FormatError> {
+    let [x, y] = origin;
+    if DVec2::from(origin) == DVec2::ZERO {
+        return Ok(());
+    }
+    if format.is_unit_torus() {
+        return Err(FormatError::OriginOfTorus { format });
+    }
+
+    let precision = format.precision(precision);
+    let corners = [origin, (DVec2::from(origin) + extent(region)).into()];
+    let farthest = corners
+        .as_flattened()
+        .iter()
+        .fold(0.0, |far, at| at.abs().max(far));
+    let spacing = match precision {
+        Precision::Single => f64::from((farthest as f32).next_up() - farthest as f32),
+        Precision::Double => farthest.next_up() - farthest,
+    };
+    // Of what is not a number, or not finite, neither is the spacing.
+    if spacing <= MAX_SPACING * radius {
+        return Ok(());
+    }
+    Err(FormatError::OriginTooFar {
+        origin: format!("{x} {y}"),
+        precision,
+        spacing,
+        radius,
+        limit: MAX_SPACING,
+    })
 }
 
 fn extent(region: Region) -> DVec2 {
@@ -190,6 +256,62 @@ mod tests {
         let mapping = Mapping::new(Format::Npy, Some(region), Precision::Single);
         let stored = mapping.file_from_domain([0.1, 0.1])[0];
         assert!(stored <= 0.1 && stored > 0.099_999_98);
+    }
+
+    #[test]
+    fn an_origin_keeps_positions_inside_and_to_the_spacing() {
+        for boundary in [Boundary::Periodic, Boundary::Bounded] {
+            for origin in [[5e5, 5.4e6], [-1.0, -0.1], [-1e-9, 1e-3], [0.1, -7.3]] {
+                for width in [1.0, 0.3, 1000.0 / 3.0] {
+                    let region = square(width, boundary);
+                    let mapping = Mapping::new(Format::Npy, Some(region), Precision::Double);
+                    let mapping = mapping.with_origin(origin);
+                    let corner = mapping.file_from_domain([0.0, 0.0]);
+                    assert_eq!(corner, origin);
+                    assert_eq!(mapping.domain_from_file(corner), [0.0, 0.0]);
+
+                    let edge = [width.next_down(), width / 3.0];
+                    let back = mapping.domain_from_file(mapping.file_from_domain(edge));
+                    let is_inside = |&at: &f64| match boundary {
+                        Boundary::Periodic => (0.0..width).contains(&at),
+                        Boundary::Bounded => (0.0..=width).contains(&at),
+                    };
+                    assert!(back.iter().all(is_inside), "{back:?} at {origin:?}");
+                    let spacing = 5.4e6_f64.next_up() - 5.4e6;
+                    assert!(mapping.shift(edge, back) <= spacing);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn origins_that_positions_do_not_bear_are_refused() {
+        let region = square(1.0, Boundary::Periodic);
+        let check = |origin: [f64; 2], radius, format, precision| {
+            let checked = check_origin(origin, region, radius, format, precision);
+            checked.map_err(|error| error.to_string())
+        };
+        let double = |origin, radius| check(origin, radius, Format::Csv, Precision::Double);
+        assert_eq!(double([5e5, 5.4e6], 0.01), Ok(()));
+        assert_eq!(double([0.0, -0.0], 1e-300), Ok(()));
+        let far = double([0.0, -1e9], 0.01).expect_err("too far");
+        assert_eq!(
+            far,
+            "at the origin 0 -1000000000 numbers (f64) are 1.2e-7 apart, more than 0.00001 of the radius \
+             0.01: rounded to them, samples would no longer keep their distance and cover; an origin nearer to 0, or a \
+             radius of at least 1.3e-2, would do"
+        );
+        for origin in [[f64::NAN, 0.0], [f64::INFINITY, 1.0], [f64::MAX, 0.0]] {
+            assert!(double(origin, 0.1).is_err(), "{origin:?}");
+        }
+        let single = check([5e5, 5.4e6], 0.01, Format::Npy, Precision::Single);
+        assert!(
+            single
+                .expect_err("f32")
+                .contains("numbers (f32) are 5.0e-1 apart")
+        );
+        let torus = check([1.0, 0.0], 0.1, Format::PsaText, Precision::Double);
+        assert!(torus.expect_err("a torus").contains("begins at 0 0"));
     }
 
     #[test]

@@ -3,6 +3,8 @@
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
+use tilescope_analysis::Region;
+
 use crate::certificate::{CERTIFICATE_SUFFIX, Certificate};
 use crate::codecs::{Hint, ReadSet, decode};
 use crate::error::FormatError;
@@ -40,10 +42,45 @@ pub fn read_bytes(
     if let Some((name, bytes)) = certificate {
         read.certificate = Some(Certificate::from_bytes(bytes, name)?);
     }
-    let region = read.certificate.as_ref().map(|stated| stated.region);
-    let mapping = Mapping::new(read.detection.format, region, read.precision);
+    let stated = read.certificate.as_ref();
+    let region = stated.map(|stated| stated.region);
+    let origin = hint.origin.or(stated.and_then(|stated| stated.origin));
+    let origin = origin.unwrap_or_default();
+    if let Some(region) = region {
+        refuse_degrees(&read, region, origin)?;
+    }
+
+    let mapping = Mapping::new(read.detection.format, region, read.precision).with_origin(origin);
     for point in &mut read.set.points {
         *point = mapping.domain_from_file(*point);
     }
     Ok(read)
+}
+
+/// Refuses a set that seems to be of longitudes and latitudes: a GeoJSON file whose points lie within 180 and 90, but not
+/// all in `region` with its lower corner at `origin`. Positions are in file coordinates, as [`decode`] returns them.
+///
+/// # Errors
+///
+/// [`FormatError::Degrees`] with the first point that lies outside.
+pub fn refuse_degrees(read: &ReadSet, region: Region, origin: [f64; 2]) -> Result<(), FormatError> {
+    let size = region.size();
+    let is_beyond = |point: &[f64; 2]| {
+        let beyond = |axis: usize| !(0.0..=size[axis]).contains(&(point[axis] - origin[axis]));
+        beyond(0) || beyond(1)
+    };
+    let first = read.set.points.iter().position(is_beyond);
+    match first.filter(|_| read.degrees) {
+        None => Ok(()),
+        Some(index) => {
+            let [x, y] = read.set.points[index];
+            Err(FormatError::Degrees {
+                index,
+                x,
+                y,
+                width: region.width,
+                height: region.height,
+            })
+        }
+    }
 }

@@ -311,3 +311,172 @@ fn levels_are_not_believed() {
     let check = checked_levels(|c| c.levels[0].count = 17);
     assert!(!check.levels[0].valid && !check.passed());
 }
+
+/// A lattice in a square whose lower corner the file holds at an origin.
+fn exported_at(name: &str, origin: [f64; 2]) -> ExportedBytes {
+    let region = Region {
+        width: 4.0,
+        height: 4.0,
+        boundary: Boundary::Bounded,
+    };
+    let point = |i: u32| [f64::from(i % 5), f64::from(i / 5)];
+    let set = PointSet::from_points((0..25).map(point).collect());
+    let context = ExportContext {
+        origin,
+        ..ExportContext::new(region, 0.9)
+    };
+    export_bytes(name, &set, &context, &GO).expect("a valid lattice")
+}
+
+#[test]
+fn sets_with_an_origin_are_checked_there() {
+    for name in [
+        "set.csv", "set.npy", "set.ply", "set.json", "set.xyz", "set.svg",
+    ] {
+        let file = exported_at(name, [5e5, -8.0]);
+        let check = check_of(
+            &file.data,
+            name,
+            &file.certificate_bytes,
+            &Overrides::default(),
+        );
+        assert!(check.passed(), "{name}: {:?}", check.differences);
+
+        let alone = |origin| Overrides {
+            region: Some(file.certificate.region),
+            radius: Some(0.9),
+            origin,
+            ..Overrides::default()
+        };
+        // JSON holds its certificate, which states the origin.
+        if name != "set.json" {
+            let outside = check_bytes(&file.data, name, None, &alone(None), &GO);
+            assert!(matches!(
+                outside,
+                Err(CheckError::Verify(VerifyError::OutOfRegion { .. }))
+            ));
+        }
+        let told = check_bytes(&file.data, name, None, &alone(Some([5e5, -8.0])), &GO);
+        assert!(told.expect("a verdict").1.passed());
+    }
+}
+
+#[test]
+fn an_origin_is_not_believed() {
+    let file = exported_at("set.csv", [5e5, -8.0]);
+    let with = |change: &dyn Fn(&mut Certificate), overrides: &Overrides| {
+        let mut certificate = file.certificate.clone();
+        change(&mut certificate);
+        let bytes = certificate.to_bytes().expect("plain data");
+        check_bytes(&file.data, "set.csv", Some(&bytes), overrides, &GO)
+    };
+    let moved = with(
+        &|c| c.origin = Some([5e5 + 1.0, -8.0]),
+        &Overrides::default(),
+    );
+    assert!(matches!(
+        moved,
+        Err(CheckError::Verify(VerifyError::OutOfRegion { .. }))
+    ));
+
+    let other = Overrides {
+        origin: Some([5e5, -8.0]),
+        ..Overrides::default()
+    };
+    let (_, check) = with(&|c| c.origin = Some([5e5 + 1.0, -8.0]), &other).expect("a verdict");
+    assert_eq!(fields(&check), ["origin"]);
+    assert!(!check.passed());
+
+    let far = Overrides {
+        origin: Some([1e15, 0.0]),
+        ..Overrides::default()
+    };
+    let refused = with(&|_| (), &far).expect_err("too far").to_string();
+    assert!(
+        refused.contains("numbers (f64) are 1.2e-1 apart"),
+        "{refused}"
+    );
+}
+
+#[test]
+fn parts_that_version_2_does_not_have_are_refused_by_name() {
+    let file = exported_at("set.json", [5e5, -8.0]);
+    let text = String::from_utf8(file.certificate_bytes).expect("text");
+    let with = |from: &str, to: &str| {
+        assert!(text.contains(from), "{from}");
+        let changed = text.replacen(from, to, 1);
+        let read = Certificate::from_bytes(changed.as_bytes(), "c");
+        read.map_err(|error| error.to_string())
+    };
+    assert!(with("\"count\"", "\"count\"").is_ok());
+    let refusal =
+        |part: &str| format!("the certificate c is not readable: version 2 has no part {part}");
+    let more = with("\"count\"", "\"rotation\": 30, \"count\"");
+    assert_eq!(more.expect_err("unknown"), refusal("rotation"));
+    let inner = with("\"width\"", "\"shear\": 1, \"width\"");
+    assert_eq!(inner.expect_err("unknown"), refusal("region.shear"));
+    assert!(with("\"count\"", "\"levels\": [], \"count\"").is_ok());
+
+    // A program of version 1 would take the positions for others.
+    let older = with("\"format_version\": 2", "\"format_version\": 1");
+    assert!(
+        older
+            .expect_err("an origin")
+            .contains("version 1 has no origin")
+    );
+    let none = with("\"origin\"", "\"origins\"");
+    assert!(
+        none.expect_err("none")
+            .contains("version 2 needs an origin")
+    );
+
+    let inside = String::from_utf8(file.data).expect("text");
+    let inside = inside.replacen("\"count\"", "\"rotation\": 30, \"count\"", 1);
+    let error = check_bytes(
+        inside.as_bytes(),
+        "set.json",
+        None,
+        &Overrides::default(),
+        &GO,
+    );
+    let error = error.expect_err("unknown").to_string();
+    assert!(
+        error.contains("inside the file is not readable: version 2 has no part rotation"),
+        "{error}"
+    );
+}
+
+#[test]
+fn degrees_are_refused_where_they_reach_beyond_the_domain() {
+    let positions =
+        |points: &[[f64; 2]]| format!("{{\"type\": \"MultiPoint\", \"coordinates\": {points:?}}}");
+    let check = |text: &str, width: f64, planar: bool| {
+        let overrides = Overrides {
+            region: Some(Region::new([width, width], false)),
+            radius: Some(width),
+            planar,
+            ..Overrides::default()
+        };
+        check_bytes(text.as_bytes(), "a.geojson", None, &overrides, &GO)
+    };
+    let zurich = positions(&[[8.5, 47.4], [8.6, 47.3]]);
+    let refused = check(&zurich, 1.0, false).expect_err("degrees").to_string();
+    assert!(
+        refused.contains("point 0 at (8.5, 47.4) lies beyond the domain, 1 x 1"),
+        "{refused}"
+    );
+    assert!(refused.contains("project the points"), "{refused}");
+    // Told that they are planar, the verifier has the word.
+    let outside = check(&zurich, 1.0, true);
+    assert!(matches!(
+        outside,
+        Err(CheckError::Verify(VerifyError::OutOfRegion { .. }))
+    ));
+    assert!(check(&zurich, 60.0, false).is_ok());
+    // Metres are no degrees.
+    let metres = check(&positions(&[[500.0, 0.5]]), 1.0, false);
+    assert!(matches!(
+        metres,
+        Err(CheckError::Verify(VerifyError::OutOfRegion { .. }))
+    ));
+}

@@ -1,13 +1,15 @@
 //! JSON: an object with `certificate`, `points` and, when known, `provenance`.
 //!
-//! Also reads a bare array of `[x, y]` pairs and skips fields it does not know. No bit is lost: shortest
-//! decimals are written and read with correct rounding.
+//! Also reads a bare array of `[x, y]` pairs, and the points of GeoJSON; skips fields it does not know. No bit is lost:
+//! shortest decimals are written and read with correct rounding.
 
-use std::fmt::Debug;
+use std::fmt::{self, Debug};
 
-use serde::Deserialize;
+use serde::de::{Error, IgnoredAny, SeqAccess, Visitor};
+use serde::{Deserialize, Deserializer};
+use serde_json::Value;
 
-use super::Raw;
+use super::{Raw, geojson};
 use crate::certificate::Certificate;
 use crate::error::FormatError;
 use crate::format::Precision;
@@ -17,11 +19,17 @@ use crate::text::{push, without_bom};
 /// The fields read.
 #[derive(Deserialize)]
 struct Document {
-    points: Vec<[f64; 2]>,
+    points: Vec<Position>,
     #[serde(default)]
     provenance: Option<Vec<Provenance>>,
     #[serde(default)]
     certificate: Option<Certificate>,
+}
+
+/// The certificate as it stands in the file.
+#[derive(Deserialize)]
+struct Parts {
+    certificate: Value,
 }
 
 pub(super) fn read(bytes: &[u8]) -> Result<Raw, FormatError> {
@@ -34,18 +42,67 @@ pub(super) fn read(bytes: &[u8]) -> Result<Raw, FormatError> {
             certificate: None,
         }
     } else {
-        serde_json::from_slice(bytes)?
+        match serde_json::from_slice(bytes) {
+            Ok(document) => document,
+            // Only what is no document of this program is looked at again, so that its sets are parsed once.
+            Err(_) if geojson::is(bytes) => return geojson::read(bytes),
+            Err(error) => return Err(error.into()),
+        }
     };
+
     let mut raw = Raw::new(Vec::new(), Precision::Double);
     raw.set = PointSet {
-        points: document.points,
+        points: positions(document.points),
         provenance: document.provenance,
     };
     if let Some(certificate) = &document.certificate {
         certificate.check_version("inside the file")?;
+        let parts = || serde_json::from_slice::<Parts>(bytes).map(|parts| parts.certificate);
+        certificate.check_parts(|| parts().unwrap_or_default(), "inside the file")?;
     }
     raw.certificate = document.certificate;
     Ok(raw)
+}
+
+/// A position of two numbers, or of three with z = 0.
+pub(super) struct Position(pub [f64; 2]);
+
+pub(super) fn positions(positions: Vec<Position>) -> Vec<[f64; 2]> {
+    positions.into_iter().map(|Position(point)| point).collect()
+}
+
+impl<'de> Deserialize<'de> for Position {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_seq(PositionVisitor)
+    }
+}
+
+pub(super) struct PositionVisitor;
+
+impl<'de> Visitor<'de> for PositionVisitor {
+    type Value = Position;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("2 numbers, or 3 with z = 0")
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut numbers: A) -> Result<Position, A::Error> {
+        let mut point = [0.0; 2];
+        for (found, value) in point.iter_mut().enumerate() {
+            let next = numbers.next_element()?;
+            *value = next.ok_or_else(|| A::Error::invalid_length(found, &self))?;
+        }
+
+        let z = numbers.next_element::<f64>()?;
+        if let Some(z) = z.filter(|z| *z != 0.0) {
+            let reason = format_args!("z is {z}, and only planar sets (z = 0) are read");
+            return Err(A::Error::custom(reason));
+        }
+        if numbers.next_element::<IgnoredAny>()?.is_some() {
+            return Err(A::Error::invalid_length(4, &self));
+        }
+        Ok(Position(point))
+    }
 }
 
 pub(super) fn write(
@@ -92,6 +149,17 @@ mod tests {
         assert_eq!(bare.set.points, [[0.5, 1.0], [0.2, 0.0]]);
         let wide = read(br#"{"note": {"a": [1]}, "points": [[0, 0]]}"#).expect("an object");
         assert_eq!(wide.set.points, [[0.0, 0.0]]);
+        let flat = read(b"[[0.5, 1, 0], [0.25, 0, -0.0]]").expect("z = 0");
+        assert_eq!(flat.set.points, [[0.5, 1.0], [0.25, 0.0]]);
+    }
+
+    #[test]
+    fn only_planar_positions_are_read() {
+        let message = |text: &str| read(text.as_bytes()).err().expect(text).to_string();
+        let solid = message("{\"points\": [[1, 2, 0],\n[1, 2, 0.6]]}");
+        let refusal = "JSON: z is 0.6, and only planar sets (z = 0) are read at line 2 column 11";
+        assert_eq!(solid, refusal);
+        assert!(message("[[1, 2, 0, 0]]").contains("2 numbers, or 3 with z = 0"));
     }
 
     #[test]

@@ -1,10 +1,11 @@
-//! numpy's array file, shape (N, 2).
+//! numpy's array file, shape (N, 2), or (N, 3) with z = 0.
 //!
 //! Reads header versions 1 to 3, f4 and f8 of either byte order, C and Fortran order; writes version 1.0,
-//! little-endian, C order. The header, a Python literal, is matched as numpy's format specification prescribes and
+//! little-endian, C order, shape (N, 2). The header, a Python literal, is matched as numpy's format specification prescribes and
 //! never evaluated.
 
 use super::Raw;
+use super::xyz::planar;
 use crate::binary::{self, Cursor, Endian, coordinate};
 use crate::detect::NPY_MAGIC;
 use crate::error::{FilePlace, FormatError, quote};
@@ -22,16 +23,19 @@ pub(super) struct NpyHeader {
     /// Whether all x come first, then all y.
     pub fortran: bool,
     pub count: u64,
+    /// Coordinates of a point: 2, or 3 with z = 0.
+    pub columns: usize,
 }
 
 pub(super) fn read(bytes: &[u8]) -> Result<Raw, FormatError> {
     let (header, offset) = read_head(bytes)?;
-    let size = header.precision.bytes();
+    let width = header.columns * header.precision.bytes();
     let mut cursor = Cursor::new(bytes, offset as usize, FORMAT);
-    let data = cursor.records(header.count, 2 * size as u64)?;
+    let data = cursor.records(header.count, width as u64)?;
     cursor.finish()?;
-    let points = if header.fortran {
-        columns(data, &header)?
+
+    let points = if header.fortran || header.columns == 3 {
+        scattered(data, &header)?
     } else {
         binary::pairs(data, 0, header.precision, header.endian, FORMAT)?
     };
@@ -64,19 +68,29 @@ pub(super) fn read_head(bytes: &[u8]) -> Result<(NpyHeader, u64), FormatError> {
     Ok((header, cursor.offset()))
 }
 
-/// Points of data that hold all x, then all y.
-fn columns(data: &[u8], header: &NpyHeader) -> Result<Vec<[f64; 2]>, FormatError> {
-    let size = header.precision.bytes();
-    let (xs, ys) = data.split_at(data.len() / 2);
-    let read = |at: &[u8], index| {
-        let value = coordinate(at, header.precision, header.endian);
-        binary::finite(value, FORMAT, index)
+/// Points of data that are not rows of two coordinates: of columns, or of rows with a z.
+fn scattered(data: &[u8], header: &NpyHeader) -> Result<Vec<[f64; 2]>, FormatError> {
+    let (size, columns) = (header.precision.bytes(), header.columns);
+    // The cursor has compared the count with the bytes that are there.
+    let count = data.len() / (size * columns);
+    let (next_row, next_column) = if header.fortran {
+        (1, count)
+    } else {
+        (columns, 1)
     };
-    xs.chunks_exact(size)
-        .zip(ys.chunks_exact(size))
-        .zip(0..)
-        .map(|((x, y), index)| Ok([read(x, index)?, read(y, index)?]))
-        .collect()
+    let read = |row: usize, column: usize| {
+        let at = size * (row * next_row + column * next_column);
+        let value = coordinate(&data[at..at + size], header.precision, header.endian);
+        binary::finite(value, FORMAT, row as u64)
+    };
+
+    let point = |row| {
+        if columns == 3 {
+            planar(read(row, 2)?, FORMAT, FilePlace::Point(row as u64))?;
+        }
+        Ok([read(row, 0)?, read(row, 1)?])
+    };
+    (0..count).map(point).collect()
 }
 
 fn header(text: &[u8], place: FilePlace) -> Result<NpyHeader, FormatError> {
@@ -103,15 +117,19 @@ fn header(text: &[u8], place: FilePlace) -> Result<NpyHeader, FormatError> {
         .and_then(|rest| rest.split_once(')'))
         .ok_or_else(|| fault(format!("shape is {}", quote(shape.as_bytes()))))?
         .0;
+    let Some((count, columns)) = rows_and_columns(shape) else {
+        return Err(FormatError::Unsupported {
+            format: FORMAT,
+            what: format!("shape ({})", quote(shape.as_bytes())),
+            supported: "only shape (N, 2) can, and (N, 3) with z = 0",
+        });
+    };
     Ok(NpyHeader {
         precision,
         endian,
         fortran,
-        count: rows(shape).ok_or_else(|| FormatError::Unsupported {
-            format: FORMAT,
-            what: format!("shape ({})", quote(shape.as_bytes())),
-            supported: "only shape (N, 2) can",
-        })?,
+        count,
+        columns,
     })
 }
 
@@ -141,12 +159,16 @@ fn descr(value: &str) -> Result<(Precision, Endian), FormatError> {
     }
 }
 
-/// N of the shape `N, 2`; Python 2 wrote `L` after long numbers.
-fn rows(shape: &str) -> Option<u64> {
+/// N and the columns of the shape `N, 2` or `N, 3`; Python 2 wrote `L` after long numbers.
+fn rows_and_columns(shape: &str) -> Option<(u64, usize)> {
     let number = |part: &str| part.trim().trim_end_matches('L').parse::<u64>().ok();
     let (rows, rest) = shape.split_once(',')?;
-    let columns = rest.trim().trim_end_matches(',');
-    (number(columns) == Some(2)).then(|| number(rows))?
+    let columns = match number(rest.trim().trim_end_matches(','))? {
+        2 => 2,
+        3 => 3,
+        _ => return None,
+    };
+    Some((number(rows)?, columns))
 }
 
 pub(super) fn write(points: &[[f64; 2]], precision: Precision) -> Vec<u8> {
@@ -217,6 +239,27 @@ mod tests {
     }
 
     #[test]
+    fn three_columns_are_read_where_z_is_0() {
+        let bytes = |values: [f64; 6]| values.map(f64::to_le_bytes).concat();
+        let in_rows = |z: f64| bytes([0.5, 0.25, 0.0, 0.75, 0.125, z]);
+        let in_columns = |z: f64| bytes([0.5, 0.75, 0.25, 0.125, -0.0, z]);
+        for (fortran, data) in [("False", in_rows(0.0)), ("True", in_columns(0.0))] {
+            let flat = file(1, &dictionary("<f8", fortran, "(2, 3)"), &data);
+            let points = read(&flat).expect(fortran).set.points;
+            assert_eq!(points, [[0.5, 0.25], [0.75, 0.125]]);
+        }
+        for (fortran, data) in [("False", in_rows(0.6)), ("True", in_columns(0.6))] {
+            let solid = file(1, &dictionary("<f8", fortran, "(2, 3)"), &data);
+            assert_eq!(
+                read(&solid).err().expect("not planar").to_string(),
+                "NumPy array: point 1: z is 0.6, and only planar sets (z = 0) are read"
+            );
+        }
+        let nan = file(1, &dictionary("<f8", "False", "(2, 3)"), &in_rows(f64::NAN));
+        assert!(matches!(read(&nan), Err(FormatError::NotFinite { .. })));
+    }
+
+    #[test]
     fn written_data_are_aligned() {
         for count in [1, 9, 10, 12_345] {
             let bytes = write(&vec![[0.5, 0.5]; count], Precision::Double);
@@ -233,7 +276,8 @@ mod tests {
         assert!(of("<i8", "False", "(1, 2)").contains("type <i8"));
         assert!(of("<f8", "Maybe", "(1, 2)").contains("fortran_order is Maybe"));
         assert!(of("<f8", "False", "(2,)").contains("shape (2,)"));
-        assert!(of("<f8", "False", "(1, 3)").contains("shape (1, 3)"));
+        assert!(of("<f8", "False", "(1, 4)").contains("shape (1, 4)"));
+        assert!(of("<f8", "False", "(1, 3)").contains("24 bytes are needed"));
         assert!(of("<f8", "False", "(2, 2)").contains("32 bytes are needed"));
         assert!(of("<f8", "False", "(18446744073709551615, 2)").contains("truncated"));
         assert!(message(&file(4, "", &[])).contains("version 4"));

@@ -77,7 +77,7 @@ impl Layout {
             Format::Npy => {
                 let (head, offset) = npy::read_head(start)?;
                 let layout = pairs(head.precision, head.endian, offset, Some(head.count));
-                (!head.fortran).then_some(layout)
+                (!head.fortran && head.columns == 2).then_some(layout)
             }
             Format::PlyBinary => ply::read_head(start)?.map(|head| Self {
                 followed: head.followed,

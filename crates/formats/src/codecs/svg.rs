@@ -1,7 +1,9 @@
 //! SVG circles in domain units, for drawing and plotting tools.
 //!
-//! Each point is a disk of half the sampling radius, so the disks of a conflict-free set do not overlap. Reads back
-//! circles in user units; a file with transforms is refused, since they are not applied.
+//! Each point is a disk of half the sampling radius, so the disks of a conflict-free set do not overlap. Reads back the
+//! circles that are drawn, in user units. What would draw them elsewhere, or draw points in another way, is refused.
+
+use roxmltree::{Document, Node, ParsingOptions};
 
 use super::{Raw, Target};
 use crate::error::{FilePlace, FormatError};
@@ -10,79 +12,202 @@ use crate::text::{number, push, without_bom};
 
 const FORMAT: Format = Format::Svg;
 
+/// Elements whose content is drawn only where another element refers to it, if at all.
+const NOT_DRAWN: [&str; 6] = ["defs", "symbol", "clipPath", "mask", "marker", "pattern"];
+
+/// Elements that draw points of a plot as well as a circle does.
+const OTHER_MARKS: [&str; 2] = ["use", "ellipse"];
+
+/// Properties of a style that draw a circle elsewhere than its attributes cx and cy say.
+const MOVING: [&str; 7] = [
+    "transform",
+    "-webkit-transform",
+    "translate",
+    "rotate",
+    "scale",
+    "cx",
+    "cy",
+];
+
 pub(super) fn read(bytes: &[u8]) -> Result<Raw, FormatError> {
     let bytes = without_bom(bytes);
-    let mut points = Vec::new();
-    let mut in_comment = false;
-    let mut is_svg = false;
-    for piece in bytes.split(|&b| b == b'<').skip(1) {
-        in_comment |= piece.starts_with(b"!--");
-        if in_comment {
-            in_comment = !contains(piece, b"-->");
-            continue;
-        }
-        let tag = piece.split(|&b| b == b'>').next().unwrap_or_default();
-        let name = tag
-            .split(|b| b.is_ascii_whitespace() || *b == b'/')
-            .next()
-            .unwrap_or_default();
-        is_svg |= name == b"svg";
-        if attribute(tag, b"transform").is_some() {
-            return Err(FormatError::Unsupported {
-                format: FORMAT,
-                what: format!("a transform at circle {}", points.len()),
-                supported: "circles in plain user units can",
-            });
-        }
-        if name == b"circle" {
-            points.push(circle(tag, points.len() as u64)?);
-        }
+    let text = std::str::from_utf8(bytes).map_err(|error| FormatError::Malformed {
+        format: FORMAT,
+        place: FilePlace::Offset(error.valid_up_to() as u64),
+        reason: "the text is not UTF-8".to_owned(),
+    })?;
+    // A few entities can stand for any amount of text, and drawing programs write none that matter here.
+    if let Some((before, _)) = text.split_once("<!ENTITY") {
+        let line = before.matches('\n').count() + 1;
+        let what = format!("the declaration of an entity (line {line})");
+        return Err(unsupported(what, "plain SVG without entities can"));
     }
-    if !is_svg {
+
+    let options = ParsingOptions {
+        allow_dtd: true,
+        ..ParsingOptions::default()
+    };
+    let document =
+        Document::parse_with_options(text, options).map_err(|error| malformed(&error))?;
+    if document.root_element().tag_name().name() != "svg" {
         return Err(FormatError::Magic {
             format: FORMAT,
             expected: "an <svg> element",
         });
     }
+
+    refuse_moving_sheets(&document)?;
+    let points = circles(&document)?;
+    // A drawing of nothing is an empty set, as another format's file without points is.
+    let draws = document.root_element().first_element_child().is_some();
+    if points.is_empty() && draws {
+        let what = "a drawing without circles".to_owned();
+        return Err(unsupported(what, "each <circle> is a point"));
+    }
     Ok(Raw::new(points, Precision::Double))
 }
 
-fn contains(text: &[u8], part: &[u8]) -> bool {
-    text.windows(part.len()).any(|window| window == part)
+fn unsupported(what: String, supported: &'static str) -> FormatError {
+    FormatError::Unsupported {
+        format: FORMAT,
+        what,
+        supported,
+    }
 }
 
-fn circle(tag: &[u8], index: u64) -> Result<[f64; 2], FormatError> {
+fn malformed(error: &roxmltree::Error) -> FormatError {
+    FormatError::Malformed {
+        format: FORMAT,
+        place: FilePlace::Line(error.pos().row.into()),
+        // It may quote a name of the file, of any length.
+        reason: error.to_string().chars().take(120).collect(),
+    }
+}
+
+/// Returns the centres of the circles that are drawn, in the order of the document.
+fn circles(document: &Document<'_>) -> Result<Vec<[f64; 2]>, FormatError> {
+    let mut points = Vec::new();
+    // The outermost element of those around the next circle that draws its content elsewhere.
+    let mut mover: Option<Node<'_, '_>> = None;
+    let root = document.root_element();
+    let mut next = Some(root);
+
+    while let Some(node) = next {
+        let enters = is_drawn(node);
+        let name = node.tag_name().name();
+        // Elements of other namespaces are notes of the program that wrote the file.
+        if enters && node.tag_name().namespace() == root.tag_name().namespace() {
+            // Within the mover it stays the same; behind it a new one may come.
+            let is_behind = mover.is_none_or(|mover| node.range().start >= mover.range().end);
+            if is_behind {
+                mover = Some(node).filter(|node| moves(*node, root));
+            }
+
+            if name == "circle" {
+                let index = points.len() as u64;
+                if let Some(mover) = mover {
+                    return Err(moved(mover, index));
+                }
+                points.push(circle(node, index)?);
+            } else if OTHER_MARKS.contains(&name) {
+                let what = format!("<{name}> (line {})", line_of(node));
+                return Err(unsupported(what, "of all marks only <circle> can"));
+            }
+        }
+
+        let inside = node.first_child().filter(|_| enters);
+        next = inside.or_else(|| node.ancestors().find_map(|node| node.next_sibling()));
+    }
+    Ok(points)
+}
+
+/// Whether a node is an element that may draw something where it stands.
+fn is_drawn(node: Node<'_, '_>) -> bool {
+    let is_hidden = node.attribute("display") == Some("none")
+        || node.attribute("style").is_some_and(|style| {
+            declarations(&without_comments(style))
+                .any(|(name, value)| name == "display" && value == "none")
+        });
+    node.is_element() && !is_hidden && !NOT_DRAWN.contains(&node.tag_name().name())
+}
+
+/// Whether an element draws the circles in it, or itself, elsewhere than their attributes say.
+fn moves(node: Node<'_, '_>, root: Node<'_, '_>) -> bool {
+    let is_transformed =
+        (node.attribute("transform")).is_some_and(|value| !matches!(value.trim(), "" | "none"));
+    let style = node.attribute("style").map(without_comments);
+    let is_styled = style.is_some_and(|style| moving(&style).is_some());
+    // A drawing within the drawing has user units of its own.
+    is_transformed || is_styled || (node.tag_name().name() == "svg" && node != root)
+}
+
+fn moved(mover: Node<'_, '_>, index: u64) -> FormatError {
+    let (name, line) = (mover.tag_name().name(), line_of(mover));
+    let what = match name {
+        "svg" if mover.parent_element().is_some() => {
+            format!("an <svg> within another (line {line}), in which circle {index} lies,")
+        }
+        "circle" => format!("a transform of circle {index} (line {line})"),
+        _ => format!("a transform of <{name}> (line {line}), in which circle {index} lies,"),
+    };
+    unsupported(what, "circles in plain user units can")
+}
+
+fn line_of(node: Node<'_, '_>) -> u32 {
+    node.document().text_pos_at(node.range().start).row
+}
+
+/// Refuses style sheets that draw elements elsewhere, wherever they stand: which elements they are for is not found out.
+fn refuse_moving_sheets(document: &Document<'_>) -> Result<(), FormatError> {
+    let sheets = (document.descendants()).filter(|node| node.tag_name().name() == "style");
+    for sheet in sheets {
+        let text: String = sheet.children().filter_map(|child| child.text()).collect();
+        if let Some(property) = moving(&without_comments(&text)) {
+            let line = line_of(sheet);
+            let what =
+                format!("a style sheet that sets {property}, such as a transform, (line {line})");
+            return Err(unsupported(what, "circles in plain user units can"));
+        }
+    }
+    Ok(())
+}
+
+/// Returns the first property of some CSS, without comments, that draws an element elsewhere.
+fn moving(css: &str) -> Option<&'static str> {
+    declarations(css)
+        .filter(|(_, value)| !matches!(*value, "" | "none"))
+        .find_map(|(name, _)| {
+            let mut known = MOVING.into_iter();
+            known.find(|known| known.eq_ignore_ascii_case(name))
+        })
+}
+
+/// The names and values of the declarations in some CSS without comments. The selectors of a sheet are among them, with
+/// whatever follows their colon.
+fn declarations(css: &str) -> impl Iterator<Item = (&str, &str)> {
+    css.split([';', '{', '}'])
+        .filter_map(|part| part.split_once(':'))
+        .map(|(name, value)| (name.trim(), value.trim()))
+}
+
+fn without_comments(css: &str) -> String {
+    let mut parts = css.split("/*");
+    let mut out = parts.next().unwrap_or_default().to_owned();
+    for part in parts {
+        // A comment without an end reaches to the end of the text.
+        out.push_str(part.split_once("*/").map_or("", |(_, after)| after));
+    }
+    out
+}
+
+fn circle(node: Node<'_, '_>, index: u64) -> Result<[f64; 2], FormatError> {
     let place = FilePlace::Point(index);
-    let axis = |name: &str| {
-        let value = attribute(tag, name.as_bytes()).ok_or_else(|| FormatError::Header {
-            format: FORMAT,
-            place,
-            reason: format!("the circle has no {name}"),
-        })?;
-        number(value.trim_ascii(), FORMAT, place)
+    // A coordinate that is left out is 0.
+    let axis = |name| {
+        let value = node.attribute(name).unwrap_or("0");
+        number(value.trim().as_bytes(), FORMAT, place)
     };
     Ok([axis("cx")?, axis("cy")?])
-}
-
-/// The value of attribute `name` in the text of a tag.
-fn attribute<'a>(tag: &'a [u8], name: &[u8]) -> Option<&'a [u8]> {
-    let mut rest = tag;
-    loop {
-        let equals = rest.iter().position(|&b| b == b'=')?;
-        let found = rest[..equals]
-            .trim_ascii_end()
-            .rsplit(u8::is_ascii_whitespace)
-            .next()?;
-        let value = rest[equals + 1..].trim_ascii_start();
-        let (&quote, value) = value
-            .split_first()
-            .filter(|(q, _)| matches!(q, b'"' | b'\''))?;
-        let end = value.iter().position(|&b| b == quote)?;
-        if found == name {
-            return Some(&value[..end]);
-        }
-        rest = &value[end + 1..];
-    }
 }
 
 pub(super) fn write(points: &[[f64; 2]], target: &Target) -> Vec<u8> {
@@ -90,6 +215,8 @@ pub(super) fn write(points: &[[f64; 2]], target: &Target) -> Vec<u8> {
         Some(region) => [region.width, region.height],
         None => bounds(points),
     };
+    // The sum makes 0 of -0.
+    let [x, y] = target.origin.map(|at| at + 0.0);
     // Without a radius: dots of about a tenth of the mean spacing.
     let spacing = (width * height / points.len() as f64).sqrt();
     let disk = target.radius.map_or(spacing / 10.0, |radius| radius / 2.0);
@@ -97,7 +224,7 @@ pub(super) fn write(points: &[[f64; 2]], target: &Target) -> Vec<u8> {
     push(
         &mut out,
         format_args!(
-            "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\">\n\
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"{x} {y} {width} {height}\">\n\
              <title>{} samples</title>\n<g fill=\"#0072b2\">\n",
             points.len()
         ),
@@ -124,12 +251,108 @@ fn bounds(points: &[[f64; 2]]) -> [f64; 2] {
 mod tests {
     use super::*;
 
+    fn points(text: &str) -> Vec<[f64; 2]> {
+        read(text.as_bytes()).expect(text).set.points
+    }
+
+    fn message(text: &str) -> String {
+        read(text.as_bytes()).err().expect(text).to_string()
+    }
+
     #[test]
     fn circles_of_other_hands_are_read() {
-        let text = "<?xml version='1.0'?>\n<svg xmlns='x'>\n<!-- <circle cx='9' cy='9'/> a > b <i> -->\
-            <rect x='1'/><circle  r = '1' cy='0.25' cx=\"0.5\" style='a=b'/>\r\n<circle\ncx='1'\ncy='2'></circle></svg>";
-        let raw = read(text.as_bytes()).expect("two circles");
-        assert_eq!(raw.set.points, [[0.5, 0.25], [1.0, 2.0]]);
+        let text = "<?xml version='1.0'?>\n<!DOCTYPE svg PUBLIC '-//W3C//DTD SVG 1.1//EN' 'svg11.dtd'>\n<svg xmlns='x'>\n\
+            <!-- <circle cx='9' cy='9'/> a > b <i> --><rect x='1'/>\
+            <circle  r = '1' cy='0.25' cx=\"0.5\" style='a=b'/>\r\n<circle\ncx='1'\ncy='2'></circle></svg>";
+        assert_eq!(points(text), [[0.5, 0.25], [1.0, 2.0]]);
+    }
+
+    #[test]
+    fn only_what_is_drawn_is_a_point() {
+        let text = "<svg><defs><g><circle cx='9'/></g></defs><symbol><circle cx='8'/></symbol>\
+            <clipPath><circle cx='7'/></clipPath><g display='none'><circle cx='6'/></g>\
+            <circle style='fill: red; display: none' cx='5'/><text>&lt;circle cx='4'/></text>\
+            <desc><![CDATA[<circle cx='3'/>]]></desc><n:circle xmlns:n='notes' cx='2'/>\
+            <g><circle cx='1' cy='0.5'/></g></svg>";
+        assert_eq!(points(text), [[1.0, 0.5]]);
+    }
+
+    #[test]
+    fn coordinates_left_out_are_0() {
+        let text = "<svg><circle r='1'/><circle cx='5'/><circle cy='5'/></svg>";
+        assert_eq!(points(text), [[0.0, 0.0], [5.0, 0.0], [0.0, 5.0]]);
+    }
+
+    #[test]
+    fn transforms_of_circles_are_refused_by_their_place() {
+        let in_group = |group: &str| format!("<svg>\n<{group}>\n<a><circle cx='1'/></a></g></svg>");
+        let refusal = "SVG: a transform of <g> (line 2), in which circle 0 lies, cannot be read; \
+                       circles in plain user units can";
+        for group in [
+            "g transform='scale(2)'",
+            "g style='fill:red;transform: scale(2)'",
+            "g style='/* a: b */ Rotate:4deg'",
+            "g style='-webkit-transform:scale(2)'",
+        ] {
+            assert_eq!(message(&in_group(group)), refusal, "{group}");
+        }
+        for group in ["g transform=''", "g style='transform:none; /* scale: 2 */'"] {
+            assert_eq!(points(&in_group(group)), [[1.0, 0.0]], "{group}");
+        }
+
+        let own = "<svg><circle cx='1'/><circle transform='translate(1 2)'/></svg>";
+        assert!(message(own).contains("a transform of circle 1 (line 1)"));
+        let moved = message("<svg><circle style='cx: 4px'/></svg>");
+        assert!(moved.contains("a transform of circle 0"), "{moved}");
+        let root = message("<svg transform='scale(2)'><circle/></svg>");
+        assert!(root.contains("a transform of <svg> (line 1)"), "{root}");
+        let within = message("<svg><svg x='4'><circle/></svg></svg>");
+        assert!(within.contains("an <svg> within another (line 1), in which circle 0 lies"));
+    }
+
+    #[test]
+    fn what_moves_no_circle_may_be_transformed() {
+        let text = "<svg><g transform='scale(2)'><text>a</text></g><circle cx='1'/>\
+            <g transform='scale(2)'><defs><circle/></defs></g><circle cx='2'/></svg>";
+        assert_eq!(points(text), [[1.0, 0.0], [2.0, 0.0]]);
+    }
+
+    #[test]
+    fn style_sheets_that_move_are_refused() {
+        let sheet = |css: &str| format!("<svg><defs><style>{css}</style></defs><circle/></svg>");
+        for css in [
+            "circle { fill: red; transform: scale(2) }",
+            "<![CDATA[ .a{translate:1px} ]]>",
+            "@media print { circle { cx: 3px } }",
+        ] {
+            assert!(
+                message(&sheet(css)).contains("a style sheet that sets"),
+                "{css}"
+            );
+        }
+        let css = "a:hover { text-transform: none; transform-origin: 0 } /* transform: scale(2) */";
+        assert_eq!(points(&sheet(css)), [[0.0, 0.0]]);
+    }
+
+    #[test]
+    fn other_marks_are_refused_by_name() {
+        let used = "<svg>\n<defs><path id='m'/></defs>\n<g><use href='#m' x='1'/></g></svg>";
+        assert_eq!(
+            message(used),
+            "SVG: <use> (line 3) cannot be read; of all marks only <circle> can"
+        );
+        assert!(message("<svg><circle/><ellipse cx='1'/></svg>").contains("<ellipse> (line 1)"));
+        assert!(message("<svg><path d='M0 0'/></svg>").contains("each <circle> is a point"));
+    }
+
+    #[test]
+    fn deep_and_vast_documents_are_harmless() {
+        let deep = format!("<svg>{}", "<g>".repeat(100_000));
+        assert!(message(&deep).contains("SVG: line 1: "));
+        let closed = format!("{deep}<circle/>{}</svg>", "</g>".repeat(100_000));
+        assert_eq!(points(&closed), [[0.0, 0.0]]);
+        let entities = "<!DOCTYPE svg [\n<!ENTITY a 'aaaa'>]><svg>&a;<circle/></svg>";
+        assert!(message(entities).contains("the declaration of an entity (line 2)"));
     }
 
     #[test]
@@ -143,10 +366,15 @@ mod tests {
 
     #[test]
     fn faults_are_named() {
-        let message = |text: &str| read(text.as_bytes()).err().expect(text).to_string();
         assert!(message("<html></html>").contains("does not begin with an <svg>"));
-        assert!(message("<svg><circle cx='1'/>").contains("point 0: the circle has no cy"));
-        assert!(message("<svg><circle cx='1' cy='5%'/>").contains("\"5%\" is not a number"));
-        assert!(message("<svg><g transform='scale(2)'>").contains("a transform"));
+        let number = message("<svg><circle cx='1' cy='5%'/></svg>");
+        assert!(
+            number.contains("point 0: \"5%\" is not a number"),
+            "{number}"
+        );
+        let open = message("<svg>\n<circle cx='1'>\n</svg>");
+        assert!(open.starts_with("SVG: line 3: "), "{open}");
+        let bytes = read(b"<svg>\xFF</svg>").err().expect("no text").to_string();
+        assert_eq!(bytes, "SVG: byte 5: the text is not UTF-8");
     }
 }

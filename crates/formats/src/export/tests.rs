@@ -268,3 +268,68 @@ fn storage_that_changes_a_level_is_found_out() {
     let stored = export_through(&mut faulty, "set.csv", &set, &context, &GO);
     assert!(matches!(stored, Err(ExportError::ReadBack { .. })));
 }
+
+#[test]
+fn positions_are_stored_with_their_origin() {
+    let set = lattice(8, 1.0);
+    let origin = [5e5, 5.4e6];
+    for format in Format::ALL {
+        let name = format!("set.{}", format.extension());
+        let context = ExportContext {
+            origin,
+            format: Some(format),
+            ..ExportContext::new(region(1.0), 0.12)
+        };
+        let exported = export_bytes(&name, &set, &context, &GO);
+        if format.is_unit_torus() {
+            let error = exported.expect_err("no origin there").to_string();
+            assert!(error.contains("begins at 0 0"), "{error}");
+            continue;
+        }
+
+        let exported = exported.expect("an eighth is stored exactly there");
+        let certificate = &exported.certificate;
+        assert_eq!(
+            (certificate.format_version, certificate.origin),
+            (2, Some(origin))
+        );
+        assert!(
+            certificate.valid && certificate.rounding.is_none(),
+            "{format}"
+        );
+        let stored = decode_own(&exported.data, format).expect("own");
+        let moved = set
+            .points
+            .iter()
+            .map(|[x, y]| [x + origin[0], y + origin[1]]);
+        assert_eq!(stored.set.points, moved.collect::<Vec<_>>(), "{format}");
+
+        let beside = ("c", exported.certificate_bytes.as_slice());
+        let read = crate::read_bytes(&exported.data, &Hint::from_name(&name), Some(beside));
+        assert_eq!(read.expect("own").set.points, set.points, "{format}");
+    }
+}
+
+#[test]
+fn without_an_origin_a_certificate_is_as_before() {
+    let context = ExportContext {
+        origin: [0.0, -0.0],
+        ..ExportContext::new(region(1.0), 0.12)
+    };
+    let exported = export_bytes("set.csv", &lattice(8, 1.0), &context, &GO).expect("valid");
+    let text = String::from_utf8(exported.certificate_bytes).expect("text");
+    assert!(text.starts_with("{\n  \"format_version\": 1,\n"));
+    assert!(!text.contains("origin"));
+}
+
+#[test]
+fn an_origin_that_would_spoil_the_set_is_refused() {
+    let context = ExportContext {
+        origin: [0.0, 1e10],
+        ..ExportContext::new(region(1.0), 0.12)
+    };
+    let error = export_bytes("set.csv", &lattice(8, 1.0), &context, &GO).expect_err("too far");
+    let error = error.to_string();
+    assert!(error.contains("are 1.9e-6 apart"), "{error}");
+    assert!(error.contains("the radius 0.12"), "{error}");
+}

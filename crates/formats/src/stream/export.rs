@@ -336,6 +336,7 @@ impl StreamExport {
             precision: self.target.precision,
             region: self.context.region,
             radius: self.context.radius,
+            origin: self.context.origin,
             verify: self.options.verify,
             largest_shift: self.judges.as_ref().map_or(0.0, |j| j.largest_shift),
             state: self.state.clone(),

@@ -45,6 +45,9 @@ pub(super) struct Checkpoint {
     pub precision: Precision,
     pub region: Region,
     pub radius: f64,
+    /// The origin; checkpoints of versions that had none do not state it.
+    #[serde(default)]
+    pub origin: [f64; 2],
     pub verify: bool,
     pub largest_shift: f64,
     pub state: Option<StateFile>,
@@ -103,6 +106,10 @@ impl Checkpoint {
             ("precision", texts(&self.precision, &target.precision)),
             ("region", texts(&self.region, &context.region)),
             ("radius", texts(&self.radius, &context.radius)),
+            (
+                "origin",
+                [self.origin, context.origin].map(|[x, y]| format!("{x} {y}")),
+            ),
         ] {
             if stated != found {
                 let reason = format!("its {what} is {stated}, asked was {found}");

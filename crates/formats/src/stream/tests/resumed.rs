@@ -296,3 +296,36 @@ fn a_stream_goes_where_a_link_leads() {
             .contains("a socket")
     );
 }
+
+#[test]
+fn an_origin_is_resumed_and_another_is_refused() {
+    let context = ExportContext {
+        origin: [5e5, 5.4e6],
+        ..context(Boundary::Periodic, Precision::Double)
+    };
+    let set = rows(Boundary::Periodic, 0.2);
+    for format in [Format::Csv, Format::Npy, Format::PlyBinary] {
+        let (_folder, _, expected) = whole(&set, &context, format);
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join(name(format));
+        interrupted(&path, &context, &set, [400, set.len()]);
+
+        let other = ExportContext {
+            origin: [0.0; 2],
+            ..context.clone()
+        };
+        let refused = StreamExport::resume(&path, &other).expect_err("another origin");
+        assert!(
+            refused
+                .to_string()
+                .contains("its origin is 500000 5400000, asked was 0 0"),
+            "{refused}"
+        );
+
+        let (export, _) = StreamExport::resume(&path, &context).expect("resumable");
+        let mut export = export.with_band(SMALL);
+        push(&mut export, &set, 400..set.len(), 77);
+        export.finish(&GO).expect("proven");
+        assert_eq!(bytes_of(&path), expected, "{format}");
+    }
+}
