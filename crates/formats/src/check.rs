@@ -30,12 +30,22 @@ pub struct Overrides {
     pub format: Option<Format>,
     /// Which set of a UTK file.
     pub set: Option<usize>,
+    /// The columns of x and y in a text table, each by its name, or by its number from 1.
+    pub columns: Option<[String; 2]>,
     /// The region. Unit-torus formats are scaled to its width.
     pub region: Option<Region>,
     /// The radius.
     pub radius: Option<f64>,
     /// Who verifies.
     pub judges: JudgeChoice,
+}
+
+impl Overrides {
+    /// The columns as a [`Hint`] has them.
+    pub(crate) fn chosen_columns(&self) -> Option<[&str; 2]> {
+        let columns = self.columns.as_ref()?;
+        Some(columns.each_ref().map(String::as_str))
+    }
 }
 
 /// One statement of a certificate that does not hold for the file.
@@ -172,6 +182,7 @@ pub fn check_bytes(
         name,
         format: overrides.format,
         set: overrides.set,
+        columns: overrides.chosen_columns(),
     };
     let ReadSet {
         mut set,
