@@ -32,6 +32,8 @@ pub struct Overrides {
     pub format: Option<Format>,
     /// Which set of a UTK file.
     pub set: Option<usize>,
+    /// The columns of x and y in a text table, each by its name, or by its number from 1.
+    pub columns: Option<[String; 2]>,
     /// The region. Unit-torus formats are scaled to its width.
     pub region: Option<Region>,
     /// The radius.
@@ -42,6 +44,14 @@ pub struct Overrides {
     pub planar: bool,
     /// Who verifies.
     pub judges: JudgeChoice,
+}
+
+impl Overrides {
+    /// The columns as a [`Hint`] has them.
+    pub(crate) fn chosen_columns(&self) -> Option<[&str; 2]> {
+        let columns = self.columns.as_ref()?;
+        Some(columns.each_ref().map(String::as_str))
+    }
 }
 
 /// One statement of a certificate that does not hold for the file.
@@ -178,6 +188,7 @@ pub fn check_bytes(
         name,
         format: overrides.format,
         set: overrides.set,
+        columns: overrides.chosen_columns(),
         ..Hint::default()
     };
     let mut read = decode(data, &hint)?;

@@ -13,6 +13,7 @@ mod psa;
 #[cfg(not(target_arch = "wasm32"))]
 pub(crate) mod rows;
 mod svg;
+pub(crate) mod table;
 mod utk;
 mod xyz;
 
@@ -27,6 +28,7 @@ use crate::error::FormatError;
 use crate::format::{Format, Precision};
 use crate::mapping::{Mapping, check_origin};
 use crate::point_set::PointSet;
+use crate::text::as_utf8;
 
 /// What the caller knows about some bytes before they are decoded.
 #[derive(Clone, Copy, Debug, Default)]
@@ -40,6 +42,8 @@ pub struct Hint<'a> {
     /// The position in the file of the domain's lower corner, if it is not that of the certificate, or 0 without one.
     /// [`decode`] does not use it.
     pub origin: Option<[f64; 2]>,
+    /// The columns of x and y in a text table, each by its name, or by its number from 1.
+    pub columns: Option<[&'a str; 2]>,
 }
 
 impl<'a> Hint<'a> {
@@ -144,30 +148,38 @@ impl Raw {
 /// The point set which `bytes` hold, positions in file coordinates.
 ///
 /// Never panics, and allocates no more than a small multiple of `bytes`, whatever a header claims.
-/// Text may begin with a UTF-8 byte-order mark, end lines with CRLF, have blanks at line ends and lack
-/// the last newline.
+/// Text may begin with a byte-order mark, of UTF-8 or of UTF-16, which is converted; its lines may end with LF, CRLF or CR,
+/// have blanks at their ends, and the last one may lack its end. Text tables (CSV, XYZ) may separate fields by commas,
+/// semicolons, tabs or blanks, with quotation marks, and may have a header. Decimal commas are refused.
 ///
 /// # Errors
 ///
 /// A [`FormatError`] that names the place and the value found; a set without points is
 /// [`FormatError::Empty`].
 pub fn decode(bytes: &[u8], hint: &Hint<'_>) -> Result<ReadSet, FormatError> {
-    let detection = Detection::of(bytes, hint.name.as_ref(), hint.format)?;
+    let bytes = &*as_utf8(bytes);
+    let detection = detected(bytes, hint)?;
     let format = detection.format;
     let raw = match format {
-        Format::Csv => csv::read(bytes),
+        Format::Csv | Format::Xyz => table::read(bytes, format, hint.columns),
         Format::PsaText => psa::read_text(bytes),
         Format::PsaRps => psa::read_rps(bytes),
         Format::UtkText => utk::read_text(bytes, hint.set),
         Format::UtkBinary => utk::read_binary(bytes, hint.set),
         Format::Npy => npy::read(bytes),
         Format::PlyAscii | Format::PlyBinary => ply::read(bytes, format),
-        Format::Xyz => xyz::read(bytes),
         Format::Json => json::read(bytes),
         Format::Svg => svg::read(bytes),
     }?;
     if raw.set.is_empty() {
         return Err(FormatError::Empty { format });
+    }
+    if let Some(index) = hint.set.filter(|&index| index >= raw.sets) {
+        return Err(FormatError::Sets {
+            format,
+            found: raw.sets,
+            chosen: Some(index),
+        });
     }
     check_provenance(&raw.set)?;
     Ok(ReadSet {
@@ -178,6 +190,20 @@ pub fn decode(bytes: &[u8], hint: &Hint<'_>) -> Result<ReadSet, FormatError> {
         degrees: raw.degrees,
         certificate: raw.certificate,
     })
+}
+
+/// The format to read `bytes` in. Where columns are chosen it is a text table, although a file of the same look may be
+/// UTK's or psa's.
+fn detected(bytes: &[u8], hint: &Hint<'_>) -> Result<Detection, FormatError> {
+    let mut detection = Detection::of(bytes, hint.name.as_ref(), hint.format)?;
+    if hint.columns.is_some() {
+        detection.format = match detection.format {
+            format @ (Format::Csv | Format::Xyz) => format,
+            Format::UtkText if hint.format.is_none() => Format::Csv,
+            format => return Err(FormatError::NoColumns { format }),
+        };
+    }
+    Ok(detection)
 }
 
 /// The bytes of a file that holds `set`, given in domain units.

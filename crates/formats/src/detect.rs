@@ -1,16 +1,19 @@
 //! Detects the format of some bytes by extension, then by content, and says on what evidence. Also checks that a file
 //! is not written in a format that readers would take for another because of its name.
 //!
-//! A file that begins with a format's own mark is of that format whatever its name says. Only
-//! its beginning is parsed; whether the rest is valid shows on decoding.
+//! A file that begins with a format's own mark is of that format whatever its name says. Text has no marks: its first two
+//! lines decide, together with what the name says of text. Only the beginning is parsed; whether the rest is valid shows on
+//! decoding.
 
 use std::fmt;
 use std::path::Path;
 
 use crate::binary::array;
+use crate::codecs::table::fields::{Separator, looks_numeric, unquoted};
+use crate::codecs::table::{is_remark, names, names_in_remark};
 use crate::error::FormatError;
 use crate::format::Format;
-use crate::text::{data_lines, lines, without_bom, words};
+use crate::text::{as_utf8, lines, without_bom, words};
 
 /// First bytes of a numpy file.
 pub(crate) const NPY_MAGIC: &[u8] = b"\x93NUMPY";
@@ -80,6 +83,7 @@ impl fmt::Display for Detection {
 /// assert_eq!(found.to_string(), "CSV, by its content");
 /// ```
 pub fn detect(bytes: &[u8], path: &Path) -> Result<Detection, FormatError> {
+    let bytes = &*as_utf8(bytes);
     let named = Format::from_path(path);
     // Raw numbers may begin with any bytes.
     if bytes.starts_with(PARQUET_MAGIC) && named != Some(Format::PsaRps) {
@@ -89,11 +93,15 @@ pub fn detect(bytes: &[u8], path: &Path) -> Result<Detection, FormatError> {
     let found = match (named, marked) {
         (Some(named), Some(marked)) if same_family(named, marked) => (marked, Evidence::Extension),
         (Some(named), Some(marked)) => (marked, Evidence::ContentAgainst(named)),
-        (Some(Format::PsaText), None) => psa_or_utk_text(bytes),
-        (Some(named), None) => (named, Evidence::Extension),
+        (Some(named), None) if !is_table(named) => (named, Evidence::Extension),
+        // Where the text shows no format, the codec that the name stands for says what is wrong with it.
+        (Some(named), None) => match text_format(bytes, path).unwrap_or(named) {
+            found if found == named => (named, Evidence::Extension),
+            found => (found, Evidence::ContentAgainst(named)),
+        },
         (None, Some(marked)) => (marked, Evidence::Content),
         (None, None) => {
-            let shape = by_text_shape(bytes).or_else(|| looks_like_rps(bytes));
+            let shape = text_format(bytes, path).or_else(|| looks_like_rps(bytes));
             let unknown = || FormatError::UnknownFormat {
                 name: path.to_string_lossy().into_owned(),
             };
@@ -138,36 +146,116 @@ fn by_mark(bytes: &[u8]) -> Option<Format> {
     }
 }
 
-/// `.txt` is psa's extension, but files of plain `x y` lines often have it, too.
-fn psa_or_utk_text(bytes: &[u8]) -> (Format, Evidence) {
-    let columns = data_lines(bytes)
-        .next()
-        .map_or(0, |(_, line)| words(line).count());
-    if columns == 2 {
-        return (Format::UtkText, Evidence::ContentAgainst(Format::PsaText));
-    }
-    (Format::PsaText, Evidence::Extension)
+/// Whether a format is a table of text, so that others of its kind may bear its name.
+const fn is_table(format: Format) -> bool {
+    matches!(
+        format,
+        Format::Csv | Format::PsaText | Format::UtkText | Format::Xyz
+    )
 }
 
-/// The text format whose columns the first line has.
-fn by_text_shape(bytes: &[u8]) -> Option<Format> {
-    let (_, line) = data_lines(bytes).next()?;
-    let text = std::str::from_utf8(line).ok()?;
+/// What the name of a file says of the text in it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum NamedText {
+    /// A table in the units of its user: `.csv`, `.tsv`, `.tab`.
+    Table,
+    /// A point cloud: `.xyz`, `.pts`, `.asc`.
+    Cloud,
+    /// Anything: `.txt`, which is also psa's, and `.dat`, which is also UTK's.
+    Any,
+    /// The name says nothing of text.
+    Unknown,
+}
+
+impl NamedText {
+    fn of(path: &Path) -> Self {
+        let extension = path.extension().unwrap_or_default().to_string_lossy();
+        match &*extension.to_ascii_lowercase() {
+            "csv" | "tsv" | "tab" => Self::Table,
+            "xyz" | "pts" | "asc" => Self::Cloud,
+            "txt" | "dat" => Self::Any,
+            _ => Self::Unknown,
+        }
+    }
+}
+
+/// What the first lines of a text hold.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum TextShape {
+    /// Numbers between blanks, so many in a line.
+    Numbers(usize),
+    /// A number alone in its line, then so many numbers a line.
+    Counted(usize),
+    /// Numbers between other separators, names of coordinates, or a line that states the separator.
+    Table,
+    /// Words that are neither numbers nor names of coordinates; true if there are several.
+    Words(bool),
+}
+
+/// The format of a text whose name is `path`.
+fn text_format(bytes: &[u8], path: &Path) -> Option<Format> {
+    let (named, shape) = (NamedText::of(path), text_shape(bytes)?);
+    Some(match (named, shape) {
+        // Their codec reads all tables, in the units of the file.
+        (NamedText::Table, _) => Format::Csv,
+        (NamedText::Cloud, _) => Format::Xyz,
+        (_, TextShape::Table) => Format::Csv,
+        (NamedText::Any, TextShape::Words(true)) => Format::Csv,
+        (_, TextShape::Numbers(1) | TextShape::Counted(..=2)) => Format::PsaText,
+        (_, TextShape::Numbers(2)) => Format::UtkText,
+        (_, TextShape::Counted(_) | TextShape::Numbers(3)) => Format::Xyz,
+        // Without a name, many numbers in a line may be anything.
+        (NamedText::Any, TextShape::Numbers(_)) => Format::Xyz,
+        (NamedText::Unknown, TextShape::Numbers(_)) | (_, TextShape::Words(_)) => return None,
+    })
+}
+
+/// The shape of a text; `None` if it is binary or has no lines but remarks.
+fn text_shape(bytes: &[u8]) -> Option<TextShape> {
+    let mut remarks = Vec::new();
+    let mut rows = lines(bytes).map(|(_, line)| line).filter(|line| {
+        let is_remark = is_remark(line);
+        if is_remark {
+            remarks = names_in_remark(line).unwrap_or_default();
+        }
+        !line.is_empty() && !is_remark
+    });
+    let first = rows.next()?;
+    let second = rows.next().unwrap_or_default();
+    drop(rows);
+    let text = std::str::from_utf8(first).ok()?;
     if text.contains(|c: char| c.is_control() && !c.is_whitespace()) {
         return None;
     }
-    if text.contains(',') {
-        return Some(Format::Csv);
+
+    let separator = Separator::of(first);
+    let fields: Vec<&[u8]> = match separator {
+        Separator::Blank => words(first).collect(),
+        separator => first.split(|&b| b == separator.byte()).collect(),
+    };
+    let strings = |fields: &[&[u8]]| -> Vec<String> {
+        let text = |field: &&[u8]| String::from_utf8_lossy(unquoted(field)).into_owned();
+        fields.iter().map(text).collect()
+    };
+    let is_names = names::is_header(&strings(&fields));
+    if is_names || Separator::stated(first).is_some() || separator == Separator::Comma {
+        return Some(TextShape::Table);
     }
-    if !words(line).all(|w| std::str::from_utf8(w).is_ok_and(|w| w.parse::<f64>().is_ok())) {
-        return None;
+    if !fields.iter().all(|field| looks_numeric(field)) {
+        return Some(TextShape::Words(fields.len() > 1));
     }
-    match words(line).count() {
-        1 => Some(Format::PsaText),
-        2 => Some(Format::UtkText),
-        3 => Some(Format::Xyz),
-        _ => None,
+    if separator == Separator::Semicolon {
+        return Some(TextShape::Table);
     }
+    // Names in a remark count if they are not those of the first columns, which are taken without them, too.
+    let in_order = |names: &[String]| names::named(names).is_ok_and(|found| found.places == [0, 1]);
+    if remarks.len() == fields.len() && !in_order(&remarks) {
+        return Some(TextShape::Table);
+    }
+    Some(match (fields.len(), words(second).count()) {
+        (1, columns @ 2..) => TextShape::Counted(columns),
+        (columns, _) => TextShape::Numbers(columns),
+    })
 }
 
 /// Headerless f32 pairs have no mark: accepted when every one of them lies in the unit square.
@@ -214,8 +302,9 @@ impl Format {
             self,
             Self::UtkBinary | Self::Npy | Self::PlyAscii | Self::PlyBinary | Self::Json | Self::Svg
         );
-        // Files of two numbers a line are often called .txt, too.
-        marked || self == named || (self, named) == (Self::UtkText, Self::PsaText)
+        // Any table may be called .txt or .dat.
+        let by_text = is_table(self) && matches!(named, Self::PsaText | Self::UtkText);
+        marked || self == named || by_text
     }
 }
 
@@ -260,6 +349,42 @@ mod tests {
         assert_eq!(found(b"# c\n0 0 0\n", "").0, Format::Xyz);
         let pair = [0.25_f32.to_le_bytes(), 0.5_f32.to_le_bytes()].concat();
         assert_eq!(found(&pair, "points").0, Format::PsaRps);
+    }
+
+    #[test]
+    fn tables_are_known_by_what_they_hold_before_what_they_are_called() {
+        for (name, text, format) in [
+            ("a.txt", "0.5,0.25\n", Format::Csv),
+            ("a.txt", "x,y\n0.5,0.25\n", Format::Csv),
+            ("a.dat", "0,5;0,25\n", Format::Csv),
+            ("a.dat", "X Y\n0.5 0.25\n", Format::Csv),
+            ("a.txt", "east north\n0.5 0.25\n", Format::Csv),
+            ("a.txt", "sep=;\n0.5;0.25\n", Format::Csv),
+            ("a.txt", "# x y\n0.5 0.25\n", Format::UtkText),
+            ("a.txt", "# y x\n0.5 0.25\n", Format::Csv),
+            ("a.txt", "# lon lat\n0.5 0.25\n", Format::Csv),
+            ("a.txt", "0,5 0,25\n", Format::UtkText),
+            ("a.txt", "1\n0.5 0.25\n", Format::PsaText),
+            ("a.dat", "1\r\n0.5 0.25\r\n", Format::PsaText),
+            ("a.txt", "1\n0.5 0.25 0 7\n", Format::Xyz),
+            ("a.dat", "0.5 0.25 0 7\n", Format::Xyz),
+            ("a.pts", "1\n0.5 0.25 0 7 8 9 10\n", Format::Xyz),
+            ("a.PTS", "0.5 0.25\n", Format::Xyz),
+            ("a.xyz", "//X Y Z\n0.5 0.25 0\n", Format::Xyz),
+            ("a.tsv", "0.5\t0.25\n", Format::Csv),
+            ("a.csv", "0.5 0.25\n", Format::Csv),
+            ("a.csv", "hello", Format::Csv),
+            ("a.txt", "hello", Format::PsaText),
+            ("a", "x;y\n0.5;0.25\n", Format::Csv),
+            ("a", "0.5;0.25\n", Format::Csv),
+        ] {
+            assert_eq!(found(text.as_bytes(), name).0, format, "{name}: {text}");
+            let marked = std::iter::once(0xFEFF).chain(text.encode_utf16());
+            let wide: Vec<u8> = marked.flat_map(u16::to_le_bytes).collect();
+            assert_eq!(found(&wide, name).0, format, "{name} in UTF-16: {text}");
+        }
+        assert!(detect(b"", "a.pts".as_ref()).is_err());
+        assert!(detect(b"east north\n1 2\n", "a".as_ref()).is_err());
     }
 
     #[test]

@@ -176,6 +176,18 @@ pub enum FormatError {
         /// The token, cut to 40 characters.
         token: String,
     },
+    /// A number has a decimal comma.
+    #[error(
+        "{format}: {place}: \"{token}\" has a decimal comma; numbers must have decimal points, as 0.5 has"
+    )]
+    DecimalComma {
+        /// The format being read.
+        format: Format,
+        /// Where in the file.
+        place: FilePlace,
+        /// The token, cut to 40 characters.
+        token: String,
+    },
     /// A coordinate is NaN or infinite, or became so by rounding to f32.
     #[error("{format}: {place}: the coordinate {value} is not a finite number")]
     NotFinite {
@@ -197,6 +209,22 @@ pub enum FormatError {
         found: usize,
         /// Columns needed.
         expected: usize,
+    },
+    /// A row of a table cannot be read, or could be read in two ways.
+    #[error("{format}: {place}: {reason}")]
+    Row {
+        /// The format being read.
+        format: Format,
+        /// The line.
+        place: FilePlace,
+        /// What is wrong, with the value found and what would do.
+        reason: String,
+    },
+    /// Columns were chosen in a file that is no table of text.
+    #[error("{format}: columns can be chosen in text tables only, in which each line has a point")]
+    NoColumns {
+        /// The format being read.
+        format: Format,
     },
     /// A third coordinate is not zero, so the set is not planar.
     #[error("{format}: {place}: z is {z}, and only planar sets (z = 0) are read")]
@@ -248,8 +276,8 @@ pub enum FormatError {
         /// The format being read or written.
         format: Format,
     },
-    /// The file holds several sets, and the chosen one does not exist or none was chosen.
-    #[error("{format}: the file holds {found} sets; choose one of 0 to {} ({})", found - 1, wish(*.chosen))]
+    /// The file holds several sets and none was chosen, or the chosen one does not exist.
+    #[error("{format}: the file holds {}", several(*.found, *.chosen))]
     Sets {
         /// The format being read.
         format: Format,
@@ -306,11 +334,16 @@ pub(crate) fn io_error(path: &std::path::Path, source: std::io::Error) -> Format
     }
 }
 
-fn wish(chosen: Option<usize>) -> String {
-    chosen.map_or_else(
-        || "none was chosen".to_owned(),
-        |set| format!("{set} was chosen"),
-    )
+/// Returns how many sets there are, which one was chosen and how one is chosen.
+fn several(found: usize, chosen: Option<usize>) -> String {
+    let was = chosen.map_or_else(|| "none".to_owned(), |set| set.to_string());
+    match found {
+        1 => format!("one set, which is set 0; {was} was chosen"),
+        _ => format!(
+            "{found} sets, 0 to {}, and {was} was chosen; --set I of the command line chooses one, set=I in Python",
+            found - 1
+        ),
+    }
 }
 
 /// Bytes of a file as a short printable quotation for a message.
@@ -370,7 +403,16 @@ mod tests {
         };
         assert_eq!(
             sets.to_string(),
-            "UTK text: the file holds 3 sets; choose one of 0 to 2 (none was chosen)"
+            "UTK text: the file holds 3 sets, 0 to 2, and none was chosen; --set I of the command line chooses one, set=I in Python"
+        );
+        let beyond = FormatError::Sets {
+            format: Format::Csv,
+            found: 1,
+            chosen: Some(4),
+        };
+        assert_eq!(
+            beyond.to_string(),
+            "CSV: the file holds one set, which is set 0; 4 was chosen"
         );
     }
 }

@@ -3,12 +3,15 @@
 //! The same layouts, functions and errors as for whole files. Callers pass pieces of the file; only the position in it
 //! is kept.
 
+use std::borrow::Cow;
+
+use super::table::TextTable;
 use super::{csv, npy, ply, utk};
 use crate::binary::{self, Endian};
 use crate::error::FormatError;
 use crate::format::{Format, Precision};
 use crate::point_set::{PointSet, Provenance};
-use crate::text::without_bom;
+use crate::text::{as_utf8, whole_lines};
 
 /// The head of a file of `count` points in a format that [streams](Format::streams), empty where it has none.
 /// Its length does not depend on the count.
@@ -56,15 +59,24 @@ pub(crate) struct Layout {
 }
 
 impl Layout {
-    /// The layout of a file of `format` that begins with `start`; `None` if the rows of one set are not contiguous.
-    pub fn of(start: &[u8], format: Format) -> Result<Option<Self>, FormatError> {
+    /// The layout of a file of `format` that begins with `start`; `None` if the rows of one set are not contiguous, or are
+    /// UTF-16. `columns` are those that the caller chose, which only text tables have.
+    pub fn of(
+        start: &[u8],
+        format: Format,
+        columns: Option<[&str; 2]>,
+    ) -> Result<Option<Self>, FormatError> {
+        if columns.is_some() && format != Format::Csv {
+            return Ok(None);
+        }
         let pairs = |precision, endian, offset, count| {
             let kind = RowKind::Pairs(precision, endian);
             Self::new(format, kind, precision, offset, count)
         };
         Ok(match format {
+            Format::Csv if matches!(as_utf8(start), Cow::Owned(_)) => None,
             Format::Csv => {
-                let kind = RowKind::Csv(csv::CsvTable::default());
+                let kind = RowKind::Text(Box::new(TextTable::new(format, columns)));
                 Some(Self::new(format, kind, Precision::Double, 0, None))
             }
             Format::PsaRps => Some(pairs(Precision::Single, Endian::Little, 0, None)),
@@ -120,7 +132,7 @@ impl Layout {
 pub(crate) struct Rows {
     format: Format,
     kind: RowKind,
-    /// Rows, or lines, read so far.
+    /// Rows read so far, but not of text, which counts its lines.
     next: u64,
 }
 
@@ -128,7 +140,7 @@ pub(crate) struct Rows {
 enum RowKind {
     Pairs(Precision, Endian),
     Ply(ply::BinaryTable),
-    Csv(csv::CsvTable),
+    Text(Box<TextTable>),
 }
 
 impl Rows {
@@ -137,7 +149,7 @@ impl Rows {
         match &self.kind {
             RowKind::Pairs(precision, _) => Some(2 * precision.bytes()),
             RowKind::Ply(table) => Some(table.width()),
-            RowKind::Csv(_) => None,
+            RowKind::Text(_) => None,
         }
     }
 
@@ -145,7 +157,15 @@ impl Rows {
     pub fn whole(&self, bytes: &[u8]) -> usize {
         match self.width() {
             Some(width) => bytes.len() - bytes.len() % width,
-            None => (bytes.iter().rposition(|&b| b == b'\n')).map_or(0, |end| end + 1),
+            None => whole_lines(bytes),
+        }
+    }
+
+    /// The number of points that lines of text state.
+    pub fn stated(&self) -> Option<u64> {
+        match &self.kind {
+            RowKind::Text(table) => table.stated(),
+            RowKind::Pairs(..) | RowKind::Ply(_) => None,
         }
     }
 
@@ -171,17 +191,9 @@ impl Rows {
                 self.next += set.len() as u64;
                 Ok(set)
             }
-            RowKind::Csv(table) => {
+            RowKind::Text(table) => {
                 let mut points = Vec::new();
-                let first = self.next == 0;
-                let bytes = if first { without_bom(bytes) } else { bytes };
-                for line in bytes.split_inclusive(|&b| b == b'\n') {
-                    self.next += 1;
-                    let row = line.trim_ascii();
-                    if !row.is_empty() && row[0] != b'#' {
-                        table.take(row, self.next, &mut points)?;
-                    }
-                }
+                table.take(bytes, &mut points)?;
                 Ok(PointSet::from_points(points))
             }
         }

@@ -1,24 +1,9 @@
-//! `x y z` a line, as point-cloud tools read.
-//!
-//! Written with z = 0; columns beyond the third (colours, normals) are skipped on reading. A
-//! set with z other than 0 is refused.
+//! `x y z` a line with z = 0, as point-cloud tools read it. `table` reads such files, in which colours and normals may
+//! follow.
 
-use super::Raw;
 use crate::error::{FilePlace, FormatError};
-use crate::format::{Format, Precision};
-use crate::text::{data_lines, numbers, push_line, words};
-
-const FORMAT: Format = Format::Xyz;
-
-pub(super) fn read(bytes: &[u8]) -> Result<Raw, FormatError> {
-    let mut points = Vec::new();
-    for (line, row) in data_lines(bytes) {
-        let [x, y, z] = numbers(words(row), FORMAT, line, false)?;
-        planar(z, FORMAT, FilePlace::Line(line))?;
-        points.push([x, y]);
-    }
-    Ok(Raw::new(points, Precision::Double))
-}
+use crate::format::Format;
+use crate::text::push_line;
 
 /// Refuses a third coordinate other than 0.
 pub(super) fn planar(z: f64, format: Format, place: FilePlace) -> Result<(), FormatError> {
@@ -39,10 +24,12 @@ pub(super) fn write(points: &[[f64; 2]]) -> Vec<u8> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::codecs::table;
 
     #[test]
     fn reads_coloured_planar_points_only() {
-        let raw = read(b"0.5 0.25 0 255 0 0\r\n0.1\t0.2\t0.0").expect("planar");
+        let read = |text: &[u8]| table::read(text, Format::Xyz, None);
+        let raw = read(b"0.5 0.25 0 255\r\n0.1\t0.2\t0.0 9").expect("planar");
         assert_eq!(raw.set.points, [[0.5, 0.25], [0.1, 0.2]]);
         let message = |text: &[u8]| read(text).err().expect("refused").to_string();
         assert_eq!(
@@ -50,8 +37,12 @@ mod tests {
             "XYZ: line 2: z is 2.5, and only planar sets (z = 0) are read"
         );
         assert_eq!(
-            message(b"0.5 0.5\n"),
-            "XYZ: line 1: 2 columns where 3 are needed"
+            message(b"0.5 0.5 0\n0.5 0.5\n"),
+            "XYZ: line 2: 2 columns where 3 are needed"
+        );
+        assert_eq!(
+            message(b"0.5\n"),
+            "XYZ: line 1: 1 columns where 2 are needed"
         );
     }
 }

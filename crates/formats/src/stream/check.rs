@@ -46,7 +46,8 @@ pub(super) fn check_from(
     if length <= whole || overrides.set.is_some() {
         return in_memory();
     }
-    let Ok(reader) = StreamReader::try_open(path, overrides.format, true)? else {
+    let columns = overrides.chosen_columns();
+    let Ok(reader) = StreamReader::try_open(path, overrides.format, columns, true)? else {
         return in_memory();
     };
     let is_not_in_rows =

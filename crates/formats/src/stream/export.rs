@@ -244,7 +244,8 @@ impl StreamExport {
         self.provenance = provenance;
         let carried = provenance && format.carries_provenance();
         let start = head(format, precision, 1, carried)?;
-        let layout = Layout::of(&start, format)?.ok_or(ExportError::NotStreamed { format })?;
+        let layout =
+            Layout::of(&start, format, None)?.ok_or(ExportError::NotStreamed { format })?;
         let mut rows = layout.rows;
         if layout.offset == 0 {
             rows.read(&start)?;

@@ -54,17 +54,19 @@ impl StreamReader {
     /// that cannot be read in pieces: of a format that does not [stream](Format::streams), with several sets or with
     /// all x before all y.
     pub fn open(path: &Path, format: Option<Format>) -> Result<Self, FormatError> {
-        Self::try_open(path, format, false)?.map_err(|format| FormatError::Unsupported {
+        Self::try_open(path, format, None, false)?.map_err(|format| FormatError::Unsupported {
             format,
             what: "this file in pieces".to_owned(),
             supported: "one set, point after point, as csv, psa-rps, utk-binary, npy or ply-binary can",
         })
     }
 
-    /// The inner error is the format of a file that cannot be read in pieces.
+    /// Opens a file, of which `columns` are read if it is a text table. The inner error is the format of a file that cannot
+    /// be read in pieces.
     pub(super) fn try_open(
         path: &Path,
         format: Option<Format>,
+        columns: Option<[&str; 2]>,
         digested: bool,
     ) -> Result<Result<Self, Format>, FormatError> {
         let failed = |e| io_error(path, e);
@@ -75,7 +77,7 @@ impl StreamReader {
         start.truncate(count);
         let detection = Detection::of(&start, file_name(path)?.as_ref(), format)?;
         let format = detection.format;
-        let Some(layout) = Layout::of(&start, format)? else {
+        let Some(layout) = Layout::of(&start, format, columns)? else {
             return Ok(Err(format));
         };
         let count = checked_count(&layout, length, format)?;
@@ -162,8 +164,8 @@ impl StreamReader {
         if self.read == 0 {
             return Err(FormatError::Empty { format });
         }
-        match self.count {
-            // The file was made shorter while it was read.
+        match self.count.or_else(|| self.rows.stated()) {
+            // The file was made shorter while it was read, or its text states another number.
             Some(stated) if stated != self.read => Err(FormatError::Count {
                 format,
                 stated,

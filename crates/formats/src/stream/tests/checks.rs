@@ -153,19 +153,73 @@ fn foreign_text_is_read_in_pieces_as_in_memory() {
     let path = folder.path().join("set.csv");
     for text in [
         "\u{feff}id,\"y\",\"x\"\r\n7,0.25,0.5\r\n\r\n# note\n8,0.5,0.5",
-        "0.5,0.25,red\n0.5,0.75",
+        "sep=;\r\n\"x\";\"y\"\r\n\"0.5\";0.25\r\n0.5;0.75",
+        "X Y\r0.5 0.25\r\r% note\r0.5   0.75\r",
+        "2\n0.5\t0.25\t0\n0.5\t0.75\t0\n",
     ] {
         fs::write(&path, text).expect("writable");
         let expected = read(&path, &Hint::default()).expect("readable");
         assert_eq!(pieces(&path).expect("readable"), expected.set.points);
     }
-    for text in ["", "x,y\n", "x,y\n1,2\n3\n", "a,b\n1,2", "x,y\n1,NaN\n"] {
+    for text in [
+        "",
+        "x,y\n",
+        "x,y\n1,2\n3\n",
+        "a,b\n1,2",
+        "x,y\n1,NaN\n",
+        "12,5,7,3\n",
+        "x;y\r0.5;0.25\r0,5;0,25\r",
+        "3\n1 2 0\n",
+        "x,y\n1,\"2\n",
+    ] {
         fs::write(&path, text).expect("writable");
         let expected = read(&path, &Hint::default()).expect_err(text).to_string();
         assert_eq!(pieces(&path).expect_err(text).to_string(), expected);
     }
+    let line_ends = format!("x;y\r{}", "0.125;\"0.75\"\r\r".repeat(100_000));
+    fs::write(&path, line_ends).expect("writable");
+    assert_eq!(
+        pieces(&path).expect("readable"),
+        vec![[0.125, 0.75]; 100_000]
+    );
+
     let endless = format!("x,y\n{}", "1".repeat(3 << 20));
     fs::write(&path, endless).expect("writable");
     let error = pieces(&path).expect_err("a long line").to_string();
     assert!(error.contains("a line of more than"), "{error}");
+}
+
+#[test]
+fn what_no_stream_reads_is_checked_in_memory() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("set.csv");
+    let text = "x,y,z\n0.25,0.25,7\n0.75,0.75,8\n";
+    let overrides = Overrides {
+        region: Some(Region::UNIT_SQUARE),
+        radius: Some(0.7),
+        columns: Some(["x", "2"].map(str::to_owned)),
+        ..Overrides::default()
+    };
+
+    fs::write(&path, text).expect("writable");
+    let expected = check_from(&path, &overrides, 0, &GO).expect("columns are chosen in a stream");
+    assert_eq!(expected.report.count, 2);
+
+    let marked = std::iter::once(0xFEFF).chain(text.encode_utf16());
+    let wide: Vec<u8> = marked.flat_map(u16::to_le_bytes).collect();
+    fs::write(&path, wide).expect("writable");
+    let found = check_from(&path, &overrides, 0, &GO).expect("UTF-16");
+    assert_eq!(found.report, expected.report);
+    let error = StreamReader::open(&path, None).expect_err("not in pieces");
+    assert!(matches!(error, FormatError::Unsupported { .. }));
+    let error = check_from(
+        &path,
+        &Overrides {
+            columns: None,
+            ..overrides
+        },
+        0,
+        &GO,
+    );
+    assert!(error.expect_err("z is 7").to_string().contains("z is 7"));
 }

@@ -1,0 +1,403 @@
+//! Text tables: a point a line, as programs and people write them.
+//!
+//! Fields are separated by commas, semicolons, tabs or blanks, and may stand in quotation marks. A header names the
+//! columns; without one x and y come first. Decimal commas are never read: a row that could be read in two ways is refused.
+
+pub(crate) mod fields;
+pub(crate) mod names;
+
+use super::Raw;
+use super::xyz::planar;
+use crate::error::{FilePlace, FormatError, quote};
+use crate::format::{Format, Precision};
+use crate::text::{number, split_line, without_bom, words};
+use fields::{QuotedRow, Separator, looks_numeric, unquoted};
+
+/// Reads a whole table. `columns` are those that the caller chose.
+pub(super) fn read(
+    bytes: &[u8],
+    format: Format,
+    columns: Option<[&str; 2]>,
+) -> Result<Raw, FormatError> {
+    let (mut table, mut points) = (TextTable::new(format, columns), Vec::new());
+    table.take(bytes, &mut points)?;
+    match table.stated {
+        Some(stated) if stated != points.len() as u64 => Err(FormatError::Count {
+            format,
+            stated,
+            found: points.len() as u64,
+        }),
+        _ => Ok(Raw::new(points, Precision::Double)),
+    }
+}
+
+/// Whether a line is a remark: it begins with `#`, `%` or `//`.
+pub(crate) fn is_remark(line: &[u8]) -> bool {
+    let line = line.trim_ascii_start();
+    line.starts_with(b"#") || line.starts_with(b"%") || line.starts_with(b"//")
+}
+
+/// The names in a remark, if it is a header: `# x y`, `//X Y Z`.
+pub(crate) fn names_in_remark(line: &[u8]) -> Option<Vec<String>> {
+    let is_mark = |b: &u8| b.is_ascii_whitespace() || b"#%/".contains(b);
+    let begin = line.iter().position(|b| !is_mark(b))?;
+    let line = &line[begin..];
+    let names = match Separator::of(line) {
+        Separator::Blank => words(line).map(name).collect(),
+        separator => line
+            .split(|&b| b == separator.byte())
+            .map(name)
+            .collect::<Vec<_>>(),
+    };
+    Some(names).filter(|names| names::is_header(names))
+}
+
+fn name(field: &[u8]) -> String {
+    quote(unquoted(field))
+}
+
+/// A table that is read line by line.
+#[derive(Clone, Debug)]
+pub(crate) struct TextTable {
+    format: Format,
+    chosen: Option<[String; 2]>,
+    /// Lines read so far.
+    line: u64,
+    /// The separator, if a line states it or there is a header.
+    separator: Option<Separator>,
+    header: Header,
+    /// The last remark that names coordinates.
+    remark: Header,
+    /// The number of points, if a line states it.
+    stated: Option<u64>,
+    rows: Option<TableRows>,
+}
+
+/// The names of columns and their line; without names there is no header.
+#[derive(Clone, Debug, Default)]
+struct Header {
+    names: Vec<String>,
+    line: u64,
+}
+
+/// How the rows of a table are read; known from the first one on.
+#[derive(Clone, Debug)]
+struct TableRows {
+    format: Format,
+    separator: Separator,
+    /// Which columns are x and y.
+    places: [usize; 2],
+    /// Which column is z and must be 0.
+    z: Option<usize>,
+    count: usize,
+    /// Whether each row must have as many fields; otherwise fields may lack at its end.
+    exact: bool,
+    quoted: QuotedRow,
+}
+
+impl TextTable {
+    pub fn new(format: Format, columns: Option<[&str; 2]>) -> Self {
+        Self {
+            format,
+            chosen: columns.map(|columns| columns.map(str::to_owned)),
+            line: 0,
+            separator: None,
+            header: Header::default(),
+            remark: Header::default(),
+            stated: None,
+            rows: None,
+        }
+    }
+
+    /// The number of points that the table states.
+    #[cfg(not(target_arch = "wasm32"))]
+    pub fn stated(&self) -> Option<u64> {
+        self.stated
+    }
+
+    /// Reads the next lines, which are whole; only the last line of the file may lack its end.
+    pub fn take(&mut self, bytes: &[u8], points: &mut Vec<[f64; 2]>) -> Result<(), FormatError> {
+        let mut rest = if self.line == 0 {
+            without_bom(bytes)
+        } else {
+            bytes
+        };
+        while self.rows.is_none() && !rest.is_empty() {
+            rest = self.take_head(rest)?;
+        }
+
+        let Some(rows) = &mut self.rows else {
+            return Ok(());
+        };
+        // Without quotation marks, which most tables lack, no row has to be searched for them.
+        let quotes = rest.contains(&b'"');
+        while !rest.is_empty() {
+            let row;
+            (row, rest) = split_line(rest);
+            self.line += 1;
+            if is_row(row) {
+                let is_quoted = quotes && row.contains(&b'"');
+                points.push(rows.point(row, is_quoted, FilePlace::Line(self.line))?);
+            }
+        }
+        Ok(())
+    }
+
+    /// Reads a line before the first row and returns what follows it. At the first row it decides how rows are read, and
+    /// returns all.
+    fn take_head<'a>(&mut self, text: &'a [u8]) -> Result<&'a [u8], FormatError> {
+        let (line, rest) = split_line(text);
+        let place = FilePlace::Line(self.line + 1);
+        self.refuse_unmarked_utf_16(line, place)?;
+        if is_remark(line) {
+            if let Some(names) = names_in_remark(line) {
+                let line = self.line + 1;
+                self.remark = Header { names, line };
+            }
+        } else if self.line == 0
+            && let Some(stated) = Separator::stated(line)
+        {
+            self.separator = Some(stated.map_err(|found| self.header_fault(
+                place,
+                format!(
+                    "sep={} is not a separator that is read: those are a comma, a semicolon, a tab and a blank",
+                    quote(found)
+                ),
+            ))?);
+        } else if is_row(line) {
+            let separator = self.separator.unwrap_or_else(|| Separator::of(line));
+            let fields = self.fields(line, separator, place)?;
+            if self.header.names.is_empty() && is_header(&fields) {
+                let names = fields.iter().map(|field| name(field)).collect();
+                let line = self.line + 1;
+                self.header = Header { names, line };
+                self.separator = Some(separator);
+            } else if let Some(count) = self.count_line(&fields) {
+                self.stated = Some(count);
+            } else {
+                self.rows = Some(self.rows_like(&fields, separator, place)?);
+                return Ok(text);
+            }
+        }
+        self.line += 1;
+        Ok(rest)
+    }
+
+    /// Every second byte of Latin text in UTF-16 is 0.
+    fn refuse_unmarked_utf_16(&self, line: &[u8], place: FilePlace) -> Result<(), FormatError> {
+        let is_zero = |at: usize| line.get(at) == Some(&0);
+        if (is_zero(0) && is_zero(2)) || (is_zero(1) && is_zero(3)) {
+            let reason = "this is UTF-16 without a byte-order mark; save it as UTF-8".to_owned();
+            return Err(self.header_fault(place, reason));
+        }
+        Ok(())
+    }
+
+    fn header_fault(&self, place: FilePlace, reason: String) -> FormatError {
+        FormatError::Header {
+            format: self.format,
+            place,
+            reason,
+        }
+    }
+
+    /// The fields of a line, without those that are empty at its end.
+    fn fields(
+        &self,
+        line: &[u8],
+        separator: Separator,
+        place: FilePlace,
+    ) -> Result<Vec<Vec<u8>>, FormatError> {
+        let mut quoted = QuotedRow::new(separator);
+        if !quoted.take(line) {
+            return Err(open_quote(self.format, place));
+        }
+        let mut fields: Vec<Vec<u8>> = match separator {
+            Separator::Blank if !line.contains(&b'"') => words(line).map(<[u8]>::to_vec).collect(),
+            _ => quoted.fields().map(<[u8]>::to_vec).collect(),
+        };
+        while fields
+            .last()
+            .is_some_and(|last| last.trim_ascii().is_empty())
+        {
+            fields.pop();
+        }
+        Ok(fields)
+    }
+
+    /// The number of points, if a line before the first row holds nothing else, as in `.pts` files.
+    fn count_line(&self, fields: &[Vec<u8>]) -> Option<u64> {
+        let [field] = fields else { return None };
+        let is_first = self.header.names.is_empty() && self.stated.is_none();
+        let text = std::str::from_utf8(field).ok().filter(|_| is_first)?;
+        text.trim().parse().ok()
+    }
+
+    /// How the rows of a table are read whose first row has these fields.
+    fn rows_like(
+        &self,
+        fields: &[Vec<u8>],
+        separator: Separator,
+        place: FilePlace,
+    ) -> Result<TableRows, FormatError> {
+        let format = self.format;
+        let found = fields.len();
+        // A remark with another number of names is about something else.
+        let is_of_remark = self.header.names.is_empty() && self.remark.names.len() == found;
+        let Header { names, line } = if is_of_remark {
+            &self.remark
+        } else {
+            &self.header
+        };
+        let fault = |reason| self.header_fault(FilePlace::Line((*line).max(1)), reason);
+        let mut rows = TableRows {
+            format,
+            separator,
+            places: [0, 1],
+            z: None,
+            count: found.max(names.len()),
+            // A field that lacks among blanks would make its neighbour take its place.
+            exact: separator == Separator::Blank || names.is_empty(),
+            quoted: QuotedRow::new(separator),
+        };
+        if let Some(choice) = &self.chosen {
+            // Whoever chooses columns chooses a plane: the others are not asked for.
+            rows.places = names::chosen(choice, names, rows.count).map_err(fault)?;
+        } else if !names.is_empty() {
+            let named = names::named(names).map_err(fault)?;
+            (rows.places, rows.z, rows.count) = (named.places, named.z, names.len());
+        } else if separator == Separator::Comma && found > 3 {
+            let reason = two_readings(fields);
+            return Err(FormatError::Row {
+                format,
+                place,
+                reason,
+            });
+        } else if found < 2 {
+            return Err(rows.miscounted(found, 2, place));
+        } else {
+            rows.z = (found > 2).then_some(2);
+        }
+        Ok(rows)
+    }
+}
+
+impl TableRows {
+    fn point(
+        &mut self,
+        row: &[u8],
+        is_quoted: bool,
+        place: FilePlace,
+    ) -> Result<[f64; 2], FormatError> {
+        if is_quoted {
+            if !self.quoted.take(row) {
+                return Err(open_quote(self.format, place));
+            }
+            return self.point_of(self.quoted.fields(), place);
+        }
+        match self.separator {
+            Separator::Blank => self.point_of(words(row), place),
+            separator => {
+                let by = separator.byte();
+                self.point_of(row.split(|&b| b == by), place)
+            }
+        }
+    }
+
+    fn point_of<'a>(
+        &self,
+        fields: impl Iterator<Item = &'a [u8]>,
+        place: FilePlace,
+    ) -> Result<[f64; 2], FormatError> {
+        let [at_x, at_y] = self.places;
+        let (mut x, mut y, mut z) = (None, None, None);
+        // Some programs end each row with a separator: empty fields at the end do not count.
+        let mut filled = 0;
+        for (column, field) in fields.enumerate() {
+            let field = field.trim_ascii();
+            if column == at_x {
+                x = Some(field);
+            } else if column == at_y {
+                y = Some(field);
+            } else if Some(column) == self.z {
+                z = Some(field);
+            }
+            if !field.is_empty() {
+                filled = column + 1;
+            }
+        }
+
+        if filled > self.count || (self.exact && filled < self.count) {
+            return Err(self.miscounted(filled, self.count, place));
+        }
+        let (Some(x), Some(y)) = (x, y) else {
+            return Err(self.miscounted(filled, at_x.max(at_y) + 1, place));
+        };
+        if let Some(column) = self.z {
+            let z = z.ok_or_else(|| self.miscounted(filled, column + 1, place))?;
+            planar(number(z, self.format, place)?, self.format, place)?;
+        }
+        let value = |field| number(field, self.format, place);
+        Ok([value(x)?, value(y)?])
+    }
+
+    /// Refuses a row of too few or too many fields.
+    fn miscounted(&self, found: usize, expected: usize, place: FilePlace) -> FormatError {
+        let format = self.format;
+        if self.separator == Separator::Comma && found > expected {
+            let counts = format!("{found} columns where {expected} are needed");
+            return FormatError::Row {
+                format,
+                place,
+                reason: format!("{counts}; numbers must have decimal points, as 0.5 has"),
+            };
+        }
+        FormatError::Columns {
+            format,
+            place,
+            found,
+            expected,
+        }
+    }
+}
+
+/// Whether a line is neither blank nor a remark.
+fn is_row(line: &[u8]) -> bool {
+    match line.iter().find(|b| !b.is_ascii_whitespace()) {
+        None => false,
+        Some(b'#' | b'%' | b'/') => !is_remark(line),
+        Some(_) => true,
+    }
+}
+
+/// A line is a header if none of its fields is a number, or if it names x and y beside numbers.
+fn is_header(fields: &[Vec<u8>]) -> bool {
+    let is_number = |field: &Vec<u8>| looks_numeric(field);
+    let names: Vec<String> = fields.iter().map(|field| name(field)).collect();
+    !fields.iter().any(is_number) || names::is_header(&names)
+}
+
+fn open_quote(format: Format, place: FilePlace) -> FormatError {
+    FormatError::Row {
+        format,
+        place,
+        reason: "a quotation mark is open at the end of the line; each row must end in its line"
+            .to_owned(),
+    }
+}
+
+/// Why a row of more than three numbers between commas is refused without a header, with what it may be.
+fn two_readings(fields: &[Vec<u8>]) -> String {
+    let count = fields.len();
+    let first: Vec<String> = fields.iter().take(4).map(|field| quote(field)).collect();
+    let [a, b, c, d] = &first[..] else {
+        return format!("{count} columns and no header");
+    };
+    format!(
+        "{count} columns and no header: the point may be ({a}, {b}), or ({a}.{b}, {c}.{d}) with decimal commas; write \
+         decimal points, and a first line that names the columns x and y"
+    )
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,277 @@
+//! Which columns of a table are x, y and z, by the names of its header or by the caller's choice.
+
+/// What a caller can do about a header whose names are of no use.
+const CHOOSE: &str =
+    "name two of them x and y, or choose two by name or number (--columns A B of the command line)";
+
+/// Words of a header that say nothing about which coordinate a column holds: units and general words.
+const GENERAL: [&str; 24] = [
+    "coord",
+    "coords",
+    "coordinate",
+    "coordinates",
+    "pos",
+    "position",
+    "point",
+    "points",
+    "pt",
+    "loc",
+    "location",
+    "axis",
+    "m",
+    "cm",
+    "mm",
+    "um",
+    "nm",
+    "km",
+    "ft",
+    "px",
+    "pixel",
+    "pixels",
+    "meter",
+    "metre",
+];
+
+/// The columns of x and y, and of z if there is one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct NamedColumns {
+    pub places: [usize; 2],
+    pub z: Option<usize>,
+}
+
+/// The columns that a header names: `x` and `y`, or names near them such as `X_coord` or `x [m]`. The error is a reason.
+pub(crate) fn named(names: &[String]) -> Result<NamedColumns, String> {
+    let (x, y) = (find(names, "x")?, find(names, "y")?);
+    if let (Some(x), Some(y)) = (x, y) {
+        return Ok(NamedColumns {
+            places: [x, y],
+            z: find(names, "z")?,
+        });
+    }
+    if let Some([longitude, latitude]) = degrees(names) {
+        return Err(format!(
+            "\"{longitude}\" and \"{latitude}\" are degrees on a sphere, and only planar sets are read: project them, \
+             to UTM for example, and name the columns x and y"
+        ));
+    }
+    let missing = if x.is_none() { "x" } else { "y" };
+    Err(format!(
+        "no column is named {missing}; the columns are {}: {CHOOSE}",
+        list(names)
+    ))
+}
+
+/// Whether a remark such as `# x y` is a header: it names coordinates, planar or not.
+pub(crate) fn is_header(names: &[String]) -> bool {
+    named(names).is_ok() || degrees(names).is_some()
+}
+
+/// The columns that the caller chose, each by its name, or by its number from 1 if no column has that name. `count` is the
+/// number of columns. The error is a reason.
+pub(super) fn chosen(
+    choice: &[String; 2],
+    names: &[String],
+    count: usize,
+) -> Result<[usize; 2], String> {
+    let find = |wanted: &String| {
+        let exact = only(names, wanted, |name| name == wanted)?;
+        let alike = only(names, wanted, |name| name.eq_ignore_ascii_case(wanted))?;
+        let number = || wanted.parse::<usize>().ok()?.checked_sub(1);
+        let column = exact.or(alike).or_else(number);
+        column.filter(|&column| column < count).ok_or_else(|| {
+            let named = match names {
+                [] => String::new(),
+                names => format!("{}, or by number ", list(names)),
+            };
+            format!("there is no column \"{wanted}\"; the columns are {named}1 to {count}")
+        })
+    };
+    let places = [find(&choice[0])?, find(&choice[1])?];
+    if places[0] == places[1] {
+        return Err(format!(
+            "\"{}\" and \"{}\" are the same column; choose two",
+            choice[0], choice[1]
+        ));
+    }
+    Ok(places)
+}
+
+/// The column of an axis: the one of its name, else the only one with a name near it.
+fn find(names: &[String], axis: &str) -> Result<Option<usize>, String> {
+    let exact = only(names, axis, |name| name.eq_ignore_ascii_case(axis))?;
+    if exact.is_some() {
+        return Ok(exact);
+    }
+    only(names, axis, |name| is_near(name, axis))
+}
+
+/// The only column whose name is as wanted.
+fn only(
+    names: &[String],
+    wanted: &str,
+    is_wanted: impl Fn(&str) -> bool,
+) -> Result<Option<usize>, String> {
+    let mut found = names.iter().enumerate().filter(|(_, name)| is_wanted(name));
+    match (found.next(), found.next()) {
+        (Some((_, first)), Some((_, second))) => Err(format!(
+            "both \"{first}\" and \"{second}\" may be {wanted}: {CHOOSE}"
+        )),
+        (first, _) => Ok(first.map(|(column, _)| column)),
+    }
+}
+
+/// Whether `name` is `axis` with units or general words.
+fn is_near(name: &str, axis: &str) -> bool {
+    let joined = |word: &str| {
+        let rest = word.strip_prefix(axis).or_else(|| word.strip_suffix(axis));
+        rest.is_some_and(|rest| rest.is_empty() || (rest.len() > 2 && GENERAL.contains(&rest)))
+    };
+    matches!(&specific_words(name)[..], [word] if joined(word))
+}
+
+/// The names of longitude and latitude.
+fn degrees(names: &[String]) -> Option<[&String; 2]> {
+    let find = |known: &[&str]| {
+        let is_known = |word: &String| known.contains(&word.as_str());
+        (names.iter()).find(|name| specific_words(name).iter().any(is_known))
+    };
+    let longitude = find(&["lon", "lng", "long", "longitude"])?;
+    Some([longitude, find(&["lat", "latitude"])?])
+}
+
+/// The words of a name in lower case, without units in brackets and without general words.
+fn specific_words(name: &str) -> Vec<String> {
+    let mut depth = 0_u32;
+    let outside = name.chars().map(|letter| {
+        let opens = matches!(letter, '[' | '(' | '{');
+        let closes = matches!(letter, ']' | ')' | '}');
+        depth += u32::from(opens);
+        let inside = depth > 0;
+        depth -= u32::from(closes && inside);
+        if inside { ' ' } else { letter }
+    });
+    let outside: String = outside.flat_map(char::to_lowercase).collect();
+    let words = outside.split(|c: char| !c.is_alphanumeric());
+    let is_specific = |word: &&str| !word.is_empty() && !GENERAL.contains(word);
+    words.filter(is_specific).map(str::to_owned).collect()
+}
+
+/// The names in quotation marks, cut to a bounded number.
+fn list(names: &[String]) -> String {
+    const MOST: usize = 12;
+    let quoted = names.iter().take(MOST).map(|name| format!("\"{name}\""));
+    let mut listed = quoted.collect::<Vec<_>>().join(", ");
+    if names.len() > MOST {
+        listed.push_str(", ...");
+    }
+    listed
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn header(names: &str) -> Vec<String> {
+        names.split(',').map(str::to_owned).collect()
+    }
+
+    fn places(names: &str) -> Result<[usize; 2], String> {
+        named(&header(names)).map(|columns| columns.places)
+    }
+
+    #[test]
+    fn near_names_are_used() {
+        for names in [
+            "x,y",
+            "X,Y",
+            "X_coord,Y_coord",
+            "x [m],y [m]",
+            "X (mm),Y (mm)",
+            "x_m,y_m",
+            "POINT_X,POINT_Y",
+            "xcoord,ycoord",
+            "Position X,Position Y",
+            "coordX,coordY",
+            "x [km/s],y",
+        ] {
+            assert_eq!(places(names), Ok([0, 1]), "{names}");
+        }
+        assert_eq!(places("id,Y,X"), Ok([2, 1]));
+        // The exact name is used although there is a near one.
+        assert_eq!(places("x_m,x,y"), Ok([1, 2]));
+        assert_eq!(
+            named(&header("X,Y,Z [m]")).map(|found| found.z),
+            Ok(Some(2))
+        );
+    }
+
+    #[test]
+    fn other_names_are_refused_with_what_was_found() {
+        for names in [
+            "max,may",
+            "xy,yx",
+            "box,boy",
+            "x2,y2",
+            "xm,ym",
+            "vx,vy",
+            "x speed,y speed",
+        ] {
+            let reason = places(names).expect_err(names);
+            assert!(
+                reason.starts_with("no column is named x; the columns are \""),
+                "{reason}"
+            );
+        }
+        assert!(
+            places("x,z")
+                .expect_err("no y")
+                .starts_with("no column is named y")
+        );
+        let reason = places("x_m,x_px,y").expect_err("two near names");
+        assert!(
+            reason.starts_with("both \"x_m\" and \"x_px\" may be x"),
+            "{reason}"
+        );
+        assert!(places("x,y,x").is_err());
+    }
+
+    #[test]
+    fn degrees_are_refused_by_name() {
+        for names in [
+            "lon,lat",
+            "Latitude,Longitude",
+            "id,lng [deg],lat [deg]",
+            "GPS lat,GPS long",
+        ] {
+            let reason = places(names).expect_err(names);
+            assert!(reason.contains("project them"), "{reason}");
+            assert!(is_header(&header(names)));
+        }
+        assert_eq!(places("lon,lat,x,y"), Ok([2, 3]));
+        assert!(!is_header(&header("made,by,hand")));
+    }
+
+    #[test]
+    fn columns_are_chosen_by_name_or_number() {
+        let names = header("id,Lon,lat,2");
+        let choose = |a: &str, b: &str| chosen(&[a.to_owned(), b.to_owned()], &names, 4);
+        assert_eq!(choose("lon", "lat"), Ok([1, 2]));
+        assert_eq!(choose("1", "3"), Ok([0, 2]));
+        // A name comes before a number.
+        assert_eq!(choose("2", "1"), Ok([3, 0]));
+        for (a, b) in [("0", "1"), ("5", "1"), ("x", "lat")] {
+            let reason = choose(a, b).expect_err(a);
+            assert_eq!(
+                reason,
+                format!(
+                    "there is no column \"{a}\"; the columns are \"id\", \"Lon\", \"lat\", \"2\", or by number 1 to 4"
+                )
+            );
+        }
+        assert!(
+            choose("lat", "3")
+                .expect_err("one column")
+                .contains("the same column")
+        );
+    }
+}
