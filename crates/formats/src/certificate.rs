@@ -4,8 +4,11 @@
 //! on the positions read back from the file.
 
 use std::collections::BTreeMap;
+use std::fmt;
 
-use serde::{Deserialize, Serialize};
+use serde::de::{Error, MapAccess, SeqAccess, Visitor};
+use serde::{Deserialize, Deserializer, Serialize};
+use serde_json::{Map, Value};
 use tilescope_analysis::{Judge, PrefixClaim, PrefixReport, Region};
 
 use crate::error::FormatError;
@@ -23,6 +26,7 @@ pub const MAX_CERTIFICATE_BYTES: usize = 4 << 20;
 
 /// How storing changed the positions.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Rounding {
     /// The largest change of a coordinate, in domain units, around the torus when periodic.
     pub largest_shift: f64,
@@ -36,14 +40,17 @@ pub struct Rounding {
 
 /// What holds for the first points of a file of nested levels, as measured. Lengths are in domain units.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct CertifiedLevel {
     /// How many points there are to the end of the level.
     pub count: u64,
     /// No two of them are to be closer than this.
     pub distance: f64,
     /// No place is to be farther from them than this, but for the tolerance; null where that is not promised.
+    #[serde(deserialize_with = "stated")]
     pub covering: Option<f64>,
     /// Smallest distance between two of them; null for a single point of a bounded region.
+    #[serde(deserialize_with = "stated")]
     pub min_distance: Option<f64>,
     /// Radius of the largest empty circle centred in the region.
     pub covering_radius: f64,
@@ -77,7 +84,11 @@ impl CertifiedLevel {
 }
 
 /// What a point-set file holds, how it was made and what the verifier found. Lengths are in domain units.
+///
+/// Every field must be there when one is read, null where it may be, and no others; only [`Self::judges`] and
+/// [`Self::levels`] may be left out.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Certificate {
     /// Version of this document's layout, see [`CERTIFICATE_FORMAT_VERSION`].
     pub format_version: u32,
@@ -88,7 +99,8 @@ pub struct Certificate {
     /// The sampling method.
     pub method: String,
     /// The seed and every other parameter of the method, by name.
-    pub parameters: BTreeMap<String, serde_json::Value>,
+    #[serde(deserialize_with = "distinct")]
+    pub parameters: BTreeMap<String, Value>,
     /// The region of the positions.
     pub region: Region,
     /// The sampling radius.
@@ -98,6 +110,7 @@ pub struct Certificate {
     /// Number of points.
     pub count: u64,
     /// Smallest distance between two points; null for a single point of a bounded region.
+    #[serde(deserialize_with = "stated")]
     pub min_distance: Option<f64>,
     /// Radius of the largest empty circle centred in the region.
     pub covering_radius: f64,
@@ -108,6 +121,7 @@ pub struct Certificate {
     /// `N r^2 / area`.
     pub density: f64,
     /// `min_distance / r_max`; null where `min_distance` is.
+    #[serde(deserialize_with = "stated")]
     pub relative_radius: Option<f64>,
     /// The verdict: conflict-free and maximal.
     pub valid: bool,
@@ -126,12 +140,15 @@ pub struct Certificate {
     /// Domain length of one unit of the file: the region's width in unit-torus formats, otherwise 1.
     pub scale: f64,
     /// The seed of the order in which the points were written, if they were shuffled.
+    #[serde(deserialize_with = "stated")]
     pub shuffle_seed: Option<u64>,
     /// How storing changed the positions; null when all are stored exactly.
+    #[serde(deserialize_with = "stated")]
     pub rounding: Option<Rounding>,
     /// [`positions_digest`](crate::positions_digest) of the file coordinates in the file's order.
     pub positions_digest: String,
     /// [`bytes_digest`](crate::bytes_digest) of the data file; null inside the file it would have to contain.
+    #[serde(deserialize_with = "stated")]
     pub digest: Option<String>,
 }
 
@@ -146,7 +163,8 @@ impl Certificate {
     ///
     /// # Errors
     ///
-    /// [`FormatError::Certificate`] when it is too large, of a newer version, not JSON, or lacks a field.
+    /// [`FormatError::Certificate`] when it is too large, of a newer version or not JSON, and when it lacks a field, has an
+    /// unknown one, has one twice or has one of another type.
     pub fn from_bytes(bytes: &[u8], name: &str) -> Result<Self, FormatError> {
         let fault = |reason: String| FormatError::Certificate {
             name: name.to_owned(),
@@ -160,11 +178,19 @@ impl Certificate {
         let bytes = crate::text::without_bom(bytes);
         let version: Version = serde_json::from_slice(bytes).map_err(|e| fault(e.to_string()))?;
         check_version(version.format_version, name)?;
-        serde_json::from_slice(bytes).map_err(|e| fault(e.to_string()))
+        let stated: Self = serde_json::from_slice(bytes).map_err(|e| fault(e.to_string()))?;
+
+        // Only a certificate inside the file that it is about cannot state that file's digest.
+        if stated.digest.is_none() {
+            return Err(fault(
+                "`digest` is null, which it may be only inside a JSON file".to_owned(),
+            ));
+        }
+        Ok(stated)
     }
 
     /// Parameters that the certificate states a second time, as the region or the radius: name, field and that value.
-    pub(crate) fn known_parameters(&self) -> [(&'static str, &'static str, serde_json::Value); 4] {
+    pub(crate) fn known_parameters(&self) -> [(&'static str, &'static str, Value); 4] {
         let region = &self.region;
         [
             ("width", "parameters.width", region.width.into()),
@@ -222,6 +248,84 @@ impl Certificate {
         let mut bytes = serde_json::to_vec_pretty(self)?;
         bytes.push(b'\n');
         Ok(bytes)
+    }
+}
+
+/// Reads a field that may be null but not be left out, as serde's own reading of an `Option` allows.
+fn stated<'de, D: Deserializer<'de>, T: Deserialize<'de>>(from: D) -> Result<Option<T>, D::Error> {
+    Option::deserialize(from)
+}
+
+/// Reads parameters, none of them twice: readers differ in which of two they would take.
+fn distinct<'de, D: Deserializer<'de>>(from: D) -> Result<BTreeMap<String, Value>, D::Error> {
+    let Distinct(value) = Distinct::deserialize(from)?;
+    match value {
+        Value::Object(parameters) => Ok(parameters.into_iter().collect()),
+        other => Err(D::Error::custom(format_args!(
+            "`parameters` is {other}, which is no object"
+        ))),
+    }
+}
+
+/// A JSON value in which no object has a name twice.
+struct Distinct(Value);
+
+impl<'de> Deserialize<'de> for Distinct {
+    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
+        from.deserialize_any(DistinctVisitor).map(Self)
+    }
+}
+
+struct DistinctVisitor;
+
+impl<'de> Visitor<'de> for DistinctVisitor {
+    type Value = Value;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("a JSON value")
+    }
+
+    fn visit_unit<E>(self) -> Result<Value, E> {
+        Ok(Value::Null)
+    }
+
+    fn visit_bool<E>(self, value: bool) -> Result<Value, E> {
+        Ok(value.into())
+    }
+
+    fn visit_u64<E>(self, value: u64) -> Result<Value, E> {
+        Ok(value.into())
+    }
+
+    fn visit_i64<E>(self, value: i64) -> Result<Value, E> {
+        Ok(value.into())
+    }
+
+    fn visit_f64<E>(self, value: f64) -> Result<Value, E> {
+        Ok(value.into())
+    }
+
+    fn visit_str<E>(self, value: &str) -> Result<Value, E> {
+        Ok(value.into())
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Value, A::Error> {
+        let mut values = Vec::new();
+        while let Some(Distinct(value)) = list.next_element()? {
+            values.push(value);
+        }
+        Ok(Value::Array(values))
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, mut object: A) -> Result<Value, A::Error> {
+        let mut values = Map::new();
+        while let Some((name, Distinct(value))) = object.next_entry::<String, _>()? {
+            if values.contains_key(&name) {
+                return Err(A::Error::custom(format_args!("duplicate field `{name}`")));
+            }
+            values.insert(name, value);
+        }
+        Ok(Value::Object(values))
     }
 }
 

@@ -36,6 +36,20 @@ pub struct Hint<'a> {
     pub format: Option<Format>,
     /// Which set to read of a file that holds several (UTK), from 0.
     pub set: Option<usize>,
+    /// What to do with the certificate beside or inside the file.
+    pub certificate: CertificateUse,
+}
+
+/// What a reader does with the certificate of a file.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum CertificateUse {
+    /// It is compared with the file, and a file with a false one is refused.
+    #[default]
+    Checked,
+    /// It is returned as it is, to be compared later.
+    AsStated,
+    /// It is not read. The set has neither a certificate nor provenance.
+    LeftOut,
 }
 
 impl<'a> Hint<'a> {
@@ -61,8 +75,9 @@ pub struct ReadSet {
     pub precision: Precision,
     /// How many sets the file holds; only UTK files hold several.
     pub sets: usize,
-    /// The certificate beside or inside the file. [`check_bytes`](crate::check_bytes) says whether it is true. [`decode`]
-    /// finds only one inside, which JSON files have.
+    /// The certificate beside or inside the file. [`decode`] finds only one inside, which JSON files have, and returns it as
+    /// it is; for other functions [`Hint::certificate`] says what is done with it. [`check_bytes`](crate::check_bytes)
+    /// also judges the points.
     pub certificate: Option<Certificate>,
 }
 
@@ -142,7 +157,7 @@ impl Raw {
 pub fn decode(bytes: &[u8], hint: &Hint<'_>) -> Result<ReadSet, FormatError> {
     let detection = Detection::of(bytes, hint.name.as_ref(), hint.format)?;
     let format = detection.format;
-    let raw = match format {
+    let mut raw = match format {
         Format::Csv => csv::read(bytes),
         Format::PsaText => psa::read_text(bytes),
         Format::PsaRps => psa::read_rps(bytes),
@@ -151,13 +166,17 @@ pub fn decode(bytes: &[u8], hint: &Hint<'_>) -> Result<ReadSet, FormatError> {
         Format::Npy => npy::read(bytes),
         Format::PlyAscii | Format::PlyBinary => ply::read(bytes, format),
         Format::Xyz => xyz::read(bytes),
-        Format::Json => json::read(bytes),
+        Format::Json => json::read(bytes, hint.certificate),
         Format::Svg => svg::read(bytes),
     }?;
     if raw.set.is_empty() {
         return Err(FormatError::Empty { format });
     }
     check_provenance(&raw.set)?;
+
+    if hint.certificate == CertificateUse::LeftOut {
+        (raw.set.provenance, raw.certificate) = (None, None);
+    }
     Ok(ReadSet {
         set: raw.set,
         detection,

@@ -6,25 +6,41 @@
 use std::fmt::Debug;
 
 use serde::Deserialize;
+use serde::de::{DeserializeOwned, IgnoredAny};
 
-use super::Raw;
+use super::{CertificateUse, Raw};
 use crate::certificate::Certificate;
 use crate::error::FormatError;
 use crate::format::Precision;
 use crate::point_set::{PointSet, Provenance};
 use crate::text::{push, without_bom};
 
-/// The fields read.
+/// The fields read, the certificate as a `C`.
 #[derive(Deserialize)]
-struct Document {
+struct Document<C> {
     points: Vec<[f64; 2]>,
     #[serde(default)]
     provenance: Option<Vec<Provenance>>,
-    #[serde(default)]
-    certificate: Option<Certificate>,
+    #[serde(default = "Option::default")]
+    certificate: Option<C>,
 }
 
-pub(super) fn read(bytes: &[u8]) -> Result<Raw, FormatError> {
+pub(super) fn read(bytes: &[u8], certificate: CertificateUse) -> Result<Raw, FormatError> {
+    // A certificate that is left out need not be readable.
+    if certificate == CertificateUse::LeftOut {
+        return Ok(document::<IgnoredAny>(bytes)?.0);
+    }
+
+    let (mut raw, certificate) = document::<Certificate>(bytes)?;
+    if let Some(certificate) = &certificate {
+        certificate.check_version("inside the file")?;
+    }
+    raw.certificate = certificate;
+    Ok(raw)
+}
+
+/// Returns the set in a document, and its certificate.
+fn document<C: DeserializeOwned>(bytes: &[u8]) -> Result<(Raw, Option<C>), FormatError> {
     let bytes = without_bom(bytes);
     let bare = bytes.trim_ascii_start().first() == Some(&b'[');
     let document = if bare {
@@ -41,11 +57,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Raw, FormatError> {
         points: document.points,
         provenance: document.provenance,
     };
-    if let Some(certificate) = &document.certificate {
-        certificate.check_version("inside the file")?;
-    }
-    raw.certificate = document.certificate;
-    Ok(raw)
+    Ok((raw, document.certificate))
 }
 
 pub(super) fn write(
@@ -85,6 +97,10 @@ fn push_rows(out: &mut Vec<u8>, rows: impl IntoIterator<Item: Debug>) {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn read(bytes: &[u8]) -> Result<Raw, FormatError> {
+        super::read(bytes, CertificateUse::Checked)
+    }
 
     #[test]
     fn a_bare_array_and_unknown_fields_are_read() {
