@@ -22,6 +22,7 @@ pub enum Boundary {
 /// It is `[0, width) x [0, height)` when periodic and the closed `[0, width] x [0, height]` when
 /// bounded.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Region {
     /// Extent along x.
     pub width: f64,

@@ -4,9 +4,11 @@
 //! on the positions read back from the file.
 
 use std::collections::BTreeMap;
+use std::fmt;
 
-use serde::{Deserialize, Serialize};
-use serde_json::Value;
+use serde::de::{Error, MapAccess, SeqAccess, Visitor};
+use serde::{Deserialize, Deserializer, Serialize};
+use serde_json::{Map, Value};
 use tilescope_analysis::{Judge, PrefixClaim, PrefixReport, Region};
 
 use crate::error::FormatError;
@@ -28,6 +30,7 @@ pub const MAX_CERTIFICATE_BYTES: usize = 4 << 20;
 
 /// How storing changed the positions.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Rounding {
     /// The largest change of a coordinate, in domain units, around the torus when periodic.
     pub largest_shift: f64,
@@ -41,14 +44,17 @@ pub struct Rounding {
 
 /// What holds for the first points of a file of nested levels, as measured. Lengths are in domain units.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct CertifiedLevel {
     /// How many points there are to the end of the level.
     pub count: u64,
     /// No two of them are to be closer than this.
     pub distance: f64,
     /// No place is to be farther from them than this, but for the tolerance; null where that is not promised.
+    #[serde(deserialize_with = "stated")]
     pub covering: Option<f64>,
     /// Smallest distance between two of them; null for a single point of a bounded region.
+    #[serde(deserialize_with = "stated")]
     pub min_distance: Option<f64>,
     /// Radius of the largest empty circle centred in the region.
     pub covering_radius: f64,
@@ -82,7 +88,11 @@ impl CertifiedLevel {
 }
 
 /// What a point-set file holds, how it was made and what the verifier found. Lengths are in domain units.
+///
+/// Every field must be there when one is read, null where it may be, and no others; only [`Self::judges`] and
+/// [`Self::levels`] may be left out.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Certificate {
     /// Version of this document's layout, see [`CERTIFICATE_FORMAT_VERSION`].
     pub format_version: u32,
@@ -93,7 +103,8 @@ pub struct Certificate {
     /// The sampling method.
     pub method: String,
     /// The seed and every other parameter of the method, by name.
-    pub parameters: BTreeMap<String, serde_json::Value>,
+    #[serde(deserialize_with = "distinct")]
+    pub parameters: BTreeMap<String, Value>,
     /// The region of the positions.
     pub region: Region,
     /// The position in the file of the region's lower corner, in version 2; version 1 has none, and positions begin at 0 0.
@@ -106,6 +117,7 @@ pub struct Certificate {
     /// Number of points.
     pub count: u64,
     /// Smallest distance between two points; null for a single point of a bounded region.
+    #[serde(deserialize_with = "stated")]
     pub min_distance: Option<f64>,
     /// Radius of the largest empty circle centred in the region.
     pub covering_radius: f64,
@@ -116,6 +128,7 @@ pub struct Certificate {
     /// `N r^2 / area`.
     pub density: f64,
     /// `min_distance / r_max`; null where `min_distance` is.
+    #[serde(deserialize_with = "stated")]
     pub relative_radius: Option<f64>,
     /// The verdict: conflict-free and maximal.
     pub valid: bool,
@@ -134,12 +147,15 @@ pub struct Certificate {
     /// Domain length of one unit of the file: the region's width in unit-torus formats, otherwise 1.
     pub scale: f64,
     /// The seed of the order in which the points were written, if they were shuffled.
+    #[serde(deserialize_with = "stated")]
     pub shuffle_seed: Option<u64>,
     /// How storing changed the positions; null when all are stored exactly.
+    #[serde(deserialize_with = "stated")]
     pub rounding: Option<Rounding>,
     /// [`positions_digest`](crate::positions_digest) of the file coordinates in the file's order.
     pub positions_digest: String,
     /// [`bytes_digest`](crate::bytes_digest) of the data file; null inside the file it would have to contain.
+    #[serde(deserialize_with = "stated")]
     pub digest: Option<String>,
 }
 
@@ -154,8 +170,8 @@ impl Certificate {
     ///
     /// # Errors
     ///
-    /// [`FormatError::Certificate`] when it is too large, of a newer version, not JSON, lacks a field, or, from version 2
-    /// on, has a part that is not known.
+    /// [`FormatError::Certificate`] when it is too large, of a newer version or not JSON, and when it lacks a field, has an
+    /// unknown one, has one twice or has one of another type.
     pub fn from_bytes(bytes: &[u8], name: &str) -> Result<Self, FormatError> {
         let fault = |reason: String| FormatError::Certificate {
             name: name.to_owned(),
@@ -169,48 +185,20 @@ impl Certificate {
         let bytes = crate::text::without_bom(bytes);
         let version: Version = serde_json::from_slice(bytes).map_err(|e| fault(e.to_string()))?;
         check_version(version.format_version, name)?;
-        let read: Self = serde_json::from_slice(bytes).map_err(|e| fault(e.to_string()))?;
-        let parts = || serde_json::from_slice(bytes).unwrap_or_default();
-        read.check_parts(parts, name)?;
-        Ok(read)
-    }
+        let stated: Self = serde_json::from_slice(bytes).map_err(|e| fault(e.to_string()))?;
+        stated.check_version(name)?;
 
-    /// Refuses a certificate that states more than its version has: an origin in version 1, and in version 2 whatever the
-    /// program does not know. `parts` returns the JSON that it was read from.
-    pub(crate) fn check_parts(
-        &self,
-        parts: impl FnOnce() -> Value,
-        name: &str,
-    ) -> Result<(), FormatError> {
-        let version = self.format_version;
-        let fault = |reason: String| FormatError::Certificate {
-            name: name.to_owned(),
-            reason,
-        };
-        match self.origin {
-            Some(_) if version < WITH_ORIGIN => {
-                return Err(fault(format!("version {version} has no origin")));
-            }
-            None if version >= WITH_ORIGIN => {
-                return Err(fault(format!("version {version} needs an origin")));
-            }
-            Some([x, y]) if !(x.is_finite() && y.is_finite()) => {
-                return Err(fault(format!("its origin is {x} {y}")));
-            }
-            // Programs of version 1 ignored what they did not know, and so do later ones with their certificates.
-            None => return Ok(()),
-            Some(_) => {}
+        // Only a certificate inside the file that it is about cannot state that file's digest.
+        if stated.digest.is_none() {
+            return Err(fault(
+                "`digest` is null, which it may be only inside a JSON file".to_owned(),
+            ));
         }
-
-        let known = serde_json::to_value(self)?;
-        match unknown(&parts(), &known) {
-            Some(part) => Err(fault(format!("version {version} has no part {part}"))),
-            None => Ok(()),
-        }
+        Ok(stated)
     }
 
     /// Parameters that the certificate states a second time, as the region or the radius: name, field and that value.
-    pub(crate) fn known_parameters(&self) -> [(&'static str, &'static str, serde_json::Value); 4] {
+    pub(crate) fn known_parameters(&self) -> [(&'static str, &'static str, Value); 4] {
         let region = &self.region;
         [
             ("width", "parameters.width", region.width.into()),
@@ -254,9 +242,21 @@ impl Certificate {
         PrefixClaim::within(&self.claims(), count)
     }
 
-    /// Refuses a certificate of a newer version, before its parts are looked at.
+    /// Refuses a certificate of a newer version, and one that has an origin in version 1 or none in version 2.
     pub(crate) fn check_version(&self, name: &str) -> Result<(), FormatError> {
-        check_version(self.format_version, name)
+        let version = self.format_version;
+        check_version(version, name)?;
+        let reason = match self.origin {
+            // Programs of version 1 would take positions with an origin for positions in the domain.
+            Some(_) if version < WITH_ORIGIN => format!("version {version} has no origin"),
+            None if version >= WITH_ORIGIN => format!("version {version} needs an origin"),
+            Some([x, y]) if !(x.is_finite() && y.is_finite()) => format!("its origin is {x} {y}"),
+            _ => return Ok(()),
+        };
+        Err(FormatError::Certificate {
+            name: name.to_owned(),
+            reason,
+        })
     }
 
     /// The certificate as the bytes of its file: indented JSON, a final newline.
@@ -271,6 +271,84 @@ impl Certificate {
     }
 }
 
+/// Reads a field that may be null but not be left out, as serde's own reading of an `Option` allows.
+fn stated<'de, D: Deserializer<'de>, T: Deserialize<'de>>(from: D) -> Result<Option<T>, D::Error> {
+    Option::deserialize(from)
+}
+
+/// Reads parameters, none of them twice: readers differ in which of two they would take.
+fn distinct<'de, D: Deserializer<'de>>(from: D) -> Result<BTreeMap<String, Value>, D::Error> {
+    let Distinct(value) = Distinct::deserialize(from)?;
+    match value {
+        Value::Object(parameters) => Ok(parameters.into_iter().collect()),
+        other => Err(D::Error::custom(format_args!(
+            "`parameters` is {other}, which is no object"
+        ))),
+    }
+}
+
+/// A JSON value in which no object has a name twice.
+struct Distinct(Value);
+
+impl<'de> Deserialize<'de> for Distinct {
+    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
+        from.deserialize_any(DistinctVisitor).map(Self)
+    }
+}
+
+struct DistinctVisitor;
+
+impl<'de> Visitor<'de> for DistinctVisitor {
+    type Value = Value;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("a JSON value")
+    }
+
+    fn visit_unit<E>(self) -> Result<Value, E> {
+        Ok(Value::Null)
+    }
+
+    fn visit_bool<E>(self, value: bool) -> Result<Value, E> {
+        Ok(value.into())
+    }
+
+    fn visit_u64<E>(self, value: u64) -> Result<Value, E> {
+        Ok(value.into())
+    }
+
+    fn visit_i64<E>(self, value: i64) -> Result<Value, E> {
+        Ok(value.into())
+    }
+
+    fn visit_f64<E>(self, value: f64) -> Result<Value, E> {
+        Ok(value.into())
+    }
+
+    fn visit_str<E>(self, value: &str) -> Result<Value, E> {
+        Ok(value.into())
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Value, A::Error> {
+        let mut values = Vec::new();
+        while let Some(Distinct(value)) = list.next_element()? {
+            values.push(value);
+        }
+        Ok(Value::Array(values))
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, mut object: A) -> Result<Value, A::Error> {
+        let mut values = Map::new();
+        while let Some((name, Distinct(value))) = object.next_entry::<String, _>()? {
+            if values.contains_key(&name) {
+                return Err(A::Error::custom(format_args!("duplicate field `{name}`")));
+            }
+            values.insert(name, value);
+        }
+        Ok(Value::Object(values))
+    }
+}
+
 fn check_version(found: u32, name: &str) -> Result<(), FormatError> {
     if (1..=CERTIFICATE_FORMAT_VERSION).contains(&found) {
         return Ok(());
@@ -281,26 +359,6 @@ fn check_version(found: u32, name: &str) -> Result<(), FormatError> {
             "its format_version is {found}; this program reads 1 to {CERTIFICATE_FORMAT_VERSION}"
         ),
     })
-}
-
-/// Returns the first name in the objects of `found` that `known`, the same document written anew, lacks.
-fn unknown(found: &Value, known: &Value) -> Option<String> {
-    match (found, known) {
-        (Value::Object(found), Value::Object(known)) => found.iter().find_map(|(name, value)| {
-            let inner = match known.get(name) {
-                Some(known) => unknown(value, known)?,
-                // An empty list of levels is not written.
-                None if name == "levels" => return None,
-                None => return Some(name.chars().take(40).flat_map(char::escape_debug).collect()),
-            };
-            Some(format!("{name}.{inner}"))
-        }),
-        (Value::Array(found), Value::Array(known)) => found
-            .iter()
-            .zip(known)
-            .find_map(|(found, known)| unknown(found, known)),
-        _ => None,
-    }
 }
 
 /// JSON has no infinity; an infinite value becomes null.

@@ -12,7 +12,7 @@ use tilescope_analysis::{
 };
 
 use crate::certificate::{Certificate, CertifiedLevel, finite};
-use crate::codecs::{Hint, decode};
+use crate::codecs::{CertificateUse, Hint, decode};
 use crate::detect::Detection;
 use crate::digest::{bytes_digest, positions_digest};
 use crate::error::FormatError;
@@ -44,6 +44,9 @@ pub struct Overrides {
     pub planar: bool,
     /// Who verifies.
     pub judges: JudgeChoice,
+    /// Whether the certificate is left out, and with it the provenance of the points: the file is then checked as one
+    /// that has none.
+    pub without_certificate: bool,
 }
 
 impl Overrides {
@@ -189,12 +192,18 @@ pub fn check_bytes(
         format: overrides.format,
         set: overrides.set,
         columns: overrides.chosen_columns(),
+        certificate: if overrides.without_certificate {
+            CertificateUse::LeftOut
+        } else {
+            CertificateUse::AsStated
+        },
         ..Hint::default()
     };
     let mut read = decode(data, &hint)?;
     let (detection, precision) = (read.detection, read.precision);
     let inside = read.certificate.take();
-    let certificate = match certificate {
+    let beside = certificate.filter(|_| !overrides.without_certificate);
+    let certificate = match beside {
         Some(bytes) => {
             let name = format!("{name}{}", crate::CERTIFICATE_SUFFIX);
             Some(Certificate::from_bytes(bytes, &name)?)
@@ -225,6 +234,7 @@ pub fn check_bytes(
         precision,
         digest: stated.map(|_| bytes_digest(data)),
         positions_digest,
+        count: set.len() as u64,
     };
     Ok((
         set,
@@ -323,6 +333,46 @@ pub(crate) struct Contents {
     /// The digest of the file, computed only if the certificate states one.
     pub digest: Option<String>,
     pub positions_digest: String,
+    pub count: u64,
+}
+
+/// Returns the statements of a certificate that are not true of a file, as far as that shows without a judge: what is
+/// stated of the file's content, and numbers that follow from others.
+///
+/// A certificate without such a difference was written for these points.
+pub(crate) fn contradictions(stated: &Certificate, found: &Contents) -> Vec<CertificateDifference> {
+    let mut list = Differences::default();
+    contents(&mut list, stated, found);
+
+    let mapping = Mapping::new(found.format, Some(stated.region), found.precision);
+    list.exact("scale", &stated.scale, &mapping.scale());
+    parameters(&mut list, stated);
+
+    let density = found.count as f64 * stated.radius.powi(2) / stated.region.area();
+    list.measure("density", Some(stated.density), Some(density));
+    list.exact("valid", &stated.valid, &implied_verdict(stated));
+    list.0
+}
+
+/// Returns the verdict that follows from the numbers of a certificate, by the judges' rule.
+fn implied_verdict(stated: &Certificate) -> bool {
+    let limit = (1.0 + stated.covering_tolerance) * stated.radius;
+    stated.conflicts == 0
+        && stated.min_distance.unwrap_or(f64::INFINITY) >= stated.radius
+        && stated.gaps == 0
+        && stated.covering_radius <= limit
+}
+
+/// Compares what is stated of the file's content.
+fn contents(list: &mut Differences, stated: &Certificate, found: &Contents) {
+    if let (Some(stated), Some(digest)) = (&stated.digest, &found.digest) {
+        list.exact("digest", stated, digest);
+    }
+    let positions = &found.positions_digest;
+    list.exact("positions_digest", &stated.positions_digest, positions);
+    list.exact("file_format", &stated.file_format, &found.format);
+    list.exact("precision", &stated.precision, &found.precision);
+    list.exact("count", &stated.count, &found.count);
 }
 
 fn differences(
@@ -333,14 +383,8 @@ fn differences(
     levels: &[CertifiedLevel],
 ) -> Vec<CertificateDifference> {
     let mut list = Differences::default();
-    if let (Some(stated), Some(digest)) = (&stated.digest, &found.digest) {
-        list.exact("digest", stated, digest);
-    }
-    let positions = &found.positions_digest;
-    list.exact("positions_digest", &stated.positions_digest, positions);
-    list.exact("file_format", &stated.file_format, &found.format);
-    list.exact("precision", &stated.precision, &found.precision);
-    list.exact("count", &stated.count, &(report.count as u64));
+    contents(&mut list, stated, found);
+
     let region = judged.region;
     list.exact("region", &stated.region.to_string(), &region.to_string());
     let [origin, used] = [stated.origin.unwrap_or_default(), judged.origin]

@@ -44,6 +44,20 @@ pub struct Hint<'a> {
     pub origin: Option<[f64; 2]>,
     /// The columns of x and y in a text table, each by its name, or by its number from 1.
     pub columns: Option<[&'a str; 2]>,
+    /// What to do with the certificate beside or inside the file.
+    pub certificate: CertificateUse,
+}
+
+/// What a reader does with the certificate of a file.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum CertificateUse {
+    /// It is compared with the file, and a file with a false one is refused.
+    #[default]
+    Checked,
+    /// It is returned as it is, to be compared later.
+    AsStated,
+    /// It is not read. The set has neither a certificate nor provenance.
+    LeftOut,
 }
 
 impl<'a> Hint<'a> {
@@ -72,8 +86,9 @@ pub struct ReadSet {
     /// Whether the positions may be longitudes and latitudes in degrees: those of a GeoJSON file whose points all lie
     /// within 180 and 90. See [`refuse_degrees`](crate::refuse_degrees).
     pub degrees: bool,
-    /// The certificate beside or inside the file. [`check_bytes`](crate::check_bytes) says whether it is true. [`decode`]
-    /// finds only one inside, which JSON files have.
+    /// The certificate beside or inside the file. [`decode`] finds only one inside, which JSON files have, and returns it as
+    /// it is; for other functions [`Hint::certificate`] says what is done with it. [`check_bytes`](crate::check_bytes)
+    /// also judges the points.
     pub certificate: Option<Certificate>,
 }
 
@@ -160,7 +175,7 @@ pub fn decode(bytes: &[u8], hint: &Hint<'_>) -> Result<ReadSet, FormatError> {
     let bytes = &*as_utf8(bytes);
     let detection = detected(bytes, hint)?;
     let format = detection.format;
-    let raw = match format {
+    let mut raw = match format {
         Format::Csv | Format::Xyz => table::read(bytes, format, hint.columns),
         Format::PsaText => psa::read_text(bytes),
         Format::PsaRps => psa::read_rps(bytes),
@@ -168,7 +183,7 @@ pub fn decode(bytes: &[u8], hint: &Hint<'_>) -> Result<ReadSet, FormatError> {
         Format::UtkBinary => utk::read_binary(bytes, hint.set),
         Format::Npy => npy::read(bytes),
         Format::PlyAscii | Format::PlyBinary => ply::read(bytes, format),
-        Format::Json => json::read(bytes),
+        Format::Json => json::read(bytes, hint.certificate),
         Format::Svg => svg::read(bytes),
     }?;
     if raw.set.is_empty() {
@@ -182,6 +197,10 @@ pub fn decode(bytes: &[u8], hint: &Hint<'_>) -> Result<ReadSet, FormatError> {
         });
     }
     check_provenance(&raw.set)?;
+
+    if hint.certificate == CertificateUse::LeftOut {
+        (raw.set.provenance, raw.certificate) = (None, None);
+    }
     Ok(ReadSet {
         set: raw.set,
         detection,

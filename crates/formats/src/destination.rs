@@ -1,13 +1,24 @@
-//! Where an output is written: which files may be replaced, and where links lead.
+//! Where an output is written, and how: which files may be replaced, where links lead, and how a file and its
+//! certificate change together.
 //!
-//! Files are written beside their destination and renamed over it. Devices, pipes and folders are refused, because
-//! renaming would replace them by a file.
+//! A file is written under a fixed name of its own beside its destination and renamed over it, with the certificate
+//! ([`Place`]), while a lock is held ([`Lock`]). Devices, pipes and folders are refused, because renaming would replace
+//! them by a file.
 
-use std::fs;
+mod lock;
+mod place;
+#[cfg(test)]
+mod tests;
+
+use std::fs::{self, File, OpenOptions};
 use std::io;
 use std::path::{Path, PathBuf};
 
 use crate::error::{FormatError, io_error};
+use crate::read::certificate_path;
+
+pub(crate) use lock::{Lock, is_own};
+pub(crate) use place::{Place, write_new};
 
 /// The most links in a row that are followed, as many as Linux follows.
 const MAX_LINKS: usize = 40;
@@ -41,6 +52,57 @@ pub fn destination(path: &Path) -> Result<PathBuf, FormatError> {
     }
     let source = io::Error::other(format!("more than {MAX_LINKS} links lead on from it"));
     Err(io_error(path, source))
+}
+
+/// The certificate of the set that is read from `path`: beside the file that its links lead to, or else beside `path`.
+#[must_use]
+pub fn certificate_beside(path: &Path) -> PathBuf {
+    let named = certificate_path(path);
+    let at_target = destination(path).map(|file| certificate_path(&file));
+    at_target.ok().filter(|path| path.exists()).unwrap_or(named)
+}
+
+/// Makes a file of this program's own: what an ended process left under its name is removed, and a link that somebody
+/// has put there since is not followed. It gets the mode of the file `like`, which it will replace, if there is one.
+pub(crate) fn create_own(path: &Path, like: &Path) -> io::Result<File> {
+    // If this fails, opening says why.
+    let _ = fs::remove_file(path);
+    let mode = fs::metadata(like).map(|old| old.permissions());
+
+    let mut options = OpenOptions::new();
+    options.read(true).write(true).create_new(true);
+    #[cfg(unix)]
+    if mode.is_ok() {
+        // Nobody else may read it before it has the old file's mode.
+        std::os::unix::fs::OpenOptionsExt::mode(&mut options, 0o600);
+    }
+    let file = step(|| options.open(path))?;
+    if let Ok(mode) = mode {
+        file.set_permissions(mode)?;
+    }
+    Ok(file)
+}
+
+/// Makes the names in a folder durable, of which a power cut would otherwise lose the last changes.
+pub(crate) fn sync_folder(of: &Path) -> io::Result<()> {
+    // Elsewhere folders cannot be opened.
+    if !cfg!(unix) {
+        return Ok(());
+    }
+    let folder = of.parent().filter(|folder| *folder != Path::new(""));
+    let synced = step(|| File::open(folder.unwrap_or(Path::new(".")))?.sync_all());
+    match synced.map_err(|error| error.kind()) {
+        // Some network file systems do not know this.
+        Err(io::ErrorKind::InvalidInput | io::ErrorKind::Unsupported) => Ok(()),
+        outcome => outcome.map_err(io::Error::from),
+    }
+}
+
+/// Carries out one operation on files. Tests let each of them fail, and end the process before each of them.
+pub(crate) fn step<T>(operation: impl FnOnce() -> io::Result<T>) -> io::Result<T> {
+    #[cfg(test)]
+    tests::before_step()?;
+    operation()
 }
 
 /// Refuses a temporary name that is taken by anything but a regular file; links are refused, too.
@@ -83,50 +145,4 @@ fn special(found: fs::FileType) -> &'static str {
 #[cfg(not(unix))]
 fn special(_: fs::FileType) -> &'static str {
     "no file"
-}
-
-#[cfg(all(test, unix))]
-mod tests {
-    use std::os::unix::fs::symlink;
-
-    use super::*;
-
-    #[test]
-    fn links_lead_to_what_is_written() {
-        let folder = tempfile::tempdir().expect("a folder");
-        let at = |name: &str| folder.path().join(name);
-        fs::create_dir(at("data")).expect("a folder");
-        symlink("data/far", at("near")).expect("a link");
-        symlink("set.csv", at("data/far")).expect("a link");
-        let found = destination(&at("near")).expect("a place for a new file");
-        assert_eq!(found, at("data/set.csv"));
-        fs::write(at("data/set.csv"), "old").expect("written");
-        assert_eq!(destination(&at("near")).expect("a file"), found);
-        assert_eq!(destination(&at("new")).expect("a new file"), at("new"));
-        symlink("round", at("round")).expect("a link");
-        let error = destination(&at("round")).expect_err("no end");
-        assert!(error.to_string().contains("40 links"), "{error}");
-    }
-
-    #[test]
-    fn whatever_is_no_file_is_refused_by_its_kind() {
-        let folder = tempfile::tempdir().expect("a folder");
-        let at = |name: &str| folder.path().join(name);
-        let _socket = std::os::unix::net::UnixListener::bind(at("socket")).expect("a socket");
-        symlink("/dev/null", at("link")).expect("a link");
-        symlink("/dev/fd/0", at("input")).expect("a link");
-        for (path, kind) in [
-            (folder.path().to_owned(), "a folder"),
-            (at("socket"), "a socket"),
-            (at("link"), "a device"),
-            ("/dev/null".into(), "a device"),
-            ("/dev/stdout".into(), "a stream of a process"),
-            (at("input"), "a stream of a process"),
-        ] {
-            let error = destination(&path).expect_err("no file").to_string();
-            assert!(error.contains(kind), "{error}");
-        }
-        assert!(check_own(&at("link")).is_err());
-        assert!(check_own(&at("new")).is_ok());
-    }
 }

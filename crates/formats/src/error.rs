@@ -52,6 +52,24 @@ pub enum FormatError {
         /// The most that are read.
         limit: u64,
     },
+    /// There is no memory for the content of a file.
+    #[error(
+        "{path}: there is no memory for its {bytes} bytes; close other programs or use a machine with more"
+    )]
+    NoMemory {
+        /// The file.
+        path: String,
+        /// Its bytes.
+        bytes: u64,
+    },
+    /// Another writer is at work on the same file.
+    #[error(
+        "{path}: this or another process is writing it; wait until it ends, or choose another name"
+    )]
+    Busy {
+        /// The file that is being written.
+        path: String,
+    },
     /// The path of an output names something other than a regular file.
     #[error("{path}: this is {kind}; give the name of a file, which is made or replaced")]
     NotAFile {
@@ -296,6 +314,14 @@ pub enum FormatError {
         name: String,
         /// What is wrong.
         reason: String,
+    },
+    /// A certificate that is not that of the file beside or around it.
+    #[error("the certificate {name} is not true: {difference}")]
+    FalseCertificate {
+        /// The certificate's file name, or "inside the file".
+        name: String,
+        /// The first statement that does not hold, in words.
+        difference: String,
     },
     /// Provenance whose length is not the number of points.
     #[error("{found} provenance entries for {points} points")]

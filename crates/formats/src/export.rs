@@ -173,14 +173,6 @@ pub enum ExportError {
         /// The file that was to be written.
         path: String,
     },
-    /// Another export is writing the same file.
-    #[error(
-        "{path}: this or another process is writing it; wait until it ends, or choose another name"
-    )]
-    Busy {
-        /// The file that is being written.
-        path: String,
-    },
     /// An interrupted export cannot be resumed.
     #[error("{path}: cannot be resumed: {reason}")]
     Resume {

@@ -1,27 +1,27 @@
 //! Point sets on disk: reading, validated export, re-verification.
 //!
 //! Files appear complete or not at all: temporary file in the same folder, sync, read back, rename. No temporary file
-//! is left behind, and an existing file is not touched before the new one is verified.
+//! is left behind, and an existing file is not touched before the new one is verified. `destination` does the renaming,
+//! for a file and its certificate together.
 
-use std::ffi::OsString;
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Read, Write};
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicU32, Ordering};
+use std::time::Duration;
 
 use tilescope_analysis::{Control, Report};
 
 use crate::certificate::{Certificate, MAX_CERTIFICATE_BYTES};
 use crate::check::{Check, CheckError, Overrides, check_bytes};
-use crate::codecs::{Hint, ReadSet, encode_certified};
-use crate::destination::destination;
+use crate::codecs::{CertificateUse, Hint, ReadSet, encode_certified};
+use crate::destination::{Lock, Place, certificate_beside, create_own, step};
 use crate::error::{FormatError, io_error};
 use crate::export::{
     ExportContext, ExportError, Warning, export_through, left_out, ordered, target,
 };
 use crate::pipe::Input;
 use crate::point_set::PointSet;
-use crate::read::{certificate_path, read_bytes};
+use crate::read::read_bytes;
 
 /// The most points of a file that is checked in memory because a stream cannot verify it, 2^28. Each takes about 76
 /// bytes, in all 20 GB.
@@ -50,12 +50,15 @@ pub struct Exported {
 ///
 /// # Errors
 ///
-/// [`FormatError`] when the file, or the certificate beside it, is missing or unreadable.
+/// [`FormatError`] when the file is missing or unreadable, and as [`read_bytes`] for its certificate.
 pub fn read(path: &Path, hint: &Hint<'_>) -> Result<ReadSet, FormatError> {
     let bytes = read_whole(path)?;
     let name = file_name(path)?;
-    let certificate_name = certificate_path(path).to_string_lossy().into_owned();
-    let certificate = read_certificate(path)?;
+    let certificate_name = certificate_beside(path).to_string_lossy().into_owned();
+    let certificate = match hint.certificate {
+        CertificateUse::LeftOut => None,
+        CertificateUse::Checked | CertificateUse::AsStated => read_certificate(path)?,
+    };
     let certificate = certificate
         .as_deref()
         .map(|bytes| (&*certificate_name, bytes));
@@ -80,7 +83,11 @@ pub fn check(
     control: Control<'_>,
 ) -> Result<(PointSet, Check), CheckError> {
     let data = read_whole(path)?;
-    let certificate = read_certificate(path)?;
+    let certificate = if overrides.without_certificate {
+        None
+    } else {
+        read_certificate(path)?
+    };
     let name = file_name(path)?;
     check_bytes(&data, &name, certificate.as_deref(), overrides, control)
 }
@@ -100,21 +107,18 @@ pub fn export(
     control: Control<'_>,
 ) -> Result<Exported, ExportError> {
     let name = file_name(path)?;
-    let certificate_path = certificate_path(path);
     let data = Temporary::of(path)?;
-    let certificate = Temporary::of(&certificate_path)?;
+    data.place.takes_certificate()?;
     let mut store = |bytes: Vec<u8>| {
         data.write(&bytes).map_err(|e| io_error(path, e))?;
         drop(bytes);
         Ok(read_file(&data.path)?)
     };
     let exported = export_through(&mut store, &name, set, context, control)?;
-    let wrote = certificate.write(&exported.certificate_bytes);
-    wrote.map_err(|e| io_error(&certificate_path, e))?;
-    publish(&data.path, &data.destination, &certificate)?;
+    data.put(Some(&exported.certificate_bytes))?;
     Ok(Exported {
         path: path.to_owned(),
-        certificate_path,
+        certificate_path: data.place.certificate.clone(),
         certificate: exported.certificate,
         report: exported.report,
         warnings: exported.warnings,
@@ -138,117 +142,89 @@ pub fn export_unverified(
     let bytes = encode_certified(&set, &target, None, &context.level_ends())?;
     let temporary = Temporary::of(path)?;
     temporary.write(&bytes).map_err(|e| io_error(path, e))?;
-    remove_certificate(path)?;
-    temporary.place().map_err(|e| io_error(path, e))?;
+    temporary.put(None)?;
     Ok(left_out(set.provenance.is_some(), target.format))
 }
 
 /// Writes `bytes` to a temporary file in the folder of `path` and renames it, so `path` is either complete or
-/// unchanged.
+/// unchanged. The certificate of an earlier file of that name is removed.
 ///
 /// # Errors
 ///
-/// [`FormatError::Io`] with the path that failed; the temporary file is removed then.
+/// [`FormatError::Io`] with the path that failed, [`FormatError::Busy`], and as [`destination`](crate::destination); the
+/// temporary file is removed then.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), FormatError> {
     let temporary = Temporary::of(path)?;
     temporary.write(bytes).map_err(|e| io_error(path, e))?;
-    temporary.place().map_err(|e| io_error(path, e))
+    temporary.put(None)
 }
 
 /// Like [`write_whole`], for data that is produced piece by piece: `write` gets the temporary file.
 ///
 /// # Errors
 ///
-/// The error of `write`, and [`FormatError::Io`] with the path that failed; the temporary file is removed then.
+/// The error of `write`, and as [`write_whole`]; the temporary file is removed then.
 pub fn write_through<E: From<FormatError>>(
     path: &Path,
     write: impl FnOnce(&mut BufWriter<File>) -> Result<(), E>,
 ) -> Result<(), E> {
     let failed = |e| E::from(io_error(path, e));
     let temporary = Temporary::of(path)?;
-    let mut file = BufWriter::new(File::create(&temporary.path).map_err(failed)?);
+    let mut file = BufWriter::new(temporary.create().map_err(failed)?);
     write(&mut file)?;
     let file = file.into_inner().map_err(|e| failed(e.into_error()))?;
     file.sync_all().map_err(failed)?;
     drop(file);
-    temporary.place().map_err(failed)
+    Ok(temporary.put(None)?)
 }
 
-/// Renames both files into place, or neither.
-pub(crate) fn publish(
-    data: &Path,
-    path: &Path,
-    certificate: &Temporary,
-) -> Result<(), FormatError> {
-    // A second name for the old file lets the first rename be undone if the second fails. File systems without hard
-    // links cannot do this.
-    let old = Temporary::beside(path.to_owned());
-    let kept = fs::hard_link(path, &old.path).is_ok();
-    let existed = path.exists();
-    fs::rename(data, path).map_err(|e| io_error(path, e))?;
-    certificate.place().map_err(|source| {
-        if kept {
-            // If this fails too, the old certificate beside the new file shows it by its digest.
-            let _ = fs::rename(&old.path, path);
-        } else if !existed {
-            let _ = fs::remove_file(path);
-        }
-        io_error(&certificate.destination, source)
-    })
-}
+/// How long a writer waits for another one of the same name. Most write for a moment; a stream may write for hours.
+const PATIENCE: Duration = Duration::from_secs(5);
 
-/// A temporary file, removed when dropped if it still has its name.
-pub(crate) struct Temporary {
-    pub path: PathBuf,
-    /// The file that it will replace.
-    pub destination: PathBuf,
+/// A file that is being written under the lock of its name, and is removed when dropped before it was put in its place.
+struct Temporary {
+    place: Place,
+    path: PathBuf,
+    /// Held to the end.
+    _lock: Lock,
 }
 
 impl Temporary {
-    /// An unused name in the folder of the output `path`, with links resolved, so that renaming stays within one file
-    /// system.
+    /// The file of an output called `path`, beside what its links lead to, so that renaming stays within one file system.
     ///
     /// # Errors
     ///
-    /// As [`destination`].
-    pub fn of(path: &Path) -> Result<Self, FormatError> {
-        Ok(Self::beside(destination(path)?))
+    /// As [`destination`](crate::destination), and [`FormatError::Busy`].
+    fn of(path: &Path) -> Result<Self, FormatError> {
+        let place = Place::of(path)?;
+        Ok(Self {
+            _lock: place.lock(PATIENCE)?,
+            path: place.new_file(),
+            place,
+        })
     }
 
-    fn beside(destination: PathBuf) -> Self {
-        static COUNTER: AtomicU32 = AtomicU32::new(0);
-        let serial = COUNTER.fetch_add(1, Ordering::Relaxed);
-        let process = std::process::id();
-        let mut name = OsString::from(".");
-        name.push(destination.file_name().unwrap_or_default());
-        name.push(format!(".{process}-{serial}.tmp"));
-        Self {
-            path: destination.with_file_name(name),
-            destination,
-        }
-    }
-
-    /// Gives it the name of its destination.
-    pub fn place(&self) -> io::Result<()> {
-        fs::rename(&self.path, &self.destination)
+    /// Makes it, empty.
+    fn create(&self) -> io::Result<File> {
+        create_own(&self.path, &self.place.file)
     }
 
     /// Writes `bytes` through to the device.
-    pub fn write(&self, bytes: &[u8]) -> io::Result<()> {
-        write_synced(&self.path, bytes)
+    fn write(&self, bytes: &[u8]) -> io::Result<()> {
+        let mut file = self.create()?;
+        step(|| file.write_all(bytes))?;
+        step(|| file.sync_all())
     }
-}
 
-/// Writes a file through to the device.
-pub(crate) fn write_synced(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    let mut file = File::create(path)?;
-    file.write_all(bytes)?;
-    file.sync_all()
+    /// Puts it in its place, with a certificate of these bytes or without one.
+    fn put(&self, certificate: Option<&[u8]>) -> Result<(), FormatError> {
+        self.place.put(&self.path, certificate)
+    }
 }
 
 impl Drop for Temporary {
     fn drop(&mut self) {
-        // After a rename it no longer exists; other failures cannot be handled here.
+        // In its place it no longer has this name; other failures cannot be handled here.
         let _ = fs::remove_file(&self.path);
     }
 }
@@ -260,7 +236,7 @@ pub(crate) fn read_file(path: &Path) -> Result<Vec<u8>, FormatError> {
 
 /// The bytes of the certificate of `path`, or `None` if it has none.
 pub(crate) fn read_certificate(path: &Path) -> Result<Option<Vec<u8>>, FormatError> {
-    let path = certificate_path(path);
+    let path = certificate_beside(path);
     match fs::metadata(&path) {
         Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
         Err(error) => Err(io_error(&path, error)),
@@ -270,15 +246,6 @@ pub(crate) fn read_certificate(path: &Path) -> Result<Option<Vec<u8>>, FormatErr
             reason: "it is not a regular file".to_owned(),
         }),
         Ok(_) => read_limited(&path, MAX_CERTIFICATE_BYTES as u64).map(Some),
-    }
-}
-
-/// Removes the certificate of `path`, if it has one, because it would be false for the new file.
-pub(crate) fn remove_certificate(path: &Path) -> Result<(), FormatError> {
-    let path = certificate_path(path);
-    match fs::remove_file(&path) {
-        Err(error) if error.kind() != io::ErrorKind::NotFound => Err(io_error(&path, error)),
-        _ => Ok(()),
     }
 }
 
@@ -304,7 +271,14 @@ fn read_limited(path: &Path, limit: u64) -> Result<Vec<u8>, FormatError> {
     if length > limit {
         return Err(too_large(length));
     }
-    let mut bytes = Vec::with_capacity(length as usize);
+    let mut bytes = Vec::new();
+    let no_memory = |_| FormatError::NoMemory {
+        path: path.display().to_string(),
+        bytes: length,
+    };
+    bytes
+        .try_reserve_exact(length as usize)
+        .map_err(no_memory)?;
     let mut limited = input.take(limit + 1);
     limited.read_to_end(&mut bytes).map_err(failed)?;
     match bytes.len() as u64 {

@@ -43,9 +43,9 @@ pub use certificate::{
 pub use check::{
     CertificateDifference, Check, CheckError, MEASURE_TOLERANCE, Overrides, check_bytes, is_valid,
 };
-pub use codecs::{Hint, ReadSet, Target, decode, encode};
+pub use codecs::{CertificateUse, Hint, ReadSet, Target, decode, encode};
 #[cfg(not(target_arch = "wasm32"))]
-pub use destination::destination;
+pub use destination::{certificate_beside, destination};
 pub use detect::{Detection, Evidence, detect};
 pub use digest::{bytes_digest, positions_digest};
 pub use error::{FilePlace, FormatError};

@@ -195,8 +195,8 @@ pub(crate) fn check_origin(
         Precision::Single => f64::from((farthest as f32).next_up() - farthest as f32),
         Precision::Double => farthest.next_up() - farthest,
     };
-    // Of what is not a number, or not finite, neither is the spacing.
-    if spacing <= MAX_SPACING * radius {
+    // `max` passes over what is not a number, so that the spacing alone would not refuse it.
+    if origin.iter().all(|at| at.is_finite()) && spacing <= MAX_SPACING * radius {
         return Ok(());
     }
     Err(FormatError::OriginTooFar {

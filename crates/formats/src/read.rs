@@ -1,4 +1,5 @@
-//! Reads a point set from the bytes of a file and of its certificate. Opens no file and verifies nothing.
+//! Reads a point set from the bytes of a file and of its certificate. Opens no file and judges no set, but compares a
+//! certificate with the file.
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
@@ -6,7 +7,9 @@ use std::path::{Path, PathBuf};
 use tilescope_analysis::Region;
 
 use crate::certificate::{CERTIFICATE_SUFFIX, Certificate};
-use crate::codecs::{Hint, ReadSet, decode};
+use crate::check::{Contents, contradictions};
+use crate::codecs::{CertificateUse, Hint, ReadSet, decode};
+use crate::digest::{bytes_digest, positions_digest};
 use crate::error::FormatError;
 use crate::mapping::Mapping;
 
@@ -28,20 +31,47 @@ pub(crate) fn with_suffix(path: &Path, suffix: &str) -> PathBuf {
     name.into()
 }
 
-/// The point set in the bytes of a file. `certificate` has the name and the bytes of the certificate beside it.
+/// The point set in the bytes of a file. `certificate` has the name and the bytes of the certificate beside it, which
+/// takes precedence over one inside; [`Hint::certificate`] says what is done with it.
+///
+/// By default the returned certificate is that of these bytes: its digests, its count and the numbers that follow from
+/// others are compared. Whether the set is as valid as it states, only [`check_bytes`](crate::check_bytes) tells.
 ///
 /// # Errors
 ///
-/// [`FormatError`] when the bytes, or those of the certificate, are unreadable.
+/// [`FormatError`] when the bytes, or those of the certificate, are unreadable; [`FormatError::FalseCertificate`] when
+/// the certificate is not that of the bytes.
 pub fn read_bytes(
     bytes: &[u8],
     hint: &Hint<'_>,
     certificate: Option<(&str, &[u8])>,
 ) -> Result<ReadSet, FormatError> {
     let mut read = decode(bytes, hint)?;
-    if let Some((name, bytes)) = certificate {
-        read.certificate = Some(Certificate::from_bytes(bytes, name)?);
+    let mut name = "inside the file";
+    let beside = certificate.filter(|_| hint.certificate != CertificateUse::LeftOut);
+    if let Some((of, bytes)) = beside {
+        read.certificate = Some(Certificate::from_bytes(bytes, of)?);
+        name = of;
     }
+
+    if hint.certificate == CertificateUse::Checked
+        && let Some(stated) = &read.certificate
+    {
+        let found = Contents {
+            format: read.detection.format,
+            precision: read.precision,
+            digest: stated.digest.as_ref().map(|_| bytes_digest(bytes)),
+            positions_digest: positions_digest(&read.set.points),
+            count: read.set.len() as u64,
+        };
+        if let Some(first) = contradictions(stated, &found).into_iter().next() {
+            return Err(FormatError::FalseCertificate {
+                name: name.to_owned(),
+                difference: first.to_string(),
+            });
+        }
+    }
+
     let stated = read.certificate.as_ref();
     let region = stated.map(|stated| stated.region);
     let origin = hint.origin.or(stated.and_then(|stated| stated.origin));
@@ -84,3 +114,5 @@ pub fn refuse_degrees(read: &ReadSet, region: Region, origin: [f64; 2]) -> Resul
         }
     }
 }
+#[cfg(test)]
+mod tests;

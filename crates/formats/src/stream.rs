@@ -7,7 +7,6 @@ mod check;
 mod export;
 mod finish;
 mod judge;
-mod lock;
 mod partial;
 mod read;
 mod resume;

@@ -198,14 +198,20 @@ impl<'de> Visitor<'de> for ElementVisitor {
 
 #[cfg(test)]
 mod tests {
+    use super::super::{CertificateUse, Raw, json};
+    use crate::error::FormatError;
+
+    fn read_json(bytes: &[u8]) -> Result<Raw, FormatError> {
+        json::read(bytes, CertificateUse::Checked)
+    }
 
     fn points(text: &str) -> Vec<[f64; 2]> {
-        let raw = super::super::json::read(text.as_bytes());
+        let raw = read_json(text.as_bytes());
         raw.expect(text).set.points
     }
 
     fn message(text: &str) -> String {
-        let raw = super::super::json::read(text.as_bytes());
+        let raw = read_json(text.as_bytes());
         raw.err().expect(text).to_string()
     }
 
@@ -262,13 +268,11 @@ mod tests {
     fn what_may_be_degrees_is_marked() {
         let degrees = |x: f64, y: f64| {
             let text = format!(r#"{{"type": "Point", "coordinates": [{x}, {y}]}}"#);
-            super::super::json::read(text.as_bytes())
-                .expect("a point")
-                .degrees
+            read_json(text.as_bytes()).expect("a point").degrees
         };
         assert!(degrees(8.5, 47.4) && degrees(-180.0, 90.0));
         assert!(!degrees(180.5, 0.0) && !degrees(0.0, -91.0));
-        let own = super::super::json::read(b"[[8.5, 47.4]]").expect("a point");
+        let own = read_json(b"[[8.5, 47.4]]").expect("a point");
         assert!(!own.degrees);
     }
 }

@@ -5,34 +5,42 @@
 
 use std::fmt::{self, Debug};
 
-use serde::de::{Error, IgnoredAny, SeqAccess, Visitor};
+use serde::de::{DeserializeOwned, Error, IgnoredAny, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer};
-use serde_json::Value;
 
-use super::{Raw, geojson};
+use super::{CertificateUse, Raw, geojson};
 use crate::certificate::Certificate;
 use crate::error::FormatError;
 use crate::format::Precision;
 use crate::point_set::{PointSet, Provenance};
 use crate::text::{push, without_bom};
 
-/// The fields read.
+/// The fields read, the certificate as a `C`.
 #[derive(Deserialize)]
-struct Document {
+struct Document<C> {
     points: Vec<Position>,
     #[serde(default)]
     provenance: Option<Vec<Provenance>>,
-    #[serde(default)]
-    certificate: Option<Certificate>,
+    #[serde(default = "Option::default")]
+    certificate: Option<C>,
 }
 
-/// The certificate as it stands in the file.
-#[derive(Deserialize)]
-struct Parts {
-    certificate: Value,
+pub(super) fn read(bytes: &[u8], certificate: CertificateUse) -> Result<Raw, FormatError> {
+    // A certificate that is left out need not be readable.
+    if certificate == CertificateUse::LeftOut {
+        return Ok(document::<IgnoredAny>(bytes)?.0);
+    }
+
+    let (mut raw, certificate) = document::<Certificate>(bytes)?;
+    if let Some(certificate) = &certificate {
+        certificate.check_version("inside the file")?;
+    }
+    raw.certificate = certificate;
+    Ok(raw)
 }
 
-pub(super) fn read(bytes: &[u8]) -> Result<Raw, FormatError> {
+/// Returns the set in a document, and its certificate.
+fn document<C: DeserializeOwned>(bytes: &[u8]) -> Result<(Raw, Option<C>), FormatError> {
     let bytes = without_bom(bytes);
     let bare = bytes.trim_ascii_start().first() == Some(&b'[');
     let document = if bare {
@@ -45,7 +53,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Raw, FormatError> {
         match serde_json::from_slice(bytes) {
             Ok(document) => document,
             // Only what is no document of this program is looked at again, so that its sets are parsed once.
-            Err(_) if geojson::is(bytes) => return geojson::read(bytes),
+            Err(_) if geojson::is(bytes) => return Ok((geojson::read(bytes)?, None)),
             Err(error) => return Err(error.into()),
         }
     };
@@ -55,13 +63,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Raw, FormatError> {
         points: positions(document.points),
         provenance: document.provenance,
     };
-    if let Some(certificate) = &document.certificate {
-        certificate.check_version("inside the file")?;
-        let parts = || serde_json::from_slice::<Parts>(bytes).map(|parts| parts.certificate);
-        certificate.check_parts(|| parts().unwrap_or_default(), "inside the file")?;
-    }
-    raw.certificate = document.certificate;
-    Ok(raw)
+    Ok((raw, document.certificate))
 }
 
 /// A position of two numbers, or of three with z = 0.
@@ -142,6 +144,10 @@ fn push_rows(out: &mut Vec<u8>, rows: impl IntoIterator<Item: Debug>) {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn read(bytes: &[u8]) -> Result<Raw, FormatError> {
+        super::read(bytes, CertificateUse::Checked)
+    }
 
     #[test]
     fn a_bare_array_and_unknown_fields_are_read() {

@@ -7,6 +7,7 @@ use tilescope_analysis::{Boundary, Progress, Region};
 
 use super::*;
 use crate::format::Format;
+use crate::read::certificate_path;
 
 const GO: fn(Progress) -> ControlFlow<()> = |_| ControlFlow::Continue(());
 
@@ -74,23 +75,17 @@ fn a_failed_export_leaves_everything_as_it_was() {
 }
 
 #[test]
-fn a_certificate_that_cannot_be_placed_undoes_the_data_file() {
+fn a_certificate_that_cannot_be_placed_is_refused_at_the_start() {
     let folder = tempfile::tempdir().expect("a folder");
     for (name, old) in [("set.csv", Some("x,y\n0,0\n")), ("new.csv", None)] {
         let path = folder.path().join(name);
         if let Some(old) = old {
             fs::write(&path, old).expect("writable");
         }
-        let data = Temporary::of(&path).expect("a file");
-        let certificate = Temporary::of(&certificate_path(&path)).expect("a file");
-        data.write(b"new").expect("writable");
-        certificate.write(b"{}").expect("writable");
-        // A folder that takes the certificate's name lets the second rename fail.
-        fs::create_dir(&certificate.destination).expect("writable");
-        assert!(publish(&data.path, &path, &certificate).is_err());
-        assert_eq!(fs::read_to_string(&path).ok().as_deref(), old);
+        fs::create_dir(certificate_path(&path)).expect("writable");
         let error = export(&path, &lattice(), &context(), &GO).expect_err("a folder");
         assert!(error.to_string().contains("a folder"), "{error}");
+        assert_eq!(fs::read_to_string(&path).ok().as_deref(), old);
     }
     assert_eq!(names(folder.path()).len(), 3);
 }
@@ -110,7 +105,12 @@ fn links_stay_and_what_they_lead_to_is_written() {
     assert!(at("set.csv").is_symlink());
     let (_, checked) = check(&at("set.csv"), &Overrides::default(), &GO).expect("a verdict");
     assert!(checked.passed() && checked.certificate.is_some());
-    assert_eq!(names(&at("data")), BTreeSet::from(["old.csv".to_owned()]));
+    let both = ["old.csv", "old.csv.certificate.json"].map(str::to_owned);
+    assert_eq!(names(&at("data")), BTreeSet::from(both));
+    assert_eq!(
+        exported.certificate_path,
+        at("data/old.csv.certificate.json")
+    );
     symlink("data/new.txt", at("text")).expect("writable");
     write_whole(&at("text"), b"whole").expect("writable");
     assert_eq!(fs::read(at("data/new.txt")).expect("there"), b"whole");
@@ -210,7 +210,11 @@ fn what_is_written_through_is_whole_or_not_there() {
     let path = folder.path().join("film.gif");
     let stopped: Result<(), FormatError> = write_through(&path, |file| {
         file.write_all(b"half").map_err(|e| io_error(&path, e))?;
-        assert_eq!(names(folder.path()).len(), 1, "under a temporary name");
+        assert_eq!(
+            names(folder.path()).len(),
+            2,
+            "under a temporary name, and a lock"
+        );
         assert!(!path.exists());
         Err(io_error(&path, io::Error::other("stopped")))
     });

@@ -50,6 +50,11 @@ pub(super) fn check_from(
     let Ok(reader) = StreamReader::try_open(path, overrides.format, columns, true)? else {
         return in_memory();
     };
+    let reader = if overrides.without_certificate {
+        reader.without_certificate()
+    } else {
+        reader
+    };
     let is_not_in_rows =
         |stated: &Certificate| stated.shuffle_seed.is_some() || !stated.levels.is_empty();
     if reader.certificate().is_some_and(is_not_in_rows)
@@ -101,6 +106,7 @@ fn in_pieces(
         precision,
         digest: reader.finish_digest()?,
         positions_digest: positions.as_ref().map_or_else(String::new, digest_text),
+        count: report.count as u64,
     };
     // Sets of levels are not in the order of rows, so they are read whole.
     let levels = Vec::new();

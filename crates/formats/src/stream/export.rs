@@ -4,23 +4,22 @@
 //! compared with those bytes. An existing file is not replaced before that.
 
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use serde_json::Value;
 use tilescope_analysis::{Control, StreamBand};
 
 use super::judge::Judges;
-use super::lock::Lock;
 use super::partial::Partial;
 use super::resume::{self, Checkpoint, StateFile};
 use crate::codecs::rows::{Layout, Rows, head, push_rows};
 use crate::codecs::{Target, check_target};
-use crate::destination::destination;
+use crate::destination::{Lock, Place};
 use crate::digest;
 use crate::error::FormatError;
 use crate::export::{ExportContext, ExportError, target};
 use crate::files::file_name;
 use crate::point_set::Provenance;
-use crate::read::certificate_path;
 
 /// Points encoded, decoded and verified at a time.
 const PIECE: usize = 1 << 14;
@@ -58,6 +57,8 @@ pub struct StreamExport {
     pub(super) path: PathBuf,
     /// The file that is written or replaced, with links resolved.
     pub(super) file: PathBuf,
+    /// The file with its certificate.
+    pub(super) place: Place,
     pub(super) name: String,
     pub(super) context: ExportContext,
     pub(super) target: Target,
@@ -83,7 +84,7 @@ impl StreamExport {
     ///
     /// # Errors
     ///
-    /// [`ExportError::NotStreamed`], [`ExportError::Busy`], [`ExportError::ShuffledStream`], [`ExportError::Format`]
+    /// [`ExportError::NotStreamed`], [`FormatError::Busy`], [`ExportError::ShuffledStream`], [`ExportError::Format`]
     /// for an unknown format or a file that cannot be created, [`ExportError::Verify`] for a region or radius that
     /// cannot be verified.
     pub fn create(
@@ -96,11 +97,10 @@ impl StreamExport {
             .verify
             .then(|| Judges::new(target, context))
             .transpose()?;
-        let file = destination(path)?;
-        let lock = Lock::take(&file)?;
-        resume::remove(&file);
-        let partial = Partial::create(&file)?;
-        let mut export = Self::new(path, context, target, options, (file, lock, partial))?;
+        let (place, lock) = locked(path)?;
+        resume::remove(&place.file);
+        let partial = Partial::create(&place.file)?;
+        let mut export = Self::new(path, context, target, options, (place, lock, partial))?;
         export.judges = judges;
         Ok(export)
     }
@@ -110,11 +110,12 @@ impl StreamExport {
         context: &ExportContext,
         target: Target,
         options: StreamOptions,
-        (file, lock, partial): (PathBuf, Lock, Partial),
+        (place, lock, partial): (Place, Lock, Partial),
     ) -> Result<Self, ExportError> {
         Ok(Self {
             path: path.to_owned(),
-            file,
+            file: place.file.clone(),
+            place,
             name: file_name(path)?,
             context: context.clone(),
             target,
@@ -189,26 +190,26 @@ impl StreamExport {
     /// # Errors
     ///
     /// [`ExportError::Resume`] when a file is missing, too short, damaged or of another context, and
-    /// [`ExportError::Busy`]. All files are left as they are.
+    /// [`FormatError::Busy`]. All files are left as they are.
     pub fn resume(path: &Path, context: &ExportContext) -> Result<(Self, Value), ExportError> {
         let target = stream_target(path, context)?;
-        let file = destination(path)?;
-        let lock = Lock::take(&file)?;
-        let checkpoint = Checkpoint::read(&file)?;
-        checkpoint.suits(&file, &target, context)?;
+        let (place, lock) = locked(path)?;
+        let file = &place.file;
+        let checkpoint = Checkpoint::read(file)?;
+        checkpoint.suits(file, &target, context)?;
         let mut judges = (checkpoint.verify)
             .then(|| Judges::new(target, context))
             .transpose()?;
         if let (Some(judges), Some(state)) = (&mut judges, &checkpoint.state) {
-            state.restore(&file, judges, context)?;
+            state.restore(file, judges, context)?;
             judges.largest_shift = checkpoint.largest_shift;
         }
         let options = StreamOptions {
             verify: checkpoint.verify,
             resumable: true,
         };
-        let partial = resume::reopen(&file, &checkpoint)?;
-        let mut export = Self::new(path, context, target, options, (file, lock, partial))?;
+        let partial = resume::reopen(file, &checkpoint)?;
+        let mut export = Self::new(path, context, target, options, (place, lock, partial))?;
         // If anything fails from here on, the files can still be resumed.
         (export.kept, export.judges) = (true, judges);
         (export.count, export.state) = (checkpoint.count, checkpoint.state.clone());
@@ -374,10 +375,17 @@ impl Drop for StreamExport {
     }
 }
 
+/// The place of an export, locked. An export to the same name may take hours, so nothing waits for its end.
+fn locked(path: &Path) -> Result<(Place, Lock), ExportError> {
+    let place = Place::of(path)?;
+    let lock = place.lock(Duration::ZERO)?;
+    Ok((place, lock))
+}
+
 fn stream_target(path: &Path, context: &ExportContext) -> Result<Target, ExportError> {
     let mut target = target(&file_name(path)?, context)?;
     // Check this now and not only at the end.
-    destination(&certificate_path(path))?;
+    Place::of(path)?.takes_certificate()?;
     let format = target.format;
     if !format.streams() {
         return Err(ExportError::NotStreamed { format });

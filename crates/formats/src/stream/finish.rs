@@ -2,7 +2,6 @@
 //!
 //! A file is renamed only after it was read back and compared with what was written.
 
-use std::fs;
 use std::ops::ControlFlow;
 use std::path::PathBuf;
 
@@ -12,10 +11,9 @@ use super::export::StreamExport;
 use super::judge::unjudged;
 use super::resume;
 use crate::certificate::Certificate;
-use crate::error::{FormatError, io_error};
+use crate::error::FormatError;
 use crate::export::{ExportError, Warning, certificate, left_out, warnings};
-use crate::files::{Exported, Temporary, publish, remove_certificate};
-use crate::read::certificate_path;
+use crate::files::Exported;
 
 /// A finished stream.
 #[derive(Clone, Debug)]
@@ -60,16 +58,16 @@ impl StreamExport {
         match certificate {
             Some((mut certificate, report)) => {
                 certificate.digest = digest;
-                self.publish(&certificate)?;
+                self.put(Some(&certificate.to_bytes()?))?;
                 verified = Some(Exported {
-                    certificate_path: certificate_path(&path),
+                    certificate_path: self.place.certificate.clone(),
                     path: path.clone(),
                     warnings: warnings(self.provenance, format, &certificate),
                     certificate,
                     report,
                 });
             }
-            None => self.publish_uncertified()?,
+            None => self.put(None)?,
         }
         let warnings = match &verified {
             Some(exported) => exported.warnings.clone(),
@@ -115,18 +113,8 @@ impl StreamExport {
             })
     }
 
-    fn publish(&self, certificate: &Certificate) -> Result<(), ExportError> {
-        let path = certificate_path(&self.path);
-        let temporary = Temporary::of(&path)?;
-        let wrote = temporary.write(&certificate.to_bytes()?);
-        wrote.map_err(|e| io_error(&path, e))?;
-        Ok(publish(&self.partial.path, &self.file, &temporary)?)
-    }
-
-    /// Renames the data file. The certificate of an older file is removed first, because it would be false.
-    fn publish_uncertified(&self) -> Result<(), FormatError> {
-        remove_certificate(&self.path)?;
-        let renamed = fs::rename(&self.partial.path, &self.file);
-        renamed.map_err(|e| io_error(&self.path, e))
+    /// Puts the data file in its place, with a certificate of these bytes or without one.
+    fn put(&self, certificate: Option<&[u8]>) -> Result<(), FormatError> {
+        self.place.put(&self.partial.path, certificate)
     }
 }

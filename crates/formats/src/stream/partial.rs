@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 
 use super::partial_path;
 use super::writer::Writer;
-use crate::destination::check_own;
+use crate::destination::{check_own, create_own, is_own};
 use crate::digest::digest_text;
 use crate::error::{FormatError, io_error};
 use crate::export::ExportError;
@@ -33,12 +33,10 @@ pub(super) struct Partial {
 impl Partial {
     /// An empty file beside `path`; an older one is lost.
     pub fn create(path: &Path) -> Result<Self, FormatError> {
-        let path = partial_path(path);
-        check_own(&path)?;
-        let mut options = OpenOptions::new();
-        options.read(true).write(true).create(true).truncate(true);
-        let file = options.open(&path).map_err(|e| io_error(&path, e))?;
-        Ok(Self::new(path, file))
+        let name = partial_path(path);
+        check_own(&name)?;
+        let file = create_own(&name, path).map_err(|e| io_error(&name, e))?;
+        Ok(Self::new(name, file))
     }
 
     /// The file left beside `path` by an interrupted export, not yet read.
@@ -46,7 +44,13 @@ impl Partial {
         let path = partial_path(path);
         check_own(&path)?;
         let mut options = OpenOptions::new();
-        let file = (options.read(true).write(true).open(&path)).map_err(|e| io_error(&path, e))?;
+        let failed = |e| io_error(&path, e);
+        let file = (options.read(true).write(true).open(&path)).map_err(failed)?;
+        // What it leads to is overwritten: it must not have become a link since it was looked at.
+        if !is_own(&file, &path).map_err(failed)? {
+            let source = io::Error::other("another file took its name while it was opened");
+            return Err(failed(source));
+        }
         Ok(Self::new(path, file))
     }
 

@@ -9,13 +9,13 @@ use std::path::{Path, PathBuf};
 use super::partial::read_some;
 use crate::certificate::Certificate;
 use crate::codecs::rows::{Layout, Rows};
+use crate::destination::certificate_beside;
 use crate::detect::Detection;
 use crate::digest::digest_text;
 use crate::error::{FormatError, io_error};
 use crate::files::{file_name, read_certificate};
 use crate::format::{Format, Precision};
 use crate::pipe::Input;
-use crate::read::certificate_path;
 
 /// Bytes read at a time, and the most that a head may take.
 const BLOCK: usize = 1 << 20;
@@ -127,6 +127,12 @@ impl StreamReader {
     #[must_use]
     pub fn certificate(&self) -> Option<&Certificate> {
         self.certificate.as_ref()
+    }
+
+    /// The same reader, with the certificate left out.
+    pub(super) fn without_certificate(mut self) -> Self {
+        self.certificate = None;
+        self
     }
 
     /// The next points, in file coordinates; `None` at the end.
@@ -243,7 +249,7 @@ impl StreamReader {
 }
 
 fn certificate(path: &Path) -> Result<Option<Certificate>, FormatError> {
-    let name = certificate_path(path).to_string_lossy().into_owned();
+    let name = certificate_beside(path).to_string_lossy().into_owned();
     let bytes = read_certificate(path)?;
     bytes
         .map(|bytes| Certificate::from_bytes(&bytes, &name))

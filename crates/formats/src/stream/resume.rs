@@ -16,11 +16,11 @@ use super::partial::Partial;
 use super::{partial_path, resume_path};
 use crate::codecs::Target;
 use crate::codecs::rows::Rows;
-use crate::destination::destination;
+use crate::destination::{destination, sync_folder, write_new};
 use crate::digest::bytes_digest;
 use crate::error::{FormatError, io_error};
 use crate::export::{ExportContext, ExportError};
-use crate::files::{read_file, write_synced};
+use crate::files::read_file;
 use crate::format::{Format, Precision};
 use crate::read::with_suffix;
 
@@ -89,8 +89,9 @@ impl Checkpoint {
     pub fn write(&self, path: &Path) -> Result<(), FormatError> {
         let bytes = serde_json::to_vec_pretty(self)?;
         let (new, name) = (temporary(path), resume_path(path));
-        write_synced(&new, &bytes).map_err(|e| io_error(&new, e))?;
-        fs::rename(&new, &name).map_err(|e| io_error(&name, e))
+        write_new(&new, &name, &bytes)?;
+        let named = fs::rename(&new, &name).and_then(|()| sync_folder(&name));
+        named.map_err(|e| io_error(&name, e))
     }
 
     /// Refuses the checkpoint of another export.
@@ -218,7 +219,7 @@ impl StateFile {
             stored,
         };
         let name = state.path(path);
-        write_synced(&name, &bytes).map_err(|e| io_error(&name, e))?;
+        write_new(&name, path, &bytes)?;
         Ok(state)
     }
 

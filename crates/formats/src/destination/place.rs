@@ -1,0 +1,215 @@
+//! The place of an output and its certificate, which change together.
+//!
+//! The certificate of the old file goes aside first, then the new file gets its name, then the new certificate. So a
+//! process may end anywhere: at any moment the file is the old or the new one, and its certificate is its own or
+//! missing. The names of new and old files are fixed, and used only by the owner of the lock, who finds and removes what
+//! an ended process left.
+
+use std::ffi::OsString;
+use std::fs::{self, File};
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use super::{Lock, create_own, destination, step, sync_folder};
+use crate::certificate::{Certificate, MAX_CERTIFICATE_BYTES};
+use crate::digest::digest_text;
+use crate::error::{FormatError, io_error};
+use crate::read::certificate_path;
+
+/// Where a file and its certificate are written, with links resolved.
+#[derive(Clone, Debug)]
+pub(crate) struct Place {
+    /// The file.
+    pub file: PathBuf,
+    /// Its certificate.
+    pub certificate: PathBuf,
+    /// The certificate that programs before this one wrote beside a link to the file, if the output is named by a link.
+    beside_link: Option<PathBuf>,
+}
+
+impl Place {
+    /// The place of an output called `path`.
+    ///
+    /// # Errors
+    ///
+    /// As [`destination`].
+    pub fn of(path: &Path) -> Result<Self, FormatError> {
+        let file = destination(path)?;
+        let certificate = certificate_path(&file);
+        let beside_link = Some(certificate_path(path)).filter(|other| *other != certificate);
+        Ok(Self {
+            // A certificate may be a link of its own, for instance into a store of data.
+            certificate: destination(&certificate).unwrap_or(certificate),
+            file,
+            beside_link,
+        })
+    }
+
+    /// Refuses a place whose certificate could not be written.
+    pub fn takes_certificate(&self) -> Result<(), FormatError> {
+        destination(&self.certificate).map(drop)
+    }
+
+    /// Locks the place, and removes what a process that ended there left behind.
+    pub fn lock(&self, patience: Duration) -> Result<Lock, FormatError> {
+        let lock = Lock::take(&self.file, patience)?;
+        self.recover();
+        Ok(lock)
+    }
+
+    /// The name of the new file until it is put in its place.
+    pub fn new_file(&self) -> PathBuf {
+        hidden(&self.file, "new")
+    }
+
+    /// Gives a certificate its name again if it is that of the file, and removes the rest.
+    fn recover(&self) {
+        let left = [
+            hidden(&self.certificate, "new"),
+            hidden(&self.certificate, "old"),
+        ];
+        if !self.certificate.exists()
+            && let Some(own) = left.iter().find(|left| is_of(left, &self.file))
+        {
+            let _ = fs::rename(own, &self.certificate);
+        }
+        let mut left = left.to_vec();
+        left.extend([self.new_file(), hidden(&self.file, "old")]);
+        left.extend(self.beside_link.as_deref().map(|one| hidden(one, "old")));
+        for name in left {
+            let _ = fs::remove_file(name);
+        }
+    }
+
+    /// Puts the file `new` in its place, with a certificate of these bytes, or with none. The caller holds the lock.
+    ///
+    /// # Errors
+    ///
+    /// [`FormatError::Io`]; the old file and its certificate are then as they were.
+    pub fn put(&self, new: &Path, certificate: Option<&[u8]>) -> Result<(), FormatError> {
+        let stated = hidden(&self.certificate, "new");
+        if let Some(bytes) = certificate {
+            write_new(&stated, &self.certificate, bytes)?;
+        }
+
+        let mut aside = Vec::new();
+        let stated = certificate.map(|_| &*stated);
+        let placed = self.exchange(new, stated, &mut aside);
+        // If the old file is there again, so is its certificate; without one it is lost rather than false.
+        let is_old = placed.as_ref().is_err_and(|failure| failure.is_old);
+        for (name, hidden) in aside.into_iter().rev() {
+            let _ = if is_old {
+                fs::rename(hidden, name)
+            } else {
+                fs::remove_file(hidden)
+            };
+        }
+        if let Some(stated) = stated.filter(|_| placed.is_err()) {
+            let _ = fs::remove_file(stated);
+        }
+        placed.map_err(|failure| failure.error)?;
+        sync_folder(&self.file).map_err(|e| io_error(&self.file, e))
+    }
+
+    /// Renames the files. `aside` gets the names of those that were moved away, and where they are.
+    fn exchange(
+        &self,
+        new: &Path,
+        stated: Option<&Path>,
+        aside: &mut Vec<(PathBuf, PathBuf)>,
+    ) -> Result<(), Failure> {
+        let failed = |path: &Path, is_old| {
+            let path = path.to_owned();
+            move |error| Failure {
+                error: io_error(&path, error),
+                is_old,
+            }
+        };
+        for old in [Some(&self.certificate), self.beside_link.as_ref()] {
+            // What is no file, or cannot be looked up, is no certificate.
+            let Some(old) = old.filter(|old| old.is_file()) else {
+                continue;
+            };
+            let hidden = hidden(old, "old");
+            step(|| fs::rename(old, &hidden)).map_err(failed(old, true))?;
+            aside.push((old.clone(), hidden));
+        }
+        if !aside.is_empty() {
+            // Otherwise a power cut could keep the renaming below and lose that above.
+            sync_folder(&self.certificate).map_err(failed(&self.certificate, true))?;
+        }
+
+        // A second name for the old file lets its replacement be undone. File systems without hard links cannot do this.
+        let old = hidden(&self.file, "old");
+        let existed = self.file.exists();
+        let kept = existed && stated.is_some() && step(|| fs::hard_link(&self.file, &old)).is_ok();
+        let outcome = self.rename_both(new, stated).map_err(|(error, path)| {
+            let undone = match path {
+                path if path == self.file => true,
+                _ if kept => fs::rename(&old, &self.file).is_ok(),
+                _ => !existed && fs::remove_file(&self.file).is_ok(),
+            };
+            failed(path, undone)(error)
+        });
+        if kept {
+            let _ = fs::remove_file(&old);
+        }
+        outcome
+    }
+
+    /// Gives both new files their names; an error is of the name that was not given.
+    fn rename_both(
+        &self,
+        new: &Path,
+        stated: Option<&Path>,
+    ) -> Result<(), (std::io::Error, &Path)> {
+        let named = |name| move |error| (error, name);
+        step(|| fs::rename(new, &self.file)).map_err(named(&*self.file))?;
+        let Some(stated) = stated else {
+            return Ok(());
+        };
+        step(|| fs::rename(stated, &self.certificate)).map_err(named(&*self.certificate))
+    }
+}
+
+/// Why an exchange failed.
+struct Failure {
+    error: FormatError,
+    /// Whether the old file is in its place.
+    is_old: bool,
+}
+
+/// Writes a new file of this program's own through to the device. It will replace `like`.
+pub(crate) fn write_new(path: &Path, like: &Path, bytes: &[u8]) -> Result<(), FormatError> {
+    let written = create_own(path, like).and_then(|mut file| {
+        step(|| std::io::Write::write_all(&mut file, bytes))?;
+        step(|| file.sync_all())
+    });
+    written.map_err(|error| {
+        let _ = fs::remove_file(path);
+        io_error(like, error)
+    })
+}
+
+/// A name for the new or the old content of a file, which lists of files do not show.
+fn hidden(file: &Path, kind: &str) -> PathBuf {
+    let mut name = OsString::from(".");
+    name.push(file.file_name().unwrap_or_default());
+    name.push(format!(".{kind}~"));
+    file.with_file_name(name)
+}
+
+/// Whether the certificate at `left` states the digest of `file`.
+fn is_of(left: &Path, file: &Path) -> bool {
+    let length = fs::symlink_metadata(left).map_or(0, |about| about.len());
+    // A certificate of no length is none, and a longer one is not read.
+    if !(1..=MAX_CERTIFICATE_BYTES as u64).contains(&length) {
+        return false;
+    }
+    let stated = fs::read(left)
+        .ok()
+        .and_then(|bytes| Certificate::from_bytes(&bytes, "").ok());
+    let mut hasher = blake3::Hasher::new();
+    let hashed = File::open(file).and_then(|file| hasher.update_reader(file).map(drop));
+    hashed.is_ok() && stated.and_then(|stated| stated.digest) == Some(digest_text(&hasher))
+}
