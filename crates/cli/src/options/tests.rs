@@ -212,3 +212,33 @@ fn layouts_and_results_bear_a_byte_order_mark() {
         read(results).expect("plain")
     );
 }
+
+#[test]
+fn errors_advise_what_the_command_has() {
+    let folder = tempdir().expect("a folder");
+    let few = refusal(&folder, &["sample", "--exactly", "200", "--levels", "3"]);
+    assert!(
+        few.ends_with("3 levels need at least 20.0 r: choose fewer levels or more samples"),
+        "{few}"
+    );
+}
+
+#[test]
+fn a_small_bounded_domain_is_sampled() {
+    let folder = tempdir().expect("a folder");
+    let sides = ["--width", "30", "--height", "20", "--boundary", "bounded"];
+    for method in ["kdrt", "reference"] {
+        for engine in ["sequential", "parallel"] {
+            let words = [
+                "sample", "--radius", "5", "--method", method, "--engine", engine,
+            ];
+            assert_eq!(
+                run(&folder, &[&words[..], &sides].concat()).expect("made"),
+                0
+            );
+        }
+    }
+    let narrow = ["sample", "--radius", "5.1"];
+    let refused = refusal(&folder, &[&narrow[..], &sides].concat());
+    assert!(refused.contains("it must be at least 4 r"), "{refused}");
+}
