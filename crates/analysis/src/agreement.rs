@@ -1,6 +1,7 @@
 //! Compares the reports of both judges on one set.
 
 use crate::error::VerifyError;
+use crate::exact::covering_limit;
 use crate::judge::Judge;
 use crate::report::Report;
 
@@ -12,7 +13,7 @@ const SAME_LENGTH: f64 = 1e-9;
 /// Covering radii may differ by rounding. Where one of them is within rounding of the limit, the judges may differ on
 /// maximality, and the second decides: it compares exactly.
 pub(crate) fn agreed(first: Report, second: Report) -> Result<Report, VerifyError> {
-    let limit = (1.0 + first.covering_tolerance) * first.radius;
+    let limit = covering_limit(first.covering_tolerance, first.radius);
     let same_length = |a: f64, b: f64| (a - b).abs() <= SAME_LENGTH * a.max(b);
     let difference = if first.conflicts != second.conflicts {
         Some("conflicts")

@@ -21,7 +21,7 @@
 //! 2. The others are proven by the ends of their arcs ([`arcs`]), with a margin above all rounding.
 //! 3. The remaining circles are not certainly covered. The sample's Voronoi cell is cut out ([`cell`]): the circle is
 //!    exposed exactly when a corner of the cell is `rho` or farther away. The corner's distance decides, by exact
-//!    integers where the difference from the limit is within rounding ([`exact`]).
+//!    integers where the difference from the limit is within rounding ([`crate::exact`]).
 //!
 //! Steps 1 and 2 use the largest distance of any such corner so far, at most the limit. A circle that they prove has no farther corner, so
 //! the covering radius is the exact one although only few cells are ever cut out.
@@ -35,7 +35,6 @@
 
 mod arcs;
 mod cell;
-mod exact;
 mod exposed;
 mod found;
 mod gaps;

@@ -34,6 +34,7 @@ mod cut;
 mod delaunay;
 mod domain;
 mod error;
+mod exact;
 mod findings;
 mod grid;
 mod input;

@@ -3,6 +3,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::exact::covering_limit;
 use crate::findings::{Findings, MAX_CONFLICTS};
 use crate::judge::Judge;
 use crate::region::Region;
@@ -115,7 +116,7 @@ impl Report {
     /// radius, up to the tolerance (equation 3 of the paper, with the border of a bounded region).
     #[must_use]
     pub fn maximal(&self) -> bool {
-        let limit = (1.0 + self.covering_tolerance) * self.radius;
+        let limit = covering_limit(self.covering_tolerance, self.radius);
         self.gaps == 0 && self.covering_radius <= limit
     }
 

@@ -7,6 +7,7 @@ use crate::circles::{self, Question};
 use crate::cover::{self, Cover, CoverSearch};
 use crate::domain::Domain;
 use crate::error::VerifyError;
+use crate::exact::covering_limit;
 use crate::findings::Findings;
 use crate::grid::Grid;
 use crate::input::{check_points, check_tolerance};
@@ -77,7 +78,7 @@ pub fn verify(
     let question = Question {
         domain,
         radius: scaled_radius,
-        limit: (1.0 + options.covering_tolerance) * scaled_radius,
+        limit: covering_limit(options.covering_tolerance, scaled_radius),
         witnesses: options.witnesses,
     };
     let [by_delaunay, by_circles] = options.judges.asked(points.len());

@@ -65,7 +65,8 @@ hexagonal lattice of as many samples; if all sets have one known radius, of as m
 Shaded bands hold the true mean with probability 0.95.
 
 Effective Nyquist frequencies are those of the smooth spectrum that follows from g(r): they hardly
-scatter, and lie 2 to 3 % below those of Heck's definition on the mean periodogram of many sets.
+scatter, and lie 2 to 3 % below those of Heck's definition on the mean periodogram of many sets; a square
+lattice has 0.92 instead of 1.
 
 With --average all sets must have the domain of the first and its number of samples to within 10 %;
 frequencies are the first one's, and nu is taken with the mean number of samples.

@@ -9,7 +9,7 @@ use tilescope_formats::{
     CertifiedLevel, Check, CheckError, ExportContext, Format, Overrides, PointSet, is_valid,
 };
 
-use crate::options::{JudgeArguments, SetArguments};
+use crate::options::{JudgeArguments, SetArguments, hinted};
 use crate::paths::{InFile, check_target};
 use crate::progress::verifying;
 use crate::{interrupt, output, verdict_code};
@@ -70,11 +70,28 @@ fn read(arguments: &ConvertArguments) -> Result<(PointSet, ExportContext)> {
     let check = verifying(|control| tilescope_formats::check(path, &overrides, control));
     let (set, mut context) = match check {
         Err(CheckError::NoRadius | CheckError::NoRegion(_)) => uncertified(arguments)?,
-        check => certified(check.in_file(path)?, path)?,
+        check => certified(check.map_err(hinted).in_file(path)?, path)?,
     };
+    if let Some(origin) = arguments.set.origin() {
+        context.origin = origin;
+    }
+    leave_out_origin(arguments, &mut context)?;
     context.format = arguments.to;
     context.verify = arguments.judge.options();
     Ok((set, context))
+}
+
+/// Leaves an origin out, with a note, where the format to be written cannot hold it.
+fn leave_out_origin(arguments: &ConvertArguments, context: &mut ExportContext) -> Result<()> {
+    let format = Format::to_write(&arguments.output, arguments.to)?;
+    let [x, y] = context.origin;
+    if format.is_unit_torus() && (x != 0.0 || y != 0.0) {
+        context.origin = [0.0; 2];
+        output::note(&format!(
+            "note: {format} holds positions of the unit torus: the origin {x} {y} is left out"
+        ));
+    }
+    Ok(())
 }
 
 /// Carries the certificate of a checked set over, if it has one.
@@ -84,6 +101,7 @@ fn certified((set, check): (PointSet, Check), path: &Path) -> Result<(PointSet, 
     }
     let mut context = ExportContext::new(check.report.region, check.report.radius);
     if let Some(certificate) = check.certificate {
+        context.origin = certificate.origin.unwrap_or_default();
         context.levels = check.levels.iter().map(CertifiedLevel::claim).collect();
         context.program = certificate.program;
         context.program_version = certificate.program_version;
@@ -97,8 +115,10 @@ fn certified((set, check): (PointSet, Check), path: &Path) -> Result<(PointSet, 
 /// Reads a set of unknown radius: its smallest distance becomes the radius.
 fn uncertified(arguments: &ConvertArguments) -> Result<(PointSet, ExportContext)> {
     let (path, given) = (&arguments.input, &arguments.set);
-    let set = given.read(path)?.set;
+    let read = given.read(path)?;
     let region = given.region_over(Region::UNIT_SQUARE);
+    given.refuse_degrees(&read, region).in_file(path)?;
+    let set = read.set;
     let radius = match given.radius {
         Some(radius) => radius,
         None => smallest_distance(&set.points, region).in_file(path)?,

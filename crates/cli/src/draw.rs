@@ -10,7 +10,7 @@ use tilescope_figures::{Palette, PictureOptions, Rect, Scene, SetPicture, set_sc
 use tilescope_formats::{Certificate, PointSet, Provenance, write_whole};
 
 use crate::options::SetArguments;
-use crate::paths::{check_file, extension};
+use crate::paths::{InFile, check_file, extension};
 use crate::progress::verifying;
 use crate::{EXIT_FINE, interrupt, output};
 
@@ -27,7 +27,7 @@ pub struct DrawArguments {
     /// Width of the picture in pixels
     #[arg(long, value_name = "PX", default_value_t = 1600)]
     size: u32,
-    /// Draw only this part of the domain, in user units
+    /// Draw only this part of the domain, in the file's units
     #[arg(long, num_args = 4, value_names = ["X0", "Y0", "X1", "Y1"], allow_negative_numbers = true)]
     window: Option<Vec<f64>>,
     /// Leave the disks out
@@ -77,7 +77,12 @@ pub fn run(arguments: &DrawArguments) -> Result<u8> {
         "{}: the set is empty",
         arguments.file.display()
     );
-    let scene = scene(arguments, &read.set, read.certificate.as_ref())?;
+    let stated = read.certificate.as_ref();
+    let region = (arguments.set).region_over(stated.map_or(Region::UNIT_SQUARE, |c| c.region));
+    (arguments.set)
+        .refuse_degrees(&read, region)
+        .in_file(&arguments.file)?;
+    let scene = scene(arguments, &read.set, stated, region)?;
     let bytes = if is_svg {
         tilescope_figures::to_svg(&scene)?.into_bytes()
     } else {
@@ -94,10 +99,11 @@ fn scene(
     arguments: &DrawArguments,
     set: &PointSet,
     certificate: Option<&Certificate>,
+    region: Region,
 ) -> Result<Scene> {
     let given = &arguments.set;
-    let region = given.region_over(certificate.map_or(Region::UNIT_SQUARE, |c| c.region));
     let radius = given.radius.or(certificate.map(|c| c.radius));
+    let origin = given.origin().or(certificate.and_then(|c| c.origin));
     // Blocks of other sides or another radius are not those of this set.
     let as_certified = certificate.is_some_and(|c| c.region == region && Some(c.radius) == radius);
     let sides = [("--width", region.width), ("--height", region.height)];
@@ -130,7 +136,11 @@ fn scene(
             Theme::Light => Palette::LIGHT,
             Theme::Dark => Palette::DARK,
         },
-        window: window(arguments.window.as_deref(), &region)?,
+        window: window(
+            arguments.window.as_deref(),
+            &region,
+            origin.unwrap_or_default(),
+        )?,
         disks: !arguments.no_disks,
     };
     Ok(set_scene(&picture, &options))
@@ -147,7 +157,8 @@ fn exposed(set: &PointSet, region: Region, radius: Option<f64>) -> Result<Vec<(u
         .collect())
 }
 
-fn window(given: Option<&[f64]>, region: &Region) -> Result<Option<Rect>> {
+/// Returns the part of the domain to draw, whose lower corner lies at `origin` in the units of the file.
+fn window(given: Option<&[f64]>, region: &Region, origin: [f64; 2]) -> Result<Option<Rect>> {
     let Some(&[x0, y0, x1, y1]) = given else {
         return Ok(None);
     };
@@ -155,13 +166,17 @@ fn window(given: Option<&[f64]>, region: &Region) -> Result<Option<Rect>> {
         [x0, y0, x1, y1].iter().all(|v| v.is_finite()) && x0 < x1 && y0 < y1,
         "--window is {x0} {y0} {x1} {y1}; it must be X0 < X1 and Y0 < Y1"
     );
+    let [left, right] = [x0, x1].map(|x| x - origin[0]);
+    let [bottom, top] = [y0, y1].map(|y| y - origin[1]);
     ensure!(
-        x1 > 0.0 && y1 > 0.0 && x0 < region.width && y0 < region.height,
-        "--window is {x0} {y0} {x1} {y1}; it lies outside the domain, {} x {}",
+        right > 0.0 && top > 0.0 && left < region.width && bottom < region.height,
+        "--window is {x0} {y0} {x1} {y1}; it lies outside the domain, {} x {} at {} {}",
         region.width,
-        region.height
+        region.height,
+        origin[0],
+        origin[1]
     );
-    Ok(Some(Rect::new([x0, y0], [x1, y1])))
+    Ok(Some(Rect::new([left, bottom], [right, top])))
 }
 
 /// Returns the building blocks of the KDRT run that a certificate describes, if it describes one.

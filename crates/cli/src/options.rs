@@ -2,12 +2,15 @@
 
 use std::path::Path;
 
-use anyhow::Result;
+use anyhow::{Result, anyhow};
 use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use serde::de::DeserializeOwned;
-use tilescope_analysis::{Boundary, JudgeChoice, Region, VerifyOptions};
-use tilescope_formats::{Certificate, CheckError, Format, Hint, Overrides, StreamReader};
+use tilescope_analysis::{Boundary, JudgeChoice, Region, VerifyError, VerifyOptions};
+use tilescope_formats::{
+    Certificate, CheckError, Format, FormatError, Hint, Overrides, ReadSet, StreamReader,
+    refuse_degrees,
+};
 
 use crate::paths::InFile;
 
@@ -89,6 +92,19 @@ pub struct SetArguments {
     /// Format of the input, if neither its extension nor its content names one
     #[arg(long, value_name = "FORMAT")]
     pub format: Option<Format>,
+    /// Where the lower corner of the domain lies in the file, for a set at map coordinates; if not given, where the
+    /// certificate states, or at 0 0
+    #[arg(long, num_args = 2, value_names = ["X", "Y"])]
+    pub origin: Option<Vec<f64>>,
+    /// Take the points of a GeoJSON file as positions in a plane, though they may be longitudes and latitudes: all lie
+    /// within 180 and 90, and some beyond the domain
+    #[arg(long)]
+    pub planar: bool,
+}
+
+/// Returns the two numbers of `--origin`, if it is given.
+pub fn pair(origin: Option<&Vec<f64>>) -> Option<[f64; 2]> {
+    origin.and_then(|origin| origin.as_slice().try_into().ok())
 }
 
 impl SetArguments {
@@ -109,8 +125,24 @@ impl SetArguments {
             format: self.format,
             region: given.contains(&true).then(region),
             radius: self.radius,
+            origin: self.origin(),
+            planar: self.planar,
             ..Overrides::default()
         })
+    }
+
+    /// Returns the given origin.
+    pub fn origin(&self) -> Option<[f64; 2]> {
+        pair(self.origin.as_ref())
+    }
+
+    /// Refuses a set, read without a verdict, that seems to be of longitudes and latitudes beyond its domain.
+    pub fn refuse_degrees(&self, read: &ReadSet, region: Region) -> Result<()> {
+        // Positions that were read lie in the domain, whose lower corner is 0.
+        if self.planar {
+            return Ok(());
+        }
+        refuse_degrees(read, region, [0.0; 2]).map_err(|error| hinted(error.into()))
     }
 
     /// Returns the given region, with missing parts taken from `base`.
@@ -131,12 +163,26 @@ impl SetArguments {
     }
 
     /// Reads the file with the given format.
-    pub fn read(&self, path: &Path) -> Result<tilescope_formats::ReadSet> {
+    pub fn read(&self, path: &Path) -> Result<ReadSet> {
         let hint = Hint {
             format: self.format,
+            origin: self.origin(),
             ..Hint::default()
         };
         tilescope_formats::read(path, &hint).in_file(path)
+    }
+}
+
+/// Adds to the error of a check the options that help.
+pub fn hinted(error: CheckError) -> anyhow::Error {
+    match error {
+        CheckError::Verify(error @ VerifyError::OutOfRegion { .. }) => {
+            anyhow!("{error}; --width, --height, --boundary and --origin state another domain")
+        }
+        CheckError::Format(error @ FormatError::Degrees { .. }) => {
+            anyhow!("{error}; --planar takes them as they are")
+        }
+        other => other.into(),
     }
 }
 
@@ -153,3 +199,6 @@ pub fn check_or_unit_square<T>(
         outcome => outcome,
     }
 }
+
+#[cfg(test)]
+mod tests;

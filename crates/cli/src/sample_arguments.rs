@@ -11,7 +11,7 @@ use tilescope_formats::{ExportContext, Format, Precision, Warning};
 use crate::engine::EngineArguments;
 use crate::facts::Facts;
 use crate::make::Made;
-use crate::options::{JudgeArguments, Names, PRECISIONS, named};
+use crate::options::{JudgeArguments, Names, PRECISIONS, named, pair};
 use crate::parameters::RunArguments;
 use crate::paths::InFile;
 
@@ -48,6 +48,10 @@ pub struct SampleArguments {
     /// Seconds between checkpoints of a file that is written band by band: an interruption loses no more work
     #[arg(long, value_name = "SECONDS", default_value_t = 30, requires = "out")]
     pub checkpoint: u64,
+    /// Store positions with this added, for a domain at map coordinates: its lower corner. The certificate states it, and
+    /// programs before it refuse such a set
+    #[arg(long, num_args = 2, value_names = ["X", "Y"], requires = "out", conflicts_with = "window")]
+    pub origin: Option<Vec<f64>>,
     #[command(flatten)]
     pub judge: JudgeArguments,
     /// Do not verify; a file then has no certificate
@@ -78,6 +82,7 @@ Examples:
   tilescope sample --count 100000000 --engine gpu --out huge.npy
   tilescope sample --radius 0.002 --levels 8 --out levels.npy
   tilescope sample --exactly 10000 --levels 6 --out set.csv
+  tilescope sample --radius 2 --width 100 --height 80 --origin 500000 5400000 --out trees.csv
   tilescope sample --radius 2e-5 --window 0.5 0.5 0.502 0.502
   tilescope sample --radius 0.002 --search 2          the experiment that leaves gaps: exit code 1
   tilescope sample --count 5000 --method reference --json";
@@ -151,6 +156,7 @@ impl SampleArguments {
             format: self.format(),
             shuffle_seed: self.shuffle,
             precision: self.precision,
+            origin: pair(self.origin.as_ref()).unwrap_or_default(),
             verify: self.judge.options(),
             ..facts.context()
         }

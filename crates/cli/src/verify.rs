@@ -9,7 +9,7 @@ use serde_json::json;
 use tilescope_analysis::verify_prefix;
 use tilescope_formats::{Certificate, CertifiedLevel, Check, CheckError, Overrides, check_stream};
 
-use crate::options::{JudgeArguments, SetArguments, check_or_unit_square};
+use crate::options::{JudgeArguments, SetArguments, check_or_unit_square, hinted};
 use crate::paths::InFile;
 use crate::progress::verifying;
 use crate::{interrupt, output, verdict_code};
@@ -42,6 +42,7 @@ Examples:
   tilescope verify set.csv
   tilescope verify theirs.txt --radius 0.01
   tilescope verify levels.npy --prefix 1000
+  tilescope verify trees.csv --radius 2 --width 100 --height 80 --boundary bounded --origin 500000 5400000
   tilescope verify theirs.csv --radius 0.5 --width 20 --height 10 --boundary bounded --json";
 
 pub fn run(arguments: &VerifyArguments) -> Result<u8> {
@@ -50,7 +51,12 @@ pub fn run(arguments: &VerifyArguments) -> Result<u8> {
         return prefix(arguments, count);
     }
     let check = checked(arguments)?;
-    output::report(arguments.json, || to_json(&check), || to_text(&check))?;
+    let origin = origin(arguments, &check);
+    output::report(
+        arguments.json,
+        || to_json(&check, origin),
+        || to_text(&check, origin),
+    )?;
     Ok(verdict_code(check.passed()))
 }
 
@@ -88,11 +94,18 @@ fn checked(arguments: &VerifyArguments) -> Result<Check> {
     let check = |overrides: &_| verifying(|control| check_stream(file, overrides, control));
     match check_or_unit_square(&overrides, check) {
         Err(error @ CheckError::NoRadius) => Err(error).context("give --radius").in_file(file),
-        outcome => outcome.in_file(file),
+        outcome => outcome.map_err(hinted).in_file(file),
     }
 }
 
-fn to_json(check: &Check) -> serde_json::Value {
+/// Returns where the lower corner of the domain lies in the file, if not at 0 0.
+fn origin(arguments: &VerifyArguments, check: &Check) -> Option<[f64; 2]> {
+    let stated = check.certificate.as_ref().and_then(|stated| stated.origin);
+    let origin = arguments.set.origin().or(stated);
+    origin.filter(|&[x, y]| x != 0.0 || y != 0.0)
+}
+
+fn to_json(check: &Check, origin: Option<[f64; 2]>) -> serde_json::Value {
     let mut object = json!({
         "format": check.detection.format.to_string(),
         "precision": check.precision,
@@ -105,14 +118,23 @@ fn to_json(check: &Check) -> serde_json::Value {
         "passed": check.passed(),
     });
     output::add(&mut object, output::verdict_json(&check.report));
+    if let Some(origin) = origin {
+        object["origin"] = json!(origin);
+    }
     object
 }
 
-fn to_text(check: &Check) -> String {
-    let report = &check.report;
-    let verdict = output::verdict_text(report, &check.levels);
+fn to_text(check: &Check, origin: Option<[f64; 2]>) -> String {
+    let mut report = check.report.clone();
+    // Places are given as they are in the file.
+    let [x, y] = origin.unwrap_or_default();
+    for gap in &mut report.worst_gaps {
+        gap.center = [gap.center[0] + x, gap.center[1] + y];
+    }
+    let verdict = output::verdict_text(&report, &check.levels);
+    let at = origin.map_or_else(String::new, |[x, y]| format!(" at {x} {y}"));
     let mut out = format!(
-        "{}: {}, r = {}\n\n{verdict}",
+        "{}: {}{at}, r = {}\n\n{verdict}",
         check.detection,
         output::region_text(&report.region),
         report.radius,

@@ -24,9 +24,13 @@ pub const SIDE_LIMITS: [f64; 2] = [7.888_609_052_210_118e-31, 1.267_650_600_228_
 /// sides of it, must not be images of one another, and the candidate search looks a little further.
 pub const MIN_SIDE_RADII_PERIODIC: f64 = 10.0;
 
-/// The shortest side of a bounded domain, in radii: below it one lattice unit of the side is no
-/// longer small enough for the promised covering radius (see [`Domain::covering_bound`]).
+/// The shortest side of a bounded domain, in radii, for every kind of run: with a pattern from a file, with nested
+/// levels, and where the radius is chosen for a count.
 pub const MIN_SIDE_RADII_BOUNDED: f64 = 6.0;
+
+/// The shortest side of any bounded domain, in radii: below it one lattice unit of the side is no
+/// longer small enough for the promised covering radius (see [`Domain::covering_bound`]).
+pub const SHORTEST_SIDE_RADII_BOUNDED: f64 = 4.0;
 
 /// By how many units a bound may be off a lattice line and still count as on it: 2^-10. Sums of a thousand lengths are
 /// off by less.
@@ -215,7 +219,7 @@ impl Domain {
     /// Returns the domain of a user-space rectangle `[0, width] x [0, height]` sampled with `radius`.
     ///
     /// Fails when a number is not finite or not positive, or a side is shorter or longer in radii
-    /// than [`MIN_SIDE_RADII_PERIODIC`], [`MIN_SIDE_RADII_BOUNDED`] and [`MAX_SIDE_RADII`] allow.
+    /// than [`MIN_SIDE_RADII_PERIODIC`], [`SHORTEST_SIDE_RADII_BOUNDED`] and [`MAX_SIDE_RADII`] allow.
     pub fn from_size(
         size: [f64; 2],
         radius: f64,
@@ -316,7 +320,8 @@ impl Domain {
     ///
     /// A place that insertion leaves uncovered is within 0.71 units (half a lattice diagonal) of
     /// a covered point (0.12 units more with a pattern from a file), and a unit exceeds `radius / R` by at most one part in the shortest
-    /// side's 196,608 units, 0.17 units at r: together below one unit, 2^-15 r.
+    /// side's 131,072 units, 0.25 units at r: together below one unit, 2^-15 r. With a pattern from a file the shortest side has
+    /// 196,608 units.
     #[must_use]
     pub fn covering_bound(&self) -> f64 {
         self.radius * (1.0 + 1.0 / f64::from(R))
@@ -534,7 +539,7 @@ fn side_units(
     check_side(name, side)?;
     let minimum = match boundary {
         Boundary::Periodic => MIN_SIDE_RADII_PERIODIC,
-        Boundary::Bounded => MIN_SIDE_RADII_BOUNDED,
+        Boundary::Bounded => SHORTEST_SIDE_RADII_BOUNDED,
     };
     let radii = side / radius;
     if radii < minimum {

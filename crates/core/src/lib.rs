@@ -24,6 +24,7 @@ mod count;
 mod engine;
 mod error;
 mod grid;
+pub mod json;
 mod lattice;
 mod levels;
 mod parameters;
@@ -62,7 +63,7 @@ pub use error::{ParameterError, PatternError, SampleError};
 pub use grid::{NearSample, SampleGrid};
 pub use lattice::{
     Boundary, Domain, MAX_SIDE_RADII, MIN_SIDE_RADII_BOUNDED, MIN_SIDE_RADII_PERIODIC, Point, R,
-    R_SQUARED, Rect, SIDE_LIMITS, Window, covers_offset,
+    R_SQUARED, Rect, SHORTEST_SIDE_RADII_BOUNDED, SIDE_LIMITS, Window, covers_offset,
 };
 pub use levels::{
     MAX_LEVELS, Nested, NestedPattern, NestedPlane, NestedRequest, PrefixGuarantee, WithinLevel,

@@ -4,7 +4,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::lattice::{Domain, Point, Rect};
+use crate::error::ParameterError;
+use crate::lattice::{Domain, MIN_SIDE_RADII_BOUNDED, Point, Rect};
 
 /// A maximal set that blocks clip from. Patterns are equal if their samples and domains are equal, whatever their
 /// source.
@@ -49,6 +50,22 @@ impl Pattern {
             samples,
             covers_lattice,
         }
+    }
+
+    /// Refuses a domain too narrow for a pattern from a file, which leaves places a little farther from its samples.
+    pub fn check_domain(&self, domain: &Domain) -> Result<(), ParameterError> {
+        let minimum = MIN_SIDE_RADII_BOUNDED;
+        for (name, side) in ["width", "height"].into_iter().zip(domain.size()) {
+            let radii = side / domain.radius();
+            if !self.covers_lattice && radii < minimum {
+                return Err(ParameterError::SideTooShort {
+                    name,
+                    radii,
+                    minimum,
+                });
+            }
+        }
+        Ok(())
     }
 
     /// Returns whether every lattice point is known to be covered by a sample within R.
@@ -167,6 +184,23 @@ mod tests {
     use crate::lattice::{Boundary, R};
     use crate::parameters::PatternSpec;
     use crate::progress::Unobserved;
+
+    #[test]
+    fn a_pattern_that_leaves_lattice_points_uncovered_needs_wider_domains() {
+        let domain = |side| Domain::from_size([side, 9.0], 1.0, Boundary::Bounded).unwrap();
+        let made = small(Boundary::Periodic);
+        let given = Pattern {
+            covers_lattice: false,
+            ..made.clone()
+        };
+        assert_eq!(made.check_domain(&domain(4.0)), Ok(()));
+        assert_eq!(given.check_domain(&domain(6.0)), Ok(()));
+        let refused = given.check_domain(&domain(5.9)).unwrap_err().to_string();
+        assert!(
+            refused.contains("the width is 5.9 r long; it must be at least 6 r"),
+            "{refused}"
+        );
+    }
 
     fn small(boundary: Boundary) -> Pattern {
         let spec = PatternSpec {

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
-use tilescope_core::{MAXIMAL_DENSITY, Observer, Parameters, Pattern, Run, Stage};
+use tilescope_core::{MAXIMAL_DENSITY, Observer, Parameters, Pattern, Run, Stage, json};
 
 use crate::anchor::Anchor;
 use crate::listing::{LineId, Listings};
@@ -198,11 +198,11 @@ impl Session {
     /// Parses a session. Fails if the version is newer, a line is unknown, or a limit is exceeded.
     pub fn from_json(text: &str) -> Result<Self, SessionError> {
         within("bytes", text.len(), MAX_BYTES)?;
-        let Head { version } = serde_json::from_str(text)?;
+        let Head { version } = json::from_text(text)?;
         if version > VERSION {
             return Err(SessionError::Newer { found: version });
         }
-        let session: Self = serde_json::from_str(text)?;
+        let session: Self = json::from_text(text)?;
         for breakpoint in &session.breakpoints {
             breakpoint.line()?;
         }

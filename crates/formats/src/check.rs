@@ -210,22 +210,28 @@ pub fn check_bytes(
         }
         None => inside,
     };
+
     let judged = Judged::new(detection.format, precision, certificate.as_ref(), overrides)?;
     if !overrides.planar {
         refuse_degrees(&read, judged.region, judged.origin)?;
     }
+
+    // The digest is of the positions as they are in the file.
     let mut set = read.set;
     let positions_digest = positions_digest(&set.points);
     for point in &mut set.points {
         *point = judged.mapping.domain_from_file(*point);
     }
+
     let (region, radius) = (judged.region, judged.radius);
     let report = verify(&set.points, region, radius, &judged.options, control)?;
+    // Of another region or radius the certificate's levels claim nothing.
     let levels = certificate.as_ref().filter(|stated| judged.is_as(stated));
     let mut claims = levels.map_or_else(Vec::new, Certificate::claims);
     claims.retain(|claim| claim.count <= set.len());
     let levels = verify_levels(&set.points, &report, &claims, &judged.options, control)?;
     let levels = levels.iter().map(CertifiedLevel::of).collect();
+
     let stated = certificate
         .as_ref()
         .and_then(|stated| stated.digest.as_ref());

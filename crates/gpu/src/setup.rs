@@ -43,6 +43,8 @@ impl Setup {
         let key = Key::from_seed(parameters.seed);
         let leaf = parameters.leaf_units()?;
         let mut clipper = Clipper::new(domain, leaf, key, pattern, parameters.dihedral);
+        clipper.check_blocks()?;
+        pattern.check_domain(&domain)?;
         if sources {
             clipper.count_blocks();
         }

@@ -80,7 +80,7 @@ impl Results {
         if text.len() > MAX_BYTES {
             return Err(ResultsError::TooLong(text.len()));
         }
-        let read: Self = serde_json::from_str(text)?;
+        let read: Self = tilescope_core::json::from_text(text)?;
         if read.version > VERSION {
             return Err(ResultsError::Newer(read.version));
         }
@@ -259,6 +259,8 @@ mod tests {
             },
         ]);
         assert_eq!(Results::read(&results.to_json()).unwrap(), results);
+        let marked = format!("\u{FEFF}{}", results.to_json());
+        assert_eq!(Results::read(&marked).unwrap(), results);
         assert_eq!(results.of_gate("gaps", "first"), Some((1.0, 2)));
         assert_eq!(results.of_gate("gaps", "other"), None);
         let text = csv(&[results.clone()]).unwrap();

@@ -98,7 +98,7 @@ glossary! {
     ANISOTROPY, "anisotropy", "", "How much the power varies within a ring of frequencies: large where a direction is preferred.";
     PAIR_CORRELATION, "g(r)", "", "The pair correlation: pairs of samples at a distance, relative to those of independent random samples.";
     RELATIVE_RADIUS, "relative radius", "", "The smallest distance, divided by that of the densest packing of as many samples.";
-    NYQUIST, "effective Nyquist frequency", "", "The largest frequency below which the mean power stays under 0.1, by the spectrum that follows from g(r); a square lattice has 1.";
+    NYQUIST, "effective Nyquist frequency", "", "The largest frequency below which the mean power stays under 0.1, by the spectrum that follows from g(r). That is smooth, so that a square lattice, whose first peak is at 1, has 0.92.";
     OSCILLATION, "oscillation", "", "10 times the root mean square of P \u{2212} 1 beyond the first frequency where P is nearly 1, P being the spectrum that follows from g(r). The scatter of a set of a few hundred samples adds to it.";
     DELAUNAY, "Delaunay triangles", "3.2.1", "The triangles of three samples whose circumcircle holds no other sample.";
     VORONOI, "Voronoi cell", "", "The places that are nearer to one sample than to any other.";

@@ -8,6 +8,7 @@ use std::fmt;
 use std::path::PathBuf;
 
 use serde_json::Value;
+use tilescope_core::json::{self, without_mark};
 use tilescope_debugger::MAX_BYTES;
 use tilescope_formats::{CERTIFICATE_SUFFIX, Hint, ReadSet, read_bytes};
 
@@ -91,10 +92,10 @@ impl Incoming {
         too_long(&self.name, self.bytes.len() as u64, limit).map_or(Ok(()), Err)
     }
 
-    /// Returns its text; fails if it is not text or is longer than a session may be.
+    /// Returns its text, without a byte-order mark; fails if it is not text or is longer than a session may be.
     pub fn text(&self) -> Result<&str, String> {
         self.within(MAX_BYTES as u64)?;
-        let text = std::str::from_utf8(&self.bytes);
+        let text = std::str::from_utf8(without_mark(&self.bytes));
         text.map_err(|_| {
             let name = &self.name;
             format!("{name}: this is not a saved session: it is not text")
@@ -215,13 +216,13 @@ fn is_certificate_of(name: &str, set: &str) -> bool {
 /// Returns whether bytes begin like a JSON object.
 #[must_use]
 pub fn begins_as_object(bytes: &[u8]) -> bool {
-    bytes.trim_ascii_start().starts_with(b"{")
+    without_mark(bytes).trim_ascii_start().starts_with(b"{")
 }
 
 /// Returns whether JSON is a session or a layout; `None` if it is not JSON.
 #[must_use]
 pub fn holds_document(bytes: &[u8]) -> Option<bool> {
-    let value: Value = serde_json::from_slice(bytes).ok()?;
+    let value: Value = json::from_bytes(bytes).ok()?;
     let is_session = value.get("cursor").is_some() || value.get("version").is_some();
     Some(is_session || holds_combination(&value))
 }

@@ -39,7 +39,8 @@ pub enum ScriptError {
 
 /// Returns the commands of a script.
 pub fn read(text: &str) -> Result<Vec<Command>, ScriptError> {
-    let values: Vec<Value> = serde_json::from_str(text).map_err(ScriptError::NotAList)?;
+    let values: Vec<Value> =
+        tilescope_core::json::from_text(text).map_err(ScriptError::NotAList)?;
     if values.len() > MAX_COMMANDS {
         return Err(ScriptError::TooLong(values.len()));
     }

@@ -313,16 +313,21 @@ fn what_cannot_be_computed_in_parts_is_refused() {
     let pattern = Pattern::generate(&spec, &mut Unobserved)
         .map(Arc::new)
         .expect("a pattern");
-    let sequential = tilescope_core::Sequential::new(&staged, Arc::clone(&pattern)).expect("valid");
-    let sweep = Sweep::new(&staged, &pattern, false).expect("valid");
-    let refusals = [
-        sequential.finish(&mut Unobserved).expect_err("a refusal"),
-        sweep.finish(&mut Unobserved).expect_err("a refusal"),
-    ];
-    // Each error names the block that the engine met first.
-    for refused in refusals {
+    for (seed, dihedral) in [(1, false), (2, false), (3, true), (4, true)] {
+        let staged = Parameters {
+            seed,
+            dihedral,
+            ..staged
+        };
+        let sequential =
+            tilescope_core::Sequential::new(&staged, Arc::clone(&pattern)).expect("valid");
+        let refused = sequential.finish(&mut Unobserved).expect_err("a refusal");
         let named = matches!(refused, SampleError::Pattern(PatternError::TooSmall { .. }));
         assert!(named, "{refused}");
+        // The first block in their order is named, and by windows that would not compute it, too.
+        let refused = Some(refused);
+        assert_eq!(Plane::new(&staged, &pattern).err(), refused);
+        assert_eq!(Sweep::new(&staged, &pattern, false).err(), refused);
     }
 }
 

@@ -4,15 +4,12 @@
 
 use glam::DVec2;
 
-use super::exact::{Site, circle_exceeds, corner_exceeds, crossing_exceeds};
 use super::gaps::CellReach;
 use super::sample::Sample;
 use super::samples::Samples;
 use super::tile::Tile;
+use crate::exact::{DOUBT, Site, circle_exceeds, corner_exceeds, crossing_exceeds, exceeds};
 use crate::witness::{Gap, GapKind};
-
-/// Radii this near to the limit are compared exactly; the error of one that is not nearly flat is far less.
-const DOUBT: f64 = 1e-9;
 
 /// The line on which an edge of a cell lies.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -295,16 +292,5 @@ impl Circles<'_> {
         }
         let wrapped = place - (place / extent).floor() * extent;
         DVec2::select(wrapped.cmplt(extent), wrapped, DVec2::ZERO)
-    }
-}
-
-/// Compares a radius with the limit, exactly where its error leaves a doubt. `flatness` is the factor by which a flat
-/// triangle enlarges the error.
-fn exceeds(distance: f64, limit: f64, flatness: f64, exact: impl FnOnce() -> bool) -> bool {
-    let doubt = DOUBT * (1.0 + 1e-6 * flatness);
-    if (distance / limit - 1.0).abs() < doubt {
-        exact()
-    } else {
-        distance > limit
     }
 }

@@ -28,6 +28,8 @@ impl BorderSite {
 pub(crate) struct Crossing {
     pub at: f64,
     pub distance: f64,
+    /// The two samples that are nearest there.
+    pub sites: [BorderSite; 2],
 }
 
 /// The crossings on the whole line, in order. Sorts `sites`.
@@ -59,8 +61,13 @@ pub(crate) fn crossings(sites: &mut [BorderSite]) -> Vec<Crossing> {
     (envelope.windows(2))
         .map(|pair| {
             let at = pair[1].1;
-            let distance = pair[0].0.distance(at);
-            Crossing { at, distance }
+            let sites = [pair[0].0, pair[1].0];
+            let distance = sites[0].distance(at);
+            Crossing {
+                at,
+                distance,
+                sites,
+            }
         })
         .collect()
 }
@@ -79,6 +86,7 @@ mod tests {
         let expected = Crossing {
             at: 2.0,
             distance: 5f64.sqrt(),
+            sites: [site(0.0, 1.0), site(4.0, 1.0)],
         };
         assert_eq!(found, [expected]);
         let found = crossings(&mut [site(0.0, 0.0), site(2.0, 4.0)]);

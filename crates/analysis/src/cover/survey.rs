@@ -8,9 +8,10 @@ use spade::{Point2, Triangulation};
 use super::CoverSearch;
 use super::border::{self, BorderSite};
 use super::circle::{circumcircle, is_below};
-use super::tiles::{Tile, TileWindow};
+use super::tiles::{Tile, TileWindow, original};
 use crate::delaunay::delaunay;
 use crate::error::VerifyError;
+use crate::exact::{Site, circle_exceeds, corner_exceeds, crossing_exceeds, exceeds};
 use crate::witness::{Gap, GapKind};
 
 /// The result for a tile and a window.
@@ -40,15 +41,17 @@ impl Survey {
         survey
     }
 
-    /// Records a place whose empty circle counts for the region, and which is a gap if the circle exceeds the limit.
-    fn claim(&mut self, task: &CoverSearch<'_>, center: [f64; 2], distance: f64, kind: GapKind) {
-        self.covering_radius = self.covering_radius.max(distance);
-        if distance > task.limit {
-            self.gaps.push(Gap {
-                center,
-                distance,
-                kind,
-            });
+    /// Records a place whose empty circle counts for the region, and which is a gap if the circle exceeds the limit. `exact`
+    /// compares its radius with the limit without rounding.
+    fn claim(&mut self, task: &CoverSearch<'_>, circle: Gap, exact: impl FnOnce() -> bool) {
+        // Flat triangles need no more doubt: their centre is as exact as that of others.
+        if exceeds(circle.distance, task.limit, 1.0, exact) {
+            self.covering_radius = self.covering_radius.max(circle.distance);
+            self.gaps.push(circle);
+        } else {
+            // The rounded radius of a circle that does not exceed the limit may.
+            let distance = circle.distance.min(task.limit);
+            self.covering_radius = self.covering_radius.max(distance);
         }
     }
 
@@ -72,12 +75,15 @@ impl Survey {
             }
             self.side_reach = self.side_reach.max(crossing.distance);
             if on_border && (0.0..=extent[side.axis]).contains(&at) {
-                self.claim(
-                    task,
-                    side.place(at, level),
-                    crossing.distance,
-                    GapKind::Border,
-                );
+                let circle = Gap {
+                    center: side.place(at, level),
+                    distance: crossing.distance,
+                    kind: GapKind::Border,
+                };
+                let sites = crossing.sites.map(|site| side.site(site, level));
+                self.claim(task, circle, || {
+                    crossing_exceeds(sites, 1 - side.axis, side.upper, extent, task.limit)
+                });
             }
         }
         for at in [start, end] {
@@ -86,7 +92,17 @@ impl Survey {
             self.side_reach = self.side_reach.max(distance);
             // A corner of the region ends two sides: the sides along x report it.
             if on_border && side.axis == 0 && (at == 0.0 || at == extent[0]) {
-                self.claim(task, side.place(at, level), distance, GapKind::Corner);
+                let circle = Gap {
+                    center: side.place(at, level),
+                    distance,
+                    kind: GapKind::Corner,
+                };
+                let corner = DVec2::from(circle.center);
+                self.claim(task, circle, || {
+                    let near = (sites.iter()).filter(|site| site.distance(at) <= 2.0 * distance);
+                    let mut near = near.map(|site| side.site(*site, level));
+                    near.all(|site| corner_exceeds(site, corner, extent, task.limit))
+                });
             }
         }
     }
@@ -126,11 +142,19 @@ impl Survey {
             if !inside(circle.center) {
                 continue;
             }
-            largest = largest.max(circle.square);
-            if circle.square > limit {
-                let (center, distance) = (circle.center.to_array(), circle.square.sqrt());
-                self.claim(task, center, distance, GapKind::VoronoiVertex);
+            if circle.square <= limit {
+                largest = largest.max(circle.square);
+                continue;
             }
+            let circle = Gap {
+                center: circle.center.to_array(),
+                distance: circle.square.sqrt(),
+                kind: GapKind::VoronoiVertex,
+            };
+            self.claim(task, circle, || {
+                let sites = corners.map(|corner| original(task.grid, corner));
+                circle_exceeds(sites, domain.extent, task.limit)
+            });
         }
         self.covering_radius = self.covering_radius.max(largest.sqrt());
         Ok(())
@@ -150,6 +174,16 @@ impl TileSide {
     fn level(self, tile: &Tile) -> f64 {
         let corner = if self.upper { tile.high } else { tile.low };
         corner[1 - self.axis]
+    }
+
+    /// A sample that was seen from this side, a side of the region.
+    fn site(self, seen: BorderSite, level: f64) -> Site {
+        let across = if self.upper {
+            level - seen.offset
+        } else {
+            level + seen.offset
+        };
+        Site::at(self.place(seen.foot, across).into())
     }
 
     fn place(self, at: f64, level: f64) -> [f64; 2] {

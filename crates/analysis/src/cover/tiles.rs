@@ -10,6 +10,7 @@ use super::CoverSearch;
 use serde::{Deserialize, Serialize};
 
 use crate::delaunay::site;
+use crate::exact::Site;
 use crate::grid::Grid;
 
 /// A rectangle of grid cells.
@@ -199,6 +200,31 @@ impl Span {
             }
         }
     }
+}
+
+/// The sample of which a window holds a copy at `place`, with its shift, which rounding has not moved.
+pub(super) fn original(grid: &Grid, place: DVec2) -> Site {
+    let near = |axis: usize| {
+        let cells = grid.cells[axis] as f64;
+        let cell = (place[axis] / grid.domain.extent[axis] * cells).floor() as i64;
+        // Rounding may have moved the copy into the next cell.
+        cell - 1..=cell + 1
+    };
+    let periods = |axis: usize, cell: i64| cell.div_euclid(grid.cells[axis] as i64);
+    for (at_row, at_column) in near(1).flat_map(|row| near(0).map(move |column| (row, column))) {
+        let ((row, y), (column, x)) = (wrap(grid, 1, at_row), wrap(grid, 0, at_column));
+        if !grid.domain.periodic || !grid.holds(row) {
+            continue;
+        }
+        let mut run = grid.run(row, &(column..column + 1)).iter();
+        if let Some(entry) = run.find(|entry| entry.position + DVec2::new(x, y) == place) {
+            return Site {
+                position: entry.position,
+                periods: [periods(0, at_column), periods(1, at_row)],
+            };
+        }
+    }
+    Site::at(place)
 }
 
 /// The grid cell of an unwrapped one and how far its samples are to be moved.

@@ -12,6 +12,7 @@ use crate::circles::Question;
 use crate::cover::{self, CoverSearch, Places, Visit};
 use crate::domain::Domain;
 use crate::error::VerifyError;
+use crate::exact::covering_limit;
 use crate::findings::Findings;
 use crate::grid::{Entry, Grid, Rows, cell_at};
 use crate::monitor::Monitor;
@@ -109,15 +110,18 @@ impl StreamSearch {
         Question {
             domain: self.domain,
             radius: self.scaled_radius,
-            limit: (1.0 + self.options.covering_tolerance) * self.scaled_radius,
+            limit: self.limit(),
             witnesses: self.options.witnesses,
         }
     }
 
     fn task<'a>(&self, grid: &'a Grid) -> CoverSearch<'a> {
-        let limit = (1.0 + self.options.covering_tolerance) * self.scaled_radius;
         let witnesses = self.options.witnesses;
-        CoverSearch::with_same(grid, self.scaled_radius, limit, witnesses, self.same)
+        CoverSearch::with_same(grid, self.scaled_radius, self.limit(), witnesses, self.same)
+    }
+
+    const fn limit(&self) -> f64 {
+        covering_limit(self.options.covering_tolerance, self.scaled_radius)
     }
 }
 

@@ -405,3 +405,47 @@ fn exposed_arcs_are_those_that_no_other_disk_covers() {
         }]
     );
 }
+
+/// Lattices whose covering radius is the limit up to the last bits: each judge alone, and both, say the same of all of them.
+#[test]
+fn one_rule_decides_at_the_limit() {
+    let mut verdicts = BTreeMap::new();
+    for boundary in [Boundary::Periodic, Boundary::Bounded] {
+        for side in 1..40 {
+            let spacing = 0.017 * f64::from(side);
+            let points: Vec<[f64; 2]> = (0..64)
+                .map(|i| [f64::from(i % 8) * spacing, f64::from(i / 8) * spacing])
+                .collect();
+            // A bounded lattice ends with its samples.
+            let steps = if boundary == Boundary::Periodic {
+                8.0
+            } else {
+                7.0
+            };
+            let region = Region {
+                width: steps * spacing,
+                height: steps * spacing,
+                boundary,
+            };
+            for tolerance in [0.0, 2f64.powi(-15)] {
+                let mut radius = spacing * 0.5f64.sqrt() / (1.0 + tolerance);
+                radius = (0..4).fold(radius, |radius, _| radius.next_down());
+                for _ in 0..8 {
+                    radius = radius.next_up();
+                    let alone = [
+                        JudgeChoice::Delaunay,
+                        JudgeChoice::Circles,
+                        JudgeChoice::Both,
+                    ]
+                    .map(|judges| judged(&points, region, radius, tolerance, judges).maximal());
+                    assert_eq!(alone[0], alone[1], "{region:?} {radius:?} {tolerance}");
+                    assert_eq!(alone[1], alone[2], "{region:?} {radius:?} {tolerance}");
+                    *verdicts.entry(alone[0]).or_insert(0) += 1;
+                }
+            }
+        }
+    }
+    // Both verdicts occur, so the radii lie on either side of the limit.
+    assert!(verdicts.values().all(|count| *count > 100), "{verdicts:?}");
+    assert_eq!(verdicts.len(), 2);
+}

@@ -14,7 +14,7 @@ use tilescope_analysis::{Control, MAX_CONFLICTS, Region, VerifyError};
 use tilescope_formats::{Check, CheckError, Format, PointSet, StreamReader};
 
 use super::measure::{Measure, of_set, values_by_key};
-use crate::options::{SetArguments, check_or_unit_square};
+use crate::options::{SetArguments, check_or_unit_square, hinted};
 use crate::output;
 use crate::paths::InFile;
 use crate::progress::{verifying, watched};
@@ -253,15 +253,12 @@ fn read(path: &Path, arguments: &SetArguments) -> Result<(PointSet, Check, bool)
 /// hundreds of digits.
 fn reason(error: CheckError) -> anyhow::Error {
     match error {
-        CheckError::Verify(error @ VerifyError::OutOfRegion { .. }) => {
-            anyhow!("{error}; --width, --height and --boundary state another domain")
-        }
         CheckError::Verify(VerifyError::BadRadius { radius }) => anyhow!(
             "the radius {radius:?} is not a positive number between 2^-100 and 2^100 times the domain's longer side"
         ),
         CheckError::Verify(VerifyError::BadRegion { width, height }) => anyhow!(
             "the domain {width:?} x {height:?} is not supported: sides must lie between 2^-100 and 2^100, one at most 2^40 times the other"
         ),
-        other => other.into(),
+        other => hinted(other),
     }
 }

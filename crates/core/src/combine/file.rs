@@ -8,6 +8,7 @@ mod set;
 use serde::{Deserialize, Serialize};
 
 use super::{CombineError, CombineOptions, MAX_PIECES, check_rects};
+use crate::json;
 use crate::lattice::{Boundary, Domain, Rect};
 use crate::parameters::{Insertion, MAX_SEQUENTIAL_SAMPLES, MAXIMAL_DENSITY, Order};
 
@@ -96,11 +97,11 @@ impl Layout {
             let bytes = bytes.len() as u64;
             return Err(LayoutError::TooLong { bytes });
         }
-        let Version { version } = serde_json::from_slice(bytes).map_err(LayoutError::NoLayout)?;
+        let Version { version } = json::from_bytes(bytes).map_err(LayoutError::NoLayout)?;
         if version != VERSION {
             return Err(LayoutError::Version { version });
         }
-        serde_json::from_slice(bytes).map_err(LayoutError::Form)
+        json::from_bytes(bytes).map_err(LayoutError::Form)
     }
 
     /// Returns how the pieces are glued.

@@ -81,6 +81,7 @@ impl Sequential {
     /// `pattern` need not be the one that the parameters describe; it may come from a file.
     pub fn new(parameters: &Parameters, pattern: Arc<Pattern>) -> Result<Self, SampleError> {
         let domain = parameters.validate_sequential()?;
+        pattern.check_domain(&domain)?;
         let key = Key::from_seed(parameters.seed);
         Ok(Self {
             run: Run::new(parameters, domain, pattern),

@@ -178,7 +178,7 @@ pub enum ParameterError {
     },
     /// A side is too short for the coarsest of nested levels.
     #[error(
-        "the {name} is {} r long; {levels} levels need at least {minimum:.1} r: choose fewer levels or a smaller radius",
+        "the {name} is {} r long; {levels} levels need at least {minimum:.1} r: choose fewer levels or more samples",
         Number(*.radii)
     )]
     TooManyLevels {

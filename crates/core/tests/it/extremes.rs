@@ -3,8 +3,8 @@
 
 use tilescope_core::stages::disks::DiskGrid;
 use tilescope_core::{
-    Boundary, Insertion, MAX_SIDE_RADII, Parameters, Pattern, PatternError, PatternSpec, Point,
-    Unobserved, reference_sample, sample,
+    Boundary, Insertion, MAX_SIDE_RADII, Order, Parameters, Pattern, PatternError, PatternSpec,
+    Point, SHORTEST_SIDE_RADII_BOUNDED, Sequential, Sweep, Unobserved, reference_sample, sample,
 };
 use tilescope_tests::some;
 
@@ -127,4 +127,57 @@ fn rectangular_patterns_serve() {
             &engine.finish(&mut Unobserved).unwrap().points(),
         );
     }
+}
+
+/// Bounded domains of 4 to 7 r, in one or both directions: the engines give the same points, conflict-free and maximal.
+#[test]
+fn the_narrowest_bounded_domains_are_sampled() {
+    let pattern = Pattern::of_spec(&PatternSpec::default(), &mut Unobserved).unwrap();
+    let steps = |seed: u64, step: f64| (seed as f64 * step).fract();
+    for seed in 0..200 {
+        let short = SHORTEST_SIDE_RADII_BOUNDED + 3.0 * steps(seed, 0.754_877_666);
+        let long = [short, 4.0 + 40.0 * steps(seed, 0.569_840_29)];
+        let [width, height] = if seed % 2 == 0 {
+            long
+        } else {
+            [long[1], long[0]]
+        };
+        let parameters = Parameters {
+            width,
+            height,
+            radius: 1.0,
+            boundary: Boundary::Bounded,
+            seed,
+            leaf: if seed % 3 == 0 { 6.0 } else { 30.0 },
+            order: [
+                Order::Index,
+                Order::Random,
+                Order::OwnBlockFirst,
+                Order::PhaseGroup,
+            ][seed as usize / 2 % 4],
+            insertion: [Insertion::Circumcentre, Insertion::Uniform][seed as usize / 8 % 2],
+            ..Parameters::default()
+        };
+        let engine = Sequential::new(&parameters, pattern.clone()).unwrap();
+        let points = engine.finish(&mut Unobserved).unwrap().points();
+        check(&parameters, &points);
+        let parallel = Sweep::run(&parameters, &pattern, &mut Unobserved).unwrap();
+        assert_eq!(parallel.points(), points, "{parameters:?}");
+    }
+}
+
+/// The covering radius of narrower domains is not promised.
+#[test]
+fn narrower_domains_are_refused() {
+    let narrow = Parameters {
+        width: 20.0,
+        height: 3.999,
+        radius: 1.0,
+        boundary: Boundary::Bounded,
+        ..Parameters::default()
+    };
+    assert_eq!(
+        narrow.validate().unwrap_err().to_string(),
+        "the height is 3.999 r long; it must be at least 4 r: choose a smaller radius"
+    );
 }

@@ -98,6 +98,8 @@ fn a_session_without_the_new_parts_is_written_and_read_as_before() {
     let fields: serde_json::Value = serde_json::from_str(&text).unwrap();
     assert!(fields.get("pattern").is_none() && fields.get("view").is_none());
     assert_eq!(Session::from_json(&text).unwrap(), session);
+    let marked = format!("\u{FEFF}{text}");
+    assert_eq!(Session::from_json(&marked).unwrap(), session);
     let mut never = |_: &PatternFile| -> Result<Pattern, String> { panic!("no file is named") };
     assert!(restored_with(&session, &mut never).is_ok());
 }

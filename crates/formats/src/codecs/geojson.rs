@@ -43,7 +43,7 @@ struct Outline {
 #[derive(Deserialize)]
 struct Content {
     #[serde(default)]
-    coordinates: Vec<Element>,
+    coordinates: Vec<GeoCoordinate>,
     #[serde(default)]
     geometry: Option<Box<Content>>,
     #[serde(default)]
@@ -51,7 +51,7 @@ struct Content {
 }
 
 /// An element of coordinates: a number of a point's position, or a position of several points.
-enum Element {
+enum GeoCoordinate {
     Number(f64),
     Position(Position),
 }
@@ -144,8 +144,8 @@ fn add(content: &Content, points: &mut Vec<[f64; 2]>) -> Result<(), FormatError>
     let mut numbers = Vec::new();
     for element in &content.coordinates {
         match element {
-            Element::Number(value) => numbers.push(*value),
-            Element::Position(Position(point)) => points.push(*point),
+            GeoCoordinate::Number(value) => numbers.push(*value),
+            GeoCoordinate::Position(Position(point)) => points.push(*point),
         }
     }
     match (&numbers[..], content.coordinates.len() == numbers.len()) {
@@ -164,35 +164,37 @@ fn add(content: &Content, points: &mut Vec<[f64; 2]>) -> Result<(), FormatError>
     Ok(())
 }
 
-impl<'de> Deserialize<'de> for Element {
+impl<'de> Deserialize<'de> for GeoCoordinate {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_any(ElementVisitor)
+        deserializer.deserialize_any(GeoCoordinateVisitor)
     }
 }
 
-struct ElementVisitor;
+struct GeoCoordinateVisitor;
 
-impl<'de> Visitor<'de> for ElementVisitor {
-    type Value = Element;
+impl<'de> Visitor<'de> for GeoCoordinateVisitor {
+    type Value = GeoCoordinate;
 
     fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str("a number or a position")
     }
 
-    fn visit_f64<E>(self, value: f64) -> Result<Element, E> {
-        Ok(Element::Number(value))
+    fn visit_f64<E>(self, value: f64) -> Result<GeoCoordinate, E> {
+        Ok(GeoCoordinate::Number(value))
     }
 
-    fn visit_u64<E>(self, value: u64) -> Result<Element, E> {
-        Ok(Element::Number(value as f64))
+    fn visit_u64<E>(self, value: u64) -> Result<GeoCoordinate, E> {
+        Ok(GeoCoordinate::Number(value as f64))
     }
 
-    fn visit_i64<E>(self, value: i64) -> Result<Element, E> {
-        Ok(Element::Number(value as f64))
+    fn visit_i64<E>(self, value: i64) -> Result<GeoCoordinate, E> {
+        Ok(GeoCoordinate::Number(value as f64))
     }
 
-    fn visit_seq<A: SeqAccess<'de>>(self, numbers: A) -> Result<Element, A::Error> {
-        PositionVisitor.visit_seq(numbers).map(Element::Position)
+    fn visit_seq<A: SeqAccess<'de>>(self, numbers: A) -> Result<GeoCoordinate, A::Error> {
+        PositionVisitor
+            .visit_seq(numbers)
+            .map(GeoCoordinate::Position)
     }
 }
 

@@ -101,7 +101,7 @@ impl SavedCombination {
         if bytes > MAX_BYTES {
             return Err(SavedError::TooLong { bytes });
         }
-        let value: Value = serde_json::from_str(text).map_err(SavedError::Form)?;
+        let value: Value = tilescope_core::json::from_text(text).map_err(SavedError::Form)?;
         let version = value.get("version").and_then(Value::as_u64);
         if let Some(version) = version.and_then(|version| u32::try_from(version).ok())
             && version != VERSION

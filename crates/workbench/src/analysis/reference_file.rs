@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use tilescope_analysis::{Boundary, Region};
-use tilescope_formats::ReadSet;
+use tilescope_formats::{ReadSet, refuse_degrees};
 use tilescope_session::jobs::Monitor;
 use tilescope_session::words::last_part;
 
@@ -79,6 +79,8 @@ pub fn of(
     if let Some(why) = refusal(last_part(name), region, guessed, run) {
         return Err(why);
     }
+    // Positions that were read lie in the domain, whose lower corner is 0.
+    refuse_degrees(&read, region, [0.0; 2]).map_err(|error| named(&error.to_string()))?;
     let points = read.set.points;
     if points.len() < 3 {
         return Err(named(

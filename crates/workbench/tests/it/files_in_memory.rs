@@ -154,6 +154,34 @@ fn content_decides_and_not_the_name() {
 }
 
 #[test]
+fn a_byte_order_mark_hides_no_session_and_no_layout() {
+    let (folder, state) = pattern_session();
+    let set = folder.path().join("own.csv");
+    let marked =
+        |name: &str, bytes: &[u8]| NamedBytes::new(name, [b"\xEF\xBB\xBF", bytes].concat());
+    let session = marked(
+        "one.json",
+        &fs::read(folder.path().join("one.json")).unwrap(),
+    );
+    for dropped in [true, false] {
+        let mut other = opened();
+        let all = vec![named(&set), named(&certificate_path(&set)), session.clone()];
+        if dropped {
+            drop_bytes(&mut other, all);
+        } else {
+            choose(&mut other, Purpose::Open, all);
+        }
+        assert!(!is_error(&other), "{}", notice_text(&other));
+        assert_eq!(other.saved().unwrap().digest, state.saved().unwrap().digest);
+    }
+
+    let layout = marked("nine.json", tilescope_session::combination::NINE.as_bytes());
+    let mut other = opened();
+    drop_bytes(&mut other, vec![layout]);
+    assert!(other.shows_combination(), "{}", notice_text(&other));
+}
+
+#[test]
 fn a_file_of_another_kind_is_named_as_such() {
     let (folder, mut state) = pattern_session();
     let [session, set] = ["one.json", "own.csv"].map(|name| folder.path().join(name));

@@ -4,7 +4,7 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, u32x8};
 use glam::I64Vec2;
 
-use crate::error::SampleError;
+use crate::error::{PatternError, SampleError};
 use crate::lattice::{Domain, Point, R, Rect, Rect64};
 use crate::pattern::{Pattern, PatternVariant, Symmetry};
 use crate::random::{Key, Stream, below};
@@ -233,6 +233,31 @@ impl Clipper {
         &self.variants
     }
 
+    /// Fails with the first block, in their order, that does not fit a bounded pattern: all engines then refuse a run in the
+    /// same words, whichever of its blocks they would compute first.
+    pub fn check_blocks(&self) -> Result<(), PatternError> {
+        // Every block fits a periodic pattern.
+        if self.variants.iter().all(|variant| variant.shape.periodic) {
+            return Ok(());
+        }
+        let mut stack = vec![Node::root(&self.domain, self.key)];
+        while let Some(node) = stack.pop() {
+            if let Some(cut) = node.cut(self.leaf) {
+                stack.extend([cut.upper, cut.lower]);
+            } else {
+                clip_start(&node.block, &self.variant_of(&node.block).1.shape)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Returns the symmetry under which a block is clipped, and the pattern's variant.
+    fn variant_of(&self, block: &Block) -> (u8, &CellPattern) {
+        let drawn = block.key.draw(Stream::Dihedral, 0)[0];
+        let symmetry = below(drawn, self.variants.len() as u32);
+        (symmetry as u8, &self.variants[symmetry as usize])
+    }
+
     /// Counts the blocks, so that from now on blocks carry their index.
     pub fn count_blocks(&mut self) {
         if self.counts.is_none() {
@@ -277,16 +302,13 @@ impl Clipper {
         index: u32,
         out: &mut Vec<PlacedBlock>,
     ) -> Result<(), SampleError> {
-        let symmetry = below(
-            block.key.draw(Stream::Dihedral, 0)[0],
-            self.variants.len() as u32,
-        );
-        let start = clip_start(block, &self.variants[symmetry as usize].shape)?;
+        let (symmetry, variant) = self.variant_of(block);
+        let start = clip_start(block, &variant.shape)?;
         out.extend(images.rects().map(|rect| PlacedBlock {
             rect,
             sequence,
             index,
-            symmetry: symmetry as u8,
+            symmetry,
             start,
         }));
         Ok(())

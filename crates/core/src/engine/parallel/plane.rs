@@ -84,6 +84,9 @@ impl Plane {
         }
         let key = Key::from_seed(parameters.seed);
         let leaf = parameters.leaf_units()?;
+        let clipper = Clipper::new(domain, leaf, key, pattern, parameters.dihedral);
+        clipper.check_blocks()?;
+        pattern.check_domain(&domain)?;
         // A block that is as long as a periodic domain is its own neighbour.
         let short = domain.width() / 2 < leaf || domain.height() / 2 < leaf;
         let rules = Rules {
@@ -97,7 +100,7 @@ impl Plane {
             domain,
             order: parameters.order,
             touches_itself: domain.is_periodic() && short,
-            clipper: Clipper::new(domain, leaf, key, pattern, parameters.dihedral),
+            clipper,
             ranking: Ranking::new(parameters.order, &domain, key),
             rules,
             instructions: InstructionSet::best(),

@@ -1,13 +1,38 @@
-//! Comparisons of an empty circle's radius with a limit, exactly, by integers of any length. Coordinates are binary
+//! The limit of the covering radius, and whether an empty circle exceeds it: one rule for both judges. Where rounding leaves a
+//! doubt, the circle's radius is compared exactly, by integers of any length. Coordinates are binary
 //! fractions, so a squared radius is a fraction of two integers, and the comparison has no rounding. Radii themselves
 //! are not computed here.
 
 use glam::DVec2;
 use num_bigint::BigInt;
 
+/// Radii this near to the limit are compared exactly; the error of one that is not nearly flat is far less.
+pub(crate) const DOUBT: f64 = 1e-9;
+
+/// Returns the largest covering radius of a maximal set of `radius`.
+pub(crate) const fn covering_limit(covering_tolerance: f64, radius: f64) -> f64 {
+    (1.0 + covering_tolerance) * radius
+}
+
+/// Compares a radius with the limit, exactly where its error leaves a doubt. `flatness` is the factor by which a flat
+/// triangle enlarges the error.
+pub(crate) fn exceeds(
+    distance: f64,
+    limit: f64,
+    flatness: f64,
+    exact: impl FnOnce() -> bool,
+) -> bool {
+    let doubt = DOUBT * (1.0 + 1e-6 * flatness);
+    if (distance / limit - 1.0).abs() < doubt {
+        exact()
+    } else {
+        distance > limit
+    }
+}
+
 /// A sample, or a copy of one.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Site {
+pub(crate) struct Site {
     pub position: DVec2,
     /// The shift of the copy from the sample, in periods.
     pub periods: [i64; 2],
@@ -17,6 +42,16 @@ pub(super) struct Site {
 struct Integers {
     exponent: i32,
     extent: [BigInt; 2],
+}
+
+impl Site {
+    /// A sample that is no copy.
+    pub const fn at(position: DVec2) -> Self {
+        Self {
+            position,
+            periods: [0; 2],
+        }
+    }
 }
 
 impl Integers {
@@ -43,7 +78,7 @@ impl Integers {
 }
 
 /// Whether the circle through three sites is larger than `limit`.
-pub(super) fn circle_exceeds(sites: [Site; 3], extent: DVec2, limit: f64) -> bool {
+pub(crate) fn circle_exceeds(sites: [Site; 3], extent: DVec2, limit: f64) -> bool {
     let integers = Integers::new(&sites, extent, limit);
     let [p, q, r] = sites.map(|site| integers.site(&site));
     let (a, b, c) = (minus(&q, &p), minus(&r, &p), minus(&r, &q));
@@ -56,7 +91,7 @@ pub(super) fn circle_exceeds(sites: [Site; 3], extent: DVec2, limit: f64) -> boo
 
 /// Whether the circle about the crossing of two sites' bisector with a side of the region is larger than `limit`. The side lies
 /// at 0 or at the extent along `axis`.
-pub(super) fn crossing_exceeds(
+pub(crate) fn crossing_exceeds(
     sites: [Site; 2],
     axis: usize,
     is_far: bool,
@@ -79,7 +114,7 @@ pub(super) fn crossing_exceeds(
 }
 
 /// Whether the circle about a corner of the region through a site is larger than `limit`.
-pub(super) fn corner_exceeds(site: Site, corner: DVec2, extent: DVec2, limit: f64) -> bool {
+pub(crate) fn corner_exceeds(site: Site, corner: DVec2, extent: DVec2, limit: f64) -> bool {
     let of_corner = Site {
         position: corner,
         periods: [0; 2],

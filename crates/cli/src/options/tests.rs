@@ -1,0 +1,244 @@
+//! Sets at an origin, GeoJSON and other inputs, through the commands as their arguments are given.
+
+use std::ffi::OsString;
+use std::fs;
+
+use anyhow::Result;
+use serde_json::Value;
+use tempfile::{TempDir, tempdir};
+
+use crate::{Arguments, Command, analyze, convert, draw, sample, verify};
+
+/// Runs a command; the words `@name` stand for files of the folder.
+fn run(folder: &TempDir, words: &[&str]) -> Result<u8> {
+    let word = |word: &&str| match word.strip_prefix('@') {
+        Some(name) => folder.path().join(name).into_os_string(),
+        None => OsString::from(word),
+    };
+    let words = std::iter::once("tilescope".into()).chain(words.iter().map(word));
+    match Arguments::of(words)?.command.expect("a command") {
+        Command::Sample(arguments) => sample::run(&arguments),
+        Command::Verify(arguments) => verify::run(&arguments),
+        Command::Analyze(arguments) => analyze::run(&arguments),
+        Command::Convert(arguments) => convert::run(&arguments),
+        Command::Draw(arguments) => draw::run(&arguments),
+        other => panic!("{other:?} reads no set"),
+    }
+}
+
+fn refusal(folder: &TempDir, words: &[&str]) -> String {
+    let error = run(folder, words).expect_err("a refusal");
+    crate::describe(&error)
+}
+
+fn read(folder: &TempDir, name: &str) -> String {
+    fs::read_to_string(folder.path().join(name)).expect(name)
+}
+
+fn certificate(folder: &TempDir, name: &str) -> Value {
+    let text = read(folder, &format!("{name}.certificate.json"));
+    serde_json::from_str(&text).expect("JSON")
+}
+
+const ORIGIN: [&str; 3] = ["--origin", "500000", "5400000"];
+
+/// A folder with `at.csv`, a set at an origin, and `alone.csv`, the same without its certificate.
+fn at_origin() -> TempDir {
+    let folder = tempdir().expect("a folder");
+    let words = ["sample", "--radius", "0.08", "--out", "@at.csv"];
+    assert_eq!(
+        run(&folder, &[&words[..], &ORIGIN].concat()).expect("made"),
+        0
+    );
+    let [from, to] = ["at.csv", "alone.csv"].map(|name| folder.path().join(name));
+    fs::copy(from, to).expect("copied");
+    folder
+}
+
+#[test]
+fn a_set_is_made_and_read_at_its_origin() {
+    let folder = at_origin();
+    assert!(
+        read(&folder, "at.csv")
+            .lines()
+            .skip(1)
+            .all(|row| row.starts_with("50000"))
+    );
+    let stated = certificate(&folder, "at.csv");
+    assert_eq!(stated["format_version"], 2);
+    assert_eq!(
+        stated["origin"],
+        serde_json::json!([500_000.0, 5_400_000.0])
+    );
+    assert_eq!(stated["region"]["width"], 1.0);
+
+    for words in [
+        &["verify", "@at.csv"][..],
+        &["analyze", "@at.csv"],
+        &["draw", "@at.csv", "@at.svg"],
+        &["convert", "@at.csv", "@at.ply"],
+        &["verify", "@at.ply"],
+        &["convert", "@at.csv", "@torus.txt"],
+        &["verify", "@torus.txt"],
+    ] {
+        assert_eq!(run(&folder, words).expect("done"), 0, "{words:?}");
+    }
+    assert_eq!(certificate(&folder, "at.ply")["origin"], stated["origin"]);
+    assert_eq!(certificate(&folder, "torus.txt")["format_version"], 1);
+}
+
+#[test]
+fn the_option_stands_in_for_a_certificate() {
+    let folder = at_origin();
+    let outside = refusal(&folder, &["verify", "@alone.csv", "--radius", "0.08"]);
+    assert!(
+        outside.contains("and --origin state another domain"),
+        "{outside}"
+    );
+    for words in [
+        &["verify", "@alone.csv", "--radius", "0.08"][..],
+        &["analyze", "@alone.csv"],
+        &["draw", "@alone.csv", "@alone.png", "--size", "64"],
+        &[
+            "draw",
+            "@alone.csv",
+            "@part.png",
+            "--size",
+            "64",
+            "--window",
+            "500000",
+            "5400000",
+            "500000.5",
+            "5400000.5",
+        ],
+        &["convert", "@alone.csv", "@alone.npy", "--radius", "0.08"],
+    ] {
+        let words = [words, &ORIGIN].concat();
+        assert_eq!(run(&folder, &words).expect("done"), 0, "{words:?}");
+    }
+    assert_eq!(certificate(&folder, "alone.npy")["origin"][1], 5_400_000.0);
+
+    // The certificate's origin is compared with another that is given.
+    let moved = [
+        "verify", "@at.csv", "--origin", "499999.9", "5400000", "--width", "2",
+    ];
+    assert_eq!(run(&folder, &moved).expect("a verdict"), 1);
+}
+
+#[test]
+fn an_origin_is_refused_where_it_would_spoil_the_set() {
+    let folder = tempdir().expect("a folder");
+    let made = [
+        "sample", "--radius", "0.08", "--out", "@far.csv", "--origin", "0",
+    ];
+    let far = refusal(&folder, &[&made[..], &["1e10"]].concat());
+    assert!(
+        far.contains("are 1.9e-6 apart, more than 0.00001 of the radius 0.08"),
+        "{far}"
+    );
+    assert!(!folder.path().join("far.csv").exists());
+    let torus = [
+        "sample", "--radius", "0.08", "--out", "@far.rps", "--origin", "1", "1",
+    ];
+    assert!(refusal(&folder, &torus).contains("begins at 0 0"));
+    let zero = [
+        "sample",
+        "--radius",
+        "0.08",
+        "--out",
+        "@zero.csv",
+        "--origin",
+        "0",
+        "0",
+    ];
+    assert_eq!(run(&folder, &zero).expect("made"), 0);
+    assert_eq!(certificate(&folder, "zero.csv")["format_version"], 1);
+}
+
+#[test]
+fn degrees_are_refused_unless_they_are_said_to_be_planar() {
+    let folder = tempdir().expect("a folder");
+    let text = r#"{"type": "MultiPoint", "coordinates": [[8.5, 47.4], [8.6, 47.3], [8.7, 47.5]]}"#;
+    fs::write(folder.path().join("a.geojson"), text).expect("written");
+    for words in [
+        &["verify", "@a.geojson", "--radius", "0.01"][..],
+        &["convert", "@a.geojson", "@a.csv"],
+        &["draw", "@a.geojson", "@a.svg"],
+    ] {
+        let refused = refusal(&folder, words);
+        assert!(
+            refused.contains("point 0 at (8.5, 47.4) lies beyond the domain"),
+            "{refused}"
+        );
+        assert!(
+            refused.ends_with("--planar takes them as they are"),
+            "{refused}"
+        );
+    }
+    let planar = ["verify", "@a.geojson", "--radius", "0.01", "--planar"];
+    assert!(refusal(&folder, &planar).contains("lies outside the region"));
+    let within = ["--width", "60", "--height", "60", "--boundary", "bounded"];
+    let verify = ["verify", "@a.geojson", "--radius", "0.01"];
+    assert_eq!(
+        run(&folder, &[&verify[..], &within].concat()).expect("a verdict"),
+        1
+    );
+}
+
+#[test]
+fn parquet_is_refused_by_name() {
+    let folder = tempdir().expect("a folder");
+    fs::write(folder.path().join("a.parquet"), b"PAR1\x15\x04PAR1").expect("written");
+    let refused = refusal(&folder, &["verify", "@a.parquet", "--radius", "0.1"]);
+    assert!(
+        refused.contains("Parquet and GeoParquet cannot be read here; the Python package"),
+        "{refused}"
+    );
+}
+
+#[test]
+fn layouts_and_results_bear_a_byte_order_mark() {
+    let mark = |text: &str| format!("\u{FEFF}{text}");
+    let layout = r#"{ "version": 1, "radius": 0.05, "columns": [1], "rows": [1], "pieces": [{ "seed": 1 }] }"#;
+    let read = |text: &str| tilescope_core::combine::file::Layout::from_json(text.as_bytes());
+    assert_eq!(
+        read(&mark(layout)).expect("marked"),
+        read(layout).expect("plain")
+    );
+    let results = r#"{ "version": 1, "learner": "Ada", "entries": [] }"#;
+    let read = tilescope_lessons::results::Results::read;
+    assert_eq!(
+        read(&mark(results)).expect("marked"),
+        read(results).expect("plain")
+    );
+}
+
+#[test]
+fn errors_advise_what_the_command_has() {
+    let folder = tempdir().expect("a folder");
+    let few = refusal(&folder, &["sample", "--exactly", "200", "--levels", "3"]);
+    assert!(
+        few.ends_with("3 levels need at least 20.0 r: choose fewer levels or more samples"),
+        "{few}"
+    );
+}
+
+#[test]
+fn a_small_bounded_domain_is_sampled() {
+    let folder = tempdir().expect("a folder");
+    let sides = ["--width", "30", "--height", "20", "--boundary", "bounded"];
+    for method in ["kdrt", "reference"] {
+        for engine in ["sequential", "parallel"] {
+            let words = [
+                "sample", "--radius", "5", "--method", method, "--engine", engine,
+            ];
+            assert_eq!(
+                run(&folder, &[&words[..], &sides].concat()).expect("made"),
+                0
+            );
+        }
+    }
+    let narrow = ["sample", "--radius", "5.1"];
+    let refused = refusal(&folder, &[&narrow[..], &sides].concat());
+    assert!(refused.contains("it must be at least 4 r"), "{refused}");
+}
