@@ -24,7 +24,7 @@ use tilescope_figures::chart::{Figure, figure_scene};
 use tilescope_formats::write_whole;
 
 use crate::options::SetArguments;
-use crate::paths::{check_file, extension};
+use crate::paths::{check_file, check_inputs_stay, extension};
 use crate::{EXIT_BAD_INPUT, EXIT_FINE, interrupt, output};
 use gather::Analysis;
 
@@ -92,7 +92,8 @@ pub fn run(arguments: &AnalyzeArguments) -> Result<u8> {
             "{}: the extension of a report must be .html, .png, .svg or .csv",
             path.display()
         );
-        check_no_input_is_replaced(arguments, path)?;
+        let inputs = arguments.files.iter().chain(&arguments.against);
+        check_inputs_stay(path, inputs.map(PathBuf::as_path))?;
         check_file(path).context("--out")?;
     }
     if let Some(nu) = arguments.frequencies {
@@ -115,18 +116,6 @@ pub fn run(arguments: &AnalyzeArguments) -> Result<u8> {
     written?;
     let is_fine = analysis.failures.is_empty();
     Ok(if is_fine { EXIT_FINE } else { EXIT_BAD_INPUT })
-}
-
-/// Refuses a report that would replace one of the sets.
-fn check_no_input_is_replaced(arguments: &AnalyzeArguments, out: &Path) -> Result<()> {
-    for input in arguments.files.iter().chain(&arguments.against) {
-        ensure!(
-            gather::canonical(input) != gather::canonical(out),
-            "{}: --out would be written over this set; give it another name",
-            input.display()
-        );
-    }
-    Ok(())
 }
 
 fn save(analysis: &mut Analysis, path: &Path) -> Result<()> {

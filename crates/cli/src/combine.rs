@@ -25,7 +25,7 @@ use crate::interrupt;
 use crate::make::{self, Made};
 use crate::options::{JudgeArguments, PRECISIONS, named};
 use crate::output;
-use crate::paths::{InFile, check_target};
+use crate::paths::{InFile, check_inputs_stay, check_target};
 use crate::progress::Stopwatch;
 
 use pieces::Census;
@@ -93,8 +93,10 @@ pub fn run(arguments: &CombineArguments) -> Result<u8> {
     arguments.threads.set()?;
     if let Some(path) = &arguments.out {
         check_target(path, arguments.format, "--format")?;
+        check_inputs_stay(path, [arguments.layout.as_path()])?;
     }
-    let (made, census, seams) = glue(&arguments.layout).in_file(&arguments.layout)?;
+    let (made, census, seams) =
+        glue(&arguments.layout, arguments.out.as_deref()).in_file(&arguments.layout)?;
     let out = arguments.out.as_deref();
     let context = ExportContext {
         format: arguments.format.or_else(|| Format::from_path(out?)),
@@ -114,11 +116,21 @@ pub fn run(arguments: &CombineArguments) -> Result<u8> {
     Ok(outcome.code())
 }
 
-/// Reads a layout, makes its pieces and glues them. Returns also the number of seams.
-fn glue(path: &Path) -> Result<(Made, Census, usize)> {
+/// Reads a layout, makes its pieces and glues them. Returns also the number of seams. Fails if `out` is one of its files.
+fn glue(path: &Path, out: Option<&Path>) -> Result<(Made, Census, usize)> {
     let layout = read(path)?;
     let placed = layout.placed()?;
     let folder = path.parent().unwrap_or(Path::new(""));
+    if let Some(out) = out {
+        let of_file = |source: &PieceSource| match source {
+            PieceSource::File { path, .. } => Some(folder.join(path)),
+            PieceSource::Run { .. } | PieceSource::Reference { .. } => None,
+        };
+        let files = placed.pieces.iter();
+        let files: Vec<PathBuf> = files.filter_map(|piece| of_file(&piece.source)).collect();
+        check_inputs_stay(out, files.iter().map(PathBuf::as_path))?;
+    }
+
     let (pieces, census) = pieces::make(&placed, folder)?;
     let mut watch = Stopwatch::start();
     let combined = combine(placed.domain, &pieces, &layout.options(), &mut watch)?;

@@ -9,8 +9,8 @@ use tilescope_formats::{
     CertifiedLevel, Check, CheckError, ExportContext, Format, Overrides, PointSet, is_valid,
 };
 
-use crate::options::{JudgeArguments, SetArguments, hinted};
-use crate::paths::{InFile, check_target};
+use crate::options::{JudgeArguments, SetArguments, WITHOUT_CERTIFICATE, hinted};
+use crate::paths::{InFile, check_inputs_stay, check_target};
 use crate::progress::verifying;
 use crate::{interrupt, output, verdict_code};
 
@@ -32,7 +32,8 @@ pub struct ConvertArguments {
 }
 
 const EXAMPLES: &str = "\
-A certificate is checked and carried over. Without one, and without --radius, the radius is the smallest
+A certificate is checked and carried over; with --no-certificate it is left out, and the new one
+states that the method is unknown. Without one, and without --radius, the radius is the smallest
 distance between two samples; missing sides are those of the periodic unit square. The file is written
 whatever the verdict; exit code 1 means that the set is not valid for the radius.
 
@@ -44,6 +45,8 @@ pub fn run(arguments: &ConvertArguments) -> Result<u8> {
     interrupt::listen();
     let path = &arguments.output;
     check_target(path, arguments.to, "--to")?;
+    check_inputs_stay(path, [arguments.input.as_path()])?;
+    arguments.set.announce(&arguments.input);
     let (set, context) = read(arguments)?;
     let exported = verifying(|control| tilescope_formats::export(path, &set, &context, control));
     let exported = exported.in_file(path)?;
@@ -97,9 +100,10 @@ fn leave_out_origin(arguments: &ConvertArguments, context: &mut ExportContext) -
 /// Carries the certificate of a checked set over, if it has one.
 fn certified((set, check): (PointSet, Check), path: &Path) -> Result<(PointSet, ExportContext)> {
     if let Some(differs) = check.differences.first() {
-        bail!("{}: its certificate is not true: {differs}", path.display());
+        let path = path.display();
+        bail!("{path}: its certificate is not true: {differs}; {WITHOUT_CERTIFICATE}");
     }
-    let mut context = ExportContext::new(check.report.region, check.report.radius);
+    let mut context = of_unknown_origin(check.report.region, check.report.radius);
     if let Some(certificate) = check.certificate {
         context.origin = certificate.origin.unwrap_or_default();
         context.levels = check.levels.iter().map(CertifiedLevel::claim).collect();
@@ -123,9 +127,15 @@ fn uncertified(arguments: &ConvertArguments) -> Result<(PointSet, ExportContext)
         Some(radius) => radius,
         None => smallest_distance(&set.points, region).in_file(path)?,
     };
-    let mut context = ExportContext::new(region, radius);
-    "unknown".clone_into(&mut context.method);
-    Ok((set, context))
+    Ok((set, of_unknown_origin(region, radius)))
+}
+
+/// Returns the statements about a set of which nothing says how it was made.
+fn of_unknown_origin(region: Region, radius: f64) -> ExportContext {
+    ExportContext {
+        method: "unknown".to_owned(),
+        ..ExportContext::new(region, radius)
+    }
 }
 
 fn smallest_distance(points: &[[f64; 2]], region: Region) -> Result<f64> {

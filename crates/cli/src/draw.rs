@@ -10,7 +10,7 @@ use tilescope_figures::{Palette, PictureOptions, Rect, Scene, SetPicture, set_sc
 use tilescope_formats::{Certificate, PointSet, Provenance, write_whole};
 
 use crate::options::SetArguments;
-use crate::paths::{InFile, check_file, extension};
+use crate::paths::{InFile, check_file, check_inputs_stay, extension};
 use crate::progress::verifying;
 use crate::{EXIT_FINE, interrupt, output};
 
@@ -66,6 +66,8 @@ pub fn run(arguments: &DrawArguments) -> Result<u8> {
         _ => bail!("{}: the extension must be .png or .svg", path.display()),
     };
     check_file(path)?;
+    check_inputs_stay(path, [arguments.file.as_path()])?;
+    arguments.set.announce(&arguments.file);
     ensure!(
         (16..=32_768).contains(&arguments.size),
         "--size is {}; it must be between 16 and 32768 pixels",

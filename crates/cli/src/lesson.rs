@@ -13,7 +13,7 @@ use tilescope_lessons::results::{self, Results};
 use tilescope_lessons::shipped::{self, Shipped};
 use tilescope_lessons::{Checked, Lesson, LessonError, Runs, Translation, check};
 
-use crate::paths::InFile;
+use crate::paths::{InFile, check_inputs_stay};
 use crate::progress::bar;
 use crate::{EXIT_FINE, FromWindow, interrupt, output, verdict_code};
 
@@ -390,6 +390,7 @@ fn handout(arguments: &HandoutArguments, window: FromWindow) -> Result<()> {
         notes: arguments.notes,
     });
     let html = made.map_err(|fault| anyhow!("{lesson}: {fault}"))?;
+    check_inputs_stay(out, [Path::new(lesson)])?;
     write(out, &html)?;
     output::emit(&format!("{path}: {} bytes\n", html.len()))
 }
@@ -422,7 +423,9 @@ fn keys(arguments: &CheckArguments) -> Result<()> {
         if let Some(fault) = found.faults.first() {
             bail!("{}: {fault}", file.display());
         }
-        write(&file.with_extension("keys"), &found.keys)?;
+        let keys = file.with_extension("keys");
+        check_inputs_stay(&keys, [file.as_path()])?;
+        write(&keys, &found.keys)?;
     }
     Ok(())
 }
@@ -434,6 +437,7 @@ fn translate(file: &Path, language: &str) -> Result<()> {
     let name = name_of(file)?;
     let lesson = Lesson::read(&name, &read(file)?).in_file(file)?;
     let target = file.with_file_name(format!("{name}.{language}.md"));
+    check_inputs_stay(&target, [file])?;
     let old = if target.exists() {
         Translation::read(&read(&target)?).in_file(&target)?
     } else {
@@ -450,6 +454,7 @@ fn translate(file: &Path, language: &str) -> Result<()> {
 }
 
 fn merge(files: &[PathBuf], out: &Path) -> Result<()> {
+    check_inputs_stay(out, files.iter().map(PathBuf::as_path))?;
     let results = |file: &PathBuf| {
         let mut results = Results::read(&read(file)?).in_file(file)?;
         if results.learner.is_empty() {

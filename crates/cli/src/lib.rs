@@ -45,6 +45,7 @@ use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
+use clap::error::ErrorKind;
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use tilescope_reproduce::ReproduceError;
 
@@ -152,6 +153,10 @@ impl Arguments {
     fn of(words: impl IntoIterator<Item = OsString>) -> Result<Self, clap::Error> {
         let mut command = Self::command().mut_subcommands(|one| one.allow_negative_numbers(true));
         let words: Vec<OsString> = words.into_iter().map(plain).collect();
+        let reads_input = words.get(1).is_some_and(|word| word == "script");
+        if !reads_input && words.iter().any(is_dash) {
+            return Err(command.error(ErrorKind::InvalidValue, DASH));
+        }
         let words = with_file_named(words, &mut command)?;
         let matches = command.try_get_matches_from_mut(words)?;
         Self::from_arg_matches(&matches).map_err(|error| error.format(&mut command))
@@ -185,6 +190,16 @@ fn with_file_named(
         return Err(command.error(clap::error::ErrorKind::InvalidSubcommand, message));
     }
     Ok(words)
+}
+
+/// Why a dash is refused.
+const DASH: &str = "- stands for standard input in `tilescope script` alone. Elsewhere give the name of a file: \
+    /dev/stdin is standard input where the system has it, with --format; ./- is a file of that name";
+
+/// Returns whether a word, or the value in it, is a dash: the name that programs give to a standard stream.
+fn is_dash(word: &OsString) -> bool {
+    let word = word.to_string_lossy();
+    word == "-" || (word.starts_with("--") && word.ends_with("=-"))
 }
 
 /// Writes a negative number without its exponent, which clap would take for an option; returns other words unchanged.
@@ -344,6 +359,25 @@ mod tests {
         assert!(misspelt.to_string().contains("verify"), "{misspelt}");
         assert_eq!(missing.exit_code(), 2);
         assert_eq!(misspelt.exit_code(), 2);
+    }
+
+    #[test]
+    fn a_dash_is_standard_input_of_scripts_and_no_file() {
+        let of = |words: &[&str]| {
+            let words = ["tilescope"].iter().chain(words).map(OsString::from);
+            Arguments::of(words).map_err(|error| error.to_string())
+        };
+        for words in [
+            &["convert", "a.csv", "-", "--to", "csv"][..],
+            &["verify", "-"],
+            &["sample", "--radius", "0.1", "--out=-"],
+            &["lesson", "results", "a.json", "--out", "-"],
+        ] {
+            let said = of(words).expect_err("refused");
+            assert!(said.contains("in `tilescope script` alone"), "{said}");
+        }
+        assert!(of(&["script", "-"]).is_ok());
+        assert!(of(&["convert", "./-", "b.csv"]).is_ok());
     }
 
     #[test]

@@ -8,10 +8,11 @@ use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use serde::de::DeserializeOwned;
 use tilescope_analysis::{Boundary, JudgeChoice, Region, VerifyError, VerifyOptions};
 use tilescope_formats::{
-    Certificate, CheckError, Format, FormatError, Hint, Overrides, ReadSet, StreamReader,
-    refuse_degrees,
+    Certificate, CertificateUse, CheckError, Format, FormatError, Hint, Overrides, ReadSet,
+    StreamReader, refuse_degrees,
 };
 
+use crate::output;
 use crate::paths::InFile;
 
 /// The names of a type's values, the same in options and in JSON, each with its line of `--help`, if any.
@@ -100,6 +101,9 @@ pub struct SetArguments {
     /// within 180 and 90, and some beyond the domain
     #[arg(long)]
     pub planar: bool,
+    /// Leave the certificate out, which may be false: the set is then taken for one of unknown origin
+    #[arg(long)]
+    pub no_certificate: bool,
 }
 
 /// Returns the two numbers of `--origin`, if it is given.
@@ -107,7 +111,20 @@ pub fn pair(origin: Option<&Vec<f64>>) -> Option<[f64; 2]> {
     origin.and_then(|origin| origin.as_slice().try_into().ok())
 }
 
+/// What a false certificate leaves to do.
+pub const WITHOUT_CERTIFICATE: &str = "--no-certificate reads the set without it";
+
 impl SetArguments {
+    /// Prints a note if the certificate of a set is left out.
+    pub fn announce(&self, path: &Path) {
+        if self.no_certificate {
+            let path = path.display();
+            output::note(&format!(
+                "note: {path}: read without its certificate, so nothing is known of how the set was made"
+            ));
+        }
+    }
+
     /// Returns the values that override the certificate of `path`. A side or boundary that is not given is
     /// the certificate's; without one, the periodic unit square's.
     pub fn overrides(&self, path: &Path) -> Result<Overrides> {
@@ -127,6 +144,7 @@ impl SetArguments {
             radius: self.radius,
             origin: self.origin(),
             planar: self.planar,
+            without_certificate: self.no_certificate,
             ..Overrides::default()
         })
     }
@@ -154,22 +172,42 @@ impl SetArguments {
         }
     }
 
-    /// Returns the certificate of `path`. Reads the points only if the format requires it.
+    /// Returns the certificate of `path` as it is, unless it is left out. Reads the points only if the format requires it.
     pub fn certificate(&self, path: &Path) -> Result<Option<Certificate>> {
+        if self.no_certificate {
+            return Ok(None);
+        }
         match StreamReader::open(path, self.format) {
             Ok(reader) => Ok(reader.certificate().cloned()),
-            Err(_) => Ok(self.read(path)?.certificate),
+            Err(_) => Ok(self.read_as(path, CertificateUse::AsStated)?.certificate),
         }
     }
 
-    /// Reads the file with the given format.
+    /// Reads the file with the given format. Fails if its certificate is false, unless that is left out.
     pub fn read(&self, path: &Path) -> Result<ReadSet> {
+        let certificate = if self.no_certificate {
+            CertificateUse::LeftOut
+        } else {
+            CertificateUse::Checked
+        };
+        self.read_as(path, certificate)
+    }
+
+    fn read_as(&self, path: &Path, certificate: CertificateUse) -> Result<ReadSet> {
         let hint = Hint {
             format: self.format,
             origin: self.origin(),
+            certificate,
             ..Hint::default()
         };
-        tilescope_formats::read(path, &hint).in_file(path)
+        let read = tilescope_formats::read(path, &hint);
+        let read = read.map_err(|error| match error {
+            FormatError::FalseCertificate { .. } | FormatError::Certificate { .. } => {
+                anyhow!("{error}; {WITHOUT_CERTIFICATE}")
+            }
+            other => other.into(),
+        });
+        read.in_file(path)
     }
 }
 

@@ -1,10 +1,11 @@
 //! Paths of files: named in errors, and checked before the work begins, so that a command does not fail only when it
 //! writes its result.
 
+use std::fs;
 use std::path::Path;
 
 use anyhow::{Result, bail, ensure};
-use tilescope_formats::{Format, FormatError, certificate_path, destination};
+use tilescope_formats::{Format, FormatError, certificate_beside, certificate_path, destination};
 
 /// Adds the path of a file to errors about it.
 pub trait InFile<T> {
@@ -31,8 +32,43 @@ pub fn check_target(path: &Path, format: Option<Format>, option: &str) -> Result
         }
         outcome => outcome?,
     };
-    destination(&certificate_path(path))?;
+    destination(&certificate_path(&destination(path)?))?;
     check_file(path)
+}
+
+/// Refuses an output in the place of an input or of its certificate, by whatever names and links; the certificate of the
+/// output, which is written or removed, counts too.
+pub fn check_inputs_stay<'a>(out: &Path, inputs: impl IntoIterator<Item = &'a Path>) -> Result<()> {
+    let file = destination(out)?;
+    let replaced = [certificate_path(&file), file];
+    for input in inputs {
+        for kept in [input, &certificate_beside(input)] {
+            ensure!(
+                !replaced.iter().any(|replaced| are_same(kept, replaced)),
+                "{}: {} would be written over this input; give it another name",
+                kept.display(),
+                out.display()
+            );
+        }
+    }
+    Ok(())
+}
+
+/// Returns whether two paths are names of one file.
+fn are_same(a: &Path, b: &Path) -> bool {
+    let (Ok(first), Ok(second)) = (fs::metadata(a), fs::metadata(b)) else {
+        return false;
+    };
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::MetadataExt;
+        (first.dev(), first.ino()) == (second.dev(), second.ino())
+    }
+    #[cfg(not(unix))]
+    {
+        let canonical = |path: &Path| path.canonicalize().ok();
+        first.is_file() && second.is_file() && canonical(a) == canonical(b)
+    }
 }
 
 /// Refuses a file that could not be made or replaced at its end.

@@ -5,7 +5,7 @@ use tilescope_core::Parameters;
 
 use crate::make;
 use crate::output::{self, Outcome};
-use crate::paths::{InFile, check_target};
+use crate::paths::{InFile, check_inputs_stay, check_target};
 use crate::progress::Stopwatch;
 use crate::sample_arguments::{SampleArguments, SamplingMethod};
 use crate::{interrupt, nested, stream, window};
@@ -15,6 +15,7 @@ pub fn run(arguments: &SampleArguments) -> Result<u8> {
     arguments.engine.threads.set()?;
     if let Some(path) = &arguments.out {
         check_target(path, arguments.format, "--format")?;
+        check_inputs_stay(path, arguments.run.pattern.as_deref())?;
     }
     if let Some(window) = &arguments.window {
         return window::run(arguments, window);

@@ -8,10 +8,16 @@ use anyhow::{Context, Result, ensure};
 use clap::Args;
 
 use crate::paths::InFile;
-use crate::{EXIT_FINE, output, verdict_code};
+use crate::{EXIT_BAD_INPUT, EXIT_FINE, EXIT_NEGATIVE, output, verdict_code};
 
-/// Carries out the text of a script; prints the state after each command or after the last one, and returns the verdict.
-pub type CarryOut = fn(&str, bool, &mut dyn FnMut(&str) -> Result<()>) -> Result<Option<bool>>;
+/// Carries out the text of a script: prints the state after each command or after the last one; passes on the number of
+/// each command that was refused or failed, why, and whether a file could not be read or written; returns the verdict.
+pub type CarryOut = fn(
+    &str,
+    bool,
+    &mut dyn FnMut(&str) -> Result<()>,
+    &mut dyn FnMut(usize, &str, bool),
+) -> Result<Option<bool>>;
 
 /// Arguments of `tilescope script`.
 #[derive(Debug, Args)]
@@ -29,7 +35,8 @@ const MAX_BYTES: u64 = 16 << 20;
 
 const EXAMPLES: &str = r#"A script begins with the default session. It holds the commands that buttons and keys of the window issue;
 each command's work ends before the next command begins. Cameras jump instead of flying, and time does not
-run by itself.
+run by itself. A command that is refused is named on standard error, and the others are carried out; a file
+is replaced by the same command once more.
 
   [{"form": {"type": ["seed", "7"]}}, "run",
    {"debug": {"toggle-breakpoint": "eliminate.5"}}, {"time": {"continue": "forwards"}},
@@ -37,7 +44,10 @@ run by itself.
 
 Examples:
   tilescope script steps.json
-  echo '[{"time": "first-stage"}]' | tilescope script - --each"#;
+  echo '[{"time": "first-stage"}]' | tilescope script - --each
+
+Exit codes: 0 all was done, 1 a command was refused or the set is not valid, 2 a file could not be read or
+written, or this is no script."#;
 
 pub fn run(arguments: &ScriptArguments, carry_out: CarryOut) -> Result<u8> {
     let is_input = arguments.file.as_os_str() == "-";
@@ -47,8 +57,22 @@ pub fn run(arguments: &ScriptArguments, carry_out: CarryOut) -> Result<u8> {
         &arguments.file
     };
     let text = read(&arguments.file).in_file(file)?;
-    let verdict = carry_out(&text, arguments.each, &mut output::emit).in_file(file)?;
-    Ok(verdict.map_or(EXIT_FINE, verdict_code))
+    let mut refused_code = EXIT_FINE;
+    let mut refused = |number: usize, why: &str, is_of_file| {
+        output::note(&format!(
+            "error: {}: command {number}: {why}",
+            file.display()
+        ));
+        let code = if is_of_file {
+            EXIT_BAD_INPUT
+        } else {
+            EXIT_NEGATIVE
+        };
+        refused_code = refused_code.max(code);
+    };
+    let verdict =
+        carry_out(&text, arguments.each, &mut output::emit, &mut refused).in_file(file)?;
+    Ok(verdict.map_or(EXIT_FINE, verdict_code).max(refused_code))
 }
 
 fn read(file: &Path) -> Result<String> {

@@ -10,7 +10,8 @@ use serde_json::{Value, json};
 use tilescope_analysis::StreamVerifier;
 use tilescope_core::{Domain, Sampled, SweepState};
 use tilescope_formats::{
-    ExportContext, Format, Provenance, StreamExport, StreamOptions, checkpoint_token, resume_path,
+    ExportContext, Format, Overrides, Provenance, StreamExport, StreamOptions, certificate_beside,
+    check_stream, checkpoint_token, finish_interrupted, resume_path,
 };
 use tilescope_gpu::Bands;
 
@@ -19,7 +20,7 @@ use crate::facts::Facts;
 use crate::interrupt::Resumable;
 use crate::output::{Judged, Outcome};
 use crate::parameters::Resolved;
-use crate::progress::Stopwatch;
+use crate::progress::{Stopwatch, verifying};
 use crate::sample_arguments::SampleArguments;
 use crate::{interrupt, make};
 
@@ -34,6 +35,11 @@ pub fn pass(arguments: &SampleArguments, run: &Resolved, mut watch: Stopwatch) -
     let resumed = out.filter(|_| arguments.resume);
     let state = resumed.map(|path| state_of(path, &facts, arguments.no_verify));
     let state = state.transpose()?;
+    if let Some(path) = resumed
+        && let Some(count) = finish_interrupted(path)?
+    {
+        return finished(arguments, path, facts, count);
+    }
     let sink = Sink::open(arguments, &context)?;
     let sources = out.is_some() && context.format.is_some_and(Format::carries_provenance);
     let mut bands = make::bands(run, sources)?;
@@ -51,6 +57,21 @@ pub fn pass(arguments: &SampleArguments, run: &Resolved, mut watch: Stopwatch) -
     facts.backend = Some(bands.backend().clone());
     facts.summary = Some(summary);
     Ok(Outcome::new(facts, count, verdict))
+}
+
+/// Returns the outcome of a run whose file had its name already when it was interrupted; it is judged once more.
+fn finished(arguments: &SampleArguments, path: &Path, facts: Facts, count: u64) -> Result<Outcome> {
+    if arguments.no_verify {
+        return Ok(Outcome::new(facts, count, (None, None, Vec::new())));
+    }
+    let overrides = Overrides {
+        judges: arguments.judge.choice(),
+        ..Overrides::default()
+    };
+    let check = verifying(|control| check_stream(path, &overrides, control))?;
+    let certificate = certificate_beside(path);
+    let judged = (Some(check.report), Some(certificate), Vec::new());
+    Ok(Outcome::new(facts, count, judged))
 }
 
 /// Returns the error with a note on how to resume, if there is a checkpoint.

@@ -47,6 +47,7 @@ Examples:
 
 pub fn run(arguments: &VerifyArguments) -> Result<u8> {
     interrupt::listen();
+    arguments.set.announce(&arguments.file);
     if let Some(count) = arguments.prefix {
         return prefix(arguments, count);
     }

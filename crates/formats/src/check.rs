@@ -119,6 +119,21 @@ impl Check {
         }
     }
 
+    /// The first statement of the certificate that is not true, leaving out a region and a radius that differ because the
+    /// caller gave others.
+    #[must_use]
+    pub fn falsehood(&self) -> Option<&CertificateDifference> {
+        let stated = self.certificate.as_ref()?;
+        let is_other_region = stated.region != self.report.region;
+        // In formats of the unit torus the scale follows from the region.
+        let is_asked = |field| match field {
+            "region" | "radius" => true,
+            "scale" => is_other_region,
+            _ => false,
+        };
+        self.differences.iter().find(|one| !is_asked(one.field))
+    }
+
     /// Whether the set is valid, or its levels are, and, if there is a certificate, every statement of it true.
     #[must_use]
     pub fn passed(&self) -> bool {
@@ -354,6 +369,8 @@ pub(crate) fn contradictions(stated: &Certificate, found: &Contents) -> Vec<Cert
     list.exact("scale", &stated.scale, &mapping.scale());
     parameters(&mut list, stated);
 
+    let tolerance = VerifyOptions::default().covering_tolerance;
+    list.exact("covering_tolerance", &stated.covering_tolerance, &tolerance);
     let density = found.count as f64 * stated.radius.powi(2) / stated.region.area();
     list.measure("density", Some(stated.density), Some(density));
     list.exact("valid", &stated.valid, &implied_verdict(stated));

@@ -90,6 +90,9 @@ pub struct ReadSet {
     /// it is; for other functions [`Hint::certificate`] says what is done with it. [`check_bytes`](crate::check_bytes)
     /// also judges the points.
     pub certificate: Option<Certificate>,
+    /// Why a certificate that is there is not used, if the caller then read the file without it; `None` as functions of
+    /// this crate return it.
+    pub refused: Option<String>,
 }
 
 /// How a file is to be written.
@@ -208,6 +211,7 @@ pub fn decode(bytes: &[u8], hint: &Hint<'_>) -> Result<ReadSet, FormatError> {
         sets: raw.sets,
         degrees: raw.degrees,
         certificate: raw.certificate,
+        refused: None,
     })
 }
 

@@ -62,5 +62,5 @@ pub use read::{certificate_path, read_bytes, refuse_degrees};
 #[cfg(not(target_arch = "wasm32"))]
 pub use stream::{
     StreamExport, StreamOptions, StreamReader, Streamed, WHOLE_FILE_BYTES, check_stream,
-    checkpoint_token, partial_path, resume_path,
+    checkpoint_token, finish_interrupted, partial_path, resume_path,
 };

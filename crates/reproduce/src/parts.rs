@@ -38,8 +38,11 @@ impl Parts {
     /// Returns the seconds that each part with this stamp took. Makes nothing.
     pub fn kept(folder: &Path, stamp: &str) -> Vec<f64> {
         let entries = fs::read_dir(folder).into_iter().flatten().flatten();
-        let seconds = entries.filter_map(|entry| {
-            let bytes = fs::read(entry.path()).ok()?;
+        let paths = entries.map(|entry| entry.path());
+        // A part that was being written when a process ended has another ending, and is made again.
+        let parts = paths.filter(|path| path.extension().is_some_and(|ending| ending == "json"));
+        let seconds = parts.filter_map(|path| {
+            let bytes = fs::read(path).ok()?;
             let part: Part<String, IgnoredAny> = serde_json::from_slice(&bytes).ok()?;
             (part.stamp == stamp).then_some(part.seconds)
         });
@@ -109,6 +112,8 @@ mod tests {
         assert_eq!(kept(), [1.0, 2.0]);
         let bytes = fs::read(parts.path("two")).unwrap();
         fs::write(parts.path("two"), &bytes[..bytes.len() - 2]).unwrap();
+        assert_eq!(kept(), [1.0]);
+        fs::copy(parts.path("one"), path.join(".three.json.new~")).unwrap();
         assert_eq!(kept(), [1.0]);
     }
 }

@@ -10,7 +10,9 @@ use std::path::PathBuf;
 use serde_json::Value;
 use tilescope_core::json::{self, without_mark};
 use tilescope_debugger::MAX_BYTES;
-use tilescope_formats::{CERTIFICATE_SUFFIX, Hint, ReadSet, read_bytes};
+use tilescope_formats::{
+    CERTIFICATE_SUFFIX, CertificateUse, FormatError, Hint, ReadSet, read_bytes,
+};
 
 use crate::limits::MAX_PATTERN_BYTES;
 use crate::words::last_part;
@@ -109,13 +111,29 @@ impl Incoming {
         self.beside.iter().find(of_this)
     }
 
-    /// Returns the point set in it, in domain units if it has a certificate. Errors begin with the file's name.
+    /// Returns the point set in it, in domain units if it has a certificate. A certificate that is false or unreadable is
+    /// left out, and [`ReadSet::refused`] says why. Errors begin with the file's name.
     pub fn point_set(&self) -> Result<ReadSet, String> {
         self.within(MAX_PATTERN_BYTES)?;
         let name = last_part(&self.name);
         let certificate = self.certificate();
         let certificate = certificate.map(|file| (file.name.as_str(), file.bytes.as_slice()));
-        let read = read_bytes(&self.bytes, &Hint::from_name(name), certificate);
+        let read_as = |used| {
+            let hint = Hint {
+                certificate: used,
+                ..Hint::from_name(name)
+            };
+            read_bytes(&self.bytes, &hint, certificate)
+        };
+        let read = match read_as(CertificateUse::Checked) {
+            Err(why @ (FormatError::FalseCertificate { .. } | FormatError::Certificate { .. })) => {
+                read_as(CertificateUse::LeftOut).map(|read| ReadSet {
+                    refused: Some(why.to_string()),
+                    ..read
+                })
+            }
+            outcome => outcome,
+        };
         read.map_err(|error| {
             if holds_document(&self.bytes) == Some(true) {
                 return format!(

@@ -87,9 +87,17 @@ pub fn load(incoming: &Incoming) -> Result<OwnPattern, String> {
 ///
 /// Fails when the set has no certificate or is not maximal.
 pub fn pattern_of(read: &ReadSet, name: &str) -> Result<OwnPattern, String> {
-    let certificate = read.certificate.as_ref().ok_or_else(|| {
-        format!("{name} has no certificate, which says how large its domain and its radius are")
-    })?;
+    let certificate = read
+        .certificate
+        .as_ref()
+        .ok_or_else(|| match &read.refused {
+            Some(why) => {
+                format!("{name}: {why}, so nothing says how large its domain and its radius are")
+            }
+            None => format!(
+                "{name} has no certificate, which says how large its domain and its radius are"
+            ),
+        })?;
     let region = certificate.region;
     let (size, boundary) = (region.size(), Boundary::of(region.is_periodic()));
     let pattern = Pattern::from_positions(&read.set.points, size, certificate.radius, boundary)

@@ -150,6 +150,17 @@ pub struct Filing {
     pub job: Job<FileOutcome>,
 }
 
+/// A session that is being saved when the window closes is saved. Its thread would otherwise end with the process.
+#[cfg(not(target_arch = "wasm32"))]
+impl Drop for Filing {
+    fn drop(&mut self) {
+        if self.purpose == Some(Purpose::Save) {
+            // If it was waited for before, there is nothing more to receive.
+            let _ = self.job.wait();
+        }
+    }
+}
+
 /// Where written files go.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub enum Delivery {

@@ -11,6 +11,7 @@ use thiserror::Error;
 use tilescope_session::verification::Verdict;
 
 use crate::command::{Command, ViewCommand, Which};
+use crate::files::FileCommand;
 use crate::state::State;
 
 /// The most commands of a script.
@@ -53,6 +54,17 @@ pub fn read(text: &str) -> Result<Vec<Command>, ScriptError> {
     values.into_iter().enumerate().map(command).collect()
 }
 
+/// A command of a script that was refused, or whose work failed.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Refusal {
+    /// Its number, from 1.
+    pub number: usize,
+    /// Why, in sentences.
+    pub why: String,
+    /// Whether a file could not be read or written.
+    pub is_of_file: bool,
+}
+
 /// Applies commands one after the other, beginning with the default session, and waits for the work that each
 /// starts. `after` receives the state after each command, and ends the script by returning an error.
 ///
@@ -61,33 +73,92 @@ pub fn apply_all<E>(
     commands: Vec<Command>,
     mut after: impl FnMut(&State) -> Result<(), E>,
 ) -> Result<State, E> {
+    carry_out(commands, |state, _| after(state))
+}
+
+/// The same; `after` also receives why the command was refused, if it was.
+fn carry_out<E>(
+    commands: Vec<Command>,
+    mut after: impl FnMut(&State, Option<Refusal>) -> Result<(), E>,
+) -> Result<State, E> {
     let mut state = State::new(Arc::new(|| {}));
     state.prefer_reduced_motion(true);
     let canvas = Rect::from_min_size(Pos2::ZERO, vec2(CANVAS[0], CANVAS[1]));
     let canvas = ViewCommand::Viewport(canvas);
     state.apply(Command::View(Which::First, canvas));
     state.settle();
-    for command in commands {
-        state.apply(command);
-        state.settle();
-        after(&state)?;
+    let mut commands = commands.into_iter().enumerate().peekable();
+    while let Some((index, command)) = commands.next() {
+        let next = commands.peek().map(|(_, next)| next);
+        let refusal = refusal_before(&state, &command);
+        let refusal = refusal.or_else(|| apply(&mut state, &command, next));
+        let refusal = refusal.map(|why| Refusal {
+            number: index + 1,
+            why,
+            is_of_file: matches!(command, Command::File(_) | Command::Export(_)),
+        });
+        after(&state, refusal)?;
     }
     Ok(state)
 }
 
+/// Returns why a command does nothing now, where the window has no button for it then, so that nothing says why.
+fn refusal_before(state: &State, command: &Command) -> Option<String> {
+    match command {
+        Command::Run => state.run_refusal(),
+        Command::File(FileCommand::Go) => match &state.files.sheet {
+            None => Some("No file sheet is open.".to_owned()),
+            Some(form) if form.path.trim().is_empty() => Some("No file is named.".to_owned()),
+            Some(_) => None,
+        },
+        _ => None,
+    }
+}
+
+/// Applies a command and waits for its work. Returns why it was refused or failed, if it was.
+fn apply(state: &mut State, command: &Command, next: Option<&Command>) -> Option<String> {
+    // An older notice must not be taken for one about this command.
+    let before = state.messages.notice.take();
+    state.apply(command.clone());
+    state.settle();
+
+    let notice = state.messages.notice.as_ref();
+    // A file that was written is no failure, whatever the notice says of the set in it.
+    let failed = notice.filter(|notice| notice.is_error && notice.folder.is_none());
+    let failed = failed.map(|notice| notice.text.clone());
+    if notice.is_none() && !matches!(command, Command::DismissNotice) {
+        state.messages.notice = before;
+    }
+
+    // The first command that would replace a file only asks; the same command once more is the answer.
+    let asks = next.is_none_or(|next| next != command) && state.asks_to_replace();
+    let asked = "The file exists. The same command once more replaces it.".to_owned();
+    failed.or_else(|| asks.then_some(asked))
+}
+
 /// Reads and runs a script. `print` receives the state as JSON, as pages receive it: after each command if
-/// `each` is set, otherwise after the last one. Returns the verifier's verdict on the session at the end.
+/// `each` is set, otherwise after the last one. `refused` receives the number of each command that was refused or failed,
+/// why, and whether a file could not be read or written; the commands after it are carried out. Returns the verifier's
+/// verdict on the session at the end.
 pub fn run<E: From<ScriptError>>(
     text: &str,
     each: bool,
     print: &mut dyn FnMut(&str) -> Result<(), E>,
+    refused: &mut dyn FnMut(usize, &str, bool),
 ) -> Result<Option<bool>, E> {
     let commands = read(text)?;
     let mut print_state = |state: &State| print(&format!("{}\n", state.to_json()));
-    let state = apply_all(
-        commands,
-        |state| if each { print_state(state) } else { Ok(()) },
-    )?;
+    let state = carry_out(commands, |state, refusal| {
+        if let Some(Refusal {
+            number,
+            why,
+            is_of_file,
+        }) = refusal
+        {
+            refused(number, &why, is_of_file);
+        }
+        if each { print_state(state) } else { Ok(()) }
+    })?;
     if !each {
         print_state(&state)?;
     }
@@ -97,6 +168,86 @@ pub fn run<E: From<ScriptError>>(
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// The refusals of a script, as they are reported.
+    fn refusals(text: &str) -> Vec<(usize, String, bool)> {
+        let mut all = Vec::new();
+        let mut note =
+            |number, why: &str, is_of_file| all.push((number, why.to_owned(), is_of_file));
+        let done: Result<_, ScriptError> = run(text, false, &mut |_| Ok(()), &mut note);
+        done.expect("a script");
+        all
+    }
+
+    #[test]
+    fn each_refused_command_is_named_with_its_reason() {
+        assert!(refusals(r#"[{"form": {"type": ["seed", "7"]}}, "run"]"#).is_empty());
+        let wrong = refusals(r#"[{"form": {"type": ["seed", "-7"]}}, "run", {"file": "go"}]"#);
+        let numbers: Vec<_> = wrong
+            .iter()
+            .map(|(number, _, file)| (*number, *file))
+            .collect();
+        assert_eq!(numbers, [(2, false), (3, true)], "{wrong:?}");
+        assert!(wrong[0].1.to_lowercase().contains("seed"), "{wrong:?}");
+    }
+
+    #[cfg(not(target_arch = "wasm32"))]
+    #[test]
+    fn files_that_cannot_be_read_or_written_are_failures() {
+        let folder = tempfile::tempdir().unwrap();
+        let missing = folder.path().join("no/file");
+        let missing = serde_json::json!(missing.display().to_string());
+        let small = r#"{"form": {"type": ["radius", "0.1"]}}, "run""#;
+        let export = |kind: &str, name: &str| {
+            let path = folder.path().join("no").join(name).display().to_string();
+            let path = serde_json::json!(path);
+            format!(
+                r#"[{small}, {{"export": {{"open": "{kind}"}}}}, {{"export": {{"path": {path}}}}}, {{"export": "write"}}]"#
+            )
+        };
+        for (text, number) in [
+            (
+                format!(
+                    r#"[{{"file": {{"sheet": "open"}}}}, {{"file": {{"path": {missing}}}}}, {{"file": "go"}}]"#
+                ),
+                3,
+            ),
+            (
+                format!(
+                    r#"[{{"file": {{"sheet": "save"}}}}, {{"file": {{"path": {missing}}}}}, {{"file": "go"}}]"#
+                ),
+                3,
+            ),
+            (export("samples", "set.csv"), 5),
+            (export("picture", "moment.png"), 5),
+            (export("animation", "run.gif"), 5),
+        ] {
+            let found = refusals(&text);
+            let [(found, why, true)] = &found[..] else {
+                panic!("{text}: {found:?}");
+            };
+            assert_eq!(*found, number, "{text}: {why}");
+        }
+    }
+
+    #[cfg(not(target_arch = "wasm32"))]
+    #[test]
+    fn a_file_is_replaced_by_the_same_command_once_more() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("moment.svg");
+        std::fs::write(&path, "old").unwrap();
+        let named = serde_json::json!(path.display().to_string());
+        let script = |more: &str| {
+            format!(
+                r#"[{{"export": {{"open": "picture"}}}}, {{"export": {{"path": {named}}}}}, {{"export": "write"}}{more}]"#
+            )
+        };
+        let asked = refusals(&script(""));
+        assert_eq!((asked.len(), asked[0].0), (1, 3));
+        assert_eq!(std::fs::read(&path).unwrap(), b"old");
+        assert!(refusals(&script(r#", {"export": "write"}"#)).is_empty());
+        assert_ne!(std::fs::read(&path).unwrap(), b"old");
+    }
 
     #[test]
     fn invalid_scripts_are_refused_with_the_command() {

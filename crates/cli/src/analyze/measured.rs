@@ -4,7 +4,7 @@ use std::cell::Cell;
 use std::fmt::Display;
 use std::path::Path;
 
-use anyhow::{Result, anyhow, ensure};
+use anyhow::{Result, anyhow, bail, ensure};
 use serde::{Serialize, Serializer};
 use tilescope_analysis::measures::{
     FrequencyWindow, MeasureError, PairBins, PairCorrelation, Periodogram, PowerCurve, SetNumbers,
@@ -14,7 +14,7 @@ use tilescope_analysis::{Control, MAX_CONFLICTS, Region, VerifyError};
 use tilescope_formats::{Check, CheckError, Format, PointSet, StreamReader};
 
 use super::measure::{Measure, of_set, values_by_key};
-use crate::options::{SetArguments, check_or_unit_square, hinted};
+use crate::options::{SetArguments, WITHOUT_CERTIFICATE, check_or_unit_square, hinted};
 use crate::output;
 use crate::paths::InFile;
 use crate::progress::{verifying, watched};
@@ -232,6 +232,10 @@ fn read(path: &Path, arguments: &SetArguments) -> Result<(PointSet, Check, bool)
         outcome = check_or_unit_square(&overrides, check);
     }
     let (set, check) = outcome.map_err(reason)?;
+    if let Some(differs) = check.falsehood() {
+        bail!("its certificate is not true: {differs}; {WITHOUT_CERTIFICATE}");
+    }
+    arguments.announce(path);
     let (report, path) = (&check.report, path.display());
     let warn = |warning: &str| output::note(&format!("warning: {path}: {warning}"));
     for difference in &check.differences {

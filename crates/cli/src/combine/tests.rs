@@ -33,7 +33,7 @@ pub fn written(folder: &TempDir, layout: &Value) -> PathBuf {
 
 /// Glues a layout and returns the set, judged by the independent verifier.
 pub fn judged(path: &Path) -> (Made, Census, usize) {
-    let (made, census, seams) = glue(path).unwrap();
+    let (made, census, seams) = glue(path, None).unwrap();
     let facts = &made.facts;
     let report = make::judge(
         &made.set.points,

@@ -2,7 +2,7 @@
 
 #![allow(missing_docs, reason = "tests")]
 
-use std::io::Cursor;
+use std::io::{self, Cursor, Write};
 use std::ops::ControlFlow;
 
 use tilescope_figures::animation::{
@@ -324,6 +324,41 @@ fn cancelling_stops_before_the_next_frame_is_drawn() {
             Err(AnimationError::Cancelled { frames: 3 })
         ));
         assert_eq!((drawn, told), (3, vec![(0, 10), (1, 10), (2, 10), (3, 10)]));
+    }
+}
+
+/// A writer that takes so many writes and then no more.
+struct Failing(usize);
+
+impl Write for Failing {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let left = self.0.checked_sub(1);
+        self.0 = left.ok_or_else(|| io::Error::other("the disk is full"))?;
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+#[test]
+fn a_writer_that_fails_at_any_write_is_an_error() {
+    for is_gif in [true, false] {
+        let written = |writes| {
+            let (out, frames) = (Failing(writes), frames(3));
+            if is_gif {
+                write_gif(frames, 10, &metadata(), out, &mut go_on)
+            } else {
+                write_apng(frames, 10, &metadata(), out, &mut go_on)
+            }
+        };
+        let mut writes = 0;
+        while let Err(error) = written(writes) {
+            assert!(error.to_string().contains("the disk is full"), "{error}");
+            writes += 1;
+        }
+        assert!(writes > 10, "{writes} writes");
     }
 }
 

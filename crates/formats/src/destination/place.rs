@@ -62,6 +62,11 @@ impl Place {
         hidden(&self.file, "new")
     }
 
+    /// Whether a certificate lies beside the file that states its digest.
+    pub fn has_own_certificate(&self) -> bool {
+        is_of(&self.certificate, &self.file)
+    }
+
     /// Gives a certificate its name again if it is that of the file, and removes the rest.
     fn recover(&self) {
         let left = [
@@ -199,7 +204,7 @@ fn hidden(file: &Path, kind: &str) -> PathBuf {
     file.with_file_name(name)
 }
 
-/// Whether the certificate at `left` states the digest of `file`.
+/// Whether the file `left` is a certificate that states the digest of `file`.
 fn is_of(left: &Path, file: &Path) -> bool {
     let length = fs::symlink_metadata(left).map_or(0, |about| about.len());
     // A certificate of no length is none, and a longer one is not read.

@@ -4,8 +4,10 @@
 //! renamed. Temporary names are fixed, so that files left by an interruption are found and removed. Before a checkpoint
 //! is used, lengths, digests and the verification's parameters are compared.
 
-use std::fs;
+use std::fs::{self, File};
+use std::io::{Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -13,11 +15,12 @@ use tilescope_analysis::{Region, StreamVerifier};
 
 use super::judge::{Judges, unjudged};
 use super::partial::Partial;
+use super::read::StreamReader;
 use super::{partial_path, resume_path};
 use crate::codecs::Target;
-use crate::codecs::rows::Rows;
-use crate::destination::{destination, sync_folder, write_new};
-use crate::digest::bytes_digest;
+use crate::codecs::rows::{Rows, head};
+use crate::destination::{Place, destination, sync_folder, write_new};
+use crate::digest::{bytes_digest, digest_text};
 use crate::error::{FormatError, io_error};
 use crate::export::{ExportContext, ExportError};
 use crate::files::read_file;
@@ -118,6 +121,24 @@ impl Checkpoint {
             }
         }
         Ok(())
+    }
+
+    /// Returns whether the file begins with the rows of the checkpoint, of which there must be some.
+    fn begins(&self, file: &Path) -> Result<bool, ExportError> {
+        let Some(provenance) = self.provenance else {
+            return Ok(false);
+        };
+        let carried = provenance && self.format.carries_provenance();
+        let head = head(self.format, self.precision, self.count, carried)?.len() as u64;
+
+        let failed = |error| io_error(file, error);
+        let mut rows = File::open(file).map_err(failed)?;
+        rows.seek(SeekFrom::Start(head)).map_err(failed)?;
+        let length = self.bytes.saturating_sub(head);
+        let mut hasher = blake3::Hasher::new();
+        hasher.update_reader(rows.take(length)).map_err(failed)?;
+        let is_same = digest_text(&hasher) == self.rows_digest;
+        Ok(is_same && self.count > 0 && hasher.count() == length)
     }
 
     /// Refuses rows with another digest or number, and `left` bytes of an incomplete row.
@@ -261,13 +282,43 @@ fn temporary(path: &Path) -> PathBuf {
     with_suffix(path, ".resume.tmp")
 }
 
-/// Removes the checkpoint of `path`, if there is one, the document first, and what an interruption left beside it.
+/// Ends an interrupted export of `path` whose file had its name already when the process ended: the certificate gets its
+/// name, if that was left to do, and the checkpoint is removed. Returns how many points the file has, or `None` if it is
+/// still to be written, by [`StreamExport::resume`](super::StreamExport::resume).
+///
+/// # Errors
+///
+/// As [`StreamExport::resume`](super::StreamExport::resume), and when the file cannot be read.
+pub fn finish_interrupted(path: &Path) -> Result<Option<u64>, ExportError> {
+    let place = Place::of(path)?;
+    let _lock = place.lock(Duration::ZERO)?;
+    let file = &place.file;
+    let checkpoint = Checkpoint::read(file)?;
+    if partial_path(file).exists() || !file.exists() || !checkpoint.begins(file)? {
+        return Ok(None);
+    }
+    if checkpoint.verify && !place.has_own_certificate() {
+        return Ok(None);
+    }
+
+    // Reading it all shows that it is whole.
+    let mut reader = StreamReader::open(file, Some(checkpoint.format))?;
+    let mut count = 0;
+    while let Some(points) = reader.next_stored()? {
+        count += points.len() as u64;
+    }
+    remove(file);
+    Ok(Some(count))
+}
+
+/// Removes the checkpoint of `path`, if there is one, the document last, because it names the state, and what an
+/// interruption left beside it.
 pub(super) fn remove(path: &Path) {
     let state = Checkpoint::read(path).ok().and_then(|found| found.state);
-    let _ = fs::remove_file(resume_path(path));
     let _ = fs::remove_file(temporary(path));
     let serial = state.map_or(0, |state| state.serial);
     for serial in serial.saturating_sub(1)..=serial.saturating_add(1) {
         let _ = fs::remove_file(StateFile::name(path, serial));
     }
+    let _ = fs::remove_file(resume_path(path));
 }

@@ -115,6 +115,10 @@ fn read(around: &Incoming, path: &Path, monitor: &Monitor) -> Result<SetFile, Un
         None => from_disk(around, path, monitor)?,
     };
     let read = incoming.point_set().map_err(Unread::Failed)?;
+    // A combination states its pieces in its own certificate.
+    if let Some(why) = read.refused {
+        return Err(Unread::Failed(why));
+    }
     Ok(SetFile {
         points: read.set.points,
         certificate: read.certificate,

@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::{self, Read as _};
 use std::path::Path;
 
-use tilescope_formats::{MAX_CERTIFICATE_BYTES, certificate_path};
+use tilescope_formats::{MAX_CERTIFICATE_BYTES, certificate_beside, certificate_path};
 
 use super::{Incoming, NamedBytes, Unread, too_long};
 use crate::jobs::Monitor;
@@ -52,10 +52,12 @@ impl Incoming {
         let name = |path: &Path| path.to_string_lossy().into_owned();
         let bytes = read_limited(path, limit, monitor)?;
         let mut incoming = Self::new(NamedBytes::new(name(path), bytes));
-        let beside = certificate_path(path);
+        let beside = certificate_beside(path);
         if beside.try_exists().unwrap_or(true) {
             let bytes = read_limited(&beside, MAX_CERTIFICATE_BYTES as u64, monitor)?;
-            incoming.beside.push(NamedBytes::new(name(&beside), bytes));
+            // Through a link the certificate has another name; here it belongs to the file as it is named.
+            let named = name(&certificate_path(path));
+            incoming.beside.push(NamedBytes::new(named, bytes));
         }
         incoming.folder = path.parent().map(Path::to_owned);
         Ok(incoming)

@@ -479,7 +479,7 @@ fn reports_of_unknown_kinds_and_useless_references_are_refused() {
             .args(["analyze", "kdrt.csv", "--out", out])
             .assert()
             .code(2)
-            .stderr(contains("written over this set"));
+            .stderr(contains("written over this input"));
     }
     assert_eq!(fs::read(folder.path().join("kdrt.csv")).unwrap(), set);
     let before = names(folder.path());

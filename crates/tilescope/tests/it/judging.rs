@@ -90,6 +90,7 @@ fn the_tolerance_of_a_certificate_is_not_believed() {
     tilescope(&folder)
         .args(["analyze", "set.csv", "--json"])
         .assert()
+        .code(2)
         .stdout(contains("\"gaps\":0.0").not())
         .stderr(contains("covering_tolerance"));
 }
@@ -198,6 +199,57 @@ fn an_uncertified_file_has_no_certificate_of_an_older_one() {
         );
         assert_eq!(names(folder.path()), ["set.npy"], "{more:?}");
     }
+}
+
+#[test]
+fn a_false_certificate_is_carried_nowhere() {
+    let folder = tempdir().unwrap();
+    for seed in ["1", "2"] {
+        let out = format!("{seed}.ply");
+        sample(&folder, &["--seed", seed, "--out", &out]);
+    }
+    // The points of seed 2 beside the certificate of seed 1.
+    let at = |name: &str| folder.path().join(name);
+    fs::copy(at("2.ply"), at("1.ply")).unwrap();
+    let layout = r#"{ "version": 1, "radius": 0.05, "columns": [1], "rows": [1], "pieces": [{ "file": "1.ply" }] }"#;
+    fs::write(at("layout.json"), layout).unwrap();
+    let before = names(folder.path());
+
+    let users: [&[&str]; 6] = [
+        &["draw", "1.ply", "p.svg"],
+        &["analyze", "1.ply", "--out", "r.html"],
+        &["analyze", "2.ply", "--against", "1.ply", "--out", "r.html"],
+        &["convert", "1.ply", "c.csv"],
+        &["combine", "layout.json", "--out", "c.csv"],
+        &["sample", "--radius", "0.01", "--pattern", "1.ply"],
+    ];
+    for user in users {
+        let refused = tilescope(&folder).args(user).assert().code(2);
+        refused.stderr(contains("is not true: digest: "));
+    }
+    // The report on the other set, which can be analysed, is the only file.
+    fs::remove_file(at("r.html")).unwrap();
+    assert_eq!(names(folder.path()), before);
+
+    for user in &[users[0], users[1], users[3]] {
+        let said = tilescope(&folder)
+            .args(*user)
+            .arg("--no-certificate")
+            .assert();
+        let left_out = contains("1.ply: read without its certificate");
+        said.success().stderr(left_out);
+    }
+    let text = fs::read_to_string(at("c.csv.certificate.json")).unwrap();
+    let stated: Value = serde_json::from_str(&text).unwrap();
+    assert_eq!(stated["method"], "unknown");
+    assert_eq!(stated["parameters"], json!({}));
+    // A picture of the true set has its blocks, and one without provenance has none.
+    let draw = |set: &str, more: &[&str]| {
+        let arguments = [&["draw", set, "p.svg", "--no-disks"], more].concat();
+        tilescope(&folder).args(arguments).assert().success();
+        fs::metadata(at("p.svg")).unwrap().len()
+    };
+    assert!(draw("2.ply", &[]) > draw("2.ply", &["--no-certificate"]));
 }
 
 /// Without verification the same file is written.

@@ -188,10 +188,10 @@ fn what_was_killed_goes_on_to_the_same_file() {
             "{kill}: an unfinished file has the name"
         );
         assert!(partial(&folder, name).exists());
-        let resumed = json(
-            &folder,
-            &[LARGE.as_slice(), &["--out", name, "--resume"]].concat(),
-        );
+        let checkpoint = format!("{name}.resume.json");
+        let kept = read(&folder, &checkpoint);
+        let resume = [LARGE.as_slice(), &["--out", name, "--resume"]].concat();
+        let resumed = json(&folder, &resume);
         for key in [
             "count",
             "blocks",
@@ -206,6 +206,13 @@ fn what_was_killed_goes_on_to_the_same_file() {
         assert!(!partial(&folder, name).exists());
         let verified = json(&folder, &["verify", name]);
         assert_eq!(verified["differences"], Value::Array(vec![]));
+        // As if it had been killed once more, just before it removed its checkpoint.
+        fs::write(folder.path().join(&checkpoint), kept).unwrap();
+        fs::write(folder.path().join(format!("{name}.lock")), "").unwrap();
+        assert_eq!(json(&folder, &resume)["count"], whole["count"]);
+        let mut left = names(folder.path());
+        left.retain(|left| left.starts_with(name));
+        assert_eq!(left, [name.to_owned(), format!("{name}.certificate.json")]);
     }
 }
 

@@ -99,8 +99,78 @@ fn links_lead_every_writer_to_its_file() {
             "{writer:?}"
         );
     }
-    assert_eq!(names(&folder.path().join("data")).len(), WRITERS.len());
+    // Verified sets have a certificate beside them.
+    let certified = |name: &String| name.ends_with(".certificate.json");
+    let written = names(&folder.path().join("data"));
+    assert_eq!(written.iter().filter(|name| certified(name)).count(), 3);
+    assert_eq!(written.len(), WRITERS.len() + 3);
+    assert!(!names(folder.path()).contains(&"0.csv.certificate.json".to_owned()));
     json(&folder, &["verify", "0.csv"]);
+}
+
+#[test]
+fn no_output_is_written_over_an_input() {
+    let folder = with_set();
+    let at = |name: &str| folder.path().join(name);
+    fs::write(at("layout.json"), LAYOUT).unwrap();
+    fs::write(at("results.json"), "{}").unwrap();
+    for (input, extensions) in [
+        ("set.csv", &["csv", "svg"][..]),
+        ("layout.json", &["csv"]),
+        ("results.json", &["csv"]),
+    ] {
+        let stem = input.split_once('.').unwrap().0;
+        for extension in extensions {
+            symlink(input, at(&format!("link-{stem}.{extension}"))).unwrap();
+            fs::hard_link(at(input), at(&format!("hard-{stem}.{extension}"))).unwrap();
+        }
+    }
+    let before: Vec<(String, Vec<u8>)> = (names(folder.path()).into_iter())
+        .map(|name| (name.clone(), read(&folder, &name)))
+        .collect();
+    let commands: [&[&str]; 8] = [
+        &["draw", "set.csv", "link-set.svg"],
+        &["draw", "set.csv", "hard-set.svg"],
+        &["convert", "set.csv", "set.csv"],
+        &["convert", "link-set.csv", "hard-set.csv"],
+        &["combine", "layout.json", "--out", "hard-layout.csv"],
+        &["combine", "layout.json", "--out", "link-set.csv"],
+        &[
+            "lesson",
+            "results",
+            "results.json",
+            "--out",
+            "hard-results.csv",
+        ],
+        &[
+            "sample",
+            "--radius",
+            "0.01",
+            "--pattern",
+            "set.csv",
+            "--out",
+            "hard-set.csv",
+        ],
+    ];
+    for command in commands {
+        let refused = tilescope(&folder).args(command).assert().code(2);
+        refused.stderr(contains("would be written over this input"));
+    }
+    for (name, bytes) in before {
+        assert_eq!(read(&folder, &name), bytes, "{name}");
+    }
+    // A picture over a set that is not its input takes the set's certificate with it.
+    fs::copy(at("set.csv"), at("old.svg")).unwrap();
+    fs::copy(
+        at("set.csv.certificate.json"),
+        at("old.svg.certificate.json"),
+    )
+    .unwrap();
+    tilescope(&folder)
+        .args(["draw", "set.csv", "old.svg"])
+        .assert()
+        .success();
+    assert!(!at("old.svg.certificate.json").exists());
 }
 
 #[test]

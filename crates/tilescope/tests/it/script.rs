@@ -1,5 +1,6 @@
 //! `tilescope script`, end to end.
 
+use predicates::prelude::*;
 use predicates::str::{contains, starts_with};
 use serde_json::Value;
 use tempfile::tempdir;
@@ -29,6 +30,25 @@ fn a_script_is_carried_out_and_the_state_is_printed() {
         .args(["verify", "set.csv"])
         .assert()
         .success();
+}
+
+#[test]
+fn a_refused_command_is_named_and_ends_the_script_with_its_code() {
+    let folder = tempdir().unwrap();
+    let script = |text: &str, code: i32| {
+        let mut command = tilescope(&folder);
+        let done = command.args(["script", "-"]).write_stdin(text).assert();
+        done.code(code).stdout(starts_with("{"))
+    };
+    let wrong = r#"[{"form": {"type": ["seed", "-7"]}}, "run"]"#;
+    script(wrong, 1).stderr(contains("error: standard input: command 2: "));
+    let missing =
+        r#"[{"file": {"sheet": "open"}}, {"file": {"path": "no/file.json"}}, {"file": "go"}]"#;
+    script(missing, 2).stderr(contains("command 3: ").and(contains("no/file.json")));
+    let unwritten =
+        r#"[{"file": {"sheet": "save"}}, {"file": {"path": "no/file.json"}}, {"file": "go"}]"#;
+    script(unwritten, 2).stderr(contains("command 3: ").and(contains("no/file.json")));
+    script("[]", 0).stderr("");
 }
 
 #[test]

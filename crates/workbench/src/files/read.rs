@@ -295,10 +295,11 @@ fn find_pattern(
 fn against(incoming: &Incoming, run: Option<(Region, f64)>, monitor: &Monitor) -> Made {
     let (region, radius) = run.ok_or("there is no run to compare a file with")?;
     let set = incoming.point_set()?;
+    let no_pattern = set.refused.clone();
     let file = reference_file::of(set, &incoming.name, region, radius, monitor)?;
     Ok(Done::Against {
         file: Box::new(file),
-        no_pattern: None,
+        no_pattern,
     })
 }
 

@@ -42,6 +42,19 @@ pub struct Exports {
     pub browsing: Option<Job<Option<std::path::PathBuf>>>,
 }
 
+/// When the window closes, a running export is cancelled. Its thread would end with the process, before it removed the
+/// unfinished file.
+#[cfg(not(target_arch = "wasm32"))]
+impl Drop for Exports {
+    fn drop(&mut self) {
+        if let Some(job) = self.work.take() {
+            job.cancel();
+            // How it ends no longer matters to anybody.
+            let _ = job.wait();
+        }
+    }
+}
+
 /// The input of an export: the parts of the state that it shows.
 #[derive(Clone, Copy)]
 pub struct ExportSource<'a> {

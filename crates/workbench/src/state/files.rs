@@ -307,6 +307,14 @@ impl State {
         });
     }
 
+    /// Returns whether a sheet waits for the answer whether to replace a file.
+    #[must_use]
+    pub fn asks_to_replace(&self) -> bool {
+        let files = &self.files;
+        let saves = files.sheet.as_ref().is_some_and(|form| form.asked);
+        saves || files.exports.sheet.as_ref().is_some_and(|form| form.asked)
+    }
+
     /// Returns why the session cannot be saved, or `None` if it can.
     #[must_use]
     pub fn save_refusal(&self) -> Option<&'static str> {

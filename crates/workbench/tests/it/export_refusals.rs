@@ -28,18 +28,40 @@ fn prospect(state: &State) -> Result<String, ExportRefusal> {
 }
 
 #[test]
+fn a_window_that_closes_leaves_no_unfinished_file() {
+    let gate = Arc::new(Gate::default());
+    let wake = Arc::clone(&gate);
+    let mut state = settled(Arc::new(move || wake.pass()));
+    state.apply(Command::Time(TimeCommand::Loop(Some(1_200..1_260))));
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("film.gif");
+    fill_in(&mut state, ExportKind::Animation, &path, &[]);
+    gate.close_after(4);
+    export(&mut state, ExportCommand::Write);
+    gate.wait_for_job();
+    assert!(!names(folder.path()).contains("film.gif"), "unfinished");
+    gate.open();
+    drop(state);
+    // The export may have ended before it was cancelled.
+    let mut left = names(folder.path());
+    left.remove("film.gif");
+    assert_eq!(left, BTreeSet::new());
+}
+
+#[test]
 fn a_cancelled_export_leaves_no_file_and_keeps_an_existing_one() {
     let gate = Arc::new(Gate::default());
     let wake = Arc::clone(&gate);
     let mut state = settled(Arc::new(move || wake.pass()));
     state.apply(Command::Time(TimeCommand::Loop(Some(1_200..1_260))));
-    // The number of reports after which the job is stopped, in the middle of each kind of work.
+    // The number of reports after which the job is stopped, in the middle of each kind of work, and of the files that
+    // there are then: the unfinished one and the lock of its name.
     for (kind, name, reports, temporary) in [
-        (ExportKind::Animation, "film.gif", 4, 1),
-        (ExportKind::Animation, "film.apng", 4, 1),
+        (ExportKind::Animation, "film.gif", 4, 2),
+        (ExportKind::Animation, "film.apng", 4, 2),
         (ExportKind::Picture, "picture.png", 2, 0),
         (ExportKind::Picture, "picture.svg", 1, 0),
-        (ExportKind::Samples, "set.csv", 1, 1),
+        (ExportKind::Samples, "set.csv", 1, 2),
     ] {
         for before in [None, Some("what was there")] {
             let folder = tempfile::tempdir().unwrap();

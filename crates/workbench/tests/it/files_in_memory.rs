@@ -295,6 +295,26 @@ fn a_dropped_set_that_is_not_a_pattern_is_compared_with_the_run() {
         assert!(message.starts_with("bare.csv is compared with this run"));
         assert!(message.contains("has no certificate"), "{message}");
     }
+    // So is one whose certificate is that of other points, which is left out.
+    let mut points = named(&set);
+    let end = points.bytes.len() - 1;
+    let row = points.bytes[..end].iter().rposition(|&byte| byte == b'\n');
+    points.bytes.truncate(row.unwrap() + 1);
+    let false_pair = vec![points, named(&certificate_path(&set))];
+    let mut state = opened();
+    drop_bytes(&mut state, false_pair.clone());
+    assert!(state.form.own_pattern.is_none() && !is_error(&state));
+    let message = notice_text(&state);
+    assert!(
+        message.contains("own.csv.certificate.json is not true: digest: "),
+        "{message}"
+    );
+    assert!(state.reference_file().is_some());
+    let mut state = opened();
+    choose(&mut state, Purpose::Pattern, false_pair.clone());
+    assert!(is_error(&state) && notice_text(&state).contains("is not true"));
+    choose(&mut state, Purpose::Against, false_pair);
+    assert!(!is_error(&state) && notice_text(&state).contains("is not true"));
     // The sheet for patterns accepts only a pattern.
     let mut state = opened();
     choose(&mut state, Purpose::Pattern, vec![named(&bare)]);

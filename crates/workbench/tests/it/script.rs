@@ -41,10 +41,12 @@ fn the_state_is_printed_after_each_command_or_after_the_last() {
     let printed = |each| {
         let mut lines = Vec::new();
         let text = r#"[{"time": "first-stage"}, {"time": "step-forward"}]"#;
-        let verdict = run::<ScriptError>(text, each, &mut |line| {
+        let mut print = |line: &str| {
             lines.push(serde_json::from_str::<serde_json::Value>(line).unwrap());
             Ok(())
-        });
+        };
+        let mut refused = |number: usize, why: &str, _| panic!("command {number}: {why}");
+        let verdict = run::<ScriptError>(text, each, &mut print, &mut refused);
         assert_eq!(verdict.unwrap(), Some(true));
         let stages = lines.iter().map(|line| line["stage"].as_str().unwrap());
         stages.map(str::to_owned).collect::<Vec<_>>()

@@ -11,7 +11,11 @@ use crate::describe;
 fn refusal(layout: &Value) -> String {
     let folder = folder();
     save_reference(&folder, "a.csv", Boundary::Periodic);
-    describe(&glue(&written(&folder, layout)).err().expect("a refusal"))
+    describe(
+        &glue(&written(&folder, layout), None)
+            .err()
+            .expect("a refusal"),
+    )
 }
 
 /// Returns a layout of a seed and of the file that [`refusal`] has.
@@ -206,7 +210,9 @@ fn a_set_that_ends_inside_its_rectangle_is_refused() {
                 "pieces": [{ "file": "b.csv", "offset": [offset, 0] }],
             }),
         );
-        glue(&path).map(|_| ()).map_err(|error| describe(&error))
+        glue(&path, None)
+            .map(|_| ())
+            .map_err(|error| describe(&error))
     };
     assert_eq!(layout(0.1), Ok(()));
     assert!(
@@ -227,17 +233,17 @@ fn what_is_no_layout_is_refused() {
     let path = folder.path().join("layout.json");
     let message = |bytes: &[u8]| {
         fs::write(&path, bytes).unwrap();
-        describe(&glue(&path).err().unwrap())
+        describe(&glue(&path, None).err().unwrap())
     };
     assert!(message(b"x,y\n0,0\n").contains("this is not a layout of pieces"));
     assert!(message(b"{\"version\": 1, \"radius\": 1e400}").contains("out of range"));
     assert!(message(b"{}").contains("this is not a layout of pieces"));
     assert!(message(&vec![b' '; (1 << 20) + 1]).contains("the layout has 1048577 bytes"));
     assert!(message(&vec![b'['; 100_000]).contains("this is not a layout of pieces"));
-    assert!(describe(&glue(folder.path()).err().unwrap()).contains("this is not a file"));
+    assert!(describe(&glue(folder.path(), None).err().unwrap()).contains("this is not a file"));
     let command = crate::Command::Combine(arguments(&["missing.json"]));
     let window = crate::FromWindow {
-        script: |_, _, _| Ok(None),
+        script: |_, _, _, _| Ok(None),
         handout: |_| Err(String::new()),
         lesson_of_session: |_| Err(String::new()),
     };

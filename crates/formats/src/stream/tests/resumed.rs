@@ -137,6 +137,70 @@ fn what_is_missing_or_damaged_is_named() {
 }
 
 #[test]
+fn an_export_that_ended_after_its_last_renaming_is_finished() {
+    let context = context(Boundary::Periodic, Precision::Double);
+    let set = rows(Boundary::Periodic, 0.2);
+    for (format, verify) in STREAMED.into_iter().flat_map(|f| [(f, true), (f, false)]) {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join(name(format));
+        let options = StreamOptions {
+            verify,
+            resumable: true,
+        };
+        let export = StreamExport::create(&path, &context, options).expect("begun");
+        let mut export = export.with_band(SMALL);
+        push(&mut export, &set, 0..900, 50);
+        export.checkpoint(&json!(900)).expect("saved");
+        assert!(matches!(
+            finish_interrupted(&path),
+            Err(ExportError::Format(FormatError::Busy { .. }))
+        ));
+        let kept: Vec<(String, Vec<u8>)> = (names(folder.path()).into_iter())
+            .filter(|name| name.contains(".resume."))
+            .map(|name| {
+                (
+                    name.clone(),
+                    fs::read(folder.path().join(name)).expect("there"),
+                )
+            })
+            .collect();
+        push(&mut export, &set, 900..set.len(), 50);
+        export.finish(&GO).expect("proven");
+        let after = |left: &str| {
+            for (name, bytes) in &kept {
+                fs::write(folder.path().join(name), bytes).expect("writable");
+            }
+            fs::write(folder.path().join(left), "").expect("writable");
+        };
+
+        // The process ended before it removed the checkpoint, or before the certificate had its name.
+        let lock = format!("{}.lock", name(format));
+        after(&lock);
+        let points = set.len() as u64;
+        assert_eq!(finish_interrupted(&path).expect("readable"), Some(points));
+        let files = if verify { 2 } else { 1 };
+        assert_eq!(names(folder.path()).len(), files, "{format}");
+        if verify {
+            let certificate = certificate_path(&path);
+            let unnamed = format!(".{}.certificate.json.new~", name(format));
+            fs::rename(&certificate, folder.path().join(unnamed)).expect("writable");
+            after(&lock);
+            assert_eq!(finish_interrupted(&path).expect("readable"), Some(points));
+            assert!(certificate.exists());
+        }
+
+        // Another file of that name is not the one that was being written.
+        after(&lock);
+        let mut bytes = fs::read(&path).expect("there");
+        let middle = bytes.len() / 2;
+        bytes[middle] ^= 1;
+        fs::write(&path, bytes).expect("writable");
+        assert_eq!(finish_interrupted(&path).expect("readable"), None);
+        assert!(resume_path(&path).exists());
+    }
+}
+
+#[test]
 fn a_damaged_checkpoint_or_another_context_is_refused() {
     let asked = context(Boundary::Periodic, Precision::Double);
     let set = rows(Boundary::Periodic, 0.2);
