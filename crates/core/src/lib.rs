@@ -26,6 +26,7 @@ mod error;
 mod grid;
 mod lattice;
 mod levels;
+pub mod memory;
 mod parameters;
 mod pattern;
 mod pattern_making;
