@@ -5,6 +5,7 @@ mod pattern;
 
 use thiserror::Error;
 
+use crate::memory::NoMemory;
 use crate::stage::Stage;
 
 pub use parameters::ParameterError;
@@ -28,6 +29,9 @@ pub enum SampleError {
         /// The width of the widest halo, in radii.
         radii: f64,
     },
+    /// There is not as much memory as the samples need.
+    #[error(transparent)]
+    Memory(#[from] NoMemory),
     /// The observer asked to stop.
     #[error("cancelled during stage \"{stage}\"")]
     Cancelled {

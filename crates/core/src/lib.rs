@@ -27,6 +27,7 @@ mod grid;
 pub mod json;
 mod lattice;
 mod levels;
+pub mod memory;
 mod parameters;
 mod pattern;
 mod pattern_making;

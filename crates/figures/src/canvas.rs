@@ -238,21 +238,28 @@ impl<'a> Canvas<'a> {
 
     /// Draws disks, unless they are so small that their rings would be noise.
     pub(crate) fn rings(&mut self, points: &[DVec2], fill: Option<Fill>) {
-        if !self.options.disks || self.radius_px() < MIN_DISK {
+        let Some(style) = self.ring(fill) else {
             return;
-        }
-        let mut group = self.group("disks");
-        let ring = Stroke::new(with_alpha(self.palette().disk, 110), self.line_px());
-        let style = Style {
-            fill,
-            stroke: Some(ring),
         };
+        let mut group = self.group("disks");
         group.shapes.extend(self.disks(points, style));
         self.push([group]);
     }
 
+    /// Returns how disks are drawn, unless they are left out.
+    pub(crate) fn ring(&self, fill: Option<Fill>) -> Option<Style> {
+        if !self.options.disks || self.radius_px() < MIN_DISK {
+            return None;
+        }
+        let ring = Stroke::new(with_alpha(self.palette().disk, 110), self.line_px());
+        Some(Style {
+            fill,
+            stroke: Some(ring),
+        })
+    }
+
     /// Returns the images of the disks around samples.
-    fn disks(&self, points: &[DVec2], style: Style) -> impl Iterator<Item = Shape> {
+    pub(crate) fn disks(&self, points: &[DVec2], style: Style) -> impl Iterator<Item = Shape> {
         let images = points.iter().flat_map(move |&point| self.images(point));
         images.map(move |image| Shape::circle(self.flip(image), self.radius, style))
     }

@@ -21,6 +21,7 @@ pub mod animation;
 mod bitmap;
 mod canvas;
 pub mod chart;
+mod control;
 mod error;
 mod fonts;
 mod geometry;
@@ -35,13 +36,14 @@ mod svg;
 pub use animation::{AnimationError, FrameProgress, write_apng, write_gif};
 pub use bitmap::Bitmap;
 pub use canvas::PictureOptions;
+pub use control::Control;
 pub use error::{FigureError, MAX_BITMAP_SIDE, MAX_LENGTH, MAX_PIXELS, MAX_SIDE};
 pub use fonts::{Font, fitted, text_width, wrapped};
 pub use palette::{Color, Palette, with_alpha};
-pub use png::to_png;
+pub use png::{to_png, to_png_controlled};
 pub use raster::{Pixels, to_pixels};
 pub use scene::{
     Anchor, Baseline, Fill, Group, Hatch, Marker, Rect, Scene, Shape, Stroke, Style, Text, View,
 };
-pub use stages::{SetPicture, caption, seam_window, set_scene, stage_scene};
-pub use svg::{escape, font_faces, to_svg, to_svg_with_fonts};
+pub use stages::{SetPicture, caption, seam_window, set_scene, set_scene_controlled, stage_scene};
+pub use svg::{escape, font_faces, to_svg, to_svg_with_fonts, to_svg_with_fonts_controlled};

@@ -3,10 +3,13 @@
 //! Opaque pictures are stored without an opacity channel; title and metadata become `iTXt` chunks. No time stamp is
 //! written: the same scene gives the same bytes.
 
+use std::io::Write;
+
 use png::{BitDepth, ColorType, Encoder};
 
+use crate::control::{Control, Steps, go_on};
 use crate::error::FigureError;
-use crate::raster::{Pixels, to_pixels};
+use crate::raster::{Pixels, paint_pixels, size};
 use crate::scene::Scene;
 
 /// The longest keyword of a text chunk (PNG specification, 11.3.3).
@@ -16,17 +19,33 @@ const KEYWORD_LENGTH: usize = 79;
 ///
 /// # Errors
 ///
-/// As [`to_pixels`], and [`FigureError::Encode`].
+/// As [`to_pixels`](crate::to_pixels), and [`FigureError::Encode`].
 pub fn to_png(scene: &Scene, scale: f64) -> Result<Vec<u8>, FigureError> {
+    to_png_controlled(scene, scale, &mut go_on)
+}
+
+/// The same as [`to_png`]. Calls `control` while shapes are drawn and while rows of pixels are compressed.
+///
+/// # Errors
+///
+/// As [`to_png`], and [`FigureError::Cancelled`] when `control` breaks.
+pub fn to_png_controlled(
+    scene: &Scene,
+    scale: f64,
+    control: Control<'_>,
+) -> Result<Vec<u8>, FigureError> {
+    let rows = size(scene, scale)?[1] as usize;
+    let mut steps = Steps::new(scene.shapes() + rows, control);
     let Pixels {
         width,
         height,
         mut rgba,
-    } = to_pixels(scene, scale)?;
+    } = paint_pixels(scene, scale, &mut steps)?;
     let opaque = rgba.chunks_exact(4).all(|pixel| pixel[3] == 255);
     if opaque {
         drop_opacity(&mut rgba);
     }
+
     let mut bytes = Vec::new();
     let mut encoder = Encoder::new(&mut bytes, width, height);
     encoder.set_color(if opaque {
@@ -39,7 +58,16 @@ pub fn to_png(scene: &Scene, scale: f64) -> Result<Vec<u8>, FigureError> {
         encoder.add_itxt_chunk(key, value).map_err(encode_error)?;
     }
     let mut writer = encoder.write_header().map_err(encode_error)?;
-    writer.write_image_data(&rgba).map_err(encode_error)?;
+
+    // Row by row, since a large picture takes seconds to compress.
+    let mut stream = writer.stream_writer().map_err(encode_error)?;
+    for row in rgba.chunks(rgba.len() / height as usize) {
+        steps.row()?;
+        stream
+            .write_all(row)
+            .map_err(|error| encode_error(error.into()))?;
+    }
+    stream.finish().map_err(encode_error)?;
     writer.finish().map_err(encode_error)?;
     Ok(bytes)
 }

@@ -9,6 +9,7 @@ use tiny_skia::{
     Transform,
 };
 
+use crate::control::{Steps, go_on};
 use crate::error::{FigureError, MAX_LENGTH, MAX_PIXELS, MAX_SIDE};
 use crate::fonts::Fonts;
 use crate::geometry::{
@@ -48,6 +49,15 @@ impl Pixels {
 ///
 /// [`FigureError`] when the size, scale, a view or a shape is not usable.
 pub fn to_pixels(scene: &Scene, scale: f64) -> Result<Pixels, FigureError> {
+    paint_pixels(scene, scale, &mut Steps::new(0, &mut go_on))
+}
+
+/// The same as [`to_pixels`], with each shape counted as a step.
+pub(crate) fn paint_pixels(
+    scene: &Scene,
+    scale: f64,
+    steps: &mut Steps<'_>,
+) -> Result<Pixels, FigureError> {
     scene.validate()?;
     let [width, height] = size(scene, scale)?;
     let too_large = FigureError::Pixels {
@@ -65,7 +75,7 @@ pub fn to_pixels(scene: &Scene, scale: f64) -> Result<Pixels, FigureError> {
         .pixmap
         .fill(tiny_skia::Color::from_rgba8(r, g, b, a));
     for group in &scene.groups {
-        painter.group(group)?;
+        painter.group(group, steps)?;
     }
     Ok(Pixels {
         width,
@@ -74,7 +84,7 @@ pub fn to_pixels(scene: &Scene, scale: f64) -> Result<Pixels, FigureError> {
     })
 }
 
-fn size(scene: &Scene, scale: f64) -> Result<[u32; 2], FigureError> {
+pub(crate) fn size(scene: &Scene, scale: f64) -> Result<[u32; 2], FigureError> {
     if !(scale.is_finite() && scale > 0.0) {
         return Err(FigureError::Scale(scale));
     }
@@ -100,13 +110,14 @@ struct Painter {
 }
 
 impl Painter {
-    fn group(&mut self, group: &Group) -> Result<(), FigureError> {
+    fn group(&mut self, group: &Group, steps: &mut Steps<'_>) -> Result<(), FigureError> {
         self.set_clip(group.clip);
         let at = Placing {
             view: group.view,
             scale: self.scale,
         };
         for (index, shape) in group.shapes.iter().enumerate() {
+            steps.shape()?;
             let length = shape.longest(group.view) * self.scale;
             if length > MAX_LENGTH {
                 return Err(FigureError::Length {

@@ -54,6 +54,11 @@ impl Scene {
         }
         Ok(())
     }
+
+    /// How many shapes all layers have.
+    pub(crate) fn shapes(&self) -> usize {
+        self.groups.iter().map(|group| group.shapes.len()).sum()
+    }
 }
 
 /// A layer: shapes that belong together under a name.

@@ -1,10 +1,14 @@
 //! Pictures of sets and of the stages of a run, with the colours and marks of the window.
 //! They show a run as it stood after a stage, and compute nothing of it.
 
+use std::convert::Infallible;
+
 use glam::DVec2;
 use tilescope_core::{Boundary, Origin, Parameters, Point, Run, Search, Stage, Standing, Variant};
 
 use crate::canvas::{Canvas, PictureOptions};
+use crate::control::{Control, Steps};
+use crate::error::FigureError;
 use crate::palette::with_alpha;
 use crate::scene::{Fill, Marker, Rect, Scene, Shape, Stroke, Style};
 
@@ -33,6 +37,31 @@ pub struct SetPicture<'a> {
 /// Returns the picture of a point set.
 #[must_use]
 pub fn set_scene(set: &SetPicture<'_>, options: &PictureOptions) -> Scene {
+    let Ok(scene) = laid_out::<Infallible>(set, options, &mut || Ok(()));
+    scene
+}
+
+/// Returns the picture of a point set. Calls `control` while samples are laid out.
+///
+/// # Errors
+///
+/// [`FigureError::Cancelled`] when `control` breaks.
+pub fn set_scene_controlled(
+    set: &SetPicture<'_>,
+    options: &PictureOptions,
+    control: Control<'_>,
+) -> Result<Scene, FigureError> {
+    // Disks, where they are drawn, and marks.
+    let mut steps = Steps::new(2 * set.points.len(), control);
+    laid_out(set, options, &mut || steps.shape())
+}
+
+/// Calls `step` for each sample of each layer, and fails as it does.
+fn laid_out<E>(
+    set: &SetPicture<'_>,
+    options: &PictureOptions,
+    step: &mut dyn FnMut() -> Result<(), E>,
+) -> Result<Scene, E> {
     let mut canvas = Canvas::new(
         set.size.into(),
         set.boundary,
@@ -41,10 +70,22 @@ pub fn set_scene(set: &SetPicture<'_>, options: &PictureOptions) -> Scene {
     );
     canvas.blocks(set.blocks.iter().copied());
     let points: Vec<DVec2> = set.points.iter().copied().map(DVec2::from).collect();
-    canvas.rings(&points, Some(Fill::Solid(options.palette.disk_fill)));
+
+    if let Some(style) = canvas.ring(Some(Fill::Solid(options.palette.disk_fill))) {
+        let mut disks = canvas.group("disks");
+        for point in &points {
+            step()?;
+            disks
+                .shapes
+                .extend(canvas.disks(std::slice::from_ref(point), style));
+        }
+        canvas.push([disks]);
+    }
+
     let mut samples = canvas.group("samples");
     let mut inserted = canvas.group("inserted");
     for (index, &point) in points.iter().enumerate() {
+        step()?;
         let block = set.block_of.as_ref().map(|of| of[index]);
         match block {
             Some(None) => canvas.mark(&mut inserted, Marker::Diamond, point, canvas.inserted()),
@@ -57,8 +98,9 @@ pub fn set_scene(set: &SetPicture<'_>, options: &PictureOptions) -> Scene {
         }
     }
     canvas.push([samples, inserted]);
+
     canvas.arcs(&points, &set.exposed);
-    canvas.finish(&set.caption)
+    Ok(canvas.finish(&set.caption))
 }
 
 /// Returns the picture of a run after `stage`.

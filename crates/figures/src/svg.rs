@@ -10,6 +10,7 @@ use base64::engine::general_purpose::STANDARD;
 use glam::DVec2;
 
 use crate::bitmap::Bitmap;
+use crate::control::{Control, Steps, go_on};
 use crate::error::FigureError;
 use crate::fonts::{Font, Fonts};
 use crate::geometry::{hatch_circle, hatch_polygon, marker_outline};
@@ -27,14 +28,19 @@ use crate::scene::{
 ///
 /// [`FigureError`] when the size, a view or a shape is not usable.
 pub fn to_svg(scene: &Scene) -> Result<String, FigureError> {
+    written(scene, &mut go_on)
+}
+
+fn written(scene: &Scene, control: Control<'_>) -> Result<String, FigureError> {
     scene.validate()?;
+    let mut steps = Steps::new(scene.shapes(), control);
     let mut writer = Writer {
         out: String::new(),
         fonts: Fonts::new()?,
     };
     writer.head(scene);
     for (index, group) in scene.groups.iter().enumerate() {
-        writer.group(index, group)?;
+        writer.group(index, group, &mut steps)?;
     }
     writer.out.push_str("</svg>\n");
     Ok(writer.out)
@@ -46,7 +52,19 @@ pub fn to_svg(scene: &Scene) -> Result<String, FigureError> {
 ///
 /// Those of [`to_svg`].
 pub fn to_svg_with_fonts(scene: &Scene) -> Result<String, FigureError> {
-    let svg = to_svg(scene)?;
+    to_svg_with_fonts_controlled(scene, &mut go_on)
+}
+
+/// The same as [`to_svg_with_fonts`]. Calls `control` while shapes are written.
+///
+/// # Errors
+///
+/// Those of [`to_svg`], and [`FigureError::Cancelled`] when `control` breaks.
+pub fn to_svg_with_fonts_controlled(
+    scene: &Scene,
+    control: Control<'_>,
+) -> Result<String, FigureError> {
+    let svg = written(scene, control)?;
     let texts = scene.groups.iter().flat_map(|group| &group.shapes);
     let used = texts.filter_map(|shape| match shape {
         Shape::Text(text) => Some(text.font),
@@ -118,7 +136,12 @@ impl Writer {
         }
     }
 
-    fn group(&mut self, index: usize, group: &Group) -> Result<(), FigureError> {
+    fn group(
+        &mut self,
+        index: usize,
+        group: &Group,
+        steps: &mut Steps<'_>,
+    ) -> Result<(), FigureError> {
         if let Some(clip) = group.clip {
             let [x, y, width, height] = bounds(clip);
             self.push(format_args!(
@@ -141,6 +164,7 @@ impl Writer {
         self.out.push_str(">\n");
         let (view, scale) = (group.view, 1.0);
         for shape in &group.shapes {
+            steps.shape()?;
             self.shape(shape, Placing { view, scale })?;
         }
         self.out.push_str("</g>\n");

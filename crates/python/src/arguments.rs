@@ -19,27 +19,81 @@ use crate::arrays::rows;
 use crate::failure::Failure;
 use crate::task::{TaskWatch, run};
 
+/// The longest value that an error shows whole, in characters.
+const LONGEST: usize = 80;
+
+/// Returns a text as an error shows it: its beginning, if it is long.
+fn shortened(text: &str) -> String {
+    let length = text.chars().count();
+    if length <= LONGEST {
+        return text.to_owned();
+    }
+    let start: String = text.chars().take(LONGEST / 2).collect();
+    format!("{start}... ({length} characters)")
+}
+
+/// Returns a value as an error shows it.
+fn shown(value: &Bound<'_, PyAny>) -> String {
+    let kind = || value.get_type().to_string();
+    // Python does not write a whole number of more than 4300 digits.
+    (value.repr()).map_or_else(|_| kind(), |text| shortened(&text.to_string()))
+}
+
 /// Returns a value by its name in JSON, which the command line uses as well.
 pub fn named<T: DeserializeOwned>(argument: &str, name: &str) -> PyResult<T> {
-    serde_json::from_value(Value::from(name))
+    // No name is so long that it would be shortened.
+    let name = shortened(name);
+    serde_json::from_value(Value::from(name.as_str()))
         .map_err(|error| PyValueError::new_err(format!("{argument} is '{name}': {error}")))
 }
 
 /// Returns a whole number of 64 bits.
 pub fn whole(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<u64> {
     value.extract().map_err(|error: PyErr| {
-        let most = u64::MAX;
+        let (given, most) = (shown(value), u64::MAX);
         if error.is_instance_of::<PyOverflowError>(value.py()) {
             PyValueError::new_err(format!(
-                "{argument} is {value}; it must be a whole number from 0 to {most}"
+                "{argument} is {given}; it must be a whole number from 0 to {most}"
             ))
         } else {
-            let given = value
-                .repr()
-                .map_or_else(|_| String::new(), |text| text.to_string());
             PyTypeError::new_err(format!("{argument} is {given}; it must be a whole number"))
         }
     })
+}
+
+/// Returns a floating-point number.
+pub fn real(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<f64> {
+    value.extract().map_err(|error: PyErr| {
+        let (given, most) = (shown(value), f64::MAX);
+        if error.is_instance_of::<PyOverflowError>(value.py()) {
+            PyValueError::new_err(format!(
+                "{argument} is {given}; it must be a number up to {most:.1e}"
+            ))
+        } else {
+            PyTypeError::new_err(format!("{argument} is {given}; it must be a real number"))
+        }
+    })
+}
+
+/// Returns a floating-point number, if one is given.
+pub fn real_if_given(argument: &str, value: Option<&Bound<'_, PyAny>>) -> PyResult<Option<f64>> {
+    value.map(|value| real(argument, value)).transpose()
+}
+
+/// Returns the corners of a rectangle: `(x0, y0, x1, y1)`.
+pub fn rectangle(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<[f64; 4]> {
+    let wrong = || {
+        let given = shown(value);
+        PyTypeError::new_err(format!(
+            "{argument} is {given}; it must be four numbers: (x0, y0, x1, y1)"
+        ))
+    };
+    let corners: [Bound<'_, PyAny>; 4] = value.extract().map_err(|_| wrong())?;
+    let mut found = [0.0; 4];
+    for (found, corner) in found.iter_mut().zip(&corners) {
+        *found = real(argument, corner)?;
+    }
+    Ok(found)
 }
 
 /// Returns how to verify. No name stands for both judges up to 2^20 samples, and covered circles for more.
@@ -53,8 +107,17 @@ pub fn verify_options(judge: Option<&str>) -> PyResult<VerifyOptions> {
 
 /// Returns a file format by its name.
 pub fn format(name: Option<&str>) -> PyResult<Option<Format>> {
-    let format = name.map(str::parse::<Format>).transpose();
+    let format = name
+        .map(|name| shortened(name).parse::<Format>())
+        .transpose();
     format.map_err(|error| PyValueError::new_err(error.to_string()))
+}
+
+/// Returns the number of a set of a file that holds several.
+pub fn set_of_several(set: Option<&Bound<'_, PyAny>>) -> PyResult<Option<usize>> {
+    let set = set.map(|set| whole("set", set)).transpose()?;
+    // No file holds so many.
+    Ok(set.map(|set| usize::try_from(set).unwrap_or(usize::MAX)))
 }
 
 /// Returns the analysis' region of a domain.
@@ -64,7 +127,14 @@ pub fn region_of(domain: &Domain) -> Region {
 
 /// Checks the domain and radius of a set: raises `ValueError` for what no set can have.
 #[pyfunction]
-pub fn check_domain(radius: Option<f64>, width: f64, height: f64, boundary: &str) -> PyResult<()> {
+pub fn check_domain(
+    radius: Option<&Bound<'_, PyAny>>,
+    width: &Bound<'_, PyAny>,
+    height: &Bound<'_, PyAny>,
+    boundary: &str,
+) -> PyResult<()> {
+    let radius = real_if_given("radius", radius)?;
+    let (width, height) = (real("width", width)?, real("height", height)?);
     if let Some(radius) = radius.filter(|radius| !(radius.is_finite() && *radius > 0.0)) {
         return Err(Failure::from(ParameterError::Radius { radius }).into());
     }
@@ -99,7 +169,8 @@ pub type LevelFields = (usize, f64, Option<f64>);
 
 /// Returns what holds for the first `count` samples of a set with levels.
 #[pyfunction]
-pub fn prefix(levels: Vec<LevelArgument>, count: usize) -> PyResult<LevelFields> {
+pub fn prefix(levels: Vec<LevelArgument>, count: &Bound<'_, PyAny>) -> PyResult<LevelFields> {
+    let count = usize::try_from(whole("count", count)?).unwrap_or(usize::MAX);
     let missing = || PyValueError::new_err(format!("the levels have fewer than {count} samples"));
     let claim = PrefixClaim::within(&claims(&levels), count).ok_or_else(missing)?;
     Ok((claim.count, claim.distance, claim.covering))
@@ -150,6 +221,24 @@ pub fn set(points: &[[f64; 2]], region: &Region, radius: f64) -> Result<Set, Fai
     Ok(Set::from_positions(points, size, radius, boundary)?)
 }
 
+/// Returns how far detectors look for gaps, by the number of radii.
+fn search_of(radii: &Bound<'_, PyAny>) -> PyResult<Search> {
+    match radii.extract::<i64>() {
+        Ok(4) => Ok(Search::Complete),
+        Ok(2) => Ok(Search::TwoRadii),
+        // Whole numbers of any size, and what is no whole number.
+        found => {
+            let text = format!("search is {}; it must be 4 or 2", shown(radii));
+            let is_type = found.is_err_and(|error| error.is_instance_of::<PyTypeError>(radii.py()));
+            Err(if is_type {
+                PyTypeError::new_err(text)
+            } else {
+                PyValueError::new_err(text)
+            })
+        }
+    }
+}
+
 /// What a run is to be made from.
 #[pyclass(frozen, module = "tilescope._tilescope")]
 pub struct RunRequest {
@@ -179,13 +268,13 @@ impl RunRequest {
     fn new(
         py: Python<'_>,
         count: Option<&Bound<'_, PyAny>>,
-        radius: Option<f64>,
-        width: f64,
-        height: f64,
+        radius: Option<&Bound<'_, PyAny>>,
+        width: &Bound<'_, PyAny>,
+        height: &Bound<'_, PyAny>,
         boundary: &str,
         seed: &Bound<'_, PyAny>,
-        leaf: f64,
-        pattern_side: f64,
+        leaf: &Bound<'_, PyAny>,
+        pattern_side: &Bound<'_, PyAny>,
         pattern_boundary: &str,
         pattern_seed: &Bound<'_, PyAny>,
         pattern: Option<SetArgument<'_>>,
@@ -193,7 +282,7 @@ impl RunRequest {
         dihedral: bool,
         order: &str,
         insertion: &str,
-        search: u8,
+        search: &Bound<'_, PyAny>,
         variant: &str,
         levels: Option<&Bound<'_, PyAny>>,
         exactly: Option<&Bound<'_, PyAny>>,
@@ -223,26 +312,23 @@ impl RunRequest {
         if nested.is_none() && order_within != WithinLevel::default() {
             return refused("order_within is given without levels");
         }
+        let radius = real_if_given("radius", radius)?;
         let mut parameters = Parameters {
-            width,
-            height,
+            width: real("width", width)?,
+            height: real("height", height)?,
             radius: radius.unwrap_or_default(),
             boundary: named("boundary", boundary)?,
             seed: whole("seed", seed)?,
-            leaf,
+            leaf: real("leaf", leaf)?,
             pattern: PatternSpec {
-                side: pattern_side,
+                side: real("pattern_side", pattern_side)?,
                 boundary: named("pattern_boundary", pattern_boundary)?,
                 seed: whole("pattern_seed", pattern_seed)?,
             },
             dihedral,
             order: named("order", order)?,
             insertion: named("insertion", insertion)?,
-            search: match search {
-                4 => Search::Complete,
-                2 => Search::TwoRadii,
-                _ => return refused(&format!("search is {search}; it must be 4 or 2")),
-            },
+            search: search_of(search)?,
             variant: named("variant", variant)?,
         };
         match (count.or(exactly), radius) {

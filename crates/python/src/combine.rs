@@ -7,11 +7,14 @@ use pyo3::prelude::*;
 use serde_json::{Value, json};
 use tilescope_analysis::Region;
 use tilescope_core::combine::file::{Layout, PieceSource, PlacedLayout, Set};
-use tilescope_core::{Boundary, Pattern, combine::combine as combined};
-use tilescope_formats::{Hint, bytes_digest, positions_digest, read_whole};
+use tilescope_core::memory::{Making, ask_for};
+use tilescope_core::{Boundary, MAXIMAL_DENSITY, Pattern, combine::combine as combined};
+use tilescope_formats::{Overrides, bytes_digest, positions_digest, read_whole};
 
 use crate::arguments::{SetArgument, set};
 use crate::failure::Failure;
+use crate::files::of_file;
+use crate::memory::ask_to_read;
 use crate::sample::{PythonSet, made, provenance_of_sources};
 use crate::task::{TaskWatch, run};
 
@@ -42,7 +45,9 @@ pub fn combine<'py>(
         };
         given.insert(name.as_str(), set);
     }
+    let samples = placed.domain.area_radii() * MAXIMAL_DENSITY;
     let made = run(py, progress, |watch| {
+        ask_for(samples, Making::Sequential.bytes_a_sample())?;
         let make = |source: &PieceSource| set_of(source, &folder, &given, watch);
         let pieces = placed.pieces(make, |_| {})?;
         let options = layout.options();
@@ -90,7 +95,9 @@ fn set_of(
                 return set(held.points, &of(held.region), radius);
             }
             let path = folder.join(path);
-            let read = tilescope_formats::read(&path, &Hint::default())?;
+            ask_to_read(&path)?;
+            let read = of_file(&path, &Overrides::default(), true, &watch.control("verify"))?
+                .in_domain(None);
             let certificate = read.certificate.as_ref();
             let radius = radius.or(certificate.map(|stated| stated.radius));
             let missing = || Failure::Value("the set has no certificate; give its radius".into());

@@ -4,6 +4,7 @@ use pyo3::prelude::*;
 use tilescope_analysis::verify_cut;
 
 use crate::arguments::{SetArgument, verify_options};
+use crate::memory::ask_to_judge;
 use crate::task::run;
 
 /// Returns the number of pairs in conflict in a set that was cut from a larger one, and of uncovered places in a rectangular
@@ -20,6 +21,7 @@ pub fn verify_window(
     let options = verify_options(judge)?;
     let [left, bottom, right, top] = window;
     run(py, progress, |watch| {
+        ask_to_judge(points.len())?;
         let (window, control) = ([[left, bottom], [right, top]], watch.control("verify"));
         let report = verify_cut(points, asked, window, &options, &control)?;
         Ok((report.whole.conflicts, report.gaps))

@@ -1,11 +1,14 @@
 //! Why a call failed, as the Python exception that says so. Made without Python's lock, raised with it.
 
+use std::io::ErrorKind;
+
 use pyo3::PyErr;
-use pyo3::exceptions::{PyOSError, PyRuntimeError, PyValueError};
+use pyo3::exceptions::{PyMemoryError, PyOSError, PyRuntimeError, PyValueError};
 use tilescope_analysis::VerifyError;
 use tilescope_analysis::measures::MeasureError;
 use tilescope_core::combine::CombineError;
 use tilescope_core::combine::file::{LayoutError, PieceError};
+use tilescope_core::memory::NoMemory;
 use tilescope_core::{ParameterError, PatternError, SampleError};
 use tilescope_figures::FigureError;
 use tilescope_formats::{CheckError, ExportError, FormatError};
@@ -21,6 +24,8 @@ pub enum Failure {
         text: String,
         path: String,
     },
+    /// `MemoryError`: the system does not give the memory that the work takes.
+    Memory(String),
     /// `RuntimeError`: the work could not be done, or was stopped.
     Runtime(String),
 }
@@ -31,7 +36,7 @@ impl Failure {
         match self {
             Self::Value(text) => Self::Value(format!("{part}: {text}")),
             Self::Runtime(text) => Self::Runtime(format!("{part}: {text}")),
-            system @ Self::System { .. } => system,
+            other @ (Self::System { .. } | Self::Memory(_)) => other,
         }
     }
 }
@@ -39,10 +44,32 @@ impl Failure {
 impl From<Failure> for PyErr {
     fn from(failure: Failure) -> Self {
         match failure {
-            Failure::Value(text) => PyValueError::new_err(text),
+            Failure::Value(text) => PyValueError::new_err(shortened(text)),
             Failure::System { number, text, path } => PyOSError::new_err((number, text, path)),
-            Failure::Runtime(text) => PyRuntimeError::new_err(text),
+            Failure::Memory(text) => PyMemoryError::new_err(text),
+            Failure::Runtime(text) => PyRuntimeError::new_err(shortened(text)),
         }
+    }
+}
+
+/// The longest text of an exception, in characters: the values of callers and files in it may be of any length.
+const LONGEST: usize = 1000;
+
+/// Returns a text with its middle left out, if it is too long.
+fn shortened(text: String) -> String {
+    let length = text.chars().count();
+    if length <= LONGEST {
+        return text;
+    }
+    let (start, end) = (LONGEST * 3 / 5, LONGEST * 2 / 5);
+    let first: String = text.chars().take(start).collect();
+    let last: String = text.chars().skip(length - end).collect();
+    format!("{first}...{last}")
+}
+
+impl From<NoMemory> for Failure {
+    fn from(missing: NoMemory) -> Self {
+        Self::Memory(missing.to_string())
     }
 }
 
@@ -63,6 +90,7 @@ impl From<SampleError> for Failure {
         match error {
             SampleError::Parameters(error) => error.into(),
             SampleError::Pattern(error) => error.into(),
+            SampleError::Memory(missing) => missing.into(),
             other => Self::Runtime(other.to_string()),
         }
     }
@@ -120,6 +148,13 @@ impl From<FormatError> for Failure {
                     text: without_number(&source.to_string()).to_owned(),
                     path,
                 },
+                None if source.kind() == ErrorKind::OutOfMemory => {
+                    Self::Memory(format!("{path}: {source}"))
+                }
+                // A path that no file can have.
+                None if source.kind() == ErrorKind::InvalidInput => {
+                    Self::Value(format!("{path}: {source}"))
+                }
                 None => Self::Runtime(format!("{path}: {source}")),
             },
             other => Self::Value(other.to_string()),

@@ -1,19 +1,26 @@
 //! Point-set files: reading, validated writing, certificates, digests.
 
 use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use serde_json::{Value, json};
+use tilescope_analysis::{Control, Region};
+use tilescope_core::memory::NoMemory;
 use tilescope_formats::{
-    Certificate, ExportContext, Format, FormatError, Hint, Mapping, PointSet, Provenance,
-    bytes_digest, export, export_bytes, export_unverified, positions_digest, read_whole,
+    Certificate, CheckError, ExportContext, Format, FormatError, Hint, Mapping, Overrides,
+    PointSet, Precision, Provenance, bytes_digest, certificate_path, decode, export, export_bytes,
+    export_unverified, positions_digest, read_whole, write_whole,
 };
 
-use crate::arguments::{LevelFields, SetArgument, claims, format, named, verify_options, whole};
+use crate::arguments::{
+    LevelFields, SetArgument, claims, format, named, set_of_several, verify_options, whole,
+};
 use crate::arrays::rows;
+use crate::failure::Failure;
 use crate::judge::{GivenDomain, of_report};
+use crate::memory::{ask_to_export, ask_to_read};
 use crate::sample::{MadeSet, PythonSet};
 use crate::task::run;
 
@@ -32,47 +39,135 @@ pub fn named_by_content(py: Python<'_>, path: PathBuf) -> PyResult<String> {
     Ok(json!({ "file": name, "digest": digest }).to_string())
 }
 
-/// Reads a file. What is not given is of its certificate, and else of the periodic unit square.
+/// Reads a file. What is not given is of its certificate, and else of the periodic unit square. Refuses a set whose
+/// certificate is not true; without `certificate` none is looked at, and nothing is known of how the set was made.
 #[pyfunction]
 pub fn read<'py>(
     py: Python<'py>,
     path: PathBuf,
     given: GivenDomain,
     format_name: Option<&str>,
+    set: Option<&Bound<'py, PyAny>>,
+    certificate: bool,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<PythonSet<'py>> {
-    let hint = Hint {
+    let overrides = Overrides {
         format: format(format_name)?,
-        ..Hint::default()
+        set: set_of_several(set)?,
+        ..Overrides::default()
     };
-    let read = run(py, progress, |_| Ok(tilescope_formats::read(&path, &hint)?))?;
-    let stated = read.certificate;
-    let region = given.region_over(stated.as_ref().map(|stated| stated.region))?;
-    let mut points = read.set.points;
-    if stated.is_none() {
-        // Positions of the unit torus are in units of the width.
-        let mapping = Mapping::new(read.detection.format, Some(region), read.precision);
-        for point in &mut points {
-            *point = mapping.domain_from_file(*point);
-        }
-    }
-    let method = stated.as_ref().map_or("unknown", |stated| &stated.method);
+    let found = run(py, progress, |watch| {
+        ask_to_read(&path)?;
+        of_file(&path, &overrides, certificate, &watch.control("verify"))
+    })?;
+    let stated = found.certificate.as_ref();
+    let region = given.region_over(stated.map(|stated| stated.region))?;
+    let radius = given.radius.or(stated.map(|stated| stated.radius));
+
+    // What a certificate says of another domain or radius is not true of this set.
+    let stated = stated.filter(|stated| stated.region == region && Some(stated.radius) == radius);
     let facts = json!({
-        "method": method,
-        "parameters": stated.as_ref().map_or(&BTreeMap::new(), |stated| &stated.parameters),
+        "method": stated.map_or("unknown", |stated| &stated.method),
+        "parameters": stated.map_or(&BTreeMap::new(), |stated| &stated.parameters),
         "domain": [region.width, region.height, region.boundary],
-        "radius": given.radius.or(stated.as_ref().map(|stated| stated.radius)),
-        "levels": stated.as_ref().filter(|_| given.radius.is_none()).map(levels_stated).unwrap_or_default(),
+        "radius": radius,
+        "levels": stated.map(levels_stated).unwrap_or_default(),
         "summary": null,
-        "certificate": stated.as_ref(),
+        "certificate": stated,
     });
-    let provenance = read.set.provenance.as_ref();
+    let set = found.in_domain(Some(region)).set;
+    let provenance = set.provenance.as_ref();
     MadeSet {
-        points,
+        points: set.points,
         provenance: provenance.map(|all| all.iter().map(|&one| one.into()).collect()),
         facts,
     }
     .into_python(py)
+}
+
+/// A set from a file.
+pub struct FoundSet {
+    pub set: PointSet,
+    /// The certificate, every statement of which is true.
+    pub certificate: Option<Certificate>,
+    format: Format,
+    /// The file's number type, if positions are still in the file's unit.
+    file_units: Option<Precision>,
+}
+
+impl FoundSet {
+    /// Returns the set with its positions in units of the domain. Those of the unit torus are in units of the width.
+    pub fn in_domain(mut self, region: Option<Region>) -> Self {
+        if let Some(precision) = self.file_units.take() {
+            let mapping = Mapping::new(self.format, region, precision);
+            for point in &mut self.set.points {
+                *point = mapping.domain_from_file(*point);
+            }
+        }
+        self
+    }
+}
+
+/// Reads a file. Without `certificate` nothing but its positions is read.
+pub fn of_file(
+    path: &Path,
+    overrides: &Overrides,
+    certificate: bool,
+    control: Control<'_>,
+) -> Result<FoundSet, Failure> {
+    let certified = if certificate {
+        certified(path, overrides, control)?
+    } else {
+        None
+    };
+    certified.map_or_else(|| bare(path, overrides, certificate), Ok)
+}
+
+/// Reads a file with a certificate and verifies both. Returns `None` if there is no certificate. Fails if a statement of it
+/// is not true.
+fn certified(
+    path: &Path,
+    overrides: &Overrides,
+    control: Control<'_>,
+) -> Result<Option<FoundSet>, Failure> {
+    let (set, check) = match tilescope_formats::check(path, overrides, control) {
+        Err(CheckError::NoRadius | CheckError::NoRegion(_)) => return Ok(None),
+        checked => checked?,
+    };
+    if let Some(differs) = check.differences.first() {
+        return Err(Failure::Value(format!(
+            "{}: its certificate is not true: {differs}; certificate=False reads the set as one of unknown origin",
+            path.display()
+        )));
+    }
+    Ok(Some(FoundSet {
+        set,
+        certificate: check.certificate,
+        format: check.detection.format,
+        file_units: None,
+    }))
+}
+
+/// Reads the positions of a file, in its own unit, and where each sample came from if `with_provenance`.
+fn bare(path: &Path, overrides: &Overrides, with_provenance: bool) -> Result<FoundSet, Failure> {
+    let bytes = read_whole(path)?;
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let hint = Hint {
+        name: &name,
+        format: overrides.format,
+        set: overrides.set,
+        ..Hint::default()
+    };
+    let mut read = decode(&bytes, &hint)?;
+    if !with_provenance {
+        read.set.provenance = None;
+    }
+    Ok(FoundSet {
+        set: read.set,
+        certificate: None,
+        format: read.detection.format,
+        file_units: Some(read.precision),
+    })
 }
 
 /// Returns what a certificate claims of levels.
@@ -112,14 +207,16 @@ pub fn save(
     if let Err(FormatError::UnknownFormat { .. }) = Format::to_write(&path, context.format) {
         let mut known = Format::ALL.map(Format::extension).to_vec();
         known.dedup();
-        return Err(PyValueError::new_err(format!(
+        return Err(Failure::Value(format!(
             "{}: the extension names no format (known: {}); give format",
             path.display(),
             known.join(", ")
-        )));
+        ))
+        .into());
     }
     let set = to_write(&set)?;
     let (report, warnings) = run(py, progress, |watch| {
+        ask_to_export(set.len())?;
         if !verify {
             return Ok((None, export_unverified(&path, &set, &context)?));
         }
@@ -131,6 +228,22 @@ pub fn save(
     Ok(json!({ "report": report, "warnings": warnings }).to_string())
 }
 
+/// Writes a file that has no certificate under a temporary name and renames it. Refuses the name of a set that has one,
+/// which would then lie beside the new file.
+#[pyfunction]
+pub fn write_file(py: Python<'_>, path: PathBuf, data: &[u8]) -> PyResult<()> {
+    let certificate = certificate_path(&path);
+    if certificate.exists() {
+        return Err(Failure::Value(format!(
+            "{} is a set with a certificate, {}; give another name",
+            path.display(),
+            certificate.display()
+        ))
+        .into());
+    }
+    run(py, None, |_| Ok(write_whole(&path, data)?))
+}
+
 /// Returns the certificate that a `.npy` file of a set would have, as JSON.
 #[pyfunction]
 pub fn certify(
@@ -140,6 +253,7 @@ pub fn certify(
 ) -> PyResult<String> {
     let (context, set) = (context(&set)?, to_write(&set)?);
     let certificate: Certificate = run(py, progress, |watch| {
+        ask_to_export(set.len())?;
         let exported = export_bytes("set.npy", &set, &context, &watch.control("verify"))?;
         Ok(exported.certificate)
     })?;
@@ -172,8 +286,16 @@ fn to_write(set: &SetArgument<'_>) -> PyResult<PointSet> {
         ),
         None => None,
     };
+    let points = set.points()?;
+    let mut copied = Vec::new();
+    (copied.try_reserve_exact(points.len())).map_err(|_| {
+        Failure::from(NoMemory {
+            bytes: size_of_val(points) as u64,
+        })
+    })?;
+    copied.extend_from_slice(points);
     Ok(PointSet {
-        points: set.points()?.to_vec(),
+        points: copied,
         provenance,
     })
 }

@@ -6,12 +6,15 @@ use pyo3::prelude::*;
 use serde_json::{Value, json};
 use tilescope_analysis::{Region, Report, verify_levels};
 use tilescope_formats::{
-    Certificate, CertifiedLevel, CheckError, Format, Hint, Overrides, StreamReader, check_stream,
-    is_valid,
+    Certificate, CertifiedLevel, CheckError, Format, Hint, Overrides, StreamReader,
+    WHOLE_FILE_BYTES, check_stream, is_valid,
 };
 
-use crate::arguments::{SetArgument, claims, format, named, verify_options};
+use crate::arguments::{
+    SetArgument, claims, format, named, real_if_given, set_of_several, verify_options,
+};
 use crate::failure::Failure;
+use crate::memory::{ask_to_judge, ask_to_read};
 use crate::task::run;
 
 /// Returns the verifier's report on a set, as JSON.
@@ -25,6 +28,7 @@ pub fn verify(
     let (points, region, radius) = (set.points()?, set.region()?, set.radius()?);
     let (options, claims) = (verify_options(judge)?, claims(&set.levels));
     let report = run(py, progress, |watch| {
+        ask_to_judge(points.len())?;
         let control = watch.control("verify");
         let whole = tilescope_analysis::verify(points, region, radius, &options, &control)?;
         let control = watch.control("levels");
@@ -47,12 +51,28 @@ pub fn of_report(report: &Report, levels: &[CertifiedLevel]) -> Value {
 }
 
 /// A domain and radius that stand in for, or override, those of a certificate.
-#[derive(FromPyObject)]
 pub struct GivenDomain {
     pub radius: Option<f64>,
     width: Option<f64>,
     height: Option<f64>,
     boundary: Option<String>,
+}
+
+impl<'py> FromPyObject<'_, 'py> for GivenDomain {
+    type Error = PyErr;
+
+    fn extract(given: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
+        let number = |name: &str| {
+            let value: Option<Bound<'_, PyAny>> = given.getattr(name)?.extract()?;
+            real_if_given(name, value.as_ref())
+        };
+        Ok(Self {
+            radius: number("radius")?,
+            width: number("width")?,
+            height: number("height")?,
+            boundary: given.getattr("boundary")?.extract()?,
+        })
+    }
 }
 
 impl GivenDomain {
@@ -81,20 +101,26 @@ pub fn check(
     path: PathBuf,
     given: GivenDomain,
     format_name: Option<&str>,
+    set: Option<&Bound<'_, PyAny>>,
     judge: Option<&str>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<String> {
-    let format = format(format_name)?;
+    let (format, set) = (format(format_name)?, set_of_several(set)?);
     let stated = || certificate(&path, format).map(|stated| stated.region);
     let region = given.has_region().then(|| given.region_over(stated()));
     let overrides = Overrides {
         format,
+        set,
         region: region.transpose()?,
         radius: given.radius,
         judges: verify_options(judge)?.judges,
         ..Overrides::default()
     };
     let check = run(py, progress, |watch| {
+        // Larger files are verified without being held in memory.
+        if std::fs::metadata(&path).is_ok_and(|found| found.len() <= WHOLE_FILE_BYTES) {
+            ask_to_read(&path)?;
+        }
         let control = watch.control("verify");
         let outcome = match check_stream(&path, &overrides, &control) {
             Err(CheckError::NoRegion(_)) => {

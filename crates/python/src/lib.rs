@@ -18,6 +18,7 @@ mod failure;
 mod files;
 mod judge;
 mod measure;
+mod memory;
 mod picture;
 mod plane;
 mod sample;
@@ -33,7 +34,7 @@ mod _tilescope {
     #[pymodule_export]
     use crate::cut::verify_window;
     #[pymodule_export]
-    use crate::files::{certify, digest, named_by_content, read, save};
+    use crate::files::{certify, digest, named_by_content, read, save, write_file};
     #[pymodule_export]
     use crate::judge::{check, verify};
     #[pymodule_export]

@@ -9,9 +9,10 @@ use tilescope_analysis::measures::{
 };
 use tilescope_analysis::{VerifyOptions, verify};
 
-use crate::arguments::SetArgument;
+use crate::arguments::{SetArgument, real_if_given};
 use crate::arrays::array;
 use crate::failure::Failure;
+use crate::memory::ask_to_measure;
 use crate::task::run;
 
 /// Returns the numbers of `tilescope analyze` as JSON, by its names. Of a set without a known radius, the smallest distance
@@ -24,6 +25,7 @@ pub fn analyze(
 ) -> PyResult<String> {
     let (points, region, known) = (set.points()?, set.region()?, set.known_radius());
     run(py, progress, |watch| {
+        ask_to_measure(points.len())?;
         // The smallest distance and the covering radius do not depend on the radius; the spacing keeps the search quick.
         let any = || (region.area() / points.len().max(1) as f64).sqrt();
         let (r, options) = (known.unwrap_or_else(any), VerifyOptions::default());
@@ -39,16 +41,17 @@ pub fn analyze(
 pub fn spectrum<'py>(
     py: Python<'py>,
     set: SetArgument<'_>,
-    nu: Option<f64>,
+    nu: Option<&Bound<'_, PyAny>>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let (points, region) = (set.points()?, set.region()?);
     let samples = points.len() as f64;
-    let window = match nu {
+    let window = match real_if_given("nu", nu)? {
         Some(nu) => Spectrum::window_to(nu, samples, region).map_err(Failure::from)?,
         None => Spectrum::window(samples, region),
     };
     let (spectrum, curve) = run(py, progress, |watch| {
+        ask_to_measure(points.len())?;
         let control = watch.control("spectrum");
         let periodogram = Periodogram::of(points, region, &window, &control)?;
         let spectrum = Spectrum::of(&periodogram)?;
@@ -87,6 +90,7 @@ pub fn pair_correlation<'py>(
     let (points, region) = (set.points()?, set.region()?);
     let bins = PairBins::of(set.known_radius(), points.len(), region);
     let places = run(py, progress, |watch| {
+        ask_to_measure(points.len())?;
         let (farthest, control) = (bins.farthest(points.len(), region), watch.control("pairs"));
         let found = PairCorrelation::of(points, region, farthest, bins.count(), &control)?;
         Ok(found.points())

@@ -1,22 +1,27 @@
 //! Pictures of a set, as PNG or SVG.
 
-use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use tilescope_analysis::Region;
 use tilescope_core::Boundary;
 use tilescope_figures::{
-    Palette, PictureOptions, Rect, SetPicture, set_scene, to_png, to_svg_with_fonts,
+    Palette, PictureOptions, Rect, SetPicture, set_scene_controlled, to_png_controlled,
+    to_svg_with_fonts_controlled,
 };
 
-use crate::arguments::SetArgument;
+use crate::arguments::{SetArgument, rectangle, whole};
+use crate::failure::Failure;
+use crate::memory::ask_to_draw;
 use crate::task::run;
 
 /// Widths of pictures in pixels that are accepted.
-const SIZES: std::ops::RangeInclusive<u32> = 16..=32_768;
+const SIZES: std::ops::RangeInclusive<u64> = 16..=32_768;
+
+/// About the height of margins and caption, in widths of the picture.
+const FRAME: f64 = 0.1;
 
 /// Returns the bytes of a picture of a set, or of the part of it in `window`.
 #[pyfunction]
-#[pyo3(signature = (set, *, caption, svg, size, window, disks, theme))]
+#[pyo3(signature = (set, *, caption, svg, size, window, disks, theme, progress))]
 #[expect(
     clippy::too_many_arguments,
     reason = "each is one of Python's, by its name"
@@ -26,12 +31,14 @@ pub fn draw(
     set: SetArgument<'_>,
     caption: String,
     svg: bool,
-    size: u32,
-    window: Option<[f64; 4]>,
+    size: &Bound<'_, PyAny>,
+    window: Option<&Bound<'_, PyAny>>,
     disks: bool,
     theme: &str,
+    progress: Option<Py<PyAny>>,
 ) -> PyResult<Vec<u8>> {
-    let refused = |text: String| Err(PyValueError::new_err(text));
+    let refused = |text: String| Err(Failure::Value(text).into());
+    let size = whole("size", size)?;
     if !SIZES.contains(&size) {
         let (least, most) = (SIZES.start(), SIZES.end());
         return refused(format!(
@@ -39,6 +46,9 @@ pub fn draw(
         ));
     }
     let (points, region) = (set.points()?, set.region()?);
+    let window = window
+        .map(|corners| rectangle("window", corners))
+        .transpose()?;
     if let Some([x0, y0, x1, y1]) = window {
         let inside = x1 > 0.0 && y1 > 0.0 && x0 < region.width && y0 < region.height;
         let finite = [x0, y0, x1, y1].iter().all(|v| v.is_finite());
@@ -68,17 +78,25 @@ pub fn draw(
         caption,
     };
     let options = PictureOptions {
-        width: f64::from(size),
+        width: size as f64,
         palette,
         window: window.map(|[x0, y0, x1, y1]| Rect::new([x0, y0], [x1, y1])),
         disks,
     };
-    run(py, None, |_| {
-        let scene = set_scene(&picture, &options);
+    run(py, progress, |watch| {
+        let shown = options
+            .window
+            .map_or(region.size(), |window| window.size().to_array());
+        let pixels = options.width * options.width * (shown[1] / shown[0] + FRAME);
+        ask_to_draw(picture.points.len(), if svg { 0.0 } else { pixels })?;
+        let mut control = watch.steps("lay out");
+        let scene = set_scene_controlled(&picture, &options, &mut control)?;
+
+        let mut control = watch.steps("draw");
         Ok(if svg {
-            to_svg_with_fonts(&scene)?.into_bytes()
+            to_svg_with_fonts_controlled(&scene, &mut control)?.into_bytes()
         } else {
-            to_png(&scene, 1.0)?
+            to_png_controlled(&scene, 1.0, &mut control)?
         })
     })
 }

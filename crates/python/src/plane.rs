@@ -7,13 +7,15 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use serde_json::{Value, json};
 use tilescope_analysis::{Region, VerifyOptions, verify_cut};
+use tilescope_core::memory::{Making, ask_for};
 use tilescope_core::{
     Domain, MAX_SEQUENTIAL_SAMPLES, MAXIMAL_DENSITY, NestedPlane, Plane, R, Window,
 };
 
-use crate::arguments::{RunRequest, region_of};
+use crate::arguments::{RunRequest, rectangle, region_of};
 use crate::arrays::array;
 use crate::failure::Failure;
+use crate::memory::ask_to_judge;
 use crate::task::run;
 
 /// What computes windows.
@@ -67,11 +69,16 @@ impl PythonPlane {
     fn window<'py>(
         &self,
         py: Python<'py>,
-        rectangle: [f64; 4],
+        rectangle: &Bound<'_, PyAny>,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<(Bound<'py, PyArray2<f64>>, Vec<usize>)> {
         let window = self.rectangle(rectangle)?;
         let (positions, ends) = run(py, progress, |watch| {
+            let making = match &self.windows {
+                Windows::Single(_) => Making::Sweep,
+                Windows::Nested(..) => Making::Levels,
+            };
+            ask_for(expected(&window), making.bytes_a_sample())?;
             let mut observer = watch.observer();
             Ok(match &self.windows {
                 Windows::Single(plane) => {
@@ -93,11 +100,12 @@ impl PythonPlane {
     fn verify(
         &self,
         py: Python<'_>,
-        rectangle: [f64; 4],
+        rectangle: &Bound<'_, PyAny>,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<(u64, u64)> {
         let window = self.rectangle(rectangle)?;
         run(py, progress, |watch| {
+            ask_to_judge(expected(&window) as usize)?;
             let mut found = (0, 0);
             for level in self.levels() {
                 let mut observer = watch.observer();
@@ -139,7 +147,8 @@ impl PythonPlane {
     }
 
     /// Returns a window of lattice points. Refuses one without a place of the domain, or with too many.
-    fn rectangle(&self, [left, bottom, right, top]: [f64; 4]) -> PyResult<Window> {
+    fn rectangle(&self, corners: &Bound<'_, PyAny>) -> PyResult<Window> {
+        let [left, bottom, right, top] = rectangle("the window", corners)?;
         let domain = self.domain();
         let window = domain.window([left, bottom], [right, top]);
         let window = window.map_err(Failure::from)?;
@@ -153,8 +162,7 @@ impl PythonPlane {
                 )));
             }
         }
-        let side = |axis: usize| (window.max[axis] - window.min[axis]) as f64 / f64::from(R);
-        let expected = side(0) * side(1) * MAXIMAL_DENSITY;
+        let expected = expected(&window);
         if expected > MAX_SEQUENTIAL_SAMPLES {
             return Err(PyValueError::new_err(format!(
                 "about {expected:.3e} samples lie in the window; it may have {MAX_SEQUENTIAL_SAMPLES:.0e}: choose a smaller one"
@@ -162,4 +170,10 @@ impl PythonPlane {
         }
         Ok(window)
     }
+}
+
+/// Returns about how many samples lie in a window.
+fn expected(window: &Window) -> f64 {
+    let side = |axis: usize| (window.max[axis] - window.min[axis]) as f64 / f64::from(R);
+    side(0) * side(1) * MAXIMAL_DENSITY
 }

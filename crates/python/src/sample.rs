@@ -7,6 +7,7 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use serde::Deserialize;
 use serde_json::{Map, Value, json};
+use tilescope_core::memory::{Making, ask_for};
 use tilescope_core::{
     Domain, MAXIMAL_DENSITY, NestedRequest, Parameters, Point, Run, SampleError, Sequential,
     Source, Summary, Sweep, Variant, reference_sample, search_radius,
@@ -87,31 +88,43 @@ pub fn sample<'py>(
     let (method, engine) = (named("method", method)?, named("engine", engine)?);
     // With a count the radius is an estimate, which is near enough.
     let limited = request.parameters.validate_sequential();
-    limited.map_err(Failure::from)?;
     if request.nested.is_some() && matches!(method, SetMethod::Reference) {
         return Err(PyValueError::new_err(
             "method is 'reference', which makes one set; levels need 'kdrt'",
         ));
     }
-    let made = run(py, progress, |watch| match (method, &request.nested) {
-        (SetMethod::Kdrt, Some(nested)) => levels(request, nested, watch),
-        (SetMethod::Kdrt, None) => kdrt(request, engine, watch),
-        (SetMethod::Reference, _) => reference(request, watch),
+    let samples = limited.map_err(Failure::from)?.area_radii() * MAXIMAL_DENSITY;
+    let making = match (method, &request.nested) {
+        (SetMethod::Kdrt, Some(_)) => Making::Levels,
+        (SetMethod::Kdrt, None) if is_sequential(request, engine) => Making::Sequential,
+        (SetMethod::Kdrt, None) => Making::Sweep,
+        (SetMethod::Reference, _) => Making::Reference,
+    };
+    let made = run(py, progress, |watch| {
+        ask_for(samples, making.bytes_a_sample())?;
+        match (method, &request.nested) {
+            (SetMethod::Kdrt, Some(nested)) => levels(request, nested, watch),
+            (SetMethod::Kdrt, None) => kdrt(request, engine, watch),
+            (SetMethod::Reference, _) => reference(request, watch),
+        }
     })?;
     made.into_python(py)
+}
+
+fn is_sequential(request: &RunRequest, engine: RunEngine) -> bool {
+    match engine {
+        RunEngine::Auto => request.parameters.variant == Variant::AsPrinted,
+        RunEngine::Parallel => false,
+        RunEngine::Sequential => true,
+    }
 }
 
 fn kdrt(request: &RunRequest, engine: RunEngine, watch: &TaskWatch) -> Result<MadeSet, Failure> {
     let (parameters, pattern) = request.resolved(watch)?;
     let domain = parameters.validate_sequential()?;
     let with_provenance = domain.area_radii() * MAXIMAL_DENSITY <= MAX_WITH_PROVENANCE;
-    let is_sequential = match engine {
-        RunEngine::Auto => parameters.variant == Variant::AsPrinted,
-        RunEngine::Parallel => false,
-        RunEngine::Sequential => true,
-    };
     let mut observer = watch.observer();
-    let (points, provenance, summary) = if is_sequential {
+    let (points, provenance, summary) = if is_sequential(request, engine) {
         let made = Sequential::new(&parameters, Arc::clone(&pattern))?.finish(&mut observer)?;
         let provenance = with_provenance.then(|| provenance_of_run(&made));
         (made.points(), provenance, made.summary())

@@ -12,13 +12,14 @@ use pyo3::prelude::*;
 use rayon::ThreadPool;
 use tilescope_core::Stage;
 
+use crate::arguments::whole;
 use crate::failure::Failure;
 
 /// Time between two looks for signals.
 const PERIOD: Duration = Duration::from_millis(50);
 
 /// The most threads that can be asked for, as on the command line.
-const MAX_THREADS: usize = 1024;
+const MAX_THREADS: u64 = 1024;
 
 /// The work that progress is about.
 #[derive(Clone, Copy, PartialEq)]
@@ -59,6 +60,14 @@ impl TaskWatch {
                 done = done.max(most);
             }
             *latest = Some((work, done, progress.total));
+            self.flow()
+        }
+    }
+
+    /// Returns a control function for one function of the figures, whose work has this name.
+    pub fn steps(&self, name: &'static str) -> impl FnMut(usize, usize) -> ControlFlow<()> + '_ {
+        move |done, total| {
+            *lock(&self.latest) = Some((Work::Named(name), done as u64, total as u64));
             self.flow()
         }
     }
@@ -160,13 +169,14 @@ fn keep(kept: &mut Option<ProcessThreads>, threads: usize) -> PyResult<Arc<Threa
 
 /// Sets how many threads compute, in this process.
 #[pyfunction]
-pub fn set_threads(threads: usize) -> PyResult<()> {
+pub fn set_threads(threads: &Bound<'_, PyAny>) -> PyResult<()> {
+    let threads = whole("threads", threads)?;
     if !(1..=MAX_THREADS).contains(&threads) {
         return Err(PyValueError::new_err(format!(
             "threads is {threads}; it must be between 1 and {MAX_THREADS}"
         )));
     }
-    keep(&mut lock(&THREADS), threads)?;
+    keep(&mut lock(&THREADS), threads as usize)?;
     Ok(())
 }
 

@@ -15,6 +15,7 @@ import sys
 import textwrap
 import time
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import psutil
@@ -24,6 +25,7 @@ import pytest
 
 import tilescope
 import tilescope.distributed
+from tilescope import _optional
 from tilescope.distributed import _engines, _tile
 from tilescope.distributed._grid import Grid
 
@@ -407,12 +409,37 @@ def test_other_folders_are_refused(written, tmp_path):
         (lambda manifest: manifest["tiles"].pop(), "its tiles are not those of its grid"),
         (lambda manifest: manifest["tiles"][0].update(digest=manifest["digest"]), "its digest is not that of"),
         (lambda manifest: manifest.pop("radius"), "cannot be used: 'radius'"),
+        (lambda manifest: manifest.update(grid=[3000, 3000]), r"12 are listed, and 3000 x 3000 are 9000000"),
+        (lambda manifest: manifest.update(grid=[10**30, 10**30]), "its tiles are not those of its grid"),
+        (lambda manifest: manifest.update(grid=[10**9, 10**9], complete=False, tiles=[]), f"it has 0 of {10**18} tiles"),
+        (lambda manifest: manifest.update(grid=[12]), "grid has 1 values; it must have 2"),
+        (lambda manifest: manifest.update(grid=[4.0, 3]), "grid has 4.0, where a whole number above 0 must be"),
+        (lambda manifest: manifest.update(grid=[-4, -3]), "grid has -4, where a whole number above 0 must be"),
+        (lambda manifest: manifest.update(complete="yes"), "complete has 'yes', where true or false must be"),
+        (lambda manifest: manifest.update(complete=1), "complete has 1, where true or false must be"),
+        (lambda manifest: manifest.update(complete=None), "complete has None, where true or false must be"),
+        (lambda manifest: manifest.update(count="all"), "count has 'all', where a whole number must be"),
+        (lambda manifest: manifest.update(radius="small"), "radius has 'small', where a finite number above 0 must be"),
+        (lambda manifest: manifest.update(radius=float("nan")), "radius has nan, where"),
+        (lambda manifest: manifest.update(domain=[1, 0.7, "open"]), "domain has 'open', where"),
+        (lambda manifest: manifest.update(parameters=[]), r"parameters has \[\], where an object must be"),
+        (lambda manifest: manifest.update(digest=7), "digest has 7, where text must be"),
+        (lambda manifest: manifest.update(tiles="x" * 100_000), r"tiles is 'x{39}\.\.\..*; it must be a list"),
+        (lambda manifest: manifest["tiles"].__setitem__(0, 7), "a tile has 7, where an object must be"),
+        (lambda manifest: manifest["tiles"][0].update(count=True), "a tile's count has True, where a whole number"),
+        (lambda manifest: manifest["tiles"][0].update(bbox=[1]), "a tile's bbox has 1 values; it must have 4"),
+        (lambda manifest: manifest["tiles"][0].update(file=None), "a tile's file has None, where text must be"),
+        (lambda manifest: manifest["tiles"][0].pop("digest"), "cannot be used: 'digest'"),
     ]:
         manifest = written.manifest
         change(manifest)
         path.write_text(json.dumps(manifest))
-        with pytest.raises(ValueError, match=text):
+        with pytest.raises(ValueError, match=text) as error:
             tilescope.distributed.open(tmp_path)
+        assert len(str(error.value)) < 1000
+        # To write there would be to go on with such a folder.
+        with pytest.raises((ValueError, FileExistsError)):
+            tilescope.distributed.write(tilescope.Plane(radius=0.01), tmp_path)
     path.write_text("{")
     with pytest.raises(ValueError, match="is not a manifest"):
         tilescope.distributed.open(tmp_path)
@@ -433,6 +460,16 @@ def test_wrong_arguments_are_refused(arguments, text, tmp_path):
         tilescope.distributed.write(tilescope.Plane(radius=0.01), tmp_path / "set", **arguments)
 
 
+@pytest.mark.parametrize("path", ["s3://bucket/set", Path("s3://bucket/set"), "gs://bucket/set", "file:///tmp/set"])
+def test_addresses_are_no_folders(path, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(ValueError, match="is a URL"):
+        tilescope.distributed.write(tilescope.Plane(radius=0.01), path)
+    with pytest.raises(ValueError, match="is a URL"):
+        tilescope.distributed.open(path)
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_nested_levels_are_refused(tmp_path):
     plane = tilescope.Plane(radius=0.01)
     plane._parameters = json.dumps(plane.parameters | {"levels": 3})
@@ -440,7 +477,7 @@ def test_nested_levels_are_refused(tmp_path):
         tilescope.distributed.write(plane, tmp_path / "set")
 
 
-@pytest.mark.parametrize("arguments", [{"rows": 1e6}, {"rows": "many"}, {"retries": None}, {"progress": 1}])
+@pytest.mark.parametrize("arguments", [{"rows": 1e6}, {"retries": 1.0}, {"rows": "many"}, {"retries": None}, {"progress": 1}])
 def test_arguments_of_other_types_are_refused(arguments, tmp_path):
     with pytest.raises(TypeError):
         tilescope.distributed.write(tilescope.Plane(radius=0.01), tmp_path / "set", **arguments)
@@ -458,7 +495,7 @@ def test_a_missing_package_is_named(engine, missing, extra, tmp_path, monkeypatc
             raise ImportError(name)
         return importlib.import_module(name)
 
-    monkeypatch.setattr(_engines, "import_module", found)
+    monkeypatch.setattr(_optional, "import_module", found)
     with pytest.raises(ImportError, match=rf"needs {missing}.*: pip install 'tilescope\[{extra}\]'"):
         tilescope.distributed.write(tilescope.Plane(radius=0.01), tmp_path / "set", engine=engine)
 
@@ -488,6 +525,28 @@ def test_a_file_that_cannot_be_written_is_tried_again(written, plane, tmp_path, 
     stored = tilescope.distributed.write(plane, tmp_path / "set", rows=ROWS, retries=2)
     assert stored.digest == written.digest
     assert len(refused) >= 2
+
+
+def test_files_in_the_making_do_not_follow_links(plane, tmp_path, monkeypatch):
+    # Names that can be foretold, to which somebody has put links to another's file.
+    monkeypatch.setattr(_tile.uuid, "uuid4", lambda: SimpleNamespace(hex="known"))
+    (tmp_path / "precious").write_text("mine")
+    folder = tmp_path / "set"
+    folder.mkdir()
+    for name in ("manifest.json.partial", "manifest.json.known.partial"):
+        (folder / name).symlink_to(tmp_path / "precious")
+    with pytest.raises(FileExistsError):
+        tilescope.distributed.write(plane, folder, rows=ROWS)
+    assert (tmp_path / "precious").read_text() == "mine"
+
+
+def test_files_are_written_through_to_the_device(plane, tmp_path, monkeypatch):
+    synced = []
+    fsync = os.fsync
+    monkeypatch.setattr(_tile.os, "fsync", lambda file: (synced.append(os.fstat(file).st_ino), fsync(file)))
+    stored = tilescope.distributed.write(plane, tmp_path / "set", rows=ROWS)
+    wanted = [*stored.files, tmp_path / "set/manifest.json", tmp_path / "set"]
+    assert {os.stat(path).st_ino for path in wanted} <= set(synced)
 
 
 def test_planes_are_pickled_by_what_they_are_made_from(small, tmp_path):

@@ -55,9 +55,9 @@ def test_examples_of_the_readme_run(tmp_path, monkeypatch):
 
 
 def texts(notebook):
-    """The texts that each cell of a notebook shows, without pictures."""
+    """The text that each cell of a notebook shows, without pictures. What it prints may come in several parts."""
     cells = [cell for cell in notebook.cells if cell.cell_type == "code"]
-    shown = [[one.text if "text" in one else one.data["text/plain"] for one in cell.outputs] for cell in cells]
+    shown = ["".join(one.text if "text" in one else one.data["text/plain"] for one in cell.outputs) for cell in cells]
     return list(zip([cell.source for cell in cells], shown, strict=True))
 
 
@@ -73,6 +73,19 @@ def test_the_notebook_runs_and_shows_what_is_stored():
     assert texts(made) == texts(stored)
     shown = {name for cell in made.cells for output in cell.get("outputs", []) for name in output.get("data", [])}
     assert "image/png" in shown
+
+
+def test_dir_has_the_public_names_only():
+    code = "import tilescope; print(*dir(tilescope))"
+    outcome = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    names = outcome.stdout.split()
+    assert {name for name in names if not name.startswith("_")} == set(tilescope.__all__)
+    assert "__version__" in names
+    for module in ("tilescope", "tilescope.qmc", "tilescope.distributed"):
+        found = importlib.import_module(module)
+        shown = {name for name in dir(found) if not name.startswith("_")} - {"qmc", "distributed"}
+        assert shown == set(found.__all__), module
+        assert all(hasattr(found, name) for name in dir(found)), module
 
 
 def public():
@@ -107,7 +120,15 @@ def test_types_are_right(tmp_path):
     package = Path(tilescope.__file__).parent
     assert (package / "py.typed").exists()
     good = tmp_path / "good.py"
-    good.write_text("import tilescope\nnumber: int = len(tilescope.sample(2000, boundary='bounded').points)\n")
+    good.write_text(
+        "import numpy as np, tilescope\n"
+        "number: int = len(tilescope.sample(2000, boundary='bounded').points)\n"
+        "made = tilescope.sample(np.int64(2000), seed=np.int64(4), pattern_seed=np.uint8(1))\n"
+        "made.save('set.npy', shuffle=np.int64(3))\n"
+        "tilescope.Plane(radius=0.01, seed=np.int64(4))\n"
+        "tilescope.set_threads(np.int64(1))\n"
+        "same: bool = made.spectrum() == made.spectrum()\n"
+    )
     bad = tmp_path / "bad.py"
     bad.write_text("import tilescope\ntilescope.sample(2000, boundary='torus')\n")
 

@@ -2,6 +2,7 @@
 
 import json
 import os
+import shutil
 import stat
 
 import numpy as np
@@ -68,6 +69,110 @@ def test_a_certificate_that_is_not_true_is_found(small, tmp_path):
     assert report.valid
     assert not report.passed
     assert report.differences[0].startswith("gaps")
+
+
+def restated(path, **fields):
+    """Has the certificate beside a file say something else."""
+    beside = path.with_name(f"{path.name}.certificate.json")
+    beside.write_text(json.dumps(json.loads(beside.read_text()) | fields))
+
+
+FALSE = [
+    {"gaps": 3}, {"conflicts": 1}, {"valid": False}, {"count": 7}, {"min_distance": 0.03}, {"covering_radius": 0.01},
+    {"radius": 0.03}, {"precision": "f32"}, {"positions_digest": "blake3:0"}, {"digest": "blake3:0"},
+    {"parameters": {"width": 2.0}},
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("fields", FALSE, ids=lambda fields: next(iter(fields)))
+def test_a_set_whose_certificate_is_not_true_is_not_read(fields, small, tmp_path):
+    path = tmp_path / "set.npy"
+    small.save(path)
+    assert tilescope.read(path).method == "kdrt"
+    restated(path, **fields)
+    for call in (
+        lambda: tilescope.read(path),
+        lambda: tilescope.read(path, 0.02),
+        lambda: tilescope.analyze(path),
+        lambda: tilescope.sample(radius=0.01, pattern=path),
+        lambda: tilescope.combine(LAYOUT, folder=tmp_path),
+    ):
+        with pytest.raises(ValueError, match=r"set\.npy: its certificate is not true: .*certificate=False") as error:
+            call()
+        assert next(iter(fields)) in str(error.value)
+
+
+LAYOUT = {"version": 1, "radius": 0.05, "columns": [0.6], "rows": [0.6], "pieces": [{"file": "set.npy"}]}
+
+
+def test_points_beside_the_certificate_of_others_do_not_become_theirs(small, tmp_path):
+    small.save(tmp_path / "a.npy")
+    tilescope.sample(radius=0.02, seed=8).save(tmp_path / "b.npy")
+    shutil.copy(tmp_path / "b.npy", tmp_path / "a.npy")
+    with pytest.raises(ValueError, match="its certificate is not true: digest"):
+        tilescope.read(tmp_path / "a.npy")
+
+    bare = tilescope.read(tmp_path / "a.npy", 0.02, certificate=False)
+    assert (bare.method, bare.parameters, bare.levels, bare.summary) == ("unknown", {}, (), None)
+    assert np.array_equal(bare.points, np.load(tmp_path / "b.npy"))
+    bare.save(tmp_path / "e.ply")
+    assert tilescope.verify(tmp_path / "e.ply").passed
+    stated = tilescope.read(tmp_path / "e.ply").certificate
+    assert (stated["method"], stated["parameters"]) == ("unknown", {})
+
+
+@pytest.mark.parametrize("extension", ["ply", "json"])
+def test_without_the_certificate_the_positions_alone_are_read(extension, small, tmp_path):
+    path = tmp_path / f"set.{extension}"
+    small.save(path)
+    assert tilescope.read(path).provenance is not None
+    bare = tilescope.read(path, certificate=False)
+    assert (bare.method, bare.radius, bare.provenance, bare.digest) == ("unknown", None, None, small.digest)
+    # What lies beside it may be no certificate at all.
+    (tmp_path / f"set.{extension}.certificate.json").write_text("{")
+    assert tilescope.read(path, certificate=False).digest == small.digest
+    with pytest.raises(ValueError, match="certificate.json is not readable"):
+        tilescope.read(path)
+    with pytest.raises(TypeError, match="certificate is 'no'; it must be True or False"):
+        tilescope.read(path, certificate="no")
+
+
+def test_what_a_certificate_says_of_another_domain_or_radius_is_left_out(small, tmp_path):
+    path = tmp_path / "set.npy"
+    small.save(path)
+    for given in ({"radius": 0.03}, {"width": 1.5}, {"boundary": "bounded"}):
+        other = tilescope.read(path, **given)
+        assert (other.method, other.parameters, other.levels) == ("unknown", {}, ())
+    assert tilescope.read(path, 0.02, width=1, boundary="periodic").method == "kdrt"
+
+
+def test_a_report_is_called_valid_only_if_all_of_it_is_true(small, holed, tmp_path):
+    path = tmp_path / "set.npy"
+    small.save(path)
+    assert repr(tilescope.verify(path)).startswith("<Report: valid, 17")
+    restated(path, gaps=3)
+    report = tilescope.verify(path)
+    assert report.valid
+    assert not report.passed
+    assert repr(report).startswith("<Report: CERTIFICATE NOT TRUE, 17")
+    np.save(path, holed.points)
+    report = tilescope.verify(path)
+    assert repr(report).startswith("<Report: NOT VALID, CERTIFICATE NOT TRUE, 17")
+    assert repr(holed.verify()).startswith("<Report: NOT VALID, 17")
+    for one in (report, holed.verify()):
+        assert "valid" not in repr(one)
+
+
+def test_reading_passes_progress_on_and_can_be_stopped(tmp_path):
+    class Enough(Exception):
+        pass
+
+    def stop(name, done, total):
+        raise Enough
+
+    tilescope.sample(300_000).save(tmp_path / "set.npy")
+    with pytest.raises(Enough):
+        tilescope.read(tmp_path / "set.npy", progress=stop)
 
 
 def test_an_invalid_set_is_saved_with_a_warning(holed, tmp_path):

@@ -6,6 +6,7 @@ import pickle
 import re
 import subprocess
 import sys
+import threading
 from types import SimpleNamespace
 
 import numpy as np
@@ -154,9 +155,99 @@ def test_wrong_arguments_are_refused(arguments, text):
         qmc.PoissonDisk(**arguments)
 
 
-def test_wrong_counts_are_refused():
-    with pytest.raises(ValueError, match="n is -1; it must be at least 0"):
-        qmc.PoissonDisk(2).random(-1)
+@pytest.mark.parametrize("method", ["random", "fast_forward"])
+def test_wrong_counts_are_refused(method):
+    engine = qmc.PoissonDisk(2, radius=0.05, rng=1)
+    first = engine.random(10)
+    for count in (-1, -(10**400)):
+        with pytest.raises(ValueError, match="n is -1.*; it must be at least 0"):
+            getattr(engine, method)(count)
+    for count in (2.5, 2.0, np.inf, "2", None, 1j):
+        with pytest.raises(TypeError, match="n is .*; it must be a whole number"):
+            getattr(engine, method)(count)
+    # The sequence is where it was.
+    assert engine.num_generated == 10
+    rest = engine.fill_space()
+    assert np.array_equal(np.concatenate([first, rest]), qmc.PoissonDisk(2, radius=0.05, rng=1).fill_space())
+    # More than there are is no fault.
+    assert len(getattr(engine.reset(), method)(10**400) if method == "random" else rest) > 0
+
+
+def test_numbers_of_numpy_are_counts():
+    engine = qmc.PoissonDisk(2, radius=0.05, rng=1)
+    assert len(engine.random(np.int64(3))) == 3
+    assert engine.fast_forward(np.uint8(2)).num_generated == 5
+
+
+def test_threads_share_a_sequence():
+    whole = qmc.PoissonDisk(2, radius=0.01, rng=1).fill_space()
+    shared = qmc.PoissonDisk(2, radius=0.01, rng=1)
+    start, taken = threading.Barrier(8), []
+
+    def take():
+        start.wait()
+        for _ in range(50):
+            taken.append(shared.random(7))
+            shared.fast_forward(1)
+
+    threads = [threading.Thread(target=take) for _ in range(8)]
+    switch = sys.getswitchinterval()
+    sys.setswitchinterval(1e-6)
+    try:
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+    finally:
+        sys.setswitchinterval(switch)
+    assert shared.num_generated == 8 * 50 * 8
+    # Each thread has pieces of the sequence, and no sample is given twice.
+    at = {tuple(sample): index for index, sample in enumerate(whole.tolist())}
+    found = [[at[tuple(sample)] for sample in piece.tolist()] for piece in taken]
+    assert all(piece == list(range(piece[0], piece[0] + 7)) for piece in found)
+    assert len({index for piece in found for index in piece}) == 8 * 50 * 7
+
+
+@pytest.mark.parametrize(
+    ("corner", "side", "radius"),
+    [(1e12, 100, 10), (-1e12, 100, 10), (5e5, 1e-3, 1e-6), (0, 1e12, 1e-6)],
+)
+def test_bounds_where_rounding_would_leave_places_uncovered_are_refused(corner, side, radius):
+    bounds = {"l_bounds": [corner, 0], "u_bounds": [corner + side, 1]}
+    with pytest.raises(ValueError, match=r"floating-point numbers are .* apart, more than 1e-05 of the radius") as error:
+        qmc.PoissonDisk(2, radius=radius, **bounds)
+    least, low, high = re.search(r"at least (\S+), or bounds within (\S+) and (\S+)$", str(error.value)).groups()
+    # What the error advises does, and less does not.
+    qmc.PoissonDisk(2, radius=float(least), **bounds)
+    with pytest.raises(ValueError, match="apart"):
+        qmc.PoissonDisk(2, radius=0.4 * float(least), **bounds)
+    qmc.PoissonDisk(2, radius=radius, l_bounds=[float(low), 0], u_bounds=[float(high), 1])
+    with pytest.raises(ValueError, match="apart"):
+        qmc.PoissonDisk(2, radius=radius, u_bounds=[2.1 * float(high)] * 2)
+
+
+def test_as_far_as_the_engine_goes_the_box_is_covered():
+    # The largest spacing that is not refused: 2**-17 of the radius, a little less than 1e-5.
+    corner, radius = np.array([2.0**40, -(2.0**40)]), 2.0**5
+    assert np.spacing(corner[0]) * 2**17 == radius
+    upper = corner + [1000, 900]
+    engine = qmc.PoissonDisk(2, radius=radius, rng=1, l_bounds=corner, u_bounds=upper)
+    samples = engine.fill_space()
+    assert closest(samples) >= radius
+    report = tilescope.verify(samples - corner, radius, width=1000, height=900, boundary="bounded")
+    assert report.conflicts == 0
+    assert report.covering_radius <= radius * (1 + 2.0**-15) + 8 * np.spacing(corner[0])
+
+
+@pytest.mark.parametrize(
+    ("bounds", "error"), [(np.ma.masked_array([0, 0], [1, 0]), ValueError), ([0, 1j], TypeError), (["0", "0"], TypeError)]
+)
+def test_bounds_are_real_numbers(bounds, error):
+    with pytest.raises(error, match="l_bounds has"):
+        qmc.PoissonDisk(2, l_bounds=bounds)
+
+
+def test_samples_are_limited():
     with pytest.raises(ValueError, match="at most 2e8"):
         qmc.PoissonDisk(2, radius=2e-5).random(1)
 

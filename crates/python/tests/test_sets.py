@@ -1,6 +1,7 @@
 """Sets: their arrays, verdicts, measures, pictures."""
 
 import copy
+import dataclasses
 import json
 import math
 import pickle
@@ -126,6 +127,19 @@ def test_the_spectrum_tells_blue_noise_from_white(small):
         small.spectrum(0)
 
 
+def test_spectra_are_compared_by_their_numbers(small):
+    one, same = small.spectrum(), copy.deepcopy(small.spectrum())
+    assert one == same
+    partly = np.where(np.arange(len(one.anisotropy)) < 3, np.nan, one.anisotropy)
+    assert one != dataclasses.replace(one, anisotropy=partly)
+    assert dataclasses.replace(one, anisotropy=partly) == dataclasses.replace(one, anisotropy=partly.copy())
+    assert one != tilescope.sample(radius=0.02, seed=8).spectrum()
+    assert one != tilescope.sample(radius=0.02, boundary="bounded").spectrum()
+    assert one != "a spectrum"
+    for field in dataclasses.fields(one):
+        assert one != dataclasses.replace(one, **{field.name: None}), field.name
+
+
 def test_no_pair_is_closer_than_the_radius_in_the_pair_correlation(small):
     distances, g = small.pair_correlation()
     r_max = math.sqrt(2 / (math.sqrt(3) * len(small)))
@@ -164,6 +178,38 @@ def test_pictures_are_saved(small, tmp_path):
         with pytest.raises(ValueError, match=text):
             small.draw(**({"path": tmp_path / "c.png"} | arguments))
     assert not (tmp_path / "c.png").exists()
+
+
+def test_a_picture_does_not_replace_a_set_with_a_certificate(small, tmp_path):
+    small.save(tmp_path / "set.svg")
+    before = (tmp_path / "set.svg").read_bytes()
+    with pytest.raises(ValueError, match="set.svg is a set with a certificate, .*set.svg.certificate.json; give"):
+        small.draw(tmp_path / "set.svg")
+    assert (tmp_path / "set.svg").read_bytes() == before
+    small.draw(tmp_path / "picture.svg")
+    small.draw(tmp_path / "picture.svg", size=300)
+    with pytest.raises(FileNotFoundError):
+        small.draw(tmp_path / "no such folder" / "picture.png")
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["picture.svg", "set.svg", "set.svg.certificate.json"]
+
+
+def test_a_picture_says_how_far_it_is_and_can_be_stopped(tmp_path):
+    class Enough(Exception):
+        pass
+
+    large = tilescope.sample(200_000)
+    told = []
+    large.draw(tmp_path / "a.png", size=3000, progress=lambda *progress: told.append(progress))
+    drawing = {done for name, done, total in told if name == "draw" and 0 < done < total}
+    assert drawing, told
+
+    def stop(name, done, total):
+        if name == "draw":
+            raise Enough
+
+    with pytest.raises(Enough):
+        large.draw(tmp_path / "b.png", size=3000, progress=stop)
+    assert [path.name for path in tmp_path.iterdir()] == ["a.png"]
 
 
 @pytest.mark.parametrize("boundary", ["periodic", "bounded"])

@@ -24,13 +24,14 @@ import os
 import warnings
 from collections.abc import Mapping
 from importlib.metadata import version
-from typing import Any, Literal
+from typing import Any, Literal, SupportsIndex
 
 import numpy as np
 import numpy.typing as npt
 
-from tilescope import _tilescope
-from tilescope._point_set import Boundary, Format, Judge, Path, PointSet
+from tilescope import _parquet, _tilescope
+from tilescope._input import Path, local_path, shown
+from tilescope._point_set import Boundary, Format, Judge, PointSet
 from tilescope._progress import Progress, following
 from tilescope._report import Conflict, Domain, Gap, Level, LevelReport, Report, report_of
 from tilescope._spectrum import Spectrum
@@ -54,31 +55,37 @@ __all__ = [
 ]
 __version__ = version("tilescope")
 
+
+def __dir__() -> list[str]:
+    """Returns the public names, with those modules of the package that are imported."""
+    return sorted({*__all__, "__doc__", "__name__", "__version__"} | {"distributed", "qmc"} & globals().keys())
+
+
 _Order = Literal["index", "random", "own-block-first", "phase-group"]
 _Insertion = Literal["circumcentre", "uniform"]
 _Variant = Literal["staged", "as-printed"]
 
 
 def sample(
-    count: int | None = None,
+    count: SupportsIndex | None = None,
     *,
     radius: float | None = None,
     width: float = 1.0,
     height: float = 1.0,
     boundary: Boundary = "periodic",
-    seed: int = 1,
+    seed: SupportsIndex = 1,
     leaf: float = 30.0,
     pattern_side: float = 100.0,
     pattern_boundary: Boundary = "periodic",
-    pattern_seed: int = 0,
+    pattern_seed: SupportsIndex = 0,
     pattern: PointSet | Path | None = None,
     dihedral: bool = False,
     order: _Order = "own-block-first",
     insertion: _Insertion = "circumcentre",
     search: Literal[4, 2] = 4,
     variant: _Variant = "staged",
-    levels: int | None = None,
-    exactly: int | None = None,
+    levels: SupportsIndex | None = None,
+    exactly: SupportsIndex | None = None,
     order_within: Literal["random", "farthest"] = "random",
     method: Literal["kdrt", "reference"] = "kdrt",
     engine: Literal["auto", "parallel", "sequential"] = "auto",
@@ -185,7 +192,7 @@ def sample(
 def _request(*, pattern: PointSet | Path | None, **arguments: Any) -> _tilescope.RunRequest:
     source = None
     if pattern is not None and not isinstance(pattern, PointSet):
-        source = _tilescope.named_by_content(os.fspath(pattern))
+        source = _tilescope.named_by_content(local_path(pattern))
         pattern = read(pattern)
     return _tilescope.RunRequest(pattern=pattern, pattern_source=source, **arguments)
 
@@ -215,23 +222,23 @@ class Plane:
 
     def __init__(
         self,
-        count: int | None = None,
+        count: SupportsIndex | None = None,
         *,
         radius: float | None = None,
         width: float = 1.0,
         height: float = 1.0,
         boundary: Boundary = "periodic",
-        seed: int = 1,
+        seed: SupportsIndex = 1,
         leaf: float = 30.0,
         pattern_side: float = 100.0,
         pattern_boundary: Boundary = "periodic",
-        pattern_seed: int = 0,
+        pattern_seed: SupportsIndex = 0,
         pattern: PointSet | Path | None = None,
         dihedral: bool = False,
         order: _Order = "own-block-first",
         insertion: _Insertion = "circumcentre",
         search: Literal[4, 2] = 4,
-        levels: int | None = None,
+        levels: SupportsIndex | None = None,
         progress: Progress = False,
     ) -> None:
         # All arguments, before there are other variables.
@@ -341,8 +348,9 @@ def verify(
     height: float | None = None,
     boundary: Boundary | None = None,
     format: Format | None = None,
+    set: SupportsIndex | None = None,
     judge: Judge | None = None,
-    prefix: int | None = None,
+    prefix: SupportsIndex | None = None,
     progress: Progress = False,
 ) -> Report:
     """Judges whether a set is conflict-free and maximal, whoever made it.
@@ -359,6 +367,8 @@ def verify(
         square.
     format : str, optional
         Format of a file, if neither its extension nor its content says it.
+    set : int, optional
+        Which set of a file that holds several, from 0.
     prefix : int, optional
         Judge only so many samples, the first, of a set with nested levels.
     judge, progress
@@ -385,20 +395,33 @@ def verify(
     >>> report.conflicts, report.maximal
     (1, False)
     """
+    if not isinstance(points, (str, os.PathLike)):
+        _check_no_file(format, set)
     if prefix is not None:
         if radius is not None:
-            raise ValueError(f"both prefix and radius are given; the levels say the radius of the first {prefix} samples")
+            raise ValueError(
+                f"both prefix and radius are given; the levels say the radius of the first {shown(prefix)} samples"
+            )
         if isinstance(points, (str, os.PathLike)):
-            points = read(points, width=width, height=height, boundary=boundary, format=format)
+            points = read(points, width=width, height=height, boundary=boundary, format=format, set=set)
         else:
             points = _set_of(points, None, width, height, boundary)
         return points.prefix(prefix).verify(judge=judge, progress=progress)
+    if isinstance(points, (str, os.PathLike)) and _parquet.is_to_read(local_path(points), format):
+        points = read(points, radius, width=width, height=height, boundary=boundary, format=format, set=set)
     if isinstance(points, (str, os.PathLike)):
         given = _Given(radius, width, height, boundary)
         with following(progress) as told:
-            found = json.loads(_tilescope.check(os.fspath(points), given, format, judge, told))
+            found = json.loads(_tilescope.check(local_path(points), given, format, set, judge, told))
         return report_of(found["report"], found["differences"])
     return _set_of(points, radius, width, height, boundary).verify(judge=judge, progress=progress)
+
+
+def _check_no_file(format: object, set: object) -> None:
+    """Raises ``ValueError`` for arguments that are about a file, where an array or a set is given."""
+    for name, value in (("format", format), ("set", set)):
+        if value is not None:
+            raise ValueError(f"{name} is {shown(value)}, but points is an array or a set, which is no file")
 
 
 class _Given:
@@ -441,6 +464,8 @@ def analyze(
     width: float | None = None,
     height: float | None = None,
     boundary: Boundary | None = None,
+    format: Format | None = None,
+    set: SupportsIndex | None = None,
     progress: Progress = False,
 ) -> dict[str, float | None]:
     """Measures a set: distances, blue noise, order, discrepancy.
@@ -463,8 +488,9 @@ def analyze(
     (0.0, 0.0)
     """
     if isinstance(points, (str, os.PathLike)):
-        points = read(points, radius, width=width, height=height, boundary=boundary)
+        points = read(points, radius, width=width, height=height, boundary=boundary, format=format, set=set)
     else:
+        _check_no_file(format, set)
         points = _set_of(points, radius, width, height, boundary)
     with following(progress) as told:
         measures: dict[str, float | None] = json.loads(_tilescope.analyze(points, told))
@@ -479,8 +505,14 @@ def read(
     height: float | None = None,
     boundary: Boundary | None = None,
     format: Format | None = None,
+    set: SupportsIndex | None = None,
+    certificate: bool = True,
+    progress: Progress = False,
 ) -> PointSet:
-    """Reads a set from a file of any format that Tilescope writes.
+    """Reads a set from a file of any format that Tilescope writes, and with pyarrow from GeoParquet.
+
+    If the file has a certificate, its set is judged and every statement of the certificate compared, as
+    :func:`verify` does. What the certificate says of a domain or a radius other than those given is left out.
 
     Parameters
     ----------
@@ -491,21 +523,37 @@ def read(
         is the periodic unit square and the radius is not known.
     format : str, optional
         The format, if neither the extension nor the content says it.
+    set : int, optional
+        Which set of a file that holds several, from 0. Files of UTK may.
+    certificate : bool
+        Whether to look at a certificate. Without it the positions alone are read: the method of the set is
+        ``'unknown'``, and what is saved of it says so.
+    progress
+        As in :func:`sample`.
 
     Returns
     -------
     PointSet
-        The set, as it stands in the file. :func:`verify` judges it.
+        The set, as it stands in the file. It need not be valid, if its certificate says so.
 
     Raises
     ------
     OSError
         If the file cannot be read.
     ValueError
-        If it is not a point set; the text says where.
+        If it is not a point set, or its certificate is not true; the text says where.
     """
+    if not isinstance(certificate, bool):
+        raise TypeError(f"certificate is {shown(certificate)}; it must be True or False")
+    name = local_path(path)
+    if _parquet.is_to_read(name, format):
+        if set is not None:
+            raise ValueError(f"set is {shown(set)}, but {name} is GeoParquet, which holds one set")
+        sides = (1.0 if width is None else width, 1.0 if height is None else height)
+        return _set_of(_parquet.read(name, sides), radius, width, height, boundary)
     given = _Given(radius, width, height, boundary)
-    return PointSet._made(*_tilescope.read(os.fspath(path), given, format, None))
+    with following(progress) as told:
+        return PointSet._made(*_tilescope.read(name, given, format, set, certificate, told))
 
 
 def combine(layout: Path | Mapping[str, Any], *, folder: Path = "", progress: Progress = False) -> PointSet:
@@ -555,13 +603,14 @@ def combine(layout: Path | Mapping[str, Any], *, folder: Path = "", progress: Pr
                 piece["file"] = name
         text = json.dumps(described)
     else:
-        with open(layout, encoding="utf-8") as file:
+        name = local_path(layout)
+        with open(name, encoding="utf-8") as file:
             text = file.read()
-        folder = os.path.dirname(os.fspath(layout))
+        folder = os.path.dirname(name)
     with following(progress) as told:
-        return PointSet._made(*_tilescope.combine(text, os.fspath(folder), sets, told))
+        return PointSet._made(*_tilescope.combine(text, local_path(folder), sets, told))
 
 
-def set_threads(threads: int) -> None:
+def set_threads(threads: SupportsIndex) -> None:
     """Sets how many threads compute, from 1 to 1024. If it is never called, there are as many as there are cores."""
     _tilescope.set_threads(threads)

@@ -3,23 +3,25 @@
 from __future__ import annotations
 
 import json
+import operator
 import os
 import warnings
-from typing import Any, Literal, TypeAlias, Union
+from typing import Any, Literal, SupportsIndex, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
-from tilescope import _tilescope
+from tilescope import _parquet, _tilescope
+from tilescope._input import Path, local_path, numbers, shown
 from tilescope._progress import Progress, following
 from tilescope._report import Domain, Level, Report, report_of, report_of_json
 from tilescope._spectrum import Spectrum, axes
 
-Path: TypeAlias = Union[str, "os.PathLike[str]"]
 Boundary: TypeAlias = Literal["periodic", "bounded"]
 Judge: TypeAlias = Literal["delaunay", "circles", "both"]
 Format: TypeAlias = Literal[
-    "csv", "psa-text", "psa-rps", "utk-text", "utk-binary", "npy", "ply-ascii", "ply-binary", "xyz", "json", "svg"
+    "csv", "psa-text", "psa-rps", "utk-text", "utk-binary", "npy", "ply-ascii", "ply-binary", "xyz", "json", "svg",
+    "geoparquet",
 ]
 Window: TypeAlias = tuple[float, float, float, float]
 
@@ -48,7 +50,9 @@ class PointSet:
     Raises
     ------
     ValueError
-        If the array has another shape, or no set can have the domain.
+        If the array has another shape or masked values, or no set can have the domain.
+    TypeError
+        If the array has complex numbers, texts or dates.
 
     Examples
     --------
@@ -71,7 +75,7 @@ class PointSet:
         height: float = 1.0,
         boundary: Boundary = "periodic",
     ) -> None:
-        copy = np.array(points, dtype=np.float64, order="C")
+        copy = numbers("points", points)
         if copy.ndim != 2 or copy.shape[1] != 2:
             raise ValueError(f"points has the shape {copy.shape}; it must be (N, 2)")
         copy.flags.writeable = False
@@ -156,7 +160,7 @@ class PointSet:
         counts = np.diff([0, *(level.count for level in self._levels)])
         return np.repeat(np.arange(len(counts), dtype=np.uint32), counts)
 
-    def prefix(self, count: int) -> PointSet:
+    def prefix(self, count: SupportsIndex) -> PointSet:
         """Returns the first samples of a set with nested levels, as a set with the levels that they hold.
 
         Its radius is the largest that is promised for their distances. What is promised, and verified, of
@@ -181,8 +185,9 @@ class PointSet:
         if not self._levels:
             raise ValueError("the set has no levels, which say what holds for its first samples")
         most = min(len(self), self._levels[-1].count)
+        count = operator.index(count)
         if not 1 <= count <= most:
-            raise ValueError(f"count is {count}; it must be between 1 and {most}, the number of samples")
+            raise ValueError(f"count is {shown(count)}; it must be between 1 and {most}, the number of samples")
         last = Level(*_tilescope.prefix(self._levels, count))
         first = PointSet(
             self._points[:count], last.distance, width=self._domain.width, height=self._domain.height,
@@ -254,7 +259,7 @@ class PointSet:
         *,
         format: Format | None = None,
         precision: Literal["f32", "f64"] = "f64",
-        shuffle: int | None = None,
+        shuffle: SupportsIndex | None = None,
         verify: bool = True,
         judge: Judge | None = None,
         progress: Progress = False,
@@ -269,7 +274,8 @@ class PointSet:
         ----------
         path : path-like
             The file. Its extension gives the format: ``.npy``, ``.csv``, ``.ply``, ``.json``,
-            ``.txt`` and ``.rps`` of psa, ``.dat`` and ``.bin`` of UTK, ``.xyz``, ``.svg``.
+            ``.txt`` and ``.rps`` of psa, ``.dat`` and ``.bin`` of UTK, ``.xyz``, ``.svg``; with pyarrow ``.parquet``,
+            which is GeoParquet with positions in f64 and has no certificate.
         format : str, optional
             The format, if the extension does not give it.
         precision : {'f64', 'f32'}
@@ -302,10 +308,15 @@ class PointSet:
         >>> tilescope.verify(folder / "set.npy").passed
         True
         """
+        name = local_path(path)
+        if _parquet.is_to_write(name, format):
+            if precision != "f64" or shuffle is not None:
+                raise ValueError("GeoParquet is written with precision 'f64' and without shuffle")
+            return self._save_parquet(name, verify, judge, progress)
         with following(progress) as told:
             outcome = json.loads(
                 _tilescope.save(
-                    self, os.fspath(path), format_name=format, precision=precision, shuffle=shuffle, verify=verify,
+                    self, name, format_name=format, precision=precision, shuffle=shuffle, verify=verify,
                     judge=judge, progress=told,
                 )
             )  # fmt: skip
@@ -314,6 +325,15 @@ class PointSet:
             if not warning.startswith("note: "):
                 warnings.warn(warning, stacklevel=2)
         return None if outcome["report"] is None else report_of(outcome["report"])
+
+    def _save_parquet(self, path: str, verify: bool, judge: Judge | None, progress: Progress) -> Report | None:
+        report = self.verify(judge=judge, progress=progress) if verify else None
+        _tilescope.write_file(path, _parquet.encoded(self._points))
+        if report is not None and report.conflicts:
+            warnings.warn(f"the written set has {report.conflicts} pairs in conflict", stacklevel=3)
+        if report is not None and report.gaps:
+            warnings.warn(f"the written set is not maximal: {report.gaps} places are uncovered", stacklevel=3)
+        return report
 
     def spectrum(self, nu: float | None = None, *, progress: Progress = False) -> Spectrum:
         """Returns the spectrum: power over frequency.
@@ -391,14 +411,16 @@ class PointSet:
         self,
         path: Path,
         *,
-        size: int = 1600,
+        size: SupportsIndex = 1600,
         window: Window | None = None,
         disks: bool = True,
         theme: Literal["light", "dark"] = "light",
+        progress: Progress = False,
     ) -> None:
         """Saves a picture, as ``tilescope draw`` does. It needs no matplotlib.
 
-        Of a set of millions of samples give a window: the whole takes long, and Ctrl-C waits for it.
+        Of a set of millions of samples give a window: the whole takes long. A file of that name stays as it is
+        if anything fails.
 
         Parameters
         ----------
@@ -412,20 +434,42 @@ class PointSet:
             Whether to draw the disks, where they are large enough to see.
         theme : {'light', 'dark'}
             Its colours.
+        progress
+            As in :meth:`verify`.
+
+        Raises
+        ------
+        ValueError
+            If an argument is wrong, or the file is a set with a certificate.
+        OSError
+            If the file cannot be written.
         """
-        extension = os.path.splitext(path)[1].lower()
+        name = local_path(path)
+        extension = os.path.splitext(name)[1].lower()
         if extension not in (".png", ".svg"):
-            raise ValueError(f"the picture is called {os.fspath(path)!r}; its extension must be .png or .svg")
-        picture = self._picture(svg=extension == ".svg", size=size, window=window, disks=disks, theme=theme)
-        with open(path, "wb") as file:
-            file.write(picture)
+            raise ValueError(f"the picture is called {shown(name)}; its extension must be .png or .svg")
+        picture = self._picture(
+            svg=extension == ".svg", size=size, window=window, disks=disks, theme=theme, progress=progress
+        )
+        _tilescope.write_file(name, picture)
 
     def _picture(
-        self, *, svg: bool, size: int, window: Window | None, disks: bool, theme: str, part: str = ""
+        self,
+        *,
+        svg: bool,
+        size: SupportsIndex,
+        window: Window | None,
+        disks: bool,
+        theme: str,
+        part: str = "",
+        progress: Progress = False,
     ) -> bytes:
         radius = "" if self.radius is None else f", r = {self.radius:.6g}"
         caption = f"{len(self)} samples{radius}{part}"
-        return _tilescope.draw(self, caption=caption, svg=svg, size=size, window=window, disks=disks, theme=theme)
+        with following(progress) as told:
+            return _tilescope.draw(
+                self, caption=caption, svg=svg, size=size, window=window, disks=disks, theme=theme, progress=told
+            )
 
     def _repr_png_(self) -> bytes | None:
         """Returns the picture that notebooks show."""

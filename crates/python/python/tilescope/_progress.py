@@ -7,6 +7,8 @@ from contextlib import contextmanager
 from importlib import import_module
 from typing import Any, TypeAlias, Union
 
+from tilescope._input import shown
+
 ProgressFunction: TypeAlias = Callable[[str, int, int], object]
 """Called with the name of the work, what is done, and all there is to do."""
 
@@ -20,7 +22,7 @@ def following(progress: Progress) -> Iterator[ProgressFunction | None]:
     if callable(progress):
         yield progress
     elif not isinstance(progress, bool):
-        raise TypeError(f"progress is {progress!r}; it must be True, False or a function")
+        raise TypeError(f"progress is {shown(progress)}; it must be True, False or a function")
     elif progress:
         bar = _Bar()
         try:

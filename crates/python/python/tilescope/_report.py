@@ -122,7 +122,12 @@ class Report:
         return self.valid and not self.differences
 
     def __repr__(self) -> str:
-        verdict = "valid" if self.valid else "NOT VALID"
+        if self.passed:
+            verdict = "valid"
+        elif self.valid:
+            verdict = "CERTIFICATE NOT TRUE"
+        else:
+            verdict = "NOT VALID, CERTIFICATE NOT TRUE" if self.differences else "NOT VALID"
         r = self.radius
         return (
             f"<Report: {verdict}, {self.count} samples, {self.conflicts} conflicts, {self.gaps} gaps, "

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class Spectrum:
     """The power of a set at each frequency, as the field's diagrams show it.
 
@@ -58,8 +58,20 @@ class Spectrum:
         ax.set(xlabel=r"frequency $\nu = |k| / \sqrt{N}$", ylabel=r"power $P(\nu)$", xlim=(0, None), ylim=(0, None))
         return ax
 
+    def __eq__(self, other: object) -> bool:
+        """Returns whether another spectrum has the same numbers. NaN counts as equal to NaN."""
+        if not isinstance(other, Spectrum):
+            return NotImplemented
+        return all(_same(getattr(self, field.name), getattr(other, field.name)) for field in fields(self))
+
     def __repr__(self) -> str:
         return f"<Spectrum: {len(self.frequencies)} rings up to nu = {self.frequencies[-1]:.3f}>"
+
+
+def _same(one: Any, other: Any) -> bool:
+    if isinstance(one, np.ndarray) or isinstance(other, np.ndarray):
+        return type(one) is type(other) and np.array_equal(one, other, equal_nan=True)
+    return bool(one == other)
 
 
 def axes(ax: Any) -> Any:

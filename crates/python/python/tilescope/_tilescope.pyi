@@ -1,6 +1,6 @@
 """The native module: typed functions over arrays. What they do stands in the package."""
 
-from typing import Any, Protocol
+from typing import Any, Protocol, SupportsIndex
 
 import numpy as np
 import numpy.typing as npt
@@ -22,25 +22,25 @@ class RunRequest:
     def __new__(
         cls,
         *,
-        count: int | None,
+        count: SupportsIndex | None,
         radius: float | None,
         width: float,
         height: float,
         boundary: str,
-        seed: int,
+        seed: SupportsIndex,
         leaf: float,
         pattern_side: float,
         pattern_boundary: str,
-        pattern_seed: int,
+        pattern_seed: SupportsIndex,
         pattern: PointSet | None,
         pattern_source: str | None,
         dihedral: bool,
         order: str,
         insertion: str,
-        search: int,
+        search: SupportsIndex,
         variant: str,
-        levels: int | None,
-        exactly: int | None,
+        levels: SupportsIndex | None,
+        exactly: SupportsIndex | None,
         order_within: str,
     ) -> RunRequest: ...
     def side_without_repeats(self) -> float | None: ...
@@ -56,18 +56,38 @@ class Plane:
 def analyze(set: PointSet, progress: ProgressFunction | None) -> str: ...
 def certify(set: PointSet, progress: ProgressFunction | None) -> str: ...
 def check(
-    path: str, given: _Given, format_name: str | None, judge: str | None, progress: ProgressFunction | None
+    path: str,
+    given: _Given,
+    format_name: str | None,
+    set: SupportsIndex | None,
+    judge: str | None,
+    progress: ProgressFunction | None,
 ) -> str: ...
 def check_domain(radius: float | None, width: float, height: float, boundary: str) -> None: ...
 def combine(layout: str, folder: str, sets: dict[str, PointSet], progress: ProgressFunction | None) -> _Set: ...
 def digest(set: PointSet) -> str: ...
 def draw(
-    set: PointSet, *, caption: str, svg: bool, size: int, window: Window | None, disks: bool, theme: str
+    set: PointSet,
+    *,
+    caption: str,
+    svg: bool,
+    size: SupportsIndex,
+    window: Window | None,
+    disks: bool,
+    theme: str,
+    progress: ProgressFunction | None,
 ) -> bytes: ...
 def named_by_content(path: str) -> str: ...
 def pair_correlation(set: PointSet, progress: ProgressFunction | None) -> npt.NDArray[np.float64]: ...
-def prefix(levels: tuple[Level, ...], count: int) -> tuple[int, float, float | None]: ...
-def read(path: str, given: _Given, format_name: str | None, progress: ProgressFunction | None) -> _Set: ...
+def prefix(levels: tuple[Level, ...], count: SupportsIndex) -> tuple[int, float, float | None]: ...
+def read(
+    path: str,
+    given: _Given,
+    format_name: str | None,
+    set: SupportsIndex | None,
+    certificate: bool,
+    progress: ProgressFunction | None,
+) -> _Set: ...
 def sample(request: RunRequest, method: str, engine: str, progress: ProgressFunction | None) -> _Set: ...
 def save(
     set: PointSet,
@@ -75,14 +95,15 @@ def save(
     *,
     format_name: str | None,
     precision: str,
-    shuffle: int | None,
+    shuffle: SupportsIndex | None,
     verify: bool,
     judge: str | None,
     progress: ProgressFunction | None,
 ) -> str: ...
-def set_threads(threads: int) -> None: ...
+def set_threads(threads: SupportsIndex) -> None: ...
 def spectrum(set: PointSet, nu: float | None, progress: ProgressFunction | None) -> dict[str, Any]: ...
 def verify(set: PointSet, judge: str | None, progress: ProgressFunction | None) -> str: ...
 def verify_window(
     set: PointSet, window: Window, judge: str | None, progress: ProgressFunction | None
 ) -> tuple[int, int]: ...
+def write_file(path: str, data: bytes) -> None: ...

@@ -12,13 +12,16 @@ Examples
 
 from __future__ import annotations
 
-from typing import Any, Literal
+import operator
+import threading
+from typing import Any, Literal, SupportsIndex
 
 import numpy as np
 import numpy.typing as npt
 
 import tilescope
 from tilescope import _tilescope
+from tilescope._input import numbers, shown
 
 try:
     from scipy.spatial import cKDTree  # type: ignore[import-untyped]
@@ -33,18 +36,27 @@ _SHORTEST_SIDE = 6.001
 
 _MOST_LEVELS = 3
 
+# The widest spacing of the floating-point numbers at the bounds, in radii: rounding to wider ones would leave places
+# farther than a radius from all samples.
+_WIDEST_SPACING = 1e-5
+
+
+def __dir__() -> list[str]:
+    return sorted([*__all__, "__doc__", "__name__"])
+
 
 class PoissonDisk(qmc.QMCEngine):  # type: ignore[misc]
     """Poisson-disk sampling of a box in the plane, in place of :class:`scipy.stats.qmc.PoissonDisk`.
 
     No two samples are closer than `radius`, at any coordinates. After :meth:`fill_space` no sample could be
-    added: no place of the box is farther than ``(1 + 2**-15) * radius`` from all samples. All samples lie
-    between the bounds.
+    added: no place of the box is farther than ``(1 + 2**-15) * radius``, and eight times the spacing of
+    floating-point numbers at the bounds, from all samples. All samples lie between the bounds.
 
     The samples are one sequence, whose first ones are spread evenly, however many they are:
     :meth:`random` continues it. It is made as a whole when its first sample is asked for. The sequence is
     that of ``tilescope.sample(..., boundary="bounded", levels=K, order_within="farthest")``, with as many
     levels as the box has room for, at most 3; in a box with a side shorter than 6 radii it is one of darts.
+    Threads may share an engine: each sample is given to one of them.
 
     Parameters
     ----------
@@ -68,8 +80,9 @@ class PoissonDisk(qmc.QMCEngine):  # type: ignore[misc]
     Raises
     ------
     ValueError
-        If an argument is wrong. That the box is longer than 65532 radii, or would have more than 2e8
-        samples, is found when the first sample is asked for.
+        If an argument is wrong, or floating-point numbers at the bounds are more than 1e-5 radii apart. That
+        the box is longer than 65532 radii, or would have more than 2e8 samples, is found when the first sample is
+        asked for.
 
     Examples
     --------
@@ -97,11 +110,12 @@ class PoissonDisk(qmc.QMCEngine):  # type: ignore[misc]
         super().__init__(d, optimization=optimization, **given)
         if hypersphere not in ("volume", "surface"):
             raise ValueError(
-                f"{hypersphere!r} is not a valid hypersphere sampling method. It must be 'volume' or 'surface'"
+                f"{shown(hypersphere)} is not a valid hypersphere sampling method. It must be 'volume' or 'surface'"
             )
+        lower = numbers("l_bounds", 0.0 if l_bounds is None else l_bounds)
+        upper = numbers("u_bounds", 1.0 if u_bounds is None else u_bounds)
         try:
-            lower = np.broadcast_to(np.array(0.0 if l_bounds is None else l_bounds, dtype=np.float64), d)
-            upper = np.broadcast_to(np.array(1.0 if u_bounds is None else u_bounds, dtype=np.float64), d)
+            lower, upper = np.broadcast_to(lower, d), np.broadcast_to(upper, d)
         except ValueError as error:
             raise ValueError(
                 "'l_bounds' and 'u_bounds' must be broadcastable and respect the sample dimension"
@@ -115,6 +129,7 @@ class PoissonDisk(qmc.QMCEngine):  # type: ignore[misc]
             )
         width, height = (upper - lower).tolist()
         _tilescope.check_domain(radius, width, height, "bounded")
+        _check_spacing(float(np.abs([lower, upper]).max()), radius)
         self.radius = radius
         self.l_bounds, self.u_bounds = lower, upper
         # Scipy's qmc_quad makes its engines from these.
@@ -123,6 +138,16 @@ class PoissonDisk(qmc.QMCEngine):  # type: ignore[misc]
             "optimization": optimization,
         }  # fmt: skip
         self._sequence: npt.NDArray[np.float64] | None = None
+        # Methods call each other.
+        self._lock = threading.RLock()
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Returns what a copy is made from. It has a lock of its own."""
+        with self._lock:
+            return {name: value for name, value in self.__dict__.items() if name != "_lock"}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state, _lock=threading.RLock())
 
     def _samples(self) -> npt.NDArray[np.float64]:
         """Returns the whole sequence."""
@@ -145,7 +170,7 @@ class PoissonDisk(qmc.QMCEngine):  # type: ignore[misc]
             self._sequence = np.clip(offsets + lower, np.nextafter(lower, upper), np.nextafter(upper, lower))
         return self._sequence
 
-    def random(self, n: float = 1, *, workers: int = 1) -> npt.NDArray[np.float64]:
+    def random(self, n: SupportsIndex = 1, *, workers: int = 1) -> npt.NDArray[np.float64]:
         """Returns the next `n` samples of the sequence, or as many as there are left.
 
         Parameters
@@ -159,14 +184,21 @@ class PoissonDisk(qmc.QMCEngine):  # type: ignore[misc]
         -------
         numpy.ndarray of shape (n, 2)
             The samples.
+
+        Raises
+        ------
+        TypeError
+            If `n` is no whole number.
+        ValueError
+            If it is below 0.
         """
-        if n < 0:
-            raise ValueError(f"n is {n}; it must be at least 0")
-        left = len(self._samples()) - self.num_generated
-        if min(n, left) == 0:
-            return np.empty((0, 2))
-        sample: npt.NDArray[np.float64] = super().random(min(n, left), workers=workers)
-        return sample
+        count = _count(n)
+        with self._lock:
+            left = len(self._samples()) - self.num_generated
+            if min(count, left) == 0:
+                return np.empty((0, 2))
+            sample: npt.NDArray[np.float64] = super().random(min(count, left), workers=workers)
+            return sample
 
     def _random(self, n: int = 1, *, workers: int = 1) -> npt.NDArray[np.float64]:
         return self._samples()[self.num_generated : self.num_generated + n].copy()
@@ -179,7 +211,8 @@ class PoissonDisk(qmc.QMCEngine):  # type: ignore[misc]
         numpy.ndarray of shape (n, 2)
             The samples.
         """
-        return self.random(np.inf)
+        with self._lock:
+            return self.random(len(self._samples()) - self.num_generated)
 
     def reset(self) -> PoissonDisk:
         """Goes back to the first sample.
@@ -189,19 +222,52 @@ class PoissonDisk(qmc.QMCEngine):  # type: ignore[misc]
         PoissonDisk
             The engine.
         """
-        super().reset()
+        with self._lock:
+            super().reset()
         return self
 
-    def fast_forward(self, n: int) -> PoissonDisk:
+    def fast_forward(self, n: SupportsIndex) -> PoissonDisk:
         """Passes over `n` samples, or as many as there are left.
 
         Returns
         -------
         PoissonDisk
             The engine.
+
+        Raises
+        ------
+        TypeError
+            If `n` is no whole number.
+        ValueError
+            If it is below 0: a sequence goes forwards; :meth:`reset` goes back to its beginning.
         """
-        self.num_generated += min(n, len(self._samples()) - self.num_generated)
+        count = _count(n)
+        with self._lock:
+            self.num_generated += min(count, len(self._samples()) - self.num_generated)
         return self
+
+
+def _count(n: SupportsIndex) -> int:
+    try:
+        count = operator.index(n)
+    except TypeError as error:
+        raise TypeError(f"n is {shown(n)}; it must be a whole number") from error
+    if count < 0:
+        raise ValueError(f"n is {shown(n)}; it must be at least 0")
+    return count
+
+
+def _check_spacing(farthest: float, radius: float) -> None:
+    """Raises ``ValueError`` if positions at such a coordinate would be rounded too much for such a radius."""
+    spacing = float(np.spacing(farthest))
+    if spacing > _WIDEST_SPACING * radius:
+        # Both are given with a hundredth to spare, for three digits of them are shown.
+        reach = 0.99 * 2.0 ** np.floor(np.log2(_WIDEST_SPACING * radius) + 53)
+        raise ValueError(
+            f"at the bounds, which reach to {farthest:g}, floating-point numbers are {spacing:.3g} apart, more than "
+            f"{_WIDEST_SPACING:g} of the radius, {radius:g}: rounded to them, samples would leave places uncovered; give "
+            f"a radius of at least {1.01 * spacing / _WIDEST_SPACING:.3g}, or bounds within -{reach:.3g} and {reach:.3g}"
+        )
 
 
 # Rounds of darts, each with more darts than samples fit into the box, before gaps are searched for.

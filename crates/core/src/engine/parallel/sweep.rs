@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::error::SampleError;
 use crate::lattice::{Point, R, Rect};
+use crate::memory::NoMemory;
 use crate::parameters::Parameters;
 use crate::pattern::Pattern;
 use crate::pool::Pool;
@@ -152,13 +153,17 @@ impl Sweep {
 
     /// Runs to the end and returns the samples of all remaining bands, and the summary of the whole run. Takes memory
     /// for all of them at once.
+    ///
+    /// Fails as [`Self::step`], and with [`SampleError::Memory`] where there is not as much memory.
     pub fn finish(
         mut self,
         observer: &mut dyn Observer,
     ) -> Result<(Sampled, Summary), SampleError> {
         let expected = self.plane.domain().area_radii() * MAX_DENSITY;
         let mut joined = JoinedSamples::default();
-        joined.points.reserve(expected as usize);
+        (joined.points.try_reserve(expected as usize)).map_err(|_| NoMemory {
+            bytes: (expected * size_of::<Point>() as f64) as u64,
+        })?;
         let mut before = self.next(observer)?;
         while let Some(bands) = before {
             // Bands are joined while the next ones are computed.

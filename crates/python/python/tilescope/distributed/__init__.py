@@ -23,18 +23,19 @@ from __future__ import annotations
 
 import json
 import operator
-import os
 import pickle
 from contextlib import closing
 from dataclasses import asdict
 from pathlib import Path as Folder
-from typing import Any
+from typing import Any, SupportsIndex
 
 from tilescope import Domain, Plane, PointSet, __version__
-from tilescope._point_set import Judge, Path
+from tilescope._input import Path, local_path, shown
+from tilescope._optional import module
+from tilescope._point_set import Judge
 from tilescope._progress import Progress, following
 from tilescope.distributed import _engines, _tile
-from tilescope.distributed._engines import Engine, module
+from tilescope.distributed._engines import Engine
 from tilescope.distributed._grid import Grid
 from tilescope.distributed._stored import MANIFEST, StoredPlane, read_manifest
 
@@ -43,14 +44,18 @@ __all__ = ["StoredPlane", "digest", "open", "write"]
 _LEAST_ROWS, _MOST_ROWS = 1000, 50_000_000
 
 
+def __dir__() -> list[str]:
+    return sorted([*__all__, "__doc__", "__name__"])
+
+
 def write(
     plane: Plane,
     path: Path,
     *,
     engine: Engine = "local",
-    rows: int = 2_000_000,
+    rows: SupportsIndex = 2_000_000,
     judge: Judge | None = None,
-    retries: int = 3,
+    retries: SupportsIndex = 3,
     progress: Progress = False,
 ) -> StoredPlane:
     """Writes all samples of a plane to a folder, tile by tile.
@@ -103,11 +108,12 @@ def write(
         After Ctrl-C. Finished tiles stay, and the same call goes on with the others.
     """
     if not isinstance(plane, Plane):
-        raise TypeError(f"plane is {plane!r}; it must be a tilescope.Plane")
+        raise TypeError(f"plane is {shown(plane)}; it must be a tilescope.Plane")
     if plane.parameters.get("levels") is not None:
         raise ValueError("the plane has nested levels; a folder keeps neither their order nor their radii")
-    if operator.index(retries) < 0:
-        raise ValueError(f"retries is {retries}; it must be at least 0")
+    retries = operator.index(retries)
+    if retries < 0:
+        raise ValueError(f"retries is {shown(retries)}; it must be at least 0")
     _engines.check(engine)
     module("pyarrow.parquet", "parquet")
     grid = _grid(plane.domain, plane.radius, rows)
@@ -123,15 +129,16 @@ def write(
             }
         )
     )
-    folder = Folder(path).resolve()
+    folder = Folder(local_path(path)).resolve()
     folder.mkdir(parents=True, exist_ok=True)
     known: list[str | None] = [None] * len(grid)
     if (folder / MANIFEST).exists():
         before = read_manifest(folder)
         if (difference := _difference(before, facts)) is not None:
             raise ValueError(f"{folder} has another set: {difference}")
-        for index, tile in enumerate(before.get("tiles", [])):
-            known[index] = tile.get("file_digest")
+        # Of an interrupted call the manifest lists no tiles yet.
+        for index, tile in enumerate(before["tiles"]):
+            known[index] = tile["file_digest"]
     elif any(file.suffix != _tile.PARTIAL for file in folder.iterdir()):
         raise FileExistsError(f"{folder} is not empty, and has no {MANIFEST}: give another folder")
     else:
@@ -159,16 +166,17 @@ def write(
     return open(folder)
 
 
-def _grid(domain: Domain, radius: float, rows: int) -> Grid:
-    if not _LEAST_ROWS <= operator.index(rows) <= _MOST_ROWS:
-        raise ValueError(f"rows is {rows}; it must be between {_LEAST_ROWS} and {_MOST_ROWS}")
+def _grid(domain: Domain, radius: float, rows: SupportsIndex) -> Grid:
+    rows = operator.index(rows)
+    if not _LEAST_ROWS <= rows <= _MOST_ROWS:
+        raise ValueError(f"rows is {shown(rows)}; it must be between {_LEAST_ROWS} and {_MOST_ROWS}")
     return Grid.of(domain, radius, rows)
 
 
 def _save(folder: Folder, manifest: dict[str, Any]) -> None:
-    partial = folder / f"{MANIFEST}{_tile.PARTIAL}"
-    partial.write_text(json.dumps(manifest, indent=1) + "\n", encoding="utf-8")
-    os.replace(partial, folder / MANIFEST)
+    text = json.dumps(manifest, indent=1) + "\n"
+    with _tile.partial_file(str(folder / MANIFEST), text.encode()) as partial:
+        _tile.replace(partial, str(folder / MANIFEST))
 
 
 def _difference(stated: Any, wanted: Any, name: str = "") -> str | None:
@@ -179,7 +187,7 @@ def _difference(stated: Any, wanted: Any, name: str = "") -> str | None:
             if found is not None:
                 return found
         return None
-    return None if stated == wanted else f"{name} is {stated} there, and {wanted} here"
+    return None if stated == wanted else f"{name} is {shown(stated)} there, and {shown(wanted)} here"
 
 
 def open(path: Path) -> StoredPlane:
@@ -195,7 +203,7 @@ def open(path: Path) -> StoredPlane:
     return StoredPlane(path)
 
 
-def digest(points: PointSet, *, rows: int = 2_000_000) -> str:
+def digest(points: PointSet, *, rows: SupportsIndex = 2_000_000) -> str:
     """Returns the digest that a set in memory would have if :func:`write` had written it with so many `rows`.
 
     Examples

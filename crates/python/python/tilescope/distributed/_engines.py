@@ -13,6 +13,8 @@ from itertools import islice
 from typing import Any, Literal, TypeAlias, TypeVar
 
 from tilescope import set_threads
+from tilescope._input import shown
+from tilescope._optional import module
 from tilescope._progress import ProgressFunction
 
 # Seconds after which the threads of a cluster are counted again.
@@ -26,18 +28,10 @@ Shared = TypeVar("Shared")
 Task: TypeAlias = Callable[[Shared, Item, "ProgressFunction | None"], Outcome]
 
 
-def module(name: str, extra: str) -> Any:
-    """Returns an optional module, or raises ``ImportError`` that says how to install it."""
-    try:
-        return import_module(name)
-    except ImportError as error:
-        raise ImportError(f"this needs {name}: pip install 'tilescope[{extra}]'") from error
-
-
 def check(engine: str) -> None:
     """Raises ``ValueError`` if there is no such engine, and ``ImportError`` if it is not installed."""
     if engine not in ("local", "dask", "ray"):
-        raise ValueError(f"engine is {engine!r}; it must be 'local', 'dask' or 'ray'")
+        raise ValueError(f"engine is {shown(engine)}; it must be 'local', 'dask' or 'ray'")
     if engine != "local":
         module("distributed" if engine == "dask" else engine, engine)
 

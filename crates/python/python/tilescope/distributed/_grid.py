@@ -5,6 +5,7 @@ from __future__ import annotations
 import functools
 import math
 import operator
+import re
 from dataclasses import dataclass
 
 import numpy as np
@@ -61,6 +62,14 @@ class Grid:
         """Returns the name of a tile's file."""
         column, row = self.place(index)
         return f"tile-{row:05}-{column:05}.parquet"
+
+    def has_file(self, name: str) -> bool:
+        """Returns whether a name is that of a tile's file."""
+        found = re.fullmatch(r"tile-(\d{5,10})-(\d{5,10})\.parquet", name)
+        if found is None:
+            return False
+        row, column = map(int, found.groups())
+        return column < self.shape[0] and row < self.shape[1] and name == self.file(row * self.shape[0] + column)
 
     def borders(self, axis: int) -> Positions:
         """Returns where tiles begin along an axis, and where the last one ends."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 from collections.abc import Callable, Iterable
 from contextlib import closing
@@ -13,10 +14,12 @@ from typing import Any, Literal
 import numpy as np
 
 from tilescope import Domain
-from tilescope._point_set import Judge, Path, Window
+from tilescope._input import Path, local_path, shown, shown_text
+from tilescope._optional import module
+from tilescope._point_set import Judge, Window
 from tilescope._progress import Progress, ProgressFunction, following
 from tilescope.distributed import _engines as engines
-from tilescope.distributed._engines import Engine, module
+from tilescope.distributed._engines import Engine
 from tilescope.distributed._grid import Grid, Positions
 from tilescope.distributed._tile import FORMAT, VERSION, Job, Tile, fault_of, read, total_digest
 
@@ -26,17 +29,81 @@ FACTS = ("format", "version", "domain", "radius", "parameters", "grid")
 
 
 def read_manifest(folder: Folder) -> dict[str, Any]:
-    """Returns what a manifest says, or raises ``ValueError`` if it is none."""
+    """Returns what a manifest says, each value of its type, or raises ``ValueError`` if it is none.
+
+    A manifest that is complete lists as many tiles as its grid has; another one may list none.
+    """
     path = folder / MANIFEST
     text = path.read_text(encoding="utf-8")
     try:
         manifest = json.loads(text)
         named = (manifest["format"], manifest["version"])
-    except (ValueError, KeyError, TypeError) as error:
-        raise ValueError(f"{path} is not a manifest, or it is damaged: {error}") from error
+    except (ValueError, KeyError, TypeError, RecursionError) as error:
+        raise ValueError(f"{path} is not a manifest, or it is damaged: {shown_text(error)}") from error
     if named != (FORMAT, VERSION):
-        raise ValueError(f"{path} has the format {named}; this version reads {(FORMAT, VERSION)}")
+        raise ValueError(f"{path} has the format {shown(named)}; this version reads {(FORMAT, VERSION)}")
+    try:
+        _check_types(manifest)
+    except (ValueError, KeyError) as error:
+        raise ValueError(f"{path} cannot be used: {shown_text(error)}") from error
     return manifest  # type: ignore[no-any-return]
+
+
+def _check_types(manifest: dict[str, Any]) -> None:
+    """Raises ``ValueError`` for a value of another type, or a list of another length, than manifests have."""
+    width, height, boundary = _listed("domain", manifest["domain"], 3)
+    for name, number in (("domain", width), ("domain", height), ("radius", manifest["radius"])):
+        _check(name, number, _is_length(number), "a finite number above 0")
+    _check("domain", boundary, boundary in ("periodic", "bounded"), "'periodic' or 'bounded'")
+    _check("parameters", manifest["parameters"], isinstance(manifest["parameters"], dict), "an object")
+    columns, rows = _listed("grid", manifest["grid"], 2)
+    for number in (columns, rows):
+        _check("grid", number, _is_whole(number) and number > 0, "a whole number above 0")
+    complete, tiles = manifest["complete"], manifest["tiles"]
+    _check("complete", complete, isinstance(complete, bool), "true or false")
+
+    # The grid is a claim, which may be of any size; the tiles are there.
+    if not isinstance(tiles, list):
+        raise ValueError(f"tiles is {shown(tiles)}; it must be a list")
+    if (complete or tiles) and len(tiles) != columns * rows:
+        raise ValueError(
+            f"its tiles are not those of its grid: {len(tiles)} are listed, and {columns} x {rows} are {columns * rows}"
+        )
+    for tile in tiles:
+        _check("a tile", tile, isinstance(tile, dict), "an object")
+        for name in ("file", "digest", "file_digest"):
+            _check(f"a tile's {name}", tile[name], isinstance(tile[name], str), "text")
+        _check("a tile's count", tile["count"], _is_whole(tile["count"]) and tile["count"] >= 0, "a whole number")
+        for number in _listed("a tile's bbox", tile["bbox"], 4):
+            _check("a tile's bbox", number, _is_number(number), "a finite number")
+    if complete:
+        _check("count", manifest["count"], _is_whole(manifest["count"]), "a whole number")
+        _check("digest", manifest["digest"], isinstance(manifest["digest"], str), "text")
+
+
+def _check(name: str, value: Any, is_right: bool, wanted: str) -> None:
+    if not is_right:
+        raise ValueError(f"{name} has {shown(value)}, where {wanted} must be")
+
+
+def _listed(name: str, value: Any, length: int) -> list[Any]:
+    if not isinstance(value, list):
+        raise ValueError(f"{name} is {shown(value)}; it must be a list")
+    if len(value) != length:
+        raise ValueError(f"{name} has {len(value)} values; it must have {length}")
+    return value
+
+
+def _is_whole(value: Any) -> bool:
+    return isinstance(value, int) and not isinstance(value, bool)
+
+
+def _is_number(value: Any) -> bool:
+    return _is_whole(value) or (isinstance(value, float) and math.isfinite(value))
+
+
+def _is_length(value: Any) -> bool:
+    return _is_number(value) and value > 0
 
 
 class StoredPlane:
@@ -48,15 +115,16 @@ class StoredPlane:
     __slots__ = ("_folder", "_grid", "_manifest", "_tiles")
 
     def __init__(self, path: Path) -> None:
-        self._folder = Folder(path).resolve()
+        self._folder = Folder(local_path(path)).resolve()
         self._manifest = manifest = read_manifest(self._folder)
         try:
             width, height, boundary = manifest["domain"]
             columns, rows = manifest["grid"]
             self._grid = Grid(Domain(width, height, boundary), manifest["radius"], (columns, rows))
             if not manifest["complete"]:
-                there = sum(os.path.exists(self._folder / self._grid.file(at)) for at in range(len(self._grid)))
-                raise ValueError(f"it has {there} of {len(self._grid)} tiles; write it again to complete it")
+                # By the files that are there, of which there are fewer than a grid may claim.
+                there = sum(self._grid.has_file(name) for name in os.listdir(self._folder))
+                raise ValueError(f"it has {there} of {columns * rows} tiles; write it again to complete it")
             self._tiles = [Tile(**tile) for tile in manifest["tiles"]]
             if [tile.file for tile in self._tiles] != [self._grid.file(at) for at in range(len(self._grid))]:
                 raise ValueError("its tiles are not those of its grid")
@@ -65,7 +133,7 @@ class StoredPlane:
             if manifest["digest"] != total_digest([tile.digest for tile in self._tiles]):
                 raise ValueError("its digest is not that of its tiles' digests")
         except (ValueError, KeyError, TypeError, AttributeError) as error:
-            raise ValueError(f"{self._folder / MANIFEST} cannot be used: {error}") from error
+            raise ValueError(f"{self._folder / MANIFEST} cannot be used: {shown_text(error)}") from error
 
     @property
     def domain(self) -> Domain:
@@ -164,7 +232,7 @@ class StoredPlane:
             dataset = module("pyarrow.dataset", "parquet")
             options = dataset.ParquetFragmentScanOptions(page_checksum_verification=True)
             return dataset.dataset(self.files, format=dataset.ParquetFileFormat(default_fragment_scan_options=options))
-        raise ValueError(f"engine is {engine!r}; it must be 'dask' or 'arrow'")
+        raise ValueError(f"engine is {shown(engine)}; it must be 'dask' or 'arrow'")
 
     def verify(
         self,

@@ -8,15 +8,17 @@ import json
 import os
 import pickle
 import uuid
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from tilescope import Plane, PointSet
+from tilescope._optional import module
 from tilescope._point_set import Judge
 from tilescope._progress import ProgressFunction
-from tilescope.distributed._engines import module
 from tilescope.distributed._grid import Grid, Positions
 
 FORMAT = "tilescope-tiles"
@@ -143,6 +145,33 @@ def _content(path: str) -> bytes:
         return file.read()
 
 
+@contextmanager
+def partial_file(path: str, data: bytes) -> Iterator[str]:
+    """Writes a new file beside `path`, through to the device, and returns its name. It is removed if it still has it."""
+    partial = f"{path}.{uuid.uuid4().hex}{PARTIAL}"
+    try:
+        # A link that somebody else has put there is not followed.
+        with open(partial, "xb") as file:
+            file.write(data)
+            file.flush()
+            os.fsync(file.fileno())
+        yield partial
+    finally:
+        if os.path.exists(partial):
+            os.unlink(partial)
+
+
+def replace(partial: str, path: str) -> None:
+    """Gives a file its name, which it has after a power cut, too."""
+    os.replace(partial, path)
+    if os.name == "posix":
+        folder = os.open(os.path.dirname(path), os.O_RDONLY)
+        try:
+            os.fsync(folder)
+        finally:
+            os.close(folder)
+
+
 def make(job: Job, item: tuple[int, str | None], progress: ProgressFunction | None) -> tuple[int, Tile]:
     """Makes, verifies and writes a tile, unless its file is there and sound.
 
@@ -165,18 +194,12 @@ def make(job: Job, item: tuple[int, str | None], progress: ProgressFunction | No
         raise ValueError(f"{path} is not written: the tile is not valid, with {conflicts} conflicts and {gaps} gaps")
     made = digest(samples)
     encoded = _encoded(samples, job.facts_of(index, made))
-    partial = f"{path}.{uuid.uuid4().hex}{PARTIAL}"
-    try:
-        with open(partial, "wb") as file:
-            file.write(encoded)
+    with partial_file(path, encoded) as partial:
         data = _content(partial)
         written = job.tile(index, partial, data, sha256(data))
         if data != encoded or written.digest != made:
             raise OSError(f"{partial} does not hold what was written to it")
-        os.replace(partial, path)
-    finally:
-        if os.path.exists(partial):
-            os.unlink(partial)
+        replace(partial, path)
     return index, written
 
 
