@@ -16,7 +16,7 @@ use tilescope_ui::theme::{self, InputStyle};
 use tilescope_ui::widgets::{Kebab, Known};
 
 use crate::panes::Canvas;
-use crate::{actions, panels, tiles};
+use crate::{actions, panels, settings, tiles};
 use tilescope_canvas::touch::release_cancelled;
 use tilescope_workbench::arrangement::{Arrangement, DrawerCommand};
 use tilescope_workbench::command::{Command, WindowCommand};
@@ -373,18 +373,18 @@ impl App {
             self.state.apply(Command::Scene(SceneCommand::Tour));
             self.state.lessons.lists = true;
         }
-        let old = || eframe::get_value::<OldLayout>(storage, OLD_LAYOUT_KEY)?.completed();
-        if let Some(layout) = eframe::get_value::<Layout>(storage, LAYOUT_KEY).or_else(old) {
+        let old = || settings::get_value::<OldLayout>(storage, OLD_LAYOUT_KEY)?.completed();
+        if let Some(layout) = settings::get_value::<Layout>(storage, LAYOUT_KEY).or_else(old) {
             self.state.window.layout = layout;
         }
         if let Some(results) = storage.get_string(RESULTS_KEY) {
             // Results that cannot be read are not overwritten until there are new ones.
             self.state.lessons.results = Results::read(&results).unwrap_or_default();
         }
-        if let Some((look, chosen)) = eframe::get_value(storage, LOOK_KEY) {
+        if let Some((look, chosen)) = settings::get_value(storage, LOOK_KEY) {
             self.state.appearance.choose_look(look);
             self.state.choose_motion(chosen);
-        } else if let Some((look, _)) = eframe::get_value::<(Look, bool)>(storage, LOOK_KEY) {
+        } else if let Some((look, _)) = settings::get_value::<(Look, bool)>(storage, LOOK_KEY) {
             // Older versions did not store who had chosen reduced motion.
             self.state.appearance.choose_look(look);
         }
@@ -425,12 +425,12 @@ impl eframe::App for App {
     }
 
     fn save(&mut self, storage: &mut dyn eframe::Storage) {
-        eframe::set_value(storage, LAYOUT_KEY, &self.state.window.layout);
+        settings::set_value(storage, LAYOUT_KEY, &self.state.window.layout);
         let look = (
             self.state.appearance.look,
             self.state.appearance.motion_chosen(),
         );
-        eframe::set_value(storage, LOOK_KEY, &look);
+        settings::set_value(storage, LOOK_KEY, &look);
         let results = &self.state.lessons.results;
         if !results.entries.is_empty() || storage.get_string(RESULTS_KEY).is_some() {
             storage.set_string(RESULTS_KEY, results.to_json());

@@ -21,6 +21,7 @@ mod app;
 mod native;
 mod panels;
 pub mod panes;
+mod settings;
 pub mod tiles;
 
 pub use app::{App, stage_accent};
