@@ -88,6 +88,8 @@ impl Menu {
 /// The submenus.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Submenu {
+    /// The files that were opened or saved last.
+    Recent,
     /// Moving and zooming by steps.
     Camera,
     /// The panels.
@@ -117,6 +119,7 @@ impl Submenu {
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
+            Self::Recent => "Recent files",
             Self::Camera => "Move and zoom",
             Self::Panels => "Panels",
             Self::Layers => "Layers",

@@ -7,7 +7,6 @@ use std::sync::Arc;
 use eframe::egui_wgpu::RenderState;
 use egui::{CentralPanel, Context, Frame, Pos2, Ui, UiBuilder, ViewportCommand};
 use egui_tiles::{Behavior, EditAction, SimplificationOptions, TileId, Tiles, UiResponse};
-use tilescope_lessons::results::Results;
 use tilescope_session::look::Look;
 use tilescope_ui::focus;
 use tilescope_ui::presses::Presses;
@@ -15,6 +14,8 @@ use tilescope_ui::spoken::{Speaker, Spoken};
 use tilescope_ui::theme::{self, InputStyle};
 use tilescope_ui::widgets::{Kebab, Known};
 
+#[cfg(not(target_arch = "wasm32"))]
+use crate::kept::KeptFolder;
 use crate::panes::Canvas;
 use crate::{actions, panels, settings, tiles};
 use tilescope_canvas::touch::release_cancelled;
@@ -22,6 +23,8 @@ use tilescope_workbench::arrangement::{Arrangement, DrawerCommand};
 use tilescope_workbench::command::{Command, WindowCommand};
 use tilescope_workbench::embedding::Embedding;
 use tilescope_workbench::files::FileCommand;
+#[cfg(not(target_arch = "wasm32"))]
+use tilescope_workbench::files::MAX_RECENT;
 use tilescope_workbench::layout::{Layout, OldLayout, Panel};
 use tilescope_workbench::scenes::SceneCommand;
 use tilescope_workbench::state::{FullScreen, State};
@@ -46,6 +49,14 @@ pub struct App {
     copier: fn(&str) -> bool,
     /// Toggles full screen and returns true, or returns false to leave it to egui.
     screener: fn() -> bool,
+    /// The folder for what must not be lost; `None` in tests.
+    #[cfg(not(target_arch = "wasm32"))]
+    kept: Option<KeptFolder>,
+    /// The text of the last session as this window has written it.
+    #[cfg(not(target_arch = "wasm32"))]
+    kept_session: Option<String>,
+    #[cfg(not(target_arch = "wasm32"))]
+    closing: closing::Closing,
     /// Files dropped on the page that are being read.
     #[cfg(target_arch = "wasm32")]
     dropped: Option<tilescope_session::jobs::Job<tilescope_workbench::files::web::ReadFiles>>,
@@ -70,6 +81,12 @@ impl App {
             stage: Stage::default(),
             copier: |_| false,
             screener: || false,
+            #[cfg(not(target_arch = "wasm32"))]
+            kept: None,
+            #[cfg(not(target_arch = "wasm32"))]
+            kept_session: None,
+            #[cfg(not(target_arch = "wasm32"))]
+            closing: closing::Closing::default(),
             #[cfg(target_arch = "wasm32")]
             dropped: None,
         }
@@ -217,6 +234,30 @@ impl App {
         }
     }
 
+    /// From now on keeps results and the last session in a folder; takes the results that are in it, and offers the session
+    /// if the window opens with the default session (`is_default`) rather than with a link or a command.
+    #[cfg(not(target_arch = "wasm32"))]
+    pub fn keep_in(&mut self, folder: KeptFolder, is_default: bool) {
+        folder.read_results(&mut self.state.lessons);
+        if is_default && let Ok(text) = std::fs::read_to_string(folder.last_session()) {
+            self.state.offer_session(text);
+        }
+        self.kept = Some(folder);
+    }
+
+    /// Stores the results of lessons, if there are new ones.
+    #[cfg(not(target_arch = "wasm32"))]
+    fn keep_results(&mut self) {
+        let lessons = &mut self.state.lessons;
+        if let Some(kept) = &self.kept
+            && lessons.has_unstored_results()
+            && let Err(text) = kept.store_results(lessons)
+        {
+            let notice = tilescope_workbench::state::Notice::new(text, true);
+            self.state.messages.notice = Some(notice);
+        }
+    }
+
     /// Hands finished downloads to the browser.
     #[cfg(target_arch = "wasm32")]
     fn download(&mut self) {
@@ -329,8 +370,14 @@ impl App {
         if self.state.appearance.look.is_projector() {
             size *= ui.ctx().zoom_factor();
         }
+        let lessons = &self.state.lessons;
+        let look = self.state.appearance.look;
         let arrangement = if self.state.window.layout.is_whole() {
-            Arrangement::of(size, self.state.appearance.look)
+            if lessons.open.is_some() || lessons.lists {
+                Arrangement::beside_lesson(size, look)
+            } else {
+                Arrangement::of(size, look)
+            }
         } else {
             Arrangement::Tiles
         };
@@ -371,15 +418,18 @@ impl App {
         let has = |key| storage.get_string(key).is_some();
         if is_default && ![LAYOUT_KEY, OLD_LAYOUT_KEY, LOOK_KEY].into_iter().any(has) {
             self.state.apply(Command::Scene(SceneCommand::Tour));
-            self.state.lessons.lists = true;
         }
         let old = || settings::get_value::<OldLayout>(storage, OLD_LAYOUT_KEY)?.completed();
         if let Some(layout) = settings::get_value::<Layout>(storage, LAYOUT_KEY).or_else(old) {
             self.state.window.layout = layout;
         }
+        #[cfg(not(target_arch = "wasm32"))]
+        if let Some(recent) = storage.get_string(RECENT_KEY) {
+            let paths = recent.lines().map(str::to_owned).take(MAX_RECENT);
+            self.state.files.recent = paths.collect();
+        }
         if let Some(results) = storage.get_string(RESULTS_KEY) {
-            // Results that cannot be read are not overwritten until there are new ones.
-            self.state.lessons.results = Results::read(&results).unwrap_or_default();
+            self.state.lessons.take_stored(&results);
         }
         if let Some((look, chosen)) = settings::get_value(storage, LOOK_KEY) {
             self.state.appearance.choose_look(look);
@@ -413,7 +463,11 @@ const LAYOUT_KEY: &str = "panels";
 /// The key of an older storage format.
 const OLD_LAYOUT_KEY: &str = "layout";
 const LOOK_KEY: &str = "look";
+/// The key under which the native window of older versions stored the results of lessons, and a page does.
 const RESULTS_KEY: &str = "lessons";
+/// The paths of the files that were opened or saved last, each in a line.
+#[cfg(not(target_arch = "wasm32"))]
+const RECENT_KEY: &str = "recent";
 
 impl eframe::App for App {
     fn ui(&mut self, ui: &mut Ui, frame: &mut eframe::Frame) {
@@ -422,19 +476,23 @@ impl eframe::App for App {
         #[cfg(target_arch = "wasm32")]
         let _ = frame;
         self.show(ui);
+        #[cfg(not(target_arch = "wasm32"))]
+        self.keep_results();
+        #[cfg(not(target_arch = "wasm32"))]
+        self.follow_closing(ui.ctx());
     }
 
     fn save(&mut self, storage: &mut dyn eframe::Storage) {
-        settings::set_value(storage, LAYOUT_KEY, &self.state.window.layout);
+        settings::set_value(storage, LAYOUT_KEY, self.state.layout_to_store());
         let look = (
             self.state.appearance.look,
             self.state.appearance.motion_chosen(),
         );
         settings::set_value(storage, LOOK_KEY, &look);
-        let results = &self.state.lessons.results;
-        if !results.entries.is_empty() || storage.get_string(RESULTS_KEY).is_some() {
-            storage.set_string(RESULTS_KEY, results.to_json());
-        }
+        #[cfg(not(target_arch = "wasm32"))]
+        storage.set_string(RECENT_KEY, self.state.files.recent.join("\n"));
+        #[cfg(not(target_arch = "wasm32"))]
+        self.keep_session();
     }
 
     fn raw_input_hook(&mut self, _: &Context, raw: &mut egui::RawInput) {
@@ -543,6 +601,8 @@ impl Behavior<Panel> for Shower<'_> {
     }
 }
 
+#[cfg(not(target_arch = "wasm32"))]
+mod closing;
 mod stage;
 #[cfg(test)]
 mod tests;

@@ -10,6 +10,10 @@ use thiserror::Error;
 use tilescope_workbench::command::Command;
 
 use crate::app::App;
+use crate::kept::KeptFolder;
+
+/// The name under which eframe stores the window's settings, and of the folder for results.
+const NAME: &str = "tilescope";
 
 /// Why no window opened.
 #[derive(Debug, Error)]
@@ -143,15 +147,19 @@ pub fn run_native(options: &WindowOptions) -> Result<(), AppError> {
     let counter = Arc::clone(&frames);
     let run = || {
         eframe::run_native(
-            "tilescope",
+            NAME,
             native,
             Box::new(move |creation| {
                 let mut app = App::new(&creation.egui_ctx);
                 if let Some(render_state) = &creation.wgpu_render_state {
                     app.draw_with(render_state);
                 }
+                let is_default = link.is_none() && commands.is_empty();
+                if let Some(folder) = eframe::storage_dir(NAME) {
+                    app.keep_in(KeptFolder::new(folder), is_default);
+                }
                 if let Some(storage) = creation.storage {
-                    app.remember(storage, link.is_none() && commands.is_empty());
+                    app.remember(storage, is_default);
                 }
                 if light {
                     app.state.apply(tilescope_workbench::Command::Appearance(

@@ -7,7 +7,7 @@ use egui::{
 use tilescope_core::Stage;
 use tilescope_drawing::palette::Palette;
 use tilescope_drawing::parts;
-use tilescope_drawing::scene::Scene;
+use tilescope_drawing::scene::{Scene, drawn_around};
 use tilescope_session::layers::Layer;
 use tilescope_session::moment::ShownMoment;
 
@@ -155,7 +155,8 @@ fn coverage(frame: &PixelGrid, shown: &ShownMoment<'_>) -> Coverage {
     let inserted_now = inserted_now.map_or(0..0, |iteration| iteration.inserted.clone());
     let (low, high) = frame.camera.visible(frame.viewport);
     let radius = frame.scale();
-    session.index.visit(low, high, 1.0, |seen| {
+    let beyond = drawn_around(session) + 1.0;
+    session.index.visit_around(low, high, 1.0, beyond, |seen| {
         if shown.covers(seen.id) {
             let before = !inserted_now.contains(&seen.id);
             coverage.cover(frame.pixel_from_domain(seen.position), radius, before);

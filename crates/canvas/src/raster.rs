@@ -7,6 +7,7 @@ use egui::{Color32, ColorImage, Rect};
 use tilescope_session::session::Session;
 
 use tilescope_drawing::camera::Camera;
+use tilescope_drawing::scene::drawn_around;
 
 /// A grid of pixels over the canvas.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -70,14 +71,15 @@ const NOW: u8 = 1;
 const OPEN: u8 = 0;
 
 impl Coverage {
-    /// Returns the pixels that `frame` shows of the domain, all uncovered.
+    /// Returns the pixels that `frame` shows of the domain and of the copies around it, all uncovered.
     #[must_use]
     pub fn open(frame: &PixelGrid, session: &Session) -> Self {
         let size = frame.size();
         let mut cells = vec![OUTSIDE; size[0] * size[1]];
         let domain = session.size_radii();
-        let low = frame.pixel_from_domain(DVec2::new(0.0, domain.y));
-        let high = frame.pixel_from_domain(DVec2::new(domain.x, 0.0));
+        let margin = drawn_around(session);
+        let low = frame.pixel_from_domain(DVec2::new(-margin, domain.y + margin));
+        let high = frame.pixel_from_domain(DVec2::new(domain.x + margin, -margin));
         let columns = centres(low[0], high[0], size[0]);
         for row in centres(low[1], high[1], size[1]) {
             cells[row * size[0]..][columns.clone()].fill(OPEN);

@@ -63,6 +63,13 @@ pub fn refuse_link(reason: &HeadlessReason) -> ExitCode {
     crate::exit_code(Err(anyhow!("{reason}, and --link needs one")))
 }
 
+/// Reports that a file that was to be opened needs a window, and returns the process's exit code.
+#[must_use]
+pub fn refuse_file(file: &Path, reason: &HeadlessReason) -> ExitCode {
+    let file = file.display();
+    crate::exit_code(Err(anyhow!("{reason}, and {file} is opened in one")))
+}
+
 pub fn run(arguments: &HeadlessArguments) -> Result<u8> {
     session(&arguments.out)
 }

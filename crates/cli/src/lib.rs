@@ -42,12 +42,13 @@ mod web;
 mod window;
 
 use std::ffi::OsString;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use tilescope_reproduce::ReproduceError;
 
-pub use headless::{HeadlessReason, refuse_link, run_headless};
+pub use headless::{HeadlessReason, refuse_file, refuse_link, run_headless};
 
 /// The work was done, and any verdict is positive.
 pub const EXIT_FINE: u8 = 0;
@@ -68,6 +69,9 @@ pub struct Arguments {
     /// Open the window with the content of a link: the address of a page, or the part after its #
     #[arg(long, value_name = "LINK")]
     pub link: Option<String>,
+    /// Open the window with a file: a session, a point set, a lesson or a layout. "tilescope FILE" does the same
+    #[arg(long, value_name = "FILE", conflicts_with = "link")]
+    pub open: Option<PathBuf>,
 }
 
 /// The commands.
@@ -113,6 +117,7 @@ pub enum Command {
 const EXAMPLES: &str = "\
 Examples:
   tilescope                                            open the window
+  tilescope lecture.json                               open it with a session, a set, a lesson or a layout
   tilescope sample --count 10000 --out set.csv         a verified set with its certificate
   tilescope sample --radius 0.005 --boundary bounded --seed 7 --json
   tilescope verify set.csv
@@ -146,9 +151,40 @@ impl Arguments {
 
     fn of(words: impl IntoIterator<Item = OsString>) -> Result<Self, clap::Error> {
         let mut command = Self::command().mut_subcommands(|one| one.allow_negative_numbers(true));
-        let matches = command.try_get_matches_from_mut(words.into_iter().map(plain))?;
+        let words: Vec<OsString> = words.into_iter().map(plain).collect();
+        let words = with_file_named(words, &mut command)?;
+        let matches = command.try_get_matches_from_mut(words)?;
         Self::from_arg_matches(&matches).map_err(|error| error.format(&mut command))
     }
+}
+
+/// Returns the words with a file that is the first of them, and no command, as the value of `--open`.
+///
+/// # Errors
+///
+/// The first word can only be a file, and there is none of that name.
+fn with_file_named(
+    mut words: Vec<OsString>,
+    command: &mut clap::Command,
+) -> Result<Vec<OsString>, clap::Error> {
+    let Some(first) = words.get(1) else {
+        return Ok(words);
+    };
+    let text = first.to_string_lossy();
+    let is_command = command.find_subcommand(first).is_some() || text == "help";
+    if text.starts_with('-') || is_command {
+        return Ok(words);
+    }
+    if Path::new(first).exists() {
+        words.insert(1, "--open".into());
+        return Ok(words);
+    }
+    // No command has a dot or a slash in its name; other words may be misspelt commands, for which clap has advice.
+    if text.contains(['.', '/', '\\']) {
+        let message = format!("{text} is no file, and no command of tilescope\n");
+        return Err(command.error(clap::error::ErrorKind::InvalidSubcommand, message));
+    }
+    Ok(words)
 }
 
 /// Writes a negative number without its exponent, which clap would take for an option; returns other words unchanged.
@@ -279,6 +315,35 @@ mod tests {
         for word in ["-e", "-1e", "-e5", "--radius", "-inf", "1e-3", "-1"] {
             assert_eq!(plain(word.into()), OsString::from(word));
         }
+    }
+
+    #[test]
+    fn a_first_word_that_is_a_file_is_opened() {
+        let of = |words: &[&str]| {
+            let words = ["tilescope"].iter().chain(words);
+            Arguments::of(words.map(OsString::from))
+        };
+        let folder = tempfile::tempdir().expect("a folder");
+        let file = folder.path().join("lecture.json");
+        std::fs::write(&file, "{}").expect("a file");
+        let name = file.to_str().expect("a name");
+        let opened = of(&[name]).expect("arguments");
+        assert_eq!(
+            (opened.open, opened.command.is_none()),
+            (Some(file.clone()), true)
+        );
+        // Commands stay commands, and what is misspelt or missing is named.
+        assert!(of(&["verify", name]).expect("arguments").command.is_some());
+        assert!(of(&[name, "--link", "#v=1"]).is_err());
+        let missing = of(&["lecture-2.json"]).expect_err("no such file");
+        assert!(
+            missing.to_string().contains("lecture-2.json is no file"),
+            "{missing}"
+        );
+        let misspelt = of(&["verfy", name]).expect_err("no such command");
+        assert!(misspelt.to_string().contains("verify"), "{misspelt}");
+        assert_eq!(missing.exit_code(), 2);
+        assert_eq!(misspelt.exit_code(), 2);
     }
 
     #[test]

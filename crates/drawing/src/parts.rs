@@ -136,7 +136,10 @@ impl Part {
             Self::Voronoi => is_tiled && has(Layer::Voronoi),
             Self::Circumcircles => is_tiled && has(Layer::Circumcircles),
             Self::CoveredCircles => is_tiled && has(Layer::CoveredCircles),
-            Self::GapBorders => is_tiled && scene.is_fine() && has(Layer::Gaps),
+            // While blocks are tiled, those that have nothing yet are no gaps.
+            Self::GapBorders => {
+                scene.stage >= Stage::Eliminate && scene.is_fine() && has(Layer::Gaps)
+            }
             Self::Disks => is_tiled && scene.is_fine() && has(Layer::Disks),
             Self::Tree | Self::TreeNumbers => has(Layer::Tree),
             Self::Clips => has(Layer::Pattern),
@@ -156,12 +159,10 @@ impl Part {
     #[must_use]
     pub fn clip(self, scene: &Scene<'_>) -> Rect {
         match self {
-            Self::Delaunay
-            | Self::Voronoi
-            | Self::Circumcircles
-            | Self::CoveredCircles
-            | Self::GapBorders
-            | Self::Disks => scene.inside(),
+            Self::Delaunay | Self::Voronoi | Self::Circumcircles | Self::CoveredCircles => {
+                scene.inside()
+            }
+            Self::GapBorders | Self::Disks => scene.around(),
             _ => scene.rect,
         }
     }

@@ -14,6 +14,20 @@ use crate::palette::Palette;
 use crate::subject::Subject;
 use crate::surface::{Stroke, Surface, Tag};
 
+/// How far around a periodic domain its copies are drawn, in r.
+const AROUND: f64 = 8.0;
+
+/// Returns how far around the domain of a session its copies are drawn, in r: 0 if it is bounded. There is one copy on each
+/// side, so it is no more than the domain's shorter side.
+#[must_use]
+pub fn drawn_around(session: &Session) -> f64 {
+    if session.run().domain.is_periodic() {
+        AROUND.min(session.size_radii().min_element())
+    } else {
+        0.0
+    }
+}
+
 /// A subject in a rectangle.
 pub struct Scene<'a> {
     /// The rectangle, in screen points.
@@ -130,6 +144,43 @@ impl<'a> Scene<'a> {
         } else {
             self.rect
         }
+    }
+
+    /// Returns the clip rectangle of what is drawn in the copies around a periodic domain as in the domain itself.
+    #[must_use]
+    pub fn around(&self) -> Rect {
+        if self.session.run().domain.is_periodic() {
+            let margin = DVec2::splat(drawn_around(self.session));
+            let size = self.session.size_radii();
+            self.screen_rect(-margin, size + margin)
+                .intersect(self.rect)
+        } else {
+            self.rect
+        }
+    }
+
+    /// Returns the shifts by whole periods that move something of the box from `low` to `high` both into the domain or a
+    /// copy that is drawn, and into view; of a bounded domain, no shift at all if the box is in view.
+    pub(crate) fn shifts(&self, low: DVec2, high: DVec2) -> impl Iterator<Item = DVec2> + use<> {
+        let size = self.session.size_radii();
+        let margin = drawn_around(self.session);
+        let steps = |k: usize| {
+            let (from, to) = if margin > 0.0 {
+                let first = ((-margin - high[k]) / size[k]).ceil();
+                let last = ((size[k] + margin - low[k]) / size[k]).floor();
+                (first.max(-1.0) as i32, last.min(1.0) as i32)
+            } else {
+                (0, 0)
+            };
+            from..=to
+        };
+        let (columns, rows) = (steps(0), steps(1));
+        let (view_low, view_high) = (self.low, self.high);
+        let shifts = rows.flat_map(move |up| columns.clone().map(move |right| (right, up)));
+        let shifts = shifts.map(move |(right, up)| DVec2::new(right.into(), up.into()) * size);
+        shifts.filter(move |shift| {
+            ((high + *shift).cmpge(view_low) & (low + *shift).cmple(view_high)).all()
+        })
     }
 
     /// Returns whether disks and gaps are large enough to be drawn.

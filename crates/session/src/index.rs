@@ -87,19 +87,31 @@ impl SampleIndex {
     /// Calls `visit` with every sample within `reach` of the rectangle from `low` to `high` and, in
     /// a periodic domain, with their images up to `reach` outside the domain.
     pub fn visit(&self, low: DVec2, high: DVec2, reach: f64, visit: impl FnMut(Seen)) {
-        self.visit_copies(low, high, reach, false, visit);
+        self.visit_copies(low, high, [reach, reach], false, visit);
     }
 
-    /// Calls `visit` with these images alone.
+    /// Like [`Self::visit`], with images up to `beyond` outside a periodic domain, whatever `reach` is.
+    pub fn visit_around(
+        &self,
+        low: DVec2,
+        high: DVec2,
+        reach: f64,
+        beyond: f64,
+        visit: impl FnMut(Seen),
+    ) {
+        self.visit_copies(low, high, [reach, beyond], false, visit);
+    }
+
+    /// Calls `visit` with the images alone that [`Self::visit`] calls it with.
     pub fn visit_images(&self, low: DVec2, high: DVec2, reach: f64, visit: impl FnMut(Seen)) {
-        self.visit_copies(low, high, reach, true, visit);
+        self.visit_copies(low, high, [reach, reach], true, visit);
     }
 
     fn visit_copies(
         &self,
         low: DVec2,
         high: DVec2,
-        reach: f64,
+        [reach, beyond]: [f64; 2],
         images_alone: bool,
         mut visit: impl FnMut(Seen),
     ) {
@@ -109,7 +121,11 @@ impl SampleIndex {
             &[0.0]
         };
         // Samples that a bounded domain dropped lie up to one radius outside it.
-        let beyond = if self.periodic { reach } else { reach.max(1.0) };
+        let beyond = if self.periodic {
+            beyond
+        } else {
+            reach.max(1.0)
+        };
         for &up in copies {
             for &right in copies {
                 let shift = DVec2::new(right, up) * self.size;

@@ -1,13 +1,15 @@
-//! Tilescope: no arguments opens the window, a subcommand runs the command line. This file only
+//! Tilescope: no arguments or a file opens the window, a subcommand runs the command line. This file only
 //! chooses between the two.
 
 use std::io::Write;
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 use tilescope_app::WindowOptions;
 use tilescope_cli::lesson::{Handout, Played};
 use tilescope_cli::{Arguments, FromWindow, HeadlessReason};
 use tilescope_workbench::Command;
+use tilescope_workbench::files::FileCommand;
 use tilescope_workbench::handout::{HandoutTask, handout};
 use tilescope_workbench::lessons::LessonCommand;
 use tilescope_workbench::scene_lesson::lesson_of_session;
@@ -43,6 +45,11 @@ fn opening(played: Played) -> Vec<Command> {
     commands
 }
 
+/// Returns the command that opens a file of any kind. The window shows why, if it cannot be read.
+fn opening_file(file: PathBuf) -> Command {
+    Command::File(FileCommand::Open(file.to_string_lossy().into_owned()))
+}
+
 fn main() -> ExitCode {
     let arguments = Arguments::read();
     let played = match arguments.played() {
@@ -58,19 +65,20 @@ fn main() -> ExitCode {
         return tilescope_cli::run(command, WINDOW);
     }
     let has_link = arguments.link.is_some();
-    let without_window = |reason: &HeadlessReason| {
-        if has_link {
-            tilescope_cli::refuse_link(reason)
-        } else {
-            tilescope_cli::run_headless(reason)
-        }
+    let file = arguments.open.clone();
+    let without_window = |reason: &HeadlessReason| match &file {
+        Some(file) => tilescope_cli::refuse_file(file, reason),
+        None if has_link => tilescope_cli::refuse_link(reason),
+        None => tilescope_cli::run_headless(reason),
     };
     if !tilescope_app::display_available() {
         return without_window(&HeadlessReason::NoDisplay);
     }
+    let mut commands = played.map_or_else(Vec::new, opening);
+    commands.extend(arguments.open.map(opening_file));
     let options = WindowOptions {
         link: arguments.link,
-        commands: played.map_or_else(Vec::new, opening),
+        commands,
         ..WindowOptions::default()
     };
     match tilescope_app::run_native(&options) {

@@ -8,6 +8,9 @@ use crate::layout::Panel;
 
 /// The smallest window, in screen points, that has room for tiles.
 pub const ROOM_FOR_TILES: Vec2 = vec2(960.0, 420.0);
+/// The smallest room beside a lesson or the list of lessons, in screen points, for tiles: a lesson puts the panels beside
+/// the canvas away, and a laptop's window of 1280 points keeps its menus.
+pub const ROOM_BESIDE_LESSON: Vec2 = vec2(880.0, 420.0);
 /// The smallest width, in screen points, that has room for panels beside the canvas.
 pub const ROOM_BESIDE: f32 = 560.0;
 /// The smallest window, in screen points, that has room for the projector's larger type.
@@ -30,8 +33,19 @@ impl Arrangement {
     /// Returns the arrangement of a window of `size`, in screen points before the look's enlargement.
     #[must_use]
     pub fn of(size: Vec2, look: Look) -> Self {
+        Self::with_room(size, look, ROOM_FOR_TILES)
+    }
+
+    /// Returns the arrangement of what is left of a window beside a lesson or the list of lessons, likewise.
+    #[must_use]
+    pub fn beside_lesson(size: Vec2, look: Look) -> Self {
+        Self::with_room(size, look, ROOM_BESIDE_LESSON)
+    }
+
+    /// Returns the arrangement of a size where tiles need this room in the looks of normal type.
+    fn with_room(size: Vec2, look: Look, for_tiles: Vec2) -> Self {
         let room = match look {
-            Look::Dark | Look::Light => ROOM_FOR_TILES,
+            Look::Dark | Look::Light => for_tiles,
             Look::Projector | Look::ProjectorDark => ROOM_FOR_PROJECTOR,
         };
         if size.x >= room.x && size.y >= room.y {
@@ -94,6 +108,10 @@ mod tests {
         ] {
             assert_eq!(Arrangement::of(size.into(), Look::Dark), expected);
         }
+        // A laptop of 1280 x 720 with a lesson of 372 points, and a smaller one.
+        let beside = |size: [f32; 2]| Arrangement::beside_lesson(size.into(), Look::Dark);
+        assert_eq!(beside([908.0, 720.0]), Arrangement::Tiles);
+        assert_eq!(beside([652.0, 768.0]), Arrangement::Portrait);
         let projected = |size: [f32; 2]| Arrangement::of(size.into(), Look::Projector);
         assert_eq!(projected([800.0, 500.0]), Arrangement::Tiles);
         assert_eq!(projected([390.0, 844.0]), Arrangement::Portrait);

@@ -127,6 +127,11 @@ pub enum FileCommand {
     Go,
     /// Cancels reading or writing.
     Cancel,
+    /// Opens a file of any kind that can be dropped on the window, or a lesson; at the start of the program once the first run
+    /// is there, with which a point set may be compared.
+    Open(String),
+    /// Reopens the last session of an earlier use of the program.
+    Last,
     /// Takes files that were dropped on the window: a session, a layout or a pattern.
     Dropped(Vec<String>),
     /// Takes dropped files as bytes, and messages about others that could not be read.
@@ -164,5 +169,18 @@ impl Default for Delivery {
     }
 }
 
+/// The last session of an earlier use of the program, as [`crate::State::session_to_keep`] wrote it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct LastSession {
+    /// The text.
+    pub text: String,
+    /// Whether it was reopened since the start.
+    pub is_reopened: bool,
+}
+
+/// The name of the last session, where files are named.
+pub const LAST_SESSION: &str = "last-session.json";
+/// The most files that are listed as recent.
+pub const MAX_RECENT: usize = 8;
 /// The default name of a session's file.
 pub const SESSION_NAME: &str = "tilescope-session.json";

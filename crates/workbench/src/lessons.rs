@@ -240,8 +240,8 @@ pub struct OpenLesson {
     pub(crate) changed: Option<std::time::SystemTime>,
     /// Whether it was presented since it was opened; its results do not count then.
     pub(crate) was_presented: bool,
-    /// Whether the panels beside the canvas were hidden for the lesson.
-    pub(crate) hid_sides: bool,
+    /// Whether it was made of the session's scenes, to present them; it closes when the talk ends.
+    pub(crate) is_of_scenes: bool,
 }
 
 /// A lesson that comes with the program, as links and pages ask for it.
@@ -459,7 +459,7 @@ impl OpenLesson {
             missed: 0,
             changed: None,
             was_presented: false,
-            hid_sides: false,
+            is_of_scenes: false,
         }
     }
 

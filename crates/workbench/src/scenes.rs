@@ -24,6 +24,8 @@ pub enum SceneCommand {
     Step(Direction),
     /// Starts the tour.
     Tour,
+    /// Does what the button of this index of the tour's scene offers.
+    Offer(usize),
     /// Removes the caption from the canvas, and ends the tour.
     Leave,
 }

@@ -120,10 +120,19 @@ pub struct State {
     pub links: Links,
     /// Messages to the user.
     pub messages: Messages,
-    /// The run that was shown before scenes were presented, and that comes back afterwards.
-    set_aside: Option<Box<RunView>>,
+    /// What a lesson or the tour has replaced.
+    borrowed: Option<Box<borrowed::Borrowed>>,
     history: undo::History,
     jobs: JobContext,
+}
+
+/// Returns whether a command is work of the user's own, which begins where the user was before the tour. What the tour
+/// itself offers is carried out by [`State::take_offer`].
+const fn ends_tour(command: &Command) -> bool {
+    matches!(
+        command,
+        Command::Form(_) | Command::Run | Command::Combine(_) | Command::Compare(_)
+    )
 }
 
 impl State {
@@ -146,7 +155,7 @@ impl State {
             thumbnails: Thumbnails::default(),
             links: Links::default(),
             messages: Messages::default(),
-            set_aside: None,
+            borrowed: None,
             history: undo::History::default(),
             jobs: JobContext {
                 wake,
@@ -207,6 +216,9 @@ impl State {
     pub fn apply(&mut self, command: Command) {
         if self.refuse_veiled(&command) {
             return;
+        }
+        if self.is_touring() && ends_tour(&command) {
+            self.leave_scene();
         }
         self.draft_from_canvas(&command);
         // The cursor before a command after which the camera may follow; `None` within leads to the event at once.
@@ -378,11 +390,13 @@ impl State {
         }
     }
 
-    /// Opens the inspector, if something is selected and the window has panels.
+    /// Opens the inspector, if something is selected and the window has panels. A selection that answers a question opens
+    /// nothing: the inspector would take room from the picture, and may tell the answer.
     fn inspect(&mut self, which: Which) {
         let run = self.runs.get(which);
         let is_selected = run.is_some_and(|run| run.selected.is_some() || run.place.is_some());
-        if is_selected && self.window.embedding.is_none() {
+        let is_asked = self.lessons.open_question().is_some();
+        if is_selected && !is_asked && self.window.embedding.is_none() {
             self.window.open_panel(Panel::Inspector);
         }
     }
@@ -406,6 +420,7 @@ impl State {
 
 mod analysis;
 mod announce;
+mod borrowed;
 mod combine;
 mod compare;
 mod effects;
@@ -428,6 +443,7 @@ mod talk_told;
 mod tests;
 mod time;
 mod undo;
+mod unfinished;
 mod view;
 mod window;
 mod work;

@@ -15,9 +15,9 @@ pub struct TourScene {
     /// The moment, the view and the caption.
     #[serde(flatten)]
     pub scene: SavedScene,
-    /// The button of the scene, if it has one.
+    /// The buttons of the scene.
     #[serde(default)]
-    pub offer: Option<Offer>,
+    pub offers: Vec<Offer>,
 }
 
 /// A button with the commands that it issues.

@@ -3,7 +3,7 @@
 use egui::Key;
 use tilescope_session::combination::CombineCommand;
 
-use super::{Action, COMMAND, List, Menu, SHIFT};
+use super::{Action, COMMAND, List, Menu, SHIFT, Submenu};
 use tilescope_workbench::command::{Command, FormCommand, LinkCommand, Which};
 use tilescope_workbench::export::{ExportCommand, ExportKind};
 use tilescope_workbench::files::{FileCommand, Purpose};
@@ -81,6 +81,7 @@ fn sessions(list: &mut List, state: &State) {
     toggle(list, "Open session\u{2026}", sheet(Purpose::Open), None).on_keys(COMMAND, Key::O);
     let save = sheet(Purpose::Save);
     toggle(list, "Save session\u{2026}", save, state.save_refusal()).on_keys(COMMAND, Key::S);
+    recent(list, state);
     let combination = sheet(Purpose::Combination);
     toggle(list, "Open a combination\u{2026}", combination, None);
     let nine = Command::Combine(CombineCommand::Nine);
@@ -91,4 +92,16 @@ fn sessions(list: &mut List, state: &State) {
     let generated = Command::Form(FormCommand::GeneratedPattern);
     list.add("Use a generated pattern", generated)
         .refused(is_generated.then_some("The pattern is already generated."));
+}
+
+/// Adds the last session and the files that were opened or saved last.
+fn recent(list: &mut List, state: &State) {
+    list.within(Submenu::Recent, |list| {
+        let has_last = state.files.last_session.is_some();
+        let last = list.add("Reopen the last session", Command::File(FileCommand::Last));
+        last.refused((!has_last).then_some("No session of an earlier use of the program is kept."));
+        for path in &state.files.recent {
+            list.add(path, Command::File(FileCommand::Open(path.clone())));
+        }
+    });
 }

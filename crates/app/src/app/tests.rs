@@ -12,6 +12,8 @@ use tilescope_workbench::command::{
     AppearanceCommand, DebugCommand, TimeCommand, ViewCommand, Which, WindowCommand,
 };
 use tilescope_workbench::embedding::Embedding;
+use tilescope_workbench::export::{ExportCommand, ExportKind};
+use tilescope_workbench::lessons::LessonCommand;
 use tilescope_workbench::scenes::SceneCommand;
 
 /// A window without a display.
@@ -38,6 +40,33 @@ impl Window {
         };
         window.rest();
         window
+    }
+
+    /// The window at its first start, before anything was stored.
+    fn first(size: [f32; 2]) -> Self {
+        let ctx = Context::default();
+        ctx.enable_accesskit();
+        let mut app = App::new(&ctx);
+        app.remember(&MemoryStorage::default(), true);
+        let mut window = Self {
+            ctx,
+            app,
+            size: size.into(),
+            nodes: Vec::new(),
+            shapes: Vec::new(),
+        };
+        window.rest();
+        window
+    }
+
+    /// Returns the share of the window's area that the canvas has.
+    fn canvas_share(&self) -> f32 {
+        self.app.state.runs.first.viewport.area() / (self.size.x * self.size.y)
+    }
+
+    fn is_known(&self, id: &str) -> bool {
+        let is_it = |node: &(NodeId, Node)| node.1.author_id() == Some(id);
+        self.nodes.iter().any(is_it)
     }
 
     /// Shows one frame in which these events arrive.
@@ -357,6 +386,229 @@ fn a_scene_and_a_row_lead_to_the_same_moment() {
         - 1;
     window.apply(Command::Debug(DebugCommand::SelectEvent(last)));
     assert_eq!(window.cursor(), 4_000);
+}
+
+#[test]
+fn the_first_start_shows_the_tour_alone_on_a_large_canvas() {
+    for size in [[1280.0, 720.0], [1440.0, 900.0], [1920.0, 1080.0]] {
+        let mut window = Window::first(size);
+        let state = &window.app.state;
+        assert!(state.is_touring() && !state.lessons.lists && !state.window.shows_sides());
+        let share = window.canvas_share();
+        assert!(share >= 0.6, "{size:?}: {share}");
+        let canvas = state.runs.first.viewport;
+        assert!(canvas.contains_rect(window.rect_of("caption")), "{size:?}");
+        // The last card brings the panels and offers the lessons.
+        let forwards = SceneCommand::Step(tilescope_debugger::Direction::Forwards);
+        for _ in 1..tilescope_workbench::tour::tour().len() {
+            window.apply(Command::Scene(forwards.clone()));
+        }
+        assert!(window.app.state.is_touring() && window.app.state.window.shows_sides());
+        let lessons = window.rect_of("caption-offer-1").center();
+        window.frame(click(lessons).to_vec());
+        window.rest();
+        assert!(window.app.state.lessons.lists && !window.app.state.is_touring());
+        assert!(window.is_known("lesson-welcome"), "{size:?}");
+    }
+}
+
+#[test]
+fn the_camera_of_the_first_frame_is_right_in_every_window() {
+    let sizes = [
+        [1280.0, 720.0],
+        [1920.0, 1080.0],
+        [390.0, 844.0],
+        [844.0, 390.0],
+    ];
+    for size in sizes {
+        let window = Window::first(size);
+        let run = &window.app.state.runs.first;
+        // The first scene shows 26 r across the shorter side of the canvas.
+        let shown = f64::from(run.viewport.size().min_elem()) / run.camera.scale;
+        assert!((shown - 26.0).abs() < 0.1, "{size:?}: {shown}");
+    }
+}
+
+#[test]
+fn on_a_phone_the_card_of_the_tour_stands_below_a_canvas_of_half_the_height() {
+    for size in [[390.0, 844.0], [320.0, 568.0], [360.0, 640.0]] {
+        let mut window = Window::first(size);
+        for _ in tilescope_workbench::tour::tour() {
+            let canvas = window.app.state.runs.first.viewport;
+            assert!(
+                canvas.height() >= 0.5 * size[1] - 1.0,
+                "{size:?}: {canvas:?}"
+            );
+            let card = window.rect_of("caption-title");
+            assert!(
+                card.top() >= canvas.bottom(),
+                "{size:?}: {card:?} in {canvas:?}"
+            );
+            let forwards = SceneCommand::Step(tilescope_debugger::Direction::Forwards);
+            let state = &window.app.state;
+            let last = tilescope_workbench::tour::tour().len() - 1;
+            if state.scene.is_some_and(|shown| shown.index < last) {
+                window.apply(Command::Scene(forwards));
+            }
+        }
+        if size[1] > 600.0 {
+            // Where the card need not scroll, its buttons are in the window.
+            assert!(
+                window.rect_of("caption-next").bottom() <= size[1],
+                "{size:?}"
+            );
+        }
+    }
+}
+
+#[test]
+fn panels_that_a_lesson_hides_are_there_after_a_restart() {
+    let mut window = Window::opened([1440.0, 900.0]);
+    let layout = window.app.state.window.layout.clone();
+    let open = LessonCommand::Open("welcome".to_owned());
+    window.apply(Command::Lesson(open));
+    assert_ne!(window.app.state.window.layout, layout);
+    let mut storage = MemoryStorage::default();
+    eframe::App::save(&mut window.app, &mut storage);
+    let mut app = App::new(&Context::default());
+    app.remember(&storage, true);
+    assert_eq!(app.state.window.layout, layout);
+}
+
+#[test]
+fn a_laptops_window_with_a_lesson_keeps_its_tiles_and_the_title_its_place() {
+    let mut window = Window::opened([1280.0, 720.0]);
+    let names: Vec<String> = {
+        let shelf = window.app.state.lessons.shelf.iter();
+        shelf.map(|lesson| lesson.name.to_string()).collect()
+    };
+    for language in ["en", "de"] {
+        let command = LessonCommand::Language(language.to_owned());
+        window.apply(Command::Lesson(command));
+        for name in &names {
+            window.apply(Command::Lesson(LessonCommand::Open(name.clone())));
+            let arrangement = window.app.state.window.drawer.arrangement;
+            assert_eq!(arrangement, Arrangement::Tiles);
+            let (title, present) = (
+                window.rect_of("lesson-title"),
+                window.rect_of("lesson-present"),
+            );
+            assert!(
+                title.right() <= present.left(),
+                "{name}: {title:?} {present:?}"
+            );
+        }
+    }
+}
+
+#[test]
+fn a_click_on_a_copy_counts_as_one_on_what_it_is_a_copy_of() {
+    let mut window = Window::opened([1440.0, 900.0]);
+    let run = &window.app.state.runs.first;
+    let session = run.session.clone().unwrap();
+    let size = session.size_radii();
+    // A sample near the lower border, whose copy stands beyond the upper one.
+    let samples = 0..session.run().samples.points.len() as u32;
+    let mut kept = samples.filter(|&id| {
+        let shown = run.shown().unwrap();
+        shown.covers(id) && session.position(id).y < 1.0 && session.position(id).x > 20.0
+    });
+    let sample = kept.next().unwrap();
+    let copy = session.position(sample) + glam::DVec2::new(0.0, size.y);
+    window.apply(Command::View(Which::First, ViewCommand::FlyTo(copy, 9.0)));
+    for _ in 0..200 {
+        window.app.state.advance(0.1);
+    }
+    window.rest();
+    let screen = |window: &Window, at: glam::DVec2| {
+        let run = &window.app.state.runs.first;
+        run.camera.screen_from_domain(run.viewport, at)
+    };
+    let at = screen(&window, copy);
+    window.frame(click(at).to_vec());
+    window.rest();
+    assert_eq!(window.app.state.runs.first.selected, Some(sample));
+    // Between samples the place of the domain is selected.
+    let place = copy + glam::DVec2::new(0.45, 0.2);
+    let at = screen(&window, place);
+    window.frame(click(at).to_vec());
+    window.rest();
+    let run = &window.app.state.runs.first;
+    let selected = run
+        .place
+        .or_else(|| run.selected.map(|id| session.position(id)));
+    let selected = selected.expect("a place or a sample");
+    assert!(selected.y < 3.0, "{selected}");
+    // Far outside, where nothing is drawn, there is nothing to select.
+    let out = glam::DVec2::new(copy.x, size.y + 20.0);
+    window.apply(Command::View(Which::First, ViewCommand::FlyTo(out, 9.0)));
+    for _ in 0..200 {
+        window.app.state.advance(0.1);
+    }
+    window.rest();
+    let at = screen(&window, out);
+    window.frame(click(at).to_vec());
+    window.rest();
+    let run = &window.app.state.runs.first;
+    assert_eq!((run.selected, run.place), (None, None));
+}
+
+#[test]
+fn a_running_export_is_seen_after_its_sheet_is_closed() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut window = Window::opened([1440.0, 900.0]);
+    let path = folder.path().join("run.gif").to_string_lossy().into_owned();
+    for command in [
+        ExportCommand::Open(ExportKind::Animation),
+        ExportCommand::WholeRun(true),
+        ExportCommand::Path(path),
+        ExportCommand::Write,
+    ] {
+        window.app.state.apply(Command::Export(command));
+    }
+    window.frame(Vec::new());
+    assert!(!window.is_known("export-chip"), "the sheet shows it");
+    window
+        .app
+        .state
+        .apply(Command::Export(ExportCommand::Close));
+    window.frame(Vec::new());
+    window.frame(Vec::new());
+    let cancel = window.rect_of("export-chip.cancel").center();
+    assert!(window.is_known("export-chip"));
+    window.frame(click(cancel).to_vec());
+    window.rest();
+    assert!(!window.is_known("export-chip"));
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
+}
+
+#[test]
+fn results_are_in_the_folder_at_the_answer_and_the_last_session_at_the_end() {
+    let folder = tempfile::tempdir().unwrap();
+    let kept = KeptFolder::new(folder.path().to_owned());
+    let mut window = Window::opened([1440.0, 900.0]);
+    window.app.keep_in(kept.clone(), true);
+    window.apply(Command::Lesson(LessonCommand::Name("Ada".to_owned())));
+    window.app.keep_results();
+    let read = |folder: &std::path::Path| std::fs::read_to_string(folder.join("results.json"));
+    assert!(read(folder.path()).unwrap().contains("Ada"));
+    // Another window takes them, and is offered the session once something was done in this one.
+    let next = |is_default| {
+        let mut app = App::new(&Context::default());
+        app.keep_in(kept.clone(), is_default);
+        (
+            app.state.lessons.results.learner.clone(),
+            app.state.offers_session(),
+        )
+    };
+    window.app.keep_session();
+    assert_eq!(next(true), ("Ada".to_owned(), false));
+    window.apply(Command::Scene(SceneCommand::Add));
+    window.app.keep_session();
+    assert!(
+        next(true).1 && !next(false).1,
+        "a link or a file opens something else"
+    );
 }
 
 /// A storage in memory.

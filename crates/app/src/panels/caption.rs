@@ -1,14 +1,18 @@
-//! The caption of a scene over the canvas, with the buttons that go on and back.
+//! The caption of a scene over the canvas, with the buttons that go on and back. In a small window the tour's stands below the
+//! canvas.
 
-use egui::{Area, Button, FontId, Frame, Id, Label, Margin, Order, RichText, Stroke, Ui, pos2};
-use tilescope_debugger::Direction;
+use egui::{
+    Area, Button, FontId, Frame, Id, Label, Margin, Order, RichText, Stroke, Ui, pos2, vec2,
+};
+use tilescope_debugger::{Direction, SavedScene};
 use tilescope_drawing::palette::Palette;
+use tilescope_ui::focus;
 use tilescope_ui::theme::{is_for_fingers, semibold};
 use tilescope_ui::widgets::{Known, primary_button};
 use tilescope_workbench::command::Command;
 use tilescope_workbench::scenes::{SceneCommand, SceneList, ShownScene, split_caption};
 use tilescope_workbench::state::State;
-use tilescope_workbench::tour::tour;
+use tilescope_workbench::tour::{TourScene, tour};
 
 use super::common::read_out;
 
@@ -21,22 +25,73 @@ const BESIDE: f32 = 130.0;
 /// The distance of the caption from the canvas' lower edge: between the scale bar and the zoom, and above them.
 const ABOVE_EDGE: [f32; 2] = [14.0, 56.0];
 
-/// Shows the caption.
+/// A scene that is shown, with its caption.
+struct Card<'a> {
+    shown: ShownScene,
+    /// How many scenes its list has.
+    len: usize,
+    scene: &'a SavedScene,
+    of_tour: Option<&'static TourScene>,
+    palette: &'static Palette,
+    size: f32,
+}
+
+impl<'a> Card<'a> {
+    /// Returns the card of the scene that is shown, if it has a caption.
+    fn of(state: &'a State) -> Option<Self> {
+        let shown = state.scene?;
+        let scenes = state.scenes(shown.list);
+        let scene = *scenes.get(shown.index)?;
+        let of_tour = (shown.list == SceneList::Tour).then(|| &tour()[shown.index]);
+        let has_text = of_tour.is_some() || !scene.caption.is_empty();
+        has_text.then_some(Self {
+            shown,
+            len: scenes.len(),
+            scene,
+            of_tour,
+            palette: Palette::of(state.appearance.look),
+            size: CAPTION_SIZES[usize::from(state.appearance.look.is_projector())],
+        })
+    }
+
+    /// Shows title, text and buttons.
+    fn contents(&self, ui: &mut Ui, commands: &mut Vec<Command>) {
+        if let Some(of_tour) = self.of_tour {
+            let font = FontId::new(self.size, semibold());
+            ui.label(RichText::new(&of_tour.title).font(font))
+                .known_as("caption-title");
+        }
+        let text = RichText::new(split_caption(&self.scene.caption).0).size(self.size);
+        let response = ui.add(Label::new(text).wrap());
+        read_out(ui, &response);
+        response.known_as("caption");
+        offers(ui, self.of_tour, self.palette, commands);
+        ui.add_space(6.0);
+        ui.horizontal(|ui| {
+            let of = format!("{} of {}", self.shown.index + 1, self.len);
+            ui.label(RichText::new(of).color(self.palette.muted))
+                .known_as("caption-number");
+            steps(ui, self.shown, self.len, commands);
+        });
+    }
+}
+
+/// Returns whether the card stands below the canvas, as in a small window during the tour, and not over it.
+pub fn is_below(state: &State) -> bool {
+    let window = &state.window;
+    state.is_touring() && window.embedding.is_none() && window.drawer.arrangement.is_compact()
+}
+
+/// Shows the caption over the canvas.
 pub fn show(ui: &Ui, state: &State, commands: &mut Vec<Command>) {
-    let Some(shown) = state.scene else {
-        return;
-    };
-    let scenes = state.scenes(shown.list);
-    let Some(scene) = scenes.get(shown.index) else {
-        return;
-    };
-    let palette = Palette::of(state.appearance.look);
-    let of_tour = (shown.list == SceneList::Tour).then(|| &tour()[shown.index]);
-    if of_tour.is_none() && scene.caption.is_empty() {
+    let canvas = state.runs.first.viewport;
+    // Before the first frame has been laid out the card would stand anywhere.
+    if is_below(state) || !canvas.is_positive() {
         return;
     }
-    let canvas = state.runs.first.viewport;
-    let size = CAPTION_SIZES[usize::from(state.appearance.look.is_projector())];
+    let Some(card) = Card::of(state) else {
+        return;
+    };
     let [widest, least] = CAPTION_WIDTHS;
     let between = canvas.width() - 2.0 * BESIDE;
     let (room, above) = if between >= least {
@@ -53,37 +108,79 @@ pub fn show(ui: &Ui, state: &State, commands: &mut Vec<Command>) {
         .constrain(true)
         .show(ui.ctx(), |ui| {
             Frame::new()
-                .fill(palette.raised)
-                .stroke(Stroke::new(1.0, palette.accent))
+                .fill(card.palette.raised)
+                .stroke(Stroke::new(1.0, card.palette.accent))
                 .corner_radius(10)
                 .shadow(ui.visuals().window_shadow)
                 .inner_margin(Margin::symmetric(16, 12))
                 .show(ui, |ui| {
                     ui.set_width(width - 32.0);
-                    if let Some(of_tour) = of_tour {
-                        ui.label(RichText::new(&of_tour.title).font(FontId::new(size, semibold())))
-                            .known_as("caption-title");
-                    }
-                    let text = RichText::new(split_caption(&scene.caption).0).size(size);
-                    let response = ui.add(Label::new(text).wrap());
-                    read_out(ui, &response);
-                    response.known_as("caption");
-                    if let Some(offer) = of_tour.and_then(|scene| scene.offer.as_ref()) {
-                        ui.add_space(4.0);
-                        let button = primary_button(ui, &offer.name, None, palette);
-                        if button.known_as("caption-offer").clicked() {
-                            commands.extend(offer.commands.iter().cloned());
-                        }
-                    }
-                    ui.add_space(6.0);
-                    ui.horizontal(|ui| {
-                        let of = format!("{} of {}", shown.index + 1, scenes.len());
-                        ui.label(RichText::new(of).color(palette.muted))
-                            .known_as("caption-number");
-                        steps(ui, shown, scenes.len(), commands);
-                    });
+                    card.contents(ui, commands);
                 });
         });
+}
+
+/// Room for title, buttons and margins of a card below the canvas, and for the buttons that some cards have more.
+const AROUND_TEXT: [f32; 2] = [108.0, 60.0];
+
+/// Returns the height of the card below a canvas, where it is `width` wide.
+pub fn height_below(ctx: &egui::Context, state: &State, width: f32) -> f32 {
+    let Some(card) = Card::of(state) else {
+        return 0.0;
+    };
+    let text = split_caption(&card.scene.caption).0.to_owned();
+    let font = FontId::proportional(card.size);
+    let wrapped = width - 2.0 * BELOW_MARGIN.x;
+    let lines = ctx.fonts_mut(|fonts| fonts.layout(text, font, card.palette.text, wrapped));
+    let has_offers = card.of_tour.is_some_and(|scene| !scene.offers.is_empty());
+    let [around, more] = AROUND_TEXT;
+    (lines.size().y + around + if has_offers { more } else { 0.0 }).ceil()
+}
+
+/// The margin of a card below the canvas.
+pub const BELOW_MARGIN: egui::Vec2 = vec2(14.0, 10.0);
+
+/// Shows the card below the canvas; it scrolls where the window is too low for it.
+pub fn show_below(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+    if let Some(card) = Card::of(state) {
+        ScrollArea::vertical()
+            .id_salt("card of the tour")
+            .auto_shrink([false, false])
+            .show(ui, |ui| {
+                card.contents(ui, commands);
+                focus::follow(ui);
+            });
+    }
+}
+
+/// Shows the buttons of a scene of the tour, the first one in the colour of what to do next.
+fn offers(
+    ui: &mut Ui,
+    of_tour: Option<&TourScene>,
+    palette: &Palette,
+    commands: &mut Vec<Command>,
+) {
+    let offers = of_tour.map_or(&[][..], |scene| &scene.offers);
+    if offers.is_empty() {
+        return;
+    }
+    ui.add_space(4.0);
+    ui.columns(offers.len(), |columns| {
+        for (index, (offer, ui)) in offers.iter().zip(columns).enumerate() {
+            let button = if index == 0 {
+                primary_button(ui, &offer.name, None, palette)
+            } else {
+                let size = vec2(ui.available_width(), 34.0);
+                ui.add(Button::new(&offer.name).min_size(size))
+            };
+            let command = Command::Scene(SceneCommand::Offer(index));
+            button.issues(
+                format_args!("caption-offer-{}", index + 1),
+                command,
+                commands,
+            );
+        }
+    });
 }
 
 /// Shows the buttons that go on, back, and away.

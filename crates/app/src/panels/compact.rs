@@ -12,7 +12,7 @@ use tilescope_ui::theme::FINGER;
 use tilescope_ui::widgets::{Icon, Kebab, Known, icon_button};
 
 use super::context::{PanelContext, TimeContext};
-use super::{layers, show_panel, timeline, toolbar};
+use super::{caption, layers, show_panel, timeline, toolbar};
 use crate::panes::Canvas;
 use crate::panes::CanvasContext;
 use tilescope_workbench::arrangement::{Arrangement, DrawerCommand};
@@ -49,12 +49,18 @@ struct PartRects {
 /// all of a portrait one.
 fn needed_height(ctx: &Context, room: Rect, state: &State) -> f32 {
     let bar = if state.window.bare { 0.0 } else { BAR };
-    let drawer = state.window.drawer.open.map_or(0.0, |_| MIN_DRAWER_HEIGHT);
+    let is_open = state.window.drawer.open.is_some() || caption::is_below(state);
+    let drawer = if is_open { MIN_DRAWER_HEIGHT } else { 0.0 };
     let canvas = match state.window.drawer.arrangement {
         Arrangement::Landscape => 0.0,
         _ => MIN_CANVAS_HEIGHT,
     };
-    bar + canvas + controls(ctx, room, state) + TABS + drawer
+    bar + canvas + controls(ctx, room, state) + tabs_height(state) + drawer
+}
+
+/// Returns the height of the row of tabs. The tour needs its room: one thing at a time.
+fn tabs_height(state: &State) -> f32 {
+    if caption::is_below(state) { 0.0 } else { TABS }
 }
 
 /// Returns the rectangle of everything but the canvas: in a landscape window the side column.
@@ -68,6 +74,9 @@ fn column(room: Rect, state: &State) -> Rect {
 
 /// Returns the height of the time controls.
 fn controls(ctx: &Context, room: Rect, state: &State) -> f32 {
+    if caption::is_below(state) {
+        return 0.0;
+    }
     let width = column(room, state).width() - 2.0 * TIME_MARGIN.x;
     timeline::compact_height(ctx, &TimeContext::of(state), is_low(room), width)
 }
@@ -83,12 +92,16 @@ impl PartRects {
         if is_landscape {
             canvas.max.x = column.left();
         } else {
-            let rest = room.height() - bar - controls - TABS;
+            let rest = room.height() - bar - controls - tabs_height(state);
+            let half = CANVAS * room.height();
             let panel = match (drawer.open, drawer.is_tall) {
+                _ if caption::is_below(state) => {
+                    let needed = caption::height_below(ctx, state, room.width());
+                    needed.min(rest - half)
+                }
                 (None, _) => 0.0,
                 (Some(_), true) => rest - MIN_CANVAS_HEIGHT,
                 (Some(_), false) => {
-                    let half = CANVAS * room.height();
                     rest - half.min(rest - MIN_DRAWER_HEIGHT).max(MIN_CANVAS_HEIGHT)
                 }
             };
@@ -106,7 +119,7 @@ impl PartRects {
             canvas.bottom()
         };
         let controls = slice(top, controls);
-        let tabs = slice(controls.bottom(), TABS);
+        let tabs = slice(controls.bottom(), tabs_height(state));
         Self {
             bar,
             canvas,
@@ -224,9 +237,22 @@ impl CompactWindow<'_> {
         );
     }
 
-    /// Shows the time controls, the tabs and the open panel.
+    /// Shows the time controls, the tabs and the open panel; during the tour its card instead.
     fn below(&mut self, ui: &mut Ui, rects: &PartRects) {
         let fill = Palette::of(self.state.appearance.look).panel;
+        if caption::is_below(self.state) {
+            part(
+                ui,
+                "card",
+                rects.drawer,
+                caption::BELOW_MARGIN,
+                fill,
+                |ui| {
+                    caption::show_below(ui, self.state, self.commands);
+                },
+            );
+            return;
+        }
         part(ui, "time", rects.controls, TIME_MARGIN, fill, |ui| {
             timeline::show_compact(
                 ui,

@@ -58,10 +58,6 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         .fill(palette.panel)
         .inner_margin(Margin::symmetric(16, 12));
     let room = ui.available_size();
-    // At the first start a small window shows the tour alone.
-    if room.x < BESIDE && state.lessons.open.is_none() && state.is_touring() {
-        return;
-    }
     let panel = if room.x >= BESIDE {
         egui::Panel::right("lesson").exact_size(WIDTH)
     } else {
@@ -161,9 +157,6 @@ impl LessonPanel<'_> {
         let learner = &self.open.learner;
         let labels = self.labels;
         ui.horizontal(|ui| {
-            let title = self.muted(learner.words(&learner.lesson().title));
-            ui.add(Label::new(title).truncate())
-                .known_as("lesson-title");
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
                 let close = icon_button(ui, Icon::Close, labels.close, None, self.palette);
                 self.on_click(&close, "lesson-close", LessonCommand::Leave);
@@ -173,6 +166,13 @@ impl LessonPanel<'_> {
                 let present = ui.add(Button::new(labels.present).small());
                 let command = Command::Talk(TalkCommand::Lesson { from_start: false });
                 present.issues("lesson-present", command, self.commands);
+
+                // The title comes last: it is cut before the buttons, not drawn below them.
+                ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
+                    let title = self.muted(learner.words(&learner.lesson().title));
+                    ui.add(Label::new(title).truncate())
+                        .known_as("lesson-title");
+                });
             });
         });
     }

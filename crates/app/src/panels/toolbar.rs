@@ -14,6 +14,7 @@ use crate::actions::{Action, Menu, Submenu, actions};
 use crate::panels::context::PanelContext;
 use tilescope_workbench::command::{AppearanceCommand, Command, ViewCommand, Which};
 use tilescope_workbench::export::{ExportCommand, ExportKind};
+use tilescope_workbench::files::FileCommand;
 use tilescope_workbench::state::State;
 
 /// Minimum room behind the menus, in screen points, to show the run's name.
@@ -74,8 +75,39 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             }
             ui.add_space(6.0);
             verification::chip(ui, &PanelContext::of(state), commands);
+            exporting(ui, state, commands);
+            if state.offers_session() && ui.available_width() >= ROOM_FOR_LAST {
+                let last = ui.button("Reopen the last session");
+                let last = last.on_hover_text(LAST_SESSION);
+                let command = Command::File(FileCommand::Last);
+                last.issues("reopen-last", command, commands);
+            }
         });
     });
+}
+
+/// Minimum room left in the bar, in screen points, to offer the last session; the File menu has it always.
+const ROOM_FOR_LAST: f32 = 180.0;
+/// What a click on the button of the last session does.
+const LAST_SESSION: &str =
+    "Opens what the window showed when it was closed last: parameters, run, moment and scenes.";
+
+/// Shows how far a running export is while its sheet is closed, with a button that cancels it.
+fn exporting(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+    let exports = &state.files.exports;
+    let Some(fraction) = exports.fraction().filter(|_| exports.sheet.is_none()) else {
+        return;
+    };
+    let palette = Palette::of(state.appearance.look);
+    let cancel = icon_button(ui, Icon::Close, "Cancel the export", None, palette);
+    let command = Command::Export(ExportCommand::Cancel);
+    cancel.issues("export-chip.cancel", command, commands);
+    let text = format!("Exporting {:.0}%", 100.0 * fraction);
+    ui.label(RichText::new(text).color(palette.candidate))
+        .known_as("export-chip");
+    // The export itself draws no frames.
+    ui.ctx()
+        .request_repaint_after(std::time::Duration::from_millis(100));
 }
 
 /// Shows the bar of a small window; one menu has the rest.
@@ -105,6 +137,7 @@ pub fn show_compact(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             icon_button(ui, Icon::Fit, "Fit the domain (F)", None, palette)
                 .issues("fit", command, commands);
             verification::chip(ui, &PanelContext::of(state), commands);
+            exporting(ui, state, commands);
         });
     });
 }

@@ -14,6 +14,7 @@ use tilescope_session::selection::Selection;
 use super::CanvasContext;
 use tilescope_canvas::hint::{self, Hint};
 use tilescope_canvas::touch::{Hand, Touch};
+use tilescope_drawing::scene::drawn_around;
 use tilescope_drawing::subject::Subject;
 use tilescope_workbench::command::ViewCommand;
 
@@ -187,29 +188,35 @@ pub(super) fn nearest(
     let position = subject.camera.domain_from_screen(response.rect, pos);
     let reach = (reach / subject.camera.scale).min(1.5 * shown.spacing());
     let mut best: Option<(f64, u32)> = None;
-    shown
-        .session
-        .index
-        .visit(position, position, reach, |seen| {
-            let distance = seen.position.distance(position);
-            let visible = !seen.image && shown.standing(seen.id) != Standing::Absent;
-            if visible && distance <= reach && best.is_none_or(|(d, _)| distance < d) {
-                best = Some((distance, seen.id));
-            }
-        });
+    let index = &shown.session.index;
+    // A copy across a periodic border is drawn, and a click on it selects its sample.
+    let around = drawn_around(shown.session);
+    index.visit_around(position, position, reach, around, |seen| {
+        let distance = seen.position.distance(position);
+        let visible = shown.standing(seen.id) != Standing::Absent;
+        if visible && distance <= reach && best.is_none_or(|(d, _)| distance < d) {
+            best = Some((distance, seen.id));
+        }
+    });
     if best.is_none() && subject.layers.has(Layer::CoveredCircles) {
         return subject.geometry.exposed_at(&shown, position, reach);
     }
     best.map(|(_, id)| id)
 }
 
-/// Returns the selection of the place at a point on the screen; nothing outside the domain.
+/// Returns the selection of the place at a point on the screen: in a copy around a periodic domain that of the domain,
+/// farther out nothing.
 fn selection_at(response: &Response, subject: &Subject<'_>, pos: Pos2) -> Selection {
+    let session = subject.shown.session;
     let position = subject.camera.domain_from_screen(response.rect, pos);
-    let size = subject.shown.session.size_radii();
-    let inside = position.cmpge(DVec2::ZERO) & position.cmplt(size);
+    let (size, margin) = (session.size_radii(), drawn_around(session));
+    let inside = position.cmpge(DVec2::splat(-margin)) & position.cmplt(size + margin);
     if inside.all() {
-        Selection::Place(position)
+        // In a bounded domain the place is inside, and stays as it is.
+        let wrapped = position.rem_euclid(size);
+        // The remainder of a tiny negative number is rounded up to the divisor, which is the border at 0.
+        let place = DVec2::select(wrapped.cmplt(size), wrapped, DVec2::ZERO);
+        Selection::Place(place)
     } else {
         Selection::Nothing
     }

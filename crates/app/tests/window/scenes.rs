@@ -1,6 +1,6 @@
 //! The tour and scenes by keys: the space key goes on, Escape ends, the page keys step, also for a projector.
 
-use egui::{Key, Modifiers};
+use egui::{Key, Modifiers, Rect, pos2};
 use egui_kittest::Harness;
 use tilescope_app::App;
 use tilescope_session::look::Look;
@@ -37,7 +37,7 @@ fn space_goes_through_the_tour_and_escape_ends_it() {
         assert_eq!(text(&harness, "caption-title"), scene.title);
         assert_eq!(
             text(&harness, "caption-number"),
-            format!("{} of 10", index + 1)
+            format!("{} of {}", index + 1, tour().len())
         );
         press(&mut harness, Key::Space);
     }
@@ -56,17 +56,19 @@ fn space_goes_through_the_tour_and_escape_ends_it() {
 }
 
 #[test]
-fn the_last_scene_of_the_tour_breaks_the_set() {
+fn a_scene_of_the_tour_breaks_the_set_and_mends_it() {
     let mut harness = opened();
     apply(&mut harness, Command::Scene(SceneCommand::Tour));
-    for _ in 1..tour().len() {
+    while find(&harness, "caption-offer-2").is_none() {
         press(&mut harness, Key::PageDown);
     }
-    node(&harness, "caption-offer").click();
-    harness.run();
-    settle(&mut harness);
-    let verdict = harness.state().state.verdict();
-    assert!(verdict.is_some_and(|verdict| !verdict.report.maximal()));
+    for (offer, is_maximal) in [("caption-offer-1", false), ("caption-offer-2", true)] {
+        node(&harness, offer).click();
+        harness.run();
+        settle(&mut harness);
+        let verdict = harness.state().state.verdict();
+        assert!(verdict.is_some_and(|verdict| verdict.report.maximal() == is_maximal));
+    }
 }
 
 #[test]
@@ -100,7 +102,14 @@ fn a_caption_lies_within_a_small_canvas() {
         let mut harness = opened_at(size);
         apply(&mut harness, Command::Scene(SceneCommand::Tour));
         for _ in tour() {
-            let canvas = harness.state().state.runs.first.viewport;
+            let state = &harness.state().state;
+            // In a small window the card stands below the canvas.
+            let is_below = state.window.drawer.arrangement.is_compact();
+            let canvas = if is_below {
+                Rect::from_min_size(pos2(0.0, 0.0), size.into())
+            } else {
+                state.runs.first.viewport
+            };
             for id in ["caption", "caption-title", "caption-next", "caption-close"] {
                 let rect = node(&harness, id).rect();
                 assert!(

@@ -141,18 +141,18 @@ pub fn covered_circles(scene: &Scene<'_>, surface: &mut impl Surface) {
     }
 }
 
-/// Draws the borders of the gaps, which are arcs of disks.
+/// Draws the borders of the gaps, which are arcs of disks, also in the copies around a periodic domain.
 pub fn gap_borders(scene: &Scene<'_>, surface: &mut impl Surface) {
     let Some(mut net) = Net::of(scene, surface) else {
         return;
     };
     for gap in &net.tessellation.gaps {
         let [low, high] = [-GAP_REACH, GAP_REACH].map(|by| gap.deepest.0 + by);
-        net.shifts(low, high, |net, shift| {
+        for shift in scene.shifts(low, high) {
             for edge in gap.boundary.iter().flatten() {
                 net.border(edge, shift);
             }
-        });
+        }
     }
 }
 

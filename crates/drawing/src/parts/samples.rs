@@ -1,19 +1,18 @@
 //! Samples and their disks, conflicts, detectors and candidates. Only samples in view are visited.
 
-use emath::{Pos2, Rect};
+use emath::Pos2;
+use glam::DVec2;
 use tilescope_core::stages::detect::Candidate;
 use tilescope_core::{Iteration, Point, Stage, Standing};
 use tilescope_session::layers::Layer;
 
 use crate::look::{Symbol, outline, radii as radii_at};
 use crate::looks::Looks;
-use crate::scene::Scene;
+use crate::scene::{Scene, drawn_around};
 use crate::surface::{Mark, Stroke, Surface};
 
 /// The width of a conflict's edge, in screen points.
 const EDGE_WIDTH: f32 = 1.4;
-/// How far around a periodic domain copies of samples are drawn, in r.
-const AROUND: f64 = 8.0;
 /// The opacity of the copies.
 const DIMMED: f32 = 0.42;
 
@@ -38,10 +37,12 @@ pub fn pattern(scene: &Scene<'_>, surface: &mut impl Surface) {
     }
 }
 
-/// Draws the disks of the samples that cover them.
+/// Draws the disks of the samples that cover them, and in the copies around a periodic domain those of the copies.
 pub fn disks(scene: &Scene<'_>, looks: &Looks<'_>, surface: &mut impl Surface) {
     let index = &scene.session.index;
-    index.visit(scene.low, scene.high, scene.shown.disk_radius(), |seen| {
+    let radius = scene.shown.disk_radius();
+    let beyond = drawn_around(scene.session) + radius;
+    index.visit_around(scene.low, scene.high, radius, beyond, |seen| {
         let look = looks.of(seen.id);
         if look.disk {
             surface.disk(scene.at(seen.position), scene.disk_scale(), look.color);
@@ -73,7 +74,7 @@ pub fn draw(scene: &Scene<'_>, looks: &Looks<'_>, surface: &mut impl Surface) {
 pub fn copies(scene: &Scene<'_>, looks: &Looks<'_>, surface: &mut impl Surface) {
     let [radius, ..] = radii_at(scene.symbol_scale());
     let index = &scene.session.index;
-    index.visit_images(scene.low, scene.high, AROUND, |seen| {
+    index.visit_images(scene.low, scene.high, drawn_around(scene.session), |seen| {
         let look = looks.of(seen.id);
         if matches!(look.symbol, Symbol::Dot | Symbol::Diamond) {
             let color = look.color.gamma_multiply(DIMMED);
@@ -88,11 +89,14 @@ pub fn conflicts(scene: &Scene<'_>, surface: &mut impl Surface) {
         Stage::Tile => open_conflicts(scene, surface),
         Stage::Eliminate => {
             let color = scene.palette.conflict.gamma_multiply(0.6);
-            visit(scene, |id, _| {
-                if let Standing::Eliminated { by } = scene.shown.standing(id) {
-                    edge(scene, surface, [id, by], Stroke::new(EDGE_WIDTH, color));
-                }
-            });
+            // A line to an eliminated sample ends at nothing while those are not drawn.
+            if scene.has(Layer::Eliminated) {
+                visit(scene, |id, _| {
+                    if let Standing::Eliminated { by } = scene.shown.standing(id) {
+                        edge(scene, surface, [id, by], Stroke::new(EDGE_WIDTH, color));
+                    }
+                });
+            }
             if !scene.shown.ends_stage() {
                 open_conflicts(scene, surface);
             }
@@ -111,12 +115,19 @@ fn open_conflicts(scene: &Scene<'_>, surface: &mut impl Surface) {
     }
 }
 
+/// Draws the line between two samples wherever it is in the domain and the copies around it.
 fn edge(scene: &Scene<'_>, surface: &mut impl Surface, [a, b]: [u32; 2], stroke: Stroke) {
     let from = scene.session.position(a);
     let to = scene.session.image_near(b, from);
-    let ends = [scene.at(from), scene.at(to)];
-    if scene.rect.intersects(Rect::from_two_pos(ends[0], ends[1])) {
-        surface.dashes(ends, stroke);
+    let margin = drawn_around(scene.session);
+    let end = scene.session.size_radii() + margin;
+    for shift in scene.shifts(from.min(to), from.max(to)) {
+        let [a, b] = [from + shift, to + shift];
+        // Where the copies end, a line whose other sample is not drawn would end at nothing.
+        let is_drawn = |at: DVec2| (at.cmpge(DVec2::splat(-margin)) & at.cmple(end)).all();
+        if shift == DVec2::ZERO || is_drawn(a) && is_drawn(b) {
+            surface.dashes([scene.at(a), scene.at(b)], stroke);
+        }
     }
 }
 

@@ -1,13 +1,14 @@
 //! Draws a moment, as the canvas does, into shapes of `tilescope_figures`: the parts of `tilescope_drawing`, with
 //! exact gaps.
 
+use ecolor::Color32;
 use emath::Rect;
 use tilescope_core::Stage;
 use tilescope_drawing::MIN_DISK_SCALE;
 use tilescope_drawing::brushed::BrushedCause;
 use tilescope_drawing::looks::{Looks, Swatches};
 use tilescope_drawing::parts::{self, Part};
-use tilescope_drawing::scene::Scene;
+use tilescope_drawing::scene::{Scene, drawn_around};
 use tilescope_drawing::subject::Subject;
 use tilescope_drawing::surface::Surface;
 use tilescope_figures::{Fill, Group, Hatch, Shape, Style, with_alpha};
@@ -46,8 +47,8 @@ pub(super) fn groups(
     let mut swatches = Swatches::default();
     swatches.follow(&scene.subject, scene.palette);
     let looks = Looks::new(&scene.subject, scene.palette, &swatches);
-    if scene.is_fine() && scene.has(Layer::Gaps) && scene.stage >= Stage::Eliminate {
-        groups.extend(gaps(&scene));
+    if draws_gaps(&scene) {
+        groups.extend(gaps(&scene, scene.domain(), scene.palette.domain));
     }
     for part in Part::ALL.into_iter().filter(|part| part.is_on(&scene)) {
         let mut shapes = Shapes::default();
@@ -100,12 +101,25 @@ fn subject<'a>(
 fn ground(scene: &Scene<'_>, view: &PictureView) -> Vec<Group> {
     let mut shapes = Shapes::default();
     shapes.rect(scene.rect, Some(view.outside()), None);
+    let mut groups: Vec<Group> = shapes.into_groups("surroundings", scene.rect).collect();
+
+    // The domain covers the part of these gaps that is not in the copies around it.
+    if draws_gaps(scene) && drawn_around(scene.session) > 0.0 {
+        groups.extend(gaps(scene, scene.around(), view.outside()));
+    }
+    let mut shapes = Shapes::default();
     scene.ground(&mut shapes);
-    shapes.into_groups("ground", scene.rect).collect()
+    groups.extend(shapes.into_groups("ground", scene.rect));
+    groups
 }
 
-/// Returns the hatched domain, covered with disks: exactly the gaps stay hatched.
-fn gaps(scene: &Scene<'_>) -> [Group; 2] {
+/// Returns whether the gaps of the moment are drawn.
+fn draws_gaps(scene: &Scene<'_>) -> bool {
+    scene.is_fine() && scene.has(Layer::Gaps) && scene.stage >= Stage::Eliminate
+}
+
+/// Returns an area, hatched and then covered with disks of the colour of its ground: exactly the gaps stay hatched.
+fn gaps(scene: &Scene<'_>, area: Rect, ground: Color32) -> [Group; 2] {
     let gap = color(scene.palette.gap);
     let hatch = Hatch {
         color: with_alpha(gap, 217),
@@ -114,23 +128,25 @@ fn gaps(scene: &Scene<'_>) -> [Group; 2] {
     };
     let fills = [Fill::Solid(with_alpha(gap, 128)), Fill::Hatch(hatch)];
     let hatched = fills.map(|fill| Shape::Rect {
-        rect: rect(scene.domain()),
+        rect: rect(area),
         style: Style {
             fill: Some(fill),
             stroke: None,
         },
     });
-    let style = Style::filled(color(scene.palette.domain));
+
+    let style = Style::filled(color(ground));
     let mut disks = Vec::new();
     let index = &scene.session.index;
-    index.visit(scene.low, scene.high, 1.0, |seen| {
+    let beyond = drawn_around(scene.session) + 1.0;
+    index.visit_around(scene.low, scene.high, 1.0, beyond, |seen| {
         if scene.shown.covers(seen.id) {
             let radius = f64::from(scene.scale());
             disks.push(Shape::circle(at(scene.at(seen.position)), radius, style));
         }
     });
     [("gaps", hatched.into()), ("covered", disks)].map(|(name, shapes)| Group {
-        clip: Some(rect(scene.inside())),
+        clip: Some(rect(area.intersect(scene.rect))),
         shapes,
         ..Group::new(name)
     })

@@ -15,8 +15,8 @@ use super::effects::Context;
 use super::{FileState, RunView, State};
 use crate::files;
 use crate::files::{
-    Delivery, Done, FileCommand, FileForm, FileOutcome, FileSource, Filing, Purpose, ReadTask,
-    SESSION_NAME, SaveTask,
+    Delivery, Done, FileCommand, FileForm, FileOutcome, FileSource, Filing, MAX_RECENT, Purpose,
+    ReadTask, SESSION_NAME, SaveTask,
 };
 
 mod outcome;
@@ -52,6 +52,9 @@ impl FileState {
             FileCommand::Chosen(files) => self.choose(files),
             FileCommand::Browse => self.browse(context),
             FileCommand::Go => self.file_away(run, saving, context),
+            FileCommand::Open(path) => self.awaiting = Some(path),
+            // The state reopens it, by a link or as a file.
+            FileCommand::Last => {}
             FileCommand::Cancel => {
                 if let Some(filing) = &self.filing {
                     filing.job.cancel();
@@ -267,6 +270,18 @@ impl FileState {
         }
     }
 
+    /// Lists a file as the most recent one. Its path is complete, so that it is found from other folders.
+    pub(super) fn remember_file(&mut self, path: &str) {
+        if self.in_browser() {
+            return;
+        }
+        let whole = std::path::absolute(path);
+        let path = whole.map_or_else(|_| path.to_owned(), |path| path.display().to_string());
+        self.recent.retain(|other| *other != path);
+        self.recent.insert(0, path);
+        self.recent.truncate(MAX_RECENT);
+    }
+
     /// Takes the files that are to be downloaded.
     #[must_use]
     pub fn take_downloads(&mut self) -> Vec<NamedBytes> {
@@ -276,6 +291,9 @@ impl FileState {
 
 impl State {
     pub(super) fn apply_to_files(&mut self, command: FileCommand) {
+        if command == FileCommand::Last {
+            return self.reopen_last();
+        }
         let saves = |form: &FileForm| form.purpose == Purpose::Save;
         let is_saved = command == FileCommand::Go && self.files.sheet.as_ref().is_some_and(saves);
         let saving = is_saved.then(|| Saving {

@@ -14,7 +14,7 @@ use tilescope_session::session::Session;
 use tilescope_session::words::sentence;
 
 use super::{State, Which};
-use crate::command::{Command, ViewCommand, WindowCommand};
+use crate::command::{Command, ViewCommand};
 use crate::device::EngineChoice;
 use crate::files::{FileCommand, FileForm, Purpose};
 use crate::lesson_picture::layers_named;
@@ -176,15 +176,13 @@ impl State {
             }
             _ => 0,
         };
-        let mut hid_sides = self.lessons.open.take().is_some_and(|open| open.hid_sides);
-        if !hid_sides && self.window.embedding.is_none() && self.window.shows_sides() {
-            self.window.apply(WindowCommand::ToggleSides);
-            hid_sides = true;
+        if self.is_touring() {
+            self.leave_scene();
         }
+        self.borrow_window();
         (self.lessons.lists, self.scene, self.messages.notice) = (false, None, None);
         let learner = Learner::new(Arc::new(lesson), translation);
         self.lessons.open = Some(Box::new(OpenLesson {
-            hid_sides,
             text: text.to_owned(),
             ..OpenLesson::new(learner, source)
         }));
@@ -207,6 +205,7 @@ impl State {
         };
         match text {
             Ok(text) => {
+                self.files.remember_file(&path.to_string_lossy());
                 let source = LessonSource::File(path.to_owned());
                 self.open_lesson(&name.unwrap_or_default(), &text, source);
             }
@@ -354,19 +353,16 @@ impl State {
         }
     }
 
-    /// Closes the lesson and the list. Returns the whole run of the step.
-    pub(super) fn close_lesson(&mut self) -> Option<Arc<Recording>> {
-        (self.lessons.wanted, self.lessons.lists) = (None, false);
-        let open = self.lessons.open.take()?;
-        if open.hid_sides && !self.window.shows_sides() {
-            self.window.apply(WindowCommand::ToggleSides);
+    /// Closes the lesson. A window that had no run before it keeps the run of the step.
+    fn leave_lesson(&mut self) {
+        if self.lessons.open.is_some() {
+            self.give_back();
         }
-        self.appearance.chosen_layers = None;
-        open.run
     }
 
-    fn leave_lesson(&mut self) {
-        if let Some(run) = self.close_lesson() {
+    /// Shows the whole run of a lesson that was closed, if it was made, and verifies it.
+    pub(super) fn keep_run_of_lesson(&mut self, run: Option<Arc<Recording>>) {
+        if let Some(run) = run {
             self.show_run_of_lesson(&run, None);
             self.on(Which::First, |run, context| run.verify(context));
         }

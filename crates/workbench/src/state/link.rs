@@ -80,7 +80,7 @@ impl State {
             content.breakpoints = debugger.saved_breakpoints();
             content.watches.clone_from(&debugger.watches);
             content.scenes.clone_from(&debugger.scenes);
-            let layout = json!(self.window.layout);
+            let layout = json!(self.layout_to_store());
             let is_other = |layout_of: &Value| !layout_of.is_null() && *layout_of != layout;
             let scenes = content.scenes.iter();
             match scenes.filter(|mark| is_other(&mark.view["layout"])).count() {
@@ -209,12 +209,14 @@ impl State {
         self.stop_making();
         (self.files.sheet, self.files.exports.sheet) = (None, None);
         self.window.finder = None;
-        self.close_lesson();
+        (self.lessons.wanted, self.lessons.lists) = (None, false);
         if let Some(wanted) = content.lesson {
+            // A lesson that is open gives way to the other one, and what it borrowed stays borrowed.
             self.tell_of_link(&warnings);
             self.open_wanted(wanted);
             return;
         }
+        self.give_back();
         let before = self.memento();
         let is_made = self.is_made_from(&content);
         if !is_made {
@@ -290,6 +292,7 @@ impl State {
         self.runs.first.witness_mark = None;
         self.take_moment(&content.moment, warnings);
         self.take_linked_stops(content, warnings);
+        self.scenes_are_saved();
         for part in self.look_as(&content.view) {
             let text = format!("The link's {part} does not fit this run and was left out.");
             warnings.add(text);

@@ -6,7 +6,7 @@ use tilescope_session::jobs::{Job, Wake};
 use super::{Exports, Notice, RunView, announce, link};
 use crate::command::Which;
 use crate::compare::Comparison;
-use crate::files::{Delivery, FileForm, Filing, Purpose};
+use crate::files::{Delivery, FileForm, Filing, LastSession, Purpose};
 
 /// The runs that are shown.
 #[derive(Default)]
@@ -54,6 +54,14 @@ pub struct FileState {
     pub delivery: Delivery,
     /// Files that are to be downloaded.
     pub(super) downloads: Vec<NamedBytes>,
+    /// The paths of the files that were opened or saved last, the newest first; none in a browser.
+    pub recent: Vec<String>,
+    /// The last session of an earlier use of the program, if there is one.
+    pub last_session: Option<LastSession>,
+    /// The file that is opened as soon as there is a run.
+    pub(super) awaiting: Option<String>,
+    /// The scenes that are in a file.
+    pub(super) saved_scenes: Vec<tilescope_debugger::SavedScene>,
     /// The folder that is to be opened in the system's file manager.
     pub folder_to_open: Option<std::path::PathBuf>,
 }

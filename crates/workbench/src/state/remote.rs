@@ -72,7 +72,8 @@ impl State {
 
     /// Starts a run with other parameters; the view stays as it is.
     fn load(&mut self, parameters: Parameters) {
-        self.close_lesson();
+        (self.lessons.wanted, self.lessons.lists) = (None, false);
+        self.give_back();
         self.stop_making();
         self.form.own_pattern = None;
         self.form.draft = Draft::from_parameters(parameters);

@@ -86,6 +86,9 @@ pub struct RunView {
     pub flight: Option<Flight>,
     /// Whether the whole domain is fitted into the canvas, also when the window changes.
     pub(super) fitted: bool,
+    /// The place in the middle of the canvas and how many r around it fit, also when the window changes; `None` once the
+    /// user moves the picture.
+    pub(super) framed: Option<(DVec2, f64)>,
     /// While the pattern is shown, which has its own domain: the camera to return to, and whether it was
     /// fitted.
     pub(super) before_pattern: Option<(Camera, bool)>,
@@ -120,6 +123,7 @@ impl Default for RunView {
             hits: Hits::default(),
             flight: None,
             fitted: true,
+            framed: None,
             before_pattern: None,
             transition: transition::Transition::default(),
             prefix: prefix::Prefix::default(),
@@ -128,6 +132,17 @@ impl Default for RunView {
 }
 
 impl RunView {
+    /// Returns this run, and leaves an empty one in its place, with the same canvas. Breakpoints, watches and scenes go on
+    /// to the next run, as they do between runs.
+    pub(super) fn set_aside(&mut self) -> Self {
+        let empty = Self {
+            viewport: self.viewport,
+            stops: self.stops(),
+            ..Self::default()
+        };
+        std::mem::replace(self, empty)
+    }
+
     /// Returns the moment that is shown.
     #[must_use]
     pub fn shown(&self) -> Option<ShownMoment<'_>> {

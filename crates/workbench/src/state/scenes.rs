@@ -5,7 +5,7 @@ use tilescope_debugger::{Debugger, Direction, Marked, SavedScene};
 use tilescope_session::selection::Selection;
 
 use super::{RunView, State};
-use crate::command::{Command, FormCommand, Which};
+use crate::command::{FormCommand, Which};
 use crate::layout::Panel;
 use crate::scenes::{SceneCommand, SceneList, ShownScene, split_caption};
 use crate::tour::tour;
@@ -110,14 +110,37 @@ impl State {
             }
             SceneCommand::Show(index) => self.show_scene(SceneList::Own, index),
             SceneCommand::Step(direction) => self.step_scene(direction),
-            SceneCommand::Tour => {
-                if self.runs.first.debugger.is_none() && self.runs.first.sampling.is_none() {
-                    self.form.apply(FormCommand::Reset);
-                    self.apply(Command::Run);
-                }
-                self.show_scene(SceneList::Tour, 0);
-            }
+            SceneCommand::Tour => self.start_tour(),
+            SceneCommand::Offer(index) => self.take_offer(index),
             SceneCommand::Leave => self.leave_scene(),
+        }
+    }
+
+    /// Shows the first scene of the tour. Its scenes are of the run with the default parameters; what the window shows comes
+    /// back when the tour ends.
+    fn start_tour(&mut self) {
+        self.give_back();
+        self.borrow_window();
+        self.form.apply(FormCommand::Reset);
+        // At the start of the program that run is being made already.
+        let is_being_made = self.runs.first.sampling.is_some();
+        if !self.show_borrowed_session() && !is_being_made {
+            self.run();
+        }
+        self.show_scene(SceneList::Tour, 0);
+    }
+
+    /// Carries out the commands of a button of the tour's scene.
+    fn take_offer(&mut self, index: usize) {
+        let Some(shown) = self.scene.filter(|shown| shown.list == SceneList::Tour) else {
+            return;
+        };
+        let offers = tour().get(shown.index).map(|scene| &scene.offers);
+        let Some(offer) = offers.and_then(|offers| offers.get(index)) else {
+            return;
+        };
+        for command in &offer.commands {
+            self.dispatch(command.clone());
         }
     }
 
@@ -189,19 +212,27 @@ impl State {
         }
     }
 
-    /// Removes the caption. After the tour layers follow the stage again.
-    fn leave_scene(&mut self) {
+    /// Removes the caption. The tour gives back what it replaced.
+    pub(super) fn leave_scene(&mut self) {
         if self.is_touring() {
-            self.appearance.chosen_layers = None;
+            self.give_back();
+        } else {
+            self.scene = None;
         }
-        self.scene = None;
     }
 
     fn show_scene(&mut self, list: SceneList, index: usize) {
         let Some(scene) = self.scenes(list).get(index).map(|&scene| scene.clone()) else {
             return;
         };
+        if list == SceneList::Own && self.is_touring() {
+            self.leave_scene();
+        }
         self.scene = Some(ShownScene { list, index });
+        // The last card of the tour leads to the panels.
+        if list == SceneList::Tour && index + 1 == tour().len() {
+            self.bring_panels();
+        }
         // A run that is being made shows the scene when it is there.
         self.arrive_at(&scene);
     }
@@ -240,6 +271,7 @@ impl State {
     fn look_as_in(&mut self, view: &Value, is_same_run: bool) {
         let now = SavedView {
             selection: Selection::Nothing,
+            layout: self.window.layout.clone(),
             ..self.view()
         };
         let (saved, _) = SavedView::from_json(view, &now);
@@ -272,7 +304,10 @@ impl State {
 mod tests {
     use super::super::tests::settled;
     use super::*;
-    use crate::command::{TimeCommand, ViewCommand};
+    use crate::command::{Command, TimeCommand, ViewCommand};
+    use glam::DVec2;
+    use tilescope_core::RunEvent;
+    use tilescope_debugger::Event;
     use tilescope_drawing::camera::Camera;
     use tilescope_session::layers::Layer;
 
@@ -402,22 +437,135 @@ mod tests {
             scene(&mut state, SceneCommand::Step(Direction::Forwards));
         }
         assert!(state.scene.is_none());
-        assert_eq!(tour().len(), 10);
+        assert_eq!(tour().len(), 11);
+    }
+
+    /// Returns how far the samples are from the point that an event examines, nearest first, in r.
+    fn distances(state: &State, place: DVec2) -> Vec<f64> {
+        let run = &state.runs.first;
+        let shown = run.shown().unwrap();
+        let mut found = Vec::new();
+        shown.session.index.visit(place, place, 3.0, |seen| {
+            if shown.covers(seen.id) {
+                found.push(seen.position.distance(place));
+            }
+        });
+        found.sort_by(f64::total_cmp);
+        found
     }
 
     #[test]
-    fn the_offer_of_the_tour_breaks_the_set() {
+    fn scenes_of_the_tour_show_what_they_say_away_from_the_border() {
         let mut state = settled();
-        let offers = tour().iter().filter_map(|scene| scene.offer.as_ref());
-        for command in offers.flat_map(|offer| offer.commands.clone()) {
-            state.apply(command);
+        // A laptop's canvas.
+        let size = emath::vec2(1280.0, 560.0);
+        let viewport = emath::Rect::from_min_size(emath::pos2(0.0, 0.0), size);
+        state.apply(Command::View(Which::First, ViewCommand::Viewport(viewport)));
+        scene(&mut state, SceneCommand::Tour);
+        for of_tour in tour() {
+            rest(&mut state);
+            let run = &state.runs.first;
+            if !run.is_fitted() {
+                let (low, high) = run.camera.visible(viewport);
+                let end = run.session.as_ref().unwrap().size_radii();
+                let is_inside = low.cmpge(DVec2::ZERO).all() && high.cmple(end).all();
+                assert!(is_inside, "{}: {low} to {high} of {end}", of_tour.title);
+            }
+            let debugger = run.debugger.as_ref().unwrap();
+            let (recording, cursor) = (debugger.recording(), debugger.state().cursor());
+            let event = |at: usize| recording.event(at).and_then(Event::run_event);
+            match event(cursor.saturating_sub(1)) {
+                // The block has its whole copy.
+                Some(RunEvent::Tiled { .. }) => {
+                    assert!(!matches!(event(cursor), Some(RunEvent::Tiled { .. })));
+                }
+                // The label beside the pair's middle covers neither of them: the line leads from the upper left to the
+                // lower right, and no other sample is near.
+                Some(RunEvent::Eliminate { sample, by }) => {
+                    let session = run.session.as_ref().unwrap();
+                    let from = session.position(by);
+                    let way = session.image_near(sample, from) - from;
+                    assert!(way.x * way.y < 0.0 && way.length() > 0.5, "{way}");
+                }
+                // The circle is seen to be empty: three samples on it, the next one well outside, and an open area that
+                // is larger than the mark in its middle.
+                Some(RunEvent::Candidate { .. }) => {
+                    let near = distances(&state, run.current_place().unwrap());
+                    assert!(near[0] > 1.12 && near[2] - near[0] < 1e-3, "{near:?}");
+                    assert!(near[3] > near[0] + 0.2, "{near:?}");
+                }
+                _ => {}
+            }
+            if of_tour.title != tour()[tour().len() - 1].title {
+                scene(&mut state, SceneCommand::Step(Direction::Forwards));
+            }
         }
-        state.settle();
-        assert!(
-            state
-                .verdict()
-                .is_some_and(|verdict| !verdict.report.maximal())
-        );
+    }
+
+    #[test]
+    fn scratch_find() {
+        let state = settled();
+        let run = &state.runs.first;
+        let session = run.session.as_ref().unwrap();
+        let recording = session.recording().unwrap();
+        let end = session.size_radii();
+        let inner = |at: DVec2| at.cmpge(DVec2::splat(14.0)).all() && at.cmple(end - 14.0).all();
+        let mut state = settled();
+        let mut shown = 0;
+        for i in 0..recording.len() {
+            let event = recording.event(i).and_then(Event::run_event);
+            let next = recording.event(i + 1).and_then(Event::run_event);
+            let at = recording
+                .event(i)
+                .and_then(|e| recording.event_point(e))
+                .map(tilescope_session::units::position);
+            match event {
+                Some(RunEvent::Tiled { block, .. })
+                    if !matches!(next, Some(RunEvent::Tiled { .. })) && block < 14 =>
+                {
+                    let rect = &session.run().blocks.leaves[block as usize].rect;
+                    println!(
+                        "tiled block {block} {:?} {:?}",
+                        recording.anchor(i).map(|a| a.to_string()),
+                        rect
+                    );
+                }
+                Some(RunEvent::Eliminate { sample, by }) if inner(at.unwrap()) => {
+                    let from = session.position(by);
+                    let way = session.image_near(sample, from) - from;
+                    if way.x > 0.0 && way.y < -0.2 && (0.6..0.85).contains(&way.length()) {
+                        shown += 1;
+                        if shown < 40 {
+                            println!(
+                                "elim {:?} {at:?} {way}",
+                                recording.anchor(i).map(|a| a.to_string())
+                            );
+                        }
+                    }
+                }
+                Some(RunEvent::Candidate { .. })
+                    if inner(at.unwrap())
+                        && tilescope_debugger::Recording::is_gap(recording.event(i).unwrap()) =>
+                {
+                    state.apply(Command::Time(TimeCommand::Jump(i + 1)));
+                    let near = distances(&state, at.unwrap());
+                    if near[0] > 1.12 && near[3] > near[0] + 0.2 && near[2] - near[0] < 1e-3 {
+                        println!(
+                            "gap {:?} {at:?} {:?}",
+                            recording.anchor(i).map(|a| a.to_string()),
+                            &near[..5]
+                        );
+                    }
+                }
+                Some(RunEvent::Insert { .. }) if inner(at.unwrap()) => {
+                    let anchor = recording.anchor(i).unwrap();
+                    if anchor.stage == tilescope_core::Stage::Iterate(1) {
+                        println!("insert {anchor} {at:?}");
+                    }
+                }
+                _ => {}
+            }
+        }
     }
 
     #[test]

@@ -119,10 +119,10 @@ impl State {
         });
         match read {
             Ok((lesson, text)) => {
-                let set_aside = std::mem::take(&mut self.runs.first);
-                self.runs.first.viewport = set_aside.viewport;
-                self.set_aside = Some(Box::new(set_aside));
                 self.open_lesson("scenes", &text, LessonSource::Text);
+                if let Some(open) = &mut self.lessons.open {
+                    open.is_of_scenes = true;
+                }
                 self.begin_talk(vec![TalkPart::of(&lesson, None)]);
             }
             Err(why) => self.tell(format!("The scenes cannot be presented. {why}"), true),
@@ -153,12 +153,9 @@ impl State {
     /// Ends the talk; the lesson stays open, except for one that was made of scenes.
     pub(super) fn end_talk(&mut self) {
         self.talks.open = None;
-        if let Some(set_aside) = self.set_aside.take() {
-            self.close_lesson();
-            let viewport = self.runs.first.viewport;
-            self.runs.first = *set_aside;
-            self.runs.first.viewport = viewport;
-            self.time.playback.stop();
+        let open = self.lessons.open.as_ref();
+        if open.is_some_and(|open| open.is_of_scenes) {
+            self.give_back();
         }
     }
 

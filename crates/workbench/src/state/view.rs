@@ -28,7 +28,7 @@ impl State {
         SavedView {
             camera: (!fitted).then_some(camera),
             appearance: self.appearance.clone(),
-            layout: self.window.layout.clone(),
+            layout: self.layout_to_store().clone(),
             selection: first.selection(),
             playback: self.time.playback.clone(),
             second,

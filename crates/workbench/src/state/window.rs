@@ -31,7 +31,44 @@ pub struct WindowState {
     pub is_full: Option<bool>,
 }
 
+/// The panels as they were before a lesson or the tour hid some.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct KeptPanels {
+    layout: Layout,
+    put_away: PanelSet,
+    /// The panel of a compact window.
+    drawer: Option<Panel>,
+}
+
+impl KeptPanels {
+    pub(super) const fn layout(&self) -> &Layout {
+        &self.layout
+    }
+}
+
 impl WindowState {
+    pub(super) fn kept_panels(&self) -> KeptPanels {
+        KeptPanels {
+            layout: self.layout.clone(),
+            put_away: self.put_away,
+            drawer: self.drawer.open,
+        }
+    }
+
+    pub(super) fn put_back(&mut self, kept: KeptPanels) {
+        self.layout = kept.layout;
+        self.put_away = kept.put_away;
+        self.drawer.open = kept.drawer;
+    }
+
+    /// Hides the panels beside the canvas, if any are visible, and the one of a compact window.
+    pub(super) fn hide_sides(&mut self) {
+        if self.shows_sides() {
+            self.toggle_sides();
+        }
+        self.drawer.open = None;
+    }
+
     pub(super) fn apply(&mut self, command: WindowCommand) {
         match command {
             WindowCommand::ToggleFullScreen => self.full_screen = FullScreen::Asked,

@@ -28,6 +28,8 @@ struct Written {
     marks: Vec<(Mark, Pos2)>,
     dashes: Vec<([Pos2; 2], Stroke)>,
     circles: Vec<(Pos2, f32, Option<Stroke>)>,
+    disks: Vec<Pos2>,
+    arcs: Vec<Pos2>,
     others: usize,
 }
 
@@ -48,12 +50,12 @@ impl Surface for Written {
         self.circles.push((center, radius, stroke));
     }
 
-    fn arc(&mut self, _: Pos2, _: f32, _: Angles, _: Stroke) {
-        self.others += 1;
+    fn arc(&mut self, center: Pos2, _: f32, _: Angles, _: Stroke) {
+        self.arcs.push(center);
     }
 
-    fn disk(&mut self, _: Pos2, _: f32, _: Color) {
-        self.others += 1;
+    fn disk(&mut self, center: Pos2, _: f32, _: Color) {
+        self.disks.push(center);
     }
 
     fn mark(&mut self, mark: Mark, center: Pos2, _: [f32; 2], _: Color) {
@@ -82,7 +84,8 @@ impl Written {
     }
 
     fn is_empty(&self) -> bool {
-        self.marks.len() + self.dashes.len() + self.circles.len() + self.others == 0
+        let points = self.disks.len() + self.arcs.len();
+        self.marks.len() + self.dashes.len() + self.circles.len() + points + self.others == 0
     }
 }
 
@@ -223,6 +226,59 @@ fn every_event_of_every_variant_has_a_picture() {
             }
         }
     }
+}
+
+/// Returns how many of the points lie outside the domain of 16 r, in view.
+fn outside(state: &State, points: &[Pos2]) -> usize {
+    let run = &state.runs.first;
+    let corners = [[0.0, 16.0], [16.0, 0.0]];
+    let [from, to] = corners.map(|at| run.camera.screen_from_domain(run.viewport, at));
+    let domain = Rect::from_min_max(from, to).expand(0.01);
+    let is_out = |at: &&Pos2| !domain.contains(**at) && run.viewport.contains(**at);
+    points.iter().filter(is_out).count()
+}
+
+#[test]
+fn copies_around_a_periodic_domain_are_drawn_like_the_domain() {
+    for boundary in [Boundary::Periodic, Boundary::Bounded] {
+        let mut state = small(&[Choice::Boundary(boundary)]);
+        state.apply(Command::Appearance(AppearanceCommand::ToggleLayer(
+            Layer::Disks,
+        )));
+        let recording = recording(&state);
+        let is_periodic = boundary == Boundary::Periodic;
+        let end = |stage| recording.end_of(stage).expect("the stage");
+
+        // Within 4 r around 16 r lie 1.25 times as many samples as within.
+        let drawn = written(&state, &DARK, &[Part::Disks]);
+        let around = outside(&state, &drawn.disks);
+        let within = drawn.disks.len() - around;
+        assert_eq!(around > within, is_periodic, "{around} and {within}");
+        jump(&mut state, end(Stage::Tile));
+        let drawn = written(&state, &DARK, &[Part::Conflicts]);
+        let ends: Vec<Pos2> = drawn.dashes.iter().flat_map(|(ends, _)| *ends).collect();
+        assert_eq!(outside(&state, &ends) > 20, is_periodic);
+
+        jump(&mut state, end(Stage::Eliminate));
+        state.settle();
+        let drawn = written(&state, &DARK, &[Part::GapBorders]);
+        assert!(!drawn.arcs.is_empty());
+        assert_eq!(outside(&state, &drawn.arcs) > 20, is_periodic);
+    }
+}
+
+#[test]
+fn conflict_lines_lead_to_samples_that_are_drawn() {
+    let mut state = small(&[]);
+    let end = recording(&state).end_of(Stage::Eliminate).expect("it");
+    jump(&mut state, end);
+    // Of pairs of which one sample was eliminated there are lines while those samples are drawn, too.
+    let layers = state.appearance.layers(state.current_stage());
+    assert!(layers.has(Layer::Eliminated) && layers.has(Layer::Conflicts));
+    assert!(!written(&state, &DARK, &[Part::Conflicts]).dashes.is_empty());
+    let hide = AppearanceCommand::ToggleLayer(Layer::Eliminated);
+    state.apply(Command::Appearance(hide));
+    assert!(written(&state, &DARK, &[Part::Conflicts]).dashes.is_empty());
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! The list of lessons, each with how many of its questions are answered, and the learner's results.
 
-use egui::{Button, Label, RichText, TextEdit, Ui};
+use egui::{Button, CursorIcon, Label, RichText, TextEdit, Ui};
 use tilescope_drawing::palette::Palette;
 use tilescope_lessons::{Lesson, shipped};
 use tilescope_ui::widgets::{Icon, Known, heading, icon_button};
@@ -70,26 +70,28 @@ fn entry(
     } else {
         format!("{index}. ")
     };
-    let title = RichText::new(format!("{number}{}", words(&lesson.title))).size(14.5);
-    let button = ui.add(Button::new(title).frame(false));
+    let title = format!("{number}{}", words(&lesson.title));
+    // The colour of links says that a click opens something.
+    let title = RichText::new(title).size(14.5).color(palette.accent);
+    let button = ui.add(Button::new(title).frame(false).wrap());
+    let button = button.on_hover_cursor(CursorIcon::PointingHand);
     let command = Command::Lesson(LessonCommand::Open(shipped.name.to_string()));
     button.issues(format_args!("lesson-{}", shipped.name), command, commands);
-    ui.horizontal_wrapped(|ui| {
-        ui.add_space(8.0);
-        let about = format!("{} ({} min)", words(&lesson.objective), lesson.minutes);
-        ui.add(Label::new(RichText::new(about).small().color(palette.muted)).wrap());
-        if done > 0 {
-            let color = if done == gates {
-                palette.inserted
-            } else {
-                palette.candidate
-            };
-            let labels = labels(state);
-            let text = format!("{done} {} {gates} {}", labels.of, labels.answered);
-            ui.label(RichText::new(text).small().color(color));
-        }
-    });
-    ui.add_space(3.0);
+
+    // The number and its unit stay on one line.
+    let about = format!("{} ({}\u{a0}min)", words(&lesson.objective), lesson.minutes);
+    ui.add(Label::new(RichText::new(about).small().color(palette.muted)).wrap());
+    if done > 0 {
+        let color = if done == gates {
+            palette.inserted
+        } else {
+            palette.candidate
+        };
+        let labels = labels(state);
+        let text = format!("{done} {} {gates} {}", labels.of, labels.answered);
+        ui.label(RichText::new(text).small().color(color));
+    }
+    ui.add_space(6.0);
 }
 
 /// Shows how many results are kept on this device, and the buttons that save or clear them.

@@ -7,9 +7,9 @@ use tilescope_session::recipe::OwnPattern;
 use tilescope_session::words::{counted, ended, sentence};
 
 use crate::analysis::reference_file::ReferenceFile;
-use crate::command::Which;
+use crate::command::{Command, Which};
 use crate::draft::Draft;
-use crate::files::{Combined, Done, FileCommand, FileOutcome, Filing, Opened};
+use crate::files::{Combined, Done, FileCommand, FileOutcome, Filing, LAST_SESSION, Opened};
 use crate::state::State;
 use crate::state::undo::UndoPart;
 use crate::view::SavedView;
@@ -45,10 +45,24 @@ impl State {
         if let Some(outcome) = filing.and_then(|filing| filing.job.poll()) {
             self.filed(outcome);
         }
+        self.open_awaiting();
+    }
+
+    /// Opens the file that waited for a run, once one is there and no other file is being read or written.
+    fn open_awaiting(&mut self) {
+        let run = &self.runs.first;
+        let is_ready = run.session.is_some() && run.sampling.is_none();
+        if is_ready
+            && self.files.filing.is_none()
+            && let Some(path) = self.files.awaiting.take()
+        {
+            self.apply(Command::File(FileCommand::Dropped(vec![path])));
+        }
     }
 
     #[cfg(not(target_arch = "wasm32"))]
     pub(in crate::state) fn settle_files(&mut self) {
+        self.open_awaiting();
         if let Some(filing) = &self.files.filing {
             let outcome = filing.job.wait();
             self.filed(outcome);
@@ -73,6 +87,9 @@ impl State {
         match done {
             Ok(done) => {
                 self.close_sheet(&filing);
+                if filing.path != LAST_SESSION {
+                    self.files.remember_file(&filing.path);
+                }
                 // A notice, if any, is about this file.
                 self.messages.notice = None;
                 self.take_done(done);
@@ -127,6 +144,7 @@ impl State {
             Done::Combined(combined) => self.take_combination(*combined),
             Done::Against { file, no_pattern } => self.take_reference_file(*file, no_pattern),
             Done::Levels(session) => {
+                self.give_back();
                 self.stop_making();
                 self.remember_run(UndoPart::Run);
                 self.show(*session);
@@ -143,6 +161,7 @@ impl State {
         }
         self.tell(text, false);
         self.runs.first.session_path = Some(path);
+        self.scenes_are_saved();
     }
 
     fn take_reference_file(&mut self, file: ReferenceFile, no_pattern: Option<String>) {
@@ -177,6 +196,7 @@ impl State {
             Some(Err(error)) => return self.tell(sentence(&error.to_string()), true),
             None => return,
         };
+        self.give_back();
         self.stop_making();
         self.form.draft = Draft::from_parameters(opened.saved.parameters);
         self.form.own_pattern.clone_from(&opened.session.own);
@@ -193,6 +213,7 @@ impl State {
 
     /// Shows a combination that was read, at the stage where it was saved.
     fn take_combination(&mut self, combined: Combined) {
+        self.give_back();
         self.stop_making();
         self.remember_run(UndoPart::Run);
         (self.runs.first.selected, self.runs.first.place) = (None, None);
@@ -219,6 +240,10 @@ impl State {
             );
             self.tell(text, false);
         }
-        self.runs.first.session_path = Some(path);
+        // The last session is in no file of the user's.
+        if path != LAST_SESSION {
+            self.runs.first.session_path = Some(path);
+            self.scenes_are_saved();
+        }
     }
 }

@@ -24,11 +24,11 @@ impl RunView {
         match command {
             ViewCommand::Viewport(rect) => self.follow_viewport(rect),
             ViewCommand::Pan(delta) => {
-                (self.flight, self.fitted) = (None, false);
+                (self.flight, self.fitted, self.framed) = (None, false, None);
                 self.camera.pan(delta);
             }
             ViewCommand::Zoom(pos, factor) => {
-                (self.flight, self.fitted) = (None, false);
+                (self.flight, self.fitted, self.framed) = (None, false, None);
                 let scales = self.scales();
                 self.camera.zoom_about(self.viewport, pos, factor, scales);
             }
@@ -39,7 +39,7 @@ impl RunView {
             ViewCommand::Fit => self.fit(context),
             ViewCommand::FlyTo(center, radii) => self.fly_to(center, radii, context),
             ViewCommand::Centre(center) => {
-                self.fitted = false;
+                (self.fitted, self.framed) = (false, None);
                 let scale = self.camera.scale;
                 self.fly(Camera { center, scale }, context);
             }
@@ -68,16 +68,22 @@ impl RunView {
         }
     }
 
-    /// Refits a fitted domain into the new viewport; otherwise keeps a selection in view that was, as when a
-    /// panel opens over the part of the canvas where it was picked.
-    fn follow_viewport(&mut self, viewport: Rect) {
+    /// Refits a fitted domain, or a place that was flown to, into the new viewport; otherwise keeps a selection in view that
+    /// was, as when a panel opens over the part of the canvas where it was picked.
+    pub(in crate::state) fn follow_viewport(&mut self, viewport: Rect) {
         let before = std::mem::replace(&mut self.viewport, viewport);
         if self.fitted && self.session.is_some() {
             self.camera = self.fitting();
             self.flight = None;
         }
+        if before != viewport
+            && let Some(framed) = self.framed
+        {
+            // A flight that began in the other viewport would end at the wrong scale.
+            (self.camera, self.flight) = (self.framing(framed), None);
+        }
         self.camera = self.within_scales(self.camera);
-        if self.fitted {
+        if self.fitted || self.framed.is_some() {
             return;
         }
         let sample = self.selected.zip(self.session.as_ref());
@@ -158,7 +164,7 @@ impl RunView {
         match (on_pattern, self.before_pattern) {
             (true, None) => {
                 self.before_pattern = Some((self.camera, self.fitted));
-                (self.flight, self.fitted) = (None, true);
+                (self.flight, self.fitted, self.framed) = (None, true, None);
                 self.camera = self.fitting();
             }
             (false, Some((camera, fitted))) => {
@@ -172,12 +178,17 @@ impl RunView {
 
     pub(in crate::state) fn fly_to(&mut self, center: DVec2, radii: f64, context: &Context) {
         self.fitted = false;
+        self.framed = Some((center, radii));
+        self.fly(self.framing((center, radii)), context);
+    }
+
+    /// Returns the camera that shows so many r around a place.
+    fn framing(&self, (center, radii): (DVec2, f64)) -> Camera {
         let room = f64::from(self.viewport.size().min_elem().max(1.0));
-        let to = Camera {
+        Camera {
             center,
             scale: room / radii,
-        };
-        self.fly(to, context);
+        }
     }
 
     /// Returns the place of the last event, in r.
@@ -191,7 +202,7 @@ impl RunView {
     /// Fits what is shown into the canvas.
     pub(in crate::state) fn fit(&mut self, context: &Context) {
         self.witness_mark = None;
-        self.fitted = true;
+        (self.fitted, self.framed) = (true, None);
         // Fitting the pattern also fits the domain when it is shown again.
         if let Some((_, fitted)) = &mut self.before_pattern {
             *fitted = true;
@@ -288,7 +299,7 @@ impl RunView {
 
     /// Sets the camera, or fits the domain without one; `otherwise` is the camera if there is no canvas yet.
     pub(in crate::state) fn take_camera(&mut self, camera: Option<Camera>, otherwise: Camera) {
-        self.fitted = camera.is_none();
+        (self.fitted, self.framed) = (camera.is_none(), None);
         self.camera = camera.unwrap_or(otherwise);
         (self.flight, self.before_pattern) = (None, None);
         if self.fitted && self.viewport.is_positive() {

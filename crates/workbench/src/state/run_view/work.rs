@@ -22,6 +22,11 @@ impl RunView {
 
     /// Shows a session at its last stage.
     pub(in crate::state) fn show_unverified(&mut self, session: Session, context: &mut Context) {
+        self.show_shared(Arc::new(session), context);
+    }
+
+    /// Shows a session, which another run may show, too, at its last stage.
+    pub(in crate::state) fn show_shared(&mut self, session: Arc<Session>, context: &mut Context) {
         let same_domain = self.session.as_ref().is_some_and(|old| {
             old.run().domain.width() == session.run().domain.width()
                 && old.run().domain.height() == session.run().domain.height()
@@ -35,7 +40,6 @@ impl RunView {
         (self.hovered, self.selected, self.witness_mark) = (None, None, None);
         self.place = None;
         self.show_whole(session.summary.count);
-        let session = Arc::new(session);
         self.session = Some(Arc::clone(&session));
         self.debug(&session, context);
         if let Some(debugger) = &mut self.debugger {
@@ -47,7 +51,7 @@ impl RunView {
         self.verification = Verification::Nothing;
         let from_pattern = self.before_pattern.take().is_some();
         if !same_domain || from_pattern {
-            self.fitted = true;
+            (self.fitted, self.framed) = (true, None);
             self.flight = None;
             if self.viewport.is_positive() {
                 self.camera = self.fitting();

@@ -1,0 +1,99 @@
+//! Closing the native window: asks first if something would be lost, keeps the last session, and lets nothing unfinished
+//! behind on the disk.
+
+use egui::{Context, Modal, RichText, ViewportCommand, vec2};
+use tilescope_drawing::palette::Palette;
+use tilescope_ui::widgets::{Known, heading};
+use tilescope_workbench::command::Command;
+use tilescope_workbench::files::{FileCommand, Purpose};
+use tilescope_workbench::state::Notice;
+
+use super::App;
+
+/// Whether the window may close.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) enum Closing {
+    /// Nobody asked it to.
+    #[default]
+    No,
+    /// The user is asked whether to.
+    Asked,
+    /// It closes with the next frame.
+    Sure,
+}
+
+impl App {
+    /// Answers a request to close the window: asks if something would be lost, otherwise ends what is open and lets it close.
+    pub(super) fn follow_closing(&mut self, ctx: &Context) {
+        if ctx.input(|input| input.viewport().close_requested()) {
+            if self.closing != Closing::Sure && !self.state.unfinished().is_empty() {
+                ctx.send_viewport_cmd(ViewportCommand::CancelClose);
+                self.closing = Closing::Asked;
+            } else {
+                self.state.finish();
+                self.keep_session();
+                return;
+            }
+        }
+        if self.closing == Closing::Asked {
+            self.ask_to_close(ctx);
+        }
+    }
+
+    fn ask_to_close(&mut self, ctx: &Context) {
+        let unfinished = self.state.unfinished();
+        // What kept the window open may have ended meanwhile; the question then has no reason.
+        if unfinished.is_empty() {
+            self.closing = Closing::No;
+            return;
+        }
+        let palette = Palette::of(self.state.appearance.look);
+        let saves = self.state.unsaved_scenes() > 0 && self.state.save_refusal().is_none();
+        let modal = Modal::new(egui::Id::unique("closing")).show(ctx, |ui| {
+            ui.set_width(320.0);
+            heading(ui, "Close Tilescope?");
+            for sentence in &unfinished {
+                ui.label(sentence).known_as("closing.reason");
+            }
+            let rest = "Without an answer the window stays open.";
+            ui.label(RichText::new(rest).color(palette.muted));
+            ui.add_space(8.0);
+            ui.horizontal(|ui| {
+                ui.spacing_mut().item_spacing = vec2(8.0, 8.0);
+                let stay = ui.button("Keep it open").known_as("closing.stay").clicked();
+                let save = saves && ui.button("Save\u{2026}").known_as("closing.save").clicked();
+                let close = ui
+                    .button("Close anyway")
+                    .known_as("closing.close")
+                    .clicked();
+                (stay, save, close)
+            })
+            .inner
+        });
+        let (stay, save, close) = modal.inner;
+        if close {
+            self.closing = Closing::Sure;
+            ctx.send_viewport_cmd(ViewportCommand::Close);
+        } else if save {
+            self.closing = Closing::No;
+            let command = FileCommand::Sheet(Purpose::Save);
+            self.state.apply(Command::File(command));
+        } else if stay || modal.should_close() {
+            self.closing = Closing::No;
+        }
+    }
+
+    /// Writes the session for the next start, if it is not the one that was written last.
+    pub(super) fn keep_session(&mut self) {
+        let (Some(kept), Some(text)) = (&self.kept, self.state.session_to_keep()) else {
+            return;
+        };
+        if self.kept_session.as_ref() == Some(&text) {
+            return;
+        }
+        match kept.store_session(&text) {
+            Ok(()) => self.kept_session = Some(text),
+            Err(why) => self.state.messages.notice = Some(Notice::new(why, true)),
+        }
+    }
+}
