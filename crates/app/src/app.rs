@@ -17,7 +17,7 @@ use tilescope_ui::widgets::{Kebab, Known};
 #[cfg(not(target_arch = "wasm32"))]
 use crate::kept::KeptFolder;
 use crate::panes::Canvas;
-use crate::{actions, panels, tiles};
+use crate::{actions, panels, settings, tiles};
 use tilescope_canvas::touch::release_cancelled;
 use tilescope_workbench::arrangement::{Arrangement, DrawerCommand};
 use tilescope_workbench::command::{Command, WindowCommand};
@@ -419,8 +419,8 @@ impl App {
         if is_default && ![LAYOUT_KEY, OLD_LAYOUT_KEY, LOOK_KEY].into_iter().any(has) {
             self.state.apply(Command::Scene(SceneCommand::Tour));
         }
-        let old = || eframe::get_value::<OldLayout>(storage, OLD_LAYOUT_KEY)?.completed();
-        if let Some(layout) = eframe::get_value::<Layout>(storage, LAYOUT_KEY).or_else(old) {
+        let old = || settings::get_value::<OldLayout>(storage, OLD_LAYOUT_KEY)?.completed();
+        if let Some(layout) = settings::get_value::<Layout>(storage, LAYOUT_KEY).or_else(old) {
             self.state.window.layout = layout;
         }
         #[cfg(not(target_arch = "wasm32"))]
@@ -431,10 +431,10 @@ impl App {
         if let Some(results) = storage.get_string(RESULTS_KEY) {
             self.state.lessons.take_stored(&results);
         }
-        if let Some((look, chosen)) = eframe::get_value(storage, LOOK_KEY) {
+        if let Some((look, chosen)) = settings::get_value(storage, LOOK_KEY) {
             self.state.appearance.choose_look(look);
             self.state.choose_motion(chosen);
-        } else if let Some((look, _)) = eframe::get_value::<(Look, bool)>(storage, LOOK_KEY) {
+        } else if let Some((look, _)) = settings::get_value::<(Look, bool)>(storage, LOOK_KEY) {
             // Older versions did not store who had chosen reduced motion.
             self.state.appearance.choose_look(look);
         }
@@ -483,12 +483,12 @@ impl eframe::App for App {
     }
 
     fn save(&mut self, storage: &mut dyn eframe::Storage) {
-        eframe::set_value(storage, LAYOUT_KEY, self.state.layout_to_store());
+        settings::set_value(storage, LAYOUT_KEY, self.state.layout_to_store());
         let look = (
             self.state.appearance.look,
             self.state.appearance.motion_chosen(),
         );
-        eframe::set_value(storage, LOOK_KEY, &look);
+        settings::set_value(storage, LOOK_KEY, &look);
         #[cfg(not(target_arch = "wasm32"))]
         storage.set_string(RECENT_KEY, self.state.files.recent.join("\n"));
         #[cfg(not(target_arch = "wasm32"))]

@@ -23,6 +23,7 @@ mod kept;
 mod native;
 mod panels;
 pub mod panes;
+mod settings;
 pub mod tiles;
 
 pub use app::{App, stage_accent};

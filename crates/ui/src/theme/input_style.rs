@@ -58,33 +58,25 @@ pub fn row_height(ctx: &Context, height: f32) -> f32 {
     }
 }
 
-/// Returns the fallback fonts for glyphs that the embedded fonts lack.
+/// Returns the fonts for letters that the project's own fonts lack.
 #[cfg(not(target_arch = "wasm32"))]
 fn fallback_fonts() -> FontDefinitions {
     FontDefinitions::default()
 }
 
-/// Returns the fallback fonts for glyphs that the embedded fonts lack: on the web one font with all of the window's
-/// signs, since a page loads no others.
+/// Returns the fonts for letters that the project's own fonts lack: none on a page, where eframe lets the browser draw them.
 #[cfg(target_arch = "wasm32")]
 fn fallback_fonts() -> FontDefinitions {
-    let mut fonts = FontDefinitions::empty();
-    for (name, bytes) in [
-        ("Hack", epaint_default_fonts::HACK_REGULAR),
-        ("egui-icons", epaint_default_fonts::EGUI_ICONS),
-    ] {
-        let data = Arc::new(FontData::from_static(bytes));
-        fonts.font_data.insert(name.to_owned(), data);
-        for family in [FontFamily::Proportional, FontFamily::Monospace] {
-            let names = fonts.families.entry(family).or_default();
-            names.push(name.to_owned());
-        }
-    }
-    fonts
+    FontDefinitions::empty()
 }
 
 fn fonts() -> FontDefinitions {
-    let mut fonts = fallback_fonts();
+    with_own_fonts(fallback_fonts())
+}
+
+/// Returns `fonts` with the project's own fonts before them in each family. What a family's own font lacks, the others of
+/// the project are asked for before the fallback fonts.
+fn with_own_fonts(mut fonts: FontDefinitions) -> FontDefinitions {
     let embedded: [(&str, &'static [u8], FontFamily); 3] = [
         (
             "Inter",
@@ -102,12 +94,19 @@ fn fonts() -> FontDefinitions {
             FontFamily::Monospace,
         ),
     ];
-    let fallback = fonts.families[&FontFamily::Proportional].clone();
-    for (name, bytes, family) in embedded {
+    let proportional = fonts.families.get(&FontFamily::Proportional).cloned();
+    let fallback = proportional.unwrap_or_default();
+
+    for (name, bytes, family) in &embedded {
         let data = Arc::new(FontData::from_static(bytes));
-        fonts.font_data.insert(name.to_owned(), data);
-        let names = fonts.families.entry(family).or_insert(fallback.clone());
-        names.insert(0, name.to_owned());
+        fonts.font_data.insert((*name).to_owned(), data);
+        let others = embedded.iter().map(|(other, ..)| *other);
+        let own = std::iter::once(*name).chain(others.filter(|other| other != name));
+        let names = fonts
+            .families
+            .entry(family.clone())
+            .or_insert(fallback.clone());
+        names.splice(0..0, own.map(str::to_owned));
     }
     fonts
 }
@@ -206,4 +205,29 @@ fn visuals(palette: &Palette) -> Visuals {
     // A blinking cursor would redraw the whole window twice a second while a field has the focus.
     visuals.text_cursor.blink = false;
     visuals
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_page_has_every_sign_of_the_window_in_fonts_of_its_own() {
+        // Besides those of the labels, the signs in names, sentences and pseudocode.
+        let signs = include_str!("../../../../assets/lesson-labels.json");
+        let signs = signs.chars().chain("\u{b1}\u{b2}\u{b5}\u{d7}\u{2080}\u{2081}\u{2190}\u{2191}\u{2192}\u{2193}\u{2212}\u{221a}".chars());
+        let mut fonts = egui::epaint::text::Fonts::new(
+            egui::epaint::TextOptions::default(),
+            with_own_fonts(FontDefinitions::empty()),
+        );
+        let mut view = fonts.with_pixels_per_point(1.0);
+        for family in [FontFamily::Proportional, semibold(), FontFamily::Monospace] {
+            let font = FontId::new(13.0, family);
+            for sign in signs.clone().filter(|sign| !sign.is_control()) {
+                assert!(view.has_glyph(&font, sign), "{sign:?} in {font:?}");
+            }
+            // A letter that no font of the project has: the browser draws it.
+            assert!(!view.has_glyph(&font, '\u{4e2d}'), "{font:?}");
+        }
+    }
 }

@@ -334,7 +334,17 @@ impl State {
             self.lessons.wanted = Some(wanted);
             return;
         }
+        if self.lessons.shipped(&wanted.name).is_none() {
+            let name = quoted(&wanted.name);
+            let text = format!("There is no lesson \"{name}\"; the list has all that there are.");
+            self.tell(text, true);
+            self.lessons.lists = true;
+            self.show_some_run();
+            return;
+        }
         self.apply(Command::Lesson(LessonCommand::Open(wanted.name)));
+
+        // The lesson of the name may be one that cannot be read.
         if let (Some(step), true) = (wanted.step, self.lessons.open.is_some()) {
             self.apply(Command::Lesson(LessonCommand::Go(step)));
         }
@@ -361,7 +371,15 @@ impl State {
             Err(error) => {
                 (self.lessons.wanted, self.lessons.lists) = (None, false);
                 self.tell(format!("The lessons could not be loaded: {error}."), true);
+                self.show_some_run();
             }
+        }
+    }
+
+    /// Makes the run of the parameters panel if nothing is shown: a link to a lesson has stopped the one of the start.
+    fn show_some_run(&mut self) {
+        if self.runs.first.session.is_none() {
+            self.run();
         }
     }
 }
