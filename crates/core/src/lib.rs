@@ -39,6 +39,7 @@ mod samples;
 mod stage;
 pub mod stages;
 mod whole_sets;
+mod words;
 
 /// The parts of the parallel engine that the GPU engine shares: frames of cells, the blocks and pattern samples that
 /// reach into them, counts.
@@ -79,3 +80,4 @@ pub use reference::reference_sample;
 pub use run::{Iteration, Run, Standing, Summary};
 pub use samples::{Fate, Origin, Sampled, Samples, Source};
 pub use stage::Stage;
+pub use words::grouped;

@@ -145,6 +145,8 @@ impl<'a> FormContext<'a> {
             sampling: state.runs.first.sampling.as_ref(),
             refusal: state.run_refusal(),
             remark: state.run_remark(),
+            memory: state.form.draft.memory_needed(),
+            engine_differs: state.engine_differs(),
             made: match &state.runs.first.session {
                 Some(session) if session.has_recipe() => Some(session.recipe().parameters),
                 _ => None,
