@@ -15,8 +15,8 @@ use std::sync::LazyLock;
 
 use egui::{Key, KeyboardShortcut, Modifiers, vec2};
 
-pub use keys::{keys_of, press_keys, takes_key};
-use tilescope_debugger::Direction;
+pub use keys::{keys_of, press_keys, shortcut_text, takes_key};
+use tilescope_debugger::{Direction, Listings};
 use tilescope_session::layers::{Colouring, Layer, SessionKind};
 use tilescope_session::limits::MAX_STAGED;
 use tilescope_session::look::Look;
@@ -108,6 +108,8 @@ pub enum Submenu {
     Backwards,
     /// Running backwards.
     Previous,
+    /// The breakpoints that are set.
+    Breakpoints,
     /// Repeating a part of the run.
     Loop,
     /// The runs to compare with.
@@ -129,6 +131,7 @@ impl Submenu {
             Self::Ticks => "Step by",
             Self::Backwards => "Step backwards",
             Self::Previous => "Run backwards to",
+            Self::Breakpoints => "Breakpoints",
             Self::Loop => "Loop",
             Self::Presets => "Compare with",
         }
@@ -641,7 +644,28 @@ fn debug(list: &mut List, state: &State) {
         .on_key(Key::W)
         .refused(no_events.or(no_cause));
     list.group();
+    list.within(Submenu::Breakpoints, |list| breakpoints(list, state));
     let sample = Command::Debug(DebugCommand::Watch("p".to_owned()));
     list.add("Watch the current sample", sample)
         .refused(no_events);
+}
+
+/// Adds the breakpoints that are set, each to be switched, and the way to the panel with their conditions.
+fn breakpoints(list: &mut List, state: &State) {
+    let run = &state.runs.first;
+    if let (Some(debugger), Some(session)) = (&run.debugger, &run.session) {
+        let parameters = &session.run().parameters;
+        for (index, breakpoint) in debugger.breakpoints().iter().enumerate() {
+            let Some(line) = Listings::shipped().line(breakpoint.line) else {
+                continue;
+            };
+            let name = format!("Breakpoint: {}, {}", line.id, line.text(parameters));
+            let switch = DebugCommand::Enable(index, !breakpoint.enabled);
+            list.add(name, Command::Debug(switch))
+                .marked(breakpoint.enabled);
+        }
+    }
+    let panel = Command::Window(WindowCommand::OpenPanel(Panel::Scenes));
+    list.add("Breakpoint: conditions\u{2026}", panel)
+        .refused(no_events(state));
 }

@@ -312,7 +312,7 @@ impl State {
             Command::View(Which::Second, command) => self.apply_to_second_view(command),
             Command::Export(command) => {
                 if matches!(command, ExportCommand::Open(_)) {
-                    self.files.sheet = None;
+                    (self.files.sheet, self.messages.notice) = (None, None);
                 }
                 self.in_exports(|exports, source, delivery, context| {
                     exports.apply(command, source, delivery, context);

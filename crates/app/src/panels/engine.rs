@@ -31,7 +31,7 @@ pub fn show(ui: &mut Ui, context: &FormContext<'_>, commands: &mut Vec<Command>)
         response.on_hover_text(EXPLANATION);
     });
     if let Some((line, all)) = &context.engine {
-        let line = RichText::new(*line).small().color(palette.muted);
+        let line = RichText::new(line).small().color(palette.muted);
         let label = ui.label(line);
         label.known_as("engine-status");
         label.on_hover_text(all);

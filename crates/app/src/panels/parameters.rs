@@ -61,7 +61,7 @@ pub struct FormContext<'a> {
     /// The parameters of the run shown; a combination has none.
     pub made: Option<Parameters>,
     /// A remark on the engine of the next run: a short line and the full text.
-    pub engine: Option<(&'static str, String)>,
+    pub engine: Option<(String, String)>,
     /// Whether the GPU is the default engine.
     pub auto_is_gpu: bool,
 }
