@@ -15,8 +15,8 @@ use std::sync::LazyLock;
 
 use egui::{Key, KeyboardShortcut, Modifiers, vec2};
 
-pub use keys::{keys_of, press_keys, takes_key};
-use tilescope_debugger::Direction;
+pub use keys::{keys_of, press_keys, shortcut_text, takes_key};
+use tilescope_debugger::{Direction, Listings};
 use tilescope_session::layers::{Colouring, Layer, SessionKind};
 use tilescope_session::limits::MAX_STAGED;
 use tilescope_session::look::Look;
@@ -94,6 +94,8 @@ pub enum Submenu {
     Camera,
     /// The panels.
     Panels,
+    /// Hiding a panel.
+    HidePanel,
     /// The layers of the canvas.
     Layers,
     /// The meanings of colours.
@@ -108,6 +110,8 @@ pub enum Submenu {
     Backwards,
     /// Running backwards.
     Previous,
+    /// The breakpoints that are set.
+    Breakpoints,
     /// Repeating a part of the run.
     Loop,
     /// The runs to compare with.
@@ -122,6 +126,7 @@ impl Submenu {
             Self::Recent => "Recent files",
             Self::Camera => "Move and zoom",
             Self::Panels => "Panels",
+            Self::HidePanel => "Hide a panel",
             Self::Layers => "Layers",
             Self::Colours => "Colours",
             Self::Look => "Look",
@@ -129,6 +134,7 @@ impl Submenu {
             Self::Ticks => "Step by",
             Self::Backwards => "Step backwards",
             Self::Previous => "Run backwards to",
+            Self::Breakpoints => "Breakpoints",
             Self::Loop => "Loop",
             Self::Presets => "Compare with",
         }
@@ -426,6 +432,7 @@ fn view(list: &mut List, state: &State) {
     list.within(Submenu::Camera, |list| camera(list, state));
     list.group();
     list.within(Submenu::Panels, |list| panels(list, state));
+    list.within(Submenu::HidePanel, |list| hidden_panels(list, state));
     list.within(Submenu::Layers, |list| layers(list, state));
     list.within(Submenu::Colours, |list| colours(list, state));
     list.within(Submenu::Look, |list| look(list, state));
@@ -444,7 +451,8 @@ fn view(list: &mut List, state: &State) {
     }
 }
 
-/// Returns the keys that show and hide a panel.
+/// Returns the keys that bring a panel into view. They never hide it: a digit that is typed beside a field takes no panel
+/// away.
 const fn panel_keys(panel: Panel) -> Option<(Modifiers, Key)> {
     Some(match panel {
         Panel::Parameters => (NONE, Key::Num1),
@@ -457,30 +465,36 @@ const fn panel_keys(panel: Panel) -> Option<(Modifiers, Key)> {
         Panel::Watches => (NONE, Key::Num8),
         Panel::Compare => (NONE, Key::Num9),
         Panel::Legend => (NONE, Key::Num0),
-        Panel::Timeline => (SHIFT, Key::F4),
-        // The analysis has a key in its menu.
-        Panel::Canvas | Panel::Analysis | Panel::Passes => return None,
+        // The analysis has a key in its menu, and the timeline one that hides it, too.
+        Panel::Canvas | Panel::Timeline | Panel::Analysis | Panel::Passes => return None,
     })
 }
 
-/// Adds the panels: a visible one is hidden, another one is brought into view.
+/// The keys that show and hide the timeline.
+const TIMELINE_KEYS: (Modifiers, Key) = (SHIFT, Key::F4);
+
+/// Returns why the panels cannot be reached, if so.
+const fn no_panels(state: &State) -> Option<&'static str> {
+    if state.appearance.look.is_projector() {
+        Some("The projector mode shows no panels: F2 leaves it.")
+    } else {
+        None
+    }
+}
+
+/// Adds the panels: each is brought into view.
 fn panels(list: &mut List, state: &State) {
     let window = &state.window;
-    let no_panels = (state.appearance.look.is_projector())
-        .then_some("The projector mode shows no panels: F2 leaves it.");
+    let no_panels = no_panels(state);
     for panel in Panel::all() {
-        let name = panel.name();
-        let (name, command) = if window.can_hide(panel) {
-            let name = format!("Hide the panel: {name}");
-            (name, WindowCommand::HidePanel(panel))
-        } else {
-            let name = format!("Panel: {name}");
-            (name, WindowCommand::OpenPanel(panel))
-        };
-        let action = list.add(name, Command::Window(command));
+        let command = Command::Window(WindowCommand::OpenPanel(panel));
+        let action = list.add(format!("Panel: {}", panel.name()), command);
         action.refused(no_panels.filter(|_| panel != Panel::Analysis));
         if let Some((modifiers, key)) = panel_keys(panel) {
             action.on_keys(modifiers, key);
+        }
+        if panel == Panel::Timeline && !window.can_hide(panel) {
+            action.on_keys(TIMELINE_KEYS.0, TIMELINE_KEYS.1);
         }
         action.marked(window.shows(panel));
     }
@@ -496,6 +510,19 @@ fn panels(list: &mut List, state: &State) {
     }
     let reset = Command::Window(WindowCommand::ResetLayout);
     list.add("Reset layout", reset);
+}
+
+/// Adds what hides the panels that are in view.
+fn hidden_panels(list: &mut List, state: &State) {
+    let no_panels = no_panels(state);
+    for panel in Panel::all().filter(|panel| state.window.can_hide(*panel)) {
+        let command = Command::Window(WindowCommand::HidePanel(panel));
+        let action = list.add(format!("Hide the panel: {}", panel.name()), command);
+        action.refused(no_panels.filter(|_| panel != Panel::Analysis));
+        if panel == Panel::Timeline {
+            action.on_keys(TIMELINE_KEYS.0, TIMELINE_KEYS.1);
+        }
+    }
 }
 
 /// Adds the layers of the canvas.
@@ -620,7 +647,28 @@ fn debug(list: &mut List, state: &State) {
         .on_key(Key::W)
         .refused(no_events.or(no_cause));
     list.group();
+    list.within(Submenu::Breakpoints, |list| breakpoints(list, state));
     let sample = Command::Debug(DebugCommand::Watch("p".to_owned()));
     list.add("Watch the current sample", sample)
         .refused(no_events);
+}
+
+/// Adds the breakpoints that are set, each to be switched, and the way to the panel with their conditions.
+fn breakpoints(list: &mut List, state: &State) {
+    let run = &state.runs.first;
+    if let (Some(debugger), Some(session)) = (&run.debugger, &run.session) {
+        let parameters = &session.run().parameters;
+        for (index, breakpoint) in debugger.breakpoints().iter().enumerate() {
+            let Some(line) = Listings::shipped().line(breakpoint.line) else {
+                continue;
+            };
+            let name = format!("Breakpoint: {}, {}", line.id, line.text(parameters));
+            let switch = DebugCommand::Enable(index, !breakpoint.enabled);
+            list.add(name, Command::Debug(switch))
+                .marked(breakpoint.enabled);
+        }
+    }
+    let panel = Command::Window(WindowCommand::OpenPanel(Panel::Scenes));
+    list.add("Breakpoint: conditions\u{2026}", panel)
+        .refused(no_events(state));
 }

@@ -360,6 +360,9 @@ impl App {
     fn follow_commands(&mut self, ctx: &Context) {
         self.copy(ctx);
         self.turn_full_screen(ctx);
+        if std::mem::take(&mut self.state.window.quits) {
+            ctx.send_viewport_cmd(ViewportCommand::Close);
+        }
         self.follow_look(ctx);
         ctx.request_repaint();
     }

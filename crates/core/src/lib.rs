@@ -41,6 +41,7 @@ mod samples;
 mod stage;
 pub mod stages;
 mod whole_sets;
+mod words;
 
 /// The parts of the parallel engine that the GPU engine shares: frames of cells, the blocks and pattern samples that
 /// reach into them, counts.
@@ -81,3 +82,4 @@ pub use reference::reference_sample;
 pub use run::{Iteration, Run, Standing, Summary};
 pub use samples::{Fate, Origin, Sampled, Samples, Source};
 pub use stage::Stage;
+pub use words::grouped;

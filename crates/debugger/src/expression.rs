@@ -8,7 +8,7 @@ use rhai::{AST, Dynamic, Engine, Scope};
 use tilescope_core::R;
 
 use crate::event::NONE;
-use crate::query::{block, verdict_name};
+use crate::query::{block, distance, verdict_name};
 use crate::recording::Recording;
 use crate::state::State;
 
@@ -135,7 +135,10 @@ impl Evaluator {
         let error = |e: rhai::ParseError| ExpressionError::Syntax {
             message: e.to_string(),
         };
-        let tree = self.engine.compile_expression(text).map_err(error)?;
+        let tree = self
+            .engine
+            .compile_expression(with_signs(text))
+            .map_err(error)?;
         Ok(Expression(tree))
     }
 
@@ -171,6 +174,26 @@ impl Evaluator {
     }
 }
 
+/// Returns an expression with the signs `&&` and `||` for the words `and` and `or`, which queries have, too. Texts in quotes
+/// stay, and so do the positions of all other characters, which errors name.
+fn with_signs(text: &str) -> String {
+    let is_of_name = |c: char| c.is_alphanumeric() || c == '_';
+    let mut signs = String::with_capacity(text.len());
+    let (mut rest, mut is_quoted) = (text, false);
+    while let Some(first) = rest.chars().next() {
+        let length = rest.find(|c| !is_of_name(c)).unwrap_or(rest.len());
+        let (word, after) = rest.split_at(length.max(first.len_utf8()));
+        signs.push_str(match word {
+            "and" if !is_quoted => "&& ",
+            "or" if !is_quoted => "||",
+            word => word,
+        });
+        is_quoted ^= word == "\"";
+        rest = after;
+    }
+    signs
+}
+
 /// Returns a value as text.
 #[must_use]
 pub fn shown(value: &Dynamic) -> String {
@@ -183,13 +206,6 @@ pub fn shown(value: &Dynamic) -> String {
 
 fn radii(units: impl Into<f64>) -> f64 {
     units.into() / f64::from(R)
-}
-
-fn distance(recording: &Recording, a: u32, b: u32) -> Option<f64> {
-    let (a, b) = (recording.point(a)?, recording.point(b)?);
-    Some(radii(
-        (recording.domain().distance_squared(a, b) as f64).sqrt(),
-    ))
 }
 
 fn maybe<T: Into<Dynamic>>(value: Option<T>) -> Dynamic {
@@ -295,4 +311,26 @@ fn others(examined: &crate::context::Examined) -> [u32; 2] {
     let mut others = examined.sites.ids().iter().copied();
     let mut next = || others.find(|&id| id != examined.detector).unwrap_or(NONE);
     [next(), next()]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::with_signs;
+
+    #[test]
+    fn words_join_conditions_as_signs_do() {
+        for (text, signs) in [
+            ("a == 1 and b == 2", "a == 1 &&  b == 2"),
+            ("a or b", "a || b"),
+            ("operand and_more", "operand and_more"),
+            (
+                "kind == \"this and that\" and p",
+                "kind == \"this and that\" &&  p",
+            ),
+            ("a && b", "a && b"),
+            ("\u{e4}nd and \u{e4}", "\u{e4}nd &&  \u{e4}"),
+        ] {
+            assert_eq!(with_signs(text), signs);
+        }
+    }
 }

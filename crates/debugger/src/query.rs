@@ -1,9 +1,10 @@
-//! Queries of events: words that must all hold, such as `insert iteration>1 block=7`. Events are numbered from 1, so
+//! Queries of events: words that must all hold, such as `insert iteration>1 block=7`. Comparisons may also be written as in
+//! watches, `insert and distance < 0.9 && block == 7`. Events are numbered from 1, so
 //! that the number of the last event is how many have happened. Errors name the word that they are in.
 
 use std::cmp::Ordering;
 
-use tilescope_core::{Origin, RunEvent, Verdict};
+use tilescope_core::{Origin, R, RunEvent, Verdict};
 
 use crate::context::Context;
 use crate::event::Event;
@@ -28,7 +29,7 @@ pub enum QueryError {
     },
     /// The name is unknown.
     #[error(
-        "\"{word}\": there is no \"{name}\"; there are event, iteration, block, sample, depth, line, kind and verdict"
+        "\"{word}\": there is no \"{name}\"; there are event, iteration, block, sample, distance, depth, line, kind and verdict"
     )]
     UnknownName {
         /// The word.
@@ -39,6 +40,14 @@ pub enum QueryError {
     /// The value is not a whole number.
     #[error("\"{word}\": \"{value}\" is not a whole number")]
     NotANumber {
+        /// The word.
+        word: String,
+        /// The value.
+        value: String,
+    },
+    /// The value is not a number.
+    #[error("\"{word}\": \"{value}\" is not a number of radii")]
+    NotALength {
         /// The word.
         word: String,
         /// The value.
@@ -77,6 +86,8 @@ enum Term {
     Verdict(&'static str, bool),
     Sample(u32, bool),
     Number(NumberField, Orderings, i64),
+    /// The distance of the two samples that an event names, in r, as the bits of a float.
+    Distance(Orderings, u64),
 }
 
 /// A parsed query.
@@ -91,7 +102,8 @@ type Orderings = &'static [Ordering];
 const EQUAL: Orderings = &[Ordering::Equal];
 const UNEQUAL: Orderings = &[Ordering::Less, Ordering::Greater];
 
-const OPERATORS: [(&str, Orderings); 7] = [
+const OPERATORS: [(&str, Orderings); 8] = [
+    ("==", EQUAL),
     ("!=", UNEQUAL),
     ("<=", &[Ordering::Less, Ordering::Equal]),
     (">=", &[Ordering::Greater, Ordering::Equal]),
@@ -118,10 +130,14 @@ const TARGETS: [(&str, Target, &str); 4] = [
 ];
 
 /// Beginnings of comparisons, with their meanings.
-const COMPARISONS: [(&str, &str); 7] = [
+const COMPARISONS: [(&str, &str); 8] = [
     ("iteration=", "Events of an iteration, also with < and >."),
     ("block=", "Events of a block, also with < and >."),
     ("sample=", "Events that name a sample, also with !=."),
+    (
+        "distance=",
+        "Events of two samples at a distance in r, also with < and >.",
+    ),
     ("event=", "The event of a number, also with < and >."),
     (
         "depth=",
@@ -182,7 +198,10 @@ fn meant(near: &[&str]) -> String {
 impl Query {
     /// Returns the query of a text; an empty one accepts every event.
     pub fn parse(text: &str) -> Result<Self, QueryError> {
-        let terms: Result<_, _> = text.split_whitespace().map(parse_word).collect();
+        let joined = joined(text);
+        // All words must hold anyway.
+        let words = joined.split_whitespace().filter(|word| *word != "and");
+        let terms: Result<_, _> = words.map(parse_word).collect();
         Ok(Self { terms: terms? })
     }
 
@@ -229,6 +248,13 @@ impl Term {
                 };
                 found.is_some_and(|found| orderings.contains(&found.cmp(&value)))
             }
+            Self::Distance(orderings, value) => {
+                let [a, b, ..] = event.samples();
+                let value = f64::from_bits(value);
+                let ordering =
+                    distance(recording, a, b).and_then(|found| found.partial_cmp(&value));
+                ordering.is_some_and(|ordering| orderings.contains(&ordering))
+            }
         }
     }
 }
@@ -253,6 +279,13 @@ pub fn block(recording: &Recording, event: &Event) -> Option<u32> {
     }
 }
 
+/// Returns the shortest way between two samples, in r.
+pub(crate) fn distance(recording: &Recording, a: u32, b: u32) -> Option<f64> {
+    let (a, b) = (recording.point(a)?, recording.point(b)?);
+    let squared = recording.domain().distance_squared(a, b) as f64;
+    Some(squared.sqrt() / f64::from(R))
+}
+
 /// Returns the name of the verdict of an event that examines a point.
 #[must_use]
 pub fn verdict_name(event: &Event) -> Option<&'static str> {
@@ -268,6 +301,24 @@ pub fn verdict_name(event: &Event) -> Option<&'static str> {
         Verdict::Covered { .. } => VERDICTS[3],
         Verdict::NotNearest { .. } => VERDICTS[4],
     })
+}
+
+/// Returns a query without blanks around comparisons and with blanks for `&&`, as people write it in watches.
+fn joined(text: &str) -> String {
+    let text = text.replace("&&", " ");
+    let mut joined = String::with_capacity(text.len());
+    let compares = |c: char| "=<>!:".contains(c);
+    let mut is_value_next = false;
+    for c in text.chars() {
+        if compares(c) {
+            joined.truncate(joined.trim_end().len());
+        } else if c.is_whitespace() && is_value_next {
+            continue;
+        }
+        is_value_next = compares(c);
+        joined.push(c);
+    }
+    joined
 }
 
 /// The parts of a comparison's text.
@@ -295,7 +346,8 @@ fn parse_word(word: &str) -> Result<Term, QueryError> {
     let word = Word {
         text: word,
         name,
-        value,
+        // Watches have their texts in quotes.
+        value: value.trim_matches('"'),
         orderings,
     };
     word.term()
@@ -321,6 +373,7 @@ impl Word<'_> {
             "iteration" => self.number(NumberField::Iteration),
             "block" => self.number(NumberField::Block),
             "depth" => self.number(NumberField::Depth),
+            "distance" => self.distance(),
             _ => Err(QueryError::UnknownName {
                 word: self.text.into(),
                 name: self.name.into(),
@@ -353,6 +406,19 @@ impl Word<'_> {
         })
     }
 
+    fn distance(&self) -> Result<Term, QueryError> {
+        let length = self
+            .value
+            .parse()
+            .ok()
+            .filter(|value: &f64| value.is_finite());
+        let length = length.ok_or_else(|| QueryError::NotALength {
+            word: self.text.into(),
+            value: self.value.into(),
+        })?;
+        Ok(Term::Distance(self.orderings, length.to_bits()))
+    }
+
     fn number(&self, number: NumberField) -> Result<Term, QueryError> {
         let value = self.whole()?.into();
         Ok(Term::Number(number, self.orderings, value))
@@ -378,6 +444,21 @@ mod tests {
         assert_eq!(query.terms[3], Term::Kind(EventKind::Dart, false));
         assert_eq!(query.terms.len(), 5);
         assert_eq!(Query::parse("  "), Ok(Query::default()));
+    }
+
+    #[test]
+    fn queries_may_be_written_as_watches() {
+        let query = Query::parse("insert iteration>1 block=7 line=insert.3").unwrap();
+        for text in [
+            "insert and iteration > 1 and block == 7 and line=insert.3",
+            "insert && iteration>1 && block == 7 && line == \"insert.3\"",
+            "insert&&iteration >1&&block= 7&&line : insert.3",
+        ] {
+            assert_eq!(Query::parse(text).as_ref(), Ok(&query), "{text}");
+        }
+        let near = Query::parse("distance < 0.9").unwrap();
+        assert_eq!(near.terms.len(), 1);
+        assert_eq!(Query::parse("distance<0.9"), Ok(near));
     }
 
     #[test]
@@ -411,6 +492,7 @@ mod tests {
             ("kind:explode", "\"explode\" is not known"),
             ("line=eliminate.99", "\"eliminate.99\" is not known"),
             ("sample<3", "only = and !="),
+            ("distance<near", "\"near\" is not a number of radii"),
             ("=", "there is no \"\""),
         ] {
             let error = Query::parse(text).unwrap_err().to_string();

@@ -10,6 +10,7 @@ use crate::event::NONE;
 use crate::recording::Recording;
 
 pub use short::short;
+pub use tilescope_core::grouped;
 
 /// Returns a sentence that describes the event at `index`, names its samples, and gives distances in r. Past the last
 /// event it says that the run has ended.
@@ -27,20 +28,6 @@ pub fn sentence(recording: &Recording, index: usize) -> String {
         text.replace_range(..1, &first);
     }
     text.push('.');
-    text
-}
-
-/// Returns a whole number with commas between groups of three digits.
-#[must_use]
-pub fn grouped(number: u64) -> String {
-    let digits = number.to_string();
-    let mut text = String::with_capacity(digits.len() * 4 / 3);
-    for (k, digit) in digits.chars().enumerate() {
-        if k > 0 && (digits.len() - k).is_multiple_of(3) {
-            text.push(',');
-        }
-        text.push(digit);
-    }
     text
 }
 

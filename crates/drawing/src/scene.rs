@@ -1,7 +1,7 @@
 //! A subject in a rectangle of the screen: coordinate conversion, the visible range, and the ground below all
 //! parts.
 
-use emath::{Align2, Pos2, Rect, vec2};
+use emath::{Align2, Pos2, Rect, Vec2, vec2};
 use glam::DVec2;
 use tilescope_core::{Point, Rect as LatticeRect, Stage};
 use tilescope_session::layers::Layer;
@@ -13,6 +13,10 @@ use crate::made::Made;
 use crate::palette::Palette;
 use crate::subject::Subject;
 use crate::surface::{Stroke, Surface, Tag};
+
+/// Font size of a tag, and the room around its text, in screen points.
+pub(crate) const TAG_SIZE: f32 = 12.0;
+pub(crate) const TAG_PADDING: Vec2 = vec2(6.0, 3.0);
 
 /// How far around a periodic domain its copies are drawn, in r.
 const AROUND: f64 = 8.0;
@@ -195,11 +199,11 @@ impl<'a> Scene<'a> {
             text,
             pos,
             anchor,
-            size: 12.0,
+            size: TAG_SIZE,
             ink: self.palette.text,
             ground: self.palette.panel.gamma_multiply(0.9),
             border: None,
-            padding: vec2(6.0, 3.0),
+            padding: TAG_PADDING,
             rounding: 5.0,
         });
     }

@@ -27,7 +27,7 @@ SAMPLE = [
     ({"radius": 0.01, "seed": 2**64}, f"seed is {2**64}; it must be"),
     ({"radius": 0.01, "pattern_seed": -1}, "pattern_seed is -1"),
     ({"radius": 0.01, "leaf": 5}, "the leaf is 5 r; it must be a finite number of at least 6 r"),
-    ({"radius": 0.01, "pattern_side": 9}, "the pattern's side is 9 r; it must be between 10 r and 2000 r"),
+    ({"radius": 0.01, "pattern_side": 9}, "the pattern's side is 9 r; it must be between 10 r and 2,000 r"),
     ({"radius": 0.01, "boundary": "torus"}, "boundary is 'torus'.*expected `periodic` or `bounded`"),
     ({"radius": 0.01, "order": "best"}, "order is 'best'.*`index`, `random`, `own-block-first`, `phase-group`"),
     ({"radius": 0.01, "insertion": "any"}, "insertion is 'any'.*expected `circumcentre` or `uniform`"),

@@ -35,7 +35,7 @@ glossary! {
     GAP, "gap", "3.2.1", "An area that no sample covers: every place in it is farther than r from all samples.";
     MAXIMAL, "maximal", "3.1.1", "Without gaps: no sample can be added without a conflict.";
     VALID, "valid", "", "Conflict-free and maximal, as the verifier decides it.";
-    COVERING_RADIUS, "covering radius", "", "The largest distance from any place of the domain to its nearest sample. It is at most r for a maximal set.";
+    COVERING_RADIUS, "covering radius", "", "The largest distance from any place of the domain to its nearest sample. A set counts as maximal up to (1 + 2^-15) r, since its positions are rounded to a lattice.";
     MIN_DISTANCE, "smallest distance", "", "The smallest distance between two samples.";
     DENSITY, "density", "", "Samples times r\u{b2}, divided by the area: 0.6966 for maximal sets by dart throwing.";
     LATTICE, "lattice", "", "The integer positions on which all samples lie: r is 2^15 units.";

@@ -38,6 +38,7 @@ pub mod selection;
 pub mod sentence;
 pub mod session;
 pub mod task;
+pub mod typed;
 pub mod units;
 pub mod verification;
 pub mod words;

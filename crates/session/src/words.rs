@@ -21,15 +21,34 @@ pub fn capital(text: &str) -> String {
     first.unwrap_or_default() + characters.as_str()
 }
 
-/// Returns `text` with a full stop. For text that begins with a name, which keeps its case.
+/// Returns `text` with a full stop, and without the numbers that operating systems give to errors. For text that begins
+/// with a name, which keeps its case.
 #[must_use]
 pub fn ended(text: &str) -> String {
+    let text = without_numbers(text);
     let stop = if text.ends_with(['.', '!', '?']) {
         ""
     } else {
         "."
     };
     format!("{text}{stop}")
+}
+
+/// Returns a text without " (os error 2)" and the like, which say no more than the words before them.
+fn without_numbers(text: &str) -> String {
+    let mut parts = text.split(" (os error ");
+    let mut kept = parts.next().unwrap_or_default().to_owned();
+    for part in parts {
+        let (number, rest) = part.split_once(')').unwrap_or((part, ""));
+        let is_number = !number.is_empty() && number.bytes().all(|byte| byte.is_ascii_digit());
+        if is_number {
+            kept.push_str(rest);
+        } else {
+            kept.push_str(" (os error ");
+            kept.push_str(part);
+        }
+    }
+    kept
 }
 
 /// Returns `count` with a comma between groups of three digits.
@@ -95,6 +114,15 @@ pub fn last_part(path: &str) -> &str {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn errors_of_the_system_have_no_numbers() {
+        let text = "no/such.csv: No such file or directory (os error 2)";
+        assert_eq!(ended(text), "no/such.csv: No such file or directory.");
+        let text = "a.csv: Permission denied (os error 13); it stays as it was";
+        assert_eq!(ended(text), "a.csv: Permission denied; it stays as it was.");
+        assert_eq!(ended("two (os error s)"), "two (os error s).");
+    }
 
     #[test]
     fn numbers_are_grouped_and_counted() {

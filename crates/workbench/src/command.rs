@@ -177,6 +177,8 @@ pub enum WindowCommand {
     Help(HelpPage),
     /// Closes the help sheet.
     CloseHelp,
+    /// Closes the window, natively; what would be lost is asked about first.
+    Quit,
 }
 
 /// A change of the view of a run, of its selection, or of the sample under the pointer.
@@ -324,6 +326,7 @@ impl Command {
                         | W::HidePanel(_)
                         | W::ToggleSides
                         | W::ResetLayout
+                        | W::Quit
                 )
                 | Self::OpenPasses
                 | Self::Talk(_)

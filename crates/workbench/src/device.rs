@@ -43,6 +43,10 @@ pub enum Device {
     Refused(String),
 }
 
+/// Why the passes cannot be run while no GPU was opened.
+pub const CHOOSE_GPU_FIRST: &str =
+    "Choose the GPU as the engine first: it is opened and tested then.";
+
 impl Device {
     /// Returns the device that passed its test.
     #[must_use]
@@ -101,10 +105,9 @@ impl Device {
 
     /// Returns why the device cannot be used now, or `None` if it is ready.
     pub(crate) fn not_ready(&self) -> Option<String> {
-        let choose = "Choose the GPU as the engine first: it is opened and tested then.";
         match self {
             Self::Ready(_) => None,
-            Self::Unknown => Some(choose.to_owned()),
+            Self::Unknown => Some(CHOOSE_GPU_FIRST.to_owned()),
             device => device.description(),
         }
     }

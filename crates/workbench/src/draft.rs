@@ -7,6 +7,7 @@ use tilescope_core::{
 };
 
 use tilescope_session::limits::{MAX_ON_A_PAGE, MAX_STAGED};
+use tilescope_session::typed;
 use tilescope_session::words::{grouped, sentence};
 
 /// A parameter that is typed as a number.
@@ -27,6 +28,48 @@ pub enum Field {
     PatternSide,
     /// Seed of the pattern.
     PatternSeed,
+}
+
+impl Field {
+    /// Returns the name beside the field.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Width => "Width",
+            Self::Height => "Height",
+            Self::Radius => "Radius",
+            Self::Seed => "Seed",
+            Self::Leaf => "Smallest block",
+            Self::PatternSide => "Pattern size",
+            Self::PatternSeed => "Pattern seed",
+        }
+    }
+}
+
+/// A part of the form that can be wrong.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FormPart {
+    /// A field of a parameter.
+    Field(Field),
+    /// The number of samples that sets the radius.
+    Samples,
+    /// The exact number of samples of nested levels.
+    Exactly,
+    /// Choices that exclude each other.
+    Choices,
+}
+
+impl FormPart {
+    /// Returns the name beside the field; `None` for choices, whose error names them.
+    #[must_use]
+    pub const fn name(self) -> Option<&'static str> {
+        match self {
+            Self::Field(field) => Some(field.name()),
+            Self::Samples => Some("Samples"),
+            Self::Exactly => Some("Exactly"),
+            Self::Choices => None,
+        }
+    }
 }
 
 /// A parameter that is chosen from a list.
@@ -154,6 +197,11 @@ impl Preset {
     }
 }
 
+/// Runs of so many samples are worth a word before they start.
+const MANY_SAMPLES: f64 = 2e7;
+/// The memory of a run, its verdict and its picture, for each sample: 8.9 GB were measured at 10^8 samples.
+const BYTES_PER_SAMPLE: f64 = 90.0;
+
 /// Every typed field, in the order of the panel.
 pub const FIELDS: [Field; 7] = [
     Field::Width,
@@ -181,13 +229,24 @@ pub struct Draft {
     pub parameters: Parameters,
 }
 
-/// Why a draft cannot be run, and which field that concerns.
+/// Why a draft cannot be run, and which part of the form that concerns.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct DraftRefusal {
-    /// The field it belongs to; `None` for a combination of choices.
-    pub field: Option<Field>,
+    /// The part of the form.
+    pub part: FormPart,
     /// The reason, as a sentence.
     pub reason: String,
+}
+
+impl DraftRefusal {
+    /// Returns the reason with the name of its field, as it is said away from the field.
+    #[must_use]
+    pub fn with_name(&self) -> String {
+        match self.part.name() {
+            Some(name) => format!("{name}: {}", self.reason),
+            None => self.reason.clone(),
+        }
+    }
 }
 
 impl Default for Draft {
@@ -244,16 +303,19 @@ impl Draft {
     /// Returns why the nested levels cannot be made with these parameters, if some are asked for.
     fn nesting_refusal(&self) -> Option<DraftRefusal> {
         let request = self.nesting()?;
-        let check = || {
-            self.exactly_read()?;
-            let checked = request.check(&self.parameters);
-            checked.map_err(|error| sentence(&error.to_string()))
+        if let Err(reason) = self.exactly_read() {
+            let part = FormPart::Exactly;
+            return Some(DraftRefusal { part, reason });
+        }
+        let error = request.check(&self.parameters).err()?;
+        let part = match error {
+            ParameterError::Count { .. }
+            | ParameterError::OneLevel { .. }
+            | ParameterError::TooFewForLevels { .. } => FormPart::Exactly,
+            _ => FormPart::Choices,
         };
-        let reason = check().err()?;
-        Some(DraftRefusal {
-            field: None,
-            reason,
-        })
+        let reason = sentence(&error.to_string());
+        Some(DraftRefusal { part, reason })
     }
 
     /// Returns the text of a field.
@@ -265,8 +327,8 @@ impl Draft {
     /// Replaces the text of a field. A text that cannot be read leaves the value.
     pub(crate) fn set_text(&mut self, field: Field, text: String) {
         match number(&mut self.parameters, field) {
-            Number::Size(size) => *size = decimal(text.trim()).parse().unwrap_or(*size),
-            Number::Seed(seed) => *seed = text.trim().parse().unwrap_or(*seed),
+            Number::Size(size) => *size = typed::number(&text).unwrap_or(*size),
+            Number::Seed(seed) => *seed = typed::whole(&text).unwrap_or(*seed),
         }
         self.texts[field as usize] = text;
         // A typed number of samples applied to the former parameters.
@@ -348,19 +410,25 @@ impl Draft {
     #[must_use]
     pub fn refusals(&self) -> Vec<DraftRefusal> {
         let unreadable = |field| {
-            let (field, reason) = (Some(field), self.unreadable(field)?);
-            Some(DraftRefusal { field, reason })
+            let (part, reason) = (FormPart::Field(field), self.unreadable(field)?);
+            Some(DraftRefusal { part, reason })
         };
         let mut refusals: Vec<DraftRefusal> = FIELDS.into_iter().filter_map(unreadable).collect();
+        // The radius is still that of the last number of samples that could be read: a run would not be the one asked for.
+        let part = FormPart::Samples;
+        let wrong_count = self.count_refusal();
+        refusals.extend(wrong_count.map(|reason| DraftRefusal { part, reason }));
+
         if let Err(error) = self.parameters.validate_sequential() {
-            let field = field_of(&error, &self.parameters);
-            if !refusals.iter().any(|refusal| refusal.field == field) {
+            let part = part_of(&error, &self.parameters);
+            if !refusals.iter().any(|refusal| refusal.part == part) {
                 let reason = sentence(&error.to_string());
-                refusals.push(DraftRefusal { field, reason });
+                refusals.push(DraftRefusal { part, reason });
             }
         } else if let Some(refusal) = self.nesting_refusal() {
             refusals.push(refusal);
         }
+
         // Algorithm 4 as printed always records events, which limits its size.
         let most = match self.parameters.variant {
             Variant::Staged => MAX_ON_A_PAGE,
@@ -375,7 +443,7 @@ impl Draft {
     fn read(&self) -> Option<&Parameters> {
         let mut fields = FIELDS.into_iter();
         let is_readable = fields.all(|field| self.unreadable(field).is_none());
-        is_readable.then_some(&self.parameters)
+        (is_readable && self.count_refusal().is_none()).then_some(&self.parameters)
     }
 
     /// Returns the names of the parameters that differ from `made`.
@@ -429,6 +497,17 @@ impl Draft {
         samples.is_some() && !has_steps
     }
 
+    /// Returns a sentence on the memory that a run needs, if that is a lot: `None` for runs that any computer can make.
+    #[must_use]
+    pub fn memory_needed(&self) -> Option<String> {
+        let samples = self.expected_samples()?;
+        let needed = samples * BYTES_PER_SAMPLE / 1e9;
+        (samples >= MANY_SAMPLES).then(|| {
+            let count = grouped((samples / 1e6).round() as usize * 1_000_000);
+            format!("About {count} samples need about {needed:.0} GB of memory, and minutes.")
+        })
+    }
+
     /// Returns the smallest side of a pattern that does not repeat within a block, if the present one does.
     #[must_use]
     pub fn side_without_repeats(&self) -> Option<f64> {
@@ -436,14 +515,15 @@ impl Draft {
     }
 
     fn unreadable(&self, field: Field) -> Option<String> {
-        let text = self.text(field).trim();
+        let text = self.text(field);
         match number(&mut self.parameters.clone(), field) {
-            Number::Seed(_) if text.parse::<u64>().is_err() => Some(format!(
-                "\"{text}\" is not a whole number from 0 to {}.",
-                u64::MAX
+            Number::Seed(_) if typed::whole(text).is_none() => Some(format!(
+                "\"{}\" is not a whole number from 0 to {}.",
+                text.trim(),
+                tilescope_core::grouped(u64::MAX)
             )),
-            Number::Size(_) if decimal(text).parse::<f64>().is_err() => {
-                Some(format!("\"{text}\" is not a number."))
+            Number::Size(_) if typed::number(text).is_none() => {
+                Some(format!("\"{}\" is not a number.", text.trim()))
             }
             _ => None,
         }
@@ -452,9 +532,9 @@ impl Draft {
 
 /// Returns the number of samples that a text says, or why it says none.
 fn count_of(text: &str) -> Result<u64, String> {
-    let count = text.replace(',', "").parse().ok();
+    let count = typed::whole(text).filter(|count| *count > 0);
     let wrong = || format!("\"{text}\" is not a whole number of samples from 1 on.");
-    count.filter(|&count: &u64| count > 0).ok_or_else(wrong)
+    count.ok_or_else(wrong)
 }
 
 /// The number of a field.
@@ -482,37 +562,25 @@ fn text_of(p: &Parameters, field: Field) -> String {
     }
 }
 
-/// Returns a number with a point where it was typed with a decimal comma.
-fn decimal(text: &str) -> String {
-    let is_decimal = text.matches(',').count() == 1 && !text.contains('.');
-    if is_decimal {
-        text.replace(',', ".")
-    } else {
-        text.to_owned()
-    }
-}
-
-fn field_of(error: &ParameterError, parameters: &Parameters) -> Option<Field> {
-    match error {
+fn part_of(error: &ParameterError, parameters: &Parameters) -> FormPart {
+    FormPart::Field(match error {
         // The limits of sides are in r: if the side suits the default radius, the radius is at fault.
         ParameterError::SideTooShort { .. } | ParameterError::SideTooLong { .. }
             if suits_default_radius(parameters) =>
         {
-            Some(Field::Radius)
+            Field::Radius
         }
-        ParameterError::Radius { .. } | ParameterError::TooManySamples { .. } => {
-            Some(Field::Radius)
-        }
+        ParameterError::Radius { .. } | ParameterError::TooManySamples { .. } => Field::Radius,
         ParameterError::Side { name, .. }
         | ParameterError::SideTooShort { name, .. }
-        | ParameterError::SideTooLong { name, .. } => Some(match *name {
+        | ParameterError::SideTooLong { name, .. } => match *name {
             "height" => Field::Height,
             _ => Field::Width,
-        }),
-        ParameterError::Leaf { .. } => Some(Field::Leaf),
-        ParameterError::PatternSide { .. } => Some(Field::PatternSide),
-        _ => None,
-    }
+        },
+        ParameterError::Leaf { .. } => Field::Leaf,
+        ParameterError::PatternSide { .. } => Field::PatternSide,
+        _ => return FormPart::Choices,
+    })
 }
 
 fn suits_default_radius(parameters: &Parameters) -> bool {
@@ -532,7 +600,7 @@ fn too_many(expected: Option<f64>, most: f64) -> Option<DraftRefusal> {
     let expected = expected.filter(|expected| *expected > most)?;
     let [expected, most] = [expected, most].map(|count| grouped(count as usize));
     Some(DraftRefusal {
-        field: Some(Field::Radius),
+        part: FormPart::Field(Field::Radius),
         reason: format!(
             "A run would have about {expected} samples; in a browser at most {most} are possible, in the native program more."
         ),
@@ -556,19 +624,70 @@ mod tests {
         assert_eq!(too_many(Some(2e6), 2e6), None);
         assert_eq!(too_many(None, 2e6), None);
         let refusal = too_many(Some(1e9), 2e6).unwrap();
-        assert_eq!(refusal.field, Some(Field::Radius));
+        assert_eq!(refusal.part, FormPart::Field(Field::Radius));
         assert!(refusal.reason.contains("1,000,000,000") && refusal.reason.contains("2,000,000"));
     }
 
     #[test]
-    fn a_decimal_comma_is_read_as_a_point() {
+    fn one_rule_reads_the_commas_of_the_whole_form() {
         let mut draft = Draft::default();
         draft.set_text(Field::Radius, "0,01".to_owned());
         assert_eq!((draft.refusals(), draft.parameters.radius), (vec![], 0.01));
-        for text in ["0,0,1", "1,000.5", ","] {
+        // Thousands are thousands in every field: a side of 1,000 is not a side of 1.
+        draft.set_text(Field::Width, "1,000".to_owned());
+        draft.set_text(Field::Height, "1 000".to_owned());
+        draft.set_text(Field::Radius, "20".to_owned());
+        draft.set_text(Field::Seed, "1,000".to_owned());
+        let p = &draft.parameters;
+        assert_eq!(draft.refusals(), []);
+        assert_eq!((p.width, p.height, p.seed), (1000.0, 1000.0, 1000));
+        draft.set_count("1,000".to_owned());
+        assert_eq!(draft.refusals(), []);
+        for text in ["0,0,1", "1.000,5", ","] {
             draft.set_text(Field::Radius, text.to_owned());
-            assert_eq!(draft.refusals()[0].field, Some(Field::Radius), "{text}");
+            let part = FormPart::Field(Field::Radius);
+            assert_eq!(draft.refusals()[0].part, part, "{text}");
         }
+    }
+
+    #[test]
+    fn a_wrong_field_of_any_kind_refuses_the_run_by_its_name() {
+        let wrong_count = |draft: &mut Draft| draft.set_count("abc".to_owned());
+        let wrong_radius = |draft: &mut Draft| draft.set_text(Field::Radius, "abc".to_owned());
+        let wrong_exactly = |draft: &mut Draft| {
+            (draft.levels, draft.exactly) = (Some(3), "abc".to_owned());
+        };
+        let spoil: [(&str, &dyn Fn(&mut Draft)); 3] = [
+            ("Samples", &wrong_count),
+            ("Radius", &wrong_radius),
+            ("Exactly", &wrong_exactly),
+        ];
+        for (name, spoil) in spoil {
+            let mut draft = Draft::default();
+            assert_eq!(draft.refusals(), []);
+            spoil(&mut draft);
+            let said = draft.refusals().first().map(DraftRefusal::with_name);
+            let said = said.unwrap_or_default();
+            let begins = format!("{name}: \"abc\" is not a ");
+            assert!(said.starts_with(&begins), "{said}");
+        }
+    }
+
+    #[test]
+    fn too_few_samples_for_the_levels_are_not_told_to_change_the_radius() {
+        let draft = Draft {
+            levels: Some(4),
+            exactly: "60".to_owned(),
+            ..Draft::default()
+        };
+        let refusals = draft.refusals();
+        assert_eq!(refusals.len(), 1, "{refusals:?}");
+        assert_eq!(refusals[0].part, FormPart::Exactly);
+        let reason = &refusals[0].reason;
+        assert!(
+            reason.contains("more samples") && !reason.contains("radius"),
+            "{reason}"
+        );
     }
 
     #[test]
@@ -592,7 +711,7 @@ mod tests {
             draft.set_text(field, text.to_owned());
             let refusals = draft.refusals();
             assert_eq!(refusals.len(), 1, "{field:?} {text}");
-            assert_eq!(refusals[0].field, Some(field));
+            assert_eq!(refusals[0].part, FormPart::Field(field));
             assert!(refusals[0].reason.contains(part), "{}", refusals[0].reason);
         }
     }
@@ -622,7 +741,14 @@ mod tests {
     fn a_number_of_samples_sets_the_radius_and_the_radius_the_number() {
         let mut draft = Draft::default();
         assert_eq!(draft.count_text(), "10000");
-        for (text, count) in [("200000", 200_000.0), ("5,000", 5_000.0), (" 750 ", 750.0)] {
+        for (text, count) in [
+            ("200000", 200_000.0),
+            ("5,000", 5_000.0),
+            (" 750 ", 750.0),
+            ("1e6", 1e6),
+            ("1 000 000", 1e6),
+            ("1'000'000", 1e6),
+        ] {
             draft.set_count(text.to_owned());
             assert_eq!(draft.count_text(), text);
             assert_eq!(draft.count_refusal(), None);
@@ -631,7 +757,7 @@ mod tests {
         }
         // What cannot be had leaves the radius as it is.
         let radius = draft.parameters.radius;
-        for text in ["", "many", "0", "-5", "1e6", "99999999999999999"] {
+        for text in ["", "many", "0", "-5", "1e-6", "99999999999999999"] {
             draft.set_count(text.to_owned());
             let refusal = draft.count_refusal().expect(text);
             assert!(refusal.ends_with('.'), "{refusal}");
@@ -664,6 +790,20 @@ mod tests {
                 "{field:?}: {now}"
             );
         }
+    }
+
+    #[test]
+    fn large_runs_say_how_much_memory_they_need() {
+        let mut draft = Draft::default();
+        assert_eq!(draft.memory_needed(), None);
+        draft.set_count("1e8".to_owned());
+        let said = draft.memory_needed().unwrap();
+        assert!(
+            said.contains("100,000,000 samples") && said.contains("9 GB"),
+            "{said}"
+        );
+        draft.set_count("abc".to_owned());
+        assert_eq!(draft.memory_needed(), None);
     }
 
     #[test]

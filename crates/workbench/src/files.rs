@@ -17,6 +17,7 @@ pub(crate) use disk::answered;
 #[cfg(not(target_arch = "wasm32"))]
 pub use disk::browse;
 pub use read::{Combined, Done, FileOutcome, FileSource, Opened, ReadTask, read};
+pub use save::missing_folder;
 #[cfg(not(target_arch = "wasm32"))]
 pub use save::save;
 pub(crate) use save::with_json;

@@ -3,10 +3,15 @@
 //! for an effect (`effects`), which the state carries out. No window is needed, so that tests and scripts use the state.
 
 use tilescope_core::Stage;
+use tilescope_debugger::Target;
 
 use crate::analysis::Analysis;
 pub use crate::appearance::Appearance;
-use crate::command::{AppearanceCommand, Command, LinkCommand, ViewCommand, Which};
+use crate::command::{
+    AppearanceCommand, Command, FormCommand, GpuCommand, LinkCommand, TimeCommand, ViewCommand,
+    Which,
+};
+use crate::device::EngineChoice;
 use crate::export::ExportCommand;
 use crate::layout::Panel;
 use crate::lesson_picture::NextPicture;
@@ -204,7 +209,7 @@ impl State {
     #[must_use]
     pub fn run_refusal(&self) -> Option<String> {
         let refusal = self.form.draft.refusals().into_iter().next();
-        let refusal = refusal.map(|refusal| refusal.reason);
+        let refusal = refusal.map(|refusal| refusal.with_name());
         let own =
             "Nested levels have a pattern of their own; they cannot be made from that of a file.";
         let has_own = self.form.draft.levels.is_some() && self.form.own_pattern.is_some();
@@ -227,6 +232,7 @@ impl State {
             Command::Appearance(AppearanceCommand::ToggleFollow) => Some(None),
             _ => None,
         };
+        let seeks = matches!(&command, Command::Time(TimeCommand::RunTo(target, _)) if is_at_a_place(*target));
         match command {
             Command::Undo => self.undo(),
             Command::Redo => self.redo(),
@@ -241,8 +247,13 @@ impl State {
                 None => self.dispatch(command),
             },
         }
-        if let Some(before) = before {
-            self.follow_event(before);
+        match before {
+            // A conflict, say, that was looked for is to be seen: at the scale of the whole domain it is a speck.
+            Some(before) if seeks && self.cursor() != before => {
+                self.on(Which::First, |run, context| run.lead_to_event(context));
+            }
+            Some(before) => self.follow_event(before),
+            None => {}
         }
         self.follow_first();
         self.follow_passes();
@@ -255,9 +266,18 @@ impl State {
         }
     }
 
+    fn apply_to_form(&mut self, command: FormCommand) {
+        // The engine is shown among the parameters; to reset them resets it, too.
+        if command == FormCommand::Reset {
+            let automatic = GpuCommand::Engine(EngineChoice::Auto);
+            self.with(|state, context| state.gpu.apply(automatic, context));
+        }
+        self.form.apply(command);
+    }
+
     fn dispatch(&mut self, command: Command) {
         match command {
-            Command::Form(command) => self.form.apply(command),
+            Command::Form(command) => self.apply_to_form(command),
             Command::Gpu(command) => self.with(|state, context| state.gpu.apply(command, context)),
             Command::Run => self.run(),
             Command::Combine(command) => self.combine(command),
@@ -304,7 +324,7 @@ impl State {
             Command::View(Which::Second, command) => self.apply_to_second_view(command),
             Command::Export(command) => {
                 if matches!(command, ExportCommand::Open(_)) {
-                    self.files.sheet = None;
+                    (self.files.sheet, self.messages.notice) = (None, None);
                 }
                 self.in_exports(|exports, source, delivery, context| {
                     exports.apply(command, source, delivery, context);
@@ -447,3 +467,16 @@ mod unfinished;
 mod view;
 mod window;
 mod work;
+
+/// Returns whether a target is an event at a place of the domain, rather than a line or a kind of event.
+const fn is_at_a_place(target: Target) -> bool {
+    match target {
+        Target::Conflict
+        | Target::Elimination
+        | Target::Gap
+        | Target::Insertion
+        | Target::SecondInsertion
+        | Target::Violation => true,
+        Target::Line(_) | Target::Kind(_) | Target::Sample(_) => false,
+    }
+}

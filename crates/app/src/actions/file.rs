@@ -4,7 +4,7 @@ use egui::Key;
 use tilescope_session::combination::CombineCommand;
 
 use super::{Action, COMMAND, List, Menu, SHIFT, Submenu};
-use tilescope_workbench::command::{Command, FormCommand, LinkCommand, Which};
+use tilescope_workbench::command::{Command, FormCommand, LinkCommand, Which, WindowCommand};
 use tilescope_workbench::export::{ExportCommand, ExportKind};
 use tilescope_workbench::files::{FileCommand, Purpose};
 use tilescope_workbench::state::State;
@@ -50,6 +50,12 @@ pub(super) fn add(list: &mut List, state: &State) {
     list.group();
     list.add("Copy link", Command::Link(LinkCommand::Copy))
         .on_keys(COMMAND | SHIFT, Key::L);
+    // A page is left by the browser.
+    if !state.files.in_browser() {
+        list.group();
+        list.add("Quit", Command::Window(WindowCommand::Quit))
+            .on_keys(COMMAND, Key::Q);
+    }
 }
 
 /// Adds an action that opens a sheet, or closes it if that is its command; closing is never refused.

@@ -38,6 +38,25 @@ pub fn keys_of(state: &State, command: &Command) -> Option<KeyboardShortcut> {
     all.find(|action| action.command == *command)?.shortcut
 }
 
+/// Returns a shortcut as keyboards show it: signs by themselves, other keys by their names.
+#[must_use]
+pub fn shortcut_text(ctx: &egui::Context, shortcut: &KeyboardShortcut) -> String {
+    let text = ctx.format_shortcut(shortcut);
+    let name = shortcut.logical_key.name();
+    let sign = match shortcut.logical_key {
+        Key::Period => ".",
+        Key::Plus => "+",
+        Key::Minus => "\u{2212}",
+        Key::Questionmark => "?",
+        Key::Comma => ",",
+        _ => return text,
+    };
+    match text.strip_suffix(name) {
+        Some(modifiers) => format!("{modifiers}{sign}"),
+        None => text,
+    }
+}
+
 /// Returns whether a key, by its browser name, is a shortcut whatever has the focus, so that the page keeps it from the
 /// browser: function keys, and letters with Ctrl except those of the clipboard.
 #[must_use]

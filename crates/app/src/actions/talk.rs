@@ -81,14 +81,16 @@ fn given(list: &mut List, talk: &Talk) {
     own(list, "Code for phones", TalkCommand::ToggleCode).on_key(Key::Q);
 }
 
-/// Returns whether an action keeps its keys during a talk: answers, the camera, light and dark, full screen.
+/// Returns whether an action keeps its keys during a talk: answers, the camera, the looks, full screen.
 const fn stays(command: &Command) -> bool {
     matches!(
         command,
         Command::Talk(_)
             | Command::Lesson(LessonCommand::Draft(_) | LessonCommand::Answer)
             | Command::View(_, ViewCommand::Fit | ViewCommand::Zoom(..))
-            | Command::Appearance(AppearanceCommand::ToggleTheme)
+            | Command::Appearance(
+                AppearanceCommand::ToggleTheme | AppearanceCommand::ToggleProjector
+            )
             | Command::Window(WindowCommand::ToggleFullScreen)
     )
 }

@@ -2,7 +2,10 @@
 //! opened again, and they can exchange screens. What they show is in `panels/lesson/stage.rs` and `notes.rs` beside it; what
 //! the talk's commands do is in `workbench/src/state/talk.rs`. Begin with `App::show_talk`.
 
-use egui::{Context, Rect, Ui, ViewportBuilder, ViewportClass, ViewportCommand, ViewportId};
+use egui::{
+    Context, Rect, Ui, Vec2, ViewportBuilder, ViewportClass, ViewportCommand, ViewportId, vec2,
+};
+use tilescope_session::look::Look;
 use tilescope_workbench::command::Command;
 use tilescope_workbench::state::State;
 use tilescope_workbench::talk::TalkCommand;
@@ -11,11 +14,16 @@ use super::App;
 use crate::actions;
 use crate::panels::lesson::{notes, stage};
 
+/// The size of the second window, in screen points without zoom: the notes with the votes and the next step fit in it.
+const SECOND_SIZE: Vec2 = vec2(1000.0, 800.0);
+
 /// The state of a talk's windows that is kept between frames.
 #[derive(Default)]
 pub struct Stage {
-    /// The zoom before the talk.
-    zoom_before: Option<f32>,
+    /// The zoom and the look before the talk.
+    before: Option<(f32, Look)>,
+    /// The size in which the second window opens where there is no second screen, in screen points.
+    second_size: Vec2,
     /// Whether the window had full screen before the talk.
     was_full: bool,
     /// A screen without the first window, in screen points, if there is one.
@@ -93,7 +101,7 @@ impl App {
     /// When a talk begins, notes a screen without the first window, for the second one.
     #[cfg(not(target_arch = "wasm32"))]
     pub(super) fn find_other_screen(&mut self, ctx: &Context, frame: &eframe::Frame) {
-        let is_beginning = self.state.talks.open.is_some() && self.stage.zoom_before.is_none();
+        let is_beginning = self.state.talks.open.is_some() && self.stage.before.is_none();
         let Some(window) = frame.winit_window().filter(|_| is_beginning) else {
             return;
         };
@@ -111,8 +119,12 @@ impl App {
     }
 
     fn begin_stage(&mut self, ctx: &Context) {
-        if self.stage.zoom_before.is_none() {
-            self.stage.zoom_before = Some(ctx.zoom_factor());
+        if self.stage.before.is_none() {
+            self.stage.before = Some((ctx.zoom_factor(), self.state.appearance.look));
+            let screen = ctx.input(|input| input.viewport().monitor_size);
+            // The zoom changes with the stage; the size stays, so that the window is not resized later.
+            let size = SECOND_SIZE / ctx.zoom_factor();
+            self.stage.second_size = screen.map_or(size, |screen| size.min(0.9 * screen));
             self.stage.was_full = ctx.input(|input| input.viewport().fullscreen == Some(true));
             ctx.send_viewport_cmd(ViewportCommand::Fullscreen(true));
         }
@@ -120,8 +132,9 @@ impl App {
 
     /// Once a talk is over, restores zoom and full screen as they were before it.
     pub(super) fn leave_stage(&mut self, ctx: &Context) {
-        if let Some(zoom) = self.stage.zoom_before.take() {
-            ctx.set_zoom_factor(zoom);
+        if let Some((zoom, look)) = self.stage.before.take() {
+            // The look may have been changed on the stage, and the projector's look enlarges the window.
+            ctx.set_zoom_factor(zoom * self.state.appearance.look.zoom() / look.zoom());
             ctx.send_viewport_cmd(ViewportCommand::Fullscreen(self.stage.was_full));
             ctx.request_repaint();
         }
@@ -140,7 +153,7 @@ impl App {
             Some(screen) => builder
                 .with_position(screen.min)
                 .with_inner_size(screen.size()),
-            None => builder.with_inner_size([640.0, 420.0]),
+            None => builder.with_inner_size(self.stage.second_size),
         }
     }
 }
@@ -183,7 +196,7 @@ fn other_screen(screens: &[Rect], here: egui::Pos2) -> Option<Rect> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use egui::{pos2, vec2};
+    use egui::pos2;
 
     #[test]
     fn the_other_screen_is_one_where_the_window_is_not() {

@@ -33,6 +33,40 @@ pub fn divide(ui: &mut Ui, palette: &Palette) {
     ui.add_space(6.0);
 }
 
+/// The least share of the work, and the least time in seconds, from which the time left is estimated.
+const ESTIMATED_FROM: (f32, f64) = (0.02, 2.0);
+
+/// Returns "about 20 s left" for work that is this far, estimated from its pace since it was first shown; `None` too early
+/// for an estimate. `name` tells one work from another.
+pub fn time_left(ui: &Ui, name: &str, fraction: f32) -> Option<String> {
+    let id = Id::unique("time left").with(name);
+    let now = ui.input(|input| input.time);
+    let seen: Option<(f64, f32, f32)> = ui.data(|data| data.get_temp(id));
+    // Work that is less far than before is another one.
+    let (start, first) = match seen {
+        Some((start, first, last)) if fraction >= last => (start, first),
+        _ => (now, fraction),
+    };
+    ui.data_mut(|data| data.insert_temp(id, (start, first, fraction)));
+
+    let (done, secs) = (fraction - first, now - start);
+    let (least_done, least_secs) = ESTIMATED_FROM;
+    if done < least_done || secs < least_secs {
+        return None;
+    }
+    let left = secs * f64::from((1.0 - fraction) / done);
+    Some(left_in_words(left))
+}
+
+/// Returns "about 20 s left" or "about 3 min left": rounded up, since an estimate is no promise.
+fn left_in_words(secs: f64) -> String {
+    if secs < 90.0 {
+        format!("about {:.0} s left", (secs / 5.0).ceil().max(1.0) * 5.0)
+    } else {
+        format!("about {:.0} min left", (secs / 60.0).ceil())
+    }
+}
+
 /// Shows why the session has no events.
 pub fn no_events(ui: &mut Ui, context: &PanelContext<'_>) {
     let text = match &context.run.session {
@@ -82,4 +116,22 @@ pub fn read_out(ui: &Ui, response: &egui::Response) {
     ui.ctx().accesskit_node_builder(response.id, |node| {
         node.set_live(egui::accesskit::Live::Polite);
     });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::left_in_words;
+
+    #[test]
+    fn the_time_left_is_rounded_up() {
+        for (secs, text) in [
+            (0.2, "about 5 s left"),
+            (11.0, "about 15 s left"),
+            (89.0, "about 90 s left"),
+            (91.0, "about 2 min left"),
+            (600.0, "about 10 min left"),
+        ] {
+            assert_eq!(left_in_words(secs), text);
+        }
+    }
 }

@@ -3,7 +3,7 @@
 use egui::{Button, ComboBox, RichText, Ui};
 use tilescope_ui::widgets::{Kebab, Known};
 
-use super::parameters::{FormContext, field_width, labelled};
+use super::parameters::{FormContext, changed_mark, field_width, labelled};
 use tilescope_workbench::command::{Command, GpuCommand};
 use tilescope_workbench::device::EngineChoice;
 
@@ -14,6 +14,9 @@ const EXPLANATION: &str =
 pub fn show(ui: &mut Ui, context: &FormContext<'_>, commands: &mut Vec<Command>) {
     let palette = context.palette;
     labelled(ui, ("Engine", EXPLANATION), palette, |ui, label| {
+        if context.engine_differs {
+            changed_mark(ui, palette);
+        }
         let combo = ComboBox::from_id_salt("Engine")
             .selected_text(text(context, context.gpu.engine))
             .width(field_width(ui))
@@ -28,7 +31,7 @@ pub fn show(ui: &mut Ui, context: &FormContext<'_>, commands: &mut Vec<Command>)
         response.on_hover_text(EXPLANATION);
     });
     if let Some((line, all)) = &context.engine {
-        let line = RichText::new(*line).small().color(palette.muted);
+        let line = RichText::new(line).small().color(palette.muted);
         let label = ui.label(line);
         label.known_as("engine-status");
         label.on_hover_text(all);

@@ -1,6 +1,7 @@
 //! The event browser: the tree of events, or the results of a query. Selecting an event goes to the moment after it and
 //! all its children.
 
+use egui::text::{LayoutJob, TextWrapping};
 use egui::{
     Align, Align2, CursorIcon, FontId, Rect, RichText, Role, ScrollArea, Sense, TextEdit, Ui,
     WidgetInfo, pos2, style::ScrollAnimation, vec2,
@@ -238,18 +239,13 @@ fn show_row(
         FontId::monospace(10.0),
         palette.muted,
     );
-    let painter = painter.with_clip_rect(
-        painter
-            .clip_rect()
-            .intersect(egui::Rect::everything_left_of(number.left() - 4.0)),
-    );
-    painter.text(
-        rect.left_center() + vec2(18.0 + indent, 0.0),
-        Align2::LEFT_CENTER,
-        text,
-        FontId::proportional(12.0),
-        ink,
-    );
+    let left = rect.left() + 18.0 + indent;
+    let mut job = LayoutJob::simple_singleline(text, FontId::proportional(12.0), ink);
+    // What does not fit ends with an ellipsis, and the tooltip has all of it.
+    job.wrap = TextWrapping::truncate_at_width((number.left() - 6.0 - left).max(0.0));
+    let galley = painter.layout_job(job);
+    let at = pos2(left, rect.center().y - 0.5 * galley.size().y);
+    painter.galley(at, galley, ink);
     let tip = tilescope_debugger::sentence(debugger.recording(), index);
     if response
         .on_hover_cursor(CursorIcon::PointingHand)

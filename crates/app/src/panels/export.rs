@@ -40,7 +40,10 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         .resizable(false)
         .anchor(Align2::CENTER_CENTER, above_middle(ui))
         .show(ui.ctx(), |ui| {
-            scrolled(ui, 480.0, |ui| sheet.contents(ui));
+            scrolled(ui, 480.0, |ui| {
+                sheet.contents(ui);
+                super::notice::in_sheet(ui, state);
+            });
         });
     if !open || escaped(ui, state) {
         sheet.commands.push(ExportCommand::Close);
@@ -184,10 +187,14 @@ impl Sheet<'_> {
         let (text, color) = if let Some(refusal) = self.form.name_refusal() {
             (refusal.to_string(), self.palette.conflict)
         } else {
-            let format = self.form.kind.format(self.form.file());
+            let format = self.form.kind.format(&self.form.file());
             let format = format.unwrap_or_default();
             let folder = self.folder();
-            (format!("Format: {format}.{folder}"), self.palette.muted)
+            let file = self.form.file();
+            // The ending may have been added to what was typed.
+            let name = file.file_name().unwrap_or_default().to_string_lossy();
+            let text = format!("{name}, format: {format}.{folder}");
+            (text, self.palette.muted)
         };
         ui.label(RichText::new(text).small().color(color))
             .known_as("export.format");
@@ -201,7 +208,7 @@ impl Sheet<'_> {
 
     /// Shows the formats; a click changes the extension of the file.
     fn formats(&mut self, ui: &mut Ui) {
-        let chosen = tilescope_workbench::export::extension(self.form.file());
+        let chosen = tilescope_workbench::export::extension(&self.form.file());
         ui.horizontal_wrapped(|ui| {
             ui.spacing_mut().item_spacing = vec2(3.0, 3.0);
             for extension in self.form.kind.extensions() {
@@ -232,7 +239,7 @@ impl Sheet<'_> {
     }
 
     fn precision(&mut self, ui: &mut Ui) {
-        let format = Format::from_path(self.form.file());
+        let format = Format::from_path(&self.form.file());
         let has_choice = format
             .is_some_and(|f| f.precision(Precision::Single) != f.precision(Precision::Double));
         self.named(ui, "Coordinates", |sheet, ui, _| {

@@ -1,5 +1,7 @@
 //! The sheet that opens and saves sessions and patterns.
 
+use std::path::Path;
+
 use egui::{Align2, ProgressBar, RichText, TextEdit, Ui, Window};
 use tilescope_drawing::palette::Palette;
 use tilescope_ui::widgets::{Known, primary_button};
@@ -7,7 +9,7 @@ use tilescope_ui::widgets::{Known, primary_button};
 use super::common::read_out;
 use super::sheet::{above_middle, entered, escaped, just_opened, scrolled, select_all, width};
 use tilescope_workbench::command::Command;
-use tilescope_workbench::files::{FileCommand, FileForm, Purpose};
+use tilescope_workbench::files::{FileCommand, FileForm, Purpose, missing_folder};
 use tilescope_workbench::state::State;
 
 /// Shows the sheet while it is open.
@@ -49,10 +51,12 @@ fn contents(ui: &mut Ui, state: &State, form: &FileForm, own: &mut Vec<FileComma
     ui.add_space(8.0);
     file(ui, state, form, own);
     // The line's height is reserved, with or without a question.
+    let saves = form.purpose == Purpose::Save;
+    let missing = no_folder(form.path.trim()).filter(|_| saves);
     let question = if form.asked {
         "There is such a file already."
     } else {
-        " "
+        missing.as_deref().unwrap_or(" ")
     };
     let response = ui.label(RichText::new(question).color(palette.conflict));
     read_out(ui, &response);
@@ -63,7 +67,8 @@ fn contents(ui: &mut Ui, state: &State, form: &FileForm, own: &mut Vec<FileComma
     } else {
         form.purpose.verb()
     };
-    let button = primary_button(ui, verb, refusal(state, form), palette);
+    let refusal = refusal(state, form);
+    let button = primary_button(ui, verb, refusal.as_deref(), palette);
     button.known_as("file.go");
     // The second click of a double click must not answer the question.
     if button.clicked() && !(form.asked && button.double_clicked()) {
@@ -73,6 +78,7 @@ fn contents(ui: &mut Ui, state: &State, form: &FileForm, own: &mut Vec<FileComma
         ui.set_height(24.0);
         progress(ui, state, palette, own);
     });
+    super::notice::in_sheet(ui, state);
 }
 
 /// Returns which files to choose together in a browser, where a file cannot refer to another by its path.
@@ -120,24 +126,33 @@ fn file(ui: &mut Ui, state: &State, form: &FileForm, own: &mut Vec<FileCommand>)
     });
 }
 
-fn refusal(state: &State, form: &FileForm) -> Option<&'static str> {
-    if busy(state).is_some() {
-        Some("A file is being read or written.")
-    } else if form.path.trim().is_empty() {
-        Some(
-            if state.files.in_browser() && form.purpose != Purpose::Save {
-                "Choose a file."
-            } else {
-                "Name a file."
-            },
-        )
+fn refusal(state: &State, form: &FileForm) -> Option<String> {
+    let path = form.path.trim();
+    let reason = if busy(state).is_some() {
+        "A file is being read or written."
+    } else if path.is_empty() {
+        if state.files.in_browser() && form.purpose != Purpose::Save {
+            "Choose a file."
+        } else {
+            "Name a file."
+        }
     } else if form.purpose == Purpose::Save {
-        state.save_refusal()
+        return state
+            .save_refusal()
+            .map(str::to_owned)
+            .or_else(|| no_folder(path));
     } else if form.purpose == Purpose::Against && state.runs.first.session.is_none() {
-        Some("There is no session yet.")
+        "There is no session yet."
     } else {
-        None
-    }
+        return None;
+    };
+    Some(reason.to_owned())
+}
+
+/// Returns that the folder of a file to be written does not exist, if so.
+fn no_folder(path: &str) -> Option<String> {
+    let folder = missing_folder(Path::new(path))?;
+    Some(format!("There is no folder \"{}\".", folder.display()))
 }
 
 fn busy(state: &State) -> Option<f32> {

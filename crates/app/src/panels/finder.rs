@@ -16,6 +16,11 @@ use tilescope_workbench::state::State;
 /// Height of a row, unless enlarged for touch.
 const ROW: f32 = 30.0;
 
+/// Where the names begin, from the left edge of a row; the longest menu fits before it.
+const NAME_START: f32 = 76.0;
+/// Least gap between a menu and a name.
+const AFTER_MENU: f32 = 10.0;
+
 /// Shows the list, if it is open.
 pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let Some(open) = &state.window.finder else {
@@ -147,16 +152,16 @@ fn show_action(
         FontId::proportional(12.0),
         palette.muted,
     );
+    let start = (menu.right() + AFTER_MENU).max(rect.left() + NAME_START);
     painter.text(
-        menu.right_center()
-            .max(rect.left_center() + vec2(60.0, 0.0)),
+        egui::pos2(start, rect.center().y),
         Align2::LEFT_CENTER,
         &action.name,
         FontId::proportional(13.5),
         ink,
     );
     if let Some(shortcut) = &action.shortcut {
-        let keys = ui.ctx().format_shortcut(shortcut);
+        let keys = crate::actions::shortcut_text(ui.ctx(), shortcut);
         painter.text(
             rect.right_center() - vec2(10.0, 0.0),
             Align2::RIGHT_CENTER,

@@ -8,15 +8,20 @@ use tilescope_ui::theme::semibold;
 use tilescope_ui::widgets::{Kebab, Known, figure, heading};
 
 use super::sheet;
-use crate::actions::{Menu, actions};
+use crate::actions::{Action, Menu, actions, shortcut_text};
 use tilescope_workbench::command::{Command, WindowCommand};
 use tilescope_workbench::help::HelpPage;
 use tilescope_workbench::state::State;
 
-/// Width of the sheet, in screen points.
+/// Width of the sheet, in screen points; the keys have two columns.
 const WIDTH: f32 = 620.0;
+const WIDTH_OF_KEYS: f32 = 880.0;
+/// Room from which on the keys have two columns.
+const TWO_COLUMNS: f32 = 720.0;
 /// Width of the column of keys.
-const KEYS_WIDTH: f32 = 150.0;
+const KEYS_WIDTH: f32 = 120.0;
+/// The height of a heading among keys, in rows.
+const ROWS_OF_HEADING: usize = 2;
 
 /// How to cite the paper.
 const BIBTEX: &str = "@inproceedings{WangSuda2017,
@@ -34,7 +39,11 @@ pub fn show(ui: &Ui, state: &State, commands: &mut Vec<Command>) {
     };
     let palette = Palette::of(state.appearance.look);
     let modal = Modal::new(Id::unique("help")).show(ui.ctx(), |ui| {
-        ui.set_width(sheet::width(ui, WIDTH));
+        let width = match page {
+            HelpPage::Keys => WIDTH_OF_KEYS,
+            HelpPage::Terms | HelpPage::About => WIDTH,
+        };
+        ui.set_width(sheet::width(ui, width));
         let mut is_closed = false;
         ui.horizontal(|ui| {
             for other in HelpPage::ALL {
@@ -50,7 +59,7 @@ pub fn show(ui: &Ui, state: &State, commands: &mut Vec<Command>) {
             });
         });
         ui.separator();
-        sheet::scrolled(ui, WIDTH, |ui| match page {
+        sheet::scrolled(ui, width, |ui| match page {
             HelpPage::Keys => keys(ui, state, palette),
             HelpPage::Terms => terms(ui, palette),
             HelpPage::About => about(ui, palette),
@@ -62,26 +71,42 @@ pub fn show(ui: &Ui, state: &State, commands: &mut Vec<Command>) {
     }
 }
 
-/// Lists the keys of all actions, menu by menu.
+/// Lists the keys of all actions, menu by menu, in two columns where there is room.
 fn keys(ui: &mut Ui, state: &State, palette: &Palette) {
     let all = actions(state);
-    for menu in Menu::ALL {
-        let keyed = all.iter().filter(|action| action.menu == menu);
-        let keyed: Vec<_> = keyed.filter(|action| action.shortcut.is_some()).collect();
-        if keyed.is_empty() {
-            continue;
+    let has_keys = |action: &&Action| action.shortcut.is_some();
+    let menus: Vec<(Menu, Vec<&Action>)> = Menu::ALL
+        .into_iter()
+        .map(|menu| {
+            let of_menu = all.iter().filter(|action| action.menu == menu);
+            (menu, of_menu.filter(has_keys).collect())
+        })
+        .filter(|(_, keyed): &(Menu, Vec<&Action>)| !keyed.is_empty())
+        .collect();
+
+    if ui.available_width() < TWO_COLUMNS {
+        for menu in &menus {
+            keys_of_menu(ui, menu, palette);
         }
-        heading(ui, menu.name());
-        let grid = Grid::new(menu.name())
-            .num_columns(2)
-            .spacing(vec2(12.0, 3.0));
-        grid.min_col_width(KEYS_WIDTH).show(ui, |ui| {
-            for action in keyed {
-                let keys = action.keys().map(|keys| ui.ctx().format_shortcut(&keys));
-                let keys = keys.collect::<Vec<_>>().join(", ");
-                ui.label(RichText::new(keys).monospace().color(palette.accent));
-                ui.add(Label::new(action.name.as_str()).wrap());
-                ui.end_row();
+    } else {
+        // Menus stay whole; the first column takes them while it has less than half of the rows.
+        let rows = |menu: &(Menu, Vec<&Action>)| menu.1.len() + ROWS_OF_HEADING;
+        let all_rows: usize = menus.iter().map(rows).sum();
+        let mut before = 0;
+        let first = menus.iter().take_while(|menu| {
+            let is_first = 2 * before < all_rows;
+            before += rows(menu);
+            is_first
+        });
+        let (left, right) = menus.split_at(first.count());
+        ui.columns(2, |columns| {
+            for (ui, menus) in columns.iter_mut().zip([left, right]) {
+                // Columns justify their texts, which tears short ones apart.
+                ui.with_layout(Layout::top_down(Align::Min), |ui| {
+                    for menu in menus {
+                        keys_of_menu(ui, menu, palette);
+                    }
+                });
             }
         });
     }
@@ -91,6 +116,23 @@ fn keys(ui: &mut Ui, state: &State, palette: &Palette) {
          block. The right button opens a menu about what is there. With the canvas focused, arrow keys move it, Enter \
          selects in its middle, and the menu key opens that menu.",
     );
+}
+
+/// Lists the keys of the actions of a menu.
+fn keys_of_menu(ui: &mut Ui, (menu, keyed): &(Menu, Vec<&Action>), palette: &Palette) {
+    heading(ui, menu.name());
+    let grid = Grid::new(menu.name())
+        .num_columns(2)
+        .spacing(vec2(12.0, 3.0));
+    grid.min_col_width(KEYS_WIDTH).show(ui, |ui| {
+        for action in keyed {
+            let keys = action.keys().map(|keys| shortcut_text(ui.ctx(), &keys));
+            let keys = keys.collect::<Vec<_>>().join(", ");
+            ui.label(RichText::new(keys).monospace().color(palette.accent));
+            ui.add(Label::new(action.name.as_str()).wrap());
+            ui.end_row();
+        }
+    });
 }
 
 /// Lists the terms with their meanings.
@@ -133,7 +175,7 @@ fn about(ui: &mut Ui, palette: &Palette) {
         "https://doi.org/10.1145/3105762.3105778",
     );
     ui.add_space(4.0);
-    ui.label(RichText::new(BIBTEX).monospace().small());
+    ui.label(RichText::new(BIBTEX).font(FontId::monospace(11.0)));
     let copy = ui.add(Button::new("Copy the citation"));
     if copy.known_as("help.copy").clicked() {
         ui.ctx().copy_text(BIBTEX.to_owned());

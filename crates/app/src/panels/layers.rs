@@ -1,7 +1,8 @@
 //! The chips above the canvas that switch its layers.
 
-use egui::{Ui, vec2};
+use egui::{RichText, Ui, vec2};
 use tilescope_session::layers::Layer;
+use tilescope_session::verification::Verdict;
 use tilescope_ui::widgets::{Kebab, Known, chip, explain};
 
 use super::context::PanelContext;
@@ -39,5 +40,18 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
                 commands.push(Command::Appearance(AppearanceCommand::ToggleLayer(layer)));
             }
         }
+        if has_no_circles(context) {
+            let text = "No empty circle is larger than r: the set is maximal.";
+            let text = RichText::new(text).small().color(context.palette.muted);
+            ui.label(text).known_as("no-empty-circles");
+        }
     });
+}
+
+/// Returns whether the empty circles are asked for where there are none to draw: at the end of a maximal run.
+fn has_no_circles(context: &PanelContext<'_>) -> bool {
+    let run = context.run;
+    let layers = context.appearance.layers(run.current_stage());
+    let is_maximal = run.verdict().is_some_and(Verdict::maximal);
+    layers.has(Layer::Circumcircles) && run.is_at_end() && is_maximal
 }

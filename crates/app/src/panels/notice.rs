@@ -9,11 +9,41 @@ use tilescope_workbench::command::Command;
 use tilescope_workbench::state::Notice;
 use tilescope_workbench::state::State;
 
-/// Shows the notice, if there is one, over the canvas.
+/// Returns whether the notice is an error that an open sheet shows.
+fn is_in_sheet(state: &State) -> bool {
+    let is_error = state
+        .messages
+        .notice
+        .as_ref()
+        .is_some_and(|notice| notice.is_error);
+    is_error && state.files.has_sheet()
+}
+
+/// Shows an error within the open sheet, where it arose.
+pub fn in_sheet(ui: &mut Ui, state: &State) {
+    let Some(notice) = state
+        .messages
+        .notice
+        .as_ref()
+        .filter(|_| is_in_sheet(state))
+    else {
+        return;
+    };
+    let palette = Palette::of(state.appearance.look);
+    let text = RichText::new(&notice.text).color(palette.conflict);
+    let response = ui.add(egui::Label::new(text).wrap());
+    super::common::read_out(ui, &response);
+    response.known_as("notice");
+}
+
+/// Shows the notice, if there is one, over the canvas; an error of an open sheet is shown there.
 pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let Some(notice) = &state.messages.notice else {
         return;
     };
+    if is_in_sheet(state) {
+        return;
+    }
     let palette = Palette::of(state.appearance.look);
     let color = if notice.is_error {
         palette.conflict

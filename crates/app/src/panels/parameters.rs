@@ -3,7 +3,7 @@
 
 mod form;
 
-use egui::{ProgressBar, RichText, Sense, Ui, UiBuilder, vec2};
+use egui::{Button, FontId, Label, ProgressBar, RichText, Sense, Ui, UiBuilder, vec2};
 use tilescope_core::Parameters;
 use tilescope_drawing::palette::Palette;
 use tilescope_session::jobs::Job;
@@ -11,10 +11,11 @@ use tilescope_session::session::{MakeError, Session};
 use tilescope_session::words::sentence;
 use tilescope_ui::theme::row_height;
 use tilescope_ui::widgets::{Known, primary_button};
-
-use tilescope_workbench::command::{Command, FormCommand, Which};
+use tilescope_workbench::command::{Command, Which};
 use tilescope_workbench::layout::Panel;
 use tilescope_workbench::state::{Form, GpuState};
+
+use super::common::{scrolled, time_left};
 
 /// Left edge of the fields, from the panel's left edge.
 const FIELD_START: f32 = 102.0;
@@ -26,8 +27,12 @@ const UNIT_WIDTH: f32 = 14.0;
 pub(super) const MIN_WIDTH: f32 = FIELD_START + FIELD_WIDTHS[0] + UNIT_WIDTH;
 /// Margin above and below the Run button.
 const RUN_MARGIN: f32 = 6.0;
-/// Height of the line above the button that names the parameters that differ from the run shown.
-const REMARK_HEIGHT: f32 = 18.0;
+/// Gap below the remark above the button, which names the parameters that differ from the run shown.
+const BELOW_REMARK: f32 = 2.0;
+/// Font size of the remark.
+const REMARK_SIZE: f32 = 11.0;
+/// How far before its field the mark of a changed parameter is, and its radius.
+const MARK: [f32; 2] = [6.0, 2.5];
 /// Margin right of the button, equal to the scroll bar beside the fields.
 const SCROLL_BAR_WIDTH: f32 = 8.0;
 /// Width of the Cancel button.
@@ -49,10 +54,14 @@ pub struct FormContext<'a> {
     pub refusal: Option<String>,
     /// The parameters that differ from the run shown, if any.
     pub remark: Option<String>,
+    /// How much memory the next run needs, if that is a lot.
+    pub memory: Option<String>,
+    /// Whether another engine made the run shown than the one that makes the next.
+    pub engine_differs: bool,
     /// The parameters of the run shown; a combination has none.
     pub made: Option<Parameters>,
     /// A remark on the engine of the next run: a short line and the full text.
-    pub engine: Option<(&'static str, String)>,
+    pub engine: Option<(String, String)>,
     /// Whether the GPU is the default engine.
     pub auto_is_gpu: bool,
 }
@@ -67,17 +76,17 @@ pub(super) fn field_width(ui: &Ui) -> f32 {
 pub fn show(ui: &mut Ui, context: &FormContext<'_>, commands: &mut Vec<Command>) {
     let room = ui.available_rect_before_wrap();
     if room.height() < MIN_HEIGHT_FOR_RUN {
-        super::common::scrolled(ui, Panel::Parameters, |ui| {
+        scrolled(ui, Panel::Parameters, |ui| {
             form::show(ui, context, commands);
             run_or_cancel(ui, context, commands);
         });
         return;
     }
-    let remark = context.remark.as_ref().map_or(0.0, |_| REMARK_HEIGHT);
-    let height = run_height(ui) + remark + 2.0 * RUN_MARGIN;
+    let width = room.width() - SCROLL_BAR_WIDTH;
+    let height = run_height(ui) + remark_height(ui, context, width) + 2.0 * RUN_MARGIN;
     let (above, below) = room.split_top_bottom_at_y(room.bottom() - height);
     ui.scope_builder(UiBuilder::new().max_rect(above), |ui| {
-        super::common::scrolled(ui, Panel::Parameters, |ui| {
+        scrolled(ui, Panel::Parameters, |ui| {
             form::show(ui, context, commands);
         });
     });
@@ -114,30 +123,42 @@ fn run_height(ui: &Ui) -> f32 {
     row_height(ui.ctx(), 34.0)
 }
 
-/// Button and progress take the same room, so that nothing moves; Cancel is beside them, so that a double click on Run
-/// does not hit it.
+/// Draws a mark before a field that is not as in the run shown; called where the field begins.
+pub(super) fn changed_mark(ui: &Ui, palette: &Palette) {
+    let [before, radius] = MARK;
+    let at = ui.cursor().left_center() - vec2(before, 0.0);
+    ui.painter().circle_filled(at, radius, palette.accent);
+}
+
+/// Returns the height of the remark above the button, of as many lines as it needs, with the gap below it.
+fn remark_height(ui: &Ui, context: &FormContext<'_>, width: f32) -> f32 {
+    context.remark.as_ref().map_or(0.0, |remark| {
+        let font = FontId::proportional(REMARK_SIZE);
+        let galley = ui
+            .painter()
+            .layout(remark.clone(), font, context.palette.accent, width);
+        galley.size().y + BELOW_REMARK
+    })
+}
+
+/// Button and progress take the same room, so that nothing moves. Cancel has a place of its own beside them, where a
+/// double click on Run does not hit it and where nothing else ever is.
 fn run_or_cancel(ui: &mut Ui, context: &FormContext<'_>, commands: &mut Vec<Command>) {
     let palette = context.palette;
     let height = run_height(ui);
     if let Some(remark) = context.remark.as_ref() {
-        ui.spacing_mut().item_spacing.y = 2.0;
-        let size = vec2(ui.available_width(), REMARK_HEIGHT - 2.0);
-        let text = RichText::new(remark).small().color(palette.accent);
-        let label = ui.add_sized(size, egui::Label::new(text).truncate());
+        ui.spacing_mut().item_spacing.y = BELOW_REMARK;
+        let text = RichText::new(remark)
+            .size(REMARK_SIZE)
+            .color(palette.accent);
+        let label = ui.add(Label::new(text).wrap());
         label.known_as("run-remark");
-        label.on_hover_text(remark);
     }
     ui.horizontal(|ui| {
         let room = vec2(ui.available_width() - CANCEL_WIDTH, height);
         ui.allocate_ui(room, |ui| {
             if let Some(job) = context.sampling {
-                let activity = sentence(&job.activity());
-                let text = format!("{activity} {:.0}%", job.fraction() * 100.0);
-                let bar = ProgressBar::new(job.fraction())
-                    .desired_height(height)
-                    .fill(palette.accent.gamma_multiply(0.5))
-                    .text(RichText::new(text.trim_start_matches('.').trim()).small());
-                ui.add(bar);
+                progress(ui, job, height, palette);
                 return;
             }
             let refusal = context.refusal.as_deref();
@@ -148,24 +169,37 @@ fn run_or_cancel(ui: &mut Ui, context: &FormContext<'_>, commands: &mut Vec<Comm
             };
             primary_button(ui, name, refusal, palette).issues("run", Command::Run, commands);
         });
-        match context.sampling {
-            Some(job) if job.is_cancelled() => {
-                ui.label(RichText::new("Stopping").small().color(palette.muted));
-            }
-            Some(_) => {
-                let command = Command::Cancel(Which::First);
-                ui.link(RichText::new("Cancel").small())
-                    .issues("cancel", command, commands);
-            }
-            None => {
-                let reset = ui.link(RichText::new("Reset").small());
-                reset.known_as("reset-parameters");
-                let reset =
-                    reset.on_hover_text("Reset the parameters to those of the first session");
-                if reset.clicked() {
-                    commands.push(Command::Form(FormCommand::Reset));
-                }
-            }
+        if context.sampling.is_some_and(Job::is_cancelled) {
+            ui.label(RichText::new("Stopping").small().color(palette.muted));
+            return;
         }
+        let button = Button::new(RichText::new("Cancel").small());
+        let cancel = ui.add_enabled(context.sampling.is_some(), button);
+        let cancel = cancel.on_disabled_hover_text("Nothing is running.");
+        cancel.issues("cancel", Command::Cancel(Which::First), commands);
     });
+}
+
+/// Shows how far a run is, and about how long it still takes.
+fn progress(ui: &mut Ui, job: &Job<Result<Session, MakeError>>, height: f32, palette: &Palette) {
+    let activity = sentence(&job.activity());
+    let activity = activity
+        .trim_start_matches('.')
+        .trim()
+        .trim_end_matches('.');
+    let percent = job.fraction() * 100.0;
+    let mut text = match activity {
+        "" => format!("{percent:.0}%"),
+        activity => format!("{activity}: {percent:.0}%"),
+    };
+    if let Some(left) = time_left(ui, "run", job.fraction()) {
+        text = format!("{text}, {left}");
+    }
+    let text = RichText::new(text).small().color(palette.text);
+    let bar = ProgressBar::new(job.fraction())
+        .desired_height(height)
+        // The text lies on the bar: it has to be read on both of its parts.
+        .fill(palette.accent.gamma_multiply(0.35))
+        .text(text);
+    ui.add(bar).known_as("run-progress");
 }

@@ -1,9 +1,11 @@
 //! The pseudocode: the line that has run and the one that runs next, breakpoints in the gutter, and counts of
 //! executions. A click on the gutter sets a breakpoint; a click on a line goes to its next execution.
 
+use std::sync::Arc;
+
 use egui::{
-    Align2, Color32, CursorIcon, FontId, RichText, Role, ScrollArea, Sense, Stroke, StrokeKind, Ui,
-    WidgetInfo, pos2, vec2,
+    Align2, Color32, CursorIcon, FontId, Rangef, Rect, RichText, Role, ScrollArea, Sense, Stroke,
+    StrokeKind, Ui, WidgetInfo, pos2, vec2,
 };
 use tilescope_core::{Insertion, Variant};
 use tilescope_debugger::{
@@ -47,7 +49,7 @@ fn listings_of(context: &PanelContext<'_>) -> Vec<&'static Listing> {
 }
 
 /// The highlighted lines.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Now {
     /// The line of the last event, which sentence and canvas show.
     pub done: Option<LineId>,
@@ -65,6 +67,11 @@ impl Now {
         }
     }
 
+    /// Returns the line to keep in view: that of the last event; before the first event, the next line.
+    fn leading(self) -> Option<LineId> {
+        self.done.or(self.next)
+    }
+
     /// Returns the remark on a line.
     pub fn tag(self, line: LineId) -> Option<&'static str> {
         match (self.done == Some(line), self.next == Some(line)) {
@@ -76,46 +83,123 @@ impl Now {
     }
 }
 
-/// Shows the panel.
+/// Where the lines of the listings were in a frame, in screen points from the top of the first one.
+#[derive(Default)]
+struct Placed {
+    lines: Vec<(LineId, Rangef)>,
+    /// The height of all of them.
+    height: f32,
+    /// The part of it that was in view.
+    view: Rangef,
+}
+
+impl Placed {
+    /// Returns where a line was.
+    fn line(&self, line: Option<LineId>) -> Option<Rangef> {
+        let placed = self.lines.iter().find(|(id, _)| Some(*id) == line);
+        placed.map(|(_, range)| *range)
+    }
+
+    /// Returns how far to scroll to have a line in the middle; `None` if it is about there, or was not laid out yet.
+    fn scroll_to(&self, line: Option<LineId>) -> Option<f32> {
+        let range = self.line(line)?;
+        let (middle, size) = (range.center(), self.view.span());
+        // Lines that take turns in a loop are near each other: the text stays while they are in the middle half.
+        if (self.view.center() - middle).abs() <= 0.25 * size {
+            return None;
+        }
+        let most = (self.height - size).max(0.0);
+        Some((middle - 0.5 * size).clamp(0.0, most))
+    }
+
+    /// Returns whether the whole line was in view, or as much of it as fits.
+    fn shows(&self, line: Option<LineId>) -> bool {
+        let view = self.view.expand(1.0);
+        let inside = |range: Rangef| range.min >= view.min && range.max <= view.max;
+        let is_seen = |range: Rangef| inside(range) || range.span() > view.span();
+        self.line(line).is_none_or(is_seen)
+    }
+}
+
+/// What the panel keeps between frames.
+#[derive(Clone)]
+struct Seen {
+    now: Now,
+    placed: Arc<Placed>,
+}
+
+/// Shows the panel. When the moment changes, its line is brought into the middle; a user may scroll on from there.
 pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>) {
     let Some(debugger) = &context.run.debugger else {
         no_events(ui, context);
         return;
     };
     let now = Now::of(context, debugger);
-    let seen = ui.scope_id().with("seen");
-    let before = ui.data(|data| data.get_temp::<Now>(seen));
-    let moved = before != Some(now);
-    ui.data_mut(|data| data.insert_temp(seen, now));
-    ScrollArea::vertical()
-        .auto_shrink([false, false])
-        .show(ui, |ui| {
-            ui.spacing_mut().item_spacing.y = 0.0;
-            for listing in listings_of(context) {
-                ui.add_space(6.0);
-                ui.label(RichText::new(&listing.title).font(FontId::new(12.5, semibold())));
-                ui.add_space(2.0);
-                for number in listing.lines.clone() {
-                    let id = LineId(number);
-                    if let Some(line) = Listings::shipped().line(id) {
-                        show_line(ui, context, debugger, (id, line), (now, moved), commands);
-                    }
+    let id = ui.scope_id().with("seen");
+    let seen: Option<Seen> = ui.data(|data| data.get_temp(id));
+    let has_moved = seen.as_ref().is_none_or(|seen| seen.now != now);
+
+    let mut area = ScrollArea::vertical().auto_shrink([false, false]);
+    // The places of the last frame serve already in this one, since a run that plays is elsewhere in the next.
+    let offset = seen.and_then(|seen| seen.placed.scroll_to(now.leading()));
+    if let Some(offset) = offset.filter(|_| has_moved) {
+        area = area.vertical_scroll_offset(offset);
+    }
+    let mut lines = Vec::new();
+    let output = area.show(ui, |ui| {
+        ui.spacing_mut().item_spacing.y = 0.0;
+        let top = ui.cursor().top();
+        for listing in listings_of(context) {
+            title(ui, listing);
+            for number in listing.lines.clone() {
+                let id = LineId(number);
+                if let Some(line) = Listings::shipped().line(id) {
+                    let rect = show_line(ui, context, debugger, (id, line), now, commands);
+                    lines.push((id, Rangef::new(rect.top() - top, rect.bottom() - top)));
                 }
             }
-            focus::follow(ui);
-        });
+        }
+        focus::follow(ui);
+    });
+
+    let start = output.state.offset.y;
+    let placed = Placed {
+        lines,
+        height: output.content_size.y,
+        view: Rangef::new(start, start + output.inner_rect.height()),
+    };
+    if has_moved && !placed.shows(now.leading()) {
+        // The line was not laid out before, or the panel has another width: the next frame knows its place.
+        let unseen = Now::default();
+        remember(ui, id, unseen, placed);
+        ui.ctx().request_repaint();
+    } else {
+        remember(ui, id, now, placed);
+    }
 }
 
+fn remember(ui: &Ui, id: egui::Id, now: Now, placed: Placed) {
+    let placed = Arc::new(placed);
+    ui.data_mut(|data| data.insert_temp(id, Seen { now, placed }));
+}
+
+fn title(ui: &mut Ui, listing: &Listing) {
+    ui.add_space(6.0);
+    ui.label(RichText::new(&listing.title).font(FontId::new(12.5, semibold())));
+    ui.add_space(2.0);
+}
+
+/// Shows a line, and returns its place.
 fn show_line(
     ui: &mut Ui,
     context: &PanelContext<'_>,
     debugger: &Debugger,
     (id, line): (LineId, &ListingLine),
-    (now, moved): (Now, bool),
+    now: Now,
     commands: &mut Vec<Command>,
-) {
+) -> Rect {
     let palette = context.palette;
-    let (current, tag) = (now.done == Some(id), now.tag(id));
+    let tag = now.tag(id);
     let wide = if is_for_fingers(ui.ctx()) {
         FINGER - 4.0
     } else {
@@ -128,82 +212,69 @@ fn show_line(
     } else {
         palette.text.gamma_multiply(0.82)
     };
-    let words = context
-        .run
-        .session
-        .as_ref()
-        .map_or_else(String::new, |session| line.text(&session.run().parameters));
-    let galley = ui
-        .painter()
-        .layout(words.clone(), FontId::monospace(11.5), color, width);
+    let session = context.run.session.as_ref();
+    let words = session.map_or_else(String::new, |session| line.text(&session.run().parameters));
+    let font = FontId::monospace(11.5);
+    let galley = ui.painter().layout(words.clone(), font, color, width);
+
     let height = row_height(ui.ctx(), galley.size().y + 6.0);
     let size = vec2(ui.available_width() - 4.0, height);
     let (rect, _) = ui.allocate_exact_size(size, Sense::hover());
     let top = rect.center().y - galley.size().y / 2.0;
-    let gutter = egui::Rect::from_min_size(rect.min, vec2(wide, rect.height()));
-    let body = egui::Rect::from_min_max(pos2(gutter.right(), rect.top()), rect.max);
+    let gutter = Rect::from_min_size(rect.min, vec2(wide, rect.height()));
+    let body = Rect::from_min_max(pos2(gutter.right(), rect.top()), rect.max);
     let scope = ui.scope_id();
     let text = ui.interact(body, scope.with(("line", id.0)), Sense::click());
-    text.widget_info(|| {
-        WidgetInfo::selected(
-            Role::Button,
-            true,
-            current,
-            match tag {
-                Some(tag) => format!("Line {}, {tag}: {words}", line.id),
-                None => format!("Line {}: {words}", line.id),
-            },
-        )
-    });
+    let said = match tag {
+        Some(tag) => format!("Line {}, {tag}: {words}", line.id),
+        None => format!("Line {}: {words}", line.id),
+    };
+    let is_current = now.done == Some(id);
+    text.widget_info(|| WidgetInfo::selected(Role::Button, true, is_current, &said));
     text.known_as(format_args!("{}.line", line.id));
-    if current {
-        ui.painter()
-            .rect_filled(rect, 4.0, palette.accent.gamma_multiply(0.2));
-        let ends = [
-            rect.left_top() + vec2(1.0, 2.0),
-            rect.left_bottom() + vec2(1.0, -2.0),
-        ];
-        ui.painter()
-            .line_segment(ends, Stroke::new(2.5, palette.accent));
-    } else if tag.is_some() {
-        ui.painter().rect_stroke(
-            rect,
-            4.0,
-            Stroke::new(1.0, palette.accent),
-            StrokeKind::Inside,
-        );
+
+    if is_current || tag.is_some() {
+        highlight(ui, rect, is_current, palette);
     } else if text.hovered() || text.has_focus() {
-        ui.painter()
-            .rect_filled(body, 4.0, palette.text.gamma_multiply(0.06));
+        let fill = palette.text.gamma_multiply(0.06);
+        ui.painter().rect_filled(body, 4.0, fill);
     }
-    // Scroll to the line of the last event; before the first event, to the next line.
-    let leads = current || now.done.is_none() && now.next == Some(id);
-    if moved && leads {
-        ui.scroll_to_rect_animation(rect, None, egui::style::ScrollAnimation::none());
-    }
-    ui.painter()
-        .galley(pos2(rect.left() + indent, top), galley, color);
+    let at = pos2(rect.left() + indent, top);
+    ui.painter().galley(at, galley, color);
     if let Some(tag) = tag {
         let at = rect.right_center() - vec2(4.0, 0.0);
         let font = FontId::proportional(10.0);
         let lines = tag.replace(", ", "\n");
-        ui.painter()
-            .text(at, Align2::RIGHT_CENTER, lines, font, palette.accent);
+        let painter = ui.painter();
+        painter.text(at, Align2::RIGHT_CENTER, lines, font, palette.accent);
     }
+
     breakpoint(ui, debugger, (id, line), gutter, palette, commands);
-    if text
-        .on_hover_cursor(CursorIcon::PointingHand)
-        .on_hover_ui(|ui| {
-            ui.label(explanation(line));
-            terms(ui, &words, palette);
-        })
-        .clicked()
-    {
-        let target = Target::Line(id);
-        commands.push(Command::Time(TimeCommand::RunTo(
-            target,
-            Direction::Forwards,
-        )));
+    let text = text.on_hover_cursor(CursorIcon::PointingHand);
+    let text = text.on_hover_ui(|ui| {
+        ui.label(explanation(line));
+        terms(ui, &words, palette);
+    });
+    if text.clicked() {
+        let run_to = TimeCommand::RunTo(Target::Line(id), Direction::Forwards);
+        commands.push(Command::Time(run_to));
+    }
+    rect
+}
+
+/// Draws what marks the line of the last event, or otherwise of the next one.
+fn highlight(ui: &Ui, rect: Rect, is_current: bool, palette: &Palette) {
+    let painter = ui.painter();
+    if is_current {
+        painter.rect_filled(rect, 4.0, palette.accent.gamma_multiply(0.2));
+        let ends = [
+            rect.left_top() + vec2(1.0, 2.0),
+            rect.left_bottom() + vec2(1.0, -2.0),
+        ];
+        painter.line_segment(ends, Stroke::new(2.5, palette.accent));
+    } else {
+        let stroke = Stroke::new(1.0, palette.accent);
+        painter.rect_stroke(rect, 4.0, stroke, StrokeKind::Inside);
     }
 }
 
@@ -211,7 +282,7 @@ fn breakpoint(
     ui: &mut Ui,
     debugger: &Debugger,
     (id, line): (LineId, &ListingLine),
-    gutter: egui::Rect,
+    gutter: Rect,
     palette: &Palette,
     commands: &mut Vec<Command>,
 ) {

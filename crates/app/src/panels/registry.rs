@@ -18,9 +18,9 @@ use super::{
 use crate::actions::keys_of;
 use crate::panes::Canvas;
 use crate::panes::CanvasContext;
-use tilescope_workbench::command::{Command, TimeCommand};
+use tilescope_workbench::command::{Command, GpuCommand, TimeCommand};
 use tilescope_workbench::compare::ComparePreset;
-use tilescope_workbench::device::EngineChoice;
+use tilescope_workbench::device::{CHOOSE_GPU_FIRST, EngineChoice};
 use tilescope_workbench::layout::Panel;
 use tilescope_workbench::state::State;
 
@@ -104,7 +104,10 @@ fn row(panel: Panel) -> (Room, Show) {
             Whole,
             Parts(|ui, state, commands| {
                 let refusal = state.passes_refusal();
-                passes(ui, &PanelContext::of(state), refusal.as_deref(), commands);
+                // The engine is all that is missing.
+                let can_choose = refusal.as_deref() == Some(CHOOSE_GPU_FIRST);
+                let context = PanelContext::of(state);
+                passes(ui, &context, refusal.as_deref(), can_choose, commands);
             }),
         ),
     }
@@ -145,6 +148,8 @@ impl<'a> FormContext<'a> {
             sampling: state.runs.first.sampling.as_ref(),
             refusal: state.run_refusal(),
             remark: state.run_remark(),
+            memory: state.form.draft.memory_needed(),
+            engine_differs: state.engine_differs(),
             made: match &state.runs.first.session {
                 Some(session) if session.has_recipe() => Some(session.recipe().parameters),
                 _ => None,
@@ -234,6 +239,7 @@ fn passes(
     ui: &mut Ui,
     context: &PanelContext<'_>,
     refusal: Option<&str>,
+    can_choose: bool,
     commands: &mut Vec<Command>,
 ) {
     let palette = context.palette;
@@ -261,5 +267,11 @@ fn passes(
     }
     if let Some(refusal) = refusal {
         ui.label(egui::RichText::new(refusal).color(palette.muted));
+    }
+    if can_choose {
+        let choose = Command::Gpu(GpuCommand::Engine(EngineChoice::Gpu));
+        let button = ui.button("Choose the GPU");
+        let button = button.on_hover_text("Opens the GPU and tests it against the CPU");
+        button.issues("passes.choose-gpu", choose, commands);
     }
 }

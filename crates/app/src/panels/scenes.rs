@@ -3,8 +3,8 @@
 //! `workbench/src/state/scenes.rs`. Begin with [`show`].
 
 use egui::{
-    Button, Color32, CursorIcon, Id, KeyboardShortcut, RichText, Role, Sense, Stroke, StrokeKind,
-    TextEdit, Ui, WidgetInfo, vec2,
+    Button, Color32, CursorIcon, Id, KeyboardShortcut, Label, RichText, Role, Sense, Stroke,
+    StrokeKind, TextEdit, Ui, WidgetInfo, vec2,
 };
 use tilescope_debugger::{Debugger, Listings, Marked, SavedScene};
 use tilescope_drawing::palette::Palette;
@@ -14,7 +14,7 @@ use tilescope_ui::widgets::{Icon, Known, heading, icon_button};
 use super::common::{no_events, thumbnail_texture};
 use super::context::PanelContext;
 use tilescope_workbench::command::{Command, DebugCommand};
-use tilescope_workbench::scenes::{SceneCommand, SceneList};
+use tilescope_workbench::scenes::{SceneCommand, SceneList, split_caption};
 use tilescope_workbench::state::State;
 use tilescope_workbench::thumbnails::THUMBNAIL_SIZE;
 
@@ -49,7 +49,7 @@ pub fn show(
     ui.add_space(10.0);
     heading(ui, "Breakpoints");
     if debugger.breakpoints().is_empty() {
-        let keys = run_on.map(|keys| ui.ctx().format_shortcut(&keys));
+        let keys = run_on.map(|keys| crate::actions::shortcut_text(ui.ctx(), &keys));
         let keys = keys.unwrap_or_default();
         let text =
             format!("A click beside a line of pseudocode sets one; {keys} runs to the next.");
@@ -188,12 +188,31 @@ fn moment(
     } else {
         "~ "
     };
-    let mut text = RichText::new(format!("{number}  {about}event {}", grouped(cursor))).monospace();
+    // The moment is that after the event before the cursor.
+    let last = cursor.saturating_sub(1);
+    let event = tilescope_debugger::short(debugger.recording(), last);
+    let title = match scene_title(scene) {
+        Some(title) => title.to_owned(),
+        None if cursor == 0 => "before the first event".to_owned(),
+        None => event.clone(),
+    };
+    let mut text = RichText::new(format!("{number}  {title}"));
     if is_shown {
         text = text.strong();
     }
-    let event = tilescope_debugger::short(debugger.recording(), cursor);
-    let link = ui.link(text);
+    let link = ui.add(
+        Label::new(text.color(palette.accent))
+            .truncate()
+            .sense(Sense::click()),
+    );
+    let link = link.on_hover_cursor(CursorIcon::PointingHand);
+    let moment = format!("{about}event {}", grouped(cursor));
+    ui.label(
+        RichText::new(moment)
+            .small()
+            .monospace()
+            .color(palette.muted),
+    );
     link.known_as(format_args!("scene-{number}"));
     link.on_hover_text(match marked {
         Marked::Here(_) => event,
@@ -201,11 +220,19 @@ fn moment(
     })
 }
 
+/// Returns the first words of a scene's caption, if it has one: its title.
+fn scene_title(scene: &SavedScene) -> Option<&str> {
+    let first = split_caption(&scene.caption).0.lines().next()?.trim();
+    (!first.is_empty()).then_some(first)
+}
+
 /// Shows each breakpoint with its condition, and with the condition's error, if it has one.
 fn breakpoints(ui: &mut Ui, debugger: &Debugger, palette: &Palette, commands: &mut Vec<Command>) {
     for (index, breakpoint) in debugger.breakpoints().iter().enumerate() {
         let line = Listings::shipped().line(breakpoint.line);
         let id = line.map_or("?", |line| line.id.as_str());
+        let parameters = &debugger.recording().run().parameters;
+        let words = line.map_or_else(String::new, |line| line.text(parameters));
         ui.horizontal(|ui| {
             let name = format!("Remove the breakpoint on {id}");
             let remove = icon_button(ui, Icon::Close, &name, None, palette);
@@ -216,6 +243,12 @@ fn breakpoints(ui: &mut Ui, debugger: &Debugger, palette: &Palette, commands: &m
             if switch.known_as(format_args!("{id}.enabled")).changed() {
                 commands.push(Command::Debug(DebugCommand::Enable(index, enabled)));
             }
+            // The line's own words say what its number does not.
+            let text = RichText::new(words)
+                .small()
+                .monospace()
+                .color(palette.muted);
+            ui.add(Label::new(text).truncate());
         });
         let mut condition = breakpoint.condition.clone();
         let field = TextEdit::singleline(&mut condition)

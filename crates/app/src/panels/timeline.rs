@@ -87,10 +87,19 @@ fn has_next(ctx: &Context, context: &TimeContext<'_>) -> bool {
     context.run.debugger.is_some() && ctx.content_rect().height() >= MIN_HEIGHT_FOR_NEXT
 }
 
+/// Returns the room for counts beside the sentence: none where they are beside the next line, which is short.
+fn room_beside_sentence(ctx: &Context, context: &TimeContext<'_>, width: f32) -> f32 {
+    if has_next(ctx, context) {
+        0.0
+    } else {
+        room_beside(ctx, context, width)
+    }
+}
+
 /// Returns the height that shows everything in `width`.
 #[must_use]
 pub fn height(ctx: &Context, context: &TimeContext<'_>, width: f32) -> f32 {
-    let width = width - LABEL - room_beside(ctx, context, width);
+    let width = width - LABEL - room_beside_sentence(ctx, context, width);
     let track = if is_for_fingers(ctx) {
         track::COMPACT_HEIGHT
     } else {
@@ -109,7 +118,7 @@ pub fn show(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>)
     let palette = context.palette;
     ui.spacing_mut().item_spacing.y = 0.0;
     let room = ui.available_width();
-    let beside = room_beside(ui.ctx(), context, room);
+    let beside = room_beside_sentence(ui.ctx(), context, room);
     let width = room - LABEL - beside;
     let height = sentence_height(ui.ctx(), context, SIZE, width).max(LINE);
     ui.allocate_ui_with_layout(
@@ -122,10 +131,7 @@ pub fn show(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>)
             label(ui, "Done", height, palette.muted);
             sentence(ui, context, SIZE, vec2(width, height), usize::MAX);
             if beside > 0.0 {
-                ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-                    let text = RichText::new(context.run.moment_texts().join("   ")).monospace();
-                    ui.label(text.color(palette.muted)).known_as("counts");
-                });
+                counts(ui, context);
             }
         },
     );
@@ -136,9 +142,17 @@ pub fn show(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>)
             ui.set_min_size(row);
             ui.spacing_mut().item_spacing.x = 0.0;
             label(ui, "Next", NEXT_LINE, palette.muted);
-            let text = RichText::new(next).size(SMALL_SIZE).color(palette.muted);
-            let response = ui.add(egui::Label::new(text).truncate());
-            response.known_as("next-line");
+            let beside = room_beside(ui.ctx(), context, room);
+            let size = vec2(room - LABEL - beside, NEXT_LINE);
+            ui.allocate_ui_with_layout(size, Layout::left_to_right(Align::Center), |ui| {
+                ui.set_min_size(size);
+                let text = RichText::new(next).size(SMALL_SIZE).color(palette.muted);
+                let response = ui.add(egui::Label::new(text).truncate());
+                response.known_as("next-line");
+            });
+            if beside > 0.0 {
+                counts(ui, context);
+            }
         });
     }
     ui.add_space(ABOVE_CONTROLS);
@@ -150,6 +164,15 @@ pub fn show(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>)
         prefix(ui, context, commands);
         ui.add_space(14.0);
         track::show(ui, context, commands);
+    });
+}
+
+/// Shows the counts of the moment at the end of a row.
+fn counts(ui: &mut Ui, context: &TimeContext<'_>) {
+    ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+        let text = RichText::new(context.run.moment_texts().join("   ")).monospace();
+        ui.label(text.color(context.palette.muted))
+            .known_as("counts");
     });
 }
 

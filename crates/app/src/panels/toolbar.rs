@@ -18,9 +18,9 @@ use tilescope_workbench::files::FileCommand;
 use tilescope_workbench::state::State;
 
 /// Minimum room behind the menus, in screen points, to show the run's name.
-const ROOM_FOR_RUN: f32 = 620.0;
+const ROOM_FOR_RUN: f32 = 690.0;
 /// Minimum room to show the engine, too.
-const ROOM_FOR_ENGINE: f32 = 740.0;
+const ROOM_FOR_ENGINE: f32 = 815.0;
 
 /// Shows the bar.
 pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
@@ -50,12 +50,13 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
                 Some(_) => format!("{:.6}", parameters.radius),
                 None => parameters.radius.to_string(),
             };
-            let text = format!("{count} samples   r {radius}   {made}");
+            // The counts at the timeline are of the moment; these are of the whole run, which is called the result.
+            let text = format!("result: {count} samples   r {radius}   {made}");
             ui.label(RichText::new(text).monospace().color(palette.muted))
                 .known_as("run-shown");
             if room >= ROOM_FOR_ENGINE {
                 let engine = format!("engine: {}", session.engine);
-                ui.label(RichText::new(engine).color(palette.muted))
+                ui.label(RichText::new(engine).monospace().color(palette.muted))
                     .known_as("engine-used");
             }
         }
@@ -157,7 +158,7 @@ fn one_menu(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         let count = grouped(session.summary.count);
         let engine = &session.engine;
         let radius = session.run().parameters.radius;
-        let text = format!("{count} samples, r {radius}, engine: {engine}");
+        let text = format!("result: {count} samples, r {radius}, engine: {engine}");
         ui.label(RichText::new(text).color(palette.muted))
             .known_as("run-shown");
     }
@@ -311,7 +312,7 @@ fn entry(ui: &mut Ui, action: &Action, has_marks: bool, commands: &mut Vec<Comma
         Button::new(action.label())
     };
     if let Some(keys) = shortcut {
-        button = button.shortcut_text(ui.ctx().format_shortcut(&keys));
+        button = button.shortcut_text(crate::actions::shortcut_text(ui.ctx(), &keys));
     }
     let is_enabled = action.refusal.is_none();
     let shown = ui.add_enabled_ui(is_enabled, |ui| {

@@ -3,7 +3,7 @@
 use egui::{
     Color32, CursorIcon, FontId, RichText, Role, Sense, Stroke, StrokeKind, Ui, WidgetInfo, vec2,
 };
-use tilescope_analysis::{Judge, PrefixClaim, Report};
+use tilescope_analysis::{COVERING_TOLERANCE, Judge, PrefixClaim, Report};
 use tilescope_drawing::palette::Palette;
 use tilescope_session::glossary;
 use tilescope_session::verification::{Verdict, Witness};
@@ -104,12 +104,15 @@ fn explanation(context: &PanelContext<'_>) -> String {
             )
         }
         Verification::Done(verdict) if verdict.valid() => format!(
-            "Conflict-free and maximal, verified by {}, which share no code with the sampler. Click to see the closest pair.",
+            "Conflict-free and maximal, to within (1 + 2^-15) r, verified by {}, which share no code with the sampler. Click to see the closest pair.",
             Judge::joined(&verdict.report.judges)
         ),
         Verification::Done(_) => "Click to see the conflict or gap.".to_owned(),
     }
 }
+
+/// What the limit of the covering radius is.
+const TOLERATED: &str = "A set counts as maximal if its covering radius is at most (1 + 2^-15) r: positions are rounded to a lattice of which r is 2^15 units.";
 
 /// Shows the verifier's numbers. The rows are shown before their values are known.
 pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>) {
@@ -153,6 +156,20 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
     ] {
         let shown = ui.scope(|ui| row(ui, name, value, palette));
         shown.response.on_hover_text(term.meaning);
+    }
+    // A prefix of nested levels is judged by the covering that was promised of it, which is shown above.
+    if verdict.is_none_or(|verdict| verdict.claim.is_none()) {
+        let tolerance = report.map_or(COVERING_TOLERANCE, |report| report.covering_tolerance);
+        let shown = ui.scope(|ui| {
+            row(
+                ui,
+                "Maximal up to",
+                &format!("{:.6} r", 1.0 + tolerance),
+                palette,
+            );
+        });
+        let shown = shown.response.on_hover_text(TOLERATED);
+        shown.known_as("covering-limit");
     }
     let judges = report.map_or_else(|| "\u{2013}".to_owned(), |r| short(&r.judges));
     let shown = ui.scope(|ui| row(ui, "Verified by", &judges, palette));

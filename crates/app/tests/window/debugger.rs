@@ -17,7 +17,8 @@ use tilescope_workbench::draft::Field;
 use tilescope_workbench::layout::Panel;
 
 use crate::support::{
-    cursor, debugger, find, is_disabled, last_kind, next_kind, node, opened, session, settle, text,
+    cursor, debugger, find, is_disabled, last_kind, next_kind, node, opened, opened_at, session,
+    settle, text,
 };
 
 fn apply(harness: &mut Harness<'_, App>, command: Command) {
@@ -67,6 +68,67 @@ fn a_conditional_breakpoint_stops_where_it_holds() {
     let breakpoints = debugger(&harness).breakpoints();
     let error = breakpoints[0].error().expect("an error").to_string();
     assert_eq!(text(&harness, "eliminate.5.refusal"), error);
+}
+
+/// Asserts that the line of the last event, or before the first one the next line, is within the panel of the listings.
+fn assert_line_is_in_view(harness: &Harness<'_, App>, when: &str) {
+    let recording = debugger(harness).recording();
+    let at = cursor(harness);
+    let event = recording.event(at.saturating_sub(1)).expect("an event");
+    let line = Listings::shipped().line(event.line()).expect("a line");
+    let shown = node(harness, &format!("{}.line", line.id)).rect();
+    let top = node(harness, "tab.pseudocode").rect().bottom();
+    let bottom = node(harness, "tab.verification").rect().top();
+    let is_within = shown.top() >= top && shown.bottom() <= bottom;
+    assert!(
+        is_within,
+        "{when}: line {} at {shown:?}, panel {top} to {bottom}",
+        line.id
+    );
+}
+
+#[test]
+fn the_current_line_is_in_view_wherever_time_goes() {
+    for size in [[1440.0, 900.0], [1280.0, 720.0]] {
+        let mut harness = opened_at(size);
+        assert_line_is_in_view(&harness, "at the end");
+        press(&mut harness, Modifiers::NONE, Key::Home);
+        assert_line_is_in_view(&harness, "at the start");
+        for key in [Key::C, Key::E, Key::G, Key::I, Key::End] {
+            press(&mut harness, Modifiers::NONE, key);
+            assert_line_is_in_view(&harness, key.name());
+        }
+
+        // A breakpoint whose condition is searched for during several frames.
+        press(&mut harness, Modifiers::NONE, Key::Home);
+        let insert = Listings::shipped().find("insert.3").expect("a line");
+        apply(
+            &mut harness,
+            Command::Debug(DebugCommand::ToggleBreakpoint(insert)),
+        );
+        let condition = DebugCommand::Condition(0, "iteration > 1".to_owned());
+        apply(&mut harness, Command::Debug(condition));
+        press(&mut harness, Modifiers::NONE, Key::F5);
+        assert!(cursor(&harness) > 0);
+        press(&mut harness, Modifiers::NONE, Key::F11);
+        assert_line_is_in_view(&harness, "after a breakpoint");
+    }
+}
+
+#[test]
+fn the_current_line_is_in_view_in_every_frame_of_a_run_that_plays() {
+    let mut harness = opened();
+    press(&mut harness, Modifiers::NONE, Key::Home);
+    apply(&mut harness, Command::Time(TimeCommand::WholeRun(10.0)));
+    apply(&mut harness, Command::Time(TimeCommand::TogglePlay));
+    for frame in 0..60 {
+        // Half a second of play goes by between frames: the line is another one in each.
+        harness.state_mut().state.advance(0.15);
+        harness.step();
+        assert_line_is_in_view(&harness, &format!("frame {frame}"));
+    }
+    apply(&mut harness, Command::Time(TimeCommand::TogglePlay));
+    assert_line_is_in_view(&harness, "paused");
 }
 
 #[test]

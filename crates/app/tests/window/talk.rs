@@ -345,3 +345,43 @@ fn the_code_for_phones_leads_to_the_card_at_a_question() {
         "https://example.org/t/#card"
     );
 }
+
+#[test]
+fn the_notes_keep_phrases_together_and_are_ragged() {
+    let mut harness = presented("survivors");
+    talk(&mut harness, TalkCommand::StageClosed);
+    for size in [[1000.0, 800.0], [640.0, 420.0]] {
+        harness.set_size(size.into());
+        harness.run();
+        let line = node(&harness, "notes-clock").rect().height();
+        for id in ["notes-elapsed", "notes-plan", "notes-place"] {
+            let height = node(&harness, id).rect().height();
+            assert!(
+                height < 1.5 * line,
+                "{id} at {size:?}: {height}, a line has {line}"
+            );
+        }
+        let mut texts = 0;
+        for ClippedShape { shape, .. } in &harness.output().shapes {
+            if let Shape::Text(text) = shape {
+                assert!(!text.galley.job.justify, "{}", text.galley.job.text);
+                texts += 1;
+            }
+        }
+        assert!(texts > 10);
+    }
+}
+
+#[test]
+fn the_stage_takes_the_look_of_the_projector_and_gives_the_zoom_back() {
+    let mut harness = presented("survivors");
+    assert!(!harness.state().state.appearance.look.is_projector());
+    press(&mut harness, Key::F2);
+    assert!(harness.state().state.appearance.look.is_projector());
+    press(&mut harness, Key::F2);
+    assert!(!harness.state().state.appearance.look.is_projector());
+    press(&mut harness, Key::Escape);
+    assert!(harness.state().state.talks.open.is_none());
+    let zoom = harness.state().state.appearance.look.zoom();
+    assert!((harness.ctx.zoom_factor() - zoom).abs() < 1e-3);
+}

@@ -1,6 +1,7 @@
 //! The window by clicks, typing and reading.
 
 use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable;
 use tilescope_app::{App, tiles};
 use tilescope_core::{Search, Stage};
 use tilescope_session::combination::CombineCommand;
@@ -13,7 +14,7 @@ use tilescope_workbench::draft::{Choice, Field};
 use tilescope_workbench::export::ExportCommand;
 use tilescope_workbench::layout::Panel;
 
-use crate::support::{find, is_disabled, node, opened, session, settle, text};
+use crate::support::{find, focused, is_disabled, node, opened, opened_at, session, settle, text};
 
 fn shown_stage(harness: &Harness<'_, App>) -> Stage {
     harness.state().state.current_stage().expect("a session")
@@ -48,18 +49,94 @@ fn stages_go_back_and_forward_by_button_key_and_track() {
     assert_eq!(shown_stage(&harness), Stage::Iterate(1));
 }
 
-#[test]
-fn a_bad_radius_is_refused_beside_its_field_and_run_is_disabled() {
-    let mut harness = opened();
-    assert!(!is_disabled(&harness, "run"));
-    node(&harness, "radius").focus();
+/// Replaces the text of a field, as a user does.
+fn type_into(harness: &mut Harness<'_, App>, id: &str, typed: &str) {
+    node(harness, id).focus();
     harness.run();
     harness.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::A);
-    node(&harness, "radius").type_text("0");
+    node(harness, id).type_text(typed);
     harness.run();
-    let [reason, field] = ["refusal-radius", "radius"].map(|id| node(&harness, id).rect());
-    assert!(reason.top() >= field.top() && reason.top() < field.bottom() + 12.0);
-    assert!(is_disabled(&harness, "run"));
+}
+
+#[test]
+fn an_error_stands_below_its_field_and_covers_no_other() {
+    for size in [[1440.0, 900.0], [1280.0, 720.0]] {
+        let mut harness = opened_at(size);
+        for (field, wrong, error, next) in [
+            ("radius", "0", "refusal-radius", "count"),
+            ("count", "abc", "count.refusal", "boundary"),
+            ("width", "0.001", "refusal-width", "radius"),
+            ("seed", "-1", "refusal-seed", "leaf"),
+        ] {
+            assert!(!is_disabled(&harness, "run"));
+            let before = node(&harness, field).rect().top();
+            let right = match field {
+                "count" => "10000".to_owned(),
+                _ => node(&harness, field).value().expect("a text"),
+            };
+            type_into(&mut harness, field, wrong);
+            let rect = |id: &str| node(&harness, id).rect();
+            let (shown, reason, below) = (rect(field), rect(error), rect(next));
+            assert!((shown.top() - before).abs() < 1.0, "{field} moved");
+            assert!(
+                reason.top() >= shown.bottom() - 1.0,
+                "{error} covers {field}"
+            );
+            assert!(
+                below.top() >= reason.bottom() - 1.0,
+                "{error} covers {next}"
+            );
+            assert!(is_disabled(&harness, "run"), "{field}");
+
+            // Enter leaves the focus in the field: what is typed next mends it.
+            harness.key_press(egui::Key::Enter);
+            harness.run();
+            let hidden = harness.state().state.window.layout.hidden();
+            type_into(&mut harness, field, &right);
+            assert_eq!(harness.state().state.window.layout.hidden(), hidden);
+            assert!(find(&harness, error).is_none(), "{field}");
+        }
+    }
+}
+
+#[test]
+fn a_wrong_field_keeps_the_focus_on_enter() {
+    let mut harness = opened();
+    type_into(&mut harness, "radius", "0.0x");
+    harness.key_press(egui::Key::Enter);
+    harness.run();
+    assert_eq!(focused(&harness).as_deref(), Some("radius"));
+    type_into(&mut harness, "radius", "0.02");
+    harness.key_press(egui::Key::Enter);
+    harness.step();
+    settle(&mut harness);
+    assert!(session(&harness).summary.count < 2_000);
+}
+
+#[test]
+fn numbers_are_typed_as_people_write_them() {
+    let mut harness = opened();
+    for typed in ["20,000", "2e4", "20 000", "20'000"] {
+        type_into(&mut harness, "count", typed);
+        let radius = harness.state().state.form.draft.parameters.radius;
+        assert!((radius / 0.0059 - 1.0).abs() < 0.01, "{typed}: {radius}");
+        assert!(!is_disabled(&harness, "run"), "{typed}");
+    }
+}
+
+#[test]
+fn reset_is_not_where_cancel_is_and_resets_the_engine() {
+    let mut harness = opened();
+    let [reset, cancel, run] =
+        ["reset-parameters", "cancel", "run"].map(|id| node(&harness, id).rect());
+    assert!(reset.bottom() < run.top(), "Reset is with the presets");
+    assert!(!reset.expand(20.0).intersects(cancel));
+    assert!(is_disabled(&harness, "cancel"), "nothing runs");
+    let cpu = Command::Gpu(GpuCommand::Engine(EngineChoice::Cpu));
+    harness.state_mut().state.apply(cpu);
+    node(&harness, "reset-parameters").click();
+    harness.run();
+    assert_eq!(harness.state().state.gpu.engine, EngineChoice::Auto);
 }
 
 #[test]
@@ -316,4 +393,20 @@ fn help_lists_keys_and_terms_and_says_how_to_cite() {
     harness.key_press(egui::Key::Home);
     settle(&mut harness);
     assert_ne!(harness.state().state.cursor(), before);
+}
+
+#[test]
+fn the_verification_says_up_to_which_covering_radius_a_set_is_maximal() {
+    let harness = opened();
+    let report = &harness.state().state.verdict().expect("a verdict").report;
+    let limit = format!("{:.6} r", 1.0 + report.covering_tolerance);
+    assert_eq!(limit, "1.000031 r");
+    assert!(report.covering_radius <= (1.0 + report.covering_tolerance) * report.radius);
+    assert!(find(&harness, "covering-limit").is_some());
+    assert!(
+        harness.query_by_label("1.000031 r").is_some(),
+        "the limit beside the radius"
+    );
+    let meaning = tilescope_session::glossary::COVERING_RADIUS.meaning;
+    assert!(meaning.contains("(1 + 2^-15) r"), "{meaning}");
 }

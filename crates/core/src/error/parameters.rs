@@ -4,17 +4,30 @@ use std::fmt;
 
 use thiserror::Error;
 
-/// Displays a number, with an exponent if it would have very many digits.
+use crate::words::grouped;
+
+/// From this size on the decimals of a number say nothing beside a limit.
+const WITHOUT_DECIMALS: f64 = 1e6;
+
+/// Displays a number: with an exponent if it would have very many digits, otherwise with commas between thousands.
 struct Number(f64);
 
 impl fmt::Display for Number {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let size = self.0.abs();
-        if (1e-5..1e16).contains(&size) || size == 0.0 {
-            write!(f, "{}", self.0)
-        } else {
-            write!(f, "{:e}", self.0)
+        let is_short = (1e-5..1e16).contains(&size) || size == 0.0;
+        if !is_short {
+            return write!(f, "{:e}", self.0);
         }
+
+        let sign = if self.0 < 0.0 { "-" } else { "" };
+        if size >= WITHOUT_DECIMALS {
+            return write!(f, "{sign}{}", grouped(size.round() as u64));
+        }
+        let text = size.to_string();
+        let (whole, decimals) = text.split_at(text.find('.').unwrap_or(text.len()));
+        let whole = whole.parse().map_or_else(|_| whole.to_owned(), grouped);
+        write!(f, "{sign}{whole}{decimals}")
     }
 }
 
@@ -45,8 +58,9 @@ pub enum ParameterError {
     },
     /// A side is too short for its radius.
     #[error(
-        "the {name} is {} r long; it must be at least {minimum} r: choose a smaller radius",
-        Number(*.radii)
+        "the {name} is {} r long; it must be at least {} r: choose a smaller radius",
+        Number(*.radii),
+        Number(*.minimum)
     )]
     SideTooShort {
         /// Which side.
@@ -58,8 +72,9 @@ pub enum ParameterError {
     },
     /// A side is too long for its radius.
     #[error(
-        "the {name} is {} r long; it must be at most {maximum} r: choose a larger radius",
-        Number(*.radii)
+        "the {name} is {} r long; it must be at most {} r: choose a larger radius",
+        Number(*.radii),
+        Number(*.maximum)
     )]
     SideTooLong {
         /// Which side.
@@ -79,8 +94,10 @@ pub enum ParameterError {
     },
     /// The pattern's side is out of range.
     #[error(
-        "the pattern's side is {} r; it must be between {minimum} r and {maximum} r",
-        Number(*.side)
+        "the pattern's side is {} r; it must be between {} r and {} r",
+        Number(*.side),
+        Number(*.minimum),
+        Number(*.maximum)
     )]
     PatternSide {
         /// What was given, in radii.
@@ -140,7 +157,8 @@ pub enum ParameterError {
     },
     /// A wanted number of samples is out of range.
     #[error(
-        "{count} samples were asked for; with these sides it must be between {minimum} and {maximum}"
+        "{} samples were asked for; with these sides it must be between {} and {}",
+        grouped(*.count), grouped(*.minimum), grouped(*.maximum)
     )]
     Count {
         /// The wanted number.
@@ -152,7 +170,8 @@ pub enum ParameterError {
     },
     /// No radius that was tried gave the wanted number of samples.
     #[error(
-        "no radius gave {count} samples to within 1% or one sample; the nearest gave {nearest}"
+        "no radius gave {} samples to within 1% or one sample; the nearest gave {}",
+        grouped(*.count), grouped(*.nearest)
     )]
     CountMissed {
         /// The wanted number.
@@ -170,7 +189,8 @@ pub enum ParameterError {
     },
     /// Exactly so many samples were asked for with one level.
     #[error(
-        "exactly {count} samples need at least 2 levels: the first samples of one level may leave any place uncovered"
+        "exactly {} samples need at least 2 levels: the first samples of one level may leave any place uncovered",
+        grouped(*.count as u64)
     )]
     OneLevel {
         /// The wanted number.
@@ -191,10 +211,56 @@ pub enum ParameterError {
         /// The limit in radii.
         minimum: f64,
     },
+    /// So few samples are too few for so many nested levels.
+    #[error(
+        "exactly {} samples are too few for {levels} levels: the {name} would be {} r long, and must be at least {minimum:.1} r: choose fewer levels or more samples",
+        grouped(*.count as u64), Number(*.radii)
+    )]
+    TooFewForLevels {
+        /// The wanted number.
+        count: usize,
+        /// How many levels were asked for.
+        levels: u32,
+        /// Which side is too short.
+        name: &'static str,
+        /// The side's length in radii of so many samples.
+        radii: f64,
+        /// The limit in radii.
+        minimum: f64,
+    },
     /// Nested levels are made in one way only.
     #[error("nested levels need the default for {name}")]
     NestedChoice {
         /// What was chosen otherwise.
         name: &'static str,
     },
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_have_separators_and_no_more_digits_than_they_need() {
+        for (number, text) in [
+            (0.0, "0"),
+            (0.008_36, "0.00836"),
+            (-3.0, "-3"),
+            (1234.5, "1,234.5"),
+            (-20_041.0, "-20,041"),
+            (999_999_999.999_999_9, "1,000,000,000"),
+            (1e-12, "1e-12"),
+            (1e300, "1e300"),
+            (f64::NAN, "NaN"),
+        ] {
+            assert_eq!(Number(number).to_string(), text);
+        }
+        let error = ParameterError::Count {
+            count: 99_999_999_999,
+            minimum: 31,
+            maximum: 2_936_167_948,
+        };
+        let said = error.to_string();
+        assert!(said.contains("99,999,999,999 samples") && said.ends_with("31 and 2,936,167,948"));
+    }
 }

@@ -63,14 +63,39 @@ impl NestedRequest {
     ///
     /// # Errors
     ///
-    /// As [`NestedPlane::new`] and [`radius_estimate`], and [`ParameterError::OneLevel`].
+    /// As [`NestedPlane::new`] and [`radius_estimate`], [`ParameterError::OneLevel`] and
+    /// [`ParameterError::TooFewForLevels`].
     pub fn check(&self, parameters: &Parameters) -> Result<(), ParameterError> {
         self.check_exactly()?;
         let mut parameters = *parameters;
         if let Some(count) = self.exactly {
             parameters.radius = radius_estimate(&parameters, count as u64)?;
         }
-        check(&parameters, self.levels).map(|_| ())
+        let checked = check(&parameters, self.levels).map(|_| ());
+        checked.map_err(|error| self.of_count(error))
+    }
+
+    /// Returns an error of [`check`] as one of the wanted number of samples, if that gave the radius: no radius was
+    /// chosen that could be smaller.
+    fn of_count(&self, error: ParameterError) -> ParameterError {
+        match (self.exactly, error) {
+            (
+                Some(count),
+                ParameterError::TooManyLevels {
+                    name,
+                    levels,
+                    radii,
+                    minimum,
+                },
+            ) => ParameterError::TooFewForLevels {
+                count,
+                levels,
+                name,
+                radii,
+                minimum,
+            },
+            (_, error) => error,
+        }
     }
 
     const fn check_exactly(&self) -> Result<(), ParameterError> {
@@ -88,7 +113,7 @@ impl NestedRequest {
         parameters: &Parameters,
         observer: &mut dyn Observer,
     ) -> Result<Nested, SampleError> {
-        self.check_exactly()?;
+        self.check(parameters)?;
         let mut made = match self.exactly {
             Some(count) => NestedPlane::exactly(parameters, self.levels, count, observer)?,
             None => NestedPlane::new(parameters, self.levels, observer)?.whole(observer)?,

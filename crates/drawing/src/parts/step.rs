@@ -2,14 +2,14 @@
 //! under test with its verdict, the pair that was compared, and what changed last.
 
 use ecolor::Color32;
-use emath::{Align2, vec2};
+use emath::{Align2, Pos2, Vec2, vec2};
 use glam::DVec2;
 use tilescope_core::stages::detect::Sites;
 use tilescope_core::{R, RunEvent, Verdict};
 use tilescope_debugger::{Event, Examined};
 use tilescope_session::units::radii;
 
-use crate::scene::Scene;
+use crate::scene::{Scene, TAG_PADDING, TAG_SIZE};
 use crate::surface::{Stroke, Surface, dashed_circle};
 
 /// Circles of a larger radius, in screen points, are not drawn.
@@ -136,9 +136,32 @@ fn pair(scene: &Scene<'_>, surface: &mut impl Surface, [a, b]: [u32; 2], color: 
     let distance = from.distance(to);
     let ends = [scene.at(from), scene.at(to)];
     surface.dashes(ends, Stroke::new(2.2, color));
-    let middle = ends[0].lerp(ends[1], 0.5) + vec2(10.0, -12.0);
     let text = format!("{distance:.3} r");
-    scene.tag(surface, middle, Align2::LEFT_BOTTOM, text);
+    let size = surface.text_size(&text, TAG_SIZE) + 2.0 * TAG_PADDING;
+    let at = beside(ends, size, ring(scene) + BESIDE);
+    scene.tag(surface, at, Align2::CENTER_CENTER, text);
+}
+
+/// Free room between a label and the rings at the ends of the line that it labels, in screen points.
+const BESIDE: f32 = 8.0;
+
+/// Returns the centre of a label of this size that keeps clear of a line, and of what is drawn around its ends, by `gap`.
+fn beside(ends: [Pos2; 2], size: Vec2, gap: f32) -> Pos2 {
+    let along = (ends[1] - ends[0]).normalized();
+    // The side that lies above the line, or right of an upright one.
+    let across = if along == Vec2::ZERO {
+        // Both ends are at one place.
+        Vec2::UP
+    } else {
+        along.rot90()
+    };
+    let up = if across.y > 0.0 || (across.y == 0.0 && across.x < 0.0) {
+        -across
+    } else {
+        across
+    };
+    let reach = 0.5 * (up.x.abs() * size.x + up.y.abs() * size.y);
+    ends[0].lerp(ends[1], 0.5) + (reach + gap) * up
 }
 
 fn color_of(scene: &Scene<'_>, verdict: Verdict) -> Color32 {
@@ -195,5 +218,30 @@ const fn verdict_text(verdict: Verdict) -> &'static str {
         Verdict::TooFar => "too far",
         Verdict::Outside => "outside",
         Verdict::NotNearest { .. } => "nearer to another",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use emath::{Rect, pos2};
+
+    #[test]
+    fn a_label_keeps_clear_of_the_line_that_it_labels() {
+        let size = vec2(60.0, 20.0);
+        for degrees in (0..360).step_by(15) {
+            let direction = Vec2::angled((degrees as f32).to_radians());
+            for length in [0.0, 4.0, 30.0, 300.0] {
+                let ends = [-0.5, 0.5].map(|share| pos2(200.0, 100.0) + share * length * direction);
+                let label = Rect::from_center_size(beside(ends, size, 15.0), size);
+                for step in 0..=20 {
+                    let at = ends[0].lerp(ends[1], step as f32 / 20.0);
+                    assert!(
+                        label.distance_to_pos(at) > 14.0,
+                        "{degrees} degrees, {length} long: {label:?} and {at:?}"
+                    );
+                }
+            }
+        }
     }
 }

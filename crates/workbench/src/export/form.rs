@@ -6,6 +6,8 @@ use std::str::FromStr;
 
 use tilescope_formats::Precision;
 
+use crate::files::missing_folder;
+
 use super::refusal::ExportRefusal;
 use super::{ExportKind, extension, scene_path};
 use crate::clock::Clock;
@@ -89,16 +91,21 @@ impl Default for ExportForm {
 }
 
 impl ExportForm {
-    /// Returns the file's path.
+    /// Returns the file's path. A name without an extension gets the first one of its kind, as that of a session does.
     #[must_use]
-    pub fn file(&self) -> &Path {
-        Path::new(self.path.trim())
+    pub fn file(&self) -> PathBuf {
+        let path = Path::new(self.path.trim());
+        let ends_with_separator = self.path.trim().ends_with(std::path::is_separator);
+        if path.extension().is_some() || path.file_name().is_none() || ends_with_separator {
+            return path.to_owned();
+        }
+        path.with_extension(self.kind.extensions()[0])
     }
 
     /// Chooses the kind. The file's extension changes if the kind does, or if it is unknown.
     pub fn choose(&mut self, kind: ExportKind) {
         let same = kind == self.kind || (kind.is_set() && self.kind.is_set());
-        let fits = same && kind.format(self.file()).is_some();
+        let fits = same && kind.format(&self.file()).is_some();
         if !fits && self.file().file_name().is_some() {
             let path = self.file().with_extension(kind.extensions()[0]);
             self.path = path.to_string_lossy().into_owned();
@@ -122,12 +129,12 @@ impl ExportForm {
         let file = self.file();
         let mut files = match self.kind {
             ExportKind::Scenes => (0..self.scenes)
-                .map(|index| scene_path(file, index, self.scenes))
+                .map(|index| scene_path(&file, index, self.scenes))
                 .collect(),
-            _ => vec![file.to_owned()],
+            _ => vec![file.clone()],
         };
         if self.kind.is_set() {
-            files.push(tilescope_formats::certificate_path(file));
+            files.push(tilescope_formats::certificate_path(&file));
         }
         files.retain(|_| cfg!(not(target_arch = "wasm32")));
         files.into_iter()
@@ -136,19 +143,20 @@ impl ExportForm {
     /// Returns why no file of this name can be written.
     #[must_use]
     pub fn name_refusal(&self) -> Option<ExportRefusal> {
-        if self.file().file_name().is_none() {
+        let file = self.file();
+        if file.file_name().is_none() {
             Some(ExportRefusal::NoName)
-        } else if self.kind.format(self.file()).is_some() {
-            None
-        } else {
+        } else if self.kind.format(&file).is_none() {
             Some(ExportRefusal::Extension(self.kind.extensions()))
+        } else {
+            missing_folder(&file).map(ExportRefusal::NoFolder)
         }
     }
 
     /// Returns whether the scale applies; a vector picture has no pixels.
     #[must_use]
     pub fn has_scale(&self) -> bool {
-        !self.kind.is_set() && extension(self.file()).as_deref() != Some("svg")
+        !self.kind.is_set() && extension(&self.file()).as_deref() != Some("svg")
     }
 
     /// Returns the scale.
@@ -190,16 +198,16 @@ mod tests {
     #[test]
     fn the_extension_follows_the_kind() {
         let mut form = ExportForm {
-            path: "some.folder/first.set.ply".to_owned(),
+            path: "first.set.ply".to_owned(),
             ..ExportForm::default()
         };
         for (kind, path) in [
-            (ExportKind::Samples, "some.folder/first.set.ply"),
-            (ExportKind::Picture, "some.folder/first.set.png"),
-            (ExportKind::Scenes, "some.folder/first.set.png"),
-            (ExportKind::Animation, "some.folder/first.set.gif"),
-            (ExportKind::Result, "some.folder/first.set.csv"),
-            (ExportKind::Samples, "some.folder/first.set.csv"),
+            (ExportKind::Samples, "first.set.ply"),
+            (ExportKind::Picture, "first.set.png"),
+            (ExportKind::Scenes, "first.set.png"),
+            (ExportKind::Animation, "first.set.gif"),
+            (ExportKind::Result, "first.set.csv"),
+            (ExportKind::Samples, "first.set.csv"),
         ] {
             form.choose(kind);
             assert_eq!(form.path, path);
@@ -214,6 +222,21 @@ mod tests {
         form.kind = ExportKind::Picture;
         form.choose(ExportKind::Picture);
         assert!(form.path == "film.SVG" && !form.has_scale());
+        // Without an ending the name gets that of its kind, and in the list of formats it is not refused.
+        form.path = "film".to_owned();
+        assert_eq!(
+            (form.file(), form.name_refusal()),
+            ("film.png".into(), None)
+        );
+        form.path = "film.tar".to_owned();
+        let refusal = form.name_refusal();
+        assert!(matches!(refusal, Some(ExportRefusal::Extension(_))));
+        form.path = "no such folder/film.png".to_owned();
+        let refusal = form.name_refusal().map(|refusal| refusal.to_string());
+        assert_eq!(
+            refusal.as_deref(),
+            Some("There is no folder \"no such folder\".")
+        );
         form.path = "  ".to_owned();
         assert_eq!(form.name_refusal(), Some(ExportRefusal::NoName));
     }

@@ -1,6 +1,8 @@
 //! The reasons for which an export does not begin, as sentences for the user. `state/export.rs` decides on them, and
 //! `form.rs` for names and numbers as typed. An export that fails after it has begun has a `WriteError` (`write.rs`).
 
+use std::path::PathBuf;
+
 use tilescope_session::words::grouped;
 
 use super::form::{MAX_DELAY_MS, MAX_EVERY, MAX_SCALE, MIN_DELAY_MS, MIN_SCALE};
@@ -35,6 +37,9 @@ pub enum ExportRefusal {
     /// No file was named.
     #[error("Name a file.")]
     NoName,
+    /// The file would be in a folder that does not exist.
+    #[error("There is no folder \"{}\".", .0.display())]
+    NoFolder(PathBuf),
     /// The extension is none of these.
     #[error("The extension chooses the format: {}.", .0.iter().map(|e| format!(".{e}")).collect::<Vec<_>>().join(" "))]
     Extension(Vec<&'static str>),

@@ -1,8 +1,7 @@
 //! Saves a session: the bytes of its file, and natively the file itself. What would be refused on opening is
 //! not written.
 
-#[cfg(not(target_arch = "wasm32"))]
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use tilescope_debugger::Session as Saved;
 use tilescope_session::combining::SavedCombination;
@@ -31,6 +30,14 @@ pub(crate) fn with_json(path: String) -> String {
     } else {
         path + ".json"
     }
+}
+
+/// Returns the folder that a file is to be written into, if there is none: `None` also where a browser stores files.
+#[must_use]
+pub fn missing_folder(file: &Path) -> Option<PathBuf> {
+    let folder = file.parent()?;
+    let is_here = cfg!(target_arch = "wasm32") || folder.as_os_str().is_empty();
+    (!is_here && !folder.is_dir()).then(|| folder.to_owned())
 }
 
 /// Returns the file of a session.

@@ -31,6 +31,23 @@ impl State {
         self.on(which, |run, _| run.sampling = Some(job));
     }
 
+    /// Returns whether another engine made the run shown than the one that makes the next. Nested levels and combinations
+    /// are always made on the CPU.
+    #[must_use]
+    pub fn engine_differs(&self) -> bool {
+        let Some(session) = &self.runs.first.session else {
+            return false;
+        };
+        let has_choice = session.kind() == SessionKind::Run && session.has_recipe();
+        if !has_choice || self.form.draft.levels.is_some() {
+            return false;
+        }
+        let next = self
+            .gpu
+            .for_run(&self.form.draft.parameters, self.gpu.engine);
+        next.is_some() != session.engine.starts_with("GPU")
+    }
+
     /// Shows a session, with a notice if the CPU replaced the GPU or the GPU's run differs.
     pub(super) fn show_made(&mut self, which: Which, mut session: Session) {
         let failure = session.failure.take();

@@ -285,7 +285,7 @@ impl Exports {
             }
         };
         Ok(ExportJob {
-            path: form.file().to_owned(),
+            path: form.file(),
             session: tilescope_session::task::SessionRef(Arc::clone(session)),
             content,
         })

@@ -300,6 +300,10 @@ impl State {
             run: self.saved(),
             combination: self.saved_combination(),
         });
+        if matches!(command, FileCommand::Sheet(_)) {
+            // What the sheet shows is about its own file.
+            self.messages.notice = None;
+        }
         self.with(|state, context| {
             state
                 .files

@@ -167,14 +167,16 @@ impl GpuState {
     /// Returns the engine of the next run, which is of `variant`: in a line, and in full. `None` if the choice alone
     /// is enough to know.
     #[must_use]
-    pub fn engine_text(&self, variant: Variant) -> Option<(&'static str, String)> {
+    pub fn engine_text(&self, variant: Variant) -> Option<(String, String)> {
         let is_free = self.engine == EngineChoice::Auto && self.display.is_some();
         let takes = self.takes(self.engine);
-        let line = match &self.device {
+        let line: &str = match &self.device {
             Device::Ready(_) if takes && variant == Variant::AsPrinted => {
                 "CPU: it alone runs Algorithm 4 as printed."
             }
-            Device::Ready(_) if takes => "GPU: self-test passed.",
+            Device::Ready(tried) if takes => {
+                &format!("GPU: self-test passed, on {}.", tried.gpu.report().name)
+            }
             Device::Testing(_) if self.engine == EngineChoice::Gpu => "GPU: being tested.",
             Device::Testing(_) if is_free => "CPU, until the GPU is tested.",
             Device::Ready(_) if is_free => "CPU: this GPU is emulated, and slower.",
@@ -188,7 +190,7 @@ impl GpuState {
             (Some(why), _) => why,
             (None, device) => device?,
         };
-        Some((line, all))
+        Some((line.to_owned(), all))
     }
 
     /// Returns the engine of the next run, which is of `variant`, with the reason, and the graphics that draw the window;

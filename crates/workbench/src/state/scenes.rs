@@ -170,11 +170,18 @@ impl State {
             Some(shown) if shown.list == SceneList::Own => shown.index + 1,
             _ => usize::MAX,
         };
+        let before = self.scenes(SceneList::Own).len();
         self.change_scenes(|debugger| debugger.add_scene(at, view));
         if let Some(shown) = &mut self.scene
             && shown.list == SceneList::Own
         {
             shown.index += 1;
+        }
+        if self.scenes(SceneList::Own).len() > before && !self.window.shows(Panel::Scenes) {
+            // The panel would show the new scene; without it there is no other sign that the key did something.
+            let number = at.min(before) + 1;
+            let text = format!("Scene {number} is made of this moment: it is in the panel Scenes.");
+            self.tell(text, false);
         }
     }
 

@@ -81,8 +81,17 @@ fn a_bad_draft_is_not_run() {
     assert!(state.run_refusal().unwrap().contains("-3"));
     state.apply(Command::Run);
     assert!(state.runs.first.sampling.is_none());
+    // A script or a page that asked for the run is told why there is none.
+    let notice = state.messages.notice.clone().unwrap();
+    assert!(
+        notice.is_error && notice.text.starts_with("Radius: "),
+        "{}",
+        notice.text
+    );
     state.apply(Command::Form(FormCommand::Reset));
     assert_eq!(state.run_refusal(), None);
+    state.apply(Command::Form(FormCommand::Count("abc".to_owned())));
+    assert!(state.run_refusal().unwrap().starts_with("Samples: "));
 }
 
 #[test]

@@ -10,7 +10,7 @@ use tilescope_session::recipe::Recipe;
 use super::{Form, State};
 use crate::appearance::Appearance;
 use crate::command::{Command, DebugCommand, FormCommand, Which, WindowCommand};
-use crate::draft::Field;
+use crate::draft::{Draft, Field};
 use crate::layout::{Layout, Panel};
 use crate::scenes::SceneCommand;
 
@@ -258,7 +258,40 @@ impl State {
         }
     }
 
+    /// Returns the question to ask before a change is taken back: whether to make a run again that takes minutes and much
+    /// memory. It is answered by undoing once more while the question stands.
+    fn question(&self, change: Option<&Change>) -> Option<String> {
+        let change = change?;
+        let is_run = matches!(change.part, UndoPart::Run | UndoPart::Everything);
+        let Some(Made::Run(recipe)) = change.memento.made.as_ref().filter(|_| is_run) else {
+            return None;
+        };
+        if change.memento.made == self.made() {
+            return None;
+        }
+        let needed = Draft::from_parameters(recipe.parameters).memory_needed()?;
+        Some(format!(
+            "This makes an earlier run again. {needed} Do the same once more to go on."
+        ))
+    }
+
+    /// Asks before a large run is made again; returns whether to wait for the answer.
+    fn waits_for_answer(&mut self, question: Option<String>) -> bool {
+        let Some(question) = question else {
+            return false;
+        };
+        let asked = self.messages.notice.take();
+        if asked.is_some_and(|notice| notice.text == question) {
+            return false;
+        }
+        self.tell(question, false);
+        true
+    }
+
     pub(super) fn undo(&mut self) {
+        if self.waits_for_answer(self.question(self.history.past.last())) {
+            return;
+        }
         if let Some(Change { part, memento }) = self.history.past.pop() {
             let mut now = self.memento();
             // The run may still be being made.
@@ -273,6 +306,9 @@ impl State {
     }
 
     pub(super) fn redo(&mut self) {
+        if self.waits_for_answer(self.question(self.history.future.last())) {
+            return;
+        }
         if let Some(Change { part, memento }) = self.history.future.pop() {
             let now = self.memento();
             self.history.past.push(Change { part, memento: now });
@@ -343,6 +379,9 @@ impl State {
         if self.form.own_pattern != session.own {
             names.push("pattern file");
         }
+        if self.engine_differs() {
+            names.push("engine");
+        }
         (!names.is_empty()).then(|| format!("Not in the run shown: {}.", names.join(", ")))
     }
 }
@@ -366,6 +405,40 @@ mod tests {
         assert!(state.can_redo());
         type_in(&mut state, Field::Leaf, "40");
         assert!(state.can_undo() && !state.can_redo());
+    }
+
+    #[test]
+    fn undo_asks_before_it_makes_a_large_run_again() {
+        let mut state = State::new(Arc::new(|| {}));
+        state.settle();
+        let mut step = |radius: f64| {
+            let mut memento = state.memento();
+            let mut recipe = state.typed();
+            recipe.parameters.radius = radius;
+            memento.made = Some(Made::Run(recipe));
+            state.push(UndoPart::Run, memento);
+            state.apply(Command::Undo);
+            let is_running = state.runs.first.sampling.is_some();
+            let asked = state.messages.notice.clone();
+            state.apply(Command::Cancel(Which::First));
+            state.settle();
+            state.messages.notice = None;
+            (is_running, asked.map(|notice| notice.text))
+        };
+        assert_eq!(step(0.02), (true, None));
+        let (is_running, asked) = step(0.000_083);
+        let asked = asked.expect("a question");
+        assert!(
+            !is_running && asked.contains("100,000,000 samples"),
+            "{asked}"
+        );
+        // While the question stands, the same once more is the answer.
+        state.apply(Command::Undo);
+        assert!(state.runs.first.sampling.is_none());
+        state.apply(Command::Undo);
+        assert!(state.runs.first.sampling.is_some());
+        state.apply(Command::Cancel(Which::First));
+        state.settle();
     }
 
     #[test]

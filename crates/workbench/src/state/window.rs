@@ -27,6 +27,8 @@ pub struct WindowState {
     pub bare: bool,
     /// Whether the window can use full screen.
     pub full_screen: FullScreen,
+    /// Whether the user asked to close the window, which the program then does.
+    pub quits: bool,
     /// Whether the window fills the screen, where that is known.
     pub is_full: Option<bool>,
 }
@@ -92,6 +94,7 @@ impl WindowState {
             }
             WindowCommand::Help(page) => self.help = Some(page),
             WindowCommand::CloseHelp => self.help = None,
+            WindowCommand::Quit => self.quits = true,
             WindowCommand::CloseFinder => self.finder = None,
             WindowCommand::FinderText(text) => self.finder = Some(Finder { text, choice: 0 }),
             WindowCommand::FinderChoice(choice) => {

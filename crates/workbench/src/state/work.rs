@@ -16,8 +16,9 @@ const MAX_LIVE: f64 = 50_000.0;
 
 impl State {
     pub(super) fn run(&mut self) {
-        if self.run_refusal().is_some() {
-            return;
+        // The button is off then; scripts, links and pages that embed the window are told why nothing runs.
+        if let Some(why) = self.run_refusal() {
+            return self.tell_of(Which::First, why, true);
         }
         self.stop_making();
         let recipe = self.typed();

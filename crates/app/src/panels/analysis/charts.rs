@@ -31,8 +31,8 @@ pub fn picture(ui: &mut Ui, sets: &Sets<'_>, brush: Option<Brush>, own: &mut Vec
     drag(BrushAxis::Frequency, dragged, brush, own);
     let cells = spectrum.map_or_else(String::new, |spectrum| cells_of(spectrum));
     let text = format!(
-        "\u{3bd} along x and y, to \u{b1}2.5; power 0 white, {} and above black{cells}",
-        periodogram::BLACK
+        "\u{3bd} along x and y, to \u{b1}2.5; power 0 black, {} and above white{cells}",
+        periodogram::WHITE
     );
     let text = RichText::new(text).size(11.5).color(sets.palette.muted);
     ui.label(text);

@@ -1,5 +1,5 @@
-//! The periodogram as a picture: white is no power, black is three times the power of noise; a ring selects a band of
-//! frequencies.
+//! The periodogram as a picture, as papers print it: black is no power, white is three times the power of noise; a ring
+//! selects a band of frequencies.
 
 use std::sync::Arc;
 
@@ -14,11 +14,11 @@ use tilescope_ui::widgets::Known;
 use super::super::common::texture_of;
 use super::plot::{Dragged, dragged};
 
-/// Power that is drawn black.
-pub const BLACK: f64 = 3.0;
+/// Power that is drawn white.
+pub const WHITE: f64 = 3.0;
 
 /// Maximum width of the picture, in screen points.
-const MAX_SIDE: f32 = 250.0;
+const MAX_SIDE: f32 = 480.0;
 
 /// Shows the picture in a square of the full width, with frequencies up to `reach` along both axes; returns the change
 /// of the ring.
@@ -101,8 +101,8 @@ fn image(spectrum: &Spectrum) -> ColorImage {
     let (size, rows) = (spectrum.picture.size, spectrum.picture.rows);
     let shade = |power: f64| {
         if power.is_finite() {
-            let part = (power / BLACK).clamp(0.0, 1.0);
-            Color32::from_gray((255.0 * (1.0 - part)).round() as u8)
+            let part = (power / WHITE).clamp(0.0, 1.0);
+            Color32::from_gray((255.0 * part).round() as u8)
         } else {
             Color32::TRANSPARENT
         }
@@ -147,6 +147,18 @@ mod tests {
             let is_square = f64::abs(width - height) < 1e-9;
             assert_eq!(picture.size == picture.rows, is_square);
         }
+    }
+
+    #[test]
+    fn low_power_is_dark_and_high_power_is_light() {
+        let mut spectrum = spectrum(1.0, 1.0);
+        for (index, power) in spectrum.picture.power.iter_mut().enumerate() {
+            *power = [0.0, 1.5, 9.0][index % 3];
+        }
+        let image = image(&spectrum);
+        let lines: Vec<_> = image.pixels.chunks(image.size[0]).rev().flatten().collect();
+        let expected = [0, 128, 255].map(Color32::from_gray);
+        assert_eq!(lines[..3], expected.each_ref());
     }
 
     #[test]

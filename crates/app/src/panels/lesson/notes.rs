@@ -3,8 +3,8 @@
 //! `web/page/notes.js`.
 
 use egui::{
-    Button, CentralPanel, Color32, FontId, Frame, Id, Label, Margin, RichText, ScrollArea, Sense,
-    TextEdit, Ui, vec2,
+    Align, Button, CentralPanel, Color32, FontId, Frame, Id, Label, Layout, Margin, RichText,
+    ScrollArea, Sense, TextEdit, Ui, vec2,
 };
 use tilescope_drawing::palette::Palette;
 use tilescope_lessons::{Advice, Vote};
@@ -50,8 +50,10 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             let [left, right] = columns else {
                 return;
             };
-            notes.this(left, commands);
-            notes.next(right);
+            // Columns justify their texts, which tears the words of narrow ones apart.
+            let ragged = Layout::top_down(Align::Min);
+            left.with_layout(ragged, |ui| notes.this(ui, commands));
+            right.with_layout(ragged, |ui| notes.next(ui));
         });
     });
 }
@@ -104,6 +106,11 @@ fn button(ui: &mut Ui, name: &str, id: &str, command: TalkCommand, commands: &mu
     button.issues(id, Command::Talk(command), commands);
 }
 
+/// Shows a phrase of a line that wraps: the line may end before and behind it, and not within.
+fn phrase(ui: &mut Ui, text: RichText, id: &str) {
+    ui.add(Label::new(text).extend()).known_as(id);
+}
+
 impl Notes<'_> {
     fn size(&self, which: usize) -> f32 {
         SIZES[which] * self.k
@@ -135,10 +142,10 @@ impl Notes<'_> {
         let early = before - elapsed;
         ui.horizontal_wrapped(|ui| {
             let large = |text: String| RichText::new(text).size(self.size(2)).monospace();
-            ui.label(large(clock(now))).known_as("notes-clock");
+            phrase(ui, large(clock(now)), "notes-clock");
             ui.add_space(16.0 * self.k);
             let text = format!("{} / {}", minutes(elapsed), minutes(all));
-            ui.label(large(text)).known_as("notes-elapsed");
+            phrase(ui, large(text), "notes-elapsed");
             ui.add_space(16.0 * self.k);
             let (text, color) = if late > 0.0 {
                 let text = format!("{} behind the plan", minutes(late));
@@ -149,8 +156,7 @@ impl Notes<'_> {
             } else {
                 ("as planned".to_owned(), self.palette.text)
             };
-            ui.label(RichText::new(text).color(color))
-                .known_as("notes-plan");
+            phrase(ui, RichText::new(text).color(color), "notes-plan");
             ui.add_space(16.0 * self.k);
             let parts = self.talk.parts.len();
             let part = if parts > 1 {
@@ -165,8 +171,8 @@ impl Notes<'_> {
                 minutes(now - self.talk.step_begun),
                 minutes(this)
             );
-            ui.label(RichText::new(text).color(self.palette.muted))
-                .known_as("notes-place");
+            let text = RichText::new(text).color(self.palette.muted);
+            phrase(ui, text, "notes-place");
             button(ui, "End (Esc)", "notes-end", TalkCommand::End, commands);
         });
     }

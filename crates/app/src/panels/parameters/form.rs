@@ -1,6 +1,7 @@
-//! The fields of the parameters. An error is written over the row below its field, so that no field moves while one types.
+//! The fields of the parameters. An error stands in a row of its own below its field: it covers nothing, and the field in
+//! which one types does not move.
 
-use egui::{ComboBox, CursorIcon, Label, Rect, RichText, TextEdit, Ui, UiBuilder, vec2};
+use egui::{ComboBox, CursorIcon, Label, RichText, TextEdit, Ui};
 use tilescope_core::Parameters;
 use tilescope_drawing::palette::Palette;
 use tilescope_session::glossary;
@@ -12,9 +13,9 @@ use super::super::choices::{
     VARIANTS, WITHIN, meaning,
 };
 use super::super::engine;
-use super::{FormContext, field_width, labelled};
+use super::{FormContext, changed_mark, field_width, labelled};
 use tilescope_workbench::command::{Command, FormCommand};
-use tilescope_workbench::draft::{Choice, DraftRefusal, Field, Preset};
+use tilescope_workbench::draft::{Choice, DraftRefusal, Field, FormPart, Preset};
 
 /// Shows the fields.
 pub(super) fn show(ui: &mut Ui, context: &FormContext<'_>, commands: &mut Vec<Command>) {
@@ -22,7 +23,6 @@ pub(super) fn show(ui: &mut Ui, context: &FormContext<'_>, commands: &mut Vec<Co
         context,
         palette: context.palette,
         refusals: context.form.draft.refusals(),
-        errors: Vec::new(),
         commands,
     };
     fields.domain(ui);
@@ -30,15 +30,12 @@ pub(super) fn show(ui: &mut Ui, context: &FormContext<'_>, commands: &mut Vec<Co
     fields.algorithm(ui);
     engine::show(ui, context, fields.commands);
     fields.nested(ui);
-    fields.errors(ui);
 }
 
 struct Fields<'a> {
     context: &'a FormContext<'a>,
     palette: &'static Palette,
     refusals: Vec<DraftRefusal>,
-    /// The row of each error, its id, and its text.
-    errors: Vec<(Rect, String, String)>,
     commands: &'a mut Vec<Command>,
 }
 
@@ -46,12 +43,8 @@ impl Fields<'_> {
     fn domain(&mut self, ui: &mut Ui) {
         presets(ui, self.context, self.commands);
         heading(ui, "Domain");
-        self.pair(
-            ui,
-            "Size",
-            [(Field::Width, "Width"), (Field::Height, "Height")],
-        );
-        self.number(ui, Field::Radius, "Radius", "");
+        self.pair(ui, "Size", [Field::Width, Field::Height]);
+        self.number(ui, Field::Radius, "");
         self.samples(ui);
         let current = self.parameters().boundary;
         self.choice(
@@ -65,13 +58,13 @@ impl Fields<'_> {
 
     fn tiling(&mut self, ui: &mut Ui) {
         heading(ui, "Tiling");
-        for (field, name, unit) in [
-            (Field::Seed, "Seed", ""),
-            (Field::Leaf, "Smallest block", "r"),
-            (Field::PatternSide, "Pattern size", "r"),
-            (Field::PatternSeed, "Pattern seed", ""),
+        for (field, unit) in [
+            (Field::Seed, ""),
+            (Field::Leaf, "r"),
+            (Field::PatternSide, "r"),
+            (Field::PatternSeed, ""),
         ] {
-            self.number(ui, field, name, unit);
+            self.number(ui, field, unit);
         }
         let current = self.parameters().pattern.boundary;
         self.choice(
@@ -123,12 +116,7 @@ impl Fields<'_> {
             (p.variant, &VARIANTS),
             Choice::Variant,
         );
-        let combinations = self.refusals.iter().filter(|r| r.field.is_none());
-        for (k, refusal) in combinations.enumerate() {
-            let text = RichText::new(&refusal.reason).small();
-            ui.label(text.color(self.palette.conflict))
-                .known_as(format_args!("refusal-{k}"));
-        }
+        self.error(ui, FormPart::Choices, "refusal-0");
     }
 
     /// Shows the choice of nested levels, and below it their choices where there are to be some.
@@ -146,16 +134,18 @@ impl Fields<'_> {
             return;
         }
         let meaning = "How many samples there are to be exactly. They are the first of a set that has as many or a few more, whose radius follows from it; there is no maximal set of every number. Empty: the radius decides.";
+        let is_wrong = self.refusal(FormPart::Exactly).is_some();
         labelled(ui, ("Exactly", meaning), self.palette, |ui, _| {
             let mut text = draft.exactly.clone();
             let width = field_width(ui);
-            let field = self.text_field(ui, &mut text, ("Exactly", meaning), width, false);
+            let field = self.text_field(ui, &mut text, ("Exactly", meaning), width, is_wrong);
             field.known_as("exactly");
             if field.changed() {
                 self.issue(FormCommand::Exactly(text));
             }
             self.run_on_enter(ui, &field);
         });
+        self.error(ui, FormPart::Exactly, "refusal-exactly");
         self.choice(
             ui,
             ("within", "Within a level"),
@@ -176,36 +166,38 @@ impl Fields<'_> {
     /// Shows the number of samples, the other end of the radius.
     fn samples(&mut self, ui: &mut Ui) {
         let draft = &self.context.form.draft;
-        let refusal = draft.count_refusal();
+        let is_wrong = self.refusal(FormPart::Samples).is_some();
         let name = "Samples";
         let meaning =
             "About how many samples the run will have. Type a number to set the radius by it.";
-        let label = labelled(ui, (name, meaning), self.palette, |ui, _| {
+        labelled(ui, (name, meaning), self.palette, |ui, _| {
             let mut text = draft.count_text();
             let width = field_width(ui);
-            let field = self.text_field(ui, &mut text, (name, meaning), width, refusal.is_some());
+            let field = self.text_field(ui, &mut text, (name, meaning), width, is_wrong);
             field.known_as("count");
             if field.changed() {
                 self.issue(FormCommand::Count(text));
             }
             self.run_on_enter(ui, &field);
         });
-        if let Some(refusal) = refusal {
-            let id = "count.refusal".to_owned();
-            self.errors.push((label.rect, id, refusal));
-        }
+        self.error(ui, FormPart::Samples, "count.refusal");
         if draft.keeps_result_only() {
             let text =
                 "So large a run keeps its result only: there will be no steps to go through.";
             ui.label(RichText::new(text).small().color(self.palette.accent))
                 .known_as("result-only");
         }
+        if let Some(text) = &self.context.memory {
+            ui.label(RichText::new(text).small().color(self.palette.accent))
+                .known_as("memory-needed");
+        }
     }
 
-    fn number(&mut self, ui: &mut Ui, field: Field, name: &str, unit: &str) {
+    fn number(&mut self, ui: &mut Ui, field: Field, unit: &str) {
         let palette = self.palette;
-        let name_shown = self.marked(&[field], name);
-        let label = labelled(ui, (&name_shown, meaning(field)), palette, |ui, _| {
+        let name = field.name();
+        let label = labelled(ui, (name, meaning(field)), palette, |ui, _| {
+            self.mark(ui, &[field]);
             let width = field_width(ui);
             self.edit(ui, field, name, width);
             if !unit.is_empty() {
@@ -213,52 +205,54 @@ impl Fields<'_> {
             }
         });
         drag(ui, &label, field, self.commands);
-        self.note_error(field, label.rect);
+        self.field_error(ui, field);
     }
 
     /// Two fields on a line.
-    fn pair(&mut self, ui: &mut Ui, name: &str, fields: [(Field, &str); 2]) {
-        let name_shown = self.marked(&fields.map(|(field, _)| field), name);
-        let explanation = (name_shown.as_str(), meaning(fields[0].0));
-        let label = labelled(ui, explanation, self.palette, |ui, _| {
+    fn pair(&mut self, ui: &mut Ui, name: &str, fields: [Field; 2]) {
+        labelled(ui, (name, meaning(fields[0])), self.palette, |ui, _| {
+            self.mark(ui, &fields);
             ui.spacing_mut().item_spacing.x = 6.0;
             let width = (field_width(ui) - 6.0) / 2.0;
-            for (field, name) in fields {
-                self.edit(ui, field, name, width);
+            for field in fields {
+                self.edit(ui, field, field.name(), width);
             }
         });
-        for (field, _) in fields {
-            self.note_error(field, label.rect);
+        for field in fields {
+            self.field_error(ui, field);
         }
     }
 
-    /// Returns the label of fields, with a mark if one of them is not as in the run shown.
-    fn marked(&self, fields: &[Field], name: &str) -> String {
+    /// Draws a mark before fields of which one is not as in the run shown. The line above the Run button names them.
+    fn mark(&self, ui: &Ui, fields: &[Field]) {
         let (draft, made) = (&self.context.form.draft, self.context.made.as_ref());
-        let differs =
-            made.is_some_and(|made| fields.iter().any(|&field| draft.differs(field, made)));
-        if differs {
-            format!("{name} \u{2022}")
-        } else {
-            name.to_owned()
+        if made.is_some_and(|made| fields.iter().any(|&field| draft.differs(field, made))) {
+            changed_mark(ui, self.palette);
         }
     }
 
-    fn refusal(&self, field: Field) -> Option<&DraftRefusal> {
+    fn refusal(&self, part: FormPart) -> Option<&DraftRefusal> {
         let mut refusals = self.refusals.iter();
-        refusals.find(|refusal| refusal.field == Some(field))
+        refusals.find(|refusal| refusal.part == part)
     }
 
-    fn note_error(&mut self, field: Field, row: Rect) {
-        if let Some(refusal) = self.refusal(field) {
-            let (id, reason) = (format!("refusal-{}", key(field)), refusal.reason.clone());
-            self.errors.push((row, id, reason));
+    fn field_error(&self, ui: &mut Ui, field: Field) {
+        let id = format!("refusal-{}", key(field));
+        self.error(ui, FormPart::Field(field), &id);
+    }
+
+    /// Shows the error of a part of the form, if it has one, in a row of its own.
+    fn error(&self, ui: &mut Ui, part: FormPart, id: &str) {
+        if let Some(refusal) = self.refusal(part) {
+            let text = RichText::new(&refusal.reason).small();
+            let text = text.color(self.palette.conflict);
+            ui.add(Label::new(text).wrap()).known_as(id);
         }
     }
 
     fn edit(&mut self, ui: &mut Ui, field: Field, name: &str, width: f32) {
         let mut text = self.context.form.draft.text(field).to_owned();
-        let is_wrong = self.refusal(field).is_some();
+        let is_wrong = self.refusal(FormPart::Field(field)).is_some();
         let explanation = (name, meaning(field));
         let response = self.text_field(ui, &mut text, explanation, width, is_wrong);
         response.known_as(key(field));
@@ -294,11 +288,14 @@ impl Fields<'_> {
         ui.add(edit).accessible_name(name).on_hover_text(meaning)
     }
 
-    /// Runs when Enter was pressed in a field.
+    /// Runs when Enter was pressed in a field. While something is wrong nothing runs, and the field keeps the focus: what
+    /// is typed to mend it would otherwise be taken for shortcuts.
     fn run_on_enter(&mut self, ui: &Ui, response: &egui::Response) {
         let entered = response.lost_focus() && ui.input(|i| i.key_pressed(egui::Key::Enter));
         let context = self.context;
-        if entered && context.refusal.is_none() && context.sampling.is_none() {
+        if entered && context.refusal.is_some() {
+            response.request_focus();
+        } else if entered && context.sampling.is_none() {
             self.commands.push(Command::Run);
         }
     }
@@ -332,31 +329,10 @@ impl Fields<'_> {
             self.issue(FormCommand::Choose(command(chosen)));
         }
     }
-
-    /// Writes the errors over the rows below their fields.
-    fn errors(&self, ui: &mut Ui) {
-        let right = ui.max_rect().right();
-        for (row, id, reason) in &self.errors {
-            let at = row.left_bottom() + vec2(0.0, BELOW_ROW);
-            let room = Rect::from_min_max(at, egui::pos2(right, at.y + 200.0));
-            let mut above = ui.new_child(UiBuilder::new().max_rect(room));
-            egui::Frame::new()
-                .fill(self.palette.raised)
-                .stroke((1.0, self.palette.conflict))
-                .corner_radius(4)
-                .inner_margin(egui::Margin::symmetric(6, 3))
-                .show(&mut above, |ui| {
-                    let text = RichText::new(reason).small().color(self.palette.conflict);
-                    ui.add(Label::new(text).wrap()).known_as(id);
-                });
-        }
-    }
 }
 
-/// The distance of an error from the label of its row.
-const BELOW_ROW: f32 = 6.0;
-
-/// Shows the presets, each of which sets all parameters and runs, and the choice of live runs.
+/// Shows the presets, each of which sets all parameters and runs, the choice of live runs, and the way back to the first
+/// parameters.
 fn presets(ui: &mut Ui, context: &FormContext<'_>, commands: &mut Vec<Command>) {
     ui.horizontal(|ui| {
         preset_menu(ui, commands);
@@ -366,6 +342,12 @@ fn presets(ui: &mut Ui, context: &FormContext<'_>, commands: &mut Vec<Command>) 
         let why = "Runs at once when a parameter changes, up to 50,000 samples. Drag the name of a number sideways, or press Up and Down in its field, to change it.";
         if switch.on_hover_text(why).changed() {
             commands.push(Command::Form(FormCommand::Live(live)));
+        }
+        let reset = ui.link("Reset");
+        reset.known_as("reset-parameters");
+        let why = "Reset the parameters and the engine to those of the first session";
+        if reset.on_hover_text(why).clicked() {
+            commands.push(Command::Form(FormCommand::Reset));
         }
     });
 }

@@ -2,7 +2,7 @@
 
 use emath::Rect;
 use glam::DVec2;
-use tilescope_core::Stage;
+use tilescope_core::{RunEvent, Stage};
 use tilescope_session::selection::Selection;
 use tilescope_session::units::{self, radii};
 use tilescope_session::verification::{Witness, WitnessMark};
@@ -220,7 +220,39 @@ impl RunView {
     /// end of a stage, which concerns the whole domain, the camera stays.
     pub(in crate::state) fn follow_event(&mut self, context: &Context) {
         let ends_stage = self.shown().is_none_or(|shown| shown.ends_stage());
-        let Some(place) = self.current_place().filter(|_| !ends_stage) else {
+        if !ends_stage {
+            self.approach_event(context);
+        }
+    }
+
+    /// Shows the event that was looked for, with the samples at both of its ends. At the end of the run there was none to
+    /// be found, and the camera stays.
+    pub(in crate::state) fn lead_to_event(&mut self, context: &Context) {
+        if !self.is_at_end() {
+            self.approach_event(context);
+        }
+    }
+
+    /// Returns the place of the last event; of one between two samples the place between them, across the border of a
+    /// periodic domain where they are nearest.
+    fn middle_of_event(&self) -> Option<DVec2> {
+        let place = self.current_place()?;
+        let event = self.shown()?.last_event()?;
+        let session = self.session.as_ref()?;
+        Some(match event.run_event()? {
+            RunEvent::Test {
+                pivot: a, other: b, ..
+            }
+            | RunEvent::Eliminate { sample: a, by: b } => {
+                let from = session.position(a);
+                from.midpoint(session.image_near(b, from))
+            }
+            _ => place,
+        })
+    }
+
+    fn approach_event(&mut self, context: &Context) {
+        let Some(place) = self.middle_of_event() else {
             return;
         };
         let flight = self.flight.as_ref();

@@ -352,6 +352,55 @@ fn a_camera_that_follows_has_the_event_in_view() {
 }
 
 #[test]
+fn an_event_that_is_looked_for_is_shown_with_both_of_its_ends() {
+    let mut state = settled();
+    state.apply(Command::Appearance(AppearanceCommand::ToggleReducedMotion));
+    assert!(!state.appearance.follows_events);
+    for target in [
+        Target::Conflict,
+        Target::Elimination,
+        Target::Gap,
+        Target::Insertion,
+    ] {
+        state.apply(Command::View(Which::First, ViewCommand::Fit));
+        time(&mut state, TimeCommand::FirstStage);
+        for _ in 0..20 {
+            time(&mut state, TimeCommand::RunTo(target, FORWARDS));
+            let run = &state.runs.first;
+            let session = run.session.as_ref().unwrap();
+            let event = *run.shown().unwrap().last_event().unwrap();
+            let first = run.current_place().unwrap();
+            let ends = match event.run_event().unwrap() {
+                RunEvent::Test { other, .. } => vec![first, session.image_near(other, first)],
+                RunEvent::Eliminate { by, .. } => vec![first, session.image_near(by, first)],
+                _ => vec![first],
+            };
+            for end in ends {
+                let at = run.camera.screen_from_domain(run.viewport, end);
+                // A picture across the border may show either of two copies.
+                let size = session.size_radii();
+                let copies = [-1.0, 0.0, 1.0]
+                    .into_iter()
+                    .flat_map(|x| [-1.0, 0.0, 1.0].map(|y| end + size * glam::DVec2::new(x, y)));
+                let mut copies =
+                    copies.map(|copy| run.camera.screen_from_domain(run.viewport, copy));
+                assert!(
+                    copies.any(|copy| run.viewport.shrink(20.0).contains(copy)),
+                    "{target:?} {at:?}"
+                );
+            }
+            // A radius is as large as a thumb.
+            assert!(run.camera.scale > 15.0, "{target:?}: {}", run.camera.scale);
+        }
+    }
+    // At the end there is none, and the camera stays.
+    time(&mut state, TimeCommand::LastStage);
+    state.apply(Command::View(Which::First, ViewCommand::Fit));
+    time(&mut state, TimeCommand::RunTo(Target::Conflict, FORWARDS));
+    assert!(fits(&state.runs.first));
+}
+
+#[test]
 fn layers_follow_the_stage_until_one_is_chosen() {
     let mut state = settled();
     let has = |state: &State, layer| state.subject().unwrap().layers.has(layer);
