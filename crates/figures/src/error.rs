@@ -81,6 +81,9 @@ pub enum FigureError {
     /// A font of the program does not parse: a damaged build.
     #[error("the font {0} is damaged")]
     Font(&'static str),
+    /// The caller asked to stop.
+    #[error("the picture was cancelled")]
+    Cancelled,
     /// The PNG encoder refused.
     #[error("the PNG could not be encoded: {0}")]
     Encode(String),

@@ -36,9 +36,9 @@ pub use animation::{AnimationError, FrameProgress, write_apng, write_gif};
 pub use bitmap::Bitmap;
 pub use canvas::PictureOptions;
 pub use error::{FigureError, MAX_BITMAP_SIDE, MAX_LENGTH, MAX_PIXELS, MAX_SIDE};
-pub use fonts::{Font, fitted, text_width, wrapped};
+pub use fonts::{Font, Stamp, fitted, lacking, stamp, text_width, wrapped};
 pub use palette::{Color, Palette, with_alpha};
-pub use png::to_png;
+pub use png::{to_png, to_png_while};
 pub use raster::{Pixels, to_pixels};
 pub use scene::{
     Anchor, Baseline, Fill, Group, Hatch, Marker, Rect, Scene, Shape, Stroke, Style, Text, View,

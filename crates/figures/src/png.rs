@@ -3,10 +3,17 @@
 //! Opaque pictures are stored without an opacity channel; title and metadata become `iTXt` chunks. No time stamp is
 //! written: the same scene gives the same bytes.
 
+#[cfg(not(target_arch = "wasm32"))]
+use std::sync::mpsc::{RecvTimeoutError, channel};
+#[cfg(not(target_arch = "wasm32"))]
+use std::thread::Builder;
+#[cfg(not(target_arch = "wasm32"))]
+use std::time::Duration;
+
 use png::{BitDepth, ColorType, Encoder};
 
 use crate::error::FigureError;
-use crate::raster::{Pixels, to_pixels};
+use crate::raster::{Pixels, to_pixels_while};
 use crate::scene::Scene;
 
 /// The longest keyword of a text chunk (PNG specification, 11.3.3).
@@ -18,11 +25,32 @@ const KEYWORD_LENGTH: usize = 79;
 ///
 /// As [`to_pixels`], and [`FigureError::Encode`].
 pub fn to_png(scene: &Scene, scale: f64) -> Result<Vec<u8>, FigureError> {
+    to_png_while(scene, scale, &|| true)
+}
+
+/// As [`to_png`], as long as `goes_on` returns true: it is asked every few milliseconds, while the scene is drawn and while
+/// its pixels are compressed.
+///
+/// # Errors
+///
+/// Those of [`to_png`], and [`FigureError::Cancelled`] once `goes_on` returns false.
+pub fn to_png_while(
+    scene: &Scene,
+    scale: f64,
+    goes_on: &dyn Fn() -> bool,
+) -> Result<Vec<u8>, FigureError> {
+    let pixels = to_pixels_while(scene, scale, goes_on)?;
+    let texts: Vec<(String, String)> = text_chunks(scene).collect();
+    beside(move || encoded(pixels, texts), goes_on)?
+}
+
+/// Returns a PNG of pixels with texts in its head.
+fn encoded(pixels: Pixels, texts: Vec<(String, String)>) -> Result<Vec<u8>, FigureError> {
     let Pixels {
         width,
         height,
         mut rgba,
-    } = to_pixels(scene, scale)?;
+    } = pixels;
     let opaque = rgba.chunks_exact(4).all(|pixel| pixel[3] == 255);
     if opaque {
         drop_opacity(&mut rgba);
@@ -35,13 +63,54 @@ pub fn to_png(scene: &Scene, scale: f64) -> Result<Vec<u8>, FigureError> {
         ColorType::Rgba
     });
     encoder.set_depth(BitDepth::Eight);
-    for (key, value) in text_chunks(scene) {
+    for (key, value) in texts {
         encoder.add_itxt_chunk(key, value).map_err(encode_error)?;
     }
     let mut writer = encoder.write_header().map_err(encode_error)?;
     writer.write_image_data(&rgba).map_err(encode_error)?;
     writer.finish().map_err(encode_error)?;
     Ok(bytes)
+}
+
+/// How often it is asked whether to go on beside work that cannot ask itself.
+#[cfg(not(target_arch = "wasm32"))]
+const BETWEEN_QUESTIONS: Duration = Duration::from_millis(20);
+
+/// Works on another thread, as long as `goes_on` returns true. Work that is no longer wanted ends by itself, unseen: the
+/// encoder takes all pixels at once, and its way of taking them row by row gives other bytes.
+#[cfg(not(target_arch = "wasm32"))]
+fn beside<T: Send + 'static>(
+    work: impl FnOnce() -> T + Send + 'static,
+    goes_on: &dyn Fn() -> bool,
+) -> Result<T, FigureError> {
+    let (sender, receiver) = channel();
+    let work = move || {
+        // Nobody receives what is no longer wanted.
+        let _ = sender.send(work());
+    };
+    let begun = Builder::new().name("png".to_owned()).spawn(work);
+    begun.map_err(|error| FigureError::Encode(error.to_string()))?;
+
+    while goes_on() {
+        match receiver.recv_timeout(BETWEEN_QUESTIONS) {
+            Ok(done) => return Ok(done),
+            Err(RecvTimeoutError::Timeout) => {}
+            Err(RecvTimeoutError::Disconnected) => {
+                return Err(FigureError::Encode("the encoder ended early".to_owned()));
+            }
+        }
+    }
+    Err(FigureError::Cancelled)
+}
+
+/// Works at once: pages have no such threads.
+#[cfg(target_arch = "wasm32")]
+fn beside<T>(work: impl FnOnce() -> T, goes_on: &dyn Fn() -> bool) -> Result<T, FigureError> {
+    if goes_on() {
+        Ok(work())
+    } else {
+        Err(FigureError::Cancelled)
+    }
 }
 
 fn drop_opacity(rgba: &mut Vec<u8>) {
@@ -96,6 +165,7 @@ fn keyword(key: &str) -> String {
 
 #[cfg(test)]
 mod tests {
+    use std::cell::Cell;
     use std::io::Cursor;
 
     use super::*;
@@ -152,6 +222,45 @@ mod tests {
             ("Comment", "0.7"),
         ];
         assert_eq!(texts, expected.map(|(k, v)| (k, v.to_owned())));
+    }
+
+    #[test]
+    fn a_picture_stops_while_it_is_drawn() {
+        let mut scene = scene([255; 4]);
+        let circle = scene.groups[0].shapes[0].clone();
+        scene.groups[0].shapes = vec![circle; 10 * 64];
+        let asked = Cell::new(0);
+        let stop_at = |most: usize| {
+            asked.set(0);
+            let goes_on = || {
+                asked.set(asked.get() + 1);
+                asked.get() <= most
+            };
+            to_png_while(&scene, 1.0, &goes_on)
+        };
+
+        assert_eq!(stop_at(usize::MAX), to_png(&scene, 1.0));
+        // Ten questions while drawing, and at least one while compressing.
+        assert!(asked.get() >= 11);
+        for most in 0..11 {
+            assert_eq!(stop_at(most), Err(FigureError::Cancelled), "{most}");
+            assert_eq!(asked.get(), most + 1, "nothing is done after the answer");
+        }
+    }
+
+    #[test]
+    fn work_that_cannot_stop_is_left_alone() {
+        let (sender, receiver) = channel::<()>();
+        let asked = Cell::new(0);
+        let goes_on = || {
+            asked.set(asked.get() + 1);
+            asked.get() < 3
+        };
+        // This work ends only after the answer.
+        let left = beside(move || receiver.recv(), &goes_on);
+        assert_eq!((left, asked.get()), (Err(FigureError::Cancelled), 3));
+        drop(sender);
+        assert_eq!(beside(|| 7, &|| true), Ok(7));
     }
 
     #[test]

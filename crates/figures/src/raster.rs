@@ -42,12 +42,24 @@ impl Pixels {
     }
 }
 
+/// How many shapes are drawn between two questions whether to go on: some milliseconds of work.
+const BETWEEN_QUESTIONS: usize = 64;
+
 /// The scene with `scale` pixels for each of its own, sides rounded to whole pixels.
 ///
 /// # Errors
 ///
 /// [`FigureError`] when the size, scale, a view or a shape is not usable.
 pub fn to_pixels(scene: &Scene, scale: f64) -> Result<Pixels, FigureError> {
+    to_pixels_while(scene, scale, &|| true)
+}
+
+/// As [`to_pixels`], as long as `goes_on` returns true: it is asked every few milliseconds.
+pub(crate) fn to_pixels_while(
+    scene: &Scene,
+    scale: f64,
+    goes_on: &dyn Fn() -> bool,
+) -> Result<Pixels, FigureError> {
     scene.validate()?;
     let [width, height] = size(scene, scale)?;
     let too_large = FigureError::Pixels {
@@ -65,7 +77,7 @@ pub fn to_pixels(scene: &Scene, scale: f64) -> Result<Pixels, FigureError> {
         .pixmap
         .fill(tiny_skia::Color::from_rgba8(r, g, b, a));
     for group in &scene.groups {
-        painter.group(group)?;
+        painter.group(group, goes_on)?;
     }
     Ok(Pixels {
         width,
@@ -100,13 +112,16 @@ struct Painter {
 }
 
 impl Painter {
-    fn group(&mut self, group: &Group) -> Result<(), FigureError> {
+    fn group(&mut self, group: &Group, goes_on: &dyn Fn() -> bool) -> Result<(), FigureError> {
         self.set_clip(group.clip);
         let at = Placing {
             view: group.view,
             scale: self.scale,
         };
         for (index, shape) in group.shapes.iter().enumerate() {
+            if index % BETWEEN_QUESTIONS == 0 && !goes_on() {
+                return Err(FigureError::Cancelled);
+            }
             let length = shape.longest(group.view) * self.scale;
             if length > MAX_LENGTH {
                 return Err(FigureError::Length {
