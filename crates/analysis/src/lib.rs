@@ -49,6 +49,7 @@ mod stream;
 pub mod tessellation;
 mod verify;
 mod witness;
+mod words;
 mod worst;
 
 pub use circles::{ExposedArc, exposed_arcs};
@@ -65,3 +66,4 @@ pub use stream::{STREAM_LAG, StreamBand, StreamVerifier};
 pub use tessellation::Tessellation;
 pub use verify::{COVERING_TOLERANCE, VerifyOptions, verify};
 pub use witness::{Conflict, Gap, GapKind};
+pub use words::{BYTE_ORDER_MARK, cell, lossy, shown, shown_in_line};

@@ -24,7 +24,7 @@ use tilescope_figures::chart::{Figure, figure_scene};
 use tilescope_formats::write_whole;
 
 use crate::options::SetArguments;
-use crate::paths::{check_file, extension};
+use crate::paths::{check_file, extension, named};
 use crate::{EXIT_BAD_INPUT, EXIT_FINE, interrupt, output};
 use gather::Analysis;
 
@@ -89,7 +89,7 @@ pub fn run(arguments: &AnalyzeArguments) -> Result<u8> {
         ensure!(
             EXTENSIONS.contains(&extension(path).as_str()),
             "{}: the extension of a report must be .html, .png, .svg or .csv",
-            path.display()
+            named(path)
         );
         check_no_input_is_replaced(arguments, path)?;
         check_file(path).context("--out")?;
@@ -122,7 +122,7 @@ fn check_no_input_is_replaced(arguments: &AnalyzeArguments, out: &Path) -> Resul
         ensure!(
             gather::canonical(input) != gather::canonical(out),
             "{}: --out would be written over this set; give it another name",
-            input.display()
+            named(input)
         );
     }
     Ok(())

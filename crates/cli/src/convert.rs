@@ -9,8 +9,8 @@ use tilescope_formats::{
     CertifiedLevel, Check, CheckError, ExportContext, Format, Overrides, PointSet, is_valid,
 };
 
-use crate::options::{JudgeArguments, SetArguments};
-use crate::paths::{InFile, check_target};
+use crate::options::{JudgeArguments, SetArguments, formats};
+use crate::paths::{InFile, check_target, named};
 use crate::progress::verifying;
 use crate::{interrupt, output, verdict_code};
 
@@ -27,7 +27,7 @@ pub struct ConvertArguments {
     #[command(flatten)]
     judge: JudgeArguments,
     /// Format of the output, if its extension does not name one
-    #[arg(long, value_name = "FORMAT")]
+    #[arg(long, value_name = "FORMAT", value_parser = formats())]
     to: Option<Format>,
 }
 
@@ -47,7 +47,7 @@ pub fn run(arguments: &ConvertArguments) -> Result<u8> {
     let (set, context) = read(arguments)?;
     let exported = verifying(|control| tilescope_formats::export(path, &set, &context, control));
     let exported = exported.in_file(path)?;
-    let (report, certificate) = (exported.report, exported.certificate_path.display());
+    let (report, certificate) = (exported.report, named(&exported.certificate_path));
     let levels = &exported.certificate.levels;
     let verdict = output::verdict_text(&report, levels);
     let (count, radius) = (report.count, report.radius);
@@ -80,7 +80,7 @@ fn read(arguments: &ConvertArguments) -> Result<(PointSet, ExportContext)> {
 /// Carries the certificate of a checked set over, if it has one.
 fn certified((set, check): (PointSet, Check), path: &Path) -> Result<(PointSet, ExportContext)> {
     if let Some(differs) = check.differences.first() {
-        bail!("{}: its certificate is not true: {differs}", path.display());
+        bail!("{}: its certificate is not true: {differs}", named(path));
     }
     let mut context = ExportContext::new(check.report.region, check.report.radius);
     if let Some(certificate) = check.certificate {
