@@ -205,7 +205,7 @@ impl State {
 
     /// Applies a command. The user changes the state by commands only.
     pub fn apply(&mut self, command: Command) {
-        if self.refuse_veiled(&command) {
+        if self.refuse_veiled(&command) || self.refuse_index(&command) {
             return;
         }
         self.draft_from_canvas(&command);
@@ -414,6 +414,7 @@ pub mod export;
 mod files;
 mod form;
 mod gpu;
+mod indices;
 mod lesson_told;
 mod lessons;
 mod link;

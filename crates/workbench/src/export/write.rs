@@ -11,7 +11,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use serde_json::json;
 use tilescope_analysis::Report;
 use tilescope_figures::{
-    AnimationError, FigureError, to_pixels, to_png, to_svg, write_apng, write_gif,
+    AnimationError, FigureError, to_pixels, to_png_while, to_svg, write_apng, write_gif,
 };
 use tilescope_formats::{
     ExportContext, ExportError, FormatError, PointSet, Warning, certificate_path, export_bytes,
@@ -308,7 +308,10 @@ fn pictures(job: &ExportJob, monitor: &Monitor) -> Result<Vec<(PathBuf, Vec<u8>)
         go_on(monitor)?;
         let bytes = match extension(&path).as_deref() {
             Some("svg") => to_svg(&drawn)?.into_bytes(),
-            _ => to_png(&drawn, scale)?,
+            _ => match to_png_while(&drawn, scale, &|| !monitor.is_cancelled()) {
+                Err(FigureError::Cancelled) => return Err(WriteError::Cancelled),
+                bytes => bytes?,
+            },
         };
         files.push((path, bytes));
     }
