@@ -50,6 +50,7 @@ mod stream;
 pub mod tessellation;
 mod verify;
 mod witness;
+mod words;
 mod worst;
 
 pub use circles::{ExposedArc, exposed_arcs};
@@ -66,3 +67,4 @@ pub use stream::{STREAM_LAG, StreamBand, StreamVerifier};
 pub use tessellation::Tessellation;
 pub use verify::{COVERING_TOLERANCE, VerifyOptions, verify};
 pub use witness::{Conflict, Gap, GapKind};
+pub use words::{BYTE_ORDER_MARK, cell, lossy, shown, shown_in_line};

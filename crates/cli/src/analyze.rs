@@ -24,7 +24,7 @@ use tilescope_figures::chart::{Figure, figure_scene};
 use tilescope_formats::write_whole;
 
 use crate::options::SetArguments;
-use crate::paths::{check_file, check_inputs_stay, extension};
+use crate::paths::{check_file, check_inputs_stay, extension, named};
 use crate::{EXIT_BAD_INPUT, EXIT_FINE, interrupt, output};
 use gather::Analysis;
 
@@ -90,7 +90,7 @@ pub fn run(arguments: &AnalyzeArguments) -> Result<u8> {
         ensure!(
             EXTENSIONS.contains(&extension(path).as_str()),
             "{}: the extension of a report must be .html, .png, .svg or .csv",
-            path.display()
+            named(path)
         );
         let inputs = arguments.files.iter().chain(&arguments.against);
         check_inputs_stay(path, inputs.map(PathBuf::as_path))?;

@@ -23,7 +23,7 @@ use crate::engine::ThreadArguments;
 use crate::facts::{Facts, named_by_content};
 use crate::interrupt;
 use crate::make::{self, Made};
-use crate::options::{JudgeArguments, PRECISIONS, named};
+use crate::options::{JudgeArguments, PRECISIONS, formats, named};
 use crate::output;
 use crate::paths::{InFile, check_inputs_stay, check_target};
 use crate::progress::Stopwatch;
@@ -40,7 +40,7 @@ pub struct CombineArguments {
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
     /// Format of the file, if its extension does not name one
-    #[arg(long, value_name = "FORMAT", requires = "out")]
+    #[arg(long, value_name = "FORMAT", value_parser = formats(), requires = "out")]
     format: Option<Format>,
     /// Number type, for formats that leave the choice: f32 or f64
     #[arg(long, value_parser = named::<Precision>(&PRECISIONS), default_value = "f64", requires = "out")]

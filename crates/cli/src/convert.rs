@@ -9,8 +9,8 @@ use tilescope_formats::{
     CertifiedLevel, Check, CheckError, ExportContext, Format, Overrides, PointSet, is_valid,
 };
 
-use crate::options::{JudgeArguments, SetArguments, WITHOUT_CERTIFICATE, hinted};
-use crate::paths::{InFile, check_inputs_stay, check_target};
+use crate::options::{JudgeArguments, SetArguments, WITHOUT_CERTIFICATE, formats, hinted};
+use crate::paths::{InFile, check_inputs_stay, check_target, named};
 use crate::progress::verifying;
 use crate::{interrupt, output, verdict_code};
 
@@ -27,7 +27,7 @@ pub struct ConvertArguments {
     #[command(flatten)]
     judge: JudgeArguments,
     /// Format of the output, if its extension does not name one
-    #[arg(long, value_name = "FORMAT")]
+    #[arg(long, value_name = "FORMAT", value_parser = formats())]
     to: Option<Format>,
 }
 
@@ -50,7 +50,7 @@ pub fn run(arguments: &ConvertArguments) -> Result<u8> {
     let (set, context) = read(arguments)?;
     let exported = verifying(|control| tilescope_formats::export(path, &set, &context, control));
     let exported = exported.in_file(path)?;
-    let (report, certificate) = (exported.report, exported.certificate_path.display());
+    let (report, certificate) = (exported.report, named(&exported.certificate_path));
     let levels = &exported.certificate.levels;
     let verdict = output::verdict_text(&report, levels);
     let (count, radius) = (report.count, report.radius);
@@ -100,7 +100,7 @@ fn leave_out_origin(arguments: &ConvertArguments, context: &mut ExportContext) -
 /// Carries the certificate of a checked set over, if it has one.
 fn certified((set, check): (PointSet, Check), path: &Path) -> Result<(PointSet, ExportContext)> {
     if let Some(differs) = check.differences.first() {
-        let path = path.display();
+        let path = named(path);
         bail!("{path}: its certificate is not true: {differs}; {WITHOUT_CERTIFICATE}");
     }
     let mut context = of_unknown_origin(check.report.region, check.report.radius);

@@ -4,13 +4,15 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail, ensure};
 use clap::{Args, ValueEnum};
-use tilescope_analysis::{COVERING_TOLERANCE, Number, Region, exposed_arcs};
+use tilescope_analysis::{COVERING_TOLERANCE, Number, Region, exposed_arcs, lossy};
 use tilescope_core::{Boundary, Key, Parameters, PatternSpec, stages};
-use tilescope_figures::{Palette, PictureOptions, Rect, Scene, SetPicture, set_scene};
+use tilescope_figures::{
+    FigureError, Palette, PictureOptions, Rect, Scene, SetPicture, set_scene, to_png_controlled,
+};
 use tilescope_formats::{Certificate, PointSet, Provenance, write_whole};
 
 use crate::options::SetArguments;
-use crate::paths::{InFile, check_file, check_inputs_stay, extension};
+use crate::paths::{InFile, check_file, check_inputs_stay, extension, named};
 use crate::progress::verifying;
 use crate::{EXIT_FINE, interrupt, output};
 
@@ -63,7 +65,7 @@ pub fn run(arguments: &DrawArguments) -> Result<u8> {
     let is_svg = match extension(path).as_str() {
         "png" => false,
         "svg" => true,
-        _ => bail!("{}: the extension must be .png or .svg", path.display()),
+        _ => bail!("{}: the extension must be .png or .svg", named(path)),
     };
     check_file(path)?;
     check_inputs_stay(path, [arguments.file.as_path()])?;
@@ -77,7 +79,7 @@ pub fn run(arguments: &DrawArguments) -> Result<u8> {
     ensure!(
         !read.set.is_empty(),
         "{}: the set is empty",
-        arguments.file.display()
+        named(&arguments.file)
     );
     let stated = read.certificate.as_ref();
     let region = (arguments.set).region_over(stated.map_or(Region::UNIT_SQUARE, |c| c.region));
@@ -88,11 +90,15 @@ pub fn run(arguments: &DrawArguments) -> Result<u8> {
     let bytes = if is_svg {
         tilescope_figures::to_svg(&scene)?.into_bytes()
     } else {
-        tilescope_figures::to_png(&scene, 1.0)?
+        match to_png_controlled(&scene, 1.0, &mut |_, _| interrupt::flow()) {
+            // The request to end is the reason, and no error of the picture.
+            Err(FigureError::Cancelled) => Vec::new(),
+            drawn => drawn?,
+        }
     };
     interrupt::check("the picture")?;
     write_whole(path, &bytes)?;
-    let (count, path) = (read.set.len(), path.display());
+    let (count, path) = (read.set.len(), named(path));
     output::emit(&format!("{count} samples drawn into {path}\n"))?;
     Ok(EXIT_FINE)
 }
@@ -199,7 +205,7 @@ fn blocks(certificate: &Certificate) -> Option<Vec<Rect>> {
 }
 
 fn caption(count: usize, radius: Option<f64>, file: &Path) -> String {
-    let name = file.file_name().unwrap_or_default().to_string_lossy();
+    let name = lossy(file.file_name().unwrap_or_default());
     let radius = radius.map_or_else(String::new, |radius| format!(", r = {radius:.6}"));
     format!("{name}: {count} samples{radius}")
 }

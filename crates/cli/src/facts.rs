@@ -5,7 +5,7 @@ use std::path::Path;
 
 use anyhow::Result;
 use serde_json::{Value, json};
-use tilescope_analysis::Region;
+use tilescope_analysis::{Region, lossy};
 use tilescope_core::{Domain, Parameters, Stage, Summary};
 use tilescope_formats::{ExportContext, bytes_digest, read_whole};
 use tilescope_gpu::Backend;
@@ -58,6 +58,6 @@ impl Facts {
 /// Returns a file's name without folders, and its digest: a set from a file is named by its content.
 pub fn named_by_content(path: &Path) -> Result<Value> {
     let bytes = read_whole(path)?;
-    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let name = lossy(path.file_name().unwrap_or_default());
     Ok(json!({ "file": name, "digest": bytes_digest(&bytes) }))
 }

@@ -14,6 +14,7 @@ use crate::facts::Facts;
 use crate::interrupt;
 use crate::make::from_run;
 use crate::output;
+use crate::paths::named;
 use crate::progress::Stopwatch;
 
 /// Arguments of `tilescope headless`.
@@ -80,7 +81,7 @@ fn session(folder: &Path) -> Result<u8> {
     let parameters = Parameters::default();
     let run = sample(&parameters, &mut watch)?;
     std::fs::create_dir_all(folder)
-        .with_context(|| format!("cannot make the folder {}", folder.display()))?;
+        .with_context(|| format!("cannot make the folder {}", named(folder)))?;
     let mut facts = Facts::of_run(&parameters, &run.domain)?;
     facts.seconds = watch.take();
     let made = from_run(&run, facts);
@@ -89,10 +90,10 @@ fn session(folder: &Path) -> Result<u8> {
     let mut outcome = made.finish(Some(&path), &context)?;
     // Notes on the limits of CSV would distract from a first look.
     outcome.warnings.clear();
-    let (text, path) = (outcome.text(), path.display());
+    let (text, path) = (outcome.text(), named(&path));
     output::emit(&format!("{text}set            {path}\n"))?;
     for picture in pictures(&run, folder)? {
-        output::emit(&format!("picture        {}\n", picture.display()))?;
+        output::emit(&format!("picture        {}\n", named(&picture)))?;
     }
     Ok(outcome.code())
 }

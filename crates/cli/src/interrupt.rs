@@ -27,7 +27,7 @@ pub struct Interrupted(&'static str);
 
 /// A command did not finish, and can be resumed from the checkpoint of this file.
 #[derive(Debug, thiserror::Error)]
-#[error("{}: not finished; run the same command with --resume to continue from the last checkpoint", .0.display())]
+#[error("{}: not finished; run the same command with --resume to continue from the last checkpoint", crate::paths::named(.0))]
 pub struct Resumable(pub PathBuf);
 
 /// Starts to listen for requests to end. Commands that take long, or write files, call it first.

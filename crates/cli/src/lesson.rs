@@ -7,13 +7,15 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use clap::{Args, Subcommand};
 use serde_json::{Value, json};
+use tilescope_analysis::lossy;
 use tilescope_core::Unobserved;
+use tilescope_figures::{Font, lacking};
 use tilescope_formats::write_whole;
-use tilescope_lessons::results::{self, Results};
+use tilescope_lessons::results::{self, Merged, Results};
 use tilescope_lessons::shipped::{self, Shipped};
-use tilescope_lessons::{Checked, Lesson, LessonError, Runs, Translation, check};
+use tilescope_lessons::{Checked, Lesson, LessonError, Runs, Translation, check, is_language};
 
-use crate::paths::{InFile, check_inputs_stay};
+use crate::paths::{InFile, check_inputs_stay, named};
 use crate::progress::bar;
 use crate::{EXIT_FINE, FromWindow, interrupt, output, verdict_code};
 
@@ -54,7 +56,7 @@ pub enum LessonCommand {
     Translate {
         /// The lesson, NAME.md
         file: PathBuf,
-        /// The language, such as de
+        /// The language, such as de, zh-Hant or pt-BR
         language: String,
     },
     /// Merge the results of learners into one table
@@ -222,10 +224,9 @@ impl Source {
         let entries = entries.filter_map(|entry| Some(entry.ok()?.path()));
         let mut paths: Vec<PathBuf> = entries.filter(is_translation).collect();
         paths.sort();
-        let translation =
-            |path: &PathBuf| Ok((path.display().to_string(), Translation::read(&read(path)?)));
+        let translation = |path: &PathBuf| Ok((named(path), Translation::read(&read(path)?)));
         Ok(Self {
-            name: file.display().to_string(),
+            name: named(file),
             lesson,
             translations: paths.iter().map(translation).collect::<Result<_>>()?,
         })
@@ -234,7 +235,7 @@ impl Source {
 
 fn name_of(file: &Path) -> Result<String> {
     let is_lesson = file.extension().is_some_and(|extension| extension == "md");
-    ensure!(is_lesson, "{}: a lesson is a file NAME.md", file.display());
+    ensure!(is_lesson, "{}: a lesson is a file NAME.md", named(file));
     Ok(stem(file))
 }
 
@@ -249,7 +250,7 @@ fn read(file: &Path) -> Result<String> {
 }
 
 fn read_text(file: &Path, limit: u64) -> Result<String> {
-    let (length, path) = (fs::metadata(file).in_file(file)?.len(), file.display());
+    let (length, path) = (fs::metadata(file).in_file(file)?.len(), named(file));
     ensure!(
         length <= limit,
         "{path}: {length} bytes; at most {limit} are read"
@@ -266,7 +267,7 @@ fn create(file: &Path, text: &str) -> Result<()> {
     ensure!(
         !file.exists(),
         "{}: the file exists; it is not overwritten",
-        file.display()
+        named(file)
     );
     write(file, text)
 }
@@ -305,7 +306,14 @@ fn check_all(arguments: &CheckArguments) -> Result<u8> {
         let found = checked(&lesson, arguments.seeds)?;
         let faults = found.faults.iter().map(|fault| format!("{name}: {fault}"));
         let mut faults: Vec<String> = faults.collect();
+        let original = lesson.texts().concat();
+        let mut warnings: Vec<String> = letters_warning(&name, &original).into_iter().collect();
         for (name, translation) in source.translations {
+            if let Ok(translation) = &translation {
+                let texts = lesson.texts();
+                let said: String = texts.iter().map(|text| translation.of(text)).collect();
+                warnings.extend(letters_warning(&name, &said));
+            }
             let (missing, wrong) = match translation {
                 Err(error) => (Vec::new(), vec![error]),
                 Ok(translation) => translation.compared(&lesson),
@@ -317,7 +325,12 @@ fn check_all(arguments: &CheckArguments) -> Result<u8> {
             faults.extend(all.map(|fault| format!("{name}: {fault}")));
         }
         is_fine &= faults.is_empty();
-        text.extend(faults.iter().map(|fault| format!("{fault}\n")));
+        text.extend(
+            faults
+                .iter()
+                .chain(&warnings)
+                .map(|line| format!("{line}\n")),
+        );
         let (steps, gates) = (lesson.steps.len(), lesson.gates().count());
         let _ = writeln!(
             text,
@@ -330,7 +343,7 @@ fn check_all(arguments: &CheckArguments) -> Result<u8> {
             if faults.is_empty() { "" } else { "; NOT FINE" },
         );
         objects.push(json!({
-            "file": name, "steps": steps, "questions": gates, "asked": found.questions, "faults": faults,
+            "file": name, "steps": steps, "questions": gates, "asked": found.questions, "faults": faults, "warnings": warnings,
             "perfect": found.perfect, "guessing": found.guessing, "misconceived": found.misconceived,
         }));
     }
@@ -338,10 +351,22 @@ fn check_all(arguments: &CheckArguments) -> Result<u8> {
     Ok(verdict_code(is_fine))
 }
 
+/// Returns a warning about letters that the program's fonts lack, if a text has such.
+fn letters_warning(name: &str, text: &str) -> Option<String> {
+    let lacking = lacking(text, Font::Regular);
+    let first = lacking.first()?;
+    let (count, code) = (lacking.len(), u32::from(*first));
+    Some(format!(
+        "{name}: warning: the program's fonts lack {count} letters of the text, such as {first} (U+{code:04X}); the window \
+         shows them by a font of the system, if it has one, and handouts by one of the reader's, but pictures and \
+         animations show boxes with their codes"
+    ))
+}
+
 fn new(file: &Path) -> Result<()> {
     name_of(file)?;
     create(file, shipped::TEMPLATE)?;
-    let path = file.display();
+    let path = named(file);
     output::emit(&format!(
         "{path}\ncheck it:  tilescope lesson check {path}\nplay it:   tilescope lesson play {path}\n"
     ))
@@ -360,6 +385,7 @@ fn list() -> Result<()> {
 
 /// Returns the name and the text of a lesson, and the text of its translation if the language is not English.
 fn lesson_named(name: &str, language: &str) -> Result<(String, String, Option<String>)> {
+    check_language(language)?;
     let is_translated = language != "en";
     if let Some(shipped) = shipped_lesson(name) {
         ensure!(
@@ -380,7 +406,7 @@ fn lesson_named(name: &str, language: &str) -> Result<(String, String, Option<St
 fn handout(arguments: &HandoutArguments, window: FromWindow) -> Result<()> {
     let (lesson, out) = (&arguments.lesson, &arguments.out);
     let is_html = out.extension().is_some_and(|extension| extension == "html");
-    let path = out.display();
+    let path = named(&out);
     ensure!(is_html, "--out {path}: the file must end in .html");
     let (name, text, translation) = lesson_named(lesson, &arguments.language)?;
     let made = (window.handout)(Handout {
@@ -402,13 +428,13 @@ fn from(session: &Path, out: Option<&Path>, window: FromWindow) -> Result<()> {
     let out = out.map_or_else(|| session.with_extension("md"), Path::to_path_buf);
     name_of(&out)?;
     let made = (window.lesson_of_session)(&read_text(session, MAX_SESSION)?);
-    let text = made.map_err(|fault| anyhow!("{}: {fault}", session.display()))?;
+    let text = made.map_err(|fault| anyhow!("{}: {fault}", named(session)))?;
     create(&out, &text)?;
-    let (path, html) = (out.display(), out.with_extension("html"));
+    let (path, html) = (named(&out), out.with_extension("html"));
     output::emit(&format!(
         "{path}\npresent it:  tilescope lesson play {path} --present\n\
          print it:    tilescope lesson handout {path} --out {}\n",
-        html.display()
+        named(&html)
     ))
 }
 
@@ -421,7 +447,7 @@ fn keys(arguments: &CheckArguments) -> Result<()> {
         let lesson = Source::of_file(file)?.lesson.in_file(file)?;
         let found = checked(&lesson, arguments.seeds)?;
         if let Some(fault) = found.faults.first() {
-            bail!("{}: {fault}", file.display());
+            bail!("{}: {fault}", named(file));
         }
         let keys = file.with_extension("keys");
         check_inputs_stay(&keys, [file.as_path()])?;
@@ -430,10 +456,16 @@ fn keys(arguments: &CheckArguments) -> Result<()> {
     Ok(())
 }
 
+fn check_language(language: &str) -> Result<()> {
+    ensure!(
+        is_language(language),
+        "\"{language}\" is not a language such as de, zh-Hant or pt-BR"
+    );
+    Ok(())
+}
+
 fn translate(file: &Path, language: &str) -> Result<()> {
-    let is_language = (2..=8).contains(&language.len())
-        && language.chars().all(|c| c.is_ascii_lowercase() || c == '-');
-    ensure!(is_language, "\"{language}\" is not a language such as de");
+    check_language(language)?;
     let name = name_of(file)?;
     let lesson = Lesson::read(&name, &read(file)?).in_file(file)?;
     let target = file.with_file_name(format!("{name}.{language}.md"));
@@ -447,7 +479,7 @@ fn translate(file: &Path, language: &str) -> Result<()> {
     write(&target, &old.renewed(&lesson))?;
     output::emit(&format!(
         "{}: {} texts to be translated (marked TODO), {} that the lesson no longer has are left out\n",
-        target.display(),
+        named(&target),
         missing.len(),
         stale.len()
     ))
@@ -456,27 +488,34 @@ fn translate(file: &Path, language: &str) -> Result<()> {
 fn merge(files: &[PathBuf], out: &Path) -> Result<()> {
     check_inputs_stay(out, files.iter().map(PathBuf::as_path))?;
     let results = |file: &PathBuf| {
-        let mut results = Results::read(&read(file)?).in_file(file)?;
-        if results.learner.is_empty() {
-            results.learner = stem(file);
-        }
-        Ok(results)
+        let name = lossy(file.file_stem().unwrap_or_default());
+        Ok((
+            name.into_owned(),
+            Results::read(&read(file)?).in_file(file)?,
+        ))
     };
-    let all: Vec<Results> = files.iter().map(results).collect::<Result<_>>()?;
-    let path = out.display();
+    let read: Vec<(String, Results)> = files.iter().map(results).collect::<Result<_>>()?;
+    let merged = Merged::of(read);
+
+    let path = named(&out);
     let text = match out.extension().and_then(|extension| extension.to_str()) {
-        Some("csv") => results::csv(&all)?,
+        Some("csv") => results::csv(&merged.all)?,
         Some("json") => {
-            let statements: Vec<Value> = all.iter().map(Results::xapi).collect();
+            let statements: Vec<Value> = merged.all.iter().map(Results::xapi).collect();
             let lists = statements.iter().filter_map(Value::as_array);
             serde_json::to_string_pretty(&lists.flatten().collect::<Vec<_>>())?
         }
         _ => bail!("--out {path}: the file must end in .csv, or in .json for xAPI statements"),
     };
     write(out, &text)?;
-    let entries: usize = all.iter().map(|results| results.entries.len()).sum();
-    let learners = all.len();
+
+    let entries: usize = merged.all.iter().map(|one| one.entries.len()).sum();
+    let learners = merged.learners();
+    let repeated = match merged.repeated {
+        0 => String::new(),
+        count => format!("; {count} entries that were given twice count once"),
+    };
     output::emit(&format!(
-        "{path}: {entries} entries of {learners} learners\n"
+        "{path}: {entries} entries of {learners} learners{repeated}\n"
     ))
 }

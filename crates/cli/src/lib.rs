@@ -41,15 +41,18 @@ mod verify;
 mod web;
 mod window;
 
+use std::borrow::Cow;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::error::ErrorKind;
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
+use tilescope_analysis::shown;
 use tilescope_reproduce::ReproduceError;
 
 pub use headless::{HeadlessReason, refuse_file, refuse_link, run_headless};
+pub use output::note;
 
 /// The work was done, and any verdict is positive.
 pub const EXIT_FINE: u8 = 0;
@@ -138,7 +141,15 @@ impl Arguments {
     /// Reads the arguments of this process. Ends the process if they are wrong or ask for help.
     #[must_use]
     pub fn read() -> Self {
-        Self::of(std::env::args_os()).unwrap_or_else(|error| error.exit())
+        Self::of(std::env::args_os()).unwrap_or_else(|error| {
+            // Words of the command line may be names of files of others. Colours are left out with them.
+            let text = error.render().to_string();
+            if matches!(shown(&text), Cow::Borrowed(_)) {
+                error.exit();
+            }
+            output::note(text.trim_end());
+            std::process::exit(error.exit_code())
+        })
     }
 
     /// Returns the lesson that the window is to open on, if one is to be played.

@@ -11,14 +11,16 @@ use tilescope_analysis::{Region, Report, VerifyError, VerifyOptions, verify_leve
 use tilescope_core::{
     Parameters, Run, SampleError, Sampled, Sequential, Source, reference_sample, search_radius,
 };
-use tilescope_formats::{CertifiedLevel, ExportContext, Format, PointSet, Provenance};
+use tilescope_formats::{
+    CertifiedLevel, ExportContext, Format, PointSet, Provenance, positions_digest,
+};
 use tilescope_gpu::{Bands, Engine};
 
 use crate::engine::of_engine;
 use crate::facts::Facts;
 use crate::output::{self, Outcome};
 use crate::parameters::Resolved;
-use crate::paths::InFile;
+use crate::paths::{InFile, named};
 use crate::progress::{Stopwatch, verifying};
 
 /// A set that was made.
@@ -32,6 +34,7 @@ impl Made {
     pub fn finish(self, path: Option<&Path>, context: &ExportContext) -> Result<Outcome> {
         let Made { facts, set } = self;
         let count = set.len() as u64;
+        let digest = positions_digest(&set.points);
         let with_set = |error| with_set(error, Path::new(DISAGREEMENT), &set, context);
         let (verdict, levels) = if let Some(path) = path {
             let exported =
@@ -50,7 +53,7 @@ impl Made {
             let levels = levels.iter().map(CertifiedLevel::of).collect();
             ((Some(report), None, Vec::new()), levels)
         };
-        let outcome = Outcome::new(facts, count, verdict);
+        let outcome = Outcome::new(facts, count, verdict).with_digest(digest);
         Ok(Outcome { levels, ..outcome })
     }
 }
@@ -160,7 +163,7 @@ fn with_set(
         ..context.clone()
     };
     let saved = tilescope_formats::export_unverified(path, set, &context);
-    let path = path.display();
+    let path = named(path);
     if let Err(failed) = saved {
         return error.context(format!("{path} could not be saved: {failed}"));
     }

@@ -28,7 +28,10 @@ pub fn make(arguments: &SampleArguments, levels: u32) -> Result<(Made, ExportCon
     };
     let asked = arguments.run.parameters()?;
     let mut watch = Stopwatch::start();
-    let made = nested.make(&asked, &mut watch)?;
+    let made = match arguments.run.count {
+        Some(count) => nested.of_count(&asked, count, &mut watch)?,
+        None => nested.make(&asked, &mut watch)?,
+    };
     let domain = *made.domain();
     let parameters = Parameters {
         radius: domain.radius(),

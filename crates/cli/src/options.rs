@@ -70,6 +70,15 @@ where
         .try_map(|name| serde_json::from_value::<T>(serde_json::Value::String(name)))
 }
 
+/// Reads the names of file formats, so that shells complete them and `--help` lists them.
+pub fn formats() -> impl TypedValueParser<Value = Format> + use<> {
+    let names = Format::ALL.map(|format| {
+        let help = format!("{format}, .{}", format.extension());
+        PossibleValue::new(format.name()).help(help)
+    });
+    PossibleValuesParser::new(names).try_map(|name| name.parse::<Format>())
+}
+
 /// Returns the verifier's region of a run's domain.
 pub fn region(domain: &tilescope_core::Domain) -> Region {
     Region::new(domain.size(), domain.is_periodic())
@@ -91,7 +100,7 @@ pub struct SetArguments {
     #[arg(long, value_parser = named::<Boundary>(&BOUNDARIES))]
     pub boundary: Option<Boundary>,
     /// Format of the input, if neither its extension nor its content names one
-    #[arg(long, value_name = "FORMAT")]
+    #[arg(long, value_name = "FORMAT", value_parser = formats())]
     pub format: Option<Format>,
     /// Where the lower corner of the domain lies in the file, for a set at map coordinates; if not given, where the
     /// certificate states, or at 0 0

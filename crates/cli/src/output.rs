@@ -4,17 +4,20 @@ use std::fmt::Write;
 use std::path::PathBuf;
 
 use serde_json::{Value, json};
-use tilescope_analysis::{Boundary, Judge, MAX_CONFLICTS, Number, Region, Report};
+use tilescope_analysis::{Boundary, Judge, MAX_CONFLICTS, Number, Region, Report, shown};
 use tilescope_core::{Stage, Summary};
 use tilescope_formats::{CertifiedLevel, Warning, is_valid};
 use tilescope_gpu::Backend;
 
 use crate::facts::Facts;
+use crate::paths::named;
 
 /// Prints text. A closed pipe is no error: its reader needs no more, and the exit code is that of the work.
+///
+/// Words in the text may come from files of others. Characters that a terminal would obey are printed as escapes.
 pub fn emit(text: &str) -> anyhow::Result<()> {
     let mut out = std::io::stdout().lock();
-    let written = std::io::Write::write_all(&mut out, text.as_bytes())
+    let written = std::io::Write::write_all(&mut out, shown(text).as_bytes())
         .and_then(|()| std::io::Write::flush(&mut out));
     match written {
         Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => Err(error.into()),
@@ -22,9 +25,11 @@ pub fn emit(text: &str) -> anyhow::Result<()> {
     }
 }
 
-/// Prints a line to standard error. A failure to do so is ignored, as there is nowhere to report it.
+/// Prints a line to standard error, with escapes as [`emit`] has them. A failure to do so is ignored, as there is nowhere
+/// to report it.
 pub fn note(line: &str) {
-    let _ = std::io::Write::write_all(&mut std::io::stderr(), format!("{line}\n").as_bytes());
+    let line = format!("{}\n", shown(line));
+    let _ = std::io::Write::write_all(&mut std::io::stderr(), line.as_bytes());
 }
 
 /// Prints a report, as one JSON object or as text.
@@ -47,6 +52,9 @@ pub type Judged = (Option<Report>, Option<PathBuf>, Vec<Warning>);
 pub struct Outcome {
     pub facts: Facts,
     pub count: u64,
+    /// The digest of its positions as they were made, before a file rounds them or has them in another order; `None` where
+    /// only a part of them passed by.
+    pub positions_digest: Option<String>,
     /// `None` if it was not verified.
     pub report: Option<Report>,
     /// What was found of each level of nested levels.
@@ -62,10 +70,19 @@ impl Outcome {
         Self {
             facts,
             count,
+            positions_digest: None,
             report,
             levels: Vec::new(),
             certificate,
             warnings: warnings.iter().map(ToString::to_string).collect(),
+        }
+    }
+
+    /// Returns the outcome with the digest of the positions.
+    pub fn with_digest(self, digest: String) -> Self {
+        Self {
+            positions_digest: Some(digest),
+            ..self
         }
     }
 
@@ -85,6 +102,7 @@ impl Outcome {
             "parameters": facts.parameters,
             "radius": facts.radius,
             "seconds": seconds.collect::<Vec<Value>>(),
+            "positions_digest": self.positions_digest,
             "certificate": self.certificate.as_ref().map(|path| path.display().to_string()),
             "warnings": self.warnings,
         });
@@ -124,7 +142,7 @@ impl Outcome {
         let _ = write!(out, "\n{stages}\n{verdict}");
         out.extend(self.warnings.iter().map(|warning| warning_line(warning)));
         if let Some(path) = &self.certificate {
-            let _ = writeln!(out, "certificate    {}", path.display());
+            let _ = writeln!(out, "certificate    {}", named(path));
         }
         out
     }

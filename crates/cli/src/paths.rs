@@ -5,7 +5,13 @@ use std::fs;
 use std::path::Path;
 
 use anyhow::{Result, bail, ensure};
+use tilescope_analysis::{lossy, shown_in_line};
 use tilescope_formats::{Format, FormatError, certificate_beside, certificate_path, destination};
+
+/// Returns a path as messages name it: in one line, with escapes for characters that a terminal would obey.
+pub fn named(path: &Path) -> String {
+    shown_in_line(&lossy(path.as_os_str())).into_owned()
+}
 
 /// Adds the path of a file to errors about it.
 pub trait InFile<T> {
@@ -14,7 +20,7 @@ pub trait InFile<T> {
 
 impl<T, E: Into<anyhow::Error>> InFile<T> for Result<T, E> {
     fn in_file(self, path: &Path) -> Result<T> {
-        self.map_err(|error| error.into().context(path.display().to_string()))
+        self.map_err(|error| error.into().context(named(path)))
     }
 }
 
@@ -26,7 +32,7 @@ pub fn check_target(path: &Path, format: Option<Format>, option: &str) -> Result
             known.dedup();
             bail!(
                 "{}: the extension names no format (known: {}); give {option}",
-                path.display(),
+                named(path),
                 known.join(", ")
             );
         }
@@ -78,7 +84,7 @@ pub fn check_file(path: &Path) -> Result<()> {
     ensure!(
         folder.as_os_str().is_empty() || folder.is_dir(),
         "{}: there is no such folder",
-        folder.display()
+        named(folder)
     );
     Ok(())
 }

@@ -4,15 +4,15 @@ use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressFinish, ProgressStyle};
-use tilescope_analysis::Control;
+use tilescope_analysis::{Control, shown_in_line};
 use tilescope_core::{Observer, Progress, Stage};
 
 use crate::interrupt;
 
-/// Returns a bar, hidden if standard error is not a terminal. It disappears when it is dropped.
+/// Returns a bar named by a word, which may come from a file; hidden if standard error is not a terminal. It disappears when it is dropped.
 pub fn bar(what: &str, total: u64) -> ProgressBar {
     let bar = ProgressBar::new(total)
-        .with_message(what.to_owned())
+        .with_message(shown_in_line(what).into_owned())
         .with_finish(ProgressFinish::AndClear);
     let style =
         ProgressStyle::with_template("{msg:14} {wide_bar:.cyan/dim} {percent:>3}% {eta:>4}");

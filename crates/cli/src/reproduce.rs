@@ -14,6 +14,7 @@ use tilescope_reproduce::{
 };
 
 use crate::engine::ThreadArguments;
+use crate::paths::named;
 use crate::progress::bar;
 use crate::{EXIT_BAD_INPUT, EXIT_FINE, interrupt, output};
 
@@ -109,7 +110,7 @@ pub fn run(arguments: &ReproduceArguments) -> Result<u8> {
         output::report(arguments.json, json, || plan_text(&each))?;
         return Ok(EXIT_FINE);
     };
-    let path = out.display();
+    let path = named(out);
     let is_file = out.exists() && !out.is_dir();
     ensure!(!is_file, "{path}: this is a file; --out names a folder");
     std::fs::create_dir_all(out).with_context(|| format!("{path}: --out cannot be made"))?;
@@ -224,7 +225,7 @@ fn text(summary: &Summary) -> String {
         summary.count(Verdict::Reproduced),
         summary.count(Verdict::NotReproduced),
         summary.count(Verdict::NotComparable),
-        summary.report.display()
+        named(&summary.report)
     );
     out
 }

@@ -2,12 +2,13 @@
 
 use anyhow::{Result, ensure};
 use tilescope_core::Parameters;
+use tilescope_formats::{ExportContext, positions_digest};
 
-use crate::make;
+use crate::make::{self, Made};
 use crate::output::{self, Outcome};
 use crate::paths::{InFile, check_inputs_stay, check_target};
 use crate::progress::Stopwatch;
-use crate::sample_arguments::{SampleArguments, SamplingMethod};
+use crate::sample_arguments::{SampleArguments, SamplingMethod, save_unverified};
 use crate::{interrupt, nested, stream, window};
 
 pub fn run(arguments: &SampleArguments) -> Result<u8> {
@@ -22,7 +23,7 @@ pub fn run(arguments: &SampleArguments) -> Result<u8> {
     }
     let outcome = if let Some(levels) = arguments.nested.levels {
         let (made, context) = nested::make(arguments, levels)?;
-        made.finish(arguments.out.as_deref(), &context)?
+        finish(arguments, made, &context)?
     } else {
         outcome(arguments)?
     };
@@ -56,17 +57,20 @@ fn outcome(arguments: &SampleArguments) -> Result<Outcome> {
     };
     let mut parameters = asked;
     parameters.radius = made.facts.radius;
-    let outcome = match &arguments.out {
-        Some(path) if arguments.no_verify => {
-            let warnings = arguments.save_unverified(&made, path)?;
-            Outcome::new(made.facts, made.set.len() as u64, (None, None, warnings))
-        }
-        path => {
-            let context = arguments.context(&made.facts);
-            made.finish(path.as_deref(), &context)?
-        }
-    };
+    let context = arguments.context(&made.facts);
+    let outcome = finish(arguments, made, &context)?;
     Ok(with_remark(arguments, &parameters, outcome))
+}
+
+/// Verifies a set and saves it, as the arguments ask.
+fn finish(arguments: &SampleArguments, made: Made, context: &ExportContext) -> Result<Outcome> {
+    let Some(path) = arguments.out.as_deref().filter(|_| arguments.no_verify) else {
+        return made.finish(arguments.out.as_deref(), context);
+    };
+    let warnings = save_unverified(&made.set, path, context)?;
+    let digest = positions_digest(&made.set.points);
+    let outcome = Outcome::new(made.facts, made.set.len() as u64, (None, None, warnings));
+    Ok(outcome.with_digest(digest))
 }
 
 /// Adds a remark on a pattern that repeats within blocks.

@@ -6,12 +6,11 @@ use std::path::{Path, PathBuf};
 use anyhow::{Result, ensure};
 use clap::{Args, ValueEnum};
 use tilescope_core::WithinLevel;
-use tilescope_formats::{ExportContext, Format, Precision, Warning};
+use tilescope_formats::{ExportContext, Format, PointSet, Precision, Warning};
 
 use crate::engine::EngineArguments;
 use crate::facts::Facts;
-use crate::make::Made;
-use crate::options::{JudgeArguments, Names, PRECISIONS, named, pair};
+use crate::options::{JudgeArguments, Names, PRECISIONS, formats, named, pair};
 use crate::parameters::RunArguments;
 use crate::paths::InFile;
 
@@ -58,7 +57,7 @@ pub struct SampleArguments {
     #[arg(long, requires = "out", conflicts_with = "judge")]
     pub no_verify: bool,
     /// Format of the file, if its extension does not name one
-    #[arg(long, value_name = "FORMAT", requires = "out")]
+    #[arg(long, value_name = "FORMAT", value_parser = formats(), requires = "out")]
     pub format: Option<Format>,
     /// Number type, for formats that leave the choice: f32 or f64. Rounding to f32 moves samples of large sets (from some
     /// 30,000 on) closer than the radius: such a file is NOT VALID, and a warning names the radius up to which it is
@@ -100,9 +99,9 @@ pub enum SamplingMethod {
 #[derive(Debug, Args)]
 pub struct NestedArguments {
     /// Make K sets, each with all samples of the one before and maximal for a radius smaller by the root of 2. The last has
-    /// the radius given. The samples of the first come first, so that every prefix of the set is evenly spread
+    /// the radius or the count given. The samples of the first come first, so that every prefix of the set is evenly spread
     #[arg(long, value_name = "K",
-        conflicts_with_all = ["count", "pattern", "window", "resume", "no_verify", "shuffle"])]
+        conflicts_with_all = ["pattern", "window", "resume", "shuffle"])]
     pub levels: Option<u32>,
     /// Exactly N samples: the first of a run of --levels whose last set has as many or a few more. There is no maximal
     /// set of exactly so many samples in general: of these, every place is within 1.42 radii
@@ -161,10 +160,13 @@ impl SampleArguments {
             ..facts.context()
         }
     }
+}
 
-    /// Saves a set without a verdict, and so without a certificate.
-    pub fn save_unverified(&self, made: &Made, path: &Path) -> Result<Vec<Warning>> {
-        let context = self.context(&made.facts);
-        tilescope_formats::export_unverified(path, &made.set, &context).in_file(path)
-    }
+/// Saves a set without a verdict, and so without a certificate.
+pub fn save_unverified(
+    set: &PointSet,
+    path: &Path,
+    context: &ExportContext,
+) -> Result<Vec<Warning>> {
+    tilescope_formats::export_unverified(path, set, context).in_file(path)
 }

@@ -10,8 +10,8 @@ use serde_json::{Value, json};
 use tilescope_analysis::StreamVerifier;
 use tilescope_core::{Domain, Sampled, SweepState};
 use tilescope_formats::{
-    ExportContext, Format, Overrides, Provenance, StreamExport, StreamOptions, certificate_beside,
-    check_stream, checkpoint_token, finish_interrupted, resume_path,
+    ExportContext, Format, Overrides, PassingDigest, Provenance, StreamExport, StreamOptions,
+    certificate_beside, check_stream, checkpoint_token, finish_interrupted, resume_path,
 };
 use tilescope_gpu::Bands;
 
@@ -20,6 +20,7 @@ use crate::facts::Facts;
 use crate::interrupt::Resumable;
 use crate::output::{Judged, Outcome};
 use crate::parameters::Resolved;
+use crate::paths::named;
 use crate::progress::{Stopwatch, verifying};
 use crate::sample_arguments::SampleArguments;
 use crate::{interrupt, make};
@@ -50,13 +51,18 @@ pub fn pass(arguments: &SampleArguments, run: &Resolved, mut watch: Stopwatch) -
     let verify = !arguments.no_verify;
     let token = |state| json!({ "parameters": parameters, "verify": verify, "state": state });
     let end = pass_into(&mut bands, sink, (&run.domain, token), &mut watch);
-    let verdict = end.map_err(|error| with_hint(error, out))?;
+    let (verdict, digest) = end.map_err(|error| with_hint(error, out))?;
     let summary = bands.summary();
     let count = summary.count as u64;
     facts.seconds = watch.take();
     facts.backend = Some(bands.backend().clone());
     facts.summary = Some(summary);
-    Ok(Outcome::new(facts, count, verdict))
+    let outcome = Outcome::new(facts, count, verdict);
+    Ok(Outcome {
+        // The samples before the checkpoint did not pass by.
+        positions_digest: state.is_none().then_some(digest),
+        ..outcome
+    })
 }
 
 /// Returns the outcome of a run whose file had its name already when it was interrupted; it is judged once more.
@@ -88,7 +94,7 @@ fn with_hint(error: anyhow::Error, out: Option<&Path>) -> anyhow::Error {
 fn state_of(path: &Path, facts: &Facts, no_verify: bool) -> Result<SweepState> {
     let token = checkpoint_token(path)?.with_context(|| {
         let resume = resume_path(path);
-        format!("there is nothing to resume: no {}", resume.display())
+        format!("there is nothing to resume: no {}", named(&resume))
     })?;
     for (name, asked) in &facts.parameters {
         let begun = &token["parameters"][name];
@@ -116,7 +122,7 @@ fn pass_into(
     sink: Sink,
     (domain, token): (&Domain, impl Fn(SweepState) -> Value),
     watch: &mut Stopwatch,
-) -> Result<Judged> {
+) -> Result<(Judged, String)> {
     let (sender, receiver) = sync_channel(1);
     std::thread::scope(|scope| {
         let writer = scope.spawn(move || sink.take_all(domain, &receiver));
@@ -175,15 +181,21 @@ impl Sink {
         })
     }
 
-    /// Takes all bands, then finishes; `None` if there is no end message.
-    fn take_all(mut self, domain: &Domain, messages: &Receiver<Message>) -> Result<Option<Judged>> {
+    /// Takes all bands, then finishes; `None` if there is no end message. Returns also the digest of the positions.
+    fn take_all(
+        mut self,
+        domain: &Domain,
+        messages: &Receiver<Message>,
+    ) -> Result<Option<(Judged, String)>> {
+        let mut digest = PassingDigest::default();
         for message in messages {
             let Some((sampled, token)) = message else {
-                return self.finish().map(Some);
+                return Ok(Some((self.finish()?, digest.text())));
             };
             let provenance = make::provenance(&sampled);
             for (k, piece) in sampled.points.chunks(PIECE).enumerate() {
                 let points = domain.users_from_lattice(piece);
+                digest.add(&points);
                 let range = k * PIECE..k * PIECE + points.len();
                 self.push(&points, provenance.as_ref().map(|all| &all[range]))?;
             }

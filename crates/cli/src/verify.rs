@@ -6,11 +6,11 @@ use std::path::PathBuf;
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use serde_json::json;
-use tilescope_analysis::verify_prefix;
+use tilescope_analysis::{shown_in_line, verify_prefix};
 use tilescope_formats::{Certificate, CertifiedLevel, Check, CheckError, Overrides, check_stream};
 
 use crate::options::{JudgeArguments, SetArguments, check_or_unit_square, hinted};
-use crate::paths::InFile;
+use crate::paths::{InFile, named};
 use crate::progress::verifying;
 use crate::{interrupt, output, verdict_code};
 
@@ -65,7 +65,7 @@ pub fn run(arguments: &VerifyArguments) -> Result<u8> {
 fn prefix(arguments: &VerifyArguments, count: usize) -> Result<u8> {
     let (file, set) = (&arguments.file, &arguments.set);
     let read = set.read(file)?;
-    let name = file.display();
+    let name = named(file);
     let Some(certificate) = read.certificate else {
         bail!("{name}: there is no certificate, which states the levels of a set");
     };
@@ -143,13 +143,13 @@ fn to_text(check: &Check, origin: Option<[f64; 2]>) -> String {
     match &check.certificate {
         None => out.push_str("certificate    none\n"),
         Some(stated) if check.differences.is_empty() => {
-            let unchecked = stated.unchecked().join(", ");
+            let unchecked = shown_in_line(&stated.unchecked().join(", ")).into_owned();
             let _ = writeln!(out, "certificate    true\n  stated only: {unchecked}");
         }
         Some(_) => {
             out.push_str("certificate    NOT TRUE\n");
             for d in &check.differences {
-                let (stated, found) = (&d.stated, &d.found);
+                let [stated, found] = [&d.stated, &d.found].map(|value| shown_in_line(value));
                 let _ = writeln!(out, "  {}: stated {stated}, found {found}", d.field);
             }
         }

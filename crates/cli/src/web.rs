@@ -18,6 +18,7 @@ use hyper_util::rt::{TokioIo, TokioTimer};
 use hyper_util::service::TowerToHyperService;
 use tokio::net::TcpListener;
 
+use crate::paths::named;
 use crate::{EXIT_FINE, interrupt, output};
 use site::ServedFolder;
 
@@ -56,7 +57,7 @@ async fn serve(arguments: &WebArguments, site: ServedFolder) -> Result<u8> {
     let listener = listen(arguments).await?;
     let address = listener.local_addr()?;
     let page = format!("http://{}/", reachable(address));
-    let mut text = format!("{page} serves {}; Ctrl+C ends it\n", site.folder.display());
+    let mut text = format!("{page} serves {}; Ctrl+C ends it\n", named(&site.folder));
     if !address.ip().is_loopback() {
         text += &elsewhere(address, outward(address.ip()));
         text += " is its address for other machines\n";
@@ -147,7 +148,7 @@ fn folder(asked: Option<&Path>) -> Result<PathBuf> {
         ensure!(
             has_page(folder),
             "there is no index.html in {}; web/build makes the page, in web/dist",
-            folder.display()
+            named(folder)
         );
         return Ok(folder.to_owned());
     }

@@ -7,13 +7,14 @@ use anyhow::{Context, Result, ensure};
 use serde_json::json;
 use tilescope_analysis::{CutReport, Region, VerifyOptions, verify_cut};
 use tilescope_core::{Domain, MAXIMAL_DENSITY, Plane, Progress, R, Window};
-use tilescope_formats::PointSet;
+use tilescope_formats::{PointSet, positions_digest};
 use tilescope_gpu::{ASKED_FOR, Backend, Engine};
 
-use crate::make::{Made, NO_VERDICT};
+use crate::make::NO_VERDICT;
 use crate::options::region;
+use crate::paths::named;
 use crate::progress::{Stopwatch, verifying};
-use crate::sample_arguments::{SampleArguments, SamplingMethod};
+use crate::sample_arguments::{SampleArguments, SamplingMethod, save_unverified};
 use crate::{interrupt, output, verdict_code};
 
 /// The largest number of samples of a window: they are verified in memory.
@@ -51,14 +52,16 @@ pub fn run(arguments: &SampleArguments, asked: &[f64]) -> Result<u8> {
     let seconds = began.elapsed().as_secs_f64();
     let report = judge(&plane, &window)?;
     let (facts, count) = (run.facts()?, points.len());
+    let set = PointSet::from_points(domain.users_from_lattice(&points));
     let file = arguments.out.as_ref();
-    let file = file.map(|path| path.display().to_string());
+    let file = file.map(|path| named(path));
     let object = json!({
         "method": "kdrt",
         "parameters": facts.parameters,
         "window": asked,
         "radius": domain.radius(),
         "count": count,
+        "positions_digest": positions_digest(&set.points),
         "seconds": seconds,
         "conflicts": report.whole.conflicts,
         "gaps": report.gaps,
@@ -79,8 +82,7 @@ pub fn run(arguments: &SampleArguments, asked: &[f64]) -> Result<u8> {
             count > 0,
             "{file}: no sample lies in the window, and files have at least one"
         );
-        let set = PointSet::from_points(domain.users_from_lattice(&points));
-        arguments.save_unverified(&Made { facts, set }, path)?;
+        save_unverified(&set, path, &arguments.context(&facts))?;
         let remark = "a part of a set has no certificate";
         let _ = writeln!(text, "file           {file} ({remark})");
     }

@@ -2,13 +2,14 @@
 //!
 //! Inter and `JetBrains` Mono, subset (see `assets/fonts`), compiled in: text looks the same everywhere.
 //! Glyphs follow each other by their advances. No font of the system is used; a character that the subset lacks is drawn
-//! as the font's empty box.
+//! as a box that holds its code point, so that texts that differ never look alike.
 
 use glam::DVec2;
-use tiny_skia::{Path, PathBuilder};
+use tiny_skia::{FillRule, Paint, Path, PathBuilder, Pixmap, Transform};
 use ttf_parser::{Face, OutlineBuilder};
 
-use crate::error::FigureError;
+use crate::error::{FigureError, MAX_SIDE};
+use crate::raster::Pixels;
 
 /// A font of the program.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -88,21 +89,173 @@ impl Fonts {
         let mut outline = Outline {
             path: PathBuilder::new(),
             x: 0.0,
+            y: 0.0,
             scale: size / f64::from(face.units_per_em()),
             place,
         };
         for character in text.chars() {
-            let glyph = face.glyph_index(character).unwrap_or_default();
-            face.outline_glyph(glyph, &mut outline);
+            match face.glyph_index(character) {
+                Some(glyph) => {
+                    face.outline_glyph(glyph, &mut outline);
+                }
+                None => self.code_box(&CodeBox::of(character), size, &mut outline),
+            }
             outline.x += advance(face, character) * outline.scale;
         }
         outline.path.finish()
     }
+
+    /// Outlines a box with its digits, which begins at the outline's place.
+    fn code_box<P: Fn(DVec2) -> [f32; 2]>(&self, code: &CodeBox, size: f64, to: &mut Outline<P>) {
+        let (start, scale) = (to.x, to.scale);
+        let [left, right] = [CodeBox::SIDE, CodeBox::SIDE + code.width].map(|x| x * size);
+        let [bottom, top] = [CodeBox::BOTTOM, CodeBox::BOTTOM + CodeBox::HEIGHT].map(|y| y * size);
+        let line = CodeBox::LINE * size;
+
+        // The inner border runs the other way round, so that only the line between the two is filled.
+        to.scale = 1.0;
+        to.rectangle([left, bottom], [right, top], false);
+        to.rectangle(
+            [left + line, bottom + line],
+            [right - line, top - line],
+            true,
+        );
+
+        let face = self.face(Font::Mono);
+        to.scale = CodeBox::DIGIT * size / f64::from(face.units_per_em());
+        for (row, digits) in code.rows.iter().enumerate() {
+            let up = 1 - row;
+            to.y = bottom + size * (CodeBox::PAD + up as f64 * CodeBox::ROW);
+            for (column, digit) in digits.chars().enumerate() {
+                to.x = start + left + size * (CodeBox::PAD + column as f64 * CodeBox::COLUMN);
+                if let Some(glyph) = face.glyph_index(digit) {
+                    face.outline_glyph(glyph, to);
+                }
+            }
+        }
+        (to.x, to.y, to.scale) = (start, 0.0, scale);
+    }
 }
 
+/// How far the next character stands from this one, in units of the font.
 fn advance(face: &Face<'_>, character: char) -> f64 {
-    let glyph = face.glyph_index(character).unwrap_or_default();
-    f64::from(face.glyph_hor_advance(glyph).unwrap_or_default())
+    match face.glyph_index(character) {
+        Some(glyph) => f64::from(face.glyph_hor_advance(glyph).unwrap_or_default()),
+        None => {
+            let ems = CodeBox::of(character).width + 2.0 * CodeBox::SIDE;
+            ems * f64::from(face.units_per_em())
+        }
+    }
+}
+
+/// The box of a character that a font lacks: its code point in two rows of hexadecimal digits. Lengths are in ems.
+struct CodeBox {
+    rows: [String; 2],
+    width: f64,
+}
+
+impl CodeBox {
+    /// The size of the digits.
+    const DIGIT: f64 = 0.42;
+    /// The distance of two digits in a row: digits of `JetBrains` Mono are 0.6 of their size wide.
+    const COLUMN: f64 = 0.6 * Self::DIGIT;
+    /// The distance of the rows: digits are 0.73 of their size high, with a gap between the rows.
+    const ROW: f64 = 0.73 * Self::DIGIT + 0.09;
+    /// The distance of the digits from the outside of the box.
+    const PAD: f64 = 0.11;
+    /// The width of the line.
+    const LINE: f64 = 0.04;
+    /// The space before and after the box.
+    const SIDE: f64 = 0.05;
+    /// The lower side, below the baseline.
+    const BOTTOM: f64 = -0.12;
+    const HEIGHT: f64 = Self::ROW + 0.73 * Self::DIGIT + 2.0 * Self::PAD;
+
+    /// Returns the box of a character: four digits in two columns, or six in three beyond the first plane.
+    fn of(character: char) -> Self {
+        let code = u32::from(character);
+        let digits = if code < 0x1_0000 {
+            format!("{code:04X}")
+        } else {
+            format!("{code:06X}")
+        };
+        let (upper, lower) = digits.split_at(digits.len() / 2);
+        Self {
+            rows: [upper.to_owned(), lower.to_owned()],
+            width: lower.len() as f64 * Self::COLUMN + 2.0 * Self::PAD,
+        }
+    }
+}
+
+/// A piece of text as pixels, to be placed by its baseline.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Stamp {
+    /// White pixels with their opacity, to be tinted.
+    pub pixels: Pixels,
+    /// The pixel row of the baseline.
+    pub baseline: u32,
+    /// How many pixels farther the next character stands.
+    pub advance: u32,
+}
+
+/// Returns a text in the regular font at an em of `size` pixels, with boxes for the characters that the font lacks: for a
+/// window that has no font for them. `None` if there is nothing to draw, or if it would be larger than pictures may be.
+///
+/// ```
+/// use tilescope_figures::stamp;
+/// assert_ne!(stamp("\u{70b9}", 16.0), stamp("\u{96c6}", 16.0));
+/// assert_eq!(stamp("", 16.0), None);
+/// ```
+#[must_use]
+pub fn stamp(text: &str, size: f64) -> Option<Stamp> {
+    let fonts = Fonts::new().ok()?;
+    let width = fonts.width(text, Font::Regular, size).ceil();
+    // Room for what reaches above capitals and below the baseline.
+    let [above, below] = [1.1 * size, 0.3 * size].map(f64::ceil);
+    let is_small = width >= 1.0 && width <= MAX_SIDE && above + below <= MAX_SIDE;
+    let [columns, rows] = [width, above + below].map(|side| side as u32);
+    let mut pixmap = is_small.then(|| Pixmap::new(columns, rows)).flatten()?;
+
+    let place = |p: DVec2| [p.x as f32, (p.y + above) as f32];
+    let path = fonts.outline(text, Font::Regular, size, place)?;
+    let mut paint = Paint::default();
+    paint.set_color(tiny_skia::Color::WHITE);
+    pixmap.fill_path(
+        &path,
+        &paint,
+        FillRule::Winding,
+        Transform::identity(),
+        None,
+    );
+    Some(Stamp {
+        pixels: Pixels {
+            width: columns,
+            height: rows,
+            rgba: pixmap.take_demultiplied(),
+        },
+        baseline: above as u32,
+        advance: columns,
+    })
+}
+
+/// Returns the characters of a text that a font of the program lacks, each once, by their code points. Line feeds and tabs
+/// are not drawn as characters, and never lack.
+///
+/// ```
+/// use tilescope_figures::{Font, lacking};
+/// assert_eq!(lacking("r = 0.1, \u{70b9}\u{96c6}", Font::Regular), ['\u{70b9}', '\u{96c6}']);
+/// ```
+#[must_use]
+pub fn lacking(text: &str, font: Font) -> Vec<char> {
+    let Ok(fonts) = Fonts::new() else {
+        return Vec::new();
+    };
+    let face = fonts.face(font);
+    let is_lacking = |c: &char| !matches!(c, '\n' | '\t') && face.glyph_index(*c).is_none();
+    let mut lacking: Vec<char> = text.chars().filter(is_lacking).collect();
+    lacking.sort_unstable();
+    lacking.dedup();
+    lacking
 }
 
 /// The width in pixels of `text` set in `font` with an em of `size` pixels.
@@ -120,8 +273,10 @@ pub fn text_width(text: &str, font: Font, size: f64) -> f64 {
 /// Outlines of glyphs, whose own y points up, as a path.
 struct Outline<P> {
     path: PathBuilder,
-    /// Where the next glyph begins, in pixels.
+    /// Where the next glyph begins, in pixels, from the beginning of the text.
     x: f64,
+    /// How far its baseline lies above that of the text.
+    y: f64,
     scale: f64,
     place: P,
 }
@@ -129,7 +284,21 @@ struct Outline<P> {
 impl<P: Fn(DVec2) -> [f32; 2]> Outline<P> {
     fn pixel(&self, x: f32, y: f32) -> [f32; 2] {
         let [x, y] = [x, y].map(|v| f64::from(v) * self.scale);
-        (self.place)(DVec2::new(self.x + x, -y))
+        (self.place)(DVec2::new(self.x + x, -(self.y + y)))
+    }
+
+    /// Adds a rectangle, one way round or the other.
+    fn rectangle(&mut self, min: [f64; 2], max: [f64; 2], is_turned: bool) {
+        let ([l, b], [r, t]) = (min.map(|v| v as f32), max.map(|v| v as f32));
+        let mut corners = [[l, b], [r, b], [r, t], [l, t]];
+        if is_turned {
+            corners.reverse();
+        }
+        self.move_to(corners[0][0], corners[0][1]);
+        for [x, y] in &corners[1..] {
+            self.line_to(*x, *y);
+        }
+        self.close();
     }
 }
 
@@ -211,6 +380,50 @@ mod tests {
             }
             assert_eq!(face.glyph_index('\u{4e2d}'), None);
         }
+    }
+
+    #[test]
+    fn no_two_characters_that_the_fonts_lack_look_alike() {
+        let fonts = Fonts::new().expect("intact fonts");
+        let outline = |text: &str, font| {
+            let place = |p: DVec2| p.to_array().map(|v| v as f32);
+            fonts.outline(text, font, 16.0, place)
+        };
+        let texts = [
+            "\u{70b9}\u{96c6}",
+            "\u{96c6}\u{70b9}",
+            "\u{4e2d}",
+            "\u{4e2e}",
+            "\u{1f642}",
+            "\u{431}",
+            "\u{627}",
+            "\u{915}\u{94d}",
+            "\u{915}",
+            "\u{200b}",
+            "\u{202e}",
+            "\u{1b}",
+            "\u{1}",
+            "\u{10ffff}",
+        ];
+        for font in Font::ALL {
+            let outlines = texts.map(|text| outline(text, font).expect("something to see"));
+            for (index, one) in outlines.iter().enumerate() {
+                assert!(
+                    outlines[..index].iter().all(|other| other != one),
+                    "{:?}",
+                    texts[index]
+                );
+            }
+
+            // A box is as wide as what follows it says.
+            let width = fonts.width("\u{4e2d}", font, 16.0);
+            let bounds = outlines[2].bounds();
+            assert!(
+                bounds.left() > 0.0 && f64::from(bounds.right()) < width,
+                "{bounds:?}"
+            );
+        }
+        assert_eq!(lacking("r\u{b2} \u{2264}\n", Font::Regular), []);
     }
 
     #[test]

@@ -38,7 +38,7 @@ pub use bitmap::Bitmap;
 pub use canvas::PictureOptions;
 pub use control::Control;
 pub use error::{FigureError, MAX_BITMAP_SIDE, MAX_LENGTH, MAX_PIXELS, MAX_SIDE};
-pub use fonts::{Font, fitted, text_width, wrapped};
+pub use fonts::{Font, Stamp, fitted, lacking, stamp, text_width, wrapped};
 pub use palette::{Color, Palette, with_alpha};
 pub use png::{to_png, to_png_controlled};
 pub use raster::{Pixels, to_pixels};

@@ -28,6 +28,31 @@ pub fn positions_digest(points: &[[f64; 2]]) -> String {
     digest_text(&hasher)
 }
 
+/// The digest of positions that pass by: that of [`positions_digest`] of all of them together.
+///
+/// ```
+/// use tilescope_formats::{PassingDigest, positions_digest};
+/// let mut digest = PassingDigest::default();
+/// digest.add(&[[0.0, 0.5]]);
+/// digest.add(&[[0.25, 0.75]]);
+/// assert_eq!(digest.text(), positions_digest(&[[0.0, 0.5], [0.25, 0.75]]));
+/// ```
+#[derive(Clone, Debug, Default)]
+pub struct PassingDigest(blake3::Hasher);
+
+impl PassingDigest {
+    /// Adds points, which come after those before.
+    pub fn add(&mut self, points: &[[f64; 2]]) {
+        add_positions(&mut self.0, points);
+    }
+
+    /// Returns the digest of the points so far.
+    #[must_use]
+    pub fn text(&self) -> String {
+        digest_text(&self.0)
+    }
+}
+
 /// Adds points to the hash of [`positions_digest`].
 pub(crate) fn add_positions(hasher: &mut blake3::Hasher, points: &[[f64; 2]]) {
     let mut buffer = Vec::with_capacity(CHUNK.min(points.len()) * 16);

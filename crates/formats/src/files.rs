@@ -9,7 +9,7 @@ use std::io::{self, BufWriter, Read, Write};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use tilescope_analysis::{Control, Report};
+use tilescope_analysis::{Control, Report, lossy};
 
 use crate::certificate::{Certificate, MAX_CERTIFICATE_BYTES};
 use crate::check::{Check, CheckError, Overrides, check_bytes};
@@ -292,7 +292,7 @@ pub(crate) fn file_name(path: &Path) -> Result<String, FormatError> {
         let source = io::Error::new(io::ErrorKind::InvalidInput, "the path names no file");
         io_error(path, source)
     })?;
-    Ok(name.to_string_lossy().into_owned())
+    Ok(lossy(name).into_owned())
 }
 
 #[cfg(test)]

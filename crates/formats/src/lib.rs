@@ -47,7 +47,7 @@ pub use codecs::{CertificateUse, Hint, ReadSet, Target, decode, encode};
 #[cfg(not(target_arch = "wasm32"))]
 pub use destination::{certificate_beside, destination};
 pub use detect::{Detection, Evidence, detect};
-pub use digest::{bytes_digest, positions_digest};
+pub use digest::{PassingDigest, bytes_digest, positions_digest};
 pub use error::{FilePlace, FormatError};
 pub use export::{ExportContext, ExportError, ExportedBytes, Warning, export_bytes};
 #[cfg(not(target_arch = "wasm32"))]

@@ -4,6 +4,7 @@
 use std::fmt::Write as _;
 
 use tilescope_core::{MAXIMAL_DENSITY, Parameters};
+use unicode_segmentation::UnicodeSegmentation;
 
 use crate::error::{LessonError, nearest};
 use crate::fields::{Field, Fields};
@@ -185,7 +186,7 @@ impl<'a> Reader<'a> {
             let message = format!("a lesson has at most {MAX_STEPS} steps");
             return Err(LessonError::new(line, message));
         }
-        let name = slug(title);
+        let name = step_name(title);
         self.check_name(&name, line)?;
         // A step begins with the scene of the step before it.
         let scene = self.steps.last().map(|step| step.scene.clone());
@@ -211,7 +212,9 @@ impl<'a> Reader<'a> {
 
     fn check_name(&self, name: &str, line: usize) -> Result<(), LessonError> {
         if name.is_empty() {
-            return Err(LessonError::new(line, "the name has no letters or digits"));
+            let message =
+                "the title has no letter or digit, of any script, to make the step's name of";
+            return Err(LessonError::new(line, message));
         }
         if let Some(Step { line: other, .. }) = self.steps.iter().find(|step| step.name == name) {
             let message = format!("the step of line {other} has the name \"{name}\" already");
@@ -227,7 +230,7 @@ impl<'a> Reader<'a> {
         if !DIRECTIVES.contains(&kind) {
             return Err(LessonError::unknown(line, "directive", kind, &DIRECTIVES));
         }
-        let name = slug(name);
+        let name = step_name(name);
         if kind == "gate" && self.steps.last().is_some_and(|step| step.name != name) {
             self.check_name(&name, line)?;
         }
@@ -256,13 +259,26 @@ impl<'a> Reader<'a> {
     }
 }
 
-/// Returns a name for links: the letters and digits of a text in lower case, with hyphens between the words.
-fn slug(text: &str) -> String {
-    let lower = text.to_lowercase();
-    let words = lower
-        .split(|c: char| !c.is_ascii_alphanumeric())
-        .filter(|word| !word.is_empty());
-    words.collect::<Vec<_>>().join("-")
+/// Returns the name of a step in links: the letters and digits of its title, of any script, in lower case, with hyphens
+/// between the words; empty if the title has none.
+#[must_use]
+pub fn step_name(title: &str) -> String {
+    let lower = title.to_lowercase();
+    let mut name = String::with_capacity(lower.len());
+    let mut is_between_words = false;
+    // A letter and the marks on it are one cluster: in Hindi or Arabic a word is not cut at its vowels.
+    for cluster in lower.graphemes(true) {
+        if !cluster.starts_with(char::is_alphanumeric) {
+            is_between_words = true;
+            continue;
+        }
+        if is_between_words && !name.is_empty() {
+            name.push('-');
+        }
+        name.push_str(cluster);
+        is_between_words = false;
+    }
+    name
 }
 
 /// Changes a scene by a `run` directive. Parameters, moment and layers that it does not name stay; the condition of the
@@ -528,4 +544,40 @@ fn limited<T>(
         return Err(LessonError::new(fields.line, message));
     }
     Ok(items)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn titles_of_every_script_give_names() {
+        for (title, name) in [
+            ("The first loss: who goes?", "the-first-loss-who-goes"),
+            ("冲突在哪里？", "冲突在哪里"),
+            ("Где конфликт?", "где-конфликт"),
+            ("Πού είναι;", "πού-είναι"),
+            ("أين التعارض؟", "أين-التعارض"),
+            ("संघर्ष कहाँ है?", "संघर्ष-कहाँ-है"),
+            ("どこ、ですか", "どこ-ですか"),
+            ("Größe ‚r‘ – 2", "größe-r-2"),
+            ("  ?! — 🙂 ", ""),
+        ] {
+            assert_eq!(step_name(title), name);
+        }
+    }
+
+    #[test]
+    fn a_title_without_letters_is_refused_and_others_are_not() {
+        let lesson = |title: &str| {
+            let text = format!("---\ntitle: T\nobjective: O\n---\n\n# {title}\n\nText.\n");
+            Lesson::read("l", &text)
+        };
+        assert_eq!(lesson("冲突在哪里？").unwrap().steps[0].name, "冲突在哪里");
+        let error = lesson("?!").unwrap_err();
+        assert!(
+            error.line == 6 && error.message.contains("any script"),
+            "{error}"
+        );
+    }
 }

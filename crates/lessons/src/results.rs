@@ -1,8 +1,14 @@
 //! The results of a learner, which stay on the learner's machine: an entry for each question, exported as CSV and as xAPI
 //! statements. Keys are computed on the same machine, so a learner can fake results: they are no proof for a grade.
 
+use std::collections::HashSet;
+use std::ops::RangeInclusive;
+
+use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, utf8_percent_encode};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
+use sha1_smol::Sha1;
+use tilescope_analysis::{BYTE_ORDER_MARK, Number, cell};
 
 /// The result of one question.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -63,6 +69,18 @@ pub enum ResultsError {
     /// A newer version.
     #[error("the results have version {0}; this program reads version {VERSION}")]
     Newer(u32),
+    /// A number that no answer has.
+    #[error("entry {entry}: {field} is {}; it is from {} to {}", Number(*.value), Number(*.limits.start()), Number(*.limits.end()))]
+    Range {
+        /// The number of the entry, from 1.
+        entry: usize,
+        /// The field.
+        field: &'static str,
+        /// Its value.
+        value: f64,
+        /// The least and the largest value.
+        limits: RangeInclusive<f64>,
+    },
 }
 
 /// The version of results that this program writes.
@@ -72,10 +90,42 @@ pub const MAX_BYTES: usize = 16_000_000;
 /// The most entries that are kept; of more, the newest.
 pub const MAX_ENTRIES: usize = 10_000;
 
+/// The longest time of a question in seconds: a window may stay open on it for years.
+const MAX_SECONDS: f64 = 1e9;
+/// The last second of the year 9999, in seconds since 1970: times of four-digit years can be written.
+const MAX_TIME: f64 = 253_402_300_799.0;
+
 const COLUMNS: &str = "learner,lesson,hash,gate,seed,practised,answer,score,tries,hints,given_up,confidence,seconds,time";
+
+impl Entry {
+    /// Refuses numbers that no answer has. `entry` is the entry's number, for the message.
+    fn check(&self, entry: usize) -> Result<(), ResultsError> {
+        let sure = self.confidence.map_or(0.0, f64::from);
+        for (field, value, limits) in [
+            ("score", self.score, 0.0..=1.0),
+            ("confidence", sure, 0.0..=3.0),
+            ("seconds", self.seconds, 0.0..=MAX_SECONDS),
+            ("time", self.time, 0.0..=MAX_TIME),
+        ] {
+            if !limits.contains(&value) {
+                return Err(ResultsError::Range {
+                    entry,
+                    field,
+                    value,
+                    limits,
+                });
+            }
+        }
+        Ok(())
+    }
+}
 
 impl Results {
     /// Reads results.
+    ///
+    /// # Errors
+    ///
+    /// A file that is too large, of another form or of a newer version, and an entry with a number out of its range.
     pub fn read(text: &str) -> Result<Self, ResultsError> {
         if text.len() > MAX_BYTES {
             return Err(ResultsError::TooLong(text.len()));
@@ -83,6 +133,9 @@ impl Results {
         let read: Self = tilescope_core::json::from_text(text)?;
         if read.version > VERSION {
             return Err(ResultsError::Newer(read.version));
+        }
+        for (entry, of) in (1..).zip(&read.entries) {
+            of.check(entry)?;
         }
         Ok(read)
     }
@@ -148,7 +201,8 @@ impl Results {
         })
     }
 
-    /// Returns xAPI statements, one for each entry.
+    /// Returns xAPI statements, one for each entry. Equal entries of one learner have equal ids, so that a store of
+    /// statements takes each of them once, however often it is sent.
     #[must_use]
     pub fn xapi(&self) -> Value {
         let name = match self.learner.as_str() {
@@ -157,10 +211,11 @@ impl Results {
         };
         let statement = |entry: &Entry| {
             json!({
-                "actor": {"objectType": "Agent", "account": {"homePage": "urn:tilescope", "name": name}},
+                "id": id(name, entry),
+                "actor": {"objectType": "Agent", "account": {"homePage": HOME_PAGE, "name": name}},
                 "verb": {"id": "http://adlnet.gov/expapi/verbs/answered", "display": {"en": "answered"}},
                 "object": {
-                    "id": format!("urn:tilescope:lesson:{}:{}", entry.lesson, entry.gate),
+                    "id": format!("urn:tilescope:lesson:{}:{}", in_iri(&entry.lesson), in_iri(&entry.gate)),
                     "definition": {"type": "http://adlnet.gov/expapi/activities/cmi.interaction"},
                 },
                 "result": {
@@ -181,26 +236,112 @@ impl Results {
     }
 }
 
-/// Returns the entries of several learners as CSV, with a heading.
+/// The system in which learners have their names, as xAPI asks: an address of the web.
+const HOME_PAGE: &str = env!("CARGO_PKG_REPOSITORY");
+
+/// Returns the id of a statement, which follows from everything that the statement says.
+fn id(learner: &str, entry: &Entry) -> String {
+    let said = json!([learner, entry]);
+    // The namespace of names that are addresses of the web (RFC 9562, section 6.6).
+    name_based_uuid(
+        0x6ba7_b811_9dad_11d1_80b4_00c0_4fd4_30c8,
+        &format!("{HOME_PAGE}#{said}"),
+    )
+}
+
+/// Returns the UUID of version 5 of a name: the first 128 bits of the SHA-1 of namespace and name, six of which are
+/// replaced by version and variant (RFC 9562, section 5.5).
+fn name_based_uuid(namespace: u128, name: &str) -> String {
+    let mut hash = Sha1::from(namespace.to_be_bytes());
+    hash.update(name.as_bytes());
+    let digest = hash.digest().bytes();
+
+    let mut bytes = [0; 16];
+    bytes.copy_from_slice(&digest[..16]);
+    bytes[6] = bytes[6] & 0x0f | 0x50;
+    bytes[8] = bytes[8] & 0x3f | 0x80;
+
+    let hex = format!("{:032x}", u128::from_be_bytes(bytes));
+    [
+        &hex[..8],
+        &hex[8..12],
+        &hex[12..16],
+        &hex[16..20],
+        &hex[20..],
+    ]
+    .join("-")
+}
+
+/// Returns a word as a part of an identifier, in which a blank or a colon would end or divide it.
+fn in_iri(word: &str) -> String {
+    const ESCAPED: &AsciiSet = &NON_ALPHANUMERIC.remove(b'-').remove(b'_').remove(b'.');
+    utf8_percent_encode(word, ESCAPED).to_string()
+}
+
+/// Results of several files, each entry once.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Merged {
+    /// The results, in the sequence of the files.
+    pub all: Vec<Results>,
+    /// How many entries were left out because an equal one of the same learner came before.
+    pub repeated: usize,
+}
+
+impl Merged {
+    /// Merges files, each with the name that a learner without a name is to have. Entries are equal if everything in
+    /// them is, the time included: a file that was handed in twice counts once, and so does an older one of a learner
+    /// whose newer one has the same entries.
+    #[must_use]
+    pub fn of(files: impl IntoIterator<Item = (String, Results)>) -> Self {
+        let mut merged = Self::default();
+        let mut seen = HashSet::new();
+        for (name, mut results) in files {
+            let before = results.entries.len();
+            // Compared before learners get names of files: a copy of a file without a name has another one.
+            let learner = results.learner.clone();
+            results
+                .entries
+                .retain(|entry| seen.insert(id(&learner, entry)));
+            merged.repeated += before - results.entries.len();
+
+            if results.learner.is_empty() {
+                results.learner = name;
+            }
+            merged.all.push(results);
+        }
+        merged
+    }
+
+    /// Returns how many learners have entries.
+    #[must_use]
+    pub fn learners(&self) -> usize {
+        let with_entries = self.all.iter().filter(|one| !one.entries.is_empty());
+        let names: HashSet<&str> = with_entries.map(|one| one.learner.as_str()).collect();
+        names.len()
+    }
+}
+
+/// Returns the entries of several learners as CSV, with a heading, to be opened in a spreadsheet: it begins with a
+/// byte-order mark, and no text of it is a formula.
 ///
 /// # Errors
 ///
 /// None that a text in memory can cause.
 pub fn csv(all: &[Results]) -> Result<String, csv::Error> {
-    let mut writer = csv::Writer::from_writer(Vec::new());
+    let mut writer = csv::Writer::from_writer(BYTE_ORDER_MARK.to_string().into_bytes());
     writer.write_record(COLUMNS.split(','))?;
     let yes_or_no = |is_so: bool| if is_so { "yes" } else { "no" };
     for results in all {
         for entry in &results.entries {
             let confidence = entry.confidence.map(|sure| sure.to_string());
             writer.write_record([
-                results.learner.as_str(),
-                &entry.lesson,
-                &entry.hash,
-                &entry.gate,
+                cell(&results.learner).as_ref(),
+                &cell(&entry.lesson),
+                &cell(&entry.hash),
+                &cell(&entry.gate),
                 &entry.seed.to_string(),
                 yes_or_no(entry.practised),
-                &entry.answer,
+                &cell(&entry.answer),
                 &format!("{:.3}", entry.score),
                 &entry.tries.to_string(),
                 &entry.hints.to_string(),
@@ -218,8 +359,7 @@ pub fn csv(all: &[Results]) -> Result<String, csv::Error> {
 
 /// Returns a time in seconds since 1970 in the form of ISO 8601, in UTC.
 fn timestamp(time: f64) -> String {
-    // Nobody took a lesson before 1970 or after the year 9999.
-    let time = jiff::Timestamp::from_second(time.clamp(0.0, 253_402_300_000.0) as i64);
+    let time = jiff::Timestamp::from_second(time.clamp(0.0, MAX_TIME) as i64);
     time.map_or_else(|_| String::new(), |time| time.to_string())
 }
 
@@ -333,6 +473,121 @@ mod tests {
         ahead.clear(3.0);
         ahead.merge(&old);
         assert!(ahead.entries.is_empty());
+    }
+
+    fn of(learner: &str, entries: &[Entry]) -> Results {
+        Results {
+            learner: learner.to_owned(),
+            entries: entries.to_vec(),
+            ..Results::default()
+        }
+    }
+
+    #[test]
+    fn tables_are_safe_and_readable_in_spreadsheets() {
+        let words = Entry {
+            answer: "+1+cmd|' /C calc'!A0".to_owned(),
+            gate: "@gate".to_owned(),
+            lesson: "-lesson".to_owned(),
+            hash: "=hash".to_owned(),
+            ..entry()
+        };
+        let number = Entry {
+            answer: "-0.5".to_owned(),
+            ..entry()
+        };
+        let text = csv(&[of("=HYPERLINK(\"x\")", &[words, number])]).unwrap();
+        let table = text.strip_prefix('\u{feff}').expect("a byte-order mark");
+        let mut reader = csv::Reader::from_reader(table.as_bytes());
+        let rows: Vec<_> = reader.records().collect::<Result<_, _>>().unwrap();
+
+        for row in &rows {
+            for cell in row {
+                let is_number = cell.parse::<f64>().is_ok();
+                assert!(
+                    is_number || !cell.starts_with(['=', '+', '-', '@']),
+                    "{cell}"
+                );
+            }
+        }
+        assert_eq!(&rows[0][0], "'=HYPERLINK(\"x\")");
+        assert_eq!(&rows[1][6], "-0.5", "numbers stay numbers");
+    }
+
+    #[test]
+    fn what_is_given_twice_counts_once() {
+        let file = |name: &str, results: Results| (name.to_owned(), results);
+        let later = Entry {
+            time: 86_401.0,
+            ..entry()
+        };
+        let newer = of("Ada", &[entry(), later]);
+        let older = of("Ada", &[entry()]);
+        let merged = Merged::of([file("a", older), file("b", newer.clone()), file("c", newer)]);
+        let entries: usize = merged.all.iter().map(|one| one.entries.len()).sum();
+        assert_eq!((entries, merged.repeated, merged.learners()), (2, 3, 1));
+
+        // Copies of a file without a name are the same results, and another learner's answers are others.
+        let files = [("a", ""), ("copy", ""), ("b", "Bob")];
+        let merged = Merged::of(files.map(|(name, learner)| file(name, of(learner, &[entry()]))));
+        assert_eq!((merged.repeated, merged.learners()), (1, 2));
+        assert_eq!(merged.all[0].learner, "a");
+    }
+
+    #[test]
+    fn statements_have_ids_that_follow_from_what_they_say() {
+        let id = |learner: &str, entry: Entry| of(learner, &[entry]).xapi()[0]["id"].clone();
+        let first = id("Ada", entry());
+        assert_eq!(first, id("Ada", entry()));
+        // The example of RFC 9562, appendix A.4, in the namespace of domain names.
+        assert_eq!(
+            name_based_uuid(0x6ba7_b810_9dad_11d1_80b4_00c0_4fd4_30c8, "www.example.com"),
+            "2ed6657d-e927-568b-95e1-2665a8aea6a2"
+        );
+        let later = Entry {
+            time: 86_400.5,
+            ..entry()
+        };
+        assert!(first != id("Bob", entry()) && first != id("Ada", later));
+
+        let odd = Entry {
+            lesson: "my lesson:1".to_owned(),
+            ..entry()
+        };
+        let statement = of("Ada", &[odd]).xapi()[0].clone();
+        assert_eq!(
+            statement["object"]["id"],
+            "urn:tilescope:lesson:my%20lesson%3A1:first"
+        );
+        let home = statement["actor"]["account"]["homePage"].as_str().unwrap();
+        assert!(home.starts_with("https://"), "{home}");
+    }
+
+    #[test]
+    fn numbers_that_no_answer_has_are_refused() {
+        let read = |change: &dyn Fn(&mut Entry)| {
+            let mut changed = entry();
+            change(&mut changed);
+            Results::read(&of("Ada", &[entry(), changed]).to_json())
+        };
+        let changes: [(&str, &dyn Fn(&mut Entry)); 7] = [
+            ("score is 1e300", &|entry| entry.score = 1e300),
+            ("score is -0.1", &|entry| entry.score = -0.1),
+            ("seconds is -1e300", &|entry| entry.seconds = -1e300),
+            ("seconds is 1e300", &|entry| entry.seconds = 1e300),
+            ("confidence is 255", &|entry| entry.confidence = Some(255)),
+            ("time is -1", &|entry| entry.time = -1.0),
+            ("time is 1e300", &|entry| entry.time = 1e300),
+        ];
+        for (part, change) in changes {
+            let error = read(change).unwrap_err().to_string();
+            assert!(
+                error.starts_with("entry 2: ") && error.contains(part),
+                "{error}"
+            );
+        }
+        assert!(read(&|entry| entry.score = 1.0).is_ok());
+        assert!(read(&|entry| entry.confidence = Some(3)).is_ok());
     }
 
     #[test]

@@ -133,6 +133,24 @@ impl Translation {
     }
 }
 
+/// Returns whether a word has the form of a language tag, such as `de`, `zh-Hant` or `pt-BR`: a language of two to eight
+/// letters and subtags of one to eight letters or digits, divided by hyphens (BCP 47). Whether the language exists is not
+/// checked.
+#[must_use]
+pub fn is_language(tag: &str) -> bool {
+    let mut parts = tag.split('-');
+    let language = parts.next().unwrap_or_default();
+    let is_language =
+        (2..=8).contains(&language.len()) && language.bytes().all(|b| b.is_ascii_alphabetic());
+    let is_subtag = |part: &str| {
+        (1..=8).contains(&part.len()) && part.bytes().all(|b| b.is_ascii_alphanumeric())
+    };
+    is_language && tag.len() <= MAX_TAG && parts.all(is_subtag)
+}
+
+/// The longest language tag, in bytes: software need not take longer ones (RFC 5646, section 4.4.1).
+const MAX_TAG: usize = 35;
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -153,6 +171,37 @@ mod tests {
         ] {
             let error = Translation::read(text).unwrap_err().to_string();
             assert!(error.contains(part), "{text}: {error}");
+        }
+    }
+
+    #[test]
+    fn language_tags_have_subtags() {
+        for tag in [
+            "de",
+            "zh-Hant",
+            "pt-BR",
+            "sr-Latn-RS",
+            "es-419",
+            "de-CH-1996",
+            "gsw",
+        ] {
+            assert!(is_language(tag), "{tag}");
+        }
+        for tag in [
+            "",
+            "d",
+            "germanlanguage",
+            "de_DE",
+            "de-",
+            "-de",
+            "zh--Hant",
+            "de/..",
+            "12",
+            "\u{e9}s",
+            "de\u{1b}",
+            "aa-bbbbbbbb-cccccccc-dddddddd-eeeeeeee",
+        ] {
+            assert!(!is_language(tag), "{tag}");
         }
     }
 }

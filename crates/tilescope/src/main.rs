@@ -1,7 +1,6 @@
 //! Tilescope: no arguments or a file opens the window, a subcommand runs the command line. This file only
 //! chooses between the two.
 
-use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -54,7 +53,7 @@ fn main() -> ExitCode {
     let arguments = Arguments::read();
     let played = match arguments.played() {
         Some(Err(error)) => {
-            let _ = writeln!(std::io::stderr(), "error: {error}");
+            tilescope_cli::note(&format!("error: {error}"));
             return ExitCode::from(tilescope_cli::EXIT_BAD_INPUT);
         }
         Some(Ok(played)) => Some(played),
@@ -86,7 +85,7 @@ fn main() -> ExitCode {
         // A window that was open and is lost is an error; the headless session, which writes files, is only for
         // machines without a display.
         Err(error) if error.was_open() => {
-            let _ = writeln!(std::io::stderr(), "tilescope: {error}");
+            tilescope_cli::note(&format!("tilescope: {error}"));
             ExitCode::FAILURE
         }
         Err(error) => without_window(&HeadlessReason::Failed(error.to_string())),

@@ -77,7 +77,7 @@ impl HandoutTask {
             "<!doctype html>\n<html lang=\"{}\">\n<head>\n<meta charset=\"utf-8\">\n\
              <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
              <title>{title}</title>\n<style>{CSS}</style>\n</head>\n<body>\n<h1>{title}</h1>\n<p class=\"objective\">{}</p>\n",
-            if language.is_empty() { "en" } else { language },
+            escape(if language.is_empty() { "en" } else { language }),
             escape(translation.of(&lesson.objective)),
         );
         let mut last = None;

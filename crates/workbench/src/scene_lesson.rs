@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use serde_json::{Value, json};
 use tilescope_core::{Parameters, PatternSpec, Stage};
 use tilescope_debugger::{SavedScene, Session};
-use tilescope_lessons::PARAMETERS;
+use tilescope_lessons::{PARAMETERS, step_name};
 
 use crate::link::layer_name;
 use crate::scenes::split_caption;
@@ -44,11 +44,11 @@ pub(crate) fn lesson_of(
     for (index, scene) in scenes.iter().enumerate() {
         let (caption, note) = split_caption(&scene.caption);
         let (title, rest) = titled(caption);
-        let is_taken = titles
-            .iter()
-            .any(|other| other.eq_ignore_ascii_case(&title));
-        let has_letters = title.chars().any(|c| c.is_ascii_alphanumeric());
-        let title = Some(title).filter(|_| has_letters && !is_taken);
+
+        // Each step has a name of its own, made from its title.
+        let name = step_name(&title);
+        let is_taken = titles.iter().any(|other| step_name(other) == name);
+        let title = Some(title).filter(|_| !name.is_empty() && !is_taken);
         let title = title.unwrap_or_else(|| format!("Scene {}", index + 1));
         let _ = write!(text, "\n# {title}\n\n```run\n");
         if index == 0 {
@@ -175,7 +175,8 @@ mod tests {
             ),
             scene("# After tiling", Some(Stage::Tile)),
             scene("", Some(Stage::Iterate(1))),
-            scene("after tiling", Some(Stage::Finish)),
+            scene("after: tiling!", Some(Stage::Finish)),
+            scene("冲突在哪里？", Some(Stage::Finish)),
         ];
         let parameters = Parameters {
             radius: 0.03,
@@ -191,7 +192,13 @@ mod tests {
             .collect();
         assert_eq!(
             titles,
-            ["The empty domain", "After tiling", "Scene 3", "Scene 4"]
+            [
+                "The empty domain",
+                "After tiling",
+                "Scene 3",
+                "Scene 4",
+                "冲突在哪里？"
+            ]
         );
         assert_eq!(lesson.steps[0].text, ["Nothing has (happened)."]);
         assert_eq!(lesson.steps[0].notes, ["Ask for guesses."]);

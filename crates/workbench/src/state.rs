@@ -219,7 +219,7 @@ impl State {
 
     /// Applies a command. The user changes the state by commands only.
     pub fn apply(&mut self, command: Command) {
-        if self.refuse_veiled(&command) {
+        if self.refuse_veiled(&command) || self.refuse_index(&command) {
             return;
         }
         if self.is_touring() && ends_tour(&command) {
@@ -449,6 +449,7 @@ pub mod export;
 mod files;
 mod form;
 mod gpu;
+mod indices;
 mod lesson_told;
 mod lessons;
 mod link;

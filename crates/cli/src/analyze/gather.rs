@@ -11,7 +11,7 @@ use super::measured::{MeasuredSet, Request, check_domain};
 use super::subject::{Population, Subject};
 use super::{AnalyzeArguments, names};
 use crate::output::region_text;
-use crate::paths::InFile;
+use crate::paths::{InFile, named};
 use crate::{describe, interrupt, output};
 
 /// A file that was not analysed, and why.
@@ -126,7 +126,7 @@ impl Analysis {
         }
         let reason = describe(&error);
         output::note(&format!("error: {reason}"));
-        let name = path.display().to_string();
+        let name = named(path);
         self.failures.push(Failure { name, reason });
         Ok(())
     }
@@ -156,7 +156,7 @@ impl Analysis {
             };
             self.note(format!(
                 "{}{stand} on both sides: bands of differences are computed as if sets were independent",
-                first.display()
+                named(first)
             ));
         }
     }
@@ -247,9 +247,9 @@ fn repetitions(paths: &[PathBuf]) -> Vec<Option<String>> {
         let mut earlier = canonicals[..index].iter();
         let first = &paths[earlier.position(|other| *other == canonicals[index])?];
         Some(if path == first {
-            format!("{} is given more than once", path.display())
+            format!("{} is given more than once", named(path))
         } else {
-            format!("{} is the file {} again", path.display(), first.display())
+            format!("{} is the file {} again", named(path), named(first))
         })
     };
     paths.iter().enumerate().map(repetition).collect()

@@ -16,7 +16,7 @@ use tilescope_formats::{Check, CheckError, Format, PointSet, StreamReader};
 use super::measure::{Measure, of_set, values_by_key};
 use crate::options::{SetArguments, WITHOUT_CERTIFICATE, check_or_unit_square, hinted};
 use crate::output;
-use crate::paths::InFile;
+use crate::paths::{InFile, named};
 use crate::progress::{verifying, watched};
 
 /// Frequencies that take more memory than this are computed only with `--frequencies`: those of 1.3 million samples
@@ -120,7 +120,7 @@ impl<'a> Request<'a> {
             let farthest = bins.farthest(samples, region);
             let pairs = PairCorrelation::of(points, region, farthest, bins.count(), control)?;
             let member = Member {
-                name: path.display().to_string(),
+                name: named(path),
                 region,
                 format: check.detection.format,
                 samples,
@@ -236,7 +236,7 @@ fn read(path: &Path, arguments: &SetArguments) -> Result<(PointSet, Check, bool)
         bail!("its certificate is not true: {differs}; {WITHOUT_CERTIFICATE}");
     }
     arguments.announce(path);
-    let (report, path) = (&check.report, path.display());
+    let (report, path) = (&check.report, named(path));
     let warn = |warning: &str| output::note(&format!("warning: {path}: {warning}"));
     for difference in &check.differences {
         warn(&difference.to_string());

@@ -1,7 +1,9 @@
 //! The report as one HTML file without external resources: tables, figures and the command that made it.
 
+use std::ffi::OsString;
 use std::fmt::Write;
 
+use tilescope_analysis::lossy;
 use tilescope_figures::{Font, escape, font_faces};
 
 use super::gather::Analysis;
@@ -42,7 +44,7 @@ pub fn html(analysis: &Analysis, figures: &[String]) -> String {
     let _ = write!(
         out,
         "<h2>Command</h2>\n<pre>{}</pre>\n<p>tilescope {}</p>\n</body>\n</html>\n",
-        escape(&command_line(std::env::args().skip(1))),
+        escape(&command_line(std::env::args_os().skip(1))),
         env!("CARGO_PKG_VERSION")
     );
     out
@@ -116,11 +118,12 @@ fn page_table(out: &mut String, table: &Table) {
     out.push_str("</tbody></table></div>\n");
 }
 
-/// Returns the command as a shell takes it.
-fn command_line(arguments: impl Iterator<Item = String>) -> String {
+/// Returns the command as a shell takes it; an argument that is not UTF-8 says so.
+fn command_line(arguments: impl Iterator<Item = OsString>) -> String {
     let plain = |c: char| c.is_ascii_alphanumeric() || "-_./=+,:@%".contains(c);
     let mut line = "tilescope".to_owned();
     for argument in arguments {
+        let argument = lossy(&argument);
         line.push(' ');
         if !argument.is_empty() && argument.chars().all(plain) {
             line.push_str(&argument);
@@ -138,7 +141,7 @@ mod tests {
     #[test]
     fn names_break_neither_markup_nor_shell() {
         assert_eq!(escape("<b>&\""), "&lt;b&gt;&amp;&quot;");
-        let words = ["analyze", "it's here.csv", ""].map(str::to_owned);
+        let words = ["analyze", "it's here.csv", ""].map(OsString::from);
         let line = command_line(words.into_iter());
         assert_eq!(line, "tilescope analyze 'it'\\''s here.csv' ''");
     }

@@ -5,6 +5,7 @@ use std::fmt::Write;
 
 use serde::Serialize;
 use serde_json::{Value, json};
+use tilescope_analysis::{BYTE_ORDER_MARK, cell};
 
 use super::curve::Curve;
 use super::differences::Differences;
@@ -12,9 +13,10 @@ use super::gather::Analysis;
 use super::measure::{Measure, Spread};
 use super::subject::Subject;
 
-/// Returns all numbers as CSV, one a line; measures have no x. The measures of files precede those of their average.
+/// Returns all numbers as CSV, one a line; measures have no x. The measures of files precede those of their average. The
+/// table can be opened in a spreadsheet: it begins with a byte-order mark, and no name in it is a formula.
 pub fn csv(analysis: &Analysis) -> String {
-    let mut out = "file,measure,x,y,lower,upper\n".to_owned();
+    let mut out = format!("{BYTE_ORDER_MARK}file,measure,x,y,lower,upper\n");
     for (index, subject) in analysis.subjects.iter().enumerate() {
         for member in subject.members.iter().filter(|_| subject.average) {
             csv_measures(&mut out, &quoted(&member.name), &member.measures);
@@ -60,10 +62,11 @@ fn csv_curves(out: &mut String, name: &str, curves: &[(&str, Curve)]) {
 }
 
 fn quoted(name: &str) -> String {
+    let name = cell(name);
     if name.contains([',', '"', '\n', '\r']) {
         return format!("\"{}\"", name.replace('"', "\"\""));
     }
-    name.to_owned()
+    name.into_owned()
 }
 
 /// Returns the whole analysis as one object; `saved` is the path of the report.
@@ -150,5 +153,7 @@ mod tests {
     fn names_do_not_break_csv() {
         assert_eq!(quoted("a,\"b\".csv"), "\"a,\"\"b\"\".csv\"");
         assert_eq!(quoted("a b.csv"), "a b.csv");
+        assert_eq!(quoted("=1+1.csv"), "'=1+1.csv");
+        assert_eq!(quoted("=a,b"), "\"'=a,b\"");
     }
 }

@@ -1,5 +1,6 @@
 //! Answers to requests: the files of one folder, if the request uses an allowed host name.
 
+use std::io::{self, ErrorKind};
 use std::net::IpAddr;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -8,13 +9,14 @@ use anyhow::{Context, Result};
 use axum::Router;
 use axum::body::Body;
 use axum::extract::{Request, State};
-use axum::http::header::{ALLOW, HOST};
+use axum::http::header::{ALLOW, HOST, HeaderValue, RANGE, RETRY_AFTER};
 use axum::http::uri::Authority;
 use axum::http::{Method, StatusCode};
 use axum::response::{IntoResponse, Response};
 use tower_http::services::ServeFile;
 
 use super::{headers, within};
+use crate::paths::named;
 
 /// A folder that is served.
 #[derive(Clone, Debug)]
@@ -31,7 +33,7 @@ impl ServedFolder {
     pub fn new(folder: &Path, local: bool) -> Result<Self> {
         let folder = folder
             .canonicalize()
-            .with_context(|| format!("cannot read the folder {}", folder.display()))?;
+            .with_context(|| format!("cannot read the folder {}", named(folder)))?;
         Ok(Self { folder, local })
     }
 
@@ -84,18 +86,49 @@ async fn answer(State(site): State<Arc<ServedFolder>>, request: Request) -> Resp
     response
 }
 
+/// Removes a range that is in another unit than bytes: such a one is to be ignored (RFC 9110, section 14.2), and the library
+/// refuses it.
+fn without_unknown_range(mut request: Request) -> Request {
+    let is_unknown = |value: &HeaderValue| {
+        let unit = value.as_bytes().split(|byte| *byte == b'=').next();
+        !unit.is_some_and(|unit| unit.trim_ascii().eq_ignore_ascii_case(b"bytes"))
+    };
+    if request.headers().get(RANGE).is_some_and(is_unknown) {
+        request.headers_mut().remove(RANGE);
+    }
+    request
+}
+
+fn missing() -> Response {
+    (StatusCode::NOT_FOUND, "There is no such file.\n").into_response()
+}
+
+/// Returns the answer for a file that was there and cannot be opened.
+fn unreadable(error: &io::Error) -> Response {
+    // A new build may have removed it since, and one that may not be read is none to the reader.
+    if matches!(
+        error.kind(),
+        ErrorKind::NotFound | ErrorKind::PermissionDenied
+    ) {
+        return missing();
+    }
+
+    // As when the process has no file handles left: the file may be read later.
+    let (status, retry) = (StatusCode::SERVICE_UNAVAILABLE, [(RETRY_AFTER, "1")]);
+    (status, retry, "The file cannot be read now.\n").into_response()
+}
+
 async fn file(site: &ServedFolder, request: Request) -> Response {
     let path = request.uri().path().to_owned();
-    let missing = || (StatusCode::NOT_FOUND, "There is no such file.\n").into_response();
     let Some(file) = within::file(&site.folder, &path) else {
         return missing();
     };
     let mut service = ServeFile::new(&file)
         .precompressed_br()
         .precompressed_gzip();
-    // A new build may have removed it since.
-    let Ok(response) = service.try_call(request).await else {
-        return missing();
+    let response = match service.try_call(without_unknown_range(request)).await {
+        Ok(response) => response,
+        Err(error) => return unreadable(&error),
     };
     let mut response = response.map(Body::new);
     let status = response.status();
@@ -107,7 +140,19 @@ async fn file(site: &ServedFolder, request: Request) -> Response {
 
 #[cfg(test)]
 mod tests {
-    use super::is_local;
+    use super::*;
+
+    #[test]
+    fn files_that_cannot_be_read_now_are_not_called_missing() {
+        let status = |error: io::Error| unreadable(&error).status();
+        // EMFILE: the process has no file handles left.
+        let answer = unreadable(&io::Error::from_raw_os_error(24));
+        assert_eq!(answer.status(), StatusCode::SERVICE_UNAVAILABLE);
+        assert!(answer.headers().contains_key(RETRY_AFTER));
+        for kind in [ErrorKind::NotFound, ErrorKind::PermissionDenied] {
+            assert_eq!(status(kind.into()), StatusCode::NOT_FOUND);
+        }
+    }
 
     #[test]
     fn names_of_this_machine_are_told_from_others() {

@@ -6,7 +6,7 @@
 use glam::I64Vec2;
 use rayon::prelude::*;
 
-use crate::count::radius_estimate;
+use crate::count::{radius_estimate, search_radius};
 use crate::engine::parallel::plane::{parts, pieces};
 use crate::engine::parallel::widened::WidenedWindow;
 use crate::error::{ParameterError, SampleError};
@@ -72,12 +72,12 @@ impl NestedRequest {
             parameters.radius = radius_estimate(&parameters, count as u64)?;
         }
         let checked = check(&parameters, self.levels).map(|_| ());
-        checked.map_err(|error| self.of_count(error))
+        checked.map_err(|error| self.as_of_count(error))
     }
 
     /// Returns an error of [`check`] as one of the wanted number of samples, if that gave the radius: no radius was
     /// chosen that could be smaller.
-    fn of_count(&self, error: ParameterError) -> ParameterError {
+    fn as_of_count(&self, error: ParameterError) -> ParameterError {
         match (self.exactly, error) {
             (
                 Some(count),
@@ -118,10 +118,48 @@ impl NestedRequest {
             Some(count) => NestedPlane::exactly(parameters, self.levels, count, observer)?,
             None => NestedPlane::new(parameters, self.levels, observer)?.whole(observer)?,
         };
-        if self.order_within == WithinLevel::Farthest {
-            made.order_by_distance(observer)?;
-        }
+        self.arrange(&mut made, observer)?;
         Ok(made)
+    }
+
+    /// Returns the samples of the radius that gives `count` of them in the last level, to within 1% or one sample. Neither the
+    /// radius of `parameters` nor [`Self::exactly`] is used.
+    ///
+    /// Fails as [`Self::make`] and [`search_radius`].
+    pub fn of_count(
+        &self,
+        parameters: &Parameters,
+        count: u64,
+        observer: &mut dyn Observer,
+    ) -> Result<Nested, SampleError> {
+        // Making a pattern takes long: what is wrong without it is found first.
+        let radius = radius_estimate(parameters, count)?;
+        let estimated = Parameters {
+            radius,
+            ..*parameters
+        };
+        check(&estimated, self.levels)?;
+
+        let pattern = NestedPattern::generate(&parameters.pattern, self.levels, observer)?;
+        let mut made = search_radius(parameters, count, |radius| -> Result<_, SampleError> {
+            let parameters = Parameters {
+                radius,
+                ..*parameters
+            };
+            let plane = NestedPlane::with_pattern(&parameters, &pattern)?;
+            let made = plane.whole(observer)?;
+            Ok((made.points().len() as u64, made))
+        })?;
+        self.arrange(&mut made, observer)?;
+        Ok(made)
+    }
+
+    /// Puts the samples of each level into the order that is asked for.
+    fn arrange(&self, made: &mut Nested, observer: &mut dyn Observer) -> Result<(), SampleError> {
+        match self.order_within {
+            WithinLevel::Random => Ok(()),
+            WithinLevel::Farthest => made.order_by_distance(observer),
+        }
     }
 }
 

@@ -3,11 +3,13 @@
 
 use std::sync::Arc;
 
+use egui::epaint::text::{GlyphBitmap, GlyphRasterizer, RasterizedGlyph};
 use egui::{
-    Color32, Context, CornerRadius, FontData, FontDefinitions, FontFamily, FontId, Margin, Shadow,
-    Stroke, Style, TextStyle, Visuals, vec2,
+    Color32, ColorImage, Context, CornerRadius, FontData, FontDefinitions, FontFamily, FontId,
+    Margin, Shadow, Stroke, Style, TextStyle, Visuals, vec2,
 };
 use tilescope_drawing::palette::Palette;
+use tilescope_figures::stamp;
 use tilescope_session::look::Look;
 
 use super::{semibold, theme_of};
@@ -27,6 +29,7 @@ pub const FINGER: f32 = 40.0;
 /// Gives `ctx` the fonts, and the colours of `look`.
 pub fn install(ctx: &Context, look: Look) {
     ctx.set_fonts(fonts());
+    ctx.add_glyph_rasterizer(code_points());
     restyle(ctx, look, InputStyle::default());
 }
 
@@ -109,6 +112,26 @@ fn with_own_fonts(mut fonts: FontDefinitions) -> FontDefinitions {
         names.splice(0..0, own.map(str::to_owned));
     }
     fonts
+}
+
+/// Returns what draws letters that no font has, of the program or of the system or, on a page, of the browser: boxes that
+/// hold their code points, as in pictures. The fonts' own empty boxes would make words that differ look alike.
+fn code_points() -> GlyphRasterizer {
+    GlyphRasterizer::new("tilescope::code-points", |request| {
+        let stamp = stamp(request.cluster, f64::from(request.font_size_px))?;
+        let size = [stamp.pixels.width, stamp.pixels.height].map(|side| side as usize);
+        let opacities = stamp.pixels.rgba.chunks_exact(4).map(|pixel| pixel[3]);
+        let image = ColorImage::new(size, opacities.map(Color32::from_white_alpha).collect());
+        let bitmap = GlyphBitmap {
+            image,
+            offset_px: vec2(request.subpixel_offset_px, -(stamp.baseline as f32)),
+            is_color: false,
+        };
+        Some(RasterizedGlyph {
+            bitmap,
+            advance_px: stamp.advance as f32,
+        })
+    })
 }
 
 fn style(palette: &Palette, input: InputStyle) -> Style {
@@ -209,8 +232,9 @@ fn visuals(palette: &Palette) -> Visuals {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use egui::epaint::text::GlyphRasterizerRequest;
 
+    use super::*;
     #[test]
     fn a_page_has_every_sign_of_the_window_in_fonts_of_its_own() {
         // Besides those of the labels, the signs in names, sentences and pseudocode.
@@ -229,5 +253,38 @@ mod tests {
             // A letter that no font of the project has: the browser draws it.
             assert!(!view.has_glyph(&font, '\u{4e2d}'), "{font:?}");
         }
+    }
+
+    #[test]
+    fn letters_that_no_font_has_are_boxes_that_differ() {
+        let drawn = |cluster: &str, font_size_px: f32| {
+            let family = FontFamily::Proportional;
+            (code_points().rasterize)(&GlyphRasterizerRequest {
+                cluster,
+                family: &family,
+                font_size_px,
+                subpixel_offset_px: 0.0,
+            })
+        };
+        let [a, b] = ["\u{70b9}", "\u{96c6}"].map(|cluster| drawn(cluster, 14.0).unwrap());
+        assert_ne!(a.bitmap.image, b.bitmap.image);
+        assert!(
+            a.advance_px > 7.0 && a.advance_px < 21.0,
+            "{}",
+            a.advance_px
+        );
+        let larger = drawn("\u{70b9}", 28.0).unwrap();
+        assert!(larger.bitmap.image.size[0] > a.bitmap.image.size[0]);
+    }
+
+    #[test]
+    fn the_window_has_the_boxes() {
+        let ctx = Context::default();
+        install(&ctx, Look::Dark);
+        // Without a rasterizer, a letter that no font has would end the pass.
+        ctx.set_missing_glyph_policy(egui::epaint::text::MissingGlyphPolicy::Panic);
+        let _ = ctx.run_ui(egui::RawInput::default(), |ui| {
+            ui.label("\u{70b9}\u{96c6} \u{915}\u{94d} \u{e000}");
+        });
     }
 }

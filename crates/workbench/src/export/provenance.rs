@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use serde_json::{Value, json};
+use tilescope_analysis::lossy;
 use tilescope_core::{Fate, Run, Source};
 use tilescope_debugger::{digest, pattern_digest};
 use tilescope_formats::PointSet;
@@ -50,7 +51,7 @@ pub(crate) fn parameter_map(session: &Session) -> BTreeMap<String, Value> {
     };
     if let Some(own) = &session.own {
         let path = std::path::Path::new(&own.file.path);
-        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        let name = lossy(path.file_name().unwrap_or_default());
         let pattern = json!({ "file": name, "pattern_digest": own.file.digest });
         map.insert("pattern".to_owned(), pattern);
     }

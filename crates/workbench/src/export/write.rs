@@ -11,7 +11,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use serde_json::json;
 use tilescope_analysis::Report;
 use tilescope_figures::{
-    AnimationError, FigureError, to_pixels, to_png, to_svg, write_apng, write_gif,
+    AnimationError, FigureError, to_pixels, to_png_controlled, to_svg, write_apng, write_gif,
 };
 use tilescope_formats::{
     ExportContext, ExportError, FormatError, PointSet, Warning, certificate_path, export_bytes,
@@ -208,6 +208,15 @@ fn go_on(monitor: &Monitor) -> Result<(), WriteError> {
     Ok(())
 }
 
+/// Returns whether to go on, for functions that ask.
+fn flow(monitor: &Monitor) -> ControlFlow<()> {
+    if monitor.is_cancelled() {
+        ControlFlow::Break(())
+    } else {
+        ControlFlow::Continue(())
+    }
+}
+
 /// Returns the samples of an export, the context for their certificate, and whether they are the result.
 fn samples(
     job: &ExportJob,
@@ -308,7 +317,10 @@ fn pictures(job: &ExportJob, monitor: &Monitor) -> Result<Vec<(PathBuf, Vec<u8>)
         go_on(monitor)?;
         let bytes = match extension(&path).as_deref() {
             Some("svg") => to_svg(&drawn)?.into_bytes(),
-            _ => to_png(&drawn, scale)?,
+            _ => match to_png_controlled(&drawn, scale, &mut |_, _| flow(monitor)) {
+                Err(FigureError::Cancelled) => return Err(WriteError::Cancelled),
+                bytes => bytes?,
+            },
         };
         files.push((path, bytes));
     }
@@ -348,11 +360,7 @@ fn animate(job: &ExportJob, out: &mut dyn Write, monitor: &Monitor) -> Result<()
     let mut tell = |done: usize, all: usize| {
         monitor.set_activity(&format!("frame {done} of {all}"));
         monitor.set_fraction(done as f32 / all.max(1) as f32);
-        if monitor.is_cancelled() {
-            ControlFlow::Break(())
-        } else {
-            ControlFlow::Continue(())
-        }
+        flow(monitor)
     };
     let frames = cursors.iter().map(draw);
     match extension(&job.path).as_deref() {

@@ -765,6 +765,7 @@ mod tests {
             TimeCommand::StepForward,
             TimeCommand::LastStage,
             TimeCommand::Jump(usize::MAX),
+            TimeCommand::Jump(cursor.1),
             TimeCommand::TogglePlay,
         ] {
             state.apply(Command::Time(command));
@@ -774,7 +775,7 @@ mod tests {
             let (at, len) = state.cursor().unwrap();
             assert!(at <= len && len == cursor.1);
         }
-        state.apply(Command::Time(TimeCommand::Jump(usize::MAX)));
+        state.apply(Command::Time(TimeCommand::Jump(cursor.1)));
         assert_eq!(state.cursor(), Some(cursor));
         let run = &state.runs.first;
         let debugger = run.debugger.as_ref().unwrap();

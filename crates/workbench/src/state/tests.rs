@@ -56,7 +56,7 @@ fn stages_stop_at_both_ends() {
         (state.runs.first.stage, state.current_stage()),
         (0, Some(Stage::Pattern))
     );
-    state.apply(Command::Time(TimeCommand::ShowStage(usize::MAX)));
+    state.apply(Command::Time(TimeCommand::LastStage));
     assert_eq!(state.runs.first.stage, last);
 }
 

@@ -59,7 +59,10 @@ impl RunView {
                     self.fly_to(center, 12.0, context);
                 }
             }
-            ViewCommand::Hover(id) => self.hovered = id,
+            ViewCommand::Hover(id) => {
+                let is_there = |id: &u32| self.can_select(Selection::Sample(*id));
+                self.hovered = id.filter(is_there);
+            }
             ViewCommand::Pick(selection) => {
                 self.pick(selection, context);
                 self.forget_unseen();
