@@ -7,7 +7,7 @@ use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use serde::de::DeserializeOwned;
 use tilescope_analysis::{Boundary, JudgeChoice, Region, VerifyOptions};
-use tilescope_formats::{Certificate, CheckError, Format, Hint, Overrides, StreamReader};
+use tilescope_formats::{Certificate, CheckError, Format, Hint, Overrides, ReadSet, StreamReader};
 
 use crate::paths::InFile;
 
@@ -89,6 +89,13 @@ pub struct SetArguments {
     /// Format of the input, if neither its extension nor its content names one
     #[arg(long, value_name = "FORMAT")]
     pub format: Option<Format>,
+    /// The columns of x and y in a text table, each by its name, or by its number from 1. Other columns are then not looked
+    /// at; without this option a column z must be 0
+    #[arg(long, num_args = 2, value_names = ["A", "B"])]
+    pub columns: Option<Vec<String>>,
+    /// Which set of a file that holds several, from 0
+    #[arg(long, value_name = "I")]
+    pub set: Option<usize>,
 }
 
 impl SetArguments {
@@ -105,8 +112,11 @@ impl SetArguments {
             stated = self.certificate(path)?.map(|stated| stated.region);
         }
         let region = || self.region_over(stated.unwrap_or(Region::UNIT_SQUARE));
+        let columns = self.columns.clone();
         Ok(Overrides {
             format: self.format,
+            set: self.set,
+            columns: columns.and_then(|columns| columns.try_into().ok()),
             region: given.contains(&true).then(region),
             radius: self.radius,
             ..Overrides::default()
@@ -126,14 +136,33 @@ impl SetArguments {
     pub fn certificate(&self, path: &Path) -> Result<Option<Certificate>> {
         match StreamReader::open(path, self.format) {
             Ok(reader) => Ok(reader.certificate().cloned()),
-            Err(_) => Ok(self.read(path)?.certificate),
+            // It is that of the file, whichever of its sets is chosen.
+            Err(_) => Ok(self.read_set(path, self.set.or(Some(0)))?.certificate),
         }
     }
 
-    /// Reads the file with the given format.
-    pub fn read(&self, path: &Path) -> Result<tilescope_formats::ReadSet> {
+    /// Returns how many sets of a file are chosen: one, or all if no argument chooses.
+    pub fn sets(&self, path: &Path) -> Result<usize> {
+        // A file that can be read in pieces holds one set.
+        if self.set.is_some() || StreamReader::open(path, self.format).is_ok() {
+            return Ok(1);
+        }
+        Ok(self.read_set(path, Some(0))?.sets)
+    }
+
+    /// Reads the file with the given format, columns and set.
+    pub fn read(&self, path: &Path) -> Result<ReadSet> {
+        self.read_set(path, self.set)
+    }
+
+    /// Reads a set of the file with the given format and columns.
+    pub fn read_set(&self, path: &Path, set: Option<usize>) -> Result<ReadSet> {
+        let columns = self.columns.as_deref();
+        let columns = columns.and_then(|columns| <&[String; 2]>::try_from(columns).ok());
         let hint = Hint {
             format: self.format,
+            set,
+            columns: columns.map(|columns| columns.each_ref().map(String::as_str)),
             ..Hint::default()
         };
         tilescope_formats::read(path, &hint).in_file(path)

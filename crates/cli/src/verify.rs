@@ -41,6 +41,7 @@ only, make the set again. A set of nested levels is verified level by level.
 Examples:
   tilescope verify set.csv
   tilescope verify theirs.txt --radius 0.01
+  tilescope verify survey.csv --radius 2 --width 90 --height 60 --columns easting northing
   tilescope verify levels.npy --prefix 1000
   tilescope verify theirs.csv --radius 0.5 --width 20 --height 10 --boundary bounded --json";
 
