@@ -35,7 +35,7 @@ pub struct AnalyzeArguments {
     /// The point sets, in any formats
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
-    /// Average all FILEs: mean curves with bands, numbers with standard errors
+    /// Average all FILEs, and all sets of those that hold several: mean curves with bands, numbers with standard errors
     #[arg(long)]
     average: bool,
     /// Compare the sets with this one, or with the average of several: it is drawn dashed, and differences

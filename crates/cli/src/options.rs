@@ -113,6 +113,13 @@ pub struct SetArguments {
     /// Leave the certificate out, which may be false: the set is then taken for one of unknown origin
     #[arg(long)]
     pub no_certificate: bool,
+    /// The columns of x and y in a text table, each by its name, or by its number from 1. Other columns are then not looked
+    /// at; without this option a column z must be 0
+    #[arg(long, num_args = 2, value_names = ["A", "B"])]
+    pub columns: Option<Vec<String>>,
+    /// Which set of a file that holds several, from 0
+    #[arg(long, value_name = "I")]
+    pub set: Option<usize>,
 }
 
 /// Returns the two numbers of `--origin`, if it is given.
@@ -147,8 +154,11 @@ impl SetArguments {
             stated = self.certificate(path)?.map(|stated| stated.region);
         }
         let region = || self.region_over(stated.unwrap_or(Region::UNIT_SQUARE));
+        let columns = self.columns.clone();
         Ok(Overrides {
             format: self.format,
+            set: self.set,
+            columns: columns.and_then(|columns| columns.try_into().ok()),
             region: given.contains(&true).then(region),
             radius: self.radius,
             origin: self.origin(),
@@ -188,23 +198,52 @@ impl SetArguments {
         }
         match StreamReader::open(path, self.format) {
             Ok(reader) => Ok(reader.certificate().cloned()),
-            Err(_) => Ok(self.read_as(path, CertificateUse::AsStated)?.certificate),
+            // It is that of the file, whichever of its sets is chosen.
+            Err(_) => {
+                let set = self.set.or(Some(0));
+                Ok(self
+                    .read_as(path, set, CertificateUse::AsStated)?
+                    .certificate)
+            }
         }
     }
 
-    /// Reads the file with the given format. Fails if its certificate is false, unless that is left out.
+    /// Returns how many sets of a file are chosen: one, or all if no argument chooses.
+    pub fn sets(&self, path: &Path) -> Result<usize> {
+        // A file that can be read in pieces holds one set.
+        if self.set.is_some() || StreamReader::open(path, self.format).is_ok() {
+            return Ok(1);
+        }
+        Ok(self.read_as(path, Some(0), CertificateUse::AsStated)?.sets)
+    }
+
+    /// Reads the file with the given format, columns and set. Fails if its certificate is false, unless that is left out.
     pub fn read(&self, path: &Path) -> Result<ReadSet> {
+        self.read_set(path, self.set)
+    }
+
+    /// The same as [`Self::read`], of one set of the file.
+    pub fn read_set(&self, path: &Path, set: Option<usize>) -> Result<ReadSet> {
         let certificate = if self.no_certificate {
             CertificateUse::LeftOut
         } else {
             CertificateUse::Checked
         };
-        self.read_as(path, certificate)
+        self.read_as(path, set, certificate)
     }
 
-    fn read_as(&self, path: &Path, certificate: CertificateUse) -> Result<ReadSet> {
+    fn read_as(
+        &self,
+        path: &Path,
+        set: Option<usize>,
+        certificate: CertificateUse,
+    ) -> Result<ReadSet> {
+        let columns = self.columns.as_deref();
+        let columns = columns.and_then(|columns| <&[String; 2]>::try_from(columns).ok());
         let hint = Hint {
             format: self.format,
+            set,
+            columns: columns.map(|columns| columns.each_ref().map(String::as_str)),
             origin: self.origin(),
             certificate,
             ..Hint::default()

@@ -258,22 +258,28 @@ pub fn verdict_text(report: &Report, levels: &[CertifiedLevel]) -> String {
     let conflict_free = conflicts_answer(report.conflicts);
     let maximal = answer(report.maximal(), report.gaps);
     let limit = 1.0 + report.covering_tolerance;
+    let (closest, _) = compared(closest, 1.0, 9);
+    let (farthest, most) = compared(farthest, limit, 9);
     let judges = Judge::joined(&report.judges);
     let mut out = format!(
         "samples        {count}\n\
          density        {density:.4} N r^2 / area\n\
-         conflict-free  {conflict_free}   min distance {closest:.9} r\n\
-         maximal        {maximal}   covering radius {farthest:.9} r, at most {limit:.9} r\n\
+         conflict-free  {conflict_free}   min distance {closest} r\n\
+         maximal        {maximal}   covering radius {farthest} r, at most {most} r\n\
          verified by    {judges}\n"
     );
     for conflict in report.worst_conflicts.iter().take(3) {
         let (a, b, apart) = (conflict.first, conflict.second, conflict.distance / r);
-        let _ = writeln!(out, "  conflict: samples {a} and {b}, {apart:.6} r apart");
+        let apart = match compared(apart, 1.0, 6) {
+            (apart, limit) if apart == limit => "less than 1 r apart by rounding".to_owned(),
+            (apart, _) => format!("{apart} r apart"),
+        };
+        let _ = writeln!(out, "  conflict: samples {a} and {b}, {apart}");
     }
     let gaps = report.worst_gaps.iter().take(3);
     for gap in gaps.filter(|_| !report.maximal()) {
-        let ([x, y], far) = (gap.center, gap.distance / r);
-        let place = format!("({x}, {y}) is {far:.6} r from the nearest sample");
+        let ([x, y], (far, _)) = (gap.center, compared(gap.distance / r, limit, 6));
+        let place = format!("({x}, {y}) is {far} r from the nearest sample");
         let _ = writeln!(out, "  gap: {place}");
     }
     let _ = writeln!(out, "verdict        {}", validity(report.valid()));
@@ -282,15 +288,31 @@ pub fn verdict_text(report: &Report, levels: &[CertifiedLevel]) -> String {
 
 /// Returns the row of a level.
 pub fn level_row(level: &CertifiedLevel) -> String {
-    let covering = (level.covering).map_or_else(|| "-".to_owned(), |r| format!("{r:.6}"));
+    let found = level.min_distance.unwrap_or(f64::INFINITY);
+    let (closest, least) = compared(found, level.distance, 6);
+    let measured = level.covering_radius;
+    let promised = level.covering.unwrap_or(measured);
+    let (farthest, most) = compared(measured, promised, 6);
+    let most = level.covering.map_or_else(|| "-".to_owned(), |_| most);
     format!(
-        "  {:>8}   {:.6} ({:.6})   {covering} ({:.6})   {}\n",
+        "  {:>8}   {least} ({closest})   {most} ({farthest})   {}\n",
         level.count,
-        level.distance,
-        level.min_distance.unwrap_or(f64::INFINITY),
-        level.covering_radius,
         validity(level.valid)
     )
+}
+
+/// Returns a value and the limit that it is compared with, with `decimals` decimals or as many more as show on which side of
+/// the limit the value lies.
+pub fn compared(value: f64, limit: f64, decimals: usize) -> (String, String) {
+    let texts = |decimals| (format!("{value:.decimals$}"), format!("{limit:.decimals$}"));
+    let shown = |text: &str| text.parse::<f64>().ok();
+    let shows = |(value_text, limit_text): &(String, String)| {
+        shown(value_text).partial_cmp(&shown(limit_text)) == Some(value).partial_cmp(&Some(limit))
+    };
+    // Lengths are in radii; of two that differ by rounding, the 17th decimal differs.
+    let mut all = (decimals..=17).map(texts);
+    all.find(shows)
+        .unwrap_or_else(|| (format!("{value:e}"), format!("{limit:e}")))
 }
 
 pub const fn validity(valid: bool) -> &'static str {
@@ -308,4 +330,30 @@ pub fn answer(yes: bool, count: u64) -> String {
 pub fn conflicts_answer(count: u64) -> String {
     let is_limit = count >= MAX_CONFLICTS;
     answer(count == 0, count) + if is_limit { " or more" } else { "" }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_value_beside_a_limit_has_the_digits_that_show_its_side() {
+        let pair = |value, limit| compared(value, limit, 6);
+        let texts = |value: &str, limit: &str| (value.to_owned(), limit.to_owned());
+        assert_eq!(pair(0.5, 1.0), texts("0.500000", "1.000000"));
+        assert_eq!(pair(1.0, 1.0), texts("1.000000", "1.000000"));
+        assert_eq!(pair(1.0 - 4e-9, 1.0), texts("0.999999996", "1.000000000"));
+        assert_eq!(
+            pair(1.0_f64.next_down(), 1.0),
+            texts("0.9999999999999999", "1.0000000000000000")
+        );
+        let limit = 1.0 + 2.0_f64.powi(-15);
+        for value in [limit.next_up(), limit.next_down()] {
+            let (value_text, limit_text) = pair(value, limit);
+            assert_ne!(value_text, limit_text);
+        }
+        assert_eq!(pair(f64::INFINITY, 1.0).0, "inf");
+        let tiny = 1e-30_f64;
+        assert_ne!(pair(tiny.next_up(), tiny).0, pair(tiny.next_up(), tiny).1);
+    }
 }

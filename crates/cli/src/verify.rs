@@ -41,6 +41,7 @@ only, make the set again. A set of nested levels is verified level by level.
 Examples:
   tilescope verify set.csv
   tilescope verify theirs.txt --radius 0.01
+  tilescope verify survey.csv --radius 2 --width 90 --height 60 --columns easting northing
   tilescope verify levels.npy --prefix 1000
   tilescope verify trees.csv --radius 2 --width 100 --height 80 --boundary bounded --origin 500000 5400000
   tilescope verify theirs.csv --radius 0.5 --width 20 --height 10 --boundary bounded --json";

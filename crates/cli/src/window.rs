@@ -118,12 +118,12 @@ fn text(
     format!(
         "window         [{left}, {right}{x} x [{bottom}, {top}{y} of {region}, r = {r}\n\
          samples        {count} in {:.2} ms\n\
-         conflict-free  {}   min distance {:.9} r\n\
+         conflict-free  {}   min distance {} r\n\
          maximal        {}\n\
          verdict        {}\n",
         seconds * 1e3,
         output::conflicts_answer(whole.conflicts),
-        whole.min_distance / whole.radius,
+        output::compared(whole.min_distance / whole.radius, 1.0, 9).0,
         output::answer(report.gaps == 0, report.gaps),
         output::validity(report.valid()),
     )

@@ -180,6 +180,16 @@ pub enum CheckError {
         /// Why memory is needed.
         source: VerifyError,
     },
+    /// Positions lie outside the region once they are multiplied by its width, as those of the format are.
+    #[error(
+        "{source}; in {format} positions are divided by the domain's width: if these are not, read the file as csv (--format csv)"
+    )]
+    Scaled {
+        /// The format, which is of the unit torus.
+        format: Format,
+        /// The first position that lies outside.
+        source: VerifyError,
+    },
     /// The verifier gave no verdict (also when it was cancelled).
     #[error("the set has no verdict: {0}")]
     Verify(#[from] VerifyError),
@@ -239,7 +249,8 @@ pub fn check_bytes(
     }
 
     let (region, radius) = (judged.region, judged.radius);
-    let report = verify(&set.points, region, radius, &judged.options, control)?;
+    let report = verify(&set.points, region, radius, &judged.options, control)
+        .map_err(|error| judged.fault(error, detection.format))?;
     // Of another region or radius the certificate's levels claim nothing.
     let levels = certificate.as_ref().filter(|stated| judged.is_as(stated));
     let mut claims = levels.map_or_else(Vec::new, Certificate::claims);
@@ -301,6 +312,15 @@ impl Judged {
             },
             mapping: Mapping::new(format, Some(region), precision).with_origin(origin),
         })
+    }
+
+    /// The error of a set without a verdict. Numbers between blanks, which are taken for UTK's, may be in the user's units.
+    fn fault(&self, source: VerifyError, format: Format) -> CheckError {
+        let is_outside = matches!(source, VerifyError::OutOfRegion { .. });
+        if is_outside && format == Format::UtkText && self.mapping.scale() > 1.0 {
+            return CheckError::Scaled { format, source };
+        }
+        CheckError::Verify(source)
     }
 
     /// Whether these are the region, its origin, the radius and the tolerance that a certificate states.

@@ -10,10 +10,10 @@ use std::path::Path;
 
 use crate::binary::array;
 use crate::codecs::table::fields::{Separator, looks_numeric, unquoted};
-use crate::codecs::table::{is_remark, names, names_in_remark};
+use crate::codecs::table::{names, names_in_remark};
 use crate::error::FormatError;
 use crate::format::Format;
-use crate::text::{as_utf8, lines, without_bom, words};
+use crate::text::{as_utf8, is_remark, lines, without_bom, words};
 
 /// First bytes of a numpy file.
 pub(crate) const NPY_MAGIC: &[u8] = b"\x93NUMPY";

@@ -366,7 +366,7 @@ fn several(found: usize, chosen: Option<usize>) -> String {
     match found {
         1 => format!("one set, which is set 0; {was} was chosen"),
         _ => format!(
-            "{found} sets, 0 to {}, and {was} was chosen; --set I of the command line chooses one, set=I in Python",
+            "{found} sets, 0 to {}, and {was} was chosen; choose one by --set I (verify, analyze, convert, draw) or set=I (Python)",
             found - 1
         ),
     }
@@ -429,7 +429,7 @@ mod tests {
         };
         assert_eq!(
             sets.to_string(),
-            "UTK text: the file holds 3 sets, 0 to 2, and none was chosen; --set I of the command line chooses one, set=I in Python"
+            "UTK text: the file holds 3 sets, 0 to 2, and none was chosen; choose one by --set I (verify, analyze, convert, draw) or set=I (Python)"
         );
         let beyond = FormatError::Sets {
             format: Format::Csv,

@@ -73,9 +73,15 @@ fn is_of_tables(unit: u16) -> bool {
     unit < 0x250 && letter.is_some_and(|c| !c.is_control() || c.is_ascii_whitespace())
 }
 
-/// Lines that are neither blank nor a `#` comment.
+/// Lines that are neither blank nor a remark.
 pub(crate) fn data_lines(bytes: &[u8]) -> impl Iterator<Item = (u64, &[u8])> {
-    lines(bytes).filter(|(_, line)| !line.is_empty() && line[0] != b'#')
+    lines(bytes).filter(|(_, line)| !line.is_empty() && !is_remark(line))
+}
+
+/// Whether a line is a remark: it begins with `#`, `%` or `//`.
+pub(crate) fn is_remark(line: &[u8]) -> bool {
+    let line = line.trim_ascii_start();
+    line.starts_with(b"#") || line.starts_with(b"%") || line.starts_with(b"//")
 }
 
 /// Fields between any blanks.

@@ -7,7 +7,7 @@ use serde::Serialize;
 use tilescope_analysis::measures::Spectrum;
 
 use super::differences::Differences;
-use super::measured::{MeasuredSet, Request, check_domain};
+use super::measured::{MeasuredSet, Request, Source, check_domain};
 use super::subject::{Population, Subject};
 use super::{AnalyzeArguments, names};
 use crate::output::region_text;
@@ -58,8 +58,11 @@ impl Analysis {
             averaged: arguments.average,
             ..Self::default()
         };
-        if let [path] = &against[..] {
-            let reference = request.measure(path, None).context("--against")?;
+        if let [path] = &against[..]
+            && request.sources(path).map_or(1, |sources| sources.len()) == 1
+        {
+            let reference = request.measure(Source::whole(path), None);
+            let reference = reference.context("--against")?;
             analysis.subjects.extend(Subject::one(reference)?);
         } else if analysis.has_reference {
             let average = analysis.average(against, &request)?;
@@ -89,7 +92,7 @@ impl Analysis {
 
     fn one_by_one(&mut self, paths: &[PathBuf], request: &Request<'_>) -> Result<()> {
         for (path, same) in paths.iter().zip(repetitions(paths)) {
-            let set = request.measure(path, None);
+            let set = request.measure(Source::whole(path), None);
             let set = set.and_then(|set| self.with_domain_of_reference(set));
             match set.and_then(|set| Ok(Subject::one(set)?)) {
                 Ok(subject) => {
@@ -98,35 +101,45 @@ impl Analysis {
                         self.note(format!("{same}: it is analysed twice"));
                     }
                 }
-                Err(error) => self.fail(path, error)?,
+                Err(error) => self.fail(Source::whole(path), error)?,
             }
         }
         Ok(())
     }
 
-    /// Averages files and keeps only their numbers.
+    /// Averages all sets of files and keeps only their numbers.
     fn average(&mut self, paths: &[PathBuf], request: &Request<'_>) -> Result<Option<Subject>> {
         let mut population = Population::default();
         for (path, same) in paths.iter().zip(repetitions(paths)) {
-            let measured = match same {
+            let sources = match same {
                 Some(same) => Err(anyhow!("{same}: a set counts once in an average")),
-                None => request.measure(path, population.common.as_ref()),
+                None => request.sources(path),
             };
-            let set = measured.and_then(|set| self.with_domain_of_reference(set));
-            if let Err(error) = set.and_then(|set| Ok(population.add(set)?)) {
-                self.fail(path, error)?;
+            let sources = match sources {
+                Ok(sources) => sources,
+                Err(error) => {
+                    self.fail(Source::whole(path), error)?;
+                    continue;
+                }
+            };
+            for source in sources {
+                let measured = request.measure(source, population.common.as_ref());
+                let set = measured.and_then(|set| self.with_domain_of_reference(set));
+                if let Err(error) = set.and_then(|set| Ok(population.add(set)?)) {
+                    self.fail(source, error)?;
+                }
             }
         }
         Ok(population.finish(true)?)
     }
 
-    fn fail(&mut self, path: &Path, error: anyhow::Error) -> Result<()> {
+    fn fail(&mut self, source: Source<'_>, error: anyhow::Error) -> Result<()> {
         if interrupt::requested() {
             return Err(error);
         }
         let reason = describe(&error);
         output::note(&format!("error: {reason}"));
-        let name = named(path);
+        let name = source.name();
         self.failures.push(Failure { name, reason });
         Ok(())
     }

@@ -28,7 +28,7 @@ const MAX_UNASKED_BYTES: u64 = 1 << 31;
 pub struct Member {
     #[serde(flatten, serialize_with = "values_by_key")]
     pub measures: Vec<Measure>,
-    /// The path of the file as the command line has it.
+    /// The path of the file as the command line has it, and its set if it is one of several.
     #[serde(rename = "file")]
     pub name: String,
     pub region: Region,
@@ -67,6 +67,30 @@ pub struct Common {
     bins: PairBins,
 }
 
+/// A set of a file.
+#[derive(Clone, Copy)]
+pub struct Source<'p> {
+    pub path: &'p Path,
+    /// Which set, if the file holds several and no argument chooses one.
+    set: Option<usize>,
+}
+
+impl<'p> Source<'p> {
+    /// Returns the only set of a file, or the one that the arguments choose.
+    pub fn whole(path: &'p Path) -> Self {
+        Self { path, set: None }
+    }
+
+    /// Returns the path as the command line has it, and the set if it is one of several.
+    pub fn name(&self) -> String {
+        let path = named(self.path);
+        match self.set {
+            Some(set) => format!("{path}, set {set}"),
+            None => path,
+        }
+    }
+}
+
 /// How files are measured.
 pub struct Request<'a> {
     arguments: &'a SetArguments,
@@ -96,14 +120,27 @@ impl<'a> Request<'a> {
         }
     }
 
-    /// Reads, verifies and measures a file.
-    pub fn measure(&self, path: &Path, common: Option<&Common>) -> Result<MeasuredSet> {
-        self.measured(path, common).in_file(path)
+    /// Returns the sets of a file that are measured: the one that the arguments choose, or all.
+    pub fn sources<'p>(&self, path: &'p Path) -> Result<Vec<Source<'p>>> {
+        Ok(match self.arguments.sets(path)? {
+            1 => vec![Source::whole(path)],
+            count => (0..count)
+                .map(|set| Source {
+                    path,
+                    set: Some(set),
+                })
+                .collect(),
+        })
     }
 
-    fn measured(&self, path: &Path, common: Option<&Common>) -> Result<MeasuredSet> {
-        self.refuse_early(path)?;
-        let (set, check, has_radius) = read(path, self.arguments)?;
+    /// Reads, verifies and measures a set.
+    pub fn measure(&self, source: Source<'_>, common: Option<&Common>) -> Result<MeasuredSet> {
+        self.measured(source, common).in_file(source.path)
+    }
+
+    fn measured(&self, source: Source<'_>, common: Option<&Common>) -> Result<MeasuredSet> {
+        self.refuse_early(source.path)?;
+        let (set, check, has_radius) = read(source, self.arguments)?;
         let (samples, region) = (set.len(), check.report.region);
         if let Some(common) = common {
             common.admit(samples, region)?;
@@ -120,7 +157,7 @@ impl<'a> Request<'a> {
             let farthest = bins.farthest(samples, region);
             let pairs = PairCorrelation::of(points, region, farthest, bins.count(), control)?;
             let member = Member {
-                name: named(path),
+                name: source.name(),
                 region,
                 format: check.detection.format,
                 samples,
@@ -215,14 +252,16 @@ impl Common {
 
 /// Reads and verifies a file, and prints warnings. Returns also whether its radius is known; if not, the report is for
 /// the mean spacing of the samples.
-fn read(path: &Path, arguments: &SetArguments) -> Result<(PointSet, Check, bool)> {
+fn read(source: Source<'_>, arguments: &SetArguments) -> Result<(PointSet, Check, bool)> {
+    let path = source.path;
     let mut overrides = arguments.overrides(path)?;
+    overrides.set = source.set.or(overrides.set);
     let check =
         |overrides: &_| verifying(|control| tilescope_formats::check(path, overrides, control));
     let mut outcome = check_or_unit_square(&overrides, check);
     let has_radius = !matches!(outcome, Err(CheckError::NoRadius));
     if !has_radius {
-        let count = arguments.read(path)?.set.len();
+        let count = arguments.read_set(path, overrides.set)?.set.len();
         if count < 3 {
             return Err(MeasureError::TooFew { count, limit: 3 }.into());
         }
@@ -235,9 +274,9 @@ fn read(path: &Path, arguments: &SetArguments) -> Result<(PointSet, Check, bool)
     if let Some(differs) = check.falsehood() {
         bail!("its certificate is not true: {differs}; {WITHOUT_CERTIFICATE}");
     }
-    arguments.announce(path);
-    let (report, path) = (&check.report, named(path));
-    let warn = |warning: &str| output::note(&format!("warning: {path}: {warning}"));
+    arguments.announce(source.path);
+    let (report, name) = (&check.report, source.name());
+    let warn = |warning: &str| output::note(&format!("warning: {name}: {warning}"));
     for difference in &check.differences {
         warn(&difference.to_string());
     }

@@ -483,3 +483,24 @@ fn degrees_are_refused_where_they_reach_beyond_the_domain() {
         Err(CheckError::Verify(VerifyError::OutOfRegion { .. }))
     ));
 }
+
+#[test]
+fn positions_that_are_not_divided_by_the_width_are_refused_with_what_would_do() {
+    let text = b"0.5 0.5\n12.5 7.5\n";
+    let region = |side| Region {
+        width: side,
+        height: side,
+        boundary: Boundary::Periodic,
+    };
+    let overrides = |side, format| Overrides {
+        region: Some(region(side)),
+        radius: Some(0.5),
+        format,
+        ..Overrides::default()
+    };
+    let check = |overrides: &_| check_bytes(text, "set.txt", None, overrides, &GO);
+    let message = |overrides: &_| check(overrides).expect_err("outside").to_string();
+    assert!(message(&overrides(20.0, None)).contains("--format csv"));
+    assert!(!message(&overrides(1.0, None)).contains("--format csv"));
+    check(&overrides(20.0, Some(Format::Csv))).expect("a verdict");
+}

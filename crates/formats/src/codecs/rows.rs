@@ -161,11 +161,11 @@ impl Rows {
         }
     }
 
-    /// The number of points that lines of text state.
-    pub fn stated(&self) -> Option<u64> {
+    /// Refuses a text that ended after `found` points, as for whole files.
+    pub fn finish(&self, found: u64) -> Result<(), FormatError> {
         match &self.kind {
-            RowKind::Text(table) => table.stated(),
-            RowKind::Pairs(..) | RowKind::Ply(_) => None,
+            RowKind::Text(table) => table.finish(found),
+            RowKind::Pairs(..) | RowKind::Ply(_) => Ok(()),
         }
     }
 

@@ -10,7 +10,7 @@ use super::Raw;
 use super::xyz::planar;
 use crate::error::{FilePlace, FormatError, quote};
 use crate::format::{Format, Precision};
-use crate::text::{number, split_line, without_bom, words};
+use crate::text::{is_remark, number, split_line, without_bom, words};
 use fields::{QuotedRow, Separator, looks_numeric, unquoted};
 
 /// Reads a whole table. `columns` are those that the caller chose.
@@ -21,20 +21,8 @@ pub(super) fn read(
 ) -> Result<Raw, FormatError> {
     let (mut table, mut points) = (TextTable::new(format, columns), Vec::new());
     table.take(bytes, &mut points)?;
-    match table.stated {
-        Some(stated) if stated != points.len() as u64 => Err(FormatError::Count {
-            format,
-            stated,
-            found: points.len() as u64,
-        }),
-        _ => Ok(Raw::new(points, Precision::Double)),
-    }
-}
-
-/// Whether a line is a remark: it begins with `#`, `%` or `//`.
-pub(crate) fn is_remark(line: &[u8]) -> bool {
-    let line = line.trim_ascii_start();
-    line.starts_with(b"#") || line.starts_with(b"%") || line.starts_with(b"//")
+    table.finish(points.len() as u64)?;
+    Ok(Raw::new(points, Precision::Double))
 }
 
 /// The names in a remark, if it is a header: `# x y`, `//X Y Z`.
@@ -109,12 +97,6 @@ impl TextTable {
         }
     }
 
-    /// The number of points that the table states.
-    #[cfg(not(target_arch = "wasm32"))]
-    pub fn stated(&self) -> Option<u64> {
-        self.stated
-    }
-
     /// Reads the next lines, which are whole; only the last line of the file may lack its end.
     pub fn take(&mut self, bytes: &[u8], points: &mut Vec<[f64; 2]>) -> Result<(), FormatError> {
         let mut rest = if self.line == 0 {
@@ -139,6 +121,23 @@ impl TextTable {
                 let is_quoted = quotes && row.contains(&b'"');
                 points.push(rows.point(row, is_quoted, FilePlace::Line(self.line))?);
             }
+        }
+        Ok(())
+    }
+
+    /// Refuses a table that ended after `found` points if it states another number, or has only a header that cannot be used.
+    pub fn finish(&self, found: u64) -> Result<(), FormatError> {
+        if let Some(stated) = self.stated.filter(|&stated| stated != found) {
+            return Err(FormatError::Count {
+                format: self.format,
+                stated,
+                found,
+            });
+        }
+        let Header { names, line } = &self.header;
+        if self.rows.is_none() && self.chosen.is_none() && !names.is_empty() {
+            let named = names::named(names);
+            named.map_err(|reason| self.header_fault(FilePlace::Line(*line), reason))?;
         }
         Ok(())
     }

@@ -184,6 +184,24 @@ fn every_truncation_is_refused_or_a_shorter_valid_text() {
 }
 
 #[test]
+fn remarks_line_ends_and_utf_16_change_nothing_in_tables() {
+    for format in [Format::Csv, Format::PsaText, Format::UtkText, Format::Xyz] {
+        let bytes = encode(&sample(), &Target::new(format)).expect("finite points");
+        let plain = decode(&bytes, &told(format)).expect("own file");
+        let text = String::from_utf8(bytes).expect("a text format");
+        for remark in ["# made by hand", "% made by hand", "//made by hand"] {
+            let old = format!("{remark}\n\n{text}").replace('\n', "\r");
+            let read = decode(old.as_bytes(), &told(format)).expect("the same file");
+            assert_eq!(read.set, plain.set, "{format}, {remark}");
+            let marked = std::iter::once(0xFEFF).chain(old.encode_utf16());
+            let wide: Vec<u8> = marked.flat_map(u16::to_be_bytes).collect();
+            let read = decode(&wide, &told(format)).expect("the same file");
+            assert_eq!(read.set, plain.set, "{format}, {remark}");
+        }
+    }
+}
+
+#[test]
 fn windows_line_ends_and_bom_change_nothing() {
     for format in [
         Format::Csv,

@@ -8,7 +8,7 @@ use crate::binary::{self, Cursor, Endian};
 use crate::detect::UTK_MAGIC;
 use crate::error::{FilePlace, FormatError};
 use crate::format::{Format, Precision};
-use crate::text::{lines, numbers, push_line, words};
+use crate::text::{is_remark, lines, numbers, push_line, words};
 
 /// Type codes of UTK's `DATATYPE`: the metadata's byte 0.
 const TYPE_FLOAT: u8 = 4;
@@ -19,7 +19,9 @@ pub(super) const HEADER_BYTES: u64 = 20;
 pub(super) fn read_text(bytes: &[u8], chosen: Option<usize>) -> Result<Raw, FormatError> {
     const FORMAT: Format = Format::UtkText;
     let mut sets = vec![Vec::new()];
-    for (line, row) in lines(bytes).filter(|(_, row)| !row.is_empty()) {
+    // Remarks of other programs separate no sets.
+    let is_other_remark = |row: &[u8]| is_remark(row) && row[0] != b'#';
+    for (line, row) in lines(bytes).filter(|(_, row)| !row.is_empty() && !is_other_remark(row)) {
         let last = sets.last_mut();
         match last {
             Some(set) if row[0] != b'#' => set.push(numbers(words(row), FORMAT, line, true)?),

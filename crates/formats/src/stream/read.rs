@@ -167,11 +167,12 @@ impl StreamReader {
 
     fn end(&self) -> Result<Option<Vec<[f64; 2]>>, FormatError> {
         let format = self.detection.format;
+        self.rows.finish(self.read)?;
         if self.read == 0 {
             return Err(FormatError::Empty { format });
         }
-        match self.count.or_else(|| self.rows.stated()) {
-            // The file was made shorter while it was read, or its text states another number.
+        match self.count {
+            // The file was made shorter while it was read.
             Some(stated) if stated != self.read => Err(FormatError::Count {
                 format,
                 stated,

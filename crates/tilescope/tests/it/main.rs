@@ -13,4 +13,5 @@ mod places;
 mod reproduce;
 mod script;
 mod support;
+mod text_tables;
 mod web;

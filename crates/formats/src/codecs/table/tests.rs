@@ -122,6 +122,7 @@ fn other_faults_are_named_with_their_line() {
         ("x y z\n1 2\n", "line 2: 2 columns where 3"),
         ("1 2 0\n1 2\n", "line 2: 2 columns where 3"),
         ("1,2\n1,2,0\n", "line 2: 3 columns where 2"),
+        ("\0\u{1}no points here", "line 1: no column is named x"),
         ("sep=|\nx|y\n1|2\n", "line 1: sep=| is not a separator"),
         (
             "x,y,name\n1,2,\"red\n2,3,blue\"\n",

@@ -166,6 +166,7 @@ fn foreign_text_is_read_in_pieces_as_in_memory() {
         "x,y\n",
         "x,y\n1,2\n3\n",
         "a,b\n1,2",
+        "no points here",
         "x,y\n1,NaN\n",
         "12,5,7,3\n",
         "x;y\r0.5;0.25\r0,5;0,25\r",
