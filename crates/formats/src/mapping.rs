@@ -187,16 +187,15 @@ pub(crate) fn check_origin(
 
     let precision = format.precision(precision);
     let corners = [origin, (DVec2::from(origin) + extent(region)).into()];
-    let farthest = corners
-        .as_flattened()
-        .iter()
-        .fold(0.0, |far, at| at.abs().max(far));
+    // `max` passes over what is not a number.
+    let is_finite = corners.as_flattened().iter().all(|at| at.is_finite());
+    let farthest = (corners.as_flattened().iter()).fold(0.0_f64, |far, at| far.max(at.abs()));
     let spacing = match precision {
+        _ if !is_finite => f64::INFINITY,
         Precision::Single => f64::from((farthest as f32).next_up() - farthest as f32),
         Precision::Double => farthest.next_up() - farthest,
     };
-    // `max` passes over what is not a number, so that the spacing alone would not refuse it.
-    if origin.iter().all(|at| at.is_finite()) && spacing <= MAX_SPACING * radius {
+    if spacing <= MAX_SPACING * radius {
         return Ok(());
     }
     Err(FormatError::OriginTooFar {
