@@ -13,7 +13,7 @@ use tilescope_core::{
     Boundary, Domain, NestedRequest, ParameterError, Parameters, Pattern, PatternSpec, Search,
     WithinLevel, radius_estimate, radius_for_count,
 };
-use tilescope_formats::{Format, positions_digest};
+use tilescope_formats::{Format, Overrides, positions_digest};
 
 use crate::arrays::rows;
 use crate::failure::Failure;
@@ -113,11 +113,15 @@ pub fn format(name: Option<&str>) -> PyResult<Option<Format>> {
     format.map_err(|error| PyValueError::new_err(error.to_string()))
 }
 
-/// Returns the number of a set of a file that holds several.
-pub fn set_of_several(set: Option<&Bound<'_, PyAny>>) -> PyResult<Option<usize>> {
+/// Returns what is said of a file: its format, and which of several sets is meant.
+pub fn overrides(format_name: Option<&str>, set: Option<&Bound<'_, PyAny>>) -> PyResult<Overrides> {
     let set = set.map(|set| whole("set", set)).transpose()?;
-    // No file holds so many.
-    Ok(set.map(|set| usize::try_from(set).unwrap_or(usize::MAX)))
+    Ok(Overrides {
+        format: format(format_name)?,
+        // No file holds so many.
+        set: set.map(|set| usize::try_from(set).unwrap_or(usize::MAX)),
+        ..Overrides::default()
+    })
 }
 
 /// Returns the analysis' region of a domain.

@@ -15,7 +15,7 @@ use tilescope_formats::{
 };
 
 use crate::arguments::{
-    LevelFields, SetArgument, claims, format, named, set_of_several, verify_options, whole,
+    LevelFields, SetArgument, claims, format, named, overrides, verify_options, whole,
 };
 use crate::arrays::rows;
 use crate::failure::Failure;
@@ -51,11 +51,7 @@ pub fn read<'py>(
     certificate: bool,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<PythonSet<'py>> {
-    let overrides = Overrides {
-        format: format(format_name)?,
-        set: set_of_several(set)?,
-        ..Overrides::default()
-    };
+    let overrides = overrides(format_name, set)?;
     let found = run(py, progress, |watch| {
         ask_to_read(&path)?;
         of_file(&path, &overrides, certificate, &watch.control("verify"))
@@ -153,10 +149,9 @@ fn bare(path: &Path, overrides: &Overrides, with_provenance: bool) -> Result<Fou
     let bytes = read_whole(path)?;
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     let hint = Hint {
-        name: &name,
         format: overrides.format,
         set: overrides.set,
-        ..Hint::default()
+        ..Hint::from_name(&name)
     };
     let mut read = decode(&bytes, &hint)?;
     if !with_provenance {

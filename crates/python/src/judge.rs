@@ -10,9 +10,7 @@ use tilescope_formats::{
     WHOLE_FILE_BYTES, check_stream, is_valid,
 };
 
-use crate::arguments::{
-    SetArgument, claims, format, named, real_if_given, set_of_several, verify_options,
-};
+use crate::arguments::{SetArgument, claims, named, overrides, real_if_given, verify_options};
 use crate::failure::Failure;
 use crate::memory::{ask_to_judge, ask_to_read};
 use crate::task::run;
@@ -105,16 +103,14 @@ pub fn check(
     judge: Option<&str>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<String> {
-    let (format, set) = (format(format_name)?, set_of_several(set)?);
-    let stated = || certificate(&path, format).map(|stated| stated.region);
+    let overrides = overrides(format_name, set)?;
+    let stated = || certificate(&path, overrides.format).map(|stated| stated.region);
     let region = given.has_region().then(|| given.region_over(stated()));
     let overrides = Overrides {
-        format,
-        set,
         region: region.transpose()?,
         radius: given.radius,
         judges: verify_options(judge)?.judges,
-        ..Overrides::default()
+        ..overrides
     };
     let check = run(py, progress, |watch| {
         // Larger files are verified without being held in memory.
