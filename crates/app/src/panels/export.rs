@@ -7,6 +7,7 @@ use tilescope_formats::{Format, Precision};
 use tilescope_session::words::{grouped, sentence};
 use tilescope_ui::widgets::{Kebab, Known, primary_button};
 
+use super::common::progress;
 use super::sheet::{above_middle, entered, escaped, just_opened, scrolled, select_all};
 use tilescope_workbench::clock::Clock;
 use tilescope_workbench::command::Command;
@@ -399,13 +400,8 @@ impl Sheet<'_> {
     /// the button does not hit it.
     fn write_or_cancel(&mut self, ui: &mut Ui) {
         if let Some(job) = &self.exports.work {
-            let activity = sentence(&job.activity());
-            let text = format!("{activity} {:.0}%", job.fraction() * 100.0);
-            let bar = egui::ProgressBar::new(job.fraction())
-                .desired_height(34.0)
-                .fill(self.palette.accent.gamma_multiply(0.5))
-                .text(RichText::new(text.trim_start_matches('.').trim()).small());
-            ui.add(bar);
+            let work = ("export", job.activity(), job.fraction());
+            progress(ui, work, 34.0, self.palette).known_as("export.progress");
             ui.horizontal(|ui| {
                 ui.set_height(18.0);
                 if job.is_cancelled() {
