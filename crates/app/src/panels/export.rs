@@ -1,6 +1,8 @@
 //! The export sheet: format, file, size and frame rate. It explains why an export is impossible before anything is
 //! written.
 
+use std::path::Path;
+
 use egui::{Align2, Button, RichText, TextEdit, Ui, Window, vec2};
 use tilescope_drawing::palette::Palette;
 use tilescope_formats::{Format, Precision};
@@ -192,9 +194,13 @@ impl Sheet<'_> {
             let format = format.unwrap_or_default();
             let folder = self.folder();
             let file = self.form.file();
-            // The ending may have been added to what was typed.
-            let name = file.file_name().unwrap_or_default().to_string_lossy();
-            let text = format!("{name}, format: {format}.{folder}");
+            // The ending is added to a name that has none.
+            let is_typed = Path::new(self.form.path.trim()) == file;
+            let name = file.file_name().filter(|_| !is_typed);
+            let added = name.map_or_else(String::new, |name| {
+                format!(" File: {}.", name.to_string_lossy())
+            });
+            let text = format!("Format: {format}.{added}{folder}");
             (text, self.palette.muted)
         };
         ui.label(RichText::new(text).small().color(color))
@@ -233,7 +239,7 @@ impl Sheet<'_> {
             return String::new();
         }
         let folder = std::path::absolute(self.form.file());
-        let folder = folder.as_deref().ok().and_then(std::path::Path::parent);
+        let folder = folder.as_deref().ok().and_then(Path::parent);
         folder.map_or_else(String::new, |folder| {
             format!(" Folder: {}", folder.display())
         })
