@@ -78,7 +78,8 @@ fn a_new_scene_is_announced_where_its_panel_is_not_in_view() {
     let mut harness = opened();
     apply(&mut harness, Command::Scene(SceneCommand::Add));
     assert!(text(&harness, "notice").starts_with("Scene 1 is made"));
-    apply(&mut harness, Command::DismissNotice);
+    apply(&mut harness, Command::Time(TimeCommand::StepBack));
+    assert!(find(&harness, "notice").is_none(), "it goes by itself");
     apply(
         &mut harness,
         Command::Window(WindowCommand::OpenPanel(Panel::Scenes)),
