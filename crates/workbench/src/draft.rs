@@ -677,7 +677,7 @@ mod tests {
     fn too_few_samples_for_the_levels_are_not_told_to_change_the_radius() {
         let draft = Draft {
             levels: Some(4),
-            exactly: "60".to_owned(),
+            exactly: "100".to_owned(),
             ..Draft::default()
         };
         let refusals = draft.refusals();

@@ -226,6 +226,9 @@ impl State {
             self.leave_scene();
         }
         self.draft_from_canvas(&command);
+        if matches!(command, Command::Time(_) | Command::Scene(_)) {
+            self.drop_brief_notice();
+        }
         // The cursor before a command after which the camera may follow; `None` within leads to the event at once.
         let before = match command {
             Command::Time(_) | Command::Debug(_) => Some(self.cursor()),
@@ -263,6 +266,14 @@ impl State {
     fn follow_event(&mut self, before: Option<(usize, usize)>) {
         if self.appearance.follows_events && self.cursor() != before {
             self.on(Which::First, |run, context| run.follow_event(context));
+        }
+    }
+
+    fn drop_brief_notice(&mut self) {
+        let brief = self.messages.brief.take();
+        let notice = &mut self.messages.notice;
+        if brief.is_some() && brief.as_ref() == notice.as_ref().map(|notice| &notice.text) {
+            *notice = None;
         }
     }
 

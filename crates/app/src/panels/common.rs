@@ -2,8 +2,11 @@
 
 use std::sync::Arc;
 
-use egui::{ColorImage, Id, ScrollArea, TextureHandle, TextureOptions, Ui};
+use egui::{
+    ColorImage, Id, ProgressBar, Response, RichText, ScrollArea, TextureHandle, TextureOptions, Ui,
+};
 use tilescope_drawing::palette::Palette;
+use tilescope_session::words::capital;
 use tilescope_ui::focus;
 use tilescope_ui::widgets::Known;
 
@@ -33,12 +36,38 @@ pub fn divide(ui: &mut Ui, palette: &Palette) {
     ui.add_space(6.0);
 }
 
+/// Shows how far work is, and about how long it still takes. The work has a name, by which it is told from others, what it
+/// is doing, and the share of it that is done.
+pub fn progress(
+    ui: &mut Ui,
+    (name, activity, fraction): (&str, String, f32),
+    height: f32,
+    palette: &Palette,
+) -> Response {
+    let activity = capital(activity.trim_matches(['.', ' ']));
+    let percent = fraction * 100.0;
+    let mut text = match activity.as_str() {
+        "" => format!("{percent:.0}%"),
+        activity => format!("{activity}: {percent:.0}%"),
+    };
+    if let Some(left) = time_left(ui, name, fraction) {
+        text = format!("{text}, {left}");
+    }
+    let text = RichText::new(text).small().color(palette.text);
+    let bar = ProgressBar::new(fraction)
+        .desired_height(height)
+        // The text lies on the bar: it has to be read on both of its parts.
+        .fill(palette.accent.gamma_multiply(0.35))
+        .text(text);
+    ui.add(bar)
+}
+
 /// The least share of the work, and the least time in seconds, from which the time left is estimated.
 const ESTIMATED_FROM: (f32, f64) = (0.02, 2.0);
 
 /// Returns "about 20 s left" for work that is this far, estimated from its pace since it was first shown; `None` too early
 /// for an estimate. `name` tells one work from another.
-pub fn time_left(ui: &Ui, name: &str, fraction: f32) -> Option<String> {
+fn time_left(ui: &Ui, name: &str, fraction: f32) -> Option<String> {
     let id = Id::unique("time left").with(name);
     let now = ui.input(|input| input.time);
     let seen: Option<(f64, f32, f32)> = ui.data(|data| data.get_temp(id));
@@ -83,7 +112,7 @@ pub fn no_events(ui: &mut Ui, context: &PanelContext<'_>) {
             tilescope_session::words::grouped(tilescope_session::limits::MAX_STAGED as usize)
         ),
     };
-    ui.label(egui::RichText::new(text).color(context.palette.muted))
+    ui.label(RichText::new(text).color(context.palette.muted))
         .known_as("no-events");
 }
 

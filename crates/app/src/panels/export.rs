@@ -1,12 +1,15 @@
 //! The export sheet: format, file, size and frame rate. It explains why an export is impossible before anything is
 //! written.
 
+use std::path::Path;
+
 use egui::{Align2, Button, RichText, TextEdit, Ui, Window, vec2};
 use tilescope_drawing::palette::Palette;
 use tilescope_formats::{Format, Precision};
 use tilescope_session::words::{grouped, sentence};
 use tilescope_ui::widgets::{Kebab, Known, primary_button};
 
+use super::common::progress;
 use super::sheet::{above_middle, entered, escaped, just_opened, scrolled, select_all};
 use tilescope_workbench::clock::Clock;
 use tilescope_workbench::command::Command;
@@ -191,9 +194,13 @@ impl Sheet<'_> {
             let format = format.unwrap_or_default();
             let folder = self.folder();
             let file = self.form.file();
-            // The ending may have been added to what was typed.
-            let name = file.file_name().unwrap_or_default().to_string_lossy();
-            let text = format!("{name}, format: {format}.{folder}");
+            // The ending is added to a name that has none.
+            let is_typed = Path::new(self.form.path.trim()) == file;
+            let name = file.file_name().filter(|_| !is_typed);
+            let added = name.map_or_else(String::new, |name| {
+                format!(" File: {}.", name.to_string_lossy())
+            });
+            let text = format!("Format: {format}.{added}{folder}");
             (text, self.palette.muted)
         };
         ui.label(RichText::new(text).small().color(color))
@@ -232,7 +239,7 @@ impl Sheet<'_> {
             return String::new();
         }
         let folder = std::path::absolute(self.form.file());
-        let folder = folder.as_deref().ok().and_then(std::path::Path::parent);
+        let folder = folder.as_deref().ok().and_then(Path::parent);
         folder.map_or_else(String::new, |folder| {
             format!(" Folder: {}", folder.display())
         })
@@ -399,13 +406,8 @@ impl Sheet<'_> {
     /// the button does not hit it.
     fn write_or_cancel(&mut self, ui: &mut Ui) {
         if let Some(job) = &self.exports.work {
-            let activity = sentence(&job.activity());
-            let text = format!("{activity} {:.0}%", job.fraction() * 100.0);
-            let bar = egui::ProgressBar::new(job.fraction())
-                .desired_height(34.0)
-                .fill(self.palette.accent.gamma_multiply(0.5))
-                .text(RichText::new(text.trim_start_matches('.').trim()).small());
-            ui.add(bar);
+            let work = ("export", job.activity(), job.fraction());
+            progress(ui, work, 34.0, self.palette).known_as("export.progress");
             ui.horizontal(|ui| {
                 ui.set_height(18.0);
                 if job.is_cancelled() {

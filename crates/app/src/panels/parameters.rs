@@ -3,19 +3,18 @@
 
 mod form;
 
-use egui::{Button, FontId, Label, ProgressBar, RichText, Sense, Ui, UiBuilder, vec2};
+use egui::{Button, FontId, Label, RichText, Sense, Ui, UiBuilder, vec2};
 use tilescope_core::Parameters;
 use tilescope_drawing::palette::Palette;
 use tilescope_session::jobs::Job;
 use tilescope_session::session::{MakeError, Session};
-use tilescope_session::words::sentence;
 use tilescope_ui::theme::row_height;
 use tilescope_ui::widgets::{Known, primary_button};
 use tilescope_workbench::command::{Command, Which};
 use tilescope_workbench::layout::Panel;
 use tilescope_workbench::state::{Form, GpuState};
 
-use super::common::{scrolled, time_left};
+use super::common::{progress, scrolled};
 
 /// Left edge of the fields, from the panel's left edge.
 const FIELD_START: f32 = 102.0;
@@ -158,7 +157,8 @@ fn run_or_cancel(ui: &mut Ui, context: &FormContext<'_>, commands: &mut Vec<Comm
         let room = vec2(ui.available_width() - CANCEL_WIDTH, height);
         ui.allocate_ui(room, |ui| {
             if let Some(job) = context.sampling {
-                progress(ui, job, height, palette);
+                let work = ("run", job.activity(), job.fraction());
+                progress(ui, work, height, palette).known_as("run-progress");
                 return;
             }
             let refusal = context.refusal.as_deref();
@@ -178,28 +178,4 @@ fn run_or_cancel(ui: &mut Ui, context: &FormContext<'_>, commands: &mut Vec<Comm
         let cancel = cancel.on_disabled_hover_text("Nothing is running.");
         cancel.issues("cancel", Command::Cancel(Which::First), commands);
     });
-}
-
-/// Shows how far a run is, and about how long it still takes.
-fn progress(ui: &mut Ui, job: &Job<Result<Session, MakeError>>, height: f32, palette: &Palette) {
-    let activity = sentence(&job.activity());
-    let activity = activity
-        .trim_start_matches('.')
-        .trim()
-        .trim_end_matches('.');
-    let percent = job.fraction() * 100.0;
-    let mut text = match activity {
-        "" => format!("{percent:.0}%"),
-        activity => format!("{activity}: {percent:.0}%"),
-    };
-    if let Some(left) = time_left(ui, "run", job.fraction()) {
-        text = format!("{text}, {left}");
-    }
-    let text = RichText::new(text).small().color(palette.text);
-    let bar = ProgressBar::new(job.fraction())
-        .desired_height(height)
-        // The text lies on the bar: it has to be read on both of its parts.
-        .fill(palette.accent.gamma_multiply(0.35))
-        .text(text);
-    ui.add(bar).known_as("run-progress");
 }

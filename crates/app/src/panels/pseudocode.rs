@@ -84,7 +84,6 @@ impl Now {
 }
 
 /// Where the lines of the listings were in a frame, in screen points from the top of the first one.
-#[derive(Default)]
 struct Placed {
     lines: Vec<(LineId, Rangef)>,
     /// The height of all of them.
@@ -162,7 +161,7 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
         focus::follow(ui);
     });
 
-    let start = output.state.offset.y;
+    let start = output.state.clamped_offset().y;
     let placed = Placed {
         lines,
         height: output.content_size.y,

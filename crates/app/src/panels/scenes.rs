@@ -207,12 +207,9 @@ fn moment(
     );
     let link = link.on_hover_cursor(CursorIcon::PointingHand);
     let moment = format!("{about}event {}", grouped(cursor));
-    ui.label(
-        RichText::new(moment)
-            .small()
-            .monospace()
-            .color(palette.muted),
-    );
+    let moment = RichText::new(moment).small().monospace();
+    ui.label(moment.color(palette.muted))
+        .known_as(format_args!("scene-{number}.moment"));
     link.known_as(format_args!("scene-{number}"));
     link.on_hover_text(match marked {
         Marked::Here(_) => event,

@@ -18,9 +18,9 @@ use tilescope_workbench::files::FileCommand;
 use tilescope_workbench::state::State;
 
 /// Minimum room behind the menus, in screen points, to show the run's name.
-const ROOM_FOR_RUN: f32 = 690.0;
+const ROOM_FOR_RUN: f32 = 620.0;
 /// Minimum room to show the engine, too.
-const ROOM_FOR_ENGINE: f32 = 815.0;
+const ROOM_FOR_ENGINE: f32 = 740.0;
 
 /// Shows the bar.
 pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
@@ -52,11 +52,11 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             };
             // The counts at the timeline are of the moment; these are of the whole run, which is called the result.
             let text = format!("result: {count} samples   r {radius}   {made}");
-            ui.label(RichText::new(text).monospace().color(palette.muted))
+            ui.label(RichText::new(text).color(palette.muted))
                 .known_as("run-shown");
             if room >= ROOM_FOR_ENGINE {
                 let engine = format!("engine: {}", session.engine);
-                ui.label(RichText::new(engine).monospace().color(palette.muted))
+                ui.label(RichText::new(engine).color(palette.muted))
                     .known_as("engine-used");
             }
         }

@@ -314,7 +314,8 @@ fn scenes_and_watches_stay_with_their_moments() {
     harness.run();
     apply(&mut harness, Command::Time(TimeCommand::FirstStage));
     let number = tilescope_session::words::grouped(at);
-    assert!(text(&harness, "scene-1").contains(&number));
+    assert!(text(&harness, "scene-1.moment").contains(&number));
+    assert!(text(&harness, "scene-1").contains("the last one"));
     node(&harness, "scene-1").click();
     harness.run();
     assert_eq!(cursor(&harness), at);

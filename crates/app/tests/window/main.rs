@@ -10,6 +10,7 @@ mod debugger;
 mod embedded;
 mod export_sheet;
 mod fit;
+mod hints;
 mod hostile;
 mod instanced;
 mod keyboard;

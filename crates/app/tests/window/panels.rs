@@ -105,11 +105,16 @@ fn a_tab_hides_its_panel() {
 }
 
 #[test]
-fn keys_open_and_close_the_drawer_of_a_small_window() {
+fn a_digit_opens_the_drawer_of_a_small_window_and_escape_closes_it() {
     let mut harness = opened_at([412.0, 915.0]);
     press(&mut harness, Modifiers::NONE, Key::Num6);
     assert!(shows(&harness, Panel::Events));
     press(&mut harness, Modifiers::NONE, Key::Num6);
+    assert!(
+        shows(&harness, Panel::Events),
+        "what is typed closes nothing"
+    );
+    press(&mut harness, Modifiers::NONE, Key::Escape);
     assert!(!shows(&harness, Panel::Events));
     let layout = &harness.state().state.window.layout;
     assert!(

@@ -366,7 +366,8 @@ fn two_runs_and_the_debugger() {
         "inserted + 1".to_owned(),
     ))]);
     window.shows(&[
-        ("scene-1", "1  event *"),
+        ("scene-1", "1  *"),
+        ("scene-1.moment", "event *"),
         ("scene-1.caption", "Caption of scene 1"),
     ]);
     window.after([listings]);

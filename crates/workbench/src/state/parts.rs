@@ -82,6 +82,8 @@ pub struct Links {
 pub struct Messages {
     /// The notice, if there is one.
     pub notice: Option<Notice>,
+    /// The text of a notice that only confirms a command: it goes with the next move in time or the next scene.
+    pub(super) brief: Option<String>,
     /// Announcements for screen readers.
     pub(super) announcer: announce::Announcer,
 }

@@ -181,6 +181,7 @@ impl State {
             // The panel would show the new scene; without it there is no other sign that the key did something.
             let number = at.min(before) + 1;
             let text = format!("Scene {number} is made of this moment: it is in the panel Scenes.");
+            self.messages.brief = Some(text.clone());
             self.tell(text, false);
         }
     }

@@ -429,7 +429,7 @@ mod tests {
         let (is_running, asked) = step(0.000_083);
         let asked = asked.expect("a question");
         assert!(
-            !is_running && asked.contains("100,000,000 samples"),
+            !is_running && asked.contains("samples need about 9 GB"),
             "{asked}"
         );
         // While the question stands, the same once more is the answer.

@@ -2,7 +2,7 @@
 //! counts at moments.
 
 use tilescope_core::{Boundary, Insertion, RunEvent, Stage, Variant};
-use tilescope_debugger::{Direction, Target, moves};
+use tilescope_debugger::{Direction, Step, Target, moves};
 use tilescope_session::layers::Layer;
 use tilescope_session::sentence::happened;
 
@@ -346,7 +346,9 @@ fn a_camera_that_follows_has_the_event_in_view() {
     }
     let camera = state.runs.first.camera;
     state.apply(Command::Appearance(AppearanceCommand::ToggleFollow));
-    time(&mut state, TimeCommand::RunTo(Target::Insertion, FORWARDS));
+    for _ in 0..40 {
+        time(&mut state, TimeCommand::Step(Step::Out, FORWARDS));
+    }
     while state.advance(0.1) {}
     assert_eq!(state.runs.first.camera, camera);
 }
