@@ -387,10 +387,11 @@ impl Lessons {
         self.shelf.is_empty() && (self.lists || self.wanted.is_some())
     }
 
-    /// Returns the lesson of a name that comes with the program.
+    /// Returns the lesson of a name that comes with the program. Capitals do not count, as people type links.
     #[must_use]
     pub fn shipped(&self, name: &str) -> Option<&shipped::Shipped> {
-        self.shelf.iter().find(|lesson| lesson.name == name)
+        let mut lessons = self.shelf.iter();
+        lessons.find(|lesson| lesson.name.eq_ignore_ascii_case(name))
     }
 
     /// Returns the last cursor that may be shown while a question is open.

@@ -42,6 +42,8 @@ pub struct LinkContent {
     pub scenes: Vec<SavedScene>,
     /// The lesson that is opened instead of a run.
     pub lesson: Option<WantedLesson>,
+    /// The language of lessons, "en" or "de"; None for the reader's own.
+    pub language: Option<String>,
 }
 
 impl LinkContent {

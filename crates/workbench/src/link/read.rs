@@ -29,7 +29,13 @@ use crate::view::{sound_camera, speed, whole_run};
 
 /// The keys of a link besides the parameters of its runs.
 const OTHERS: &str = "v levels exactly order-within combine at stage camera layers colouring look select clock speed whole-run loop b break watch mark \
-     mark-view layout lesson step practice";
+     mark-view layout lesson step practice language";
+
+/// The keys of texts that people write, in which every character counts.
+const FREE_TEXTS: [&str; 4] = ["break", "watch", "mark", "mark-view"];
+
+/// The languages of lessons.
+const LANGUAGES: [&str; 2] = ["en", "de"];
 
 /// Every colouring, in the sequence of their numbers in links.
 pub const COLOURINGS: [Colouring; 4] = [
@@ -84,7 +90,7 @@ impl LinkReader {
         let text = text.trim();
         let text = text.split_once('#').map_or(text, |(_, fragment)| fragment);
         let text = self.cut(text);
-        for (key, value) in pairs(text) {
+        for (key, value) in pairs(text).flat_map(parted) {
             let name = quoted(&key);
             match self.pairs.entry(key) {
                 Entry::Occupied(_) => self
@@ -117,6 +123,12 @@ impl LinkReader {
     }
 
     fn lesson(&mut self, content: &mut LinkContent) {
+        let known = |text: &str| {
+            LANGUAGES
+                .into_iter()
+                .find(|name| text.eq_ignore_ascii_case(name))
+        };
+        content.language = self.take("language", |text| known(text).map(str::to_owned));
         let Some(lesson) = self.take("lesson", name) else {
             return;
         };
@@ -132,7 +144,7 @@ impl LinkReader {
             return;
         };
         let shown = quoted(text);
-        match text.parse::<u32>() {
+        match tidy(text).parse::<u32>() {
             Ok(VERSION) => {}
             Ok(newer) if newer > VERSION => self.warnings.add(format!(
                 "The link is of version {newer}, and this program knows version {VERSION}; what it knows was read."
@@ -145,7 +157,7 @@ impl LinkReader {
 
     /// Returns the value of a key, read by `read`; warns if it is invalid.
     fn take<T>(&mut self, key: &str, read: impl FnOnce(&str) -> Option<T>) -> Option<T> {
-        let text = self.pairs.get(key)?;
+        let text = tidy(self.pairs.get(key)?);
         let taken = read(text);
         if taken.is_none() {
             let text = quoted(text);
@@ -159,7 +171,7 @@ impl LinkReader {
     fn run(&mut self, content: &mut LinkContent) {
         content.combination = self.combination();
         if content.combination.is_none() {
-            let texts = |key: &str| self.pairs.get(key).map(String::as_str);
+            let texts = |key: &str| self.pairs.get(key).map(|text| tidy(text));
             content.parameters =
                 parameters::read(texts, &Parameters::default(), "", &mut self.warnings);
             content.nested = self.nested(&content.parameters);
@@ -209,7 +221,7 @@ impl LinkReader {
     }
 
     fn combination(&mut self) -> Option<Combination> {
-        let text = self.pairs.get("combine")?;
+        let text = tidy(self.pairs.get("combine")?);
         let layout = combination(text);
         if let Err(why) = &layout {
             self.warnings
@@ -276,10 +288,10 @@ impl LinkReader {
             content.parameters = Parameters::default();
         }
         let pairs = &self.pairs;
-        let texts = |key: &str| pairs.get(&format!("b.{key}")).map(String::as_str);
+        let texts = |key: &str| pairs.get(&format!("b.{key}")).map(|text| tidy(text));
         let second = parameters::read(texts, &content.parameters, " of run B", &mut self.warnings);
         let mut links = [false; 3];
-        for name in names.split(',').filter(|name| !name.is_empty()) {
+        for name in tidy(names).split(',').filter(|name| !name.is_empty()) {
             match LINKS.iter().position(|link| *link == name) {
                 Some(index) => links[index] = true,
                 None => self.warnings.add(format!(
@@ -337,6 +349,32 @@ impl LinkReader {
         }
         taken
     }
+}
+
+/// Returns a key and its value, or the keys and values that a mail or course system has made one of. Where it escaped the
+/// `=`, all is in the key; where it escaped the `&`, the next ones are in the value. In texts that people write, `&` is a
+/// character like others.
+fn parted((key, value): (String, String)) -> Vec<(String, String)> {
+    if value.is_empty() && key.contains('=') {
+        return pairs(&key).collect();
+    }
+    if FREE_TEXTS.contains(&key.as_str()) {
+        return vec![(key, value)];
+    }
+    let mut parts = value.split('&');
+    let first = parts.next().unwrap_or_default().to_owned();
+    let others = parts.filter_map(|part| part.split_once('='));
+    let others = others.map(|(key, value)| (key.to_owned(), value.to_owned()));
+    std::iter::once((key, first)).chain(others).collect()
+}
+
+/// Returns a value without blanks around it, and without the marks of a sentence that end up in a link when a program finds
+/// it in a text. No value ends with one of these marks.
+fn tidy(text: &str) -> &str {
+    let is_mark = |character: char| {
+        character.is_whitespace() || ".,;:!?)]}>\"'\u{bb}\u{201c}\u{201d}".contains(character)
+    };
+    text.trim_start().trim_end_matches(is_mark)
 }
 
 fn name(text: &str) -> Option<String> {

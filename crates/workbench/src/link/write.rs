@@ -48,6 +48,7 @@ pub fn write(content: &LinkContent) -> Link {
     writer.put("v", VERSION.to_string());
     if let Some(lesson) = &content.lesson {
         writer.lesson(lesson);
+        writer.language(content);
         return Link {
             fragment: writer.text,
             left_out: Vec::new(),
@@ -58,6 +59,7 @@ pub fn write(content: &LinkContent) -> Link {
     writer.second(content);
     writer.stops(content);
     writer.panels(content);
+    writer.language(content);
     Link {
         fragment: writer.text,
         left_out: writer.left_out,
@@ -92,6 +94,12 @@ impl Writer {
         }
         if let Some(seed) = lesson.practice {
             self.put("practice", seed.to_string());
+        }
+    }
+
+    fn language(&mut self, content: &LinkContent) {
+        if let Some(language) = &content.language {
+            self.put("language", escaped(language));
         }
     }
 

@@ -312,18 +312,23 @@ fn is_order(order: &[usize], count: usize) -> bool {
 }
 
 impl OpenLesson {
-    /// Returns the verdict on the last answer, in a language.
+    /// Returns the verdict on the last answer, in a language; None where the sentence that follows begins with its word.
     #[must_use]
     pub fn verdict(&self, language: &str) -> Option<&'static str> {
         let feedback = self.feedback.as_ref()?;
         let labels = lesson_labels(language);
         let (tries, _) = self.learner.tries();
-        Some(match (feedback.score > 0.999, feedback.score > 0.0) {
+        let verdict = match (feedback.score > 0.999, feedback.score > 0.0) {
             (true, _) if tries <= 1 => labels.right,
             (true, _) => labels.right_now,
             (false, true) => labels.not_quite,
             (false, false) => labels.wrong,
-        })
+        };
+        let word = verdict.trim_end_matches('.');
+        let sentence = feedback.sentence.as_deref();
+        let rest = sentence.and_then(|sentence| sentence.strip_prefix(word));
+        let is_said = rest.is_some_and(|rest| !rest.starts_with(char::is_alphanumeric));
+        (!is_said).then_some(verdict)
     }
 }
 
@@ -334,7 +339,17 @@ impl State {
             self.lessons.wanted = Some(wanted);
             return;
         }
+        if self.lessons.shipped(&wanted.name).is_none() {
+            let name = quoted(&wanted.name);
+            let text = format!("There is no lesson \"{name}\"; the list has all that there are.");
+            self.tell(text, true);
+            self.lessons.lists = true;
+            self.show_some_run();
+            return;
+        }
         self.apply(Command::Lesson(LessonCommand::Open(wanted.name)));
+
+        // The lesson of the name may be one that cannot be read.
         if let (Some(step), true) = (wanted.step, self.lessons.open.is_some()) {
             self.apply(Command::Lesson(LessonCommand::Go(step)));
         }
@@ -361,7 +376,15 @@ impl State {
             Err(error) => {
                 (self.lessons.wanted, self.lessons.lists) = (None, false);
                 self.tell(format!("The lessons could not be loaded: {error}."), true);
+                self.show_some_run();
             }
+        }
+    }
+
+    /// Makes the run of the parameters panel if nothing is shown: a link to a lesson has stopped the one of the start.
+    fn show_some_run(&mut self) {
+        if self.runs.first.session.is_none() {
+            self.run();
         }
     }
 }

@@ -57,8 +57,12 @@ impl State {
             (None, None) => return None,
         };
         let lesson = Some(lesson);
+        // Whoever follows the link gets the language that is shown; English, the lessons' own, is not named, so that readers
+        // of other languages get theirs.
+        let language = Some(lessons.language.clone()).filter(|name| name == "de");
         Some(link::write(&LinkContent {
             lesson,
+            language,
             ..LinkContent::default()
         }))
     }
@@ -197,6 +201,12 @@ impl State {
         self.tell(text, true);
     }
 
+    /// Shows a notice that the browser does not store results.
+    pub fn tell_not_stored(&mut self) {
+        let text = "The browser does not store your results: they are gone when this page is closed. The list of lessons saves them to a file.";
+        self.tell(text.to_owned(), true);
+    }
+
     /// Opens a link: a fragment with or without its `#`, or a whole address. Parts that are invalid, unknown or
     /// too large are left out and named in a notice. The run is made first, unless it is the current one; a run
     /// that the user starts meanwhile replaces it.
@@ -210,6 +220,9 @@ impl State {
         (self.files.sheet, self.files.exports.sheet) = (None, None);
         self.window.finder = None;
         (self.lessons.wanted, self.lessons.lists) = (None, false);
+        if let Some(language) = &content.language {
+            self.lessons.language.clone_from(language);
+        }
         if let Some(wanted) = content.lesson {
             // A lesson that is open gives way to the other one, and what it borrowed stays borrowed.
             self.tell_of_link(&warnings);

@@ -56,6 +56,83 @@ fn is_quick(content: &LinkContent) -> bool {
 }
 
 #[test]
+fn links_as_mail_and_course_systems_mangle_them_are_read() {
+    let (plain, _) = read("radius=0.02&seed=9");
+    assert_eq!((plain.parameters.radius, plain.parameters.seed), (0.02, 9));
+    for mangled in [
+        "#radius%3D0.02%26seed%3D9",
+        "radius%3d0.02&seed%3d9",
+        "radius=0.02%26seed=9",
+        "radius=0.02%26seed%3D9",
+        "radius=0.02 &seed=9.",
+        "radius=0.02+&seed=9)",
+        "radius=%200.02&seed=9%3E",
+        "radius=0.02&seed=9.%22 ",
+        "radius=0.02&amp;seed=9%E2%80%9D,",
+    ] {
+        let (content, warnings) = read(mangled);
+        assert_eq!(
+            (&content, warnings.text().as_str()),
+            (&plain, ""),
+            "{mangled}"
+        );
+    }
+    let (plain, _) = read("lesson=survivors&step=chain&language=de");
+    assert_eq!(plain.language.as_deref(), Some("de"));
+    for mangled in [
+        "lesson%3Dsurvivors%26step%3Dchain%26language%3Dde",
+        "lesson=survivors%26step%3Dchain%26language%3DDE",
+        "lesson=survivors&step=chain.&language=de)",
+    ] {
+        let (content, warnings) = read(mangled);
+        assert_eq!(
+            (&content, warnings.text().as_str()),
+            (&plain, ""),
+            "{mangled}"
+        );
+    }
+
+    // What people wrote is kept, with every mark and blank.
+    let (content, warnings) = read("v=1&watch=a%26seed%3D2.&mark=5:so.%20");
+    assert_eq!(content.watches, ["a&seed=2."]);
+    assert_eq!(content.scenes[0].caption, "so. ");
+    assert!(warnings.is_empty() && content.parameters.seed == 1);
+    // What is still wrong is named.
+    let (_, warnings) = read("seed=9.5&language=fr");
+    assert!(warnings.text().contains("seed 9.5; 1 is used"));
+    assert!(warnings.text().contains("language \"fr\" is invalid"));
+}
+
+#[test]
+fn an_unknown_lesson_shows_the_list_and_a_run() {
+    let unknown = |state: &mut State| {
+        state.open_link("lesson=no-such&step=chain&language=de");
+        settle(state);
+        assert!(state.lessons.lists && state.lessons.open.is_none());
+        assert!(state.runs.first.session.is_some());
+        assert!(notice_text(state).contains("no lesson \"no-such\""));
+        assert_eq!(state.lessons.language, "de");
+    };
+    // At the start, when the first run is not made yet.
+    unknown(&mut State::new(std::sync::Arc::new(|| {})));
+    let mut state = state();
+    unknown(&mut state);
+
+    // Lessons that could not be loaded leave a run, too.
+    let mut state = State::new(std::sync::Arc::new(|| {}));
+    state.lessons.shelf.clear();
+    state.open_link("lesson=survivors");
+    state.take_lessons(Err("no network"));
+    settle(&mut state);
+    assert!(state.runs.first.session.is_some());
+
+    // Capitals do not count.
+    let state = opened("lesson=SURVIVORS&step=Chain");
+    let learner = &state.lessons.open.as_ref().expect("the lesson").learner;
+    assert_eq!(learner.step().name, "chain");
+}
+
+#[test]
 fn invalid_parts_are_named_and_the_rest_is_read() {
     let marks = "9;".repeat(1_000_000);
     let bytes = "x".repeat(10_000_000);
