@@ -4,6 +4,7 @@
 #![cfg(target_arch = "wasm32")]
 
 mod hooks;
+mod local;
 mod page;
 mod pool;
 mod worker;

@@ -6,12 +6,13 @@ use std::cell::Cell;
 use std::rc::Rc;
 
 use eframe::egui_wgpu::{WgpuConfiguration, WgpuSetup, WgpuSetupCreateNew, wgpu};
-use eframe::{WebOptions, WebRunner};
+use eframe::{Storage, WebOptions, WebRunner};
 use egui::{Event, Ui};
 use js_sys::Object;
 use serde::Deserialize;
 use tilescope_app::App;
 use tilescope_app::panes::leads_zoom;
+use tilescope_session::look::Look;
 use tilescope_session::task::set_task_pool;
 use tilescope_ui::focus::{self, End};
 use tilescope_workbench::Command;
@@ -23,12 +24,24 @@ use wasm_bindgen::prelude::wasm_bindgen;
 use web_sys::HtmlCanvasElement;
 
 use crate::hooks;
+use crate::local::LocalStore;
 use crate::pool::{Pool, Program};
 
 /// Changes are reported to the page at most once in so many seconds.
 const TELLS_SECS: f64 = 0.25;
 /// The most workers, whatever the number of processors, since each has its own memory.
 const MAX_WORKERS: usize = 2;
+
+/// The key of results in the browser's store, under which `App::remember` reads them.
+const RESULTS_KEY: &str = "lessons";
+/// The key of results that could not be read and were replaced.
+const UNREADABLE_RESULTS_KEY: &str = "lessons.unreadable";
+/// The key of the look, under which `App` stores it.
+const LOOK_KEY: &str = "look";
+/// The key of the language of lessons in the browser's store.
+const LANGUAGE_KEY: &str = "language";
+/// The languages of lessons.
+const LANGUAGES: [&str; 2] = ["en", "de"];
 
 /// Options for starting the app.
 #[derive(Default, Deserialize)]
@@ -44,8 +57,12 @@ struct Options {
     display: String,
     /// The reason for this display, if it must be reported.
     reason: String,
+    /// The languages that the browser prefers, the most wanted one first.
+    languages: Vec<String>,
     /// Whether animations are off.
     reduced_motion: bool,
+    /// Whether the system prefers light colours.
+    light: bool,
     /// Whether the browser allows full screen.
     full_screen: bool,
     /// The address of the worker's script.
@@ -138,7 +155,24 @@ impl Tilescope {
         if parsed.is_ok_and(|request| request["do"] != "state") {
             page.ctx.request_repaint();
         }
+        page.store_results();
         answer
+    }
+
+    /// Takes the results that another tab has put into the browser's store.
+    pub fn take_results(&self, stored: &str) {
+        if let Some(mut page) = self.runner.app_mut::<Page>() {
+            page.take_results(stored);
+            page.ctx.request_repaint();
+        }
+    }
+
+    /// Stores what is kept for the next visit. The page asks for it when it is hidden, as the browser may end it then.
+    pub fn keep(&self) {
+        if let Some(mut page) = self.runner.app_mut::<Page>() {
+            page.store_results();
+            eframe::App::save(&mut *page, &mut LocalStore);
+        }
     }
 
     /// Opens what a link's fragment describes.
@@ -310,6 +344,10 @@ struct Page {
     frames: u8,
     told_secs: f64,
     announcement: Option<String>,
+    /// The language of lessons that the browser's store has; `None` if it has none.
+    language: Option<String>,
+    /// Whether the browser refused to store results.
+    is_refused: bool,
     /// Whether the page was asked to load the lessons.
     asked_for_lessons: bool,
     /// The last reported link; `None` if the link must be reported in any case.
@@ -345,9 +383,19 @@ impl Page {
             }
         });
         app.turn_full_screen_with(hooks::full_screen);
+        let mut language = None;
         if let Some(storage) = creation.storage.filter(|_| stores) {
             app.remember(storage, options.link.is_empty());
+            language = storage.get_string(LANGUAGE_KEY);
+            // Until a visitor's own look is stored, the system's preference counts; a link to a view may name another.
+            if options.light && storage.get_string(LOOK_KEY).is_none() {
+                app.state.appearance.choose_look(Look::Light);
+            }
         }
+        // A link may name another language.
+        let languages = language.iter().chain(&options.languages);
+        app.state.lessons.language = preferred(languages);
+        let language = language.or_else(|| Some(app.state.lessons.language.clone()));
         // Opening a link removes earlier notices.
         if !options.link.is_empty() {
             app.state
@@ -377,11 +425,57 @@ impl Page {
             frames: 0,
             told_secs: 0.0,
             announcement: None,
+            language,
+            is_refused: false,
             asked_for_lessons: false,
             link: None,
             state: String::new(),
             // There is no talk.
             talk: "null".to_owned(),
+        }
+    }
+
+    /// Puts new results into the browser's store. They are merged with those that are there, as another tab may have stored
+    /// some.
+    fn store_results(&mut self) {
+        let lessons = &mut self.app.state.lessons;
+        if !self.stores || !lessons.has_unstored_results() {
+            return;
+        }
+        let mut store = LocalStore;
+        let before = store.get_string(RESULTS_KEY);
+        let results = lessons.store_results(before.as_deref());
+        if let Some(before) = before.filter(|_| results.unreadable) {
+            store.set_string(UNREADABLE_RESULTS_KEY, before);
+        }
+
+        // The notice is shown once, not at every answer.
+        if !LocalStore::put(RESULTS_KEY, &results.text) && !self.is_refused {
+            self.is_refused = true;
+            self.app.state.tell_not_stored();
+        }
+    }
+
+    /// Takes the results that another tab has stored.
+    fn take_results(&mut self, stored: &str) {
+        let lessons = &mut self.app.state.lessons;
+        if !self.stores || !lessons.take_stored(stored) {
+            return;
+        }
+        let merged = lessons.results.to_json();
+
+        // Both tabs may have read the store before either wrote: what the other one has replaced is written again.
+        if merged != stored {
+            LocalStore::put(RESULTS_KEY, &merged);
+        }
+    }
+
+    /// Stores the language of lessons when the learner or a link has changed it.
+    fn store_language(&mut self) {
+        let language = &self.app.state.lessons.language;
+        if self.stores && self.language.as_ref() != Some(language) {
+            LocalStore::put(LANGUAGE_KEY, language);
+            self.language = Some(language.clone());
         }
     }
 
@@ -433,6 +527,8 @@ impl eframe::App for Page {
         }
         self.frames = self.frames.saturating_add(1);
         eframe::App::ui(&mut self.app, ui, frame);
+        self.store_results();
+        self.store_language();
         self.shared.has_list.set(egui::Popup::is_any_open(ui.ctx()));
         // Ends tasks that this frame has cancelled now, since no other frame may follow.
         self.pool.tick();
@@ -456,6 +552,14 @@ impl eframe::App for Page {
     fn as_any_mut(&mut self) -> Option<&mut dyn Any> {
         Some(self)
     }
+}
+
+/// Returns the language of lessons that is wanted first: "de", or "en" if the lessons have none of them.
+fn preferred<'a>(languages: impl IntoIterator<Item = &'a String>) -> String {
+    let primary = |language: &'a String| language.split('-').next().unwrap_or_default();
+    let known = |language: &&str| LANGUAGES.contains(language);
+    let found = languages.into_iter().map(primary).find(known);
+    found.unwrap_or("en").to_owned()
 }
 
 /// Returns the address of the page without its fragment and without the parameters of an embedded page: a link opens
