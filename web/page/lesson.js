@@ -214,7 +214,7 @@ function listed(list) {
     ...(entries.length ? [make("ol", { class: "lessons" }, ...entries)] : [make("p", {}, "\u2026")]),
     button("lesson-tour", words.tour, () => send({ do: "lesson", act: "tour" }), { class: "quiet" }),
     make("p", { class: "small" }, words.own),
-    make("h3", {}, words.results),
+    make("h2", {}, words.results),
     make("p", { class: "small" }, results),
   ];
   if (list.answered > 0) {
@@ -225,6 +225,7 @@ function listed(list) {
       onchange: (/** @type {any} */ event) => send({ do: "lesson", learner: event.target.value }),
     });
     /** @type {HTMLInputElement} */ (field).value = list.learner;
+    const clear = button("lesson-clear", words.clear, () => send({ do: "lesson", act: "clear" }), { class: "quiet" });
     const save = (/** @type {string} */ format, /** @type {string} */ name) =>
       button(`lesson-save-${format}`, name, () => send({ do: "lesson", save: format }), { class: "quiet" });
     made.push(
@@ -235,16 +236,22 @@ function listed(list) {
         save("json", `${words.save} JSON`),
         save("csv", "CSV"),
         save("xapi", "xAPI"),
-        button("lesson-clear", words.clear, () => send({ do: "lesson", act: "clear" }), { class: "quiet" }),
+        ...(list.asked_to_clear ? [] : [clear]),
       ),
     );
+    if (list.asked_to_clear) {
+      made.push(
+        make("p", { role: "alert" }, words.clear_all),
+        make("div", { class: "row" }, clear, button("lesson-keep", words.keep, () => send({ do: "lesson", act: "keep" }), { class: "quiet" })),
+      );
+    }
   }
   return made;
 }
 
-/** Makes a part again if its content has changed. @param {string} part @param {any} value @param {() => Node[]} content */
+/** Makes a part again if its content or the language has changed. @param {string} part @param {any} value @param {() => Node[]} content */
 function renew(part, value, content) {
-  const json = JSON.stringify(value ?? null);
+  const json = JSON.stringify([value ?? null, element("lesson").lang]);
   if (shown.get(part) === json) {
     return;
   }
@@ -257,6 +264,68 @@ function renew(part, value, content) {
     // The element with the focus may be gone, as "Answer" is once the question is answered; the focus then stays in the
     // part.
     (again && !again.hasAttribute("disabled") ? again : place).focus({ preventScroll: true });
+  }
+}
+
+/** The key of the answer that is being put together, in the store of this tab. */
+const DRAFT = "draft";
+
+/** The changes that put together the answer to a question as it is. @param {any} question @returns {object[]} */
+function changes(question) {
+  const ofChoices = (/** @type {number[]} */ all) => all.map((choose) => ({ choose }));
+  switch (question.type) {
+    case "choice":
+    case "trace":
+      return question.chosen === null ? [] : ofChoices([question.chosen]);
+    case "pick":
+      return ofChoices(question.chosen.map((/** @type {number} */ sample) => question.samples.indexOf(sample)));
+    case "place":
+      return question.chosen === null ? [] : [{ place: question.chosen }];
+    case "number":
+      return question.text === "" ? [] : [{ type: question.text }];
+    case "order":
+      return ofChoices(question.order);
+    case "cut":
+      return [...(question.axis ? [{ axis: question.axis }] : []), ...(question.place ? [{ place: question.place }] : [])];
+    case "bands":
+      return question.changes.flatMap((/** @type {string | null} */ change, /** @type {number} */ band) => (change ? [{ band: [band, change] }] : []));
+    default:
+      return [];
+  }
+}
+
+/** The question of a lesson's step. @param {any} lesson */
+const questionOf = ({ lesson, step, practice, question }) => JSON.stringify([lesson, step, practice, question.at]);
+
+/** The answer that waits for its question, which may come after its run is made. @type {{ of: string, made: object[] } | null} */
+let waiting = null;
+
+/** Keeps the answer that is being put together, as the page or its display may be lost. @param {any} lesson */
+function keepDraft(lesson) {
+  if (!lesson.question?.open) {
+    return;
+  }
+  const of = questionOf(lesson);
+  const lost = waiting;
+  waiting = null;
+  if (lost?.of === of) {
+    // Deferred: the program calls this while its state is borrowed.
+    setTimeout(() => lost.made.forEach((change) => draft(change)));
+    return;
+  }
+  try {
+    sessionStorage.setItem(DRAFT, JSON.stringify({ of, made: changes(lesson.question) }));
+  } catch {
+    // The browser denies the store; the answer is then kept nowhere.
+  }
+}
+
+/** Puts together again the answer that was lost with the page or its display, once its question is shown. */
+export function restoreDraft() {
+  try {
+    waiting = JSON.parse(sessionStorage.getItem(DRAFT) ?? "null");
+  } catch {
+    waiting = null;
   }
 }
 
@@ -282,11 +351,12 @@ export function showLesson(lesson) {
   const { tries: __, chosen: ___, ...state } = asked;
   renew("actions", [lesson.step, lesson.hint, lesson.asked_to_give_up, lesson.after, list ? 0 : state], () => (list || !question ? [] : actions(lesson)));
   renew("walk", [lesson.index, lesson.may_go_on, list ? 0 : 1], () => (list ? [] : walk(lesson)));
+  keepDraft(lesson);
 }
 
 /** @param {any} lesson */
 function head(lesson) {
-  const other = lesson.language === "de" ? ["en", "EN"] : ["de", "DE"];
+  const other = lesson.language === "de" ? "en" : "de";
   const list = make("div", { class: "row" });
   if (!lesson.list) {
     list.append(button("lesson-list", words.lessons, () => send({ do: "lesson", act: "list" }), { class: "quiet" }));
@@ -295,13 +365,13 @@ function head(lesson) {
     }
   }
   list.append(
-    button("lesson-language", other[1], () => send({ do: "lesson", language: other[0] }), { class: "quiet", "aria-label": words.other_language }),
+    button("lesson-language", words.other_language, () => send({ do: "lesson", language: other }), { class: "quiet", lang: other }),
     button("lesson-close", "\u00d7", () => send({ do: "lesson", act: lesson.list ? "list" : "leave" }), {
       class: "quiet",
       "aria-label": lesson.list ? words.close_list : words.close,
     }),
   );
-  return [make("span", { class: "small" }, lesson.list ? words.lessons : lesson.title), list];
+  return [lesson.list ? make("h2", {}, words.lessons) : make("span", { class: "small" }, lesson.title), list];
 }
 
 /** @param {any} lesson */
@@ -405,6 +475,10 @@ export function connectLesson(ask) {
       return;
     }
     showLesson(lesson);
+    if (request.do === "answer" && !request.draft) {
+      // On a phone the verdict would be below what is seen of the panel.
+      element("lesson-feedback").scrollIntoView({ block: "nearest" });
+    }
     // A new step begins at its heading: it scrolls there and moves the focus.
     if (lesson && shown.get("walk") !== step && "go" in request) {
       element("lesson").scrollTop = 0;

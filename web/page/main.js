@@ -3,7 +3,7 @@
 // program's requirements are checked in `missing.js`.
 
 import { bridge, namedOrigin } from "./{{asset:embed.js}}";
-import { connectLesson, showLesson } from "./{{asset:lesson.js}}";
+import { connectLesson, restoreDraft, showLesson } from "./{{asset:lesson.js}}";
 import { load } from "./{{asset:load.js}}";
 import { missing, showMissing } from "./{{asset:missing.js}}";
 import { keepOffline } from "./{{asset:offline.js}}";
@@ -290,8 +290,9 @@ async function loadLessons() {
 }
 
 /** Sets a title by which tabs and bookmarks can be distinguished. @param {any} told */
-function entitle({ parameters: { seed, radius } }) {
-  document.title = `Seed ${seed}, r ${radius} \u2013 Tilescope`;
+function entitle({ parameters: { seed, radius }, lesson }) {
+  const ofLesson = lesson?.list ? lesson.labels.lessons : lesson && `${lesson.heading}, ${lesson.title}`;
+  document.title = `${ofLesson || `Seed ${seed}, r ${radius}`} \u2013 Tilescope`;
 }
 
 /** Shows why the program does not run, and reports it to the page around. @param {string} reason */
@@ -320,7 +321,9 @@ async function begin(display, reason) {
     display,
     engine: asked.get("engine") ?? "auto",
     reason,
+    languages: [...navigator.languages],
     reduced_motion: still.matches,
+    light: matchMedia("(prefers-color-scheme: light)").matches,
     full_screen: document.fullscreenEnabled === true,
     worker: WORKER,
     bindings: BINDINGS,
@@ -343,6 +346,7 @@ async function begin(display, reason) {
   }
   // For use in the browser's console.
   /** @type {any} */ (window).tilescope = app;
+  restoreDraft();
   // The text input element is beside the canvas; Tab must skip it.
   const field = textField();
   if (field) {
@@ -450,7 +454,9 @@ async function beginAnyhow(display) {
 /** Shows the voting card or the notes of a talk instead of the program, if the address names them. Returns whether it did. */
 async function showOther() {
   const notes = fragment().match(/^notes=(tilescope-[\w-]+)$/)?.[1];
-  if (fragment() !== "card" && !notes) {
+  // What mail and chat programs put behind an address does not count.
+  const isCard = /^card(?:[.,;:)>\]"']|%20|%22|%3E)*$/i.test(fragment());
+  if (!isCard && !notes) {
     return false;
   }
   isOther = true;
@@ -521,6 +527,15 @@ window.addEventListener("hashchange", (event) => {
   }
   nextLink = null;
   app?.open_link(link);
+});
+// A browser may end a hidden page without a further word.
+document.addEventListener("visibilitychange", () => document.hidden && app?.keep());
+window.addEventListener("pagehide", () => app?.keep());
+// Another tab has stored results of lessons.
+window.addEventListener("storage", ({ key, newValue }) => {
+  if (key === "lessons" && newValue !== null) {
+    app?.take_results(newValue);
+  }
 });
 still.addEventListener("change", () => app?.prefer_reduced_motion(still.matches));
 // The canvas handles files dropped on it. Elsewhere the browser would replace the page by the file.

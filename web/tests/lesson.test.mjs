@@ -2,7 +2,7 @@
 
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { nothingElse, until } from "./harness.mjs";
+import { ask, nothingElse, state, until } from "./harness.mjs";
 import { host, makeContext } from "./shared.mjs";
 
 /** Opens a lesson at a size of the window. */
@@ -114,4 +114,71 @@ test("while a question is open neither the state nor a request tells what follow
   assert.equal((await ask({ do: "lesson", act: "give-up" })).ok, true);
   const after = (await ask({ do: "state" })).state;
   assert.ok(after.events > state.events && after.answered.given_up);
+});
+
+/** The questions whose results the browser stores, as `lesson/question`. @param {import("playwright-core").Page} page */
+function storedGates(page) {
+  return page.evaluate(() => JSON.parse(localStorage.getItem("lessons") ?? '{"entries": []}').entries.map((entry) => `${entry.lesson}/${entry.gate}`));
+}
+
+/** Gives up the question of a page, which counts as an answer. */
+async function giveUp(page) {
+  const lesson = (await state(page, (told) => told.lesson?.question?.open)).lesson;
+  for (let time = 0; time < 2; time++) {
+    assert.equal((await ask(page, { do: "lesson", act: "give-up" })).ok, true);
+  }
+  const { answered } = await state(page, (told) => told.answered);
+  assert.equal(answered.step, lesson.step);
+  return `${answered.lesson}/${answered.gate}`;
+}
+
+test("an answer stays when the page is reloaded or closed at once", async (t) => {
+  const { page } = await opened(t, "lesson=survivors&step=one-of-two");
+  assert.deepEqual(await storedGates(page), []);
+  const given = await giveUp(page);
+  assert.deepEqual(await storedGates(page), [given]);
+  await page.reload();
+  const { lesson } = await state(page, (told) => told.lesson?.steps);
+  assert.equal(lesson.steps[lesson.index].score, 0);
+  const other = await page.context().newPage();
+  await other.goto(page.url());
+  await page.close();
+  await state(other, (told) => told.lesson?.steps?.[told.lesson.index].score === 0);
+});
+
+test("two tabs add to each other's results instead of replacing them", async (t) => {
+  const { page } = await opened(t, "lesson=survivors&step=one-of-two");
+  await state(page, (told) => told.lesson?.question?.open);
+  const other = await page.context().newPage();
+  await other.goto(page.url().replace(/#.*/, "#lesson=survivors&step=chain"));
+  const second = await giveUp(other);
+  const first = await giveUp(page);
+  assert.deepEqual((await storedGates(page)).sort(), [first, second].sort());
+  // What the browser keeps at a later save is still of both, and each tab shows both.
+  for (const tab of [page, other]) {
+    await tab.evaluate(() => window.tilescope.keep());
+    await ask(tab, { do: "lesson", act: "list" });
+    await state(tab, (told) => told.lesson?.list?.answered === 2);
+  }
+  assert.deepEqual((await storedGates(page)).sort(), [first, second].sort());
+});
+
+test("a link names the language, which stays; without one it is the browser's", async (t) => {
+  const { page, lesson } = await opened(t, "lesson=survivors&language=de");
+  await lesson.getByRole("button", { name: "Weiter", exact: true }).waitFor();
+  await until("the language in the store", () => page.evaluate(() => localStorage.getItem("language") === "de"));
+  const other = await page.context().newPage();
+  await other.goto(page.url().replace(/#.*/, "#lesson=welcome"));
+  await state(other, (told) => told.lesson?.language === "de");
+  const german = await opened(t, "lesson=welcome", { locale: "de-AT" });
+  await german.lesson.getByRole("button", { name: "Weiter", exact: true }).waitFor();
+});
+
+test("a link to an unknown lesson shows the list beside the default run, and capitals do not count", async (t) => {
+  const { page } = await opened(t, "lesson=survivor%26step%3Dchain");
+  const told = await state(page, (told) => told.ready && told.lesson?.list);
+  assert.match(told.notice, /There is no lesson "survivor"/);
+  assert.equal(told.seed, 1);
+  await page.goto(page.url().replace(/#.*/, "#lesson%3DSURVIVORS%26step%3Dchain"));
+  await state(page, (told) => told.lesson?.step === "chain");
 });

@@ -36,7 +36,7 @@ const DESKTOP = { viewport: { width: 1280, height: 800 }, deviceScaleFactor: 0.5
 /** Stores the look, as an earlier visit has done. */
 export function visitedBefore() {
   try {
-    localStorage.setItem("look", "(dark,None)");
+    localStorage.setItem("look", '["dark",null]');
   } catch {
     // The initial empty page has no storage.
   }

@@ -7,7 +7,7 @@ pub struct LocalStore;
 
 impl LocalStore {
     /// Puts a value under a key; returns whether the browser stored it.
-    pub fn put(&self, key: &str, value: &str) -> bool {
+    pub fn put(key: &str, value: &str) -> bool {
         Self::open().is_some_and(|store| store.set_item(key, value).is_ok())
     }
 
@@ -22,7 +22,7 @@ impl Storage for LocalStore {
     }
 
     fn set_string(&mut self, key: &str, value: String) {
-        self.put(key, &value);
+        Self::put(key, &value);
     }
 
     fn remove_string(&mut self, key: &str) {

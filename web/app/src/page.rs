@@ -12,6 +12,7 @@ use js_sys::Object;
 use serde::Deserialize;
 use tilescope_app::App;
 use tilescope_app::panes::leads_zoom;
+use tilescope_session::look::Look;
 use tilescope_session::task::set_task_pool;
 use tilescope_ui::focus::{self, End};
 use tilescope_workbench::Command;
@@ -35,6 +36,8 @@ const MAX_WORKERS: usize = 2;
 const RESULTS_KEY: &str = "lessons";
 /// The key of results that could not be read and were replaced.
 const UNREADABLE_RESULTS_KEY: &str = "lessons.unreadable";
+/// The key of the look, under which `App` stores it.
+const LOOK_KEY: &str = "look";
 /// The key of the language of lessons in the browser's store.
 const LANGUAGE_KEY: &str = "language";
 /// The languages of lessons.
@@ -58,6 +61,8 @@ struct Options {
     languages: Vec<String>,
     /// Whether animations are off.
     reduced_motion: bool,
+    /// Whether the system prefers light colours.
+    light: bool,
     /// Whether the browser allows full screen.
     full_screen: bool,
     /// The address of the worker's script.
@@ -382,6 +387,10 @@ impl Page {
         if let Some(storage) = creation.storage.filter(|_| stores) {
             app.remember(storage, options.link.is_empty());
             language = storage.get_string(LANGUAGE_KEY);
+            // Until a visitor's own look is stored, the system's preference counts; a link to a view may name another.
+            if options.light && storage.get_string(LOOK_KEY).is_none() {
+                app.state.appearance.choose_look(Look::Light);
+            }
         }
         // A link may name another language.
         let languages = language.iter().chain(&options.languages);
@@ -441,7 +450,7 @@ impl Page {
         }
 
         // The notice is shown once, not at every answer.
-        if !store.put(RESULTS_KEY, &results.text) && !self.is_refused {
+        if !LocalStore::put(RESULTS_KEY, &results.text) && !self.is_refused {
             self.is_refused = true;
             self.app.state.tell_not_stored();
         }
@@ -457,7 +466,7 @@ impl Page {
 
         // Both tabs may have read the store before either wrote: what the other one has replaced is written again.
         if merged != stored {
-            LocalStore.put(RESULTS_KEY, &merged);
+            LocalStore::put(RESULTS_KEY, &merged);
         }
     }
 
@@ -465,7 +474,7 @@ impl Page {
     fn store_language(&mut self) {
         let language = &self.app.state.lessons.language;
         if self.stores && self.language.as_ref() != Some(language) {
-            LocalStore.put(LANGUAGE_KEY, language);
+            LocalStore::put(LANGUAGE_KEY, language);
             self.language = Some(language.clone());
         }
     }

@@ -7,7 +7,7 @@ use anyhow::{Result, ensure};
 use crate::compress::Packed;
 
 /// The most bytes, compressed, that may be needed to start.
-pub const MAX_TO_START: usize = 3_000_000;
+pub const MAX_TO_START: usize = 2_950_000;
 
 /// A file's sizes in bytes: uncompressed, by gzip, by brotli.
 #[derive(Clone, Debug, PartialEq, Eq)]

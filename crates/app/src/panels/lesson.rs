@@ -263,8 +263,7 @@ impl LessonPanel<'_> {
 
     /// Shows the verdict on the last answer, and the lesson's sentence on it.
     fn feedback(&self, ui: &mut Ui) {
-        let verdict = self.open.verdict(&self.state.lessons.language);
-        let (Some(feedback), Some(verdict)) = (&self.open.feedback, verdict) else {
+        let Some(feedback) = &self.open.feedback else {
             return;
         };
         let color = match feedback.score {
@@ -273,10 +272,12 @@ impl LessonPanel<'_> {
             _ => self.palette.conflict,
         };
         ui.add_space(6.0);
-        let font = FontId::new(self.size, semibold());
-        let label = ui.label(RichText::new(verdict).font(font).color(color));
-        read_out(ui, &label);
-        label.known_as("lesson-verdict");
+        if let Some(verdict) = self.open.verdict(&self.state.lessons.language) {
+            let font = FontId::new(self.size, semibold());
+            let label = ui.label(RichText::new(verdict).font(font).color(color));
+            read_out(ui, &label);
+            label.known_as("lesson-verdict");
+        }
         if let Some(sentence) = &feedback.sentence {
             text::paragraph(ui, sentence, self.size, self.palette.text).known_as("lesson-sentence");
         }

@@ -312,18 +312,23 @@ fn is_order(order: &[usize], count: usize) -> bool {
 }
 
 impl OpenLesson {
-    /// Returns the verdict on the last answer, in a language.
+    /// Returns the verdict on the last answer, in a language; None where the sentence that follows begins with its word.
     #[must_use]
     pub fn verdict(&self, language: &str) -> Option<&'static str> {
         let feedback = self.feedback.as_ref()?;
         let labels = lesson_labels(language);
         let (tries, _) = self.learner.tries();
-        Some(match (feedback.score > 0.999, feedback.score > 0.0) {
+        let verdict = match (feedback.score > 0.999, feedback.score > 0.0) {
             (true, _) if tries <= 1 => labels.right,
             (true, _) => labels.right_now,
             (false, true) => labels.not_quite,
             (false, false) => labels.wrong,
-        })
+        };
+        let word = verdict.trim_end_matches('.');
+        let sentence = feedback.sentence.as_deref();
+        let rest = sentence.and_then(|sentence| sentence.strip_prefix(word));
+        let is_said = rest.is_some_and(|rest| !rest.starts_with(char::is_alphanumeric));
+        (!is_said).then_some(verdict)
     }
 }
 

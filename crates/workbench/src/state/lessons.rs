@@ -686,6 +686,24 @@ mod tests {
     }
 
     #[test]
+    fn a_verdict_that_the_sentence_begins_with_is_not_said_twice() {
+        let mut state = asked();
+        let [right, _] = options(&state);
+        choose(&mut state, right);
+        let open = state.lessons.open.as_mut().unwrap();
+        for (sentence, verdict) in [
+            (None, Some("Right.")),
+            (Some("Right: it has the smaller number."), None),
+            (Some("Right."), None),
+            (Some("Rightmost is 12."), Some("Right.")),
+            (Some("It is so."), Some("Right.")),
+        ] {
+            open.feedback.as_mut().unwrap().sentence = sentence.map(str::to_owned);
+            assert_eq!(open.verdict("en"), verdict, "{sentence:?}");
+        }
+    }
+
+    #[test]
     fn giving_up_is_asked_once_more() {
         let mut state = asked();
         lesson(&mut state, LessonCommand::Step(Direction::Forwards));

@@ -1,0 +1,282 @@
+// The lesson's panel and what main.js does around the program, with a program that only records: its state is given by
+// the test. It needs neither web/build nor the native program.
+
+import assert from "node:assert/strict";
+import { once } from "node:events";
+import { readFileSync } from "node:fs";
+import { createServer } from "node:http";
+import path from "node:path";
+import { after, before, test } from "node:test";
+import { fileURLToPath } from "node:url";
+import { PATIENCE_MS, launch } from "./harness.mjs";
+
+const here = path.dirname(fileURLToPath(import.meta.url));
+const LABELS = JSON.parse(readFileSync(path.join(here, "../../assets/lesson-labels.json"), "utf8"));
+const TYPES = { ".html": "text/html", ".js": "text/javascript", ".css": "text/css", ".wasm": "application/wasm", ".webmanifest": "application/json" };
+
+/** Stands for the program: it records what it is asked and told, and shows the state that `show` is given. */
+const PROGRAM = `
+export default async function init() {}
+export async function start(canvas, options, hooks) {
+  const calls = (window.calls ??= []);
+  window.options = JSON.parse(options);
+  window.show = (lesson) => hooks.state(JSON.stringify({ parameters: { seed: 1, radius: 0.02 }, view: { look: "dark" }, lesson }));
+  return {
+    ask: (request) => { calls.push(JSON.parse(request)); return JSON.stringify({ ok: true, lesson: window.lesson ?? null }); },
+    takes_key: () => false, leaves_by_tab: () => false, open_link: () => {}, destroy: () => {}, left_out: () => "",
+    keep: () => calls.push("keep"),
+    take_results: (stored) => calls.push(["results", stored]),
+  };
+}`;
+
+/** A step with a question, in a language. */
+function lesson(language = "en", changes = {}) {
+  const labels = LABELS[language];
+  const text = (words) => [{ text: words, style: "plain" }];
+  const question = {
+    type: "choice", open: true, ask: text("Which of the two samples is eliminated?"), chosen: null, hint: true, practice: true, reasons: [],
+    options: [text("Sample 118, which has the smaller number of the two"), text("Sample 374")],
+  };
+  return {
+    lesson: "survivors", title: "Elimination and who survives it", language, step: "chain", index: 1, heading: "A chain of conflicts",
+    steps: ["Too close", "A chain of conflicts", "Six turns", "One", "Two", "Three", "Four"].map((title, at) => ({ name: `step-${at}`, title, score: at === 0 ? 1 : null })),
+    text: [text("Three samples are joined.")], waits: false, practice: null, question, answers: 0, may_go_on: false, reasons: [], labels, ...changes,
+  };
+}
+
+/** The list of lessons with results. */
+function list(changes = {}) {
+  const entry = { name: "welcome", title: "What is this?", objective: "You see what maximal means.", minutes: 4, gates: 3, done: 1 };
+  return { language: "en", labels: LABELS.en, list: { lessons: [entry], answered: 1, share: 1, learner: "", asked_to_clear: false, ...changes } };
+}
+
+let server;
+let browser;
+let address;
+before(async () => {
+  server = createServer((request, response) => {
+    const name = new URL(request.url, "http://localhost").pathname.slice(1) || "index.html";
+    const type = TYPES[path.extname(name)];
+    response.setHeader("Content-Type", type ?? "application/octet-stream");
+    if (name === "tilescope.js") {
+      response.end(PROGRAM);
+    } else if (name === "tilescope_bg.wasm") {
+      response.end(Buffer.from([0, 97, 115, 109, 1, 0, 0, 0]));
+    } else if (!/^[\w.-]+$/.test(name) || name === "sw.js") {
+      response.writeHead(404).end();
+    } else {
+      const bytes = readFileSync(path.join(here, "../page", name));
+      response.end(type ? bytes.toString().replace(/\{\{(?:asset|size|address):?(.*?)\}\}/g, "$1") : bytes);
+    }
+  });
+  server.listen(0, "127.0.0.1");
+  await once(server, "listening");
+  address = `http://127.0.0.1:${server.address().port}/`;
+  browser = await launch();
+});
+after(async () => {
+  await browser?.close();
+  server?.close();
+});
+
+/** Opens the page with a state of the lesson. */
+async function shown(t, state, settings = {}, css = "") {
+  const context = await browser.newContext({ viewport: { width: 1280, height: 800 }, ...settings });
+  t.after(() => context.close());
+  context.setDefaultTimeout(PATIENCE_MS);
+  const page = await context.newPage();
+  await page.goto(address);
+  await page.waitForFunction(() => "show" in window);
+  if (css) {
+    await page.evaluate((css) => {
+      const sheet = new CSSStyleSheet();
+      sheet.replaceSync(css);
+      document.adoptedStyleSheets = [sheet];
+    }, css);
+  }
+  await show(page, state);
+  return page;
+}
+
+/** Gives the page a state of the lesson. */
+function show(page, state) {
+  return page.evaluate((state) => {
+    window.lesson = state;
+    window.show(state);
+  }, state);
+}
+
+/** What sticks out of the panel or the window at the right. */
+function outside(page) {
+  return page.evaluate(() => {
+    const panel = document.getElementById("lesson");
+    const far = [...panel.querySelectorAll("button, p, h2, h3, input")].filter((one) => one.getBoundingClientRect().right > innerWidth);
+    return [...far.map((one) => one.id || one.textContent), ...(panel.scrollWidth > panel.clientWidth ? ["the panel scrolls sideways"] : [])];
+  });
+}
+
+const PHONE = { width: 390, height: 844 };
+for (const [name, settings, css] of [
+  ["at 1280 px", {}, ""],
+  ["at 320 px", { viewport: { width: 320, height: 568 } }, ""],
+  ["on a phone with text of 200%", { viewport: PHONE }, ":root { font-size: 200% }"],
+]) {
+  for (const language of ["en", "de"]) {
+    test(`${name} nothing of the lesson is outside, in the language ${language}`, async (t) => {
+      const page = await shown(t, lesson(language), settings, css);
+      assert.deepEqual(await outside(page), []);
+      await show(page, { ...list({ asked_to_clear: true }), language, labels: LABELS[language] });
+      assert.deepEqual(await outside(page), []);
+      // Negative control: a header that does not wrap sticks out where there is no room.
+      await page.evaluate(() => document.getElementById("lesson-head").prepend(Object.assign(document.createElement("button"), { style: "min-width: 120rem" })));
+      assert.notDeepEqual(await outside(page), []);
+    });
+  }
+}
+
+test("on a phone the canvas has at least half of the height, and targets have 44 px", async (t) => {
+  const page = await shown(t, lesson(), { viewport: PHONE, hasTouch: true, isMobile: true });
+  const canvas = await page.locator("#canvas").boundingBox();
+  const panel = await page.locator("#lesson").boundingBox();
+  assert.ok(canvas.height >= PHONE.height / 2, JSON.stringify(canvas));
+  assert.ok(panel.y >= canvas.y + canvas.height - 1, "the panel stands below the canvas");
+  const small = () =>
+    page.locator("#lesson :is(button, input)").evaluateAll((all) => all.filter((one) => Math.min(one.offsetWidth, one.offsetHeight) < 44).map((one) => one.id));
+  assert.deepEqual(await small(), []);
+  await show(page, list());
+  assert.deepEqual(await small(), []);
+});
+
+test("buttons are renewed with the language, and each says what is written on it", async (t) => {
+  const page = await shown(t, lesson("en"));
+  assert.equal(await page.textContent("#lesson-back"), LABELS.en.back);
+  assert.equal(await page.textContent("#lesson-language"), "Deutsch");
+  await show(page, lesson("de"));
+  for (const [id, label] of [["back", "back"], ["next", "next"], ["answer", "answer"], ["hint", "hint"], ["list", "lessons"], ["language", "other_language"]]) {
+    assert.equal(await page.textContent(`#lesson-${id}`), LABELS.de[label], id);
+  }
+  const hidden = () =>
+    page.locator("#lesson button[aria-label]").evaluateAll((all) =>
+      all.filter((one) => /\w/.test(one.textContent) && !one.getAttribute("aria-label").includes(one.textContent)).map((one) => one.id),
+    );
+  assert.deepEqual(await hidden(), []);
+  // No level of headings is left out.
+  await show(page, list());
+  const levels = await page.locator(":is(h1, h2, h3):visible").evaluateAll((all) => all.map((one) => Number(one.tagName[1])));
+  assert.ok(levels.every((level, at) => at === 0 || level <= levels[at - 1] + 1), String(levels));
+});
+
+test("the title of tab and bookmark is the lesson's", async (t) => {
+  const page = await shown(t, lesson());
+  assert.equal(await page.title(), "A chain of conflicts, Elimination and who survives it \u2013 Tilescope");
+  await show(page, list());
+  assert.equal(await page.title(), "Lessons \u2013 Tilescope");
+  await show(page, null);
+  assert.equal(await page.title(), "Seed 1, r 0.02 \u2013 Tilescope");
+});
+
+test("in forced colours the chosen answer differs from the others", async (t) => {
+  const chosen = lesson();
+  chosen.question.chosen = 1;
+  const page = await shown(t, chosen, { forcedColors: "active" });
+  const look = (id) => page.locator(id).evaluate((one) => ["backgroundColor", "color", "borderColor"].map((name) => getComputedStyle(one)[name]).join());
+  const other = await look("#lesson-option-0");
+  assert.notEqual(await look("#lesson-option-1"), other);
+  assert.notEqual(await look("#lesson-step-1"), await look("#lesson-step-2"));
+});
+
+test("the system's preference for light is passed on, and the page's own sheets follow it", async (t) => {
+  const shade = (page) => page.locator("#failure .card").evaluate((one) => getComputedStyle(one).backgroundColor);
+  const light = await shown(t, null, { colorScheme: "light" });
+  const dark = await shown(t, null, { colorScheme: "dark" });
+  for (const [page, is] of [[light, true], [dark, false]]) {
+    assert.equal(await page.evaluate(() => window.options.light), is);
+  }
+  assert.notEqual(await shade(light), await shade(dark));
+});
+
+test("on paper the lesson is dark on white, whole, below the picture", async (t) => {
+  const page = await shown(t, lesson("en", { text: Array.from({ length: 60 }, () => [{ text: "A line of text.", style: "plain" }]) }));
+  await page.emulateMedia({ media: "print" });
+  const panel = await page.locator("#lesson").evaluate((one) => {
+    const { color, backgroundColor, position } = getComputedStyle(one);
+    return { color, backgroundColor, position, hides: one.scrollHeight > one.clientHeight + 1 };
+  });
+  assert.deepEqual(panel, { color: "rgb(0, 0, 0)", backgroundColor: "rgb(255, 255, 255)", position: "static", hides: false });
+});
+
+test("an answer that is put together stays when the page is reloaded", async (t) => {
+  const chosen = lesson();
+  chosen.question.chosen = 1;
+  const page = await shown(t, chosen);
+  const drafts = () => page.evaluate(() => window.calls.filter((call) => call.draft).map((call) => call.draft));
+  assert.deepEqual(await drafts(), []);
+  await page.reload();
+  await page.waitForFunction(() => "show" in window);
+  // The question comes once its run is made.
+  await show(page, lesson("en", { question: null }));
+  await show(page, lesson());
+  await page.waitForFunction(() => window.calls.some((call) => call.draft));
+  assert.deepEqual(await drafts(), [{ choose: 1 }]);
+  // Another question does not get it.
+  await show(page, chosen);
+  await page.reload();
+  await page.waitForFunction(() => "show" in window);
+  await show(page, lesson("en", { step: "other" }));
+  await page.evaluate(() => new Promise((resolve) => setTimeout(resolve, 0)));
+  assert.deepEqual(await drafts(), []);
+});
+
+test("the program is asked to store when the page is hidden, and gets what another tab stores", async (t) => {
+  const page = await shown(t, lesson());
+  const other = await page.context().newPage();
+  await other.goto(address);
+  await other.evaluate(() => {
+    localStorage.setItem("look", "[]");
+    localStorage.setItem("lessons", "results");
+  });
+  await page.waitForFunction(() => window.calls.some((call) => call[0] === "results"));
+  const calls = await page.evaluate(() => {
+    window.dispatchEvent(new Event("pagehide"));
+    return window.calls;
+  });
+  assert.deepEqual(calls, [["results", "results"], "keep"]);
+});
+
+test("clearing the results is asked once more", async (t) => {
+  const page = await shown(t, list());
+  assert.equal(await page.locator("#lesson-keep").count(), 0);
+  await page.click("#lesson-clear");
+  await show(page, list({ asked_to_clear: true }));
+  assert.equal(await page.getByRole("alert").textContent(), LABELS.en.clear_all);
+  await page.click("#lesson-keep");
+  assert.deepEqual(await page.evaluate(() => window.calls.map((call) => call.act)), ["clear", "keep"]);
+});
+
+test("on a phone the verdict is seen after the answer", async (t) => {
+  const long = Array.from({ length: 12 }, () => [{ text: "Three samples are joined, each closer than one radius to the next.", style: "plain" }]);
+  const page = await shown(t, lesson("en", { text: long }), { viewport: PHONE, hasTouch: true, isMobile: true });
+  const inView = () =>
+    page.locator("#lesson-feedback").evaluate((one) => {
+      const { top, bottom } = one.getBoundingClientRect();
+      return top >= document.getElementById("lesson").getBoundingClientRect().top && bottom <= innerHeight && bottom > top;
+    });
+  const after = [{ text: "What follows the answer.", style: "plain" }];
+  const answered = lesson("en", { text: long, verdict: "Right.", after: long.concat([after]), question: { ...lesson().question, open: false } });
+  assert.equal(await inView(), false);
+  await page.evaluate((answered) => (window.lesson = answered), answered);
+  await page.click("#lesson-answer");
+  assert.equal(await page.textContent("#lesson-feedback"), "Right.");
+  assert.equal(await inView(), true);
+});
+
+test("the example pages have a main landmark that holds all", async (t) => {
+  const context = await browser.newContext();
+  t.after(() => context.close());
+  const page = await context.newPage();
+  for (const name of ["plan.html", "lecture.html"]) {
+    await page.setContent(readFileSync(path.join(here, "../example", name), "utf8").replace(/<(script|link)[^>]*>/g, ""));
+    assert.equal(await page.getByRole("main").count(), 1, name);
+    assert.equal(await page.locator("body > :not(main)").count(), 0, name);
+  }
+});
