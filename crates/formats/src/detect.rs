@@ -196,16 +196,16 @@ enum TextShape {
 fn text_format(bytes: &[u8], path: &Path) -> Option<Format> {
     let (named, shape) = (NamedText::of(path), text_shape(bytes)?);
     Some(match (named, shape) {
-        // Their codec reads all tables, in the units of the file.
-        (NamedText::Table, _) => Format::Csv,
+        // Both codecs read all tables, in the units of the file.
         (NamedText::Cloud, _) => Format::Xyz,
-        (_, TextShape::Table) => Format::Csv,
-        (NamedText::Any, TextShape::Words(true)) => Format::Csv,
+        (NamedText::Table, _)
+        | (_, TextShape::Table)
+        | (NamedText::Any, TextShape::Words(true)) => Format::Csv,
         (_, TextShape::Numbers(1) | TextShape::Counted(..=2)) => Format::PsaText,
         (_, TextShape::Numbers(2)) => Format::UtkText,
-        (_, TextShape::Counted(_) | TextShape::Numbers(3)) => Format::Xyz,
+        (_, TextShape::Counted(_) | TextShape::Numbers(3))
+        | (NamedText::Any, TextShape::Numbers(_)) => Format::Xyz,
         // Without a name, many numbers in a line may be anything.
-        (NamedText::Any, TextShape::Numbers(_)) => Format::Xyz,
         (NamedText::Unknown, TextShape::Numbers(_)) | (_, TextShape::Words(_)) => return None,
     })
 }

@@ -130,10 +130,8 @@ fn what_could_be_read_in_two_ways_is_refused_with_its_line() {
 #[test]
 fn columns_are_chosen_by_name_or_number_in_every_command() {
     let folder = tempdir().unwrap();
-    let text: String = lattice(0.05)
-        .iter()
-        .map(|[x, y]| format!("{y};7;{x}\n"))
-        .collect();
+    let row = |[x, y]: &[f64; 2]| format!("{y};7;{x}\n");
+    let text: String = lattice(0.05).iter().map(row).collect();
     write(&folder, "wall.txt", format!("north;height;east\n{text}"));
     for columns in [["east", "north"], ["3", "1"]] {
         let chosen = ["wall.txt", "--columns", columns[0], columns[1]];
