@@ -235,7 +235,7 @@ fn read(path: &Path, arguments: &SetArguments) -> Result<(PointSet, Check, bool)
     if let Some(differs) = check.falsehood() {
         bail!("its certificate is not true: {differs}; {WITHOUT_CERTIFICATE}");
     }
-    arguments.announce(path);
+    output::note_left_out(arguments, path);
     let (report, path) = (&check.report, path.display());
     let warn = |warning: &str| output::note(&format!("warning: {path}: {warning}"));
     for difference in &check.differences {
