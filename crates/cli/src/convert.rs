@@ -46,7 +46,7 @@ pub fn run(arguments: &ConvertArguments) -> Result<u8> {
     let path = &arguments.output;
     check_target(path, arguments.to, "--to")?;
     check_inputs_stay(path, [arguments.input.as_path()])?;
-    arguments.set.announce(&arguments.input);
+    output::note_left_out(&arguments.set, &arguments.input);
     let (set, context) = read(arguments)?;
     let exported = verifying(|control| tilescope_formats::export(path, &set, &context, control));
     let exported = exported.in_file(path)?;

@@ -69,7 +69,7 @@ pub fn run(arguments: &DrawArguments) -> Result<u8> {
     };
     check_file(path)?;
     check_inputs_stay(path, [arguments.file.as_path()])?;
-    arguments.set.announce(&arguments.file);
+    output::note_left_out(&arguments.set, &arguments.file);
     ensure!(
         (16..=32_768).contains(&arguments.size),
         "--size is {}; it must be between 16 and 32768 pixels",

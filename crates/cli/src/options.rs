@@ -12,7 +12,6 @@ use tilescope_formats::{
     StreamReader, refuse_degrees,
 };
 
-use crate::output;
 use crate::paths::InFile;
 
 /// The names of a type's values, the same in options and in JSON, each with its line of `--help`, if any.
@@ -131,16 +130,6 @@ pub fn pair(origin: Option<&Vec<f64>>) -> Option<[f64; 2]> {
 pub const WITHOUT_CERTIFICATE: &str = "--no-certificate reads the set without it";
 
 impl SetArguments {
-    /// Prints a note if the certificate of a set is left out.
-    pub fn announce(&self, path: &Path) {
-        if self.no_certificate {
-            let path = path.display();
-            output::note(&format!(
-                "note: {path}: read without its certificate, so nothing is known of how the set was made"
-            ));
-        }
-    }
-
     /// Returns the values that override the certificate of `path`. A side or boundary that is not given is
     /// the certificate's; without one, the periodic unit square's.
     pub fn overrides(&self, path: &Path) -> Result<Overrides> {

@@ -1,7 +1,7 @@
 //! The output of commands: text for people, one JSON object for programs.
 
 use std::fmt::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use serde_json::{Value, json};
 use tilescope_analysis::{Boundary, Judge, MAX_CONFLICTS, Number, Region, Report, shown};
@@ -10,6 +10,7 @@ use tilescope_formats::{CertifiedLevel, Warning, is_valid};
 use tilescope_gpu::Backend;
 
 use crate::facts::Facts;
+use crate::options::SetArguments;
 use crate::paths::named;
 
 /// Prints text. A closed pipe is no error: its reader needs no more, and the exit code is that of the work.
@@ -30,6 +31,16 @@ pub fn emit(text: &str) -> anyhow::Result<()> {
 pub fn note(line: &str) {
     let line = format!("{}\n", shown(line));
     let _ = std::io::Write::write_all(&mut std::io::stderr(), line.as_bytes());
+}
+
+/// Prints a note if the arguments leave out the certificate of the set in a file.
+pub fn note_left_out(set: &SetArguments, file: &Path) {
+    if set.no_certificate {
+        let file = named(file);
+        note(&format!(
+            "note: {file}: read without its certificate, so nothing is known of how the set was made"
+        ));
+    }
 }
 
 /// Prints a report, as one JSON object or as text.

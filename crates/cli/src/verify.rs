@@ -48,7 +48,7 @@ Examples:
 
 pub fn run(arguments: &VerifyArguments) -> Result<u8> {
     interrupt::listen();
-    arguments.set.announce(&arguments.file);
+    output::note_left_out(&arguments.set, &arguments.file);
     if let Some(count) = arguments.prefix {
         return prefix(arguments, count);
     }

@@ -274,7 +274,7 @@ fn read(source: Source<'_>, arguments: &SetArguments) -> Result<(PointSet, Check
     if let Some(differs) = check.falsehood() {
         bail!("its certificate is not true: {differs}; {WITHOUT_CERTIFICATE}");
     }
-    arguments.announce(source.path);
+    output::note_left_out(arguments, path);
     let (report, name) = (&check.report, source.name());
     let warn = |warning: &str| output::note(&format!("warning: {name}: {warning}"));
     for difference in &check.differences {

@@ -75,8 +75,11 @@ fn lattice(right: f64) -> PointSet {
     PointSet::from_points((0..16).map(point).collect())
 }
 
-/// Ways to write over a certified set; each returns whether it succeeded.
-const WRITERS: [(&str, fn(&Path) -> bool); 5] = [
+/// A way to write a file; it returns whether it succeeded.
+type Write = fn(&Path) -> bool;
+
+/// Ways to write over a certified set.
+const WRITERS: [(&str, Write); 5] = [
     ("export", |path| {
         export(path, &lattice(0.5), &context(), &GO).is_ok()
     }),
@@ -235,10 +238,14 @@ fn an_interrupted_exchange_is_undone_or_ended_by_what_the_digests_say() {
 
     // The file is the new one, and its certificate was still to be named.
     let (folder, path) = certified();
-    let old = fs::read(&own_of(&path)).expect("there");
+    let old = fs::read(certificate_path(&path)).expect("there");
     export(&path, &lattice(0.5), &context(), &GO).expect("valid");
     let at = |name: &str| folder.path().join(name);
-    fs::rename(own_of(&path), at(".set.csv.certificate.json.new~")).expect("writable");
+    fs::rename(
+        certificate_path(&path),
+        at(".set.csv.certificate.json.new~"),
+    )
+    .expect("writable");
     fs::write(at(".set.csv.certificate.json.old~"), old).expect("writable");
     let place = Place::of(&path).expect("a file");
     drop(place.lock(Duration::ZERO).expect("free"));
@@ -247,10 +254,6 @@ fn an_interrupted_exchange_is_undone_or_ended_by_what_the_digests_say() {
         ["set.csv", "set.csv.certificate.json"]
     );
     assert_eq!(state(&path, b"", "ended"), (false, true));
-}
-
-fn own_of(path: &Path) -> PathBuf {
-    certificate_path(path)
 }
 
 #[test]
@@ -329,13 +332,13 @@ fn a_replaced_file_keeps_its_mode() {
     for (name, write) in WRITERS {
         let (_folder, path) = certified();
         let mode = |path: &Path| fs::metadata(path).expect("there").permissions().mode() & 0o777;
-        for (path, mode) in [(path.clone(), 0o600), (own_of(&path), 0o640)] {
+        for (path, mode) in [(path.clone(), 0o600), (certificate_path(&path), 0o640)] {
             fs::set_permissions(path, fs::Permissions::from_mode(mode)).expect("allowed");
         }
         assert!(write(&path));
         assert_eq!(mode(&path), 0o600, "{name}");
-        if own_of(&path).exists() {
-            assert_eq!(mode(&own_of(&path)), 0o640, "{name}");
+        if certificate_path(&path).exists() {
+            assert_eq!(mode(&certificate_path(&path)), 0o640, "{name}");
         }
     }
 }

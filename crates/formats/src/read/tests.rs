@@ -85,8 +85,9 @@ fn the_certificate_of_another_set_is_refused_or_left_out() {
 
 #[test]
 fn numbers_that_contradict_each_other_are_refused_without_a_judge() {
+    type Change = fn(&mut Certificate);
     let file = exported("set.csv", 1, 0.0);
-    let changes: [(&str, fn(&mut Certificate)); 4] = [
+    let changes: [(&str, Change); 4] = [
         ("density", |c| c.radius = 0.8),
         ("valid", |c| c.valid = false),
         ("valid", |c| c.conflicts = 3),
@@ -173,12 +174,8 @@ fn full() -> Value {
 
 /// The object at a place of a certificate.
 fn object<'a>(certificate: &'a mut Value, place: &[&str]) -> &'a mut Map<String, Value> {
-    let found = certificate.pointer_mut(
-        &place
-            .iter()
-            .map(|key| format!("/{key}"))
-            .collect::<String>(),
-    );
+    let pointer: Vec<&str> = place.iter().flat_map(|&key| ["/", key]).collect();
+    let found = certificate.pointer_mut(&pointer.concat());
     found.and_then(Value::as_object_mut).expect("an object")
 }
 

@@ -227,8 +227,8 @@ fn a_false_certificate_is_carried_nowhere() {
         let refused = tilescope(&folder).args(user).assert().code(2);
         refused.stderr(contains("is not true: digest: "));
     }
-    // The report on the other set, which can be analysed, is the only file.
-    fs::remove_file(at("r.html")).unwrap();
+    // There may be a report on the other set, which can be analysed.
+    let _ = fs::remove_file(at("r.html"));
     assert_eq!(names(folder.path()), before);
 
     for user in &[users[0], users[1], users[3]] {
