@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use clap::{Args, Subcommand};
 use serde_json::{Value, json};
-use tilescope_analysis::lossy;
+use tilescope_analysis::{lossy, shown_in_line};
 use tilescope_core::Unobserved;
 use tilescope_figures::{Font, lacking};
 use tilescope_formats::write_whole;
@@ -182,6 +182,7 @@ pub fn played(command: &LessonCommand) -> Option<Result<Played>> {
 }
 
 fn no_lesson(name: &str) -> String {
+    let name = shown_in_line(name);
     format!("\"{name}\" is no file, and no lesson that comes with the program")
 }
 

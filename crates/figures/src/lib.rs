@@ -30,13 +30,14 @@ mod raster;
 mod rect;
 mod scene;
 mod stages;
+mod stamp;
 mod svg;
 
 pub use animation::{AnimationError, FrameProgress, write_apng, write_gif};
 pub use bitmap::Bitmap;
 pub use canvas::PictureOptions;
 pub use error::{FigureError, MAX_BITMAP_SIDE, MAX_LENGTH, MAX_PIXELS, MAX_SIDE};
-pub use fonts::{Font, Stamp, fitted, lacking, stamp, text_width, wrapped};
+pub use fonts::{Font, fitted, lacking, text_width, wrapped};
 pub use palette::{Color, Palette, with_alpha};
 pub use png::{to_png, to_png_while};
 pub use raster::{Pixels, to_pixels};
@@ -44,4 +45,5 @@ pub use scene::{
     Anchor, Baseline, Fill, Group, Hatch, Marker, Rect, Scene, Shape, Stroke, Style, Text, View,
 };
 pub use stages::{SetPicture, caption, seam_window, set_scene, stage_scene};
+pub use stamp::{Stamp, stamp};
 pub use svg::{escape, font_faces, to_svg, to_svg_with_fonts};

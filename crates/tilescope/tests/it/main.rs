@@ -14,3 +14,4 @@ mod reproduce;
 mod script;
 mod support;
 mod web;
+mod words;
