@@ -138,13 +138,11 @@ impl Fonts {
 
 /// How far the next character stands from this one, in units of the font.
 fn advance(face: &Face<'_>, character: char) -> f64 {
-    match face.glyph_index(character) {
-        Some(glyph) => f64::from(face.glyph_hor_advance(glyph).unwrap_or_default()),
-        None => {
-            let ems = CodeBox::of(character).width + 2.0 * CodeBox::SIDE;
-            ems * f64::from(face.units_per_em())
-        }
+    if let Some(glyph) = face.glyph_index(character) {
+        return f64::from(face.glyph_hor_advance(glyph).unwrap_or_default());
     }
+    let ems = CodeBox::of(character).width + 2.0 * CodeBox::SIDE;
+    ems * f64::from(face.units_per_em())
 }
 
 /// The box of a character that a font lacks: its code point in two rows of hexadecimal digits. Lengths are in ems.

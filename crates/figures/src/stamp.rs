@@ -32,7 +32,7 @@ pub fn stamp(text: &str, size: f64) -> Option<Stamp> {
     let width = fonts.width(text, Font::Regular, size).ceil();
     // Room for what reaches above capitals and below the baseline.
     let [above, below] = [1.1 * size, 0.3 * size].map(f64::ceil);
-    let is_small = width >= 1.0 && width <= MAX_SIDE && above + below <= MAX_SIDE;
+    let is_small = (1.0..=MAX_SIDE).contains(&width) && above + below <= MAX_SIDE;
     let [columns, rows] = [width, above + below].map(|side| side as u32);
     let mut pixmap = is_small.then(|| Pixmap::new(columns, rows)).flatten()?;
 
