@@ -407,7 +407,7 @@ fn lesson_named(name: &str, language: &str) -> Result<(String, String, Option<St
 fn handout(arguments: &HandoutArguments, window: FromWindow) -> Result<()> {
     let (lesson, out) = (&arguments.lesson, &arguments.out);
     let is_html = out.extension().is_some_and(|extension| extension == "html");
-    let path = named(&out);
+    let path = named(out);
     ensure!(is_html, "--out {path}: the file must end in .html");
     let (name, text, translation) = lesson_named(lesson, &arguments.language)?;
     let made = (window.handout)(Handout {
@@ -493,7 +493,7 @@ fn merge(files: &[PathBuf], out: &Path) -> Result<()> {
     let read: Vec<(String, Results)> = files.iter().map(results).collect::<Result<_>>()?;
     let merged = Merged::of(read);
 
-    let path = named(&out);
+    let path = named(out);
     let text = match out.extension().and_then(|extension| extension.to_str()) {
         Some("csv") => results::csv(&merged.all)?,
         Some("json") => {
