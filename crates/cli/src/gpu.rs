@@ -67,7 +67,7 @@ pub fn run(arguments: &GpuArguments) -> Result<u8> {
         // The error says that there is no such adapter.
         let opened = open(arguments.gpu_adapter.clone());
         opened.map_err(|error| match &drivers {
-            Some(drivers) => anyhow!("{error}\n{}", drivers.text()),
+            Some(drivers) => anyhow!("{error}. {}", drivers.text().replace('\n', " ")),
             None => error.into(),
         })?;
     }

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use clap::{Args, Subcommand};
 use serde_json::{Value, json};
-use tilescope_analysis::lossy;
+use tilescope_analysis::{lossy, shown_in_line};
 use tilescope_core::Unobserved;
 use tilescope_figures::{Font, lacking};
 use tilescope_formats::write_whole;
@@ -182,6 +182,7 @@ pub fn played(command: &LessonCommand) -> Option<Result<Played>> {
 }
 
 fn no_lesson(name: &str) -> String {
+    let name = shown_in_line(name);
     format!("\"{name}\" is no file, and no lesson that comes with the program")
 }
 
@@ -406,7 +407,7 @@ fn lesson_named(name: &str, language: &str) -> Result<(String, String, Option<St
 fn handout(arguments: &HandoutArguments, window: FromWindow) -> Result<()> {
     let (lesson, out) = (&arguments.lesson, &arguments.out);
     let is_html = out.extension().is_some_and(|extension| extension == "html");
-    let path = named(&out);
+    let path = named(out);
     ensure!(is_html, "--out {path}: the file must end in .html");
     let (name, text, translation) = lesson_named(lesson, &arguments.language)?;
     let made = (window.handout)(Handout {
@@ -497,7 +498,7 @@ fn merge(files: &[PathBuf], out: &Path) -> Result<()> {
     let read: Vec<(String, Results)> = files.iter().map(results).collect::<Result<_>>()?;
     let merged = Merged::of(read);
 
-    let path = named(&out);
+    let path = named(out);
     let text = match out.extension().and_then(|extension| extension.to_str()) {
         Some("csv") => results::csv(&merged.all)?,
         Some("json") => {

@@ -41,14 +41,13 @@ mod verify;
 mod web;
 mod window;
 
-use std::borrow::Cow;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::error::ErrorKind;
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
-use tilescope_analysis::shown;
+use tilescope_analysis::shown_in_line;
 use tilescope_reproduce::ReproduceError;
 
 pub use headless::{HeadlessReason, refuse_file, refuse_link, run_headless};
@@ -142,13 +141,11 @@ impl Arguments {
     #[must_use]
     pub fn read() -> Self {
         Self::of(std::env::args_os()).unwrap_or_else(|error| {
-            // Words of the command line may be names of files of others. Colours are left out with them.
-            let text = error.render().to_string();
-            if matches!(shown(&text), Cow::Borrowed(_)) {
-                error.exit();
-            }
-            output::note(text.trim_end());
-            std::process::exit(error.exit_code())
+            // Words of the command line may be names of files of others: the message is that about the same words as
+            // they are shown. If those are no error, the message does not hold the word.
+            let shown = |word: OsString| shown_in_line(&word.to_string_lossy()).into_owned();
+            let words = std::env::args_os().map(shown).map(OsString::from);
+            Self::of(words).err().unwrap_or(error).exit()
         })
     }
 
@@ -290,10 +287,11 @@ fn exit_code(outcome: anyhow::Result<u8>) -> ExitCode {
 }
 
 /// Returns an error and its causes in one line, each once: the message of a library may repeat the file or the cause
-/// that another error of the chain names.
+/// that another error of the chain names. A word of others in it cannot begin a line of its own.
 fn describe(error: &anyhow::Error) -> String {
     let mut parts: Vec<String> = Vec::new();
     for part in error.chain().map(ToString::to_string) {
+        let part = shown_in_line(&part).into_owned();
         let so_far = parts.join(": ");
         match parts.last_mut() {
             Some(last) if part.starts_with(last.as_str()) => *last = part,
@@ -320,6 +318,8 @@ mod tests {
         assert_eq!(describe(&error), "a.csv: no such file");
         let error = error.context("--against");
         assert_eq!(describe(&error), "--against: a.csv: no such file");
+        let error = anyhow::anyhow!("no a\nverdict  valid");
+        assert_eq!(describe(&error), "no a\\u000averdict  valid");
         let error = anyhow::anyhow!("it is empty").context("a.csv");
         assert_eq!(describe(&error), "a.csv: it is empty");
     }

@@ -5,11 +5,10 @@
 //! as a box that holds its code point, so that texts that differ never look alike.
 
 use glam::DVec2;
-use tiny_skia::{FillRule, Paint, Path, PathBuilder, Pixmap, Transform};
+use tiny_skia::{Path, PathBuilder};
 use ttf_parser::{Face, OutlineBuilder};
 
-use crate::error::{FigureError, MAX_SIDE};
-use crate::raster::Pixels;
+use crate::error::FigureError;
 
 /// A font of the program.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -139,13 +138,11 @@ impl Fonts {
 
 /// How far the next character stands from this one, in units of the font.
 fn advance(face: &Face<'_>, character: char) -> f64 {
-    match face.glyph_index(character) {
-        Some(glyph) => f64::from(face.glyph_hor_advance(glyph).unwrap_or_default()),
-        None => {
-            let ems = CodeBox::of(character).width + 2.0 * CodeBox::SIDE;
-            ems * f64::from(face.units_per_em())
-        }
+    if let Some(glyph) = face.glyph_index(character) {
+        return f64::from(face.glyph_hor_advance(glyph).unwrap_or_default());
     }
+    let ems = CodeBox::of(character).width + 2.0 * CodeBox::SIDE;
+    ems * f64::from(face.units_per_em())
 }
 
 /// The box of a character that a font lacks: its code point in two rows of hexadecimal digits. Lengths are in ems.
@@ -185,57 +182,6 @@ impl CodeBox {
             width: lower.len() as f64 * Self::COLUMN + 2.0 * Self::PAD,
         }
     }
-}
-
-/// A piece of text as pixels, to be placed by its baseline.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Stamp {
-    /// White pixels with their opacity, to be tinted.
-    pub pixels: Pixels,
-    /// The pixel row of the baseline.
-    pub baseline: u32,
-    /// How many pixels farther the next character stands.
-    pub advance: u32,
-}
-
-/// Returns a text in the regular font at an em of `size` pixels, with boxes for the characters that the font lacks: for a
-/// window that has no font for them. `None` if there is nothing to draw, or if it would be larger than pictures may be.
-///
-/// ```
-/// use tilescope_figures::stamp;
-/// assert_ne!(stamp("\u{70b9}", 16.0), stamp("\u{96c6}", 16.0));
-/// assert_eq!(stamp("", 16.0), None);
-/// ```
-#[must_use]
-pub fn stamp(text: &str, size: f64) -> Option<Stamp> {
-    let fonts = Fonts::new().ok()?;
-    let width = fonts.width(text, Font::Regular, size).ceil();
-    // Room for what reaches above capitals and below the baseline.
-    let [above, below] = [1.1 * size, 0.3 * size].map(f64::ceil);
-    let is_small = width >= 1.0 && width <= MAX_SIDE && above + below <= MAX_SIDE;
-    let [columns, rows] = [width, above + below].map(|side| side as u32);
-    let mut pixmap = is_small.then(|| Pixmap::new(columns, rows)).flatten()?;
-
-    let place = |p: DVec2| [p.x as f32, (p.y + above) as f32];
-    let path = fonts.outline(text, Font::Regular, size, place)?;
-    let mut paint = Paint::default();
-    paint.set_color(tiny_skia::Color::WHITE);
-    pixmap.fill_path(
-        &path,
-        &paint,
-        FillRule::Winding,
-        Transform::identity(),
-        None,
-    );
-    Some(Stamp {
-        pixels: Pixels {
-            width: columns,
-            height: rows,
-            rgba: pixmap.take_demultiplied(),
-        },
-        baseline: above as u32,
-        advance: columns,
-    })
 }
 
 /// Returns the characters of a text that a font of the program lacks, each once, by their code points. Line feeds and tabs

@@ -31,6 +31,7 @@ mod raster;
 mod rect;
 mod scene;
 mod stages;
+mod stamp;
 mod svg;
 
 pub use animation::{AnimationError, FrameProgress, write_apng, write_gif};
@@ -38,7 +39,7 @@ pub use bitmap::Bitmap;
 pub use canvas::PictureOptions;
 pub use control::Control;
 pub use error::{FigureError, MAX_BITMAP_SIDE, MAX_LENGTH, MAX_PIXELS, MAX_SIDE};
-pub use fonts::{Font, Stamp, fitted, lacking, stamp, text_width, wrapped};
+pub use fonts::{Font, fitted, lacking, text_width, wrapped};
 pub use palette::{Color, Palette, with_alpha};
 pub use png::{to_png, to_png_controlled};
 pub use raster::{Pixels, to_pixels};
@@ -46,4 +47,5 @@ pub use scene::{
     Anchor, Baseline, Fill, Group, Hatch, Marker, Rect, Scene, Shape, Stroke, Style, Text, View,
 };
 pub use stages::{SetPicture, caption, seam_window, set_scene, set_scene_controlled, stage_scene};
+pub use stamp::{Stamp, stamp};
 pub use svg::{escape, font_faces, to_svg, to_svg_with_fonts, to_svg_with_fonts_controlled};

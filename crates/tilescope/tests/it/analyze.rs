@@ -258,6 +258,7 @@ fn csv_is_in_long_form() {
     let arguments = ["analyze", "kdrt.csv", "reference.npy", "--out", "all.csv"];
     tilescope(&folder).args(arguments).assert().success();
     let text = fs::read_to_string(folder.path().join("all.csv")).unwrap();
+    let text = text.strip_prefix('\u{feff}').expect("a byte-order mark");
     let mut lines = text.lines();
     assert_eq!(lines.next(), Some("file,measure,x,y,lower,upper"));
     let mut seen = std::collections::BTreeMap::new();

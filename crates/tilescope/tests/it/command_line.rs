@@ -5,7 +5,7 @@ use std::fs;
 use crate::support::{names, tilescope};
 use predicates::prelude::*;
 use predicates::str::contains;
-use serde_json::Value;
+use serde_json::{Value, json};
 use tempfile::{TempDir, tempdir};
 
 fn json(folder: &TempDir, arguments: &[&str], code: i32) -> Value {
@@ -69,6 +69,148 @@ fn nested_levels_are_stated_level_by_level_and_their_prefixes_verify() {
     fs::write(folder.path().join("set.csv"), lines.join("\n")).unwrap();
     let found = json(&folder, &prefix, 1);
     assert_eq!(found["valid"], false, "{found}");
+}
+
+#[test]
+fn the_last_of_nested_levels_has_a_count() {
+    let folder = tempdir().unwrap();
+    for (count, order) in [(500, "random"), (900, "farthest")] {
+        let asked = count.to_string();
+        let ask = [
+            "--count",
+            &asked,
+            "--levels",
+            "3",
+            "--order-within",
+            order,
+            "--json",
+        ];
+        let made = json(&folder, &[&["sample"][..], &ask].concat(), 0);
+        let found = made["count"].as_u64().unwrap();
+        assert!(found.abs_diff(count) <= count / 100, "{made}");
+        // Unlike the first so many of a larger set, these leave no gap.
+        assert_eq!(
+            (&made["valid"], &made["maximal"]),
+            (&json!(true), &json!(true))
+        );
+
+        // Its radius gives the same set.
+        let radius = made["radius"].to_string();
+        let ask = [
+            "--radius",
+            &radius,
+            "--levels",
+            "3",
+            "--order-within",
+            order,
+            "--json",
+        ];
+        let again = json(&folder, &[&["sample"][..], &ask].concat(), 0);
+        assert_eq!(
+            again["positions_digest"], made["positions_digest"],
+            "{count}"
+        );
+    }
+}
+
+#[test]
+fn nested_levels_are_saved_without_a_verdict() {
+    let folder = tempdir().unwrap();
+    let levels = ["sample", "--radius", "0.05", "--levels", "3", "--out"];
+    let judged = json(&folder, &[&levels[..], &["a.csv", "--json"]].concat(), 0);
+    let unjudged = [&levels[..], &["b.csv", "--no-verify", "--json"]].concat();
+    let unjudged = json(&folder, &unjudged, 0);
+    assert_eq!(
+        (&unjudged["verified"], &unjudged["certificate"]),
+        (&json!(false), &Value::Null)
+    );
+    assert_eq!(unjudged["positions_digest"], judged["positions_digest"]);
+
+    let read = |name: &str| fs::read_to_string(folder.path().join(name)).unwrap();
+    assert_eq!(read("a.csv"), read("b.csv"), "the levels are in the file");
+    assert!(!folder.path().join("b.csv.certificate.json").exists());
+}
+
+#[test]
+fn the_digest_of_a_set_is_that_of_its_file_and_needs_none() {
+    let folder = tempdir().unwrap();
+    let digest = |more: &[&str]| {
+        let made = json(
+            &folder,
+            &[&["sample", "--json", "--radius"][..], more].concat(),
+            0,
+        );
+        made["positions_digest"].as_str().unwrap().to_owned()
+    };
+    let certified = |name: &str| {
+        let path = folder.path().join(format!("{name}.certificate.json"));
+        let certificate: Value = serde_json::from_slice(&fs::read(path).unwrap()).unwrap();
+        certificate["positions_digest"].as_str().unwrap().to_owned()
+    };
+    let alone = digest(&["0.05"]);
+    assert_eq!(digest(&["0.05", "--out", "a.npy"]), alone);
+    assert_eq!(certified("a.npy"), alone);
+    assert_ne!(digest(&["0.05", "--seed", "2"]), alone);
+
+    // A file that rounds or shuffles has another digest; the set that was made has not.
+    assert_eq!(digest(&["0.05", "--out", "b.npy", "--shuffle", "3"]), alone);
+    assert_ne!(certified("b.npy"), alone);
+
+    // Band by band, and a window of the whole.
+    let banded = ["0.05", "--no-verify", "--out", "c.npy"];
+    assert_eq!(digest(&banded), alone);
+    assert_eq!(digest(&["0.05", "--window", "0", "0", "1", "1"]), alone);
+}
+
+const FORMAT_NAMES: [&str; 11] = [
+    "csv",
+    "psa-text",
+    "psa-rps",
+    "utk-text",
+    "utk-binary",
+    "npy",
+    "ply-ascii",
+    "ply-binary",
+    "xyz",
+    "json",
+    "svg",
+];
+
+#[test]
+fn shells_complete_the_names_of_formats_and_help_lists_them() {
+    let folder = tempdir().unwrap();
+    for (command, option) in [
+        ("convert", "--to"),
+        ("sample", "--format"),
+        ("combine", "--format"),
+        ("verify", "--format"),
+        ("analyze", "--format"),
+        ("draw", "--format"),
+    ] {
+        let mut help = tilescope(&folder);
+        let text = help.args([command, "--help"]).assert().success();
+        let text = String::from_utf8(text.get_output().stdout.clone()).unwrap();
+        let (_, of_option) = text.split_once(option).expect("the option");
+        for name in FORMAT_NAMES {
+            assert!(
+                of_option.contains(&format!("- {name}:")),
+                "{command} {option}: {name}"
+            );
+        }
+    }
+    let mut completions = tilescope(&folder);
+    let script = completions.args(["completions", "bash"]).assert().success();
+    let script = String::from_utf8(script.get_output().stdout.clone()).unwrap();
+    let names = format!("compgen -W \"{}\"", FORMAT_NAMES.join(" "));
+    assert!(script.contains(&names), "{script}");
+
+    let wrong = ["convert", "a.csv", "b", "--to", "jpeg"];
+    let mut refused = tilescope(&folder);
+    refused
+        .args(wrong)
+        .assert()
+        .code(2)
+        .stderr(contains("ply-ascii"));
 }
 
 #[test]

@@ -15,3 +15,4 @@ mod script;
 mod support;
 mod text_tables;
 mod web;
+mod words;

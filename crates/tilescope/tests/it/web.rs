@@ -201,6 +201,17 @@ fn files_come_with_their_kinds_and_times() {
     assert_eq!(head.header("content-length"), "12");
     let part = server.ask("GET", "/main-0123456789ab.js", &["Range: bytes=6-8"]);
     assert_eq!((part.status, &part.body[..]), (206, &b"scr"[..]));
+    // A range in a unit that the server does not know is to be ignored.
+    for range in ["items=0-1", "pages=2", "=0-1", "bytes-0"] {
+        let whole = server.ask(
+            "GET",
+            "/main-0123456789ab.js",
+            &[&format!("Range: {range}")],
+        );
+        assert_eq!((whole.status, whole.body.len()), (200, 12), "{range}");
+    }
+    let beyond = server.ask("GET", "/main-0123456789ab.js", &["Range: bytes=99-"]);
+    assert_eq!(beyond.status, 416);
     let before: Vec<String> = names(&folder);
     drop(server);
     assert_eq!(names(&folder), before, "it writes nothing");

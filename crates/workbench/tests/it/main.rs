@@ -11,6 +11,7 @@ mod exporting;
 mod files_in_memory;
 mod files_refused;
 mod gate;
+mod indices;
 mod link;
 mod nested;
 mod parts;
