@@ -14,15 +14,14 @@ use tilescope_formats::{
     export_unverified, positions_digest, read_whole, write_whole,
 };
 
-use crate::arguments::{
-    LevelFields, SetArgument, claims, format, named, overrides, verify_options, whole,
-};
+use crate::arguments::{LevelFields, SetArgument, claims, format, overrides, verify_options};
 use crate::arrays::rows;
 use crate::failure::Failure;
 use crate::judge::{GivenDomain, of_report};
 use crate::memory::{ask_to_export, ask_to_read};
 use crate::sample::{MadeSet, PythonSet};
 use crate::task::run;
+use crate::values::{named, whole};
 
 /// Returns the digest of a set's positions.
 #[pyfunction]

@@ -10,10 +10,11 @@ use tilescope_formats::{
     WHOLE_FILE_BYTES, check_stream, is_valid,
 };
 
-use crate::arguments::{SetArgument, claims, named, overrides, real_if_given, verify_options};
+use crate::arguments::{SetArgument, claims, overrides, verify_options};
 use crate::failure::Failure;
 use crate::memory::{ask_to_judge, ask_to_read};
 use crate::task::run;
+use crate::values::{named, real_if_given};
 
 /// Returns the verifier's report on a set, as JSON.
 #[pyfunction]

@@ -23,6 +23,7 @@ mod picture;
 mod plane;
 mod sample;
 mod task;
+mod values;
 
 /// The module, as Python imports it.
 #[pyo3::pymodule]

@@ -9,11 +9,12 @@ use tilescope_analysis::measures::{
 };
 use tilescope_analysis::{VerifyOptions, verify};
 
-use crate::arguments::{SetArgument, real_if_given};
+use crate::arguments::SetArgument;
 use crate::arrays::array;
 use crate::failure::Failure;
 use crate::memory::ask_to_measure;
 use crate::task::run;
+use crate::values::real_if_given;
 
 /// Returns the numbers of `tilescope analyze` as JSON, by its names. Of a set without a known radius, the smallest distance
 /// stands for it.

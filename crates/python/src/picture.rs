@@ -8,10 +8,11 @@ use tilescope_figures::{
     to_svg_with_fonts_controlled,
 };
 
-use crate::arguments::{SetArgument, rectangle, whole};
+use crate::arguments::SetArgument;
 use crate::failure::Failure;
 use crate::memory::ask_to_draw;
 use crate::task::run;
+use crate::values::{rectangle, whole};
 
 /// Widths of pictures in pixels that are accepted.
 const SIZES: std::ops::RangeInclusive<u64> = 16..=32_768;

@@ -12,11 +12,12 @@ use tilescope_core::{
     Domain, MAX_SEQUENTIAL_SAMPLES, MAXIMAL_DENSITY, NestedPlane, Plane, R, Window,
 };
 
-use crate::arguments::{RunRequest, rectangle, region_of};
+use crate::arguments::{RunRequest, region_of};
 use crate::arrays::array;
 use crate::failure::Failure;
 use crate::memory::ask_to_judge;
 use crate::task::run;
+use crate::values::rectangle;
 
 /// What computes windows.
 enum Windows {

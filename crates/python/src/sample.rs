@@ -13,10 +13,11 @@ use tilescope_core::{
     Source, Summary, Sweep, Variant, reference_sample, search_radius,
 };
 
-use crate::arguments::{RunRequest, named, region_of};
+use crate::arguments::{RunRequest, region_of};
 use crate::arrays::array;
 use crate::failure::Failure;
 use crate::task::{TaskWatch, run};
+use crate::values::named;
 
 /// Sets of more samples do not say where each came from: that would take as much memory again as their positions.
 const MAX_WITH_PROVENANCE: f64 = 1e6;

@@ -12,8 +12,8 @@ use pyo3::prelude::*;
 use rayon::ThreadPool;
 use tilescope_core::Stage;
 
-use crate::arguments::whole;
 use crate::failure::Failure;
+use crate::values::whole;
 
 /// Time between two looks for signals.
 const PERIOD: Duration = Duration::from_millis(50);
