@@ -278,6 +278,17 @@ pub struct GivenAnswer {
     pub given_up: bool,
 }
 
+/// A change of results since they were stored.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Unstored {
+    /// None.
+    Nothing,
+    /// The entries.
+    Entries,
+    /// The learner's name, and perhaps the entries.
+    Name,
+}
+
 /// Lessons in the state of the window.
 pub struct Lessons {
     /// The lessons that come with the program; in a browser empty until they are loaded.
@@ -298,10 +309,8 @@ pub struct Lessons {
     pub results: Results,
     /// Whether the learner was asked whether to clear the results.
     pub asks_to_clear: bool,
-    /// Whether the results have changed since they were stored.
-    unstored: bool,
-    /// Whether the learner's name has changed since the results were stored.
-    renamed: bool,
+    /// What has changed since the results were stored.
+    unstored: Unstored,
     /// The time in seconds since 1970, which the window or page sets.
     pub now: f64,
 }
@@ -318,8 +327,7 @@ impl Default for Lessons {
             language: String::new(),
             results: Results::default(),
             asks_to_clear: false,
-            unstored: false,
-            renamed: false,
+            unstored: Unstored::Nothing,
             now: 0.0,
         }
     }
@@ -336,31 +344,32 @@ pub struct ResultsToStore {
 
 impl Lessons {
     /// Notes that the results have changed, so that the window or page stores them.
-    pub(crate) const fn mark_unstored(&mut self) {
-        self.unstored = true;
+    pub(crate) fn mark_unstored(&mut self) {
+        if self.unstored == Unstored::Nothing {
+            self.unstored = Unstored::Entries;
+        }
     }
 
     /// Names the learner in results.
     pub(crate) fn name_learner(&mut self, name: &str) {
         // A name that was pasted by mistake would fill the list.
         self.results.learner = name.chars().take(80).collect();
-        self.renamed = true;
-        self.mark_unstored();
+        self.unstored = Unstored::Name;
     }
 
     /// Returns whether the results have changed since they were stored: an answer was given, they were cleared, the learner
     /// was named. The window or page asks after each frame and each request, and then stores them by
     /// [`Self::store_results`].
     #[must_use]
-    pub const fn has_unstored_results(&self) -> bool {
-        self.unstored
+    pub fn has_unstored_results(&self) -> bool {
+        self.unstored != Unstored::Nothing
     }
 
     /// Returns what is to be put into the store, which contains `stored`: the results of this window merged with those, as
     /// another window may have stored others meanwhile. The merged results are also those of this window from now on.
     pub fn store_results(&mut self, stored: Option<&str>) -> ResultsToStore {
         let is_read = stored.is_none_or(|text| self.take_stored(text));
-        (self.unstored, self.renamed) = (false, false);
+        self.unstored = Unstored::Nothing;
         ResultsToStore {
             text: self.results.to_json(),
             unreadable: !is_read,
@@ -376,7 +385,7 @@ impl Lessons {
         self.results.merge(&stored);
 
         // The newest name counts, which is that of the store unless this window has a new one.
-        if !self.renamed && !stored.learner.is_empty() {
+        if self.unstored != Unstored::Name && !stored.learner.is_empty() {
             self.results.learner = stored.learner;
         }
         true

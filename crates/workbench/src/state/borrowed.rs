@@ -67,7 +67,7 @@ impl State {
             return false;
         };
         self.on(Which::First, |run, context| {
-            run.show_shared(Arc::clone(session), context);
+            run.show_shared(session, context);
             run.verify(context);
         });
         true

@@ -105,12 +105,11 @@ impl State {
         last.is_reopened = true;
         let text = last.text.clone();
         let read: Option<Value> = serde_json::from_str(&text).ok();
-        match read.as_ref().and_then(|read| read["link"].as_str()) {
-            Some(link) => self.open_link(link),
-            None => {
-                let file = NamedBytes::new(LAST_SESSION.to_owned(), text);
-                self.apply_to_files(FileCommand::DroppedBytes(vec![file], Vec::new()));
-            }
+        if let Some(link) = read.as_ref().and_then(|read| read["link"].as_str()) {
+            self.open_link(link);
+        } else {
+            let file = NamedBytes::new(LAST_SESSION.to_owned(), text);
+            self.apply_to_files(FileCommand::DroppedBytes(vec![file], Vec::new()));
         }
     }
 }

@@ -22,17 +22,17 @@ impl RunView {
 
     /// Shows a session at its last stage.
     pub(in crate::state) fn show_unverified(&mut self, session: Session, context: &mut Context) {
-        self.show_shared(Arc::new(session), context);
+        self.show_shared(&Arc::new(session), context);
     }
 
     /// Shows a session, which another run may show, too, at its last stage.
-    pub(in crate::state) fn show_shared(&mut self, session: Arc<Session>, context: &mut Context) {
+    pub(in crate::state) fn show_shared(&mut self, session: &Arc<Session>, context: &mut Context) {
         let same_domain = self.session.as_ref().is_some_and(|old| {
             old.run().domain.width() == session.run().domain.width()
                 && old.run().domain.height() == session.run().domain.height()
         });
         let selection = match (self.selected, self.place) {
-            (Some(id), _) if self.is_same_run(&session) => Selection::Sample(id),
+            (Some(id), _) if self.is_same_run(session) => Selection::Sample(id),
             (_, Some(place)) if same_domain => Selection::Place(place),
             _ => Selection::Nothing,
         };
@@ -40,8 +40,8 @@ impl RunView {
         (self.hovered, self.selected, self.witness_mark) = (None, None, None);
         self.place = None;
         self.show_whole(session.summary.count);
-        self.session = Some(Arc::clone(&session));
-        self.debug(&session, context);
+        self.session = Some(Arc::clone(session));
+        self.debug(session, context);
         if let Some(debugger) = &mut self.debugger {
             debugger.jump(usize::MAX);
         }
