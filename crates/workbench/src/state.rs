@@ -12,6 +12,7 @@ use crate::command::{
     Which,
 };
 use crate::device::EngineChoice;
+use crate::draft::DraftRefusal;
 use crate::export::ExportCommand;
 use crate::layout::Panel;
 use crate::lesson_picture::NextPicture;
@@ -209,7 +210,7 @@ impl State {
     #[must_use]
     pub fn run_refusal(&self) -> Option<String> {
         let refusal = self.form.draft.refusals().into_iter().next();
-        let refusal = refusal.map(|refusal| refusal.with_name());
+        let refusal = refusal.as_ref().map(DraftRefusal::with_name);
         let own =
             "Nested levels have a pattern of their own; they cannot be made from that of a file.";
         let has_own = self.form.draft.levels.is_some() && self.form.own_pattern.is_some();

@@ -40,7 +40,9 @@ pub fn divide(ui: &mut Ui, palette: &Palette) {
 /// is doing, and the share of it that is done.
 pub fn progress(
     ui: &mut Ui,
-    (name, activity, fraction): (&str, String, f32),
+    name: &str,
+    activity: &str,
+    fraction: f32,
     height: f32,
     palette: &Palette,
 ) -> Response {

@@ -406,8 +406,9 @@ impl Sheet<'_> {
     /// the button does not hit it.
     fn write_or_cancel(&mut self, ui: &mut Ui) {
         if let Some(job) = &self.exports.work {
-            let work = ("export", job.activity(), job.fraction());
-            progress(ui, work, 34.0, self.palette).known_as("export.progress");
+            let activity = job.activity();
+            progress(ui, "export", &activity, job.fraction(), 34.0, self.palette)
+                .known_as("export.progress");
             ui.horizontal(|ui| {
                 ui.set_height(18.0);
                 if job.is_cancelled() {

@@ -157,8 +157,9 @@ fn run_or_cancel(ui: &mut Ui, context: &FormContext<'_>, commands: &mut Vec<Comm
         let room = vec2(ui.available_width() - CANCEL_WIDTH, height);
         ui.allocate_ui(room, |ui| {
             if let Some(job) = context.sampling {
-                let work = ("run", job.activity(), job.fraction());
-                progress(ui, work, height, palette).known_as("run-progress");
+                let activity = job.activity();
+                progress(ui, "run", &activity, job.fraction(), height, palette)
+                    .known_as("run-progress");
                 return;
             }
             let refusal = context.refusal.as_deref();

@@ -204,7 +204,8 @@ fn impossible_exports_are_refused_with_value_and_limit() {
             (ExportKind::Picture, "a.png"),
             (ExportKind::Animation, "a.gif"),
         ] {
-            refused(kind, &path(folder).join(name), &[], &[name]);
+            let parts = ["There is no folder", folder];
+            refused(kind, &path(folder).join(name), &[], &parts);
         }
     }
     assert_eq!(names(folder.path()).len(), 1);
