@@ -28,5 +28,7 @@ pub mod tiles;
 
 pub use app::{App, stage_accent};
 #[cfg(not(target_arch = "wasm32"))]
+pub use kept::KeptFolder;
+#[cfg(not(target_arch = "wasm32"))]
 pub use native::{AppError, WindowOptions, display_available, run_native};
 pub use panels::show_passes;

@@ -170,12 +170,13 @@ fn with_file_named(
     let Some(first) = words.get(1) else {
         return Ok(words);
     };
-    let text = first.to_string_lossy();
+    let text = first.to_string_lossy().into_owned();
+    let is_file = Path::new(first).is_file();
     let is_command = command.find_subcommand(first).is_some() || text == "help";
     if text.starts_with('-') || is_command {
         return Ok(words);
     }
-    if Path::new(first).exists() {
+    if is_file {
         words.insert(1, "--open".into());
         return Ok(words);
     }

@@ -52,8 +52,9 @@ impl App {
         let modal = Modal::new(egui::Id::unique("closing")).show(ctx, |ui| {
             ui.set_width(320.0);
             heading(ui, "Close Tilescope?");
-            for sentence in &unfinished {
-                ui.label(sentence).known_as("closing.reason");
+            for (index, sentence) in unfinished.iter().enumerate() {
+                ui.label(sentence)
+                    .known_as(format_args!("closing.reason-{}", index + 1));
             }
             let rest = "Without an answer the window stays open.";
             ui.label(RichText::new(rest).color(palette.muted));

@@ -2,7 +2,8 @@
 //! canvas.
 
 use egui::{
-    Area, Button, FontId, Frame, Id, Label, Margin, Order, RichText, Stroke, Ui, pos2, vec2,
+    Area, Button, FontId, Frame, Id, Label, Margin, Order, RichText, ScrollArea, Stroke, Ui, pos2,
+    vec2,
 };
 use tilescope_debugger::{Direction, SavedScene};
 use tilescope_drawing::palette::Palette;
@@ -160,7 +161,7 @@ fn offers(
     palette: &Palette,
     commands: &mut Vec<Command>,
 ) {
-    let offers = of_tour.map_or(&[][..], |scene| &scene.offers);
+    let offers = of_tour.map_or(&[][..], |scene| scene.offers.as_slice());
     if offers.is_empty() {
         return;
     }

@@ -120,7 +120,7 @@ mod tests {
     use super::super::tests::settled;
     use super::*;
     use crate::command::{Command, FormCommand, TimeCommand};
-    use crate::draft::Field;
+    use crate::draft::{Choice, Field};
     use crate::export::{ExportCommand, ExportKind};
     use crate::lessons::LessonCommand;
     use crate::scenes::SceneCommand;
@@ -222,7 +222,8 @@ mod tests {
     #[test]
     fn a_run_without_events_is_kept_as_a_link() {
         let mut state = settled();
-        type_in(&mut state, Field::Radius, "0.002");
+        let levels = FormCommand::Choose(Choice::Levels(Some(2)));
+        apply(&mut state, Command::Form(levels));
         apply(&mut state, Command::Run);
         assert!(state.save_refusal().is_some());
         let text = state.session_to_keep().unwrap();
