@@ -528,7 +528,7 @@ window.addEventListener("hashchange", (event) => {
   nextLink = null;
   app?.open_link(link);
 });
-// A browser may end a hidden page without a further word.
+// A browser may end a hidden page without notice.
 document.addEventListener("visibilitychange", () => document.hidden && app?.keep());
 window.addEventListener("pagehide", () => app?.keep());
 // Another tab has stored results of lessons.

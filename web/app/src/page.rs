@@ -383,19 +383,14 @@ impl Page {
             }
         });
         app.turn_full_screen_with(hooks::full_screen);
-        let mut language = None;
-        if let Some(storage) = creation.storage.filter(|_| stores) {
-            app.remember(storage, options.link.is_empty());
-            language = storage.get_string(LANGUAGE_KEY);
-            // Until a visitor's own look is stored, the system's preference counts; a link to a view may name another.
-            if options.light && storage.get_string(LOOK_KEY).is_none() {
-                app.state.appearance.choose_look(Look::Light);
-            }
-        }
+
+        let storage = creation.storage.filter(|_| stores);
+        let language = storage.and_then(|storage| restore(&mut app, storage, options));
         // A link may name another language.
         let languages = language.iter().chain(&options.languages);
         app.state.lessons.language = preferred(languages);
         let language = language.or_else(|| Some(app.state.lessons.language.clone()));
+
         // Opening a link removes earlier notices.
         if !options.link.is_empty() {
             app.state
@@ -552,6 +547,17 @@ impl eframe::App for Page {
     fn as_any_mut(&mut self) -> Option<&mut dyn Any> {
         Some(self)
     }
+}
+
+/// Restores what earlier visits have stored. Returns the language of lessons, if one is stored.
+fn restore(app: &mut App, storage: &dyn Storage, options: &Options) -> Option<String> {
+    app.remember(storage, options.link.is_empty());
+
+    // Until a visitor's own look is stored, the system's preference counts; a link to a view may name another.
+    if options.light && storage.get_string(LOOK_KEY).is_none() {
+        app.state.appearance.choose_look(Look::Light);
+    }
+    storage.get_string(LANGUAGE_KEY)
 }
 
 /// Returns the language of lessons that is wanted first: "de", or "en" if the lessons have none of them.
