@@ -103,7 +103,7 @@ fn free_name(folder: &Path) -> PathBuf {
 
 #[cfg(test)]
 mod tests {
-    use tilescope_lessons::results::{Entry, Results};
+    use tilescope_lessons::results::Entry;
 
     use super::*;
 

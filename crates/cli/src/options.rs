@@ -105,7 +105,7 @@ pub struct SetArguments {
     /// certificate states, or at 0 0
     #[arg(long, num_args = 2, value_names = ["X", "Y"])]
     pub origin: Option<Vec<f64>>,
-    /// Take the points of a GeoJSON file as positions in a plane, though they may be longitudes and latitudes: all lie
+    /// Take the points of a .geojson file as positions in a plane, though they may be longitudes and latitudes: all lie
     /// within 180 and 90, and some beyond the domain
     #[arg(long)]
     pub planar: bool,

@@ -83,7 +83,7 @@ pub struct ReadSet {
     pub precision: Precision,
     /// How many sets the file holds; only UTK files hold several.
     pub sets: usize,
-    /// Whether the positions may be longitudes and latitudes in degrees: those of a GeoJSON file whose points all lie
+    /// Whether the positions may be longitudes and latitudes in degrees: those of a `GeoJSON` file whose points all lie
     /// within 180 and 90. See [`refuse_degrees`](crate::refuse_degrees).
     pub degrees: bool,
     /// The certificate beside or inside the file. [`decode`] finds only one inside, which JSON files have, and returns it as

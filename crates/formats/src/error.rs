@@ -102,7 +102,7 @@ pub enum FormatError {
         "Parquet and GeoParquet cannot be read here; the Python package reads them (tilescope.read)"
     )]
     Parquet,
-    /// The positions of a GeoJSON file seem to be degrees: they fit, and reach beyond the domain.
+    /// The positions of a `GeoJSON` file seem to be degrees: they fit, and reach beyond the domain.
     #[error(
         "GeoJSON: point {index} at ({x}, {y}) lies beyond the domain, {width} x {height}, and all points lie within 180 \
          and 90, as longitudes and latitudes do: distances in degrees are not those of a plane; project the points to a \

@@ -87,7 +87,7 @@ pub fn read_bytes(
     Ok(read)
 }
 
-/// Refuses a set that seems to be of longitudes and latitudes: a GeoJSON file whose points lie within 180 and 90, but not
+/// Refuses a set that seems to be of longitudes and latitudes: a `GeoJSON` file whose points lie within 180 and 90, but not
 /// all in `region` with its lower corner at `origin`. Positions are in file coordinates, as [`decode`] returns them.
 ///
 /// # Errors

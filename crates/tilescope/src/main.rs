@@ -1,7 +1,7 @@
 //! Tilescope: no arguments or a file opens the window, a subcommand runs the command line. This file only
 //! chooses between the two.
 
-use std::path::PathBuf;
+use std::path::Path;
 use std::process::ExitCode;
 
 use tilescope_app::WindowOptions;
@@ -45,7 +45,7 @@ fn opening(played: Played) -> Vec<Command> {
 }
 
 /// Returns the command that opens a file of any kind. The window shows why, if it cannot be read.
-fn opening_file(file: PathBuf) -> Command {
+fn opening_file(file: &Path) -> Command {
     Command::File(FileCommand::Open(file.to_string_lossy().into_owned()))
 }
 
@@ -74,7 +74,7 @@ fn main() -> ExitCode {
         return without_window(&HeadlessReason::NoDisplay);
     }
     let mut commands = played.map_or_else(Vec::new, opening);
-    commands.extend(arguments.open.map(opening_file));
+    commands.extend(file.as_deref().map(opening_file));
     let options = WindowOptions {
         link: arguments.link,
         commands,

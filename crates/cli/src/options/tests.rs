@@ -1,4 +1,4 @@
-//! Sets at an origin, GeoJSON and other inputs, through the commands as their arguments are given.
+//! Sets at an origin, `GeoJSON` and other inputs, through the commands as their arguments are given.
 
 use std::ffi::OsString;
 use std::fs;

@@ -1,4 +1,4 @@
-//! GeoJSON (RFC 7946): the points of a `FeatureCollection`, a `Feature`, a `Point` or a `MultiPoint`, taken as planar.
+//! `GeoJSON` (RFC 7946): the points of a `FeatureCollection`, a `Feature`, a `Point` or a `MultiPoint`, taken as planar.
 //!
 //! Other geometries are refused by name. Whether positions are rather longitudes and latitudes shows only beside a domain:
 //! see [`ReadSet::degrees`](super::ReadSet).
@@ -56,7 +56,7 @@ enum GeoCoordinate {
     Position(Position),
 }
 
-/// Whether JSON is an object of GeoJSON.
+/// Whether JSON is an object of `GeoJSON`.
 pub(super) fn is(bytes: &[u8]) -> bool {
     /// The type alone, which stands beside anything.
     #[derive(Deserialize)]

@@ -1,6 +1,6 @@
 //! JSON: an object with `certificate`, `points` and, when known, `provenance`.
 //!
-//! Also reads a bare array of `[x, y]` pairs, and the points of GeoJSON; skips fields it does not know. No bit is lost:
+//! Also reads a bare array of `[x, y]` pairs, and the points of `GeoJSON`; skips fields it does not know. No bit is lost:
 //! shortest decimals are written and read with correct rounding.
 
 use std::fmt::{self, Debug};
