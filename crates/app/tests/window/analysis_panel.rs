@@ -19,7 +19,8 @@ use crate::support::{find, focused, is_disabled, node, opened_at, session, settl
 
 /// A small session, and its analysis at full height.
 pub(crate) fn analysing() -> Harness<'static, App> {
-    let mut harness = opened_at([1000.0, 1100.0]);
+    // High enough for the buttons below the periodogram.
+    let mut harness = opened_at([1000.0, 1340.0]);
     for (field, value) in [(Field::Radius, "0.02"), (Field::Leaf, "8")] {
         apply(
             &mut harness,
