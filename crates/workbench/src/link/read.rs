@@ -157,8 +157,8 @@ impl LinkReader {
 
     /// Returns the value of a key, read by `read`; warns if it is invalid.
     fn take<T>(&mut self, key: &str, read: impl FnOnce(&str) -> Option<T>) -> Option<T> {
-        let text = tidy(self.pairs.get(key)?);
-        let taken = read(text);
+        let text = self.pairs.get(key)?;
+        let taken = read(tidy(text));
         if taken.is_none() {
             let text = quoted(text);
             self.warnings.add(format!(

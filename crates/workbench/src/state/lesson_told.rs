@@ -342,9 +342,10 @@ impl State {
         if self.lessons.shipped(&wanted.name).is_none() {
             let name = quoted(&wanted.name);
             let text = format!("There is no lesson \"{name}\"; the list has all that there are.");
-            self.tell(text, true);
             self.lessons.lists = true;
             self.show_some_run();
+            // A run that begins removes earlier notices.
+            self.tell(text, true);
             return;
         }
         self.apply(Command::Lesson(LessonCommand::Open(wanted.name)));
@@ -375,8 +376,8 @@ impl State {
             }
             Err(error) => {
                 (self.lessons.wanted, self.lessons.lists) = (None, false);
-                self.tell(format!("The lessons could not be loaded: {error}."), true);
                 self.show_some_run();
+                self.tell(format!("The lessons could not be loaded: {error}."), true);
             }
         }
     }
