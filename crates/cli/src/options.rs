@@ -185,16 +185,14 @@ impl SetArguments {
         if self.no_certificate {
             return Ok(None);
         }
-        match StreamReader::open(path, self.format) {
-            Ok(reader) => Ok(reader.certificate().cloned()),
-            // It is that of the file, whichever of its sets is chosen.
-            Err(_) => {
-                let set = self.set.or(Some(0));
-                Ok(self
-                    .read_as(path, set, CertificateUse::AsStated)?
-                    .certificate)
-            }
+        if let Ok(reader) = StreamReader::open(path, self.format) {
+            return Ok(reader.certificate().cloned());
         }
+        // It is that of the file, whichever of its sets is chosen.
+        let set = self.set.or(Some(0));
+        Ok(self
+            .read_as(path, set, CertificateUse::AsStated)?
+            .certificate)
     }
 
     /// Returns how many sets of a file are chosen: one, or all if no argument chooses.

@@ -113,6 +113,8 @@ impl State {
             SceneCommand::Move(from, to) => scene(from).or_else(|| scene(to)),
             SceneCommand::Add
             | SceneCommand::Step(_)
+            // A scene of the tour that has no such button does nothing.
+            | SceneCommand::Offer(_)
             | SceneCommand::Tour
             | SceneCommand::Leave => None,
         }
