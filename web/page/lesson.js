@@ -297,7 +297,7 @@ function changes(question) {
 /** The question of a lesson's step. @param {any} lesson */
 const questionOf = ({ lesson, step, practice, question }) => JSON.stringify([lesson, step, practice, question.at]);
 
-/** The answer that waits for its question, which may come after its run is made. @type {{ of: string, made: object[] } | null} */
+/** The answer that waits for its question, which may come after its run is made. @type { { of: string, made: object[] } | null} */
 let waiting = null;
 
 /** Keeps the answer that is being put together, as the page or its display may be lost. @param {any} lesson */

@@ -565,19 +565,20 @@ mod tests {
 
     #[test]
     fn numbers_that_no_answer_has_are_refused() {
-        let read = |change: &dyn Fn(&mut Entry)| {
+        type Change = fn(&mut Entry);
+        let read = |change: Change| {
             let mut changed = entry();
             change(&mut changed);
             Results::read(&of("Ada", &[entry(), changed]).to_json())
         };
-        let changes: [(&str, &dyn Fn(&mut Entry)); 7] = [
-            ("score is 1e300", &|entry| entry.score = 1e300),
-            ("score is -0.1", &|entry| entry.score = -0.1),
-            ("seconds is -1e300", &|entry| entry.seconds = -1e300),
-            ("seconds is 1e300", &|entry| entry.seconds = 1e300),
-            ("confidence is 255", &|entry| entry.confidence = Some(255)),
-            ("time is -1", &|entry| entry.time = -1.0),
-            ("time is 1e300", &|entry| entry.time = 1e300),
+        let changes: [(&str, Change); 7] = [
+            ("score is 1e300", |entry| entry.score = 1e300),
+            ("score is -0.1", |entry| entry.score = -0.1),
+            ("seconds is -1e300", |entry| entry.seconds = -1e300),
+            ("seconds is 1e300", |entry| entry.seconds = 1e300),
+            ("confidence is 255", |entry| entry.confidence = Some(255)),
+            ("time is -1", |entry| entry.time = -1.0),
+            ("time is 1e300", |entry| entry.time = 1e300),
         ];
         for (part, change) in changes {
             let error = read(change).unwrap_err().to_string();
@@ -586,8 +587,8 @@ mod tests {
                 "{error}"
             );
         }
-        assert!(read(&|entry| entry.score = 1.0).is_ok());
-        assert!(read(&|entry| entry.confidence = Some(3)).is_ok());
+        assert!(read(|entry| entry.score = 1.0).is_ok());
+        assert!(read(|entry| entry.confidence = Some(3)).is_ok());
     }
 
     #[test]

@@ -652,15 +652,16 @@ mod tests {
 
     #[test]
     fn a_wrong_field_of_any_kind_refuses_the_run_by_its_name() {
-        let wrong_count = |draft: &mut Draft| draft.set_count("abc".to_owned());
-        let wrong_radius = |draft: &mut Draft| draft.set_text(Field::Radius, "abc".to_owned());
+        type Spoil = fn(&mut Draft);
         let wrong_exactly = |draft: &mut Draft| {
             (draft.levels, draft.exactly) = (Some(3), "abc".to_owned());
         };
-        let spoil: [(&str, &dyn Fn(&mut Draft)); 3] = [
-            ("Samples", &wrong_count),
-            ("Radius", &wrong_radius),
-            ("Exactly", &wrong_exactly),
+        let spoil: [(&str, Spoil); 3] = [
+            ("Samples", |draft| draft.set_count("abc".to_owned())),
+            ("Radius", |draft| {
+                draft.set_text(Field::Radius, "abc".to_owned());
+            }),
+            ("Exactly", wrong_exactly),
         ];
         for (name, spoil) in spoil {
             let mut draft = Draft::default();

@@ -76,7 +76,7 @@ fn assert_line_is_in_view(harness: &Harness<'_, App>, when: &str) {
     let at = cursor(harness);
     let event = recording.event(at.saturating_sub(1)).expect("an event");
     let line = Listings::shipped().line(event.line()).expect("a line");
-    let shown = node(harness, &format!("{}.line", line.id)).rect();
+    let shown = node(harness, format!("{}.line", line.id)).rect();
     let top = node(harness, "tab.pseudocode").rect().bottom();
     let bottom = node(harness, "tab.verification").rect().top();
     let is_within = shown.top() >= top && shown.bottom() <= bottom;
