@@ -16,7 +16,8 @@ async function opened(t, fragment, settings) {
   const page = await context.newPage();
   await page.goto(`${address}/?engine=cpu#${fragment}`);
   const lesson = page.getByRole("complementary", { name: "Lesson" });
-  await lesson.getByRole("heading", { level: 2 }).waitFor();
+  // The list has one for each of its parts.
+  await lesson.getByRole("heading", { level: 2 }).first().waitFor();
   return { page, lesson, button: (name) => lesson.getByRole("button", { name, exact: typeof name === "string" }) };
 }
 

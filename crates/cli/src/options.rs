@@ -219,7 +219,8 @@ impl SetArguments {
         self.read_as(path, set, certificate)
     }
 
-    fn read_as(
+    /// The same as [`Self::read_set`], with another use of the certificate.
+    pub fn read_as(
         &self,
         path: &Path,
         set: Option<usize>,

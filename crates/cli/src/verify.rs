@@ -7,7 +7,9 @@ use anyhow::{Context, Result, bail};
 use clap::Args;
 use serde_json::json;
 use tilescope_analysis::{shown_in_line, verify_prefix};
-use tilescope_formats::{Certificate, CertifiedLevel, Check, CheckError, Overrides, check_stream};
+use tilescope_formats::{
+    Certificate, CertificateUse, CertifiedLevel, Check, CheckError, Overrides, check_stream,
+};
 
 use crate::options::{JudgeArguments, SetArguments, check_or_unit_square, hinted};
 use crate::paths::{InFile, named};
@@ -65,7 +67,8 @@ pub fn run(arguments: &VerifyArguments) -> Result<u8> {
 /// Judges the first `count` samples by the levels that the certificate states, and prints the verdict.
 fn prefix(arguments: &VerifyArguments, count: usize) -> Result<u8> {
     let (file, set) = (&arguments.file, &arguments.set);
-    let read = set.read(file)?;
+    // A file that is not as its certificate states is judged all the same: the claim is the certificate's.
+    let read = set.read_as(file, set.set, CertificateUse::AsStated)?;
     let name = named(file);
     let Some(certificate) = read.certificate else {
         bail!("{name}: there is no certificate, which states the levels of a set");

@@ -273,7 +273,7 @@ mod tests {
             side: 9.0,
             ..base.pattern
         };
-        assert!(refused(Parameters { pattern, ..base }).contains("between 10 r and 2000 r"));
+        assert!(refused(Parameters { pattern, ..base }).contains("between 10 r and 2,000 r"));
         let pattern = PatternSpec {
             side: f64::NAN,
             ..base.pattern

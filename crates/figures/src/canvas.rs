@@ -154,14 +154,17 @@ impl<'a> Canvas<'a> {
     pub(crate) fn dot_px(&self) -> f64 {
         let px = self.options.width / 1000.0;
         if self.radius > 0.0 {
-            (self.radius_px() * 0.34).clamp(1.0, 9.0 * px)
+            (self.radius_px() * 0.34).min(9.0 * px).max(1.0)
         } else {
             3.0 * px
         }
     }
 
     pub(crate) fn line_px(&self) -> f64 {
-        (self.radius_px() * 0.05).clamp(0.3, 1.6 * self.options.width / 1000.0)
+        // In a small picture the least width is above the largest, and counts.
+        (self.radius_px() * 0.05)
+            .min(1.6 * self.options.width / 1000.0)
+            .max(0.3)
     }
 
     pub(crate) fn dot(&self, block: Option<u32>) -> Style {

@@ -12,14 +12,13 @@ use tilescope_analysis::{
 };
 
 use crate::certificate::{Certificate, CertifiedLevel, finite};
-use crate::codecs::{CertificateUse, Hint, decode};
+use crate::codecs::{CertificateUse, Hint, decode, refuse_degrees};
 use crate::detect::Detection;
 use crate::digest::{bytes_digest, positions_digest};
 use crate::error::FormatError;
 use crate::format::{Format, Precision};
 use crate::mapping::{Mapping, check_origin};
 use crate::point_set::PointSet;
-use crate::read::refuse_degrees;
 
 /// Relative difference up to which two measured lengths count as equal, 1e-9. The verifier's arithmetic is correct to
 /// about 1e-15, and another version may round differently. Altered positions are found by the digest, not by this.

@@ -84,7 +84,7 @@ pub struct ReadSet {
     /// How many sets the file holds; only UTK files hold several.
     pub sets: usize,
     /// Whether the positions may be longitudes and latitudes in degrees: those of a `GeoJSON` file whose points all lie
-    /// within 180 and 90. See [`refuse_degrees`](crate::refuse_degrees).
+    /// within 180 and 90. See [`refuse_degrees`].
     pub degrees: bool,
     /// The certificate beside or inside the file. [`decode`] finds only one inside, which JSON files have, and returns it as
     /// it is; for other functions [`Hint::certificate`] says what is done with it. [`check_bytes`](crate::check_bytes)
@@ -213,6 +213,34 @@ pub fn decode(bytes: &[u8], hint: &Hint<'_>) -> Result<ReadSet, FormatError> {
         certificate: raw.certificate,
         refused: None,
     })
+}
+
+/// Refuses a set that seems to be of longitudes and latitudes: a `GeoJSON` file whose points lie within 180 and 90, but not
+/// all in `region` with its lower corner at `origin`. Positions are in file coordinates, as [`decode`] returns them.
+///
+/// # Errors
+///
+/// [`FormatError::Degrees`] with the first point that lies outside.
+pub fn refuse_degrees(read: &ReadSet, region: Region, origin: [f64; 2]) -> Result<(), FormatError> {
+    let size = region.size();
+    let is_beyond = |point: &[f64; 2]| {
+        let beyond = |axis: usize| !(0.0..=size[axis]).contains(&(point[axis] - origin[axis]));
+        beyond(0) || beyond(1)
+    };
+    let first = read.set.points.iter().position(is_beyond);
+    match first.filter(|_| read.degrees) {
+        None => Ok(()),
+        Some(index) => {
+            let [x, y] = read.set.points[index];
+            Err(FormatError::Degrees {
+                index,
+                x,
+                y,
+                width: region.width,
+                height: region.height,
+            })
+        }
+    }
 }
 
 /// The format to read `bytes` in. Where columns are chosen it is a text table, although a file of the same look may be

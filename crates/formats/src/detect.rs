@@ -9,9 +9,9 @@ use std::fmt;
 use std::path::Path;
 
 use crate::binary::array;
-use crate::codecs::table::fields::{Separator, looks_numeric, unquoted};
-use crate::codecs::table::{names, names_in_remark};
+use crate::column_names as names;
 use crate::error::FormatError;
+use crate::fields::{Separator, looks_numeric, unquoted};
 use crate::format::Format;
 use crate::text::{as_utf8, is_remark, lines, without_bom, words};
 
@@ -216,7 +216,7 @@ fn text_shape(bytes: &[u8]) -> Option<TextShape> {
     let mut rows = lines(bytes).map(|(_, line)| line).filter(|line| {
         let is_remark = is_remark(line);
         if is_remark {
-            remarks = names_in_remark(line).unwrap_or_default();
+            remarks = names::in_remark(line).unwrap_or_default();
         }
         !line.is_empty() && !is_remark
     });

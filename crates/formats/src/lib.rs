@@ -18,12 +18,14 @@ mod binary;
 mod certificate;
 mod check;
 mod codecs;
+mod column_names;
 #[cfg(not(target_arch = "wasm32"))]
 mod destination;
 mod detect;
 mod digest;
 mod error;
 mod export;
+mod fields;
 #[cfg(not(target_arch = "wasm32"))]
 mod files;
 mod format;
@@ -43,7 +45,7 @@ pub use certificate::{
 pub use check::{
     CertificateDifference, Check, CheckError, MEASURE_TOLERANCE, Overrides, check_bytes, is_valid,
 };
-pub use codecs::{CertificateUse, Hint, ReadSet, Target, decode, encode};
+pub use codecs::{CertificateUse, Hint, ReadSet, Target, decode, encode, refuse_degrees};
 #[cfg(not(target_arch = "wasm32"))]
 pub use destination::{certificate_beside, destination};
 pub use detect::{Detection, Evidence, detect};
@@ -58,7 +60,7 @@ pub use files::{
 pub use format::{Format, Precision, UnknownFormatName};
 pub use mapping::Mapping;
 pub use point_set::{PointSet, Provenance};
-pub use read::{certificate_path, read_bytes, refuse_degrees};
+pub use read::{certificate_path, read_bytes};
 #[cfg(not(target_arch = "wasm32"))]
 pub use stream::{
     StreamExport, StreamOptions, StreamReader, Streamed, WHOLE_FILE_BYTES, check_stream,

@@ -4,11 +4,9 @@
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
-use tilescope_analysis::Region;
-
 use crate::certificate::{CERTIFICATE_SUFFIX, Certificate};
 use crate::check::{Contents, contradictions};
-use crate::codecs::{CertificateUse, Hint, ReadSet, decode};
+use crate::codecs::{CertificateUse, Hint, ReadSet, decode, refuse_degrees};
 use crate::digest::{bytes_digest, positions_digest};
 use crate::error::FormatError;
 use crate::mapping::Mapping;
@@ -87,32 +85,5 @@ pub fn read_bytes(
     Ok(read)
 }
 
-/// Refuses a set that seems to be of longitudes and latitudes: a `GeoJSON` file whose points lie within 180 and 90, but not
-/// all in `region` with its lower corner at `origin`. Positions are in file coordinates, as [`decode`] returns them.
-///
-/// # Errors
-///
-/// [`FormatError::Degrees`] with the first point that lies outside.
-pub fn refuse_degrees(read: &ReadSet, region: Region, origin: [f64; 2]) -> Result<(), FormatError> {
-    let size = region.size();
-    let is_beyond = |point: &[f64; 2]| {
-        let beyond = |axis: usize| !(0.0..=size[axis]).contains(&(point[axis] - origin[axis]));
-        beyond(0) || beyond(1)
-    };
-    let first = read.set.points.iter().position(is_beyond);
-    match first.filter(|_| read.degrees) {
-        None => Ok(()),
-        Some(index) => {
-            let [x, y] = read.set.points[index];
-            Err(FormatError::Degrees {
-                index,
-                x,
-                y,
-                width: region.width,
-                height: region.height,
-            })
-        }
-    }
-}
 #[cfg(test)]
 mod tests;

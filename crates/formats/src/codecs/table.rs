@@ -3,15 +3,13 @@
 //! Fields are separated by commas, semicolons, tabs or blanks, and may stand in quotation marks. A header names the
 //! columns; without one x and y come first. Decimal commas are never read: a row that could be read in two ways is refused.
 
-pub(crate) mod fields;
-pub(crate) mod names;
-
 use super::Raw;
 use super::xyz::planar;
+use crate::column_names as names;
 use crate::error::{FilePlace, FormatError, quote};
+use crate::fields::{QuotedRow, Separator, looks_numeric};
 use crate::format::{Format, Precision};
 use crate::text::{is_remark, number, split_line, without_bom, words};
-use fields::{QuotedRow, Separator, looks_numeric, unquoted};
 
 /// Reads a whole table. `columns` are those that the caller chose.
 pub(super) fn read(
@@ -23,25 +21,6 @@ pub(super) fn read(
     table.take(bytes, &mut points)?;
     table.finish(points.len() as u64)?;
     Ok(Raw::new(points, Precision::Double))
-}
-
-/// The names in a remark, if it is a header: `# x y`, `//X Y Z`.
-pub(crate) fn names_in_remark(line: &[u8]) -> Option<Vec<String>> {
-    let is_mark = |b: &u8| b.is_ascii_whitespace() || b"#%/".contains(b);
-    let begin = line.iter().position(|b| !is_mark(b))?;
-    let line = &line[begin..];
-    let names = match Separator::of(line) {
-        Separator::Blank => words(line).map(name).collect(),
-        separator => line
-            .split(|&b| b == separator.byte())
-            .map(name)
-            .collect::<Vec<_>>(),
-    };
-    Some(names).filter(|names| names::is_header(names))
-}
-
-fn name(field: &[u8]) -> String {
-    quote(unquoted(field))
 }
 
 /// A table that is read line by line.
@@ -149,7 +128,7 @@ impl TextTable {
         let place = FilePlace::Line(self.line + 1);
         self.refuse_unmarked_utf_16(line, place)?;
         if is_remark(line) {
-            if let Some(names) = names_in_remark(line) {
+            if let Some(names) = names::in_remark(line) {
                 let line = self.line + 1;
                 self.remark = Header { names, line };
             }
@@ -167,7 +146,7 @@ impl TextTable {
             let separator = self.separator.unwrap_or_else(|| Separator::of(line));
             let fields = self.fields(line, separator, place)?;
             if self.header.names.is_empty() && is_header(&fields) {
-                let names = fields.iter().map(|field| name(field)).collect();
+                let names = fields.iter().map(|field| names::name(field)).collect();
                 let line = self.line + 1;
                 self.header = Header { names, line };
                 self.separator = Some(separator);
@@ -372,7 +351,7 @@ fn is_row(line: &[u8]) -> bool {
 /// A line is a header if none of its fields is a number, or if it names x and y beside numbers.
 fn is_header(fields: &[Vec<u8>]) -> bool {
     let is_number = |field: &Vec<u8>| looks_numeric(field);
-    let names: Vec<String> = fields.iter().map(|field| name(field)).collect();
+    let names: Vec<String> = fields.iter().map(|field| names::name(field)).collect();
     !fields.iter().any(is_number) || names::is_header(&names)
 }
 

@@ -434,7 +434,7 @@ const BAD: &[(&[&str], &str)] = &[
         &[
             "sample", "--radius", ".05", "--window", "5000", "0", "5000.5", "1",
         ],
-        "begins at 5000; it must begin between -1000 and 1000",
+        "begins at 5,000; it must begin between -1,000 and 1,000",
     ),
     (&["--link", "#r=0.05"], "--link needs one"),
     (&["soak", "--samples", "0"], "0 is not in 1.."),

@@ -31,7 +31,9 @@ fn analysing() -> State {
     state
 }
 
+/// Goes to a moment, or to the end of a shorter run.
 fn jump(state: &mut State, cursor: usize) {
+    let cursor = cursor.min(state.cursor().expect("events").1);
     state.apply(Command::Time(TimeCommand::Jump(cursor)));
 }
 

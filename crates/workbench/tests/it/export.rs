@@ -482,6 +482,11 @@ fn state_cursor(certificate: &Certificate) -> usize {
 fn pixel(picture: &Decoded, view: &PictureView, position: DVec2) -> [u8; 3] {
     let at = view.camera.screen_from_domain(view.frame(), position);
     let at = [at.x as usize, at.y as usize];
+    let size = [picture.info.width, picture.info.height];
+    assert!(
+        at[0] < size[0] as usize && at[1] < size[1] as usize,
+        "{position:?} is at {at:?} of {size:?}"
+    );
     let first = (at[1] * picture.info.width as usize + at[0]) * picture.info.color_type.samples();
     [0, 1, 2].map(|k| picture.pixels[first + k])
 }

@@ -127,6 +127,8 @@ fn numbers_that_are_there_are_not_refused() {
     let events = before.cursor().unwrap().1;
     let run = before.runs.first.session.as_ref().unwrap().run();
     let tried = [
+        // The word about the scene that was made.
+        json!("dismiss-notice"),
         json!({"view": ["first", {"go-to-sample": run.samples.len() - 1}]}),
         json!({"time": {"jump": events}}),
         json!({"time": {"loop": {"start": 0, "end": events}}}),

@@ -94,7 +94,7 @@ fn a_prefix_is_moved_by_levels_and_samples_and_typed() {
     let shown = state.shown().unwrap();
     assert_eq!(shown.standing(ends[1] as u32), Standing::Valid);
     assert_eq!(shown.standing(ends[1] as u32 + 1), Standing::Absent);
-    for (asked, found) in [(0, 1), (7, 7), (1 << 40, ends[3])] {
+    for (asked, found) in [(0, 1), (7, 7), (1 << 40, 7), (ends[3], ends[3])] {
         time(&mut state, TimeCommand::Jump(asked));
         assert_eq!(prefix(&state), found);
     }

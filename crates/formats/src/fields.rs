@@ -88,7 +88,7 @@ pub(crate) fn unquoted(field: &[u8]) -> &[u8] {
 
 /// Splits rows that have quotation marks, by the `csv` crate's parser.
 #[derive(Clone, Debug)]
-pub(super) struct QuotedRow {
+pub(crate) struct QuotedRow {
     separator: Separator,
     parser: csv_core::Reader,
     line: Vec<u8>,

@@ -1,5 +1,9 @@
 //! Which columns of a table are x, y and z, by the names of its header or by the caller's choice.
 
+use crate::error::quote;
+use crate::fields::{Separator, unquoted};
+use crate::text::words;
+
 /// What a caller can do about a header whose names are of no use.
 const CHOOSE: &str =
     "name two of them x and y, or choose two by name or number (--columns A B of the command line)";
@@ -66,9 +70,29 @@ pub(crate) fn is_header(names: &[String]) -> bool {
     named(names).is_ok() || degrees(names).is_some()
 }
 
+/// The names in a remark, if it is a header: `# x y`, `//X Y Z`.
+pub(crate) fn in_remark(line: &[u8]) -> Option<Vec<String>> {
+    let is_mark = |b: &u8| b.is_ascii_whitespace() || b"#%/".contains(b);
+    let begin = line.iter().position(|b| !is_mark(b))?;
+    let line = &line[begin..];
+    let names = match Separator::of(line) {
+        Separator::Blank => words(line).map(name).collect(),
+        separator => line
+            .split(|&b| b == separator.byte())
+            .map(name)
+            .collect::<Vec<_>>(),
+    };
+    Some(names).filter(|names| is_header(names))
+}
+
+/// The name in a field of a header.
+pub(crate) fn name(field: &[u8]) -> String {
+    quote(unquoted(field))
+}
+
 /// The columns that the caller chose, each by its name, or by its number from 1 if no column has that name. `count` is the
 /// number of columns. The error is a reason.
-pub(super) fn chosen(
+pub(crate) fn chosen(
     choice: &[String; 2],
     names: &[String],
     count: usize,
