@@ -4,7 +4,7 @@
 
 use egui::{
     Button, Color32, CursorIcon, Id, KeyboardShortcut, Label, RichText, Role, Sense, Stroke,
-    StrokeKind, TextEdit, Ui, WidgetInfo, vec2,
+    StrokeKind, TextEdit, TextWrapMode, Ui, WidgetInfo, vec2,
 };
 use tilescope_debugger::{Debugger, Listings, Marked, SavedScene};
 use tilescope_drawing::palette::Palette;
@@ -200,12 +200,11 @@ fn moment(
     if is_shown {
         text = text.strong();
     }
-    let link = ui.add(
-        Label::new(text.color(palette.accent))
-            .truncate()
-            .sense(Sense::click()),
-    );
-    let link = link.on_hover_cursor(CursorIcon::PointingHand);
+    let link = ui.scope(|ui| {
+        ui.style_mut().wrap_mode = Some(TextWrapMode::Truncate);
+        ui.link(text)
+    });
+    let link = link.inner;
     let moment = format!("{about}event {}", grouped(cursor));
     let moment = RichText::new(moment).small().monospace();
     ui.label(moment.color(palette.muted))

@@ -125,8 +125,9 @@ fn instancing_and_meshes_show_the_same() {
             let b = shoot_stage(&mut as_meshes, stage);
             let near = difference(&a, &b);
             let far = difference(&a, &shoot_stage(&mut as_meshes, BLOCKS_STAGE));
-            // Edges of the samples differ a little; the canvas is most of the window over which this is the mean.
-            assert!(near < 2.5, "{near} at stage {stage}, {camera:?}");
+            // Edges of samples and disks differ a little, those of the copies around the domain, too; the canvas is most
+            // of the window over which this is the mean.
+            assert!(near < 3.5, "{near} at stage {stage}, {camera:?}");
             assert!(far > 5.0 * near, "{far} and {near} at {stage}, {camera:?}");
         }
     }

@@ -152,7 +152,8 @@ fn no_panel_is_cut_off_on_a_small_screen() {
             harness.run();
             // Rows of lists vary in length and are shortened; their tooltips have the whole text.
             let window = &harness.state().state.window;
-            let listed = window.shows(Panel::Inspector) || window.shows(Panel::Events);
+            let lists = [Panel::Inspector, Panel::Events, Panel::Scenes];
+            let listed = lists.into_iter().any(|list| window.shows(list));
             let texts = cut_texts(&harness);
             assert!(
                 listed || texts.is_empty(),
@@ -242,7 +243,13 @@ fn low_windows_reach_everything() {
                 .apply(Command::Window(WindowCommand::Drawer(show)));
             settle(&mut harness);
             let tab = |text: &String| TABS.iter().any(|tab| text.starts_with(&format!("{tab:?}")));
-            let listed = [Panel::Inspector, Panel::Events, Panel::Passes].contains(&panel);
+            let listed = [
+                Panel::Inspector,
+                Panel::Events,
+                Panel::Passes,
+                Panel::Scenes,
+            ]
+            .contains(&panel);
             let mut texts = cut_texts(&harness);
             texts.retain(|text| !tab(text));
             assert!(

@@ -308,7 +308,8 @@ fn one_block_and_the_fewest_samples_are_sessions_and_three_are_refused_with_the_
         Command::Window(WindowCommand::OpenPanel(Panel::Parameters)),
     );
     assert!(is_disabled(&harness, "run"));
-    assert!(text(&harness, "refusal-radius").contains("6 r"));
+    let refusal = text(&harness, "refusal-radius");
+    assert!(refusal.contains("4 r"), "{refusal}");
     apply(&mut harness, Command::Run);
     assert_eq!(harness.state().state.saved(), before);
 }

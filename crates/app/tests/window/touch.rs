@@ -1,6 +1,7 @@
 //! Touch on the canvas, with the events of a browser: the first finger is also the pointer.
 
-use egui::{Event, Pos2, TouchDeviceId, TouchId, TouchPhase, Vec2, vec2};
+use egui::{Event, Pos2, TouchDeviceId, TouchId, TouchPhase, Vec2, pos2, vec2};
+use glam::DVec2;
 use tilescope_session::selection::Selection;
 
 use crate::support;
@@ -270,8 +271,18 @@ fn a_double_tap_flies_to_the_block() {
 fn a_tap_opens_the_inspector_and_keeps_the_sample_in_view() {
     let mut harness = opened(SIZES[0]);
     let state = &mut harness.state_mut().state;
-    let bottom = state.runs.first.viewport.center_bottom() - vec2(0.0, 20.0);
-    let before = state.runs.first.viewport;
+    let (before, camera) = (state.runs.first.viewport, state.runs.first.camera);
+    // Above the lower border of the domain: beyond it a tap would select what the other side shows.
+    let size = state
+        .runs
+        .first
+        .session
+        .as_ref()
+        .expect("a session")
+        .size_radii();
+    let sides = [DVec2::ZERO, size].map(|at| camera.screen_from_domain(before, at).y);
+    let lowest = sides[0].max(sides[1]).min(before.bottom());
+    let bottom = pos2(before.center().x, lowest - 20.0);
     tap(&mut harness, bottom);
     wait(&mut harness, 0.5);
     let state = &harness.state().state;
@@ -295,7 +306,11 @@ fn a_tap_opens_the_inspector_and_keeps_the_sample_in_view() {
         .first
         .camera
         .screen_from_domain(state.runs.first.viewport, position);
-    assert!(state.runs.first.viewport.contains(now), "{now:?}");
+    let seen = state.runs.first.viewport;
+    assert!(
+        seen.contains(now),
+        "{position:?} at {now:?} in {seen:?}, tapped {bottom:?} of {before:?}"
+    );
     // A tap beside the domain clears the selection, and opens nothing.
     harness
         .state_mut()

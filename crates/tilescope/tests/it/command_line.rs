@@ -451,7 +451,7 @@ const BAD: &[(&[&str], &str)] = &[
         &["sample", "--radius", "0.01", "--leaf", "5"],
         "the leaf is 5 r",
     ),
-    (&["sample", "--radius", "1e-9"], "at most 65532 r"),
+    (&["sample", "--radius", "1e-9"], "at most 65,532 r"),
     (
         &[
             "sample",
@@ -468,7 +468,7 @@ const BAD: &[(&[&str], &str)] = &[
     (&["sample", "--count", "99999999999"], "must be between"),
     (
         &["sample", "--radius", "0.01", "--pattern-side", "3"],
-        "between 10 r and 2000 r",
+        "between 10 r and 2,000 r",
     ),
     (
         &["sample", "--radius", "0.01", "--pattern", "missing.csv"],

@@ -485,7 +485,8 @@ fn pixel(picture: &Decoded, view: &PictureView, position: DVec2) -> [u8; 3] {
     let size = [picture.info.width, picture.info.height];
     assert!(
         at[0] < size[0] as usize && at[1] < size[1] as usize,
-        "{position:?} is at {at:?} of {size:?}"
+        "{position:?} is at {at:?} of {size:?}, {:?}",
+        view.camera
     );
     let first = (at[1] * picture.info.width as usize + at[0]) * picture.info.color_type.samples();
     [0, 1, 2].map(|k| picture.pixels[first + k])
@@ -533,8 +534,9 @@ fn a_picture_has_the_colours_of_the_canvas_at_every_moment() {
     let path = folder.path().join("canvas.png");
     let mut state = opened();
     let canvas = Rect::from_min_size(pos2(0.0, 0.0), vec2(900.0, 900.0));
-    state.apply(Command::View(Which::First, ViewCommand::Viewport(canvas)));
     state.apply(Command::View(Which::First, ViewCommand::Fit));
+    // A new canvas ends the flight of the camera.
+    state.apply(Command::View(Which::First, ViewCommand::Viewport(canvas)));
     for layer in [
         Layer::Gaps,
         Layer::Eliminated,

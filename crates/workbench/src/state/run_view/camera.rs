@@ -75,6 +75,7 @@ impl RunView {
     /// was, as when a panel opens over the part of the canvas where it was picked.
     pub(in crate::state) fn follow_viewport(&mut self, viewport: Rect) {
         let before = std::mem::replace(&mut self.viewport, viewport);
+        let camera_before = self.camera;
         if self.fitted && self.session.is_some() {
             self.camera = self.fitting();
             self.flight = None;
@@ -86,16 +87,17 @@ impl RunView {
             (self.camera, self.flight) = (self.framing(framed), None);
         }
         self.camera = self.within_scales(self.camera);
-        if self.fitted || self.framed.is_some() {
+        if self.fitted {
             return;
         }
+
         let sample = self.selected.zip(self.session.as_ref());
         let sample = sample.map(|(id, session)| session.position(id));
         let position = sample.or(self.place);
         let Some(position) = position.filter(|_| self.before_pattern.is_none()) else {
             return;
         };
-        if before.contains(self.camera.screen_from_domain(before, position)) {
+        if before.contains(camera_before.screen_from_domain(before, position)) {
             let now = self.camera.screen_from_domain(viewport, position);
             let room = viewport.shrink(IN_VIEW.min(0.5 * viewport.size().min_elem()));
             self.camera.pan(room.clamp(now) - now);
