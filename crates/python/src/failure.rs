@@ -141,6 +141,7 @@ impl From<MeasureError> for Failure {
 impl From<FormatError> for Failure {
     fn from(error: FormatError) -> Self {
         match error {
+            error @ FormatError::NoMemory { .. } => Self::Memory(error.to_string()),
             FormatError::Io { path, source } => match source.raw_os_error() {
                 Some(number) => Self::System {
                     number,

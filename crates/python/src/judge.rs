@@ -6,7 +6,7 @@ use pyo3::prelude::*;
 use serde_json::{Value, json};
 use tilescope_analysis::{Region, Report, verify_levels};
 use tilescope_formats::{
-    Certificate, CertifiedLevel, CheckError, Format, Hint, Overrides, StreamReader,
+    Certificate, CertificateUse, CertifiedLevel, CheckError, Format, Hint, Overrides, StreamReader,
     WHOLE_FILE_BYTES, check_stream, is_valid,
 };
 
@@ -148,8 +148,10 @@ pub fn check(
 
 /// Returns the certificate of a file, if it has one that can be read.
 fn certificate(path: &Path, format: Option<Format>) -> Option<Certificate> {
+    // A false one states the region all the same; that it is false is found by the check.
     let hint = Hint {
         format,
+        certificate: CertificateUse::AsStated,
         ..Hint::default()
     };
     StreamReader::open(path, format).map_or_else(
