@@ -126,7 +126,7 @@ def test_a_pattern_that_repeats_within_blocks_is_warned_of():
         ((0.5, 0, 0.4, 1), "the window's width runs from 0.5 to 0.4"),
         ((0, 0, 1.5, 1), "at most 1 long"),
         ((0, 0, math.nan, 1), "it must be finite"),
-        ((1e9, 0, 1e9 + 0.5, 1), "it must begin between -1000 and 1000"),
+        ((1e9, 0, 1e9 + 0.5, 1), "it must begin between -1,000 and 1,000"),
         ((2, 0, 2.5, 1), "holds no place of the domain's 0 to 1"),
     ],
 )
@@ -249,9 +249,9 @@ def test_one_of_the_sets_of_a_file_is_chosen(small, tmp_path):
         assert tilescope.verify(both, 0.02, set=np.int64(index)).count == len(one)
         assert tilescope.analyze(both, 0.02, set=index)["samples"] == len(one)
     for call in (tilescope.read, tilescope.verify, tilescope.analyze):
-        with pytest.raises(ValueError, match="the file holds 2 sets; choose one of 0 to 1"):
+        with pytest.raises(ValueError, match="the file holds 2 sets, 0 to 1, and"):
             call(both, 0.02)
-        with pytest.raises(ValueError, match="the file holds 2 sets; choose one of 0 to 1"):
+        with pytest.raises(ValueError, match="the file holds 2 sets, 0 to 1, and"):
             call(both, 0.02, set=2)
         with pytest.raises(ValueError, match="set is -1; it must be a whole number from 0"):
             call(both, 0.02, set=-1)

@@ -148,7 +148,7 @@ def test_windows_are_those_of_the_plane(plane, written):
         ((0.5, 0, 0.4, 0.7), "the window's width runs from 0.5 to 0.4"),
         ((0, 0, 1.5, 0.7), "at most 1 long"),
         ((0, 0, 1, float("nan")), "the window's height .* it must be finite"),
-        ((1e9, 0, 1e9 + 0.5, 0.7), "it must begin between -1000 and 1000"),
+        ((1e9, 0, 1e9 + 0.5, 0.7), "it must begin between -1,000 and 1,000"),
         ((2, 0, 2.5, 0.7), "the window's width runs from 2 to 2.5, which holds no place of the domain's 0 to 1"),
     ],
 )

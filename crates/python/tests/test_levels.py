@@ -99,7 +99,7 @@ def test_sets_without_levels_have_none(small):
         ({"levels": 3}, "neither count nor radius is given"),
         ({"levels": 3, "exactly": -1}, "exactly is -1; it must be a whole number"),
         ({"levels": 1, "exactly": 500}, "exactly 500 samples need at least 2 levels"),
-        ({"levels": 3, "exactly": 10**10}, "10000000000 samples were asked for"),
+        ({"levels": 3, "exactly": 10**10}, "10,000,000,000 samples were asked for"),
         ({"radius": 0.02, "order_within": "farthest"}, "order_within is given without levels"),
         ({"radius": 0.02, "levels": 3, "order_within": "best"}, "order_within is 'best'.*`random` or `farthest`"),
         ({"radius": 0.02, "levels": 3, "method": "reference"}, "method is 'reference', which makes one set"),
