@@ -179,7 +179,7 @@ class Lattice:
             )
         limit = _MOST_SIDES * side
         if abs(low) > limit:
-            raise ValueError(f"the window's {name} begins at {low:g}; it must begin between {-limit:g} and {limit:g}")
+            raise ValueError(f"the window's {name} begins at {low:,.12g}; it must begin between {-limit:,.12g} and {limit:,.12g}")
         start, end = self._first(axis, low), self._first(axis, high)
         if bounded:
             start, end = max(start, 0), units + 1 if high >= side else end
