@@ -198,13 +198,17 @@ function answers(question) {
 /** The list of lessons and the learner's results. @param {any} list */
 function listed(list) {
   const entries = list.lessons.map((/** @type {any} */ lesson, /** @type {number} */ index) => {
-    const number = index === 0 ? "" : `${index}. `;
+    const number = make("span", { class: "number" }, index === 0 ? "" : `${index}. `);
+    const title = make("span", {}, lesson.title);
     const done = lesson.done > 0 ? ` \u2013 ${lesson.done} ${words.of} ${lesson.gates} ${words.answered}` : "";
+
+    // The blank does not break, so that no line begins with "min)".
+    const objective = `${lesson.objective} (${lesson.minutes}\u00a0min)${done}`;
     return make(
       "li",
       {},
-      button(`lesson-open-${lesson.name}`, `${number}${lesson.title}`, () => send({ do: "lesson", open: lesson.name }), { class: "link" }),
-      make("p", { class: "small" }, `${lesson.objective} (${lesson.minutes} min)${done}`),
+      button(`lesson-open-${lesson.name}`, [number, title], () => send({ do: "lesson", open: lesson.name }), { class: "link" }),
+      make("p", { class: "small" }, objective),
     );
   });
   const share = `${Math.round(100 * list.share)}%`;
@@ -401,7 +405,12 @@ function text(lesson) {
 /** @param {any} question */
 function asks(question) {
   const at = question.type === "trace" ? [make("p", { class: "small" }, `${words.step} ${question.at} ${words.of} ${question.steps}`)] : [];
-  return [...at, make("h3", { id: "lesson-ask" }, ...set(question.ask)), make("div", { role: "group", "aria-labelledby": "lesson-ask" }, ...answers(question))];
+  const asked = make("h3", { id: "lesson-ask" }, ...set(question.ask));
+  const group = make("div", { role: "group", "aria-labelledby": "lesson-ask" }, ...answers(question));
+
+  // Above the feedback, whose coming and going would else move the button from under the pointer.
+  const answer = question.open ? [button("lesson-answer", words.answer, () => send({ do: "answer" }), { class: "whole" })] : [];
+  return [...at, asked, group, ...answer];
 }
 
 /** @param {any} lesson */
@@ -432,7 +441,7 @@ function actions({ question, hint, asked_to_give_up, after, reasons }) {
       row.append(make("span", { class: "small" }, words.sure));
     }
     const said = hint ? [make("p", { class: "small", role: "status" }, ...set(hint))] : [];
-    return [button("lesson-answer", words.answer, () => send({ do: "answer" }), { class: "whole" }), row, ...said];
+    return [row, ...said];
   }
   const made = [];
   if (question.key) {

@@ -280,3 +280,95 @@ test("the example pages have a main landmark that holds all", async (t) => {
     assert.equal(await page.locator("body > :not(main)").count(), 0, name);
   }
 });
+
+/** The entries of the list whose minutes are broken at some width of the panel. */
+function broken(page) {
+  return page.evaluate(() => {
+    const panel = document.getElementById("lesson");
+    const found = new Set();
+    for (let width = 260; width <= 420; width += 4) {
+      panel.style.width = `${width}px`;
+      for (const objective of panel.querySelectorAll(".lessons p")) {
+        const [text, at] = [objective.firstChild, objective.textContent.lastIndexOf("(")];
+        const minutes = document.createRange();
+        minutes.setStart(text, at);
+        minutes.setEnd(text, objective.textContent.indexOf(")", at) + 1);
+        const lines = new Set([...minutes.getClientRects()].map((line) => Math.round(line.top)));
+        if (lines.size > 1) {
+          found.add(objective.textContent);
+        }
+      }
+    }
+    return [...found];
+  });
+}
+
+test("in the list no line breaks within the minutes, and lines begin at one edge", async (t) => {
+  const entry = (index) => ({
+    name: `lesson-${index}`, title: "A title that is too long for one line of the panel beside the canvas", objective: "You see what maximal means.", minutes: 10, gates: 3, done: 0,
+  });
+  const page = await shown(t, list({ lessons: [0, 1, 2].map(entry) }));
+  assert.equal(await page.getByRole("button", { name: `1. ${entry(1).title}`, exact: true }).count(), 1);
+  assert.deepEqual(await broken(page), []);
+  const edges = await page.locator(".lessons li").evaluateAll((all) =>
+    all.map((one) => {
+      const text = one.querySelector("p").firstChild;
+      const objective = document.createRange();
+      objective.selectNode(text);
+      const title = document.createRange();
+      title.selectNodeContents(one.querySelector(".link span:last-child"));
+      return [title, objective].flatMap((range) => [...range.getClientRects()].map((line) => Math.round(line.left)));
+    }),
+  );
+  assert.ok(edges.flat().length > 6, `${edges}: no title goes on in a second line`);
+  assert.equal(new Set(edges.flat()).size, 1, String(edges));
+  // Negative control: with a blank that breaks, some width breaks the minutes.
+  await page.locator(".lessons p").evaluateAll((all) => all.forEach((one) => (one.textContent = one.textContent.replaceAll("\u00a0", " "))));
+  assert.notDeepEqual(await broken(page), []);
+});
+
+for (const [name, settings] of [["beside the canvas", {}], ["on a phone", { viewport: PHONE, hasTouch: true, isMobile: true }]]) {
+  test(`a wrong answer puts no other button under the pointer, ${name}`, async (t) => {
+    const chosen = { ...lesson().question, chosen: 0 };
+    const wrong = lesson("en", { verdict: LABELS.en.wrong, sentence: [{ text: "The other one has the larger number. ".repeat(4), style: "plain" }], answers: 1, question: { ...chosen, tries: 1 } });
+    const last = { index: 6, step: "step-6" };
+    const page = await shown(t, lesson("en", { question: chosen, ...last }), settings);
+    const answer = page.locator("#lesson-answer");
+    await answer.scrollIntoViewIfNeeded();
+    const { x, y, width, height } = await answer.boundingBox();
+    const [middleX, middleY] = [x + width / 2, y + height / 2];
+    const under = () => page.evaluate(([x, y]) => document.elementFromPoint(x, y)?.closest("button")?.id ?? "", [middleX, middleY]);
+    assert.equal(await under(), "lesson-answer");
+    await page.evaluate((wrong) => (window.lesson = wrong), { ...wrong, ...last });
+    await answer.click();
+    assert.match(await page.textContent("#lesson-feedback"), /larger number/);
+    assert.ok(["", "lesson-answer"].includes(await under()), await under());
+    // The verdict goes when another answer is chosen; the button stays where it is.
+    const before = await page.evaluate(() => document.getElementById("lesson-answer").offsetTop);
+    await show(page, lesson("en", { question: { ...chosen, chosen: 1 }, ...last }));
+    assert.equal(await page.textContent("#lesson-feedback"), "");
+    assert.equal(await page.evaluate(() => document.getElementById("lesson-answer").offsetTop), before);
+    // Negative control: a verdict above the button moves it.
+    await show(page, { ...wrong, ...last });
+    await page.evaluate(() => document.getElementById("lesson-question").before(document.getElementById("lesson-feedback")));
+    assert.notEqual(await page.evaluate(() => document.getElementById("lesson-answer").offsetTop), before);
+  });
+}
+
+test("the plan shows what the class sees without scrolling", async (t) => {
+  // The policy of the page has no place for the style sheet of a test.
+  const context = await browser.newContext({ viewport: { width: 1600, height: 900 }, bypassCSP: true });
+  t.after(() => context.close());
+  const page = await context.newPage();
+  const [html, css] = ["plan.html", "lecture.css"].map((name) => readFileSync(path.join(here, "../example", name), "utf8"));
+  await page.setContent(html.replace(/<(script|link)[^>]*>/g, ""));
+  await page.addStyleTag({ content: css });
+  const ends = () => page.locator("#tilescope, #now").evaluateAll((all) => all.map((one) => one.getBoundingClientRect().bottom));
+  for (const end of await ends()) {
+    assert.ok(end <= 900, `${end}`);
+  }
+  assert.ok((await page.locator("#tilescope").boundingBox()).width >= 560, "the player has its timeline beside the controls");
+  // Negative control: below the plan it is not seen.
+  await page.evaluate(() => document.body.classList.remove("plan"));
+  assert.ok((await ends()).some((end) => end > 900));
+});
