@@ -20,6 +20,9 @@ export const DIST = process.env.TILESCOPE_DIST ?? path.join(here, "../dist");
 /** The native program's path. */
 export const PROGRAM = process.env.TILESCOPE ?? path.join(here, "../../target/release/tilescope");
 
+/** Whether all cases are tested, also those that take long and rarely break: TILESCOPE_SLOW=1, as `tests/run --slow` sets it. */
+export const IS_SLOW = Boolean(process.env.TILESCOPE_SLOW);
+
 /** A timeout long enough for software renderers on a busy machine. */
 export const PATIENCE_MS = 300_000;
 

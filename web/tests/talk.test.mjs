@@ -4,7 +4,7 @@ import assert from "node:assert/strict";
 import { readFile } from "node:fs/promises";
 import path from "node:path";
 import { test } from "node:test";
-import { folder, native, nothingElse, until } from "./harness.mjs";
+import { IS_SLOW, folder, native, nothingElse, until } from "./harness.mjs";
 import { host, makeContext } from "./shared.mjs";
 
 /** Opens pages of one browser. */
@@ -116,7 +116,8 @@ test("the plan opens the stage, follows the talk, and shows its step", async (t)
 test("handouts print on A4 and on Letter without a step that is cut", async (t) => {
   const { context } = await browsing(t);
   const made = path.join(await folder(t), "handout.html");
-  for (const lesson of ["survivors", "spectrum", "tiling"]) {
+  // Slow runs print two more lessons.
+  for (const lesson of ["survivors", ...(IS_SLOW ? ["spectrum", "tiling"] : [])]) {
     await native("lesson", "handout", lesson, "--out", made, "--answers", "--notes");
     const page = await context.newPage();
     // Millimetres of the paper without its margins of 15 mm, in CSS pixels.
