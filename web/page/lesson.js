@@ -198,7 +198,7 @@ function answers(question) {
 /** The list of lessons and the learner's results. @param {any} list */
 function listed(list) {
   const entries = list.lessons.map((/** @type {any} */ lesson, /** @type {number} */ index) => {
-    const number = make("span", { class: "number" }, index === 0 ? "" : `${index}. `);
+    const number = make("span", {}, index === 0 ? "" : `${index}. `);
     const title = make("span", {}, lesson.title);
     const done = lesson.done > 0 ? ` \u2013 ${lesson.done} ${words.of} ${lesson.gates} ${words.answered}` : "";
 

@@ -307,7 +307,8 @@ test("in the list no line breaks within the minutes, and lines begin at one edge
   const entry = (index) => ({
     name: `lesson-${index}`, title: "A title that is too long for one line of the panel beside the canvas", objective: "You see what maximal means.", minutes: 10, gates: 3, done: 0,
   });
-  const page = await shown(t, list({ lessons: [0, 1, 2].map(entry) }));
+  const long = list({ lessons: [0, 1, 2].map(entry) });
+  const page = await shown(t, long);
   assert.equal(await page.getByRole("button", { name: `1. ${entry(1).title}`, exact: true }).count(), 1);
   assert.deepEqual(await broken(page), []);
   const edges = await page.locator(".lessons li").evaluateAll((all) =>
@@ -322,6 +323,16 @@ test("in the list no line breaks within the minutes, and lines begin at one edge
   );
   assert.ok(edges.flat().length > 6, `${edges}: no title goes on in a second line`);
   assert.equal(new Set(edges.flat()).size, 1, String(edges));
+  // A short title stands in the middle of its target.
+  await show(page, list());
+  const offset = await page.locator(".lessons .link").evaluate((link) => {
+    const middle = ({ top, height }) => top + height / 2;
+    const title = document.createRange();
+    title.selectNodeContents(link.lastChild);
+    return middle(link.getBoundingClientRect()) - middle(title.getBoundingClientRect());
+  });
+  assert.ok(Math.abs(offset) <= 1, `${offset}`);
+  await show(page, long);
   // Negative control: with a blank that breaks, some width breaks the minutes.
   await page.locator(".lessons p").evaluateAll((all) => all.forEach((one) => (one.textContent = one.textContent.replaceAll("\u00a0", " "))));
   assert.notDeepEqual(await broken(page), []);
