@@ -8,8 +8,10 @@ use anyhow::{Context, Result};
 use pollster::block_on;
 use serde_json::json;
 use tilescope_analysis::{Region, Report, VerifyError, VerifyOptions, verify_levels};
+use tilescope_core::memory::{Making, ask_for};
 use tilescope_core::{
-    Parameters, Run, SampleError, Sampled, Sequential, Source, reference_sample, search_radius,
+    MAXIMAL_DENSITY, Parameters, Run, SampleError, Sampled, Sequential, Source, reference_sample,
+    search_radius,
 };
 use tilescope_formats::{
     CertifiedLevel, ExportContext, Format, PointSet, Provenance, positions_digest,
@@ -22,6 +24,17 @@ use crate::output::{self, Outcome};
 use crate::parameters::Resolved;
 use crate::paths::{InFile, named};
 use crate::progress::{Stopwatch, verifying};
+
+/// To verify and to save a sample of a set that is held in memory, in bytes: where making it takes less, this is the most.
+const FINISHING: f64 = 100.0;
+
+/// Asks for the memory that the set of `parameters` takes. Fails if the system does not give it, or if no set is so large.
+///
+/// A program ends at once when an allocation fails, with a code and a message that say nothing of the cause.
+pub fn ask_for_whole(making: Making, parameters: &Parameters) -> Result<()> {
+    let samples = parameters.validate_sequential()?.area_radii() * MAXIMAL_DENSITY;
+    Ok(ask_for(samples, making.bytes_a_sample().max(FINISHING))?)
+}
 
 /// A set that was made.
 pub struct Made {
@@ -61,18 +74,28 @@ impl Made {
 /// Makes the set of a run as a whole.
 pub fn whole(run: &Resolved, mut watch: Stopwatch) -> Result<Made> {
     let mut facts = run.facts()?;
-    if matches!(run.backend.engine, Engine::Sequential) {
+    let is_sequential = matches!(run.backend.engine, Engine::Sequential);
+    let making = if is_sequential {
+        Making::Sequential
+    } else {
+        Making::Sweep
+    };
+    ask_for_whole(making, &run.parameters)?;
+
+    if is_sequential {
         let engine = Sequential::new(&run.parameters, Arc::clone(&run.pattern))?;
         let made = engine.finish(&mut watch)?;
         facts.backend = Some(run.backend.clone());
         facts.seconds = watch.take();
         return Ok(from_run(&made, facts));
     }
+
     let bands = bands(run, true)?;
     let (sampled, summary, backend) = block_on(bands.finish(&mut watch)).map_err(of_engine)?;
     facts.backend = Some(backend);
     facts.seconds = watch.take();
     facts.summary = Some(summary);
+
     let set = PointSet {
         points: run.domain.users_from_lattice(&sampled.points),
         provenance: provenance(&sampled),
@@ -106,6 +129,9 @@ pub fn provenance(sampled: &Sampled) -> Option<Vec<Provenance>> {
 
 /// Makes a set with the reference sampler; with a count, of the radius that gives it.
 pub fn reference(parameters: &Parameters, count: Option<u64>) -> Result<Made> {
+    // With a count the radius is an estimate, which is near enough.
+    ask_for_whole(Making::Reference, parameters)?;
+
     let mut watch = Stopwatch::start();
     let mut attempt = |radius| -> Result<_, SampleError> {
         let mut parameters = *parameters;
@@ -118,6 +144,7 @@ pub fn reference(parameters: &Parameters, count: Option<u64>) -> Result<Made> {
         Some(count) => search_radius(parameters, count, attempt)?,
         None => attempt(parameters.radius)?.1,
     };
+
     let mut parameters = *parameters;
     parameters.radius = domain.radius();
     let mut facts = Facts::of_run(&parameters, &domain)?;

@@ -3,11 +3,12 @@
 use anyhow::{Result, ensure};
 use serde_json::{Value, json};
 use tilescope_analysis::PrefixClaim;
-use tilescope_core::{NestedRequest, Parameters};
+use tilescope_core::memory::Making;
+use tilescope_core::{NestedRequest, Parameters, radius_estimate};
 use tilescope_formats::{ExportContext, PointSet};
 
 use crate::facts::Facts;
-use crate::make::Made;
+use crate::make::{Made, ask_for_whole};
 use crate::progress::Stopwatch;
 use crate::sample_arguments::{SampleArguments, SamplingMethod};
 
@@ -27,11 +28,21 @@ pub fn make(arguments: &SampleArguments, levels: u32) -> Result<(Made, ExportCon
         exactly: arguments.nested.exactly,
     };
     let asked = arguments.run.parameters()?;
+
+    // Levels that cannot be are refused before memory is asked for: another number of samples would not help.
+    nested.check(&asked)?;
+    let mut expected = asked;
+    if let Some(count) = nested.exactly {
+        expected.radius = radius_estimate(&asked, count as u64)?;
+    }
+    ask_for_whole(Making::Levels, &expected)?;
+
     let mut watch = Stopwatch::start();
     let made = match arguments.run.count {
         Some(count) => nested.of_count(&asked, count, &mut watch)?,
         None => nested.make(&asked, &mut watch)?,
     };
+
     let domain = *made.domain();
     let parameters = Parameters {
         radius: domain.radius(),

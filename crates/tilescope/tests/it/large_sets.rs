@@ -285,6 +285,49 @@ fn a_full_disk_leaves_no_file_and_keeps_the_old_one() {
     assert_eq!(names(folder.path()), ["set.npy"]);
 }
 
+/// The address space of a process of [`limited`], in KiB: some 3 GB, which a small set is made in.
+const ADDRESSES: u32 = 3_000_000;
+
+/// Runs `tilescope sample` in a process that gets no more memory.
+fn limited(folder: &TempDir, arguments: &[&str]) -> std::process::Output {
+    let binary = assert_cmd::cargo::cargo_bin("tilescope");
+    let script = format!(
+        "ulimit -v {ADDRESSES}; exec '{}' sample --threads 2 \"$@\"",
+        binary.display()
+    );
+    let mut shell = Process::new("sh");
+    let shell = shell.current_dir(folder.path()).args(["-c", &script, "sh"]);
+    shell.args(arguments).output().unwrap()
+}
+
+#[test]
+fn a_whole_set_that_there_is_no_memory_for_is_refused() {
+    let folder = tempdir().unwrap();
+    for way in [
+        // Other formats are written by the parallel engine without holding the set.
+        ["--engine", "parallel", "--out", "set.json"],
+        ["--engine", "sequential", "--out", "set.npy"],
+        ["--method", "reference", "--out", "set.npy"],
+        ["--levels", "4", "--out", "set.npy"],
+    ] {
+        let made = limited(&folder, &[&["--count", "20000"][..], &way[..]].concat());
+        let errors = String::from_utf8_lossy(&made.stderr);
+        assert_eq!(made.status.code(), Some(0), "{way:?}: {errors}");
+        for file in names(folder.path()) {
+            fs::remove_file(folder.path().join(file)).unwrap();
+        }
+
+        let refused = limited(&folder, &[&["--count", "60000000"][..], &way[..]].concat());
+        let errors = String::from_utf8_lossy(&refused.stderr);
+        assert_eq!(refused.status.code(), Some(2), "{way:?}: {errors}");
+        assert!(
+            errors.contains("GB of memory are needed"),
+            "{way:?}: {errors}"
+        );
+        assert_eq!(names(folder.path()), [""; 0], "{way:?}");
+    }
+}
+
 /// Returns the positions of a CSV file.
 fn positions(folder: &TempDir, name: &str) -> Vec<[f64; 2]> {
     let text = String::from_utf8(read(folder, name)).unwrap();
