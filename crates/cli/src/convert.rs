@@ -119,7 +119,7 @@ fn certified((set, check): (PointSet, Check), path: &Path) -> Result<(PointSet, 
 /// Reads a set of unknown radius: its smallest distance becomes the radius.
 fn uncertified(arguments: &ConvertArguments) -> Result<(PointSet, ExportContext)> {
     let (path, given) = (&arguments.input, &arguments.set);
-    let read = given.read(path)?;
+    let read = given.read(path, given.set)?;
     let region = given.region_over(Region::UNIT_SQUARE);
     given.refuse_degrees(&read, region).in_file(path)?;
     let set = read.set;

@@ -75,7 +75,7 @@ pub fn run(arguments: &DrawArguments) -> Result<u8> {
         "--size is {}; it must be between 16 and 32768 pixels",
         arguments.size
     );
-    let read = arguments.set.read(&arguments.file)?;
+    let read = (arguments.set).read(&arguments.file, arguments.set.set)?;
     ensure!(
         !read.set.is_empty(),
         "{}: the set is empty",

@@ -204,13 +204,9 @@ impl SetArguments {
         Ok(self.read_as(path, Some(0), CertificateUse::AsStated)?.sets)
     }
 
-    /// Reads the file with the given format, columns and set. Fails if its certificate is false, unless that is left out.
-    pub fn read(&self, path: &Path) -> Result<ReadSet> {
-        self.read_set(path, self.set)
-    }
-
-    /// The same as [`Self::read`], of one set of the file.
-    pub fn read_set(&self, path: &Path, set: Option<usize>) -> Result<ReadSet> {
+    /// Reads one set of the file, with the given format and columns. Fails if its certificate is false, unless that is left
+    /// out.
+    pub fn read(&self, path: &Path, set: Option<usize>) -> Result<ReadSet> {
         let certificate = if self.no_certificate {
             CertificateUse::LeftOut
         } else {
@@ -219,7 +215,7 @@ impl SetArguments {
         self.read_as(path, set, certificate)
     }
 
-    /// The same as [`Self::read_set`], with another use of the certificate.
+    /// The same as [`Self::read`], with another use of the certificate.
     pub fn read_as(
         &self,
         path: &Path,

@@ -261,7 +261,7 @@ fn read(source: Source<'_>, arguments: &SetArguments) -> Result<(PointSet, Check
     let mut outcome = check_or_unit_square(&overrides, check);
     let has_radius = !matches!(outcome, Err(CheckError::NoRadius));
     if !has_radius {
-        let count = arguments.read_set(path, overrides.set)?.set.len();
+        let count = arguments.read(path, overrides.set)?.set.len();
         if count < 3 {
             return Err(MeasureError::TooFew { count, limit: 3 }.into());
         }
