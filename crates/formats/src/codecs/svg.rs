@@ -56,7 +56,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Raw, FormatError> {
         });
     }
 
-    refuse_moving_sheets(&document)?;
+    refuse_sheets(&document)?;
     let points = circles(&document)?;
     // A drawing of nothing is an empty set, as another format's file without points is.
     let draws = document.root_element().first_element_child().is_some();
@@ -124,10 +124,7 @@ fn circles(document: &Document<'_>) -> Result<Vec<[f64; 2]>, FormatError> {
 /// Whether a node is an element that may draw something where it stands.
 fn is_drawn(node: Node<'_, '_>) -> bool {
     let is_hidden = node.attribute("display") == Some("none")
-        || node.attribute("style").is_some_and(|style| {
-            declarations(&without_comments(style))
-                .any(|(name, value)| name == "display" && value == "none")
-        });
+        || (node.attribute("style")).is_some_and(|style| hides(&without_comments(style)));
     node.is_element() && !is_hidden && !NOT_DRAWN.contains(&node.tag_name().name())
 }
 
@@ -157,16 +154,24 @@ fn line_of(node: Node<'_, '_>) -> u32 {
     node.document().text_pos_at(node.range().start).row
 }
 
-/// Refuses style sheets that draw elements elsewhere, wherever they stand: which elements they are for is not found out.
-fn refuse_moving_sheets(document: &Document<'_>) -> Result<(), FormatError> {
+/// Refuses style sheets that draw elements elsewhere, or not at all, wherever they stand: which elements they are for is not
+/// found out.
+fn refuse_sheets(document: &Document<'_>) -> Result<(), FormatError> {
     let sheets = (document.descendants()).filter(|node| node.tag_name().name() == "style");
     for sheet in sheets {
         let text: String = sheet.children().filter_map(|child| child.text()).collect();
-        if let Some(property) = moving(&without_comments(&text)) {
-            let line = line_of(sheet);
+        let (css, line) = (without_comments(&text), line_of(sheet));
+        if let Some(property) = moving(&css) {
             let what =
                 format!("a style sheet that sets {property}, such as a transform, (line {line})");
             return Err(unsupported(what, "circles in plain user units can"));
+        }
+        if hides(&css) {
+            let what = format!("a style sheet that hides elements by display: none (line {line})");
+            return Err(unsupported(
+                what,
+                "circles that are hidden by their own attributes can",
+            ));
         }
     }
     Ok(())
@@ -180,6 +185,15 @@ fn moving(css: &str) -> Option<&'static str> {
             let mut known = MOVING.into_iter();
             known.find(|known| known.eq_ignore_ascii_case(name))
         })
+}
+
+/// Whether some CSS, without comments, hides an element.
+fn hides(css: &str) -> bool {
+    declarations(css).any(|(name, value)| {
+        // A value may end with `!important`.
+        let value = value.split('!').next().unwrap_or_default().trim();
+        name.eq_ignore_ascii_case("display") && value.eq_ignore_ascii_case("none")
+    })
 }
 
 /// The names and values of the declarations in some CSS without comments. The selectors of a sheet are among them, with
@@ -332,6 +346,24 @@ mod tests {
         }
         let css = "a:hover { text-transform: none; transform-origin: 0 } /* transform: scale(2) */";
         assert_eq!(points(&sheet(css)), [[0.0, 0.0]]);
+    }
+
+    #[test]
+    fn style_sheets_that_hide_are_refused() {
+        let sheet = |css: &str| format!("<svg><style>{css}</style><circle class='a'/></svg>");
+        for css in [
+            ".a{display:none}",
+            ".a { fill: red; DISPLAY: none !important }",
+        ] {
+            assert!(
+                message(&sheet(css)).contains("a style sheet that hides elements"),
+                "{css}"
+            );
+        }
+        let css = ".a{display:inline; text-decoration: none} /* display: none */";
+        assert_eq!(points(&sheet(css)), [[0.0, 0.0]]);
+        let own = "<svg><circle style='Display: none!important'/><circle cx='1'/></svg>";
+        assert_eq!(points(own), [[1.0, 0.0]]);
     }
 
     #[test]
