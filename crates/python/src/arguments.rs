@@ -109,6 +109,8 @@ pub struct SetArgument<'py> {
     points: PyReadonlyArray2<'py, f64>,
     pub provenance: Option<PyReadonlyArray2<'py, u32>>,
     domain: (f64, f64, String),
+    /// The position in files of the domain's lower corner.
+    pub origin: (f64, f64),
     radius: Option<f64>,
     pub levels: Vec<LevelArgument>,
     pub method: String,

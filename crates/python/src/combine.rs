@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use pyo3::prelude::*;
 use serde_json::{Value, json};
-use tilescope_analysis::Region;
+use tilescope_analysis::{Region, lossy};
 use tilescope_core::combine::file::{Layout, PieceSource, PlacedLayout, Set};
 use tilescope_core::memory::{Making, ask_for};
 use tilescope_core::{Boundary, MAXIMAL_DENSITY, Pattern, combine::combine as combined};
@@ -133,7 +133,7 @@ fn stated(
                 continue;
             }
             let path = folder.join(path);
-            piece["file"] = json!(path.file_name().unwrap_or_default().to_string_lossy());
+            piece["file"] = json!(lossy(path.file_name().unwrap_or_default()));
             piece["digest"] = json!(bytes_digest(&read_whole(&path)?));
         }
     }

@@ -4,8 +4,8 @@ use std::io::ErrorKind;
 
 use pyo3::PyErr;
 use pyo3::exceptions::{PyMemoryError, PyOSError, PyRuntimeError, PyValueError};
-use tilescope_analysis::VerifyError;
 use tilescope_analysis::measures::MeasureError;
+use tilescope_analysis::{VerifyError, shown};
 use tilescope_core::combine::CombineError;
 use tilescope_core::combine::file::{LayoutError, PieceError};
 use tilescope_core::memory::NoMemory;
@@ -44,10 +44,10 @@ impl Failure {
 impl From<Failure> for PyErr {
     fn from(failure: Failure) -> Self {
         match failure {
-            Failure::Value(text) => PyValueError::new_err(shortened(text)),
+            Failure::Value(text) => PyValueError::new_err(shortened(&text)),
             Failure::System { number, text, path } => PyOSError::new_err((number, text, path)),
-            Failure::Memory(text) => PyMemoryError::new_err(text),
-            Failure::Runtime(text) => PyRuntimeError::new_err(shortened(text)),
+            Failure::Memory(text) => PyMemoryError::new_err(shortened(&text)),
+            Failure::Runtime(text) => PyRuntimeError::new_err(shortened(&text)),
         }
     }
 }
@@ -55,11 +55,13 @@ impl From<Failure> for PyErr {
 /// The longest text of an exception, in characters: the values of callers and files in it may be of any length.
 const LONGEST: usize = 1000;
 
-/// Returns a text with its middle left out, if it is too long.
-fn shortened(text: String) -> String {
+/// Returns a text as a terminal can show it, with its middle left out if it is too long: names and contents of files may
+/// hold what a terminal obeys.
+fn shortened(text: &str) -> String {
+    let text = shown(text);
     let length = text.chars().count();
     if length <= LONGEST {
-        return text;
+        return text.into_owned();
     }
     let (start, end) = (LONGEST * 3 / 5, LONGEST * 2 / 5);
     let first: String = text.chars().take(start).collect();

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use serde_json::{Value, json};
-use tilescope_analysis::{Control, Region};
+use tilescope_analysis::{Control, Region, lossy};
 use tilescope_core::memory::NoMemory;
 use tilescope_formats::{
     Certificate, CheckError, ExportContext, Format, FormatError, Hint, Mapping, Overrides,
@@ -33,7 +33,7 @@ pub fn digest(py: Python<'_>, set: SetArgument<'_>) -> PyResult<String> {
 /// Returns the name of a file without folders, and its digest, as JSON: so certificates name a set that was used.
 #[pyfunction]
 pub fn named_by_content(py: Python<'_>, path: PathBuf) -> PyResult<String> {
-    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let name = lossy(path.file_name().unwrap_or_default());
     let digest = run(py, None, |_| Ok(bytes_digest(&read_whole(&path)?)))?;
     Ok(json!({ "file": name, "digest": digest }).to_string())
 }
@@ -50,7 +50,10 @@ pub fn read<'py>(
     certificate: bool,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<PythonSet<'py>> {
-    let overrides = overrides(format_name, set)?;
+    let overrides = Overrides {
+        origin: given.origin,
+        ..overrides(format_name, set)?
+    };
     let found = run(py, progress, |watch| {
         ask_to_read(&path)?;
         of_file(&path, &overrides, certificate, &watch.control("verify"))
@@ -66,6 +69,7 @@ pub fn read<'py>(
         "parameters": stated.map_or(&BTreeMap::new(), |stated| &stated.parameters),
         "domain": [region.width, region.height, region.boundary],
         "radius": radius,
+        "origin": found.origin,
         "levels": stated.map(levels_stated).unwrap_or_default(),
         "summary": null,
         "certificate": stated,
@@ -85,6 +89,8 @@ pub struct FoundSet {
     pub set: PointSet,
     /// The certificate, every statement of which is true.
     pub certificate: Option<Certificate>,
+    /// The position in the file of the domain's lower corner.
+    origin: [f64; 2],
     format: Format,
     /// The file's number type, if positions are still in the file's unit.
     file_units: Option<Precision>,
@@ -94,7 +100,7 @@ impl FoundSet {
     /// Returns the set with its positions in units of the domain. Those of the unit torus are in units of the width.
     pub fn in_domain(mut self, region: Option<Region>) -> Self {
         if let Some(precision) = self.file_units.take() {
-            let mapping = Mapping::new(self.format, region, precision);
+            let mapping = Mapping::new(self.format, region, precision).with_origin(self.origin);
             for point in &mut self.set.points {
                 *point = mapping.domain_from_file(*point);
             }
@@ -135,8 +141,11 @@ fn certified(
             path.display()
         )));
     }
+    // One that is given is the stated one: another would be a difference.
+    let stated = check.certificate.as_ref().and_then(|stated| stated.origin);
     Ok(Some(FoundSet {
         set,
+        origin: overrides.origin.or(stated).unwrap_or_default(),
         certificate: check.certificate,
         format: check.detection.format,
         file_units: None,
@@ -146,7 +155,7 @@ fn certified(
 /// Reads the positions of a file, in its own unit, and where each sample came from if `with_provenance`.
 fn bare(path: &Path, overrides: &Overrides, with_provenance: bool) -> Result<FoundSet, Failure> {
     let bytes = read_whole(path)?;
-    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let name = lossy(path.file_name().unwrap_or_default());
     let hint = Hint {
         format: overrides.format,
         set: overrides.set,
@@ -159,6 +168,7 @@ fn bare(path: &Path, overrides: &Overrides, with_provenance: bool) -> Result<Fou
     Ok(FoundSet {
         set: read.set,
         certificate: None,
+        origin: overrides.origin.unwrap_or_default(),
         format: read.detection.format,
         file_units: Some(read.precision),
     })
@@ -175,7 +185,7 @@ fn levels_stated(stated: &Certificate) -> Vec<LevelFields> {
 /// Writes a set to a file, with a certificate beside it if it is to be verified. Returns the report on what was written,
 /// and warnings, as JSON.
 #[pyfunction]
-#[pyo3(signature = (set, path, *, format_name, precision, shuffle, verify, judge, progress))]
+#[pyo3(signature = (set, path, *, format_name, precision, shuffle, origin, verify, judge, progress))]
 #[expect(
     clippy::too_many_arguments,
     reason = "each is one of Python's, by its name"
@@ -187,16 +197,19 @@ pub fn save(
     format_name: Option<&str>,
     precision: &str,
     shuffle: Option<&Bound<'_, PyAny>>,
+    origin: Option<[f64; 2]>,
     verify: bool,
     judge: Option<&str>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<String> {
+    let own = context(&set)?;
     let context = ExportContext {
+        origin: origin.unwrap_or(own.origin),
         format: format(format_name)?,
         precision: named("precision", precision)?,
         shuffle_seed: shuffle.map(|seed| whole("shuffle", seed)).transpose()?,
         verify: verify_options(judge)?,
-        ..context(&set)?
+        ..own
     };
     if let Err(FormatError::UnknownFormat { .. }) = Format::to_write(&path, context.format) {
         let mut known = Format::ALL.map(Format::extension).to_vec();
@@ -259,6 +272,7 @@ fn context(set: &SetArgument<'_>) -> PyResult<ExportContext> {
     let parameters: BTreeMap<String, Value> = serde_json::from_str(&set.parameters)
         .map_err(|error| PyValueError::new_err(format!("parameters: {error}")))?;
     Ok(ExportContext {
+        origin: set.origin.into(),
         method: set.method.clone(),
         parameters,
         levels: claims(&set.levels),

@@ -55,6 +55,8 @@ pub struct GivenDomain {
     width: Option<f64>,
     height: Option<f64>,
     boundary: Option<String>,
+    /// The position in the file of the domain's lower corner.
+    pub origin: Option<[f64; 2]>,
 }
 
 impl<'py> FromPyObject<'_, 'py> for GivenDomain {
@@ -70,6 +72,7 @@ impl<'py> FromPyObject<'_, 'py> for GivenDomain {
             width: number("width")?,
             height: number("height")?,
             boundary: given.getattr("boundary")?.extract()?,
+            origin: given.getattr("origin")?.extract()?,
         })
     }
 }
@@ -110,6 +113,7 @@ pub fn check(
     let overrides = Overrides {
         region: region.transpose()?,
         radius: given.radius,
+        origin: given.origin,
         judges: verify_options(judge)?.judges,
         ..overrides
     };

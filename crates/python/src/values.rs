@@ -4,15 +4,17 @@ use pyo3::exceptions::{PyOverflowError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use serde::de::DeserializeOwned;
 use serde_json::Value;
+use tilescope_analysis::shown_in_line;
 
 /// The longest value that an error shows whole, in characters.
 const LONGEST: usize = 80;
 
-/// Returns a text as an error shows it: its beginning, if it is long.
+/// Returns a text as an error shows it: its beginning, if it is long, with escapes for what a terminal would obey.
 pub fn shortened(text: &str) -> String {
+    let text = shown_in_line(text);
     let length = text.chars().count();
     if length <= LONGEST {
-        return text.to_owned();
+        return text.into_owned();
     }
     let start: String = text.chars().take(LONGEST / 2).collect();
     format!("{start}... ({length} characters)")

@@ -4,6 +4,7 @@ import json
 import os
 import shutil
 import stat
+import sys
 
 import numpy as np
 import pytest
@@ -249,3 +250,102 @@ def test_a_file_that_cannot_be_replaced_stays(small, tmp_path):
     with pytest.raises(ValueError, match="this is a folder|this is a directory"):
         small.save(tmp_path / "set.npy")
     assert stat.S_ISDIR((tmp_path / "set.npy").stat().st_mode)
+
+
+ORIGIN = (500_000.0, 5_400_000.0)
+
+
+@pytest.fixture
+def trees():
+    return tilescope.sample(radius=2, width=100, height=80, origin=ORIGIN)
+
+
+def test_a_set_is_stored_at_its_origin_and_keeps_it(trees, tmp_path):
+    assert np.array_equal(trees.points, tilescope.sample(radius=2, width=100, height=80).points)
+    path = tmp_path / "trees.csv"
+    assert trees.save(path).valid
+    stated = json.loads((tmp_path / "trees.csv.certificate.json").read_text())
+    assert (stated["format_version"], stated["origin"]) == (2, list(ORIGIN))
+    stored = np.loadtxt(path, delimiter=",", skiprows=1, usecols=(0, 1))
+    assert np.allclose(stored - ORIGIN, trees.points, rtol=0, atol=1e-8)
+    assert tilescope.verify(path).passed
+    assert trees.certificate["origin"] == list(ORIGIN)
+
+    back = tilescope.read(path)
+    assert (back.origin, back.method, back.domain) == (ORIGIN, "kdrt", trees.domain)
+    back.save(tmp_path / "again.npy")
+    assert np.array_equal(np.load(tmp_path / "again.npy"), stored)
+    assert tilescope.verify(tmp_path / "again.npy").passed
+    assert tilescope.read(tmp_path / "again.npy").origin == ORIGIN
+
+
+def test_a_set_without_an_origin_has_a_certificate_of_version_1(small, trees, tmp_path):
+    for name, one, origin in (("small.npy", small, None), ("trees.npy", trees, (0, 0))):
+        one.save(tmp_path / name, origin=origin)
+        stated = json.loads((tmp_path / f"{name}.certificate.json").read_text())
+        assert stated["format_version"] == 1
+        assert "origin" not in stated
+        assert np.array_equal(np.load(tmp_path / name), one.points)
+        assert tilescope.read(tmp_path / name).origin == (0.0, 0.0)
+
+
+def test_an_origin_that_is_given_is_that_of_a_file_without_a_certificate(trees, tmp_path):
+    path = tmp_path / "alone.csv"
+    trees.save(path, verify=False)
+    given = {"radius": 2, "width": 100, "height": 80, "origin": ORIGIN}
+    assert tilescope.verify(path, **given).valid
+    assert tilescope.analyze(path, **given)["conflicts"] == 0
+    back = tilescope.read(path, **given)
+    assert back.origin == ORIGIN
+    assert np.allclose(back.points, trees.points, rtol=0, atol=1e-8)
+    assert back.verify().valid
+    with pytest.raises(ValueError, match="outside"):
+        tilescope.verify(path, 2, width=100, height=80)
+
+
+def test_an_origin_other_than_the_certificates_is_refused(trees, tmp_path):
+    path = tmp_path / "trees.npy"
+    trees.save(path)
+    assert tilescope.read(path, origin=ORIGIN).method == "kdrt"
+    with pytest.raises(ValueError, match="outside|origin: the certificate states 500000 5400000"):
+        tilescope.read(path, origin=(499_999.0, 5_400_000.0))
+
+
+def test_origins_that_would_spoil_a_set_are_refused(small, trees, tmp_path):
+    with pytest.raises(ValueError, match=r"at the origin 0 1e9|at the origin 0 1000000000 .* apart, more than 0.00001"):
+        small.save(tmp_path / "far.npy", origin=(0, 1e9))
+    with pytest.raises(ValueError, match="begins at 0 0"):
+        trees.save(tmp_path / "trees.rps")
+    with pytest.raises(ValueError, match="GeoParquet has no certificate"):
+        trees.save(tmp_path / "trees.parquet")
+    assert os.listdir(tmp_path) == []
+    for wrong in ((1, 2, 3), (1, float("nan")), 5):
+        with pytest.raises(ValueError, match="it must be two finite numbers"):
+            tilescope.sample(radius=0.1, origin=wrong)
+    with pytest.raises(TypeError, match="they must be numbers"):
+        small.save(tmp_path / "set.npy", origin=("a", "b"))
+    with pytest.raises(ValueError, match="origin is .* which is no file"):
+        tilescope.verify(small, origin=ORIGIN)
+
+
+def test_what_terminals_obey_is_shown_as_an_escape(small, tmp_path):
+    path = tmp_path / "a\x1b[2Jb.npy"
+    small.save(path)
+    restated(path, gaps=3)
+    with pytest.raises(ValueError, match=r"a\\u001b\[2Jb\.npy: its certificate is not true") as error:
+        tilescope.read(path)
+    assert "\x1b" not in str(error.value)
+    (tmp_path / "text.csv").write_text("x,y\n1,\x1b[2Jtwo\n")
+    with pytest.raises(ValueError, match="two") as error:
+        tilescope.read(tmp_path / "text.csv")
+    assert "\x1b" not in str(error.value)
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="other systems have no such names")
+def test_a_name_that_is_not_utf_8_says_so(small, tmp_path):
+    small.save(tmp_path / "set.npy")
+    name = os.fsdecode(b"s\xffet.npy")
+    for end in ("", ".certificate.json"):
+        os.rename(tmp_path / f"set.npy{end}", tmp_path / f"{name}{end}")
+    stated = tilescope.sample(radius=0.05, pattern=tmp_path / name).parameters["pattern"]
+    assert stated["file"] == "(not UTF-8) s\ufffdet.npy"

@@ -30,7 +30,7 @@ import numpy as np
 import numpy.typing as npt
 
 from tilescope import _parquet, _tilescope
-from tilescope._input import Path, local_path, shown
+from tilescope._input import Path, local_path, place, shown, shown_text
 from tilescope._point_set import Boundary, Format, Judge, PointSet
 from tilescope._progress import Progress, following
 from tilescope._report import Conflict, Domain, Gap, Level, LevelReport, Report, report_of
@@ -87,6 +87,7 @@ def sample(
     levels: SupportsIndex | None = None,
     exactly: SupportsIndex | None = None,
     order_within: Literal["random", "farthest"] = "random",
+    origin: tuple[float, float] | None = None,
     method: Literal["kdrt", "reference"] = "kdrt",
     engine: Literal["auto", "parallel", "sequential"] = "auto",
     progress: Progress = False,
@@ -137,7 +138,10 @@ def sample(
         1.42 radii.
     order_within : {'random', 'farthest'}
         How the samples that a level adds follow each other: as drawn, or each the one that is farthest
-        from all before it.
+        all before it.
+    origin : (x, y), optional
+        Where files are to hold the lower corner of the domain, for sets at map coordinates. It does not change
+        :attr:`PointSet.points`; :meth:`PointSet.save` adds it to what it writes.
     method : {'kdrt', 'reference'}
         Randomized tiling, or dart throwing (Ebeida et al. 2012), which uses only radius or count,
         sides, boundary and seed.
@@ -172,6 +176,8 @@ def sample(
         ...
     ValueError: the radius is -1; it must be a finite number above 0
     """
+    # A wrong one is found before the set is made.
+    at = (0.0, 0.0) if origin is None else place("origin", origin)
     request = _request(
         count=count, radius=radius, width=width, height=height, boundary=boundary, seed=seed, leaf=leaf,
         pattern_side=pattern_side, pattern_boundary=pattern_boundary, pattern_seed=pattern_seed, pattern=pattern,
@@ -186,7 +192,9 @@ def sample(
             stacklevel=2,
         )
     with following(progress) as told:
-        return PointSet._made(*_tilescope.sample(request, method, engine, told))
+        made = PointSet._made(*_tilescope.sample(request, method, engine, told))
+    made._origin = at
+    return made
 
 
 def _request(*, pattern: PointSet | Path | None, **arguments: Any) -> _tilescope.RunRequest:
@@ -349,6 +357,7 @@ def verify(
     boundary: Boundary | None = None,
     format: Format | None = None,
     set: SupportsIndex | None = None,
+    origin: tuple[float, float] | None = None,
     judge: Judge | None = None,
     prefix: SupportsIndex | None = None,
     progress: Progress = False,
@@ -369,6 +378,8 @@ def verify(
         Format of a file, if neither its extension nor its content says it.
     set : int, optional
         Which set of a file that holds several, from 0.
+    origin : (x, y), optional
+        Where a file holds the lower corner of the domain. If not given, where its certificate states, and else 0, 0.
     prefix : int, optional
         Judge only so many samples, the first, of a set with nested levels.
     judge, progress
@@ -396,30 +407,34 @@ def verify(
     (1, False)
     """
     if not isinstance(points, (str, os.PathLike)):
-        _check_no_file(format, set)
+        _check_no_file(format, set, origin)
     if prefix is not None:
         if radius is not None:
             raise ValueError(
                 f"both prefix and radius are given; the levels say the radius of the first {shown(prefix)} samples"
             )
         if isinstance(points, (str, os.PathLike)):
-            points = read(points, width=width, height=height, boundary=boundary, format=format, set=set)
+            points = read(
+                points, width=width, height=height, boundary=boundary, format=format, set=set, origin=origin
+            )
         else:
             points = _set_of(points, None, width, height, boundary)
         return points.prefix(prefix).verify(judge=judge, progress=progress)
     if isinstance(points, (str, os.PathLike)) and _parquet.is_to_read(local_path(points), format):
-        points = read(points, radius, width=width, height=height, boundary=boundary, format=format, set=set)
+        points = read(
+            points, radius, width=width, height=height, boundary=boundary, format=format, set=set, origin=origin
+        )
     if isinstance(points, (str, os.PathLike)):
-        given = _Given(radius, width, height, boundary)
+        given = _Given(radius, width, height, boundary, origin)
         with following(progress) as told:
             found = json.loads(_tilescope.check(local_path(points), given, format, set, judge, told))
         return report_of(found["report"], found["differences"])
     return _set_of(points, radius, width, height, boundary).verify(judge=judge, progress=progress)
 
 
-def _check_no_file(format: object, set: object) -> None:
+def _check_no_file(format: object, set: object, origin: object) -> None:
     """Raises ``ValueError`` for arguments that are about a file, where an array or a set is given."""
-    for name, value in (("format", format), ("set", set)):
+    for name, value in (("format", format), ("set", set), ("origin", origin)):
         if value is not None:
             raise ValueError(f"{name} is {shown(value)}, but points is an array or a set, which is no file")
 
@@ -428,9 +443,15 @@ class _Given:
     """What the caller says of a file's set."""
 
     def __init__(
-        self, radius: float | None, width: float | None, height: float | None, boundary: Boundary | None
+        self,
+        radius: float | None,
+        width: float | None,
+        height: float | None,
+        boundary: Boundary | None,
+        origin: tuple[float, float] | None,
     ) -> None:
         self.radius, self.width, self.height, self.boundary = radius, width, height, boundary
+        self.origin = None if origin is None else place("origin", origin)
 
 
 def _set_of(
@@ -466,6 +487,7 @@ def analyze(
     boundary: Boundary | None = None,
     format: Format | None = None,
     set: SupportsIndex | None = None,
+    origin: tuple[float, float] | None = None,
     progress: Progress = False,
 ) -> dict[str, float | None]:
     """Measures a set: distances, blue noise, order, discrepancy.
@@ -488,9 +510,11 @@ def analyze(
     (0.0, 0.0)
     """
     if isinstance(points, (str, os.PathLike)):
-        points = read(points, radius, width=width, height=height, boundary=boundary, format=format, set=set)
+        points = read(
+            points, radius, width=width, height=height, boundary=boundary, format=format, set=set, origin=origin
+        )
     else:
-        _check_no_file(format, set)
+        _check_no_file(format, set, origin)
         points = _set_of(points, radius, width, height, boundary)
     with following(progress) as told:
         measures: dict[str, float | None] = json.loads(_tilescope.analyze(points, told))
@@ -506,6 +530,7 @@ def read(
     boundary: Boundary | None = None,
     format: Format | None = None,
     set: SupportsIndex | None = None,
+    origin: tuple[float, float] | None = None,
     certificate: bool = True,
     progress: Progress = False,
 ) -> PointSet:
@@ -525,6 +550,9 @@ def read(
         The format, if neither the extension nor the content says it.
     set : int, optional
         Which set of a file that holds several, from 0. Files of UTK may.
+    origin : (x, y), optional
+        Where the file holds the lower corner of the domain, which is subtracted from its positions. If not given, where
+        the certificate states, which refuses another, and else 0, 0. The set keeps it: :attr:`PointSet.origin`.
     certificate : bool
         Whether to look at a certificate. Without it the positions alone are read: the method of the set is
         ``'unknown'``, and what is saved of it says so.
@@ -548,10 +576,15 @@ def read(
     name = local_path(path)
     if _parquet.is_to_read(name, format):
         if set is not None:
-            raise ValueError(f"set is {shown(set)}, but {name} is GeoParquet, which holds one set")
+            raise ValueError(f"set is {shown(set)}, but {shown_text(name)} is GeoParquet, which holds one set")
+        if origin is not None:
+            raise ValueError(
+                f"origin is {shown(origin)}, but {shown_text(name)} is GeoParquet, of which no certificate states an "
+                "origin; subtract it from the positions"
+            )
         sides = (1.0 if width is None else width, 1.0 if height is None else height)
         return _set_of(_parquet.read(name, sides), radius, width, height, boundary)
-    given = _Given(radius, width, height, boundary)
+    given = _Given(radius, width, height, boundary, origin)
     with following(progress) as told:
         return PointSet._made(*_tilescope.read(name, given, format, set, certificate, told))
 

@@ -16,6 +16,10 @@ _LONGEST = 80
 # `pathlib` makes one slash of two. A drive of Windows has one letter.
 _URL = re.compile(r"[A-Za-z][A-Za-z0-9+.-]+:/")
 
+# What a terminal obeys rather than shows, as the command line has it: control characters except line feeds and tabs,
+# marks of direction. Python has a surrogate for each byte of a file's name that is not UTF-8, which cannot be written.
+_OBEYED = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u2028-\u202e\u2066-\u2069\ud800-\udfff]")
+
 # Numpy's kinds of numbers: boolean, signed, unsigned, floating; objects are converted one by one.
 _NUMBERS = "biufO"
 
@@ -33,8 +37,8 @@ def shown(value: object) -> str:
 
 
 def shown_text(text: object) -> str:
-    """Returns a text as an error shows it within its own: 400 characters at most."""
-    whole = str(text)
+    """Returns a text as an error shows it within its own: 400 characters at most, none that a terminal would obey."""
+    whole = _OBEYED.sub(lambda found: f"\\u{ord(found[0]):04x}", str(text))
     return whole if len(whole) <= 400 else f"{whole[:300]}...{whole[-80:]}"
 
 
@@ -48,6 +52,20 @@ def local_path(path: Path) -> str:
     if _URL.match(text):
         raise ValueError(f"{shown(text)} is a URL; tilescope reads and writes files that have a path on this machine")
     return text
+
+
+def place(name: str, value: Any) -> tuple[float, float]:
+    """Returns a place: two finite numbers, x and y.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If it is anything else.
+    """
+    array = numbers(name, value)
+    if array.shape != (2,) or not np.isfinite(array).all():
+        raise ValueError(f"{name} is {shown(value)}; it must be two finite numbers: (x, y)")
+    return float(array[0]), float(array[1])
 
 
 def numbers(name: str, values: npt.ArrayLike) -> npt.NDArray[np.float64]:

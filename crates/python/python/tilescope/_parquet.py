@@ -79,7 +79,8 @@ def read(path: str, sides: tuple[float, float]) -> npt.NDArray[np.float64]:
     ValueError
         If it is damaged, has no points, points in space, or longitudes and latitudes.
     """
-    positions, system = _decoded(path, path)
+    name = shown_text(path)
+    positions, system = _decoded(name, path)
     is_geographic = isinstance(system, dict) and "Geographic" in str(system.get("type"))
     if system == "absent" and len(positions):
         # Those are longitudes and latitudes by the standard; many files of plane positions do not say so.
@@ -88,7 +89,7 @@ def read(path: str, sides: tuple[float, float]) -> npt.NDArray[np.float64]:
         is_geographic = in_degrees and bool((low < 0).any() or (high > sides).any())
     if is_geographic:
         raise ValueError(
-            f"{path} has longitudes and latitudes, in which distances are no distances; project them first, with "
+            f"{name} has longitudes and latitudes, in which distances are no distances; project them first, with "
             "GeoPandas: frame.to_crs(frame.estimate_utm_crs())"
         )
     return positions

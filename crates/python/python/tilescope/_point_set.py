@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from tilescope import _parquet, _tilescope
-from tilescope._input import Path, local_path, numbers, shown
+from tilescope._input import Path, local_path, numbers, place, shown
 from tilescope._progress import Progress, following
 from tilescope._report import Domain, Level, Report, report_of, report_of_json
 from tilescope._spectrum import Spectrum, axes
@@ -63,7 +63,8 @@ class PointSet:
     """
 
     __slots__ = (
-        "_certificate", "_domain", "_levels", "_method", "_parameters", "_points", "_provenance", "_radius", "_summary"
+        "_certificate", "_domain", "_levels", "_method", "_origin", "_parameters", "_points", "_provenance", "_radius",
+        "_summary",
     )  # fmt: skip
 
     def __init__(
@@ -83,6 +84,7 @@ class PointSet:
         self._points = copy
         self._radius = None if radius is None else float(radius)
         self._domain = Domain(float(width), float(height), boundary)
+        self._origin = (0.0, 0.0)
         self._levels: tuple[Level, ...] = ()
         self._provenance: npt.NDArray[np.uint32] | None = None
         self._method = "unknown"
@@ -97,6 +99,8 @@ class PointSet:
         made._points, made._provenance = points, provenance
         made._radius = known["radius"]
         made._domain = Domain(*known["domain"])
+        x, y = known.get("origin", (0.0, 0.0))
+        made._origin = (x, y)
         made._levels = tuple(Level(*level) for level in known["levels"])
         made._method = known["method"]
         made._parameters = json.dumps(known["parameters"])
@@ -126,6 +130,20 @@ class PointSet:
     def domain(self) -> Domain:
         """Width, height and boundary of the domain."""
         return self._domain
+
+    @property
+    def origin(self) -> tuple[float, float]:
+        """Where files hold the lower corner of the domain: :attr:`points` are positions relative to it.
+
+        It is what ``sample`` or ``read`` was given or, of a set that was read, what its certificate states; else 0, 0.
+
+        Examples
+        --------
+        >>> trees = tilescope.sample(radius=2, width=100, height=80, origin=(500_000, 5_400_000))
+        >>> trees.origin, bool((trees.points < 100).all())
+        ((500000.0, 5400000.0), True)
+        """
+        return self._origin
 
     @property
     def method(self) -> str:
@@ -194,6 +212,7 @@ class PointSet:
             boundary=self._domain.boundary,  # type: ignore[arg-type]
         )  # fmt: skip
         first._levels = (*(level for level in self._levels if level.count < count), last)
+        first._origin = self._origin
         first._method = self._method
         first._parameters = json.dumps({"prefix": count, "of": self.parameters})
         return first
@@ -260,6 +279,7 @@ class PointSet:
         format: Format | None = None,
         precision: Literal["f32", "f64"] = "f64",
         shuffle: SupportsIndex | None = None,
+        origin: tuple[float, float] | None = None,
         verify: bool = True,
         judge: Judge | None = None,
         progress: Progress = False,
@@ -284,6 +304,10 @@ class PointSet:
         shuffle : int, optional
             Seed of an order to write the samples in, so that the first ones are spread evenly. A set
             with nested levels keeps its order.
+        origin : (x, y), optional
+            Where the file holds the lower corner of the domain, which is added to positions. If not given, the set's
+            :attr:`origin`; ``(0, 0)`` leaves that out. The certificate states it, and earlier versions refuse the
+            file.
         verify : bool
             Whether to verify and to certify.
         judge, progress
@@ -299,7 +323,8 @@ class PointSet:
         OSError
             If the file cannot be written.
         ValueError
-            If the format is not known, or cannot hold the set, or nested levels are to be shuffled.
+            If the format is not known, or cannot hold the set, or nested levels are to be shuffled; if numbers around
+            the origin are so far apart that rounding would spoil the set.
 
         Examples
         --------
@@ -309,15 +334,22 @@ class PointSet:
         True
         """
         name = local_path(path)
+        origin = self._origin if origin is None else place("origin", origin)
         if _parquet.is_to_write(name, format):
+            # No certificate would state it, so that the file would be read as one of another domain.
+            if origin != (0.0, 0.0):
+                raise ValueError(
+                    f"the origin is {shown(origin)}, but GeoParquet has no certificate that states it; "
+                    "give origin=(0, 0), or another format"
+                )
             if precision != "f64" or shuffle is not None:
                 raise ValueError("GeoParquet is written with precision 'f64' and without shuffle")
             return self._save_parquet(name, verify, judge, progress)
         with following(progress) as told:
             outcome = json.loads(
                 _tilescope.save(
-                    self, name, format_name=format, precision=precision, shuffle=shuffle, verify=verify,
-                    judge=judge, progress=told,
+                    self, name, format_name=format, precision=precision, shuffle=shuffle, origin=origin,
+                    verify=verify, judge=judge, progress=told,
                 )
             )  # fmt: skip
         for warning in outcome["warnings"]:

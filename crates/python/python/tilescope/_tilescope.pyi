@@ -17,6 +17,7 @@ class _Given(Protocol):
     width: float | None
     height: float | None
     boundary: Any
+    origin: tuple[float, float] | None
 
 class RunRequest:
     def __new__(
@@ -96,6 +97,7 @@ def save(
     format_name: str | None,
     precision: str,
     shuffle: SupportsIndex | None,
+    origin: tuple[float, float] | None,
     verify: bool,
     judge: str | None,
     progress: ProgressFunction | None,
