@@ -168,6 +168,97 @@ fn search_of(radii: &Bound<'_, PyAny>) -> PyResult<Search> {
     }
 }
 
+/// Returns what is asked of nested levels, if they are asked for. Refuses what is said of levels without any.
+fn nested_of(
+    levels: Option<u64>,
+    exactly: Option<u64>,
+    order_within: WithinLevel,
+) -> PyResult<Option<NestedRequest>> {
+    let Some(levels) = levels else {
+        if exactly.is_some() {
+            return Err(refused("exactly is given without levels"));
+        }
+        if order_within != WithinLevel::default() {
+            return Err(refused("order_within is given without levels"));
+        }
+        return Ok(None);
+    };
+
+    // More than the type holds is refused as what is too much.
+    Ok(Some(NestedRequest {
+        levels: u32::try_from(levels).unwrap_or(u32::MAX),
+        order_within,
+        exactly: exactly.map(|count| usize::try_from(count).unwrap_or(usize::MAX)),
+    }))
+}
+
+/// Refuses what nested levels have no use for.
+fn check_beside_levels(has_count: bool, has_pattern: bool) -> PyResult<()> {
+    if has_count {
+        let text = "count is given with levels; give exactly, or radius";
+        return Err(refused(text));
+    }
+    if has_pattern {
+        let text = "pattern is given with levels, which have a nested pattern of their own";
+        return Err(refused(text));
+    }
+    Ok(())
+}
+
+/// Checks that one argument says how large the set is. Of a number of samples the radius is an estimate, by which wrong
+/// arguments are found before anything is made.
+fn settle_radius(
+    parameters: &mut Parameters,
+    count: Option<u64>,
+    exactly: Option<u64>,
+    radius: Option<f64>,
+) -> PyResult<()> {
+    match (count.or(exactly), radius) {
+        (Some(_), Some(_)) if exactly.is_some() => {
+            Err(refused("both exactly and radius are given; give one"))
+        }
+        (Some(_), Some(_)) => Err(refused("both count and radius are given; give one")),
+        (None, None) => Err(refused("neither count nor radius is given; give one")),
+        (Some(count), None) => {
+            parameters.radius = radius_estimate(parameters, count).map_err(Failure::from)?;
+            Ok(())
+        }
+        (None, Some(_)) => {
+            parameters.validate().map_err(Failure::from)?;
+            Ok(())
+        }
+    }
+}
+
+/// Returns every parameter by its name, those of levels among the others.
+fn stated_of(parameters: &Parameters, nested: Option<&NestedRequest>) -> Value {
+    let mut stated = serde_json::to_value(parameters).unwrap_or_default();
+    if let (Some(stated), Some(Value::Object(nested))) =
+        (stated.as_object_mut(), nested.map(|nested| json!(nested)))
+    {
+        stated.extend(nested);
+    }
+    stated
+}
+
+/// Returns where a given pattern is from: what is said of it, and else the digest of its positions.
+fn source_of(given: &SetArgument<'_>, source: Option<&str>) -> PyResult<Value> {
+    if let Some(Ok(source)) = source.map(serde_json::from_str) {
+        return Ok(source);
+    }
+    Ok(json!({ "positions_digest": positions_digest(given.points()?) }))
+}
+
+/// Returns a given set as a pattern. Fails when it is not conflict-free and maximal.
+fn pattern_of(py: Python<'_>, given: &SetArgument<'_>) -> PyResult<Arc<Pattern>> {
+    let (points, region, radius) = (given.points()?, given.region()?, given.radius()?);
+    Ok(run(py, None, |_| set(points, &region, radius))?.pattern)
+}
+
+fn refused(text: &str) -> PyErr {
+    PyValueError::new_err(text.to_owned())
+}
+
 /// What a run is to be made from.
 #[pyclass(frozen, module = "tilescope._tilescope")]
 pub struct RunRequest {
@@ -217,30 +308,14 @@ impl RunRequest {
         exactly: Option<&Bound<'_, PyAny>>,
         order_within: &str,
     ) -> PyResult<Self> {
-        let refused = |text: &str| Err(PyValueError::new_err(text.to_owned()));
         let count = count.map(|count| whole("count", count)).transpose()?;
         let exactly = exactly.map(|count| whole("exactly", count)).transpose()?;
         let levels = levels.map(|levels| whole("levels", levels)).transpose()?;
-        let order_within = named("order_within", order_within)?;
-        let nested = levels.map(|levels| NestedRequest {
-            levels: u32::try_from(levels).unwrap_or(u32::MAX),
-            order_within,
-            exactly: exactly.map(|count| usize::try_from(count).unwrap_or(usize::MAX)),
-        });
-        if nested.is_some() && count.is_some() {
-            return refused("count is given with levels; give exactly, or radius");
+        let nested = nested_of(levels, exactly, named("order_within", order_within)?)?;
+        if nested.is_some() {
+            check_beside_levels(count.is_some(), pattern.is_some())?;
         }
-        if nested.is_some() && pattern.is_some() {
-            return refused(
-                "pattern is given with levels, which have a nested pattern of their own",
-            );
-        }
-        if nested.is_none() && exactly.is_some() {
-            return refused("exactly is given without levels");
-        }
-        if nested.is_none() && order_within != WithinLevel::default() {
-            return refused("order_within is given without levels");
-        }
+
         let radius = real_if_given("radius", radius)?;
         let mut parameters = Parameters {
             width: real("width", width)?,
@@ -260,33 +335,13 @@ impl RunRequest {
             search: search_of(search)?,
             variant: named("variant", variant)?,
         };
-        match (count.or(exactly), radius) {
-            (Some(_), Some(_)) if exactly.is_some() => {
-                return refused("both exactly and radius are given; give one");
-            }
-            (Some(_), Some(_)) => return refused("both count and radius are given; give one"),
-            (None, None) => return refused("neither count nor radius is given; give one"),
-            (Some(count), None) => {
-                parameters.radius = radius_estimate(&parameters, count).map_err(Failure::from)?;
-            }
-            (None, Some(_)) => {
-                parameters.validate().map_err(Failure::from)?;
-            }
-        }
-        let mut stated = serde_json::to_value(parameters).unwrap_or_default();
-        if let (Some(stated), Some(Value::Object(nested))) =
-            (stated.as_object_mut(), nested.map(|nested| json!(nested)))
-        {
-            stated.extend(nested);
-        }
+        settle_radius(&mut parameters, count, exactly, radius)?;
+
+        let mut stated = stated_of(&parameters, nested.as_ref());
         let pattern = match &pattern {
             Some(given) => {
-                let (points, region, radius) = (given.points()?, given.region()?, given.radius()?);
-                stated["pattern"] = match pattern_source.map(serde_json::from_str) {
-                    Some(Ok(source)) => source,
-                    _ => json!({ "positions_digest": positions_digest(points) }),
-                };
-                Some(run(py, None, |_| set(points, &region, radius))?.pattern)
+                stated["pattern"] = source_of(given, pattern_source)?;
+                Some(pattern_of(py, given)?)
             }
             None => None,
         };
