@@ -4,6 +4,7 @@ mod analysis_panel;
 mod buffers;
 mod canvas;
 mod canvas_menu;
+mod closing;
 mod compact;
 mod compare;
 mod debugger;
