@@ -11,7 +11,7 @@ use tilescope_debugger::Recording;
 use crate::answer::{Answer, Change, CutAxis, Key, letter};
 use crate::error::LessonError;
 use crate::learner::{Arrival, Learner};
-use crate::lesson::{Gate, GateKind, Lesson, Text};
+use crate::lesson::{Claim, Gate, GateKind, Lesson, SceneSpec, Text};
 use crate::prose;
 use crate::question::{Form, Question};
 use crate::scene::{Scene, record};
@@ -29,6 +29,8 @@ const MIN_FITTING: f64 = 0.5;
 const MIN_SEEDS_FOR_SHARES: usize = 10;
 /// The largest mean score of a learner who guesses.
 const MAX_GUESSED: f64 = 0.75;
+/// By how many standard errors a claimed mean must be beyond its bound: chance alone gets there once in 740 times.
+const ERRORS_BEYOND: f64 = 3.0;
 /// The most faults that are listed of one question.
 const MAX_FAULTS: usize = 3;
 
@@ -97,6 +99,9 @@ fn mean(scores: &[f64]) -> f64 {
     scores.iter().sum::<f64>() / scores.len().max(1) as f64
 }
 
+/// The values of each claim in the runs that have its moment, 1 or 0 for one that must hold in each run; or its fault there.
+type Claimed = Vec<Vec<Result<f64, LessonError>>>;
+
 /// The findings about one gate.
 #[derive(Default)]
 struct OfGate {
@@ -104,17 +109,84 @@ struct OfGate {
     options: HashMap<usize, usize>,
     asked: usize,
     fitting: usize,
+    claimed: Claimed,
     faults: Vec<LessonError>,
+}
+
+impl OfGate {
+    /// Adds what asking the question in the run of a seed gave: the question, none where the run lacks its moment, or a
+    /// fault.
+    fn add(&mut self, asked: Result<Option<Question>, LessonError>, is_practised: bool, seed: u64) {
+        self.asked += usize::from(is_practised);
+        match asked {
+            Ok(Some(question)) => {
+                self.fitting += usize::from(is_practised);
+                // The step's own run is one that the author chose, so it does not count among the shares of options.
+                if let (Key::Choice(option), true) = (question.key(), is_practised) {
+                    *self.options.entry(*option).or_default() += 1;
+                }
+                let key = question.key().to_string();
+                self.keys.insert((is_practised, seed), key);
+            }
+            Ok(None) => {}
+            Err(mut error) => {
+                let _ = write!(error.message, " (seed {seed})");
+                self.faults.push(error);
+            }
+        }
+    }
+}
+
+impl Checked {
+    /// Adds the findings about a step, and the keys of its gate if it has one.
+    fn add(&mut self, gate: Option<&Gate>, mut of_gate: OfGate) {
+        let Some(gate) = gate else {
+            self.faults.append(&mut of_gate.faults);
+            return;
+        };
+        self.faults.extend(shares(gate, &of_gate));
+
+        // A wrong expression is wrong in each run; a few of its faults are enough to find it.
+        let more = of_gate.faults.len().saturating_sub(MAX_FAULTS);
+        of_gate.faults.truncate(MAX_FAULTS);
+        if let (Some(last), true) = (of_gate.faults.last_mut(), more > 0) {
+            let _ = write!(last.message, "; and {more} more like it");
+        }
+        self.faults.append(&mut of_gate.faults);
+
+        let _ = writeln!(self.keys, "{}", gate.name);
+        for ((practised, seed), key) in of_gate.keys {
+            let name = if practised {
+                seed.to_string()
+            } else {
+                "own".to_owned()
+            };
+            let _ = writeln!(self.keys, "  {name}: {key}");
+        }
+    }
+}
+
+/// What a run is made for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Purpose {
+    Question,
+    Claims,
 }
 
 /// Returns the seeds and steps to ask, with no seed for the step's own run. They are sorted by seed, so that the steps of a
 /// seed share its runs.
-fn runs_asked(lesson: &Lesson, seeds: usize) -> Vec<(Option<u64>, usize)> {
+fn runs_asked(lesson: &Lesson, seeds: usize) -> Vec<(Option<u64>, usize, Purpose)> {
     let mut asked = Vec::new();
     for (index, step) in lesson.steps.iter().enumerate() {
         let practice = step.gate.as_ref().and_then(|gate| gate.practice.clone());
         let practice = practice.into_iter().flatten().take(seeds).map(Some);
-        asked.extend([None].into_iter().chain(practice).map(|seed| (seed, index)));
+        let questions = [None].into_iter().chain(practice);
+        asked.extend(questions.map(|seed| (seed, index, Purpose::Question)));
+        if !step.scene.claims.is_empty() {
+            // A claim is about every run, so a gate's own seeds of practice do not limit it.
+            let seeds = (1..=seeds as u64).map(Some);
+            asked.extend(seeds.map(|seed| (seed, index, Purpose::Claims)));
+        }
     }
     asked.sort_unstable();
     asked
@@ -141,68 +213,47 @@ pub fn check(
     let asked = runs_asked(lesson, seeds);
     let mut found: BTreeMap<usize, OfGate> = BTreeMap::new();
     let mut last = None;
-    for (done, &(seed, index)) in asked.iter().enumerate() {
+
+    for (done, &(seed, index, purpose)) in asked.iter().enumerate() {
         if !go_on(done as f64 / asked.len() as f64) {
             return Err(SampleError::Cancelled {
                 stage: tilescope_core::Stage::Pattern,
             });
         }
+        // Only the steps of one seed share runs; those of all seeds would fill the memory.
         if seed != last {
             runs.clear();
             last = seed;
         }
-        let step = &lesson.steps[index];
-        let parameters = step.scene.parameters;
+
+        let scene = &lesson.steps[index].scene;
         let parameters = Parameters {
-            seed: seed.unwrap_or(parameters.seed),
-            ..parameters
+            seed: seed.unwrap_or(scene.parameters.seed),
+            ..scene.parameters
         };
         let recording = runs.of(&parameters, observer)?;
         let of_gate = found.entry(index).or_default();
-        if seed.is_some() {
-            of_gate.asked += 1;
-        }
-        match ask(lesson, index, &recording, seed.is_some(), &mut scores) {
-            Ok(Some(question)) => {
-                checked.questions += 1;
-                of_gate.fitting += usize::from(seed.is_some());
-                if let (Key::Choice(option), true) = (question.key(), seed.is_some()) {
-                    *of_gate.options.entry(*option).or_default() += 1;
+        match purpose {
+            Purpose::Claims => {
+                if let Err(error) = test_claims(scene, &recording, &mut of_gate.claimed) {
+                    of_gate.faults.push(error);
                 }
-                of_gate.keys.insert(
-                    (seed.is_some(), parameters.seed),
-                    question.key().to_string(),
-                );
             }
-            Ok(None) => {}
-            Err(mut error) => {
-                let _ = write!(error.message, " (seed {})", parameters.seed);
-                of_gate.faults.push(error);
+            Purpose::Question => {
+                let answered = ask(lesson, index, &recording, seed.is_some(), &mut scores);
+                checked.questions += usize::from(matches!(answered, Ok(Some(_))));
+                of_gate.add(answered, seed.is_some(), parameters.seed);
             }
         }
     }
-    for (index, mut of_gate) in found {
-        let Some(gate) = &lesson.steps[index].gate else {
-            checked.faults.append(&mut of_gate.faults);
-            continue;
-        };
-        checked.faults.extend(shares(gate, &of_gate));
-        let more = of_gate.faults.len().saturating_sub(MAX_FAULTS);
-        of_gate.faults.truncate(MAX_FAULTS);
-        if let (Some(last), true) = (of_gate.faults.last_mut(), more > 0) {
-            let _ = write!(last.message, "; and {more} more like it");
-        }
-        checked.faults.append(&mut of_gate.faults);
-        let _ = writeln!(checked.keys, "{}", gate.name);
-        for ((practised, seed), key) in of_gate.keys {
-            let name = if practised {
-                seed.to_string()
-            } else {
-                "own".to_owned()
-            };
-            let _ = writeln!(checked.keys, "  {name}: {key}");
-        }
+
+    for (index, of_gate) in found {
+        let step = &lesson.steps[index];
+        let broken = broken_claims(&step.scene.claims, &of_gate.claimed, seeds);
+        checked.faults.extend(broken);
+        checked.add(step.gate.as_ref(), of_gate);
     }
+
     let [perfect, guessing, misconceived] = scores.each_ref().map(|scores| mean(scores));
     let mut wrong = |message: String| checked.faults.push(LessonError::new(1, message));
     if !scores[0].is_empty() && perfect < 0.999_999 {
@@ -218,6 +269,83 @@ pub fn check(
     (checked.perfect, checked.guessing, checked.misconceived) = (perfect, guessing, misconceived);
     checked.faults.sort_by_key(|fault| fault.line);
     Ok(checked)
+}
+
+/// Adds the values of a scene's claims in a run, by claim. A run that lacks the moment adds none.
+fn test_claims(
+    spec: &SceneSpec,
+    recording: &Arc<Recording>,
+    claimed: &mut Claimed,
+) -> Result<(), LessonError> {
+    claimed.resize(spec.claims.len(), Vec::new());
+    let Some(scene) = Scene::find(recording, spec)? else {
+        return Ok(());
+    };
+
+    for (claim, values) in spec.claims.iter().zip(claimed) {
+        values.push(match claim {
+            Claim::Each(text) => {
+                let truth = scene.truth(text, |_| {});
+                truth.map(|holds| f64::from(u8::from(holds)))
+            }
+            Claim::Mean { of, .. } => scene.number(of),
+        });
+    }
+    Ok(())
+}
+
+/// Returns the fault of each claim that does not hold, that cannot be computed, or that too few of the runs test.
+fn broken_claims(claims: &[Claim], claimed: &Claimed, runs: usize) -> Vec<LessonError> {
+    let both = claims.iter().zip(claimed);
+    let broken = both.filter_map(|(claim, values)| {
+        let (Claim::Each(text) | Claim::Mean { of: text, .. }) = claim;
+        let tested = values.len();
+        if (tested as f64) < MIN_FITTING * runs as f64 {
+            let message = format!(
+                "only {tested} of {runs} runs have the moment of this claim; at least half must"
+            );
+            return Some(text.wrong(message));
+        }
+
+        let values: Result<Vec<f64>, LessonError> = values.iter().cloned().collect();
+        let why = match values {
+            Err(error) => return Some(error),
+            Ok(values) => broken_claim(claim, &values)?,
+        };
+        Some(text.wrong(why))
+    });
+    broken.collect()
+}
+
+/// Returns why a claim does not hold, if it does not.
+fn broken_claim(claim: &Claim, values: &[f64]) -> Option<String> {
+    let tested = values.len();
+    let Claim::Mean {
+        is_above, bound, ..
+    } = *claim
+    else {
+        let failed = values.iter().filter(|holds| **holds < 0.5).count();
+        return (failed > 0).then(|| format!("the claim is false in {failed} of {tested} runs"));
+    };
+
+    let (mean, error) = mean_and_error(values);
+    let beyond = if is_above { mean - bound } else { bound - mean };
+    // One run has no error to compare with.
+    if tested > 1 && beyond > ERRORS_BEYOND * error {
+        return None;
+    }
+    let side = if is_above { "above" } else { "below" };
+    Some(format!(
+        "the mean is {mean:.4} with a standard error of {error:.4} over {tested} runs; \
+         it must be {side} {bound} by more than {ERRORS_BEYOND} standard errors"
+    ))
+}
+
+/// Returns the mean of values and its standard error.
+fn mean_and_error(values: &[f64]) -> (f64, f64) {
+    let (count, mean) = (values.len() as f64, mean(values));
+    let squares: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
+    (mean, (squares / (count - 1.0) / count).sqrt())
 }
 
 /// Returns the faults of texts that are too long.

@@ -82,8 +82,26 @@ pub struct SceneSpec {
     pub layers: Option<Vec<String>>,
     /// The camera.
     pub camera: Camera,
+    /// General claims of the lesson that are tested at this moment, in the runs of many seeds.
+    pub claims: Vec<Claim>,
     /// The line of the directive, or of the title.
     pub line: usize,
+}
+
+/// A general claim of a lesson. `check` tests it in the runs of many seeds.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Claim {
+    /// True in each run.
+    Each(Text),
+    /// The mean over the runs is on one side of a bound.
+    Mean {
+        /// The expression of the number whose mean is taken.
+        of: Text,
+        /// Whether the mean is above the bound, not below it.
+        is_above: bool,
+        /// The bound.
+        bound: f64,
+    },
 }
 
 /// What the camera shows.

@@ -65,7 +65,8 @@ pub use check::{Checked, Runs, check};
 pub use error::{LessonError, nearest};
 pub use learner::{Arrival, Feedback, Learner, Progress};
 pub use lesson::{
-    Camera, ChoiceOption, Gate, GateKind, LAYERS, Lesson, MAX_BYTES, SceneSpec, Step, Text, Wrong,
+    Camera, ChoiceOption, Claim, Gate, GateKind, LAYERS, Lesson, MAX_BYTES, SceneSpec, Step, Text,
+    Wrong,
 };
 pub use moment::Moment;
 pub use names::{PROPERTIES, functions};

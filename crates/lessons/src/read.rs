@@ -9,7 +9,8 @@ use unicode_segmentation::UnicodeSegmentation;
 use crate::error::{LessonError, nearest};
 use crate::fields::{Field, Fields};
 use crate::lesson::{
-    Camera, ChoiceOption, Gate, GateKind, LAYERS, Lesson, MAX_BYTES, SceneSpec, Step, Text, Wrong,
+    Camera, ChoiceOption, Claim, Gate, GateKind, LAYERS, Lesson, MAX_BYTES, SceneSpec, Step, Text,
+    Wrong,
 };
 use crate::moment::Moment;
 use crate::parameters::{MAX_SAMPLES, with_parameter};
@@ -26,6 +27,10 @@ const MAX_TRACED: usize = 12;
 const DIRECTIVES: [&str; 3] = ["run", "gate", "note"];
 const FRONT_MATTER: [&str; 3] = ["title", "objective", "minutes"];
 const OF_RUN: [&str; 5] = ["moment", "where", "layers", "camera", "seeds"];
+/// Fields of a run that may occur several times.
+const CLAIMS: [&str; 2] = ["claim", "claim-mean"];
+/// The limits of the bound of a mean: far beyond every number of a run, and not infinite.
+const BOUNDS: [f64; 2] = [-1e9, 1e9];
 /// The parameters of a run that lessons name; `pattern-side` is the side of the pattern.
 pub const PARAMETERS: [&str; 12] = [
     "width",
@@ -188,8 +193,11 @@ impl<'a> Reader<'a> {
         }
         let name = step_name(title);
         self.check_name(&name, line)?;
-        // A step begins with the scene of the step before it.
-        let scene = self.steps.last().map(|step| step.scene.clone());
+        // A step begins with the scene of the step before it, but claims belong to the step that makes them.
+        let scene = self.steps.last().map(|step| SceneSpec {
+            claims: Vec::new(),
+            ..step.scene.clone()
+        });
         self.steps.push(Step {
             name,
             title: title.to_owned(),
@@ -201,6 +209,7 @@ impl<'a> Reader<'a> {
                 condition: None,
                 layers: None,
                 camera: Camera::Fit,
+                claims: Vec::new(),
                 line,
             }),
             gate: None,
@@ -285,8 +294,9 @@ pub fn step_name(title: &str) -> String {
 /// moment and the camera do not.
 fn run(scene: &mut SceneSpec, fields: &Fields) -> Result<(), LessonError> {
     let known: Vec<&str> = PARAMETERS.iter().chain(&OF_RUN).copied().collect();
-    fields.only(&known, &[])?;
+    fields.only(&known, &CLAIMS)?;
     scene.line = fields.line;
+    scene.claims = claims(fields)?;
     let is_parameter = |field: &&Field| PARAMETERS.contains(&field.key.as_str());
     for field in fields.all.iter().filter(is_parameter) {
         scene.parameters = with_parameter(&scene.parameters, field)?;
@@ -326,6 +336,34 @@ fn run(scene: &mut SceneSpec, fields: &Fields) -> Result<(), LessonError> {
         )));
     }
     Ok(())
+}
+
+/// Returns the claims of a run, in the order of the file.
+fn claims(fields: &Fields) -> Result<Vec<Claim>, LessonError> {
+    let all = fields.all.iter();
+    let claims = all.filter_map(|field| match field.key.as_str() {
+        "claim" => Some(expression(&field.text(), &[]).map(Claim::Each)),
+        "claim-mean" => Some(claim_of_mean(field)),
+        _ => None,
+    });
+    claims.collect()
+}
+
+/// Returns the claim `EXPRESSION > NUMBER` or `EXPRESSION < NUMBER` about a mean.
+fn claim_of_mean(field: &Field) -> Result<Claim, LessonError> {
+    // The last sign divides, since the expression may compare too.
+    let Some((of, bound)) = field.value.rsplit_once(['>', '<']) else {
+        let message =
+            "a claim about a mean is of the form \"claim-mean: EXPRESSION > NUMBER\", or with <";
+        return Err(field.wrong(message));
+    };
+
+    let is_above = field.value[of.len()..].starts_with('>');
+    Ok(Claim::Mean {
+        of: expression(&Text::new(of.trim(), field.line), &[])?,
+        is_above,
+        bound: field.part(bound.trim()).number(BOUNDS)?,
+    })
 }
 
 fn layers(field: &Field) -> Result<Vec<String>, LessonError> {

@@ -232,3 +232,48 @@ fn hostile_files_are_refused() {
     assert_eq!(fault(&number("1 + 1")), None);
     assert_eq!(fault(shipped::TEMPLATE), None);
 }
+
+/// A lesson whose only step makes a claim, in line 11.
+fn claiming(claim: &str) -> String {
+    format!(
+        "---\ntitle: T\nobjective: O\n---\n# S\n```run\nradius: 0.06\nleaf: 6\nmoment: end of tile\n\n{claim}\n```\n"
+    )
+}
+
+#[test]
+fn claims_that_do_not_hold_are_faults_at_their_lines() {
+    for (claim, part) in [
+        ("claim: samples() < 10", "false in 3 of 3 runs"),
+        ("claim-mean: samples() > 1000000", "above 1000000"),
+        ("claim-mean: samples() < 10", "below 10"),
+        // The mean is the bound, which chance alone may reach.
+        ("claim-mean: 5 > 5", "the mean is 5.0000"),
+        ("claim-mean: samples()", "of the form"),
+        ("claim-mean: samples() > many", "allowed are numbers"),
+        ("claim: sampels() > 0", "samples"),
+        ("claim: samples()", "true or false"),
+    ] {
+        let error = fault(&claiming(claim)).unwrap_or_else(|| panic!("{claim}: no fault"));
+        assert_eq!(error.line, 11, "{claim}: {error}");
+        assert!(error.message.contains(part), "{claim}: {error}");
+    }
+
+    // The controls.
+    for claim in [
+        "claim: samples() > 10",
+        "claim-mean: samples() > 10",
+        "claim-mean: samples() < 1000000",
+    ] {
+        assert_eq!(fault(&claiming(claim)), None, "{claim}");
+    }
+}
+
+#[test]
+fn a_claim_that_no_run_tests_is_a_fault() {
+    let text = claiming("claim: true").replace("\n\nclaim", "\nwhere: false\nclaim");
+    let lesson = Lesson::read("test", &text).unwrap();
+    let mut runs = Runs::default();
+    let found = check(&lesson, 3, &mut runs, &mut Unobserved, &mut |_| true).unwrap();
+    let is_named = |fault: &LessonError| fault.line == 11 && fault.message.contains("0 of 3 runs");
+    assert!(found.faults.iter().any(is_named), "{:?}", found.faults);
+}
