@@ -31,6 +31,30 @@ impl fmt::Display for Number {
     }
 }
 
+/// Displays a length that is beyond a limit: with the fewest decimals, two or more, that still show on which side of the limit it
+/// lies.
+struct Beyond {
+    length: f64,
+    limit: f64,
+}
+
+impl fmt::Display for Beyond {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let side = self.length.partial_cmp(&self.limit);
+        // Seventeen decimals tell any two numbers near 1 apart.
+        let rounded = (2..=17)
+            .filter_map(|decimals| format!("{:.decimals$}", self.length).parse::<f64>().ok())
+            // A short length is not nothing.
+            .find(|rounded| *rounded != 0.0 && rounded.partial_cmp(&self.limit) == side);
+        Number(rounded.unwrap_or(self.length)).fmt(f)
+    }
+}
+
+/// Rounds a least length in r up to a decimal, so that the length displayed suffices.
+fn rounded_up(least: f64) -> Number {
+    Number((least * 10.0).ceil() / 10.0)
+}
+
 /// Why parameters are refused. Lengths "in r" are multiples of the Poisson-disk radius.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
@@ -59,7 +83,7 @@ pub enum ParameterError {
     /// A side is too short for its radius.
     #[error(
         "the {name} is {} r long; it must be at least {} r: choose a smaller radius",
-        Number(*.radii),
+        Beyond { length: *.radii, limit: *.minimum },
         Number(*.minimum)
     )]
     SideTooShort {
@@ -73,7 +97,7 @@ pub enum ParameterError {
     /// A side is too long for its radius.
     #[error(
         "the {name} is {} r long; it must be at most {} r: choose a larger radius",
-        Number(*.radii),
+        Beyond { length: *.radii, limit: *.maximum },
         Number(*.maximum)
     )]
     SideTooLong {
@@ -198,8 +222,9 @@ pub enum ParameterError {
     },
     /// A side is too short for the coarsest of nested levels.
     #[error(
-        "the {name} is {} r long; {levels} levels need at least {minimum:.1} r: choose fewer levels or more samples",
-        Number(*.radii)
+        "the {name} is {} r long; {levels} levels need at least {} r: choose fewer levels or more samples",
+        Beyond { length: *.radii, limit: *.minimum },
+        rounded_up(*.minimum)
     )]
     TooManyLevels {
         /// Which side.
@@ -213,8 +238,10 @@ pub enum ParameterError {
     },
     /// So few samples are too few for so many nested levels.
     #[error(
-        "exactly {} samples are too few for {levels} levels: the {name} would be {} r long, and must be at least {minimum:.1} r: choose fewer levels or more samples",
-        grouped(*.count as u64), Number(*.radii)
+        "exactly {} samples are too few for {levels} levels: the {name} would be {} r long, and must be at least {} r: choose fewer levels or more samples",
+        grouped(*.count as u64),
+        Beyond { length: *.radii, limit: *.minimum },
+        rounded_up(*.minimum)
     )]
     TooFewForLevels {
         /// The wanted number.
@@ -255,6 +282,26 @@ mod tests {
         ] {
             assert_eq!(Number(number).to_string(), text);
         }
+    }
+
+    #[test]
+    fn lengths_have_few_decimals_and_stay_on_their_side_of_the_limit() {
+        for (length, limit, text) in [
+            (16.931_304_931_640_625, 20.0, "16.93"),
+            (9.999_999_999_999_998, 10.0, "9.999999999999998"),
+            (3.9996, 4.0, "3.9996"),
+            (2.0, 10.0, "2"),
+            (1e-300, 10.0, "1e-300"),
+            (0.000_123, 10.0, "0.0001"),
+        ] {
+            assert_eq!(Beyond { length, limit }.to_string(), text);
+        }
+        assert_eq!(rounded_up(56.54).to_string(), "56.6");
+        assert_eq!(rounded_up(20.0).to_string(), "20");
+    }
+
+    #[test]
+    fn counts_have_separators() {
         let error = ParameterError::Count {
             count: 99_999_999_999,
             minimum: 31,
