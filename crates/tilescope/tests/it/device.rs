@@ -3,7 +3,7 @@
 
 use std::fs;
 
-use crate::support::runs::{json, partial, read, started};
+use crate::support::runs::{json, partial, paused, read};
 use crate::support::{names, tilescope};
 use predicates::prelude::*;
 use predicates::str::contains;
@@ -154,16 +154,15 @@ fn what_one_engine_began_another_one_finishes() {
         ("a.npy", threads.as_slice(), GPU.as_slice()),
         ("b.npy", &GPU, &threads),
     ] {
-        let mut child = started(&folder, &[LARGE.as_slice(), begins].concat(), name);
-        // It may have ended meanwhile.
-        let _ = child.kill();
+        let mut child = paused(&folder, &[LARGE.as_slice(), begins].concat(), name);
+        child.kill().unwrap();
         child.wait().unwrap();
-        if partial(&folder, name).exists() {
-            let resume = ["--out", name, "--resume"];
-            let resumed = json(&folder, &[LARGE.as_slice(), ends, &resume].concat());
-            for key in ["count", "blocks", "tiled", "eliminated", "inserted"] {
-                assert_eq!(resumed[key], whole[key], "{name}: {key}");
-            }
+        assert!(partial(&folder, name).exists());
+
+        let resume = ["--out", name, "--resume"];
+        let resumed = json(&folder, &[LARGE.as_slice(), ends, &resume].concat());
+        for key in ["count", "blocks", "tiled", "eliminated", "inserted"] {
+            assert_eq!(resumed[key], whole[key], "{name}: {key}");
         }
         assert!(read(&folder, name) == read(&folder, "whole.npy"), "{name}");
     }

@@ -1,11 +1,9 @@
 //! Engines, windows and sets written band by band, end to end: the real binary, real files, real interruptions.
 
-use crate::support::runs;
 use std::fs;
-use std::process::{Child, Command as Process, ExitStatus};
-use std::time::Duration;
+use std::process::{Command as Process, ExitStatus};
 
-use crate::support::runs::{json, partial, read};
+use crate::support::runs::{json, partial, paused, read, signal};
 use crate::support::{names, tilescope};
 use predicates::prelude::*;
 use predicates::str::contains;
@@ -126,43 +124,14 @@ fn without_verification_there_is_no_certificate_and_the_file_is_the_same() {
     );
 }
 
-fn signal(child: &Child, name: &str) {
-    let mut kill = Process::new("kill");
-    let status = kill
-        .args([format!("-{name}"), child.id().to_string()])
-        .status();
-    assert!(status.unwrap().success());
-}
-
-/// How often a run is started again if it ends before a signal is sent, as on a busy machine.
-const STARTS: usize = 20;
-
-/// Starts a large run and stops it after its first checkpoint until it gets the signal `CONT`.
-fn paused(folder: &TempDir, name: &str) -> Child {
-    for _ in 0..STARTS {
-        let mut child = runs::started(folder, &LARGE, name);
-        signal(&child, "STOP");
-        std::thread::sleep(Duration::from_millis(50));
-        if child.try_wait().unwrap().is_none() {
-            return child;
-        }
-        fs::remove_file(folder.path().join(name)).unwrap();
-    }
-    panic!("{STARTS} runs ended before a signal could be sent");
-}
-
 /// Starts a large run and sends it a signal after its first checkpoint. Returns how it ended.
 fn interrupted(folder: &TempDir, name: &str, kill: &str) -> ExitStatus {
-    for _ in 0..STARTS {
-        let mut child = runs::started(folder, &LARGE, name);
-        signal(&child, kill);
-        let status = child.wait().unwrap();
-        if !status.success() {
-            return status;
-        }
-        fs::remove_file(folder.path().join(name)).unwrap();
-    }
-    panic!("{STARTS} runs ended before a signal could be sent");
+    let mut child = paused(folder, &LARGE, name);
+    signal(&child, kill);
+    signal(&child, "CONT");
+    let status = child.wait().unwrap();
+    assert!(!status.success(), "{kill} did not stop the run");
+    status
 }
 
 #[test]
@@ -219,7 +188,7 @@ fn what_was_killed_goes_on_to_the_same_file() {
 #[test]
 fn a_second_run_of_a_name_is_refused() {
     let folder = tempdir().unwrap();
-    let mut first = paused(&folder, "set.npy");
+    let mut first = paused(&folder, &LARGE, "set.npy");
     for more in [[].as_slice(), &["--resume"]] {
         let mut second = tilescope(&folder);
         second.args(LARGE).args(["--out", "set.npy"]).args(more);

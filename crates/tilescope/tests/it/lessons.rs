@@ -211,3 +211,23 @@ fn lessons_are_written_in_any_script_and_translated_into_any_language() {
         serde_json::from_slice(&check(&["--json"]).get_output().stdout).unwrap();
     assert_eq!(found[0]["warnings"], serde_json::json!([]), "{found}");
 }
+
+#[test]
+fn faults_are_named_as_editors_read_them() {
+    let folder = tempdir().unwrap();
+    let check = || {
+        let mut command = tilescope(&folder);
+        command.args(["lesson", "check", "mine.md", "--seeds", "1"]);
+        command.assert().code(1)
+    };
+    let lesson = "---\ntitle: T\nobjective: O\n---\n\n# A\n\n```run\nradius: 0.06\nleaf: 6\nwhere: samples()\n```\n";
+    fs::write(folder.path().join("mine.md"), lesson).unwrap();
+    fs::write(folder.path().join("mine.de.md"), "> T\n\nT\n\n> X\n\nX\n").unwrap();
+    check()
+        .stdout(contains("mine.md:11: this must be true or false").and(contains("mine.de.md:5: ")));
+
+    // A file that cannot be read has one fault.
+    let misspelt = lesson.replace("radius", "radios");
+    fs::write(folder.path().join("mine.md"), misspelt).unwrap();
+    check().stdout(contains("mine.md:9: there is no"));
+}
