@@ -92,6 +92,11 @@ impl Now {
         self.cursor.load(Ordering::Relaxed)
     }
 
+    /// Allows as many searches and computations as for a new question.
+    pub fn renew_budget(&self) {
+        self.left.store(MAX_WORK, Ordering::Relaxed);
+    }
+
     fn spend(&self, work: i64) -> Found<()> {
         if self.left.fetch_sub(work, Ordering::Relaxed) < work {
             return Err(wrong("the expressions of this question search too much"));
@@ -280,6 +285,96 @@ impl Now {
         let deepest = found.gaps.iter().map(|gap| gap.deepest);
         let largest = deepest.max_by(|a, b| a.1.total_cmp(&b.1));
         Ok(maybe(largest.map(|(at, _)| place(at.into()))))
+    }
+
+    /// Returns by how much the largest gap is deeper than every other one, in r; 1 if there is no other, 0 if there is none.
+    fn clear_deepest(&self) -> Found<f64> {
+        let found = self.tessellation()?;
+        let mut depths: Vec<f64> = found.gaps.iter().map(|gap| gap.deepest.1).collect();
+        depths.sort_by(|a, b| b.total_cmp(a));
+        Ok(match depths[..] {
+            [] => 0.0,
+            [_] => 1.0,
+            [first, second, ..] => first - second,
+        })
+    }
+
+    /// Returns the deepest place of the largest gap that is at least a distance away from the border of the domain.
+    fn deepest_inside(&self, distance: f64) -> Found<Dynamic> {
+        let found = self.tessellation()?;
+        let deepest = found.gaps.iter().map(|gap| gap.deepest);
+        let inside = deepest.filter(|(at, _)| self.border((*at).into()) >= distance);
+        let largest = inside.max_by(|a, b| a.1.total_cmp(&b.1));
+        Ok(maybe(largest.map(|(at, _)| place(at.into()))))
+    }
+
+    /// Returns the largest distance from the edges of their blocks of samples of the run that a condition names; 0 of none.
+    fn reach_of(&self, is_meant: impl Fn(i64) -> bool) -> Found<f64> {
+        self.spend(SET)?;
+        let all = 0..self.recording.run().samples.points.len() as i64;
+        let reaches = all.filter(|&s| is_meant(s)).map(|s| self.seam_of(s));
+        Ok(reaches.fold(0.0, f64::max))
+    }
+
+    /// Returns the largest distance of a gap detector of elimination from the lost sample nearest to it; 0 without any.
+    fn reach_of_detectors(&self) -> Found<f64> {
+        self.spend(SET)?;
+        let all = 0..self.recording.run().samples.points.len() as i64;
+        let (lost, others): (Vec<i64>, Vec<i64>) = all.partition(|&s| self.is_lost(s));
+        let detectors = others.into_iter().filter(|&s| self.is_marked(s));
+        let reaches = detectors.map(|s| {
+            let to_lost = lost.iter().map(|&other| self.distance(id(s), id(other)));
+            to_lost.fold(f64::INFINITY, f64::min)
+        });
+        Ok(reaches.fold(0.0, f64::max))
+    }
+
+    fn is_lost(&self, s: i64) -> bool {
+        matches!(self.fate(s), Some(Fate::Eliminated { .. }))
+    }
+
+    pub(crate) fn is_inserted(&self, s: i64) -> bool {
+        matches!(self.origin(s), Some(Origin::Inserted { .. }))
+    }
+
+    fn is_marked(&self, s: i64) -> bool {
+        let life = self.recording.life(id(s));
+        life.is_some_and(|life| life.marked != NONE)
+    }
+
+    /// Returns how far a place is from the border of the domain, negative outside.
+    fn border(&self, [x, y]: [f64; 2]) -> f64 {
+        let domain = self.recording.domain();
+        let [width, height] = [domain.width(), domain.height()].map(radii);
+        x.min(width - x).min(y).min(height - y)
+    }
+
+    /// Returns the number of samples of the result per r^2 nearer to an edge of a block than a distance, or farther away.
+    fn density(&self, distance: f64, is_near: bool) -> Found<f64> {
+        self.spend(SET)?;
+        let set = PointSet::of_run(self.recording.run());
+        let is_counted = |&&at: &&[f64; 2]| (self.seam(at.into()).1 < distance) == is_near;
+        let count = set.points.iter().filter(is_counted).count() as f64;
+
+        // Every place has the nearest edge on its own block, so the area is that of the blocks' frames or of what is inside.
+        let leaves = &self.recording.run().blocks.leaves;
+        let areas = leaves.iter().map(|leaf| {
+            let [width, height] = [leaf.rect.width(), leaf.rect.height()].map(radii);
+            let inside = (width - 2.0 * distance).max(0.0) * (height - 2.0 * distance).max(0.0);
+            if is_near {
+                width * height - inside
+            } else {
+                inside
+            }
+        });
+        let area: f64 = areas.sum();
+        if area > 0.0 {
+            return Ok(count / area);
+        }
+        let side = if is_near { "nearer to" } else { "farther from" };
+        Err(wrong(format!(
+            "no place is {side} an edge of a block than {distance} r"
+        )))
     }
 
     /// Returns the valid samples closer than r to a sample, by number.
@@ -495,24 +590,15 @@ pub(crate) fn register(engine: &mut Engine, now: &Arc<Now>) {
         .events(query)
         .map(|events| events.len() as i64));
     function!("valid", |now, s: i64| now.status(s).is_valid());
-    function!("lost", |now, s: i64| matches!(
-        now.fate(s),
-        Some(Fate::Eliminated { .. })
-    ));
+    function!("lost", |now, s: i64| now.is_lost(s));
     function!("lost_to", |now, s: i64| sample_or_unit(now.lost_to(s)));
     function!("kept", |now, s: i64| now.fate(s) == Some(Fate::Kept));
-    function!("inserted", |now, s: i64| matches!(
-        now.origin(s),
-        Some(Origin::Inserted { .. })
-    ));
+    function!("inserted", |now, s: i64| now.is_inserted(s));
     function!("own", |now, s: i64| matches!(
         now.origin(s),
         Some(Origin::Tiled { own: true, .. })
     ));
-    function!("marked", |now, s: i64| now
-        .recording
-        .life(id(s))
-        .is_some_and(|life| life.marked != NONE));
+    function!("marked", |now, s: i64| now.is_marked(s));
     function!("turn", |now, s: i64| now.turn_of(id(s)).saturating_add(1)
         as i64);
     function!("first_unsure", |now| now.first_unsure());
@@ -541,6 +627,19 @@ pub(crate) fn register(engine: &mut Engine, now: &Arc<Now>) {
         .tessellation()
         .map(|found| found.gaps.len() as i64));
     function!("deepest", |now| now.deepest());
+    function!("deepest_inside", |now, d: f64| now.deepest_inside(d));
+    function!("reach_of_losses", |now| now.reach_of(|s| now.is_lost(s)));
+    function!("reach_of_insertions", |now| now
+        .reach_of(|s| now.is_inserted(s)));
+    function!("reach_of_conflicts", |now| now
+        .reach_of(
+            |s| now.status(s).is_valid() && !now.conflicts_with(s).is_empty()
+        ));
+    function!("reach_of_detectors", |now| now.reach_of_detectors());
+    function!("clear_deepest", |now| now.clear_deepest());
+    function!("border", |now, x: f64, y: f64| now.border([x, y]));
+    function!("density_near", |now, d: f64| now.density(d, true));
+    function!("density_far", |now, d: f64| now.density(d, false));
     function!("deepest_near", |now, x: f64, y: f64| now.deepest_near(x, y));
     function!("seam", |now, x: f64, y: f64| now.seam(DVec2::new(x, y)).1);
     function!("on_seam", |now, x: f64, y: f64| place(

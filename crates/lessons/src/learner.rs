@@ -13,6 +13,7 @@ use crate::lesson::{Lesson, Step, Text};
 use crate::question::{Form, Question};
 use crate::results::Entry;
 use crate::scene::Scene;
+use crate::seen::unseen;
 use crate::translation::Translation;
 
 /// A learner in a lesson.
@@ -40,6 +41,8 @@ struct Attempt {
     /// Whether the last answer to the event of a trace was wrong.
     missed: bool,
     asked_to_give_up: bool,
+    /// Whether the question of a form has its answer.
+    is_taken: bool,
     state: Progress,
     begun: f64,
     confidence: Option<u8>,
@@ -57,12 +60,12 @@ pub enum Progress {
     GivenUp,
 }
 
-/// Whether a recording has the moment of the step.
+/// Whether a recording has the moment of the step and, in practice, shows there all that the question is about.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Arrival {
     /// It has.
     Here,
-    /// It has not; in practice another seed is to be tried.
+    /// It has not, or something is out of sight; in practice another seed is to be tried.
     NoMoment,
 }
 
@@ -121,6 +124,12 @@ impl Learner {
         }
     }
 
+    /// Returns a speaker's note in the learner's language. Notes have no expressions: braces stay as they are.
+    #[must_use]
+    pub fn speaker_note<'a>(&'a self, note: &'a str) -> &'a str {
+        self.translation.of(note)
+    }
+
     /// Goes to a step, at most the last one. Its question is asked anew.
     pub fn go(&mut self, step: usize) {
         self.step = step.min(self.lesson.steps.len() - 1);
@@ -133,14 +142,26 @@ impl Learner {
         self.attempt = Attempt::default();
     }
 
+    /// Takes back all answers to the question; its run and its moment stay.
+    pub(crate) fn take_back(&mut self) {
+        self.attempt = Attempt::default();
+    }
+
     fn seeds(&self) -> Option<RangeInclusive<u64>> {
         self.step().gate.as_ref()?.practice.clone()
     }
 
-    /// Returns whether the next step may be shown: there is one, and no question is open.
+    /// Returns whether the next step may be shown: there is one, and no question waits for an answer.
     #[must_use]
     pub fn may_go_on(&self) -> bool {
-        self.step + 1 < self.lesson.steps.len() && !self.is_open()
+        let waits = self.is_open() && !self.attempt.is_taken;
+        self.step + 1 < self.lesson.steps.len() && !waits
+    }
+
+    /// Returns whether the question of a form has its answer. It stays open, so that nothing is revealed.
+    #[must_use]
+    pub const fn is_taken(&self) -> bool {
+        self.attempt.is_taken
     }
 
     /// Begins to practise the question with another run, if it can be practised. `draw` is any number that chooses the
@@ -196,7 +217,14 @@ impl Learner {
         };
         scene.speak(&self.translation);
         let gate = step.gate.as_ref();
-        self.question = gate.map(|gate| Question::of(gate, &scene)).transpose()?;
+        let question = gate.map(|gate| Question::of(gate, &scene)).transpose()?;
+        // Another seed shows all that its question is about; the step's own run was chosen by the author.
+        if let (Some(gate), Some(question), Some(_)) = (gate, &question, self.seed)
+            && unseen(&step.scene, gate, question, &scene)?.is_some()
+        {
+            return Ok(Arrival::NoMoment);
+        }
+        self.question = question;
         self.scene = Some(scene);
         self.attempt.begun = time;
         Ok(Arrival::Here)
@@ -263,9 +291,9 @@ impl Learner {
     ///
     /// An answer that is not of the question's kind, or given while no question is open; it does not count as a try.
     pub fn answer(&mut self, answer: &Answer, time: f64) -> Result<Feedback, LessonError> {
-        let is_open = self.is_open();
+        let waits = self.is_open() && !self.attempt.is_taken;
         let asked = self.question.as_ref().zip(self.scene.as_ref());
-        let Some((question, scene)) = asked.filter(|_| is_open) else {
+        let Some((question, scene)) = asked.filter(|_| waits) else {
             return Err(LessonError::new(self.step().line, "no question is open"));
         };
         let attempt = &mut self.attempt;
@@ -289,13 +317,16 @@ impl Learner {
         } else {
             let given = || (answer.to_string(), grade.score);
             attempt.first.get_or_insert_with(given);
-            if grade.is_right() {
+            if self.lesson.form.is_some() {
+                attempt.is_taken = true;
+            } else if grade.is_right() {
                 attempt.state = Progress::Right;
             }
         }
-        let is_done = attempt.state == Progress::Right;
+
+        let is_done = attempt.is_taken || attempt.state == Progress::Right;
         if is_done {
-            self.note(time);
+            self.note(time, false);
         }
         Ok(Feedback {
             score: grade.score,
@@ -311,25 +342,32 @@ impl Learner {
         Some(hint)
     }
 
-    /// Gives up, at a time in seconds. The first call asks whether to; the second, with no answer between, reveals.
-    /// Returns whether the answer is revealed.
+    /// Gives up, at a time in seconds. The first call asks whether to; the second, with no answer between, reveals; in a form
+    /// it reveals nothing. Returns whether the question is done.
     pub fn give_up(&mut self, time: f64) -> bool {
-        if !self.is_open() || self.question.is_none() {
+        if !self.is_open() || self.attempt.is_taken || self.question.is_none() {
             return false;
         }
         if !self.attempt.asked_to_give_up {
             self.attempt.asked_to_give_up = true;
             return false;
         }
-        self.attempt.state = Progress::GivenUp;
-        self.note(time);
+        if self.lesson.form.is_some() {
+            self.attempt.is_taken = true;
+        } else {
+            self.attempt.state = Progress::GivenUp;
+        }
+        self.note(time, true);
         true
     }
 
-    /// Reveals the answer without recording an entry, after the votes of a class. Returns whether a question was open.
+    /// Ends the question without recording an entry, after the votes of a class, and reveals the answer unless the lesson is
+    /// a form. Returns whether a question was open.
     pub fn reveal(&mut self) -> bool {
-        let is_open = self.is_open() && self.question.is_some();
-        if is_open {
+        let is_open = self.is_open() && !self.attempt.is_taken && self.question.is_some();
+        if is_open && self.lesson.form.is_some() {
+            self.attempt.is_taken = true;
+        } else if is_open {
             self.attempt.state = Progress::GivenUp;
         }
         is_open
@@ -341,7 +379,8 @@ impl Learner {
         self.attempt.asked_to_give_up
     }
 
-    fn note(&mut self, time: f64) {
+    /// Records the question at its end.
+    fn note(&mut self, time: f64, given_up: bool) {
         let attempt = &self.attempt;
         let (answer, score) = attempt.first.clone().unwrap_or((String::new(), 0.0));
         let gate = self.step().gate.as_ref();
@@ -349,13 +388,15 @@ impl Learner {
             lesson: self.lesson.name.clone(),
             hash: self.lesson.hash.clone(),
             gate: gate.map_or_else(String::new, |gate| gate.name.clone()),
+            form: self.lesson.form,
+            concept: gate.and_then(|gate| gate.concept),
             seed: self.parameters().seed,
             practised: self.seed.is_some(),
             answer,
             score,
             tries: attempt.tries,
             hints: attempt.hints,
-            given_up: attempt.state == Progress::GivenUp,
+            given_up,
             confidence: attempt.confidence,
             seconds: (time - attempt.begun).max(0.0),
             time,
@@ -377,7 +418,7 @@ impl Learner {
                 format!("{}. {}", letter(*option), options.get(*option)?)
             }
             (Key::Place(places), _) => {
-                let places = places.iter().map(|[x, y]| format!("({x:.2} r, {y:.2} r)"));
+                let places = places.iter().map(|place| self.translation.place(*place));
                 places.collect::<Vec<_>>().join(", ")
             }
             (
@@ -387,16 +428,21 @@ impl Learner {
                 },
                 _,
             ) => {
-                let [low, high] = [low, high].map(|end| short(*end));
+                let [low, high] = [low, high].map(|end| self.number(*end));
                 format!("{} = {low} \u{2013} {high} r", axis.name())
             }
             (Key::Trace(events), Form::Trace { options, .. }) => texts(options, events, " "),
             (Key::Order(ranks), Form::Order { items }) => texts(items, &sorted(ranks), "; "),
             (Key::Number(number), Form::Number { unit }) => {
-                format!("{} {unit}", short(*number)).trim().to_owned()
+                format!("{} {unit}", self.number(*number)).trim().to_owned()
             }
             (key, _) => key.to_string(),
         })
+    }
+
+    /// Returns a number of a key, short, as the language of the translation writes it.
+    fn number(&self, number: f64) -> String {
+        self.translation.number(short(number).to_string())
     }
 }
 

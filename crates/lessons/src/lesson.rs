@@ -6,6 +6,7 @@ use std::ops::RangeInclusive;
 use tilescope_core::Parameters;
 
 use crate::error::LessonError;
+use crate::inventory::{Concept, TestForm};
 use crate::moment::Moment;
 
 /// The most bytes of a lesson file.
@@ -42,6 +43,8 @@ pub struct Lesson {
     pub objective: String,
     /// How many minutes it takes alone.
     pub minutes: u32,
+    /// Which form of the concept inventory it is, if it is one.
+    pub form: Option<TestForm>,
     /// The hash of its file, 16 hexadecimal digits.
     pub hash: String,
     /// Its steps.
@@ -136,11 +139,21 @@ pub struct Gate {
     pub wrong: Vec<Wrong>,
     /// A hint.
     pub hint: Option<Text>,
+    /// The expression of the sample or place, or of several places, that is marked while and after the question is asked.
+    pub mark: Option<Text>,
     /// The query of the deciding event; the next event that matches it is shown after the answer. None if the moment of
     /// the question decides.
     pub decided: Option<Text>,
     /// Layers that are shown after the answer, besides those of the step.
     pub shows: Vec<String>,
+    /// The sentence for a wrong answer that no known wrong answer and no option names.
+    pub otherwise: Option<Text>,
+    /// Why the right answer is right, for a number its exact value. It is also the first paragraph after the answer.
+    pub because: Option<Text>,
+    /// Whether the question only checks that the text above it was read.
+    pub is_reading: bool,
+    /// The concept that it is about, if it names one.
+    pub concept: Option<Concept>,
     /// The seeds of practice; none if the question has only its own.
     pub practice: Option<RangeInclusive<u64>>,
     /// The line of the directive.
@@ -297,7 +310,7 @@ impl Lesson {
             .filter_map(|step| Some((step, step.gate.as_ref()?)))
     }
 
-    /// Returns every text that a learner reads: a translation replaces them.
+    /// Returns every text that a learner or a lecturer reads: a translation replaces them.
     #[must_use]
     pub fn texts(&self) -> Vec<&str> {
         let mut texts = vec![self.title.as_str(), self.objective.as_str()];
@@ -308,6 +321,7 @@ impl Lesson {
                 texts.extend(gate.texts());
             }
             texts.extend(step.after.iter().map(String::as_str));
+            texts.extend(step.notes.iter().map(String::as_str));
         }
         texts.retain(|text| !text.is_empty());
         texts
@@ -336,7 +350,8 @@ impl Gate {
             _ => {}
         }
         texts.extend(self.wrong.iter().map(|wrong| wrong.sentence.text.as_str()));
-        texts.extend(self.hint.iter().map(|hint| hint.text.as_str()));
+        let more = [&self.otherwise, &self.hint].into_iter().flatten();
+        texts.extend(more.map(|text| text.text.as_str()));
         texts
     }
 }

@@ -44,6 +44,8 @@ mod check;
 mod error;
 mod fields;
 mod functions;
+pub mod gain;
+mod inventory;
 mod learner;
 mod lesson;
 mod moment;
@@ -54,6 +56,7 @@ mod question;
 mod read;
 pub mod results;
 mod scene;
+mod seen;
 mod sets;
 pub mod shipped;
 mod syntax;
@@ -61,8 +64,9 @@ mod translation;
 mod votes;
 
 pub use answer::{Answer, Change, CutAxis, Key, letter};
-pub use check::{Checked, Runs, check};
+pub use check::{Checked, Runs, check, leak};
 pub use error::{LessonError, nearest};
+pub use inventory::{Concept, TestForm};
 pub use learner::{Arrival, Feedback, Learner, Progress};
 pub use lesson::{
     Camera, ChoiceOption, Claim, Gate, GateKind, LAYERS, Lesson, MAX_BYTES, SceneSpec, Step, Text,

@@ -27,12 +27,21 @@ apart(place, other): the distance of two places, each [x, y]
 odd_run(): whether the run's seed is odd: in a condition, it varies which answer is right
 gaps(): how many gaps the valid samples leave
 deepest(): the deepest place [x, y] of the largest gap, or ()
+clear_deepest(): by how much the largest gap is deeper than every other one; 1 if it is the only one
+deepest_inside(d): the deepest place of the largest gap at least d from the border of the domain, or ()
 deepest_near(x, y): the deepest place of the gap nearest to a place
 seam(x, y): how far a place is from the nearest edge of a block
 on_seam(x, y): the place on the nearest edge of a block, [x, y]
+border(x, y): how far a place is from the border of the domain, negative outside
+density_near(d): how many samples of the result per r² lie nearer than d to an edge of a block
+density_far(d): how many samples of the result per r² lie farther than d from the edges of their blocks
 position(s): the place of a sample, [x, y]
 within(x, y, d): how many valid samples are closer than d to a place
 seam_of(s): how far a sample is from the nearest edge of a block
+reach_of_conflicts(): how far from the edges of their blocks valid samples with conflicts are at most
+reach_of_losses(): the same of samples that are eliminated, now or later
+reach_of_insertions(): the same of samples that are inserted, now or later
+reach_of_detectors(): how far a gap detector of elimination is at most from the lost sample nearest to it
 block_size(b): the sides of a block, [width, height]
 parameter(name): a parameter of the run
 measure(name): a measure of the valid samples: density, packing, closest, covering, peak, low-power, anisotropy

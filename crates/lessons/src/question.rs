@@ -94,6 +94,8 @@ pub struct Question {
     asks: Vec<String>,
     /// The samples that each text names.
     named: Vec<Vec<u32>>,
+    /// The places that are marked, in r.
+    pub marked: Vec<[f64; 2]>,
     /// What the learner chooses from or types.
     pub form: Form,
     /// A hint.
@@ -108,6 +110,10 @@ pub struct Question {
     pub(crate) wrong: Vec<WrongAnswer>,
     /// The sentence for each wrong option, if it has one.
     sentences: Vec<Option<String>>,
+    /// The index in the file of each option, in the order in which they are shown.
+    in_file: Vec<usize>,
+    /// The sentence for a wrong answer that has no other.
+    otherwise: Option<String>,
     tolerance: f64,
     region: Option<Text>,
     line: usize,
@@ -153,9 +159,16 @@ impl Question {
     fn unchecked(gate: &Gate, scene: &Scene) -> Result<Self, LessonError> {
         let fill = |text: &Text| scene.fill(text);
         let cursor = scene.cursor();
+        let places = |text: &Text| scene.places(text);
         let mut question = Self {
             asks: vec![fill(&gate.ask)?],
             named: vec![scene.samples_in(&gate.ask)?],
+            marked: gate
+                .mark
+                .as_ref()
+                .map(places)
+                .transpose()?
+                .unwrap_or_default(),
             form: Form::Number {
                 unit: String::new(),
             },
@@ -166,11 +179,14 @@ impl Question {
             key: Key::Number(0.0),
             wrong: Vec::new(),
             sentences: Vec::new(),
+            in_file: Vec::new(),
+            otherwise: gate.otherwise.as_ref().map(fill).transpose()?,
             tolerance: 0.0,
             region: None,
             line: gate.line,
         };
         let seed = scene.recording().run().parameters.seed;
+        let draws = draws(gate, seed);
         match &gate.kind {
             GateKind::Pick {
                 answer,
@@ -191,7 +207,7 @@ impl Question {
                 for candidate in candidates.iter().chain(wrong) {
                     places.push(scene.place(candidate)?);
                 }
-                shuffle(&mut places, seed);
+                shuffle(&mut places, draws);
                 (question.tolerance, question.region) = (*within, answer.clone());
                 question.form = Form::Place { candidates: places };
                 question.key = Key::Place(right);
@@ -206,25 +222,29 @@ impl Question {
                 question.key = Key::Number(scene.number(answer)?);
             }
             GateKind::Choice { options, curves } => {
-                question.choice(scene, options, curves, seed)?;
+                question.choice(scene, gate, options, curves)?;
             }
             GateKind::Order { items } => {
                 let mut ranked = Vec::new();
                 for (text, by) in items {
                     ranked.push((fill(text)?, scene.number(by)?));
                 }
-                shuffle(&mut ranked, seed);
+                shuffle(&mut ranked, draws);
                 let (items, ranks): (Vec<String>, Vec<f64>) = ranked.into_iter().unzip();
                 question.form = Form::Order { items };
                 question.key = Key::Order(ranks);
             }
-            GateKind::Cut => question.cut(scene, seed)?,
+            GateKind::Cut => question.cut(scene, draws)?,
             GateKind::Bands { from, to, bands } => question.bands(scene, from, to, bands, seed)?,
             GateKind::Trace {
                 events,
                 steps,
                 options,
-            } => question.trace(scene, &gate.ask, events, *steps, options)?,
+            } => {
+                question.in_file = (0..options.len()).collect();
+                shuffle(&mut question.in_file, draws);
+                question.trace(scene, &gate.ask, events, *steps, options)?;
+            }
         }
         Ok(question)
     }
@@ -239,19 +259,32 @@ impl Question {
         set.map_err(|error| self.wrong(error.to_string()))
     }
 
-    /// Takes the sentences of options, and returns their texts.
+    /// Takes the sentences of options, and returns their texts, both in the order in which they are shown.
     fn texts(
         &mut self,
         scene: &Scene,
         options: &[ChoiceOption],
     ) -> Result<Vec<String>, LessonError> {
-        for option in options {
+        let mut texts = Vec::new();
+        for &index in &self.in_file {
+            let option = &options[index];
             let sentence = option.sentence.as_ref();
-            let filled = sentence.map(|text| scene.fill(text)).transpose()?;
-            self.sentences.push(filled);
+            self.sentences
+                .push(sentence.map(|text| scene.fill(text)).transpose()?);
+            texts.push(scene.fill(&option.text)?);
         }
-        let texts = options.iter().map(|option| scene.fill(&option.text));
-        texts.collect()
+        Ok(texts)
+    }
+
+    /// Returns where an option of the file is shown.
+    fn shown_at(&self, option: usize) -> usize {
+        let mut shown = self.in_file.iter();
+        shown.position(|&index| index == option).unwrap_or(option)
+    }
+
+    /// Returns the index in the file of an option that is shown.
+    pub(crate) fn in_file(&self, shown: usize) -> usize {
+        self.in_file.get(shown).copied().unwrap_or(shown)
     }
 
     fn pick(
@@ -288,11 +321,10 @@ impl Question {
     fn choice(
         &mut self,
         scene: &Scene,
+        gate: &Gate,
         options: &[ChoiceOption],
         curves: &[Text],
-        seed: u64,
     ) -> Result<(), LessonError> {
-        let texts = self.texts(scene, options)?;
         let right = right_options(scene, options)?;
         let [index] = right[..] else {
             let letters: String = right.iter().map(|&index| letter(index)).collect();
@@ -303,8 +335,16 @@ impl Question {
             };
             return Err(self.wrong(format!("{which}; exactly one must be")));
         };
+
+        let seed = scene.recording().run().parameters.seed;
+        self.in_file = balanced(gate, options.len(), index, seed);
+        let index = self.shown_at(index);
+        let texts = self.texts(scene, options)?;
+
         let mut drawn = Vec::new();
-        for curve in curves {
+        // A gate has no curves, or one for each option.
+        let beside = self.in_file.iter().filter_map(|&option| curves.get(option));
+        for curve in beside {
             drawn.push(power(scene, curve, seed)?);
         }
         if let Some(own) = drawn.get(index) {
@@ -330,7 +370,7 @@ impl Question {
         Ok(())
     }
 
-    fn cut(&mut self, scene: &Scene, seed: u64) -> Result<(), LessonError> {
+    fn cut(&mut self, scene: &Scene, draws: DrawKey) -> Result<(), LessonError> {
         let run = scene.recording().run();
         let next = scene.recording().event(scene.cursor());
         let next = next.and_then(tilescope_debugger::Event::run_event);
@@ -356,7 +396,7 @@ impl Question {
             (other, 0.5 * (low[across] + high[across])),
             (other, low[across] + 0.4 * leaf),
         ];
-        shuffle(&mut candidates, seed);
+        shuffle(&mut candidates, draws);
         self.form = Form::Cut {
             min: low,
             max: high,
@@ -434,7 +474,7 @@ impl Question {
                 );
                 return Err(self.wrong(message));
             };
-            right.push(index);
+            right.push(self.shown_at(index));
         }
         let options = self.texts(scene, options)?;
         self.form = Form::Trace { options, steps };
@@ -506,6 +546,42 @@ impl Question {
         }
     }
 
+    /// Returns the chance of a guesser to be right at the first try: of one who takes any of what the list shows, draws any
+    /// order, or types any whole number from 0 to 100. Of a trace, the chance at each event.
+    ///
+    /// # Errors
+    ///
+    /// A fault of the region of right places.
+    pub(crate) fn chance(&self, scene: &Scene) -> Result<f64, LessonError> {
+        let choices = |count: usize, of: f64| of.powi(count as i32);
+        Ok(match (&self.form, &self.key) {
+            (
+                Form::Pick {
+                    candidates,
+                    several: false,
+                },
+                Key::Pick(right),
+            ) => right.len() as f64 / candidates.len() as f64,
+            // One set of samples is right, of all sets that are not empty.
+            (Form::Pick { candidates, .. }, _) => 1.0 / (choices(candidates.len(), 2.0) - 1.0),
+            (Form::Place { candidates }, _) => {
+                let mut right = 0.0;
+                for &place in candidates {
+                    let score = self.score(&Answer::Place(place), 0, scene)?;
+                    right += f64::from(u8::from(score > 0.999));
+                }
+                right / candidates.len().max(1) as f64
+            }
+            (Form::Number { .. }, _) => ((2.0 * self.tolerance + 1.0) / 101.0).min(1.0),
+            (Form::Choice { options, .. } | Form::Trace { options, .. }, _) => {
+                1.0 / options.len() as f64
+            }
+            (Form::Order { items }, _) => (1..=items.len()).map(|k| 1.0 / k as f64).product(),
+            (Form::Cut { candidates, .. }, _) => 1.0 / candidates.len() as f64,
+            (Form::Bands { bands, .. }, _) => 1.0 / choices(bands.len(), 3.0),
+        })
+    }
+
     /// Returns the grade of an answer; of a trace, to the event of the index `step`.
     ///
     /// # Errors
@@ -526,7 +602,7 @@ impl Question {
         let sentence = match answer {
             _ if score > 0.999 => None,
             Answer::Choice(option) => self.sentences.get(*option).cloned().flatten(),
-            _ => known(),
+            _ => known().or_else(|| self.otherwise.clone()),
         };
         Ok(Grade { score, sentence })
     }
@@ -728,11 +804,32 @@ fn decided(gate: &Gate, scene: &Scene) -> Result<usize, LessonError> {
     Ok(events.first().ok_or_else(none)? + 1)
 }
 
-/// Shuffles items by a seed.
-fn shuffle<T>(items: &mut [T], seed: u64) {
-    let key = DrawKey::from_seed(seed).derive(Stream::Order, 0);
+/// Returns the key of the draws of a question. It depends on the question's name too, so that the questions of one run are
+/// not all shuffled alike.
+fn draws(gate: &Gate, seed: u64) -> DrawKey {
+    let hash = blake3::hash(gate.name.as_bytes());
+    let [a, b, c, d, ..] = *hash.as_bytes();
+    DrawKey::from_seed(seed).derive(Stream::Order, u32::from_le_bytes([a, b, c, d]))
+}
+
+/// Returns the indices in the file of a number of options in the order in which they are shown, of which one is right. Of as
+/// many successive seeds as there are options each shows the right one at another place, so that no place is right more
+/// often than the others.
+fn balanced(gate: &Gate, count: usize, right: usize, seed: u64) -> Vec<usize> {
+    let mut places: Vec<usize> = (0..count).collect();
+    shuffle(&mut places, draws(gate, seed / count as u64));
+    let place = places[(seed % count as u64) as usize];
+
+    let mut order: Vec<usize> = (0..count).filter(|&option| option != right).collect();
+    shuffle(&mut order, draws(gate, seed));
+    order.insert(place, right);
+    order
+}
+
+/// Shuffles items.
+fn shuffle<T>(items: &mut [T], draws: DrawKey) {
     for last in (1..items.len()).rev() {
-        let other = below(key.draw(Stream::Order, last as u32)[0], last as u32 + 1);
+        let other = below(draws.draw(Stream::Order, last as u32)[0], last as u32 + 1);
         items.swap(last, other as usize);
     }
 }

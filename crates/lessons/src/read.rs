@@ -8,6 +8,7 @@ use unicode_segmentation::UnicodeSegmentation;
 
 use crate::error::{LessonError, nearest};
 use crate::fields::{Field, Fields};
+use crate::inventory::{Concept, TestForm};
 use crate::lesson::{
     Camera, ChoiceOption, Claim, Gate, GateKind, LAYERS, Lesson, MAX_BYTES, SceneSpec, Step, Text,
     Wrong,
@@ -25,7 +26,7 @@ pub const MAX_OPTIONS: usize = 8;
 const MAX_TRACED: usize = 12;
 
 const DIRECTIVES: [&str; 3] = ["run", "gate", "note"];
-const FRONT_MATTER: [&str; 3] = ["title", "objective", "minutes"];
+const FRONT_MATTER: [&str; 4] = ["title", "objective", "minutes", "form"];
 const OF_RUN: [&str; 5] = ["moment", "where", "layers", "camera", "seeds"];
 /// Fields of a run that may occur several times.
 const CLAIMS: [&str; 2] = ["claim", "claim-mean"];
@@ -93,15 +94,58 @@ impl Lesson {
             return Err(LessonError::new(reader.at.max(1), message));
         }
         let minutes = front.optional("minutes", |field| field.number([1.0, 120.0]))?;
-        Ok(Self {
+        let form = |field: &Field| TestForm::named(&field.value, field.line);
+        let mut lesson = Self {
             name: name.to_owned(),
             title: front.need("title")?.value.clone(),
             objective: front.need("objective")?.value.clone(),
             minutes: minutes.unwrap_or(10.0) as u32,
+            form: front.optional("form", form)?,
             hash: blake3::hash(text.as_bytes()).to_hex()[..16].to_owned(),
             steps,
-        })
+        };
+        if lesson.form.is_some() {
+            // All who take a form have the same instances; otherwise their scores could not be compared.
+            let gates = lesson
+                .steps
+                .iter_mut()
+                .filter_map(|step| step.gate.as_mut());
+            gates.for_each(|gate| gate.practice = None);
+        }
+        check_form(&lesson)?;
+        Ok(lesson)
     }
+}
+
+/// Refuses a form with a question that is about no concept or about that of a question before it, or that gives help.
+fn check_form(lesson: &Lesson) -> Result<(), LessonError> {
+    if lesson.form.is_none() {
+        return Ok(());
+    }
+    let gates: Vec<&Gate> = lesson.gates().map(|(_, gate)| gate).collect();
+    for (index, gate) in gates.iter().enumerate() {
+        let wrong = |message: String| LessonError::new(gate.line, message);
+        let Some(concept) = gate.concept else {
+            let names = Concept::NAMES.join(", ");
+            let message = format!("a question of a form needs a \"concept\": {names}");
+            return Err(wrong(message));
+        };
+        if let Some(other) = gates[..index].iter().find(|it| it.concept == Some(concept)) {
+            let (name, line) = (concept.name(), other.line);
+            let message = format!("the question of line {line} is about \"{name}\" already");
+            return Err(wrong(message));
+        }
+        if matches!(gate.kind, GateKind::Trace { .. }) {
+            let message = "a form has no trace, which shows the right answer at each event";
+            return Err(wrong(message.to_owned()));
+        }
+        if gate.hint.is_some() {
+            let message =
+                "a question of a form has no hint: it measures what is known without help";
+            return Err(wrong(message.to_owned()));
+        }
+    }
+    Ok(())
 }
 
 struct Reader<'a> {
@@ -253,6 +297,8 @@ impl<'a> Reader<'a> {
             }
             ("gate", None) => {
                 let gate = gate(name.clone(), line, &lines)?;
+                step.after
+                    .extend(gate.because.iter().map(|text| text.text.clone()));
                 (step.name, step.gate) = (name, Some(gate));
             }
             ("note", _) => {
@@ -407,7 +453,9 @@ fn query(field: &Field) -> Result<Text, LessonError> {
 }
 
 /// The fields that every gate may have.
-const OF_GATE: [&str; 6] = ["type", "ask", "hint", "decided", "shows", "practice"];
+const OF_GATE: [&str; 10] = [
+    "type", "ask", "hint", "mark", "decided", "shows", "practice", "because", "read", "concept",
+];
 
 fn gate(name: String, line: usize, lines: &[&str]) -> Result<Gate, LessonError> {
     let mut fields = Fields::read("a gate", line, lines)?;
@@ -425,18 +473,25 @@ fn gate(name: String, line: usize, lines: &[&str]) -> Result<Gate, LessonError> 
     }
     fields.of = format!("a {named} gate");
     let (once, many): (&[&str], &[&str]) = match named.as_str() {
-        "pick" => (&["answer", "candidates", "several"], &["wrong"]),
-        "place" => (&["right", "answer", "within"], &["wrong", "candidate"]),
-        "number" => (&["answer", "tolerance", "unit"], &["wrong"]),
+        "pick" => (
+            &["answer", "candidates", "several", "otherwise"],
+            &["wrong"],
+        ),
+        "place" => (
+            &["right", "answer", "within", "otherwise"],
+            &["wrong", "candidate"],
+        ),
+        "number" => (&["answer", "tolerance", "unit", "otherwise"], &["wrong"]),
         "choice" => (&[], &["option", "curve"]),
-        "order" => (&[], &["item"]),
-        "bands" => (&["from", "to"], &["band"]),
+        "order" => (&["otherwise"], &["item"]),
+        "bands" => (&["from", "to", "otherwise"], &["band"]),
         "trace" => (&["events", "steps"], &["option"]),
-        _ => (&[], &[]),
+        _ => (&["otherwise"], &[]),
     };
     let once: Vec<&str> = OF_GATE.iter().chain(once).copied().collect();
     fields.only(&once, many)?;
     let kind = kind(&named, &fields)?;
+    let said = |field: &Field| paragraph(&field.text());
     let practice = match fields.get("practice") {
         None => Some(1..=40),
         Some(field) if field.value == "none" => None,
@@ -447,9 +502,14 @@ fn gate(name: String, line: usize, lines: &[&str]) -> Result<Gate, LessonError> 
         ask: paragraph(&fields.need("ask")?.text())?,
         wrong: wrongs(&named, &fields)?,
         kind,
-        hint: fields.optional("hint", |field| paragraph(&field.text()))?,
+        hint: fields.optional("hint", said)?,
+        otherwise: fields.optional("otherwise", said)?,
+        because: fields.optional("because", said)?,
+        is_reading: fields.optional("read", yes_or_no)?.unwrap_or(false),
+        mark: fields.optional("mark", |field| expression(&field.text(), &[]))?,
         decided: fields.optional("decided", query)?,
         shows: fields.optional("shows", layers)?.unwrap_or_default(),
+        concept: fields.optional("concept", |field| Concept::named(&field.value, field.line))?,
         practice,
         line,
     })
@@ -481,12 +541,7 @@ fn kind(named: &str, fields: &Fields) -> Result<GateKind, LessonError> {
         "pick" => GateKind::Pick {
             answer: need("answer", &["s"])?,
             candidates: need("candidates", &["s"])?,
-            several: match fields.get("several") {
-                None => false,
-                Some(field) if field.value == "no" => false,
-                Some(field) if field.value == "yes" => true,
-                Some(field) => return Err(field.wrong("\"several\" is yes or no")),
-            },
+            several: fields.optional("several", yes_or_no)?.unwrap_or(false),
         },
         "place" => GateKind::Place {
             right: need("right", &[])?,
@@ -537,6 +592,14 @@ fn kind(named: &str, fields: &Fields) -> Result<GateKind, LessonError> {
         },
         _ => GateKind::Cut,
     })
+}
+
+fn yes_or_no(field: &Field) -> Result<bool, LessonError> {
+    match field.value.as_str() {
+        "yes" => Ok(true),
+        "no" => Ok(false),
+        _ => Err(field.wrong(format!("\"{}\" is yes or no", field.key))),
+    }
 }
 
 fn band(field: &Field) -> Result<[f64; 2], LessonError> {

@@ -10,6 +10,8 @@ use serde_json::{Value, json};
 use sha1_smol::Sha1;
 use tilescope_analysis::{BYTE_ORDER_MARK, Number, cell};
 
+use crate::inventory::{Concept, TestForm};
+
 /// The result of one question.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Entry {
@@ -19,6 +21,12 @@ pub struct Entry {
     pub hash: String,
     /// The question's name.
     pub gate: String,
+    /// The form of the concept inventory, if the lesson is one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub form: Option<TestForm>,
+    /// The concept that the question is about, if it names one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub concept: Option<Concept>,
     /// The seed of its run.
     pub seed: u64,
     /// Whether the seed was drawn for practice.
@@ -55,6 +63,27 @@ pub struct Results {
     pub cleared: Option<f64>,
     /// The entries, oldest first.
     pub entries: Vec<Entry>,
+    /// The votes of classes on the questions of forms, in the order of the talks.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub votes: Vec<ClassVote>,
+}
+
+/// The vote of a class on a question of a form.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ClassVote {
+    /// The name of the form's lesson.
+    pub lesson: String,
+    /// Which form it is.
+    pub form: TestForm,
+    /// The concept of the question.
+    pub concept: Concept,
+    /// The share of right answers, from 0 to 1.
+    pub share: f64,
+    /// How many voted; none if the share was estimated.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub count: Option<u32>,
+    /// When the class voted, in seconds since 1970.
+    pub time: f64,
 }
 
 /// Why results cannot be read.
@@ -70,10 +99,12 @@ pub enum ResultsError {
     #[error("the results have version {0}; this program reads version {VERSION}")]
     Newer(u32),
     /// A number that no answer has.
-    #[error("entry {entry}: {field} is {}; it is from {} to {}", Number(*.value), Number(*.limits.start()), Number(*.limits.end()))]
+    #[error("{what} {number}: {field} is {}; it is from {} to {}", Number(*.value), Number(*.limits.start()), Number(*.limits.end()))]
     Range {
-        /// The number of the entry, from 1.
-        entry: usize,
+        /// What has the number: an entry or a vote.
+        what: &'static str,
+        /// Its number, from 1.
+        number: usize,
         /// The field.
         field: &'static str,
         /// Its value.
@@ -107,17 +138,38 @@ impl Entry {
             ("seconds", self.seconds, 0.0..=MAX_SECONDS),
             ("time", self.time, 0.0..=MAX_TIME),
         ] {
-            if !limits.contains(&value) {
-                return Err(ResultsError::Range {
-                    entry,
-                    field,
-                    value,
-                    limits,
-                });
-            }
+            within("entry", entry, field, value, limits)?;
         }
         Ok(())
     }
+}
+
+impl ClassVote {
+    /// Refuses numbers that no vote has. `vote` is the vote's number, for the message.
+    fn check(&self, vote: usize) -> Result<(), ResultsError> {
+        within("vote", vote, "share", self.share, 0.0..=1.0)?;
+        within("vote", vote, "time", self.time, 0.0..=MAX_TIME)
+    }
+}
+
+/// Refuses the value of a field that is out of its limits; `what` and `number` say where it is.
+fn within(
+    what: &'static str,
+    number: usize,
+    field: &'static str,
+    value: f64,
+    limits: RangeInclusive<f64>,
+) -> Result<(), ResultsError> {
+    if limits.contains(&value) {
+        return Ok(());
+    }
+    Err(ResultsError::Range {
+        what,
+        number,
+        field,
+        value,
+        limits,
+    })
 }
 
 impl Results {
@@ -136,6 +188,9 @@ impl Results {
         }
         for (entry, of) in (1..).zip(&read.entries) {
             of.check(entry)?;
+        }
+        for (vote, of) in (1..).zip(&read.votes) {
+            of.check(vote)?;
         }
         Ok(read)
     }
@@ -157,31 +212,55 @@ impl Results {
     /// Takes the entries of results that were kept elsewhere, such as by another window: each entry once, in the order of
     /// their times. What was cleared in either place is gone. The learner's name stays, unless there is none.
     pub fn merge(&mut self, other: &Self) {
-        for entry in &other.entries {
-            if !self.entries.contains(entry) {
-                self.entries.push(entry.clone());
+        let own = self.entries.iter();
+        let mut seen = own.map(|entry| id("", entry)).collect();
+        self.take_unseen(&other.entries, "", &mut seen);
+        for vote in &other.votes {
+            if !self.votes.contains(vote) {
+                self.votes.push(vote.clone());
             }
         }
+
         let cleared = [self.cleared, other.cleared].into_iter().flatten();
         self.cleared = cleared.reduce(f64::max);
         if let Some(cleared) = self.cleared {
             self.entries.retain(|entry| entry.time > cleared);
+            self.votes.retain(|vote| vote.time > cleared);
         }
-
-        // The sort is stable: entries of one time keep their order.
-        self.entries.sort_by(|a, b| a.time.total_cmp(&b.time));
         if self.learner.is_empty() {
             self.learner.clone_from(&other.learner);
         }
         self.add([]);
     }
 
-    /// Removes all entries. `now` is the time in seconds since 1970.
+    /// Adds entries of a learner that are not among those seen, each once, and sorts all by their times. Entries are equal if
+    /// everything in them is. Returns how many were left out.
+    fn take_unseen(
+        &mut self,
+        entries: &[Entry],
+        learner: &str,
+        seen: &mut HashSet<String>,
+    ) -> usize {
+        let before = self.entries.len();
+        let unseen = entries
+            .iter()
+            .filter(|entry| seen.insert(id(learner, entry)));
+        self.entries.extend(unseen.cloned());
+        let added = self.entries.len() - before;
+
+        // The sort is stable: entries of one time keep their order.
+        self.entries.sort_by(|a, b| a.time.total_cmp(&b.time));
+        entries.len() - added
+    }
+
+    /// Removes all entries and votes. `now` is the time in seconds since 1970.
     pub fn clear(&mut self, now: f64) {
         // An entry of this very moment, or of a clock that was ahead, must not come back by a merge.
-        let newest = self.entries.iter().map(|entry| entry.time);
-        self.cleared = Some(newest.fold(now, f64::max));
+        let entries = self.entries.iter().map(|entry| entry.time);
+        let times = entries.chain(self.votes.iter().map(|vote| vote.time));
+        self.cleared = Some(times.fold(now, f64::max));
         self.entries.clear();
+        self.votes.clear();
     }
 
     /// Returns the mean score, from 0 to 1; 0 if there are no entries.
@@ -281,8 +360,10 @@ fn in_iri(word: &str) -> String {
 /// Results of several files, each entry once.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Merged {
-    /// The results, in the sequence of the files.
+    /// The results of each learner, in the sequence of the files; a file without a name is a learner of its own.
     pub all: Vec<Results>,
+    /// The votes of classes, each once.
+    pub votes: Vec<ClassVote>,
     /// How many entries were left out because an equal one of the same learner came before.
     pub repeated: usize,
 }
@@ -295,19 +376,33 @@ impl Merged {
     pub fn of(files: impl IntoIterator<Item = (String, Results)>) -> Self {
         let mut merged = Self::default();
         let mut seen = HashSet::new();
-        for (name, mut results) in files {
-            let before = results.entries.len();
-            // Compared before learners get names of files: a copy of a file without a name has another one.
-            let learner = results.learner.clone();
-            results
-                .entries
-                .retain(|entry| seen.insert(id(&learner, entry)));
-            merged.repeated += before - results.entries.len();
+        for (name, results) in files {
+            let is_named = !results.learner.is_empty();
+            let others = merged.all.iter();
+            let at = others
+                .filter(|_| is_named)
+                .position(|other| other.learner == results.learner);
+            let at = at.unwrap_or_else(|| {
+                merged.all.push(Results {
+                    learner: if is_named {
+                        results.learner.clone()
+                    } else {
+                        name
+                    },
+                    version: results.version,
+                    ..Results::default()
+                });
+                merged.all.len() - 1
+            });
 
-            if results.learner.is_empty() {
-                results.learner = name;
+            // Compared by the name in the file: a copy of a file without a name has another one.
+            let into = &mut merged.all[at];
+            merged.repeated += into.take_unseen(&results.entries, &results.learner, &mut seen);
+            for vote in results.votes {
+                if !merged.votes.contains(&vote) {
+                    merged.votes.push(vote);
+                }
             }
-            merged.all.push(results);
         }
         merged
     }
@@ -372,6 +467,8 @@ mod tests {
             lesson: "gaps".to_owned(),
             hash: "00".to_owned(),
             gate: "first".to_owned(),
+            form: None,
+            concept: None,
             seed: 3,
             practised: true,
             answer: "1, \"2\"".to_owned(),

@@ -67,8 +67,9 @@ impl Scene {
             {
                 continue;
             }
-            // A new scene, so that the question has the whole budget of searches again.
-            return Ok(Some(Self::at(recording, cursor)));
+            // The question has the whole budget of searches again; what was computed on the way stays.
+            scene.now.renew_budget();
+            return Ok(Some(scene));
         }
         Ok(None)
     }
@@ -89,8 +90,10 @@ impl Scene {
     /// Returns the samples that a text names: those of its expressions whose values are valid samples, and that do not
     /// count something.
     pub(crate) fn samples_in(&self, text: &Text) -> Result<Vec<u32>, LessonError> {
-        const COUNTS: [&str; 9] = [
+        const COUNTS: [&str; 11] = [
             "count",
+            "inserted",
+            "eliminated",
             "samples(",
             "conflicts",
             "gaps",
@@ -119,6 +122,11 @@ impl Scene {
             }
         }
         Ok(named)
+    }
+
+    /// Returns whether a sample is an inserted one.
+    pub(crate) fn is_inserted(&self, sample: u32) -> bool {
+        self.now.is_inserted(i64::from(sample))
     }
 
     /// Returns the recording.
@@ -236,7 +244,8 @@ impl Scene {
         })
     }
 
-    /// Returns a text with the values of its expressions. Numbers that are not whole have two decimals.
+    /// Returns a text with the values of its expressions. Numbers that are not whole have two decimals, after the
+    /// sign of the translation's language.
     pub(crate) fn fill(&self, text: &Text) -> Result<String, LessonError> {
         let value = |expression: &str| {
             let expression = Text::new(expression, text.line);
@@ -244,7 +253,7 @@ impl Scene {
             let value = value.map_err(|error| error.message)?;
             Ok(match value.as_float() {
                 Ok(number) if number.fract() == 0.0 => format!("{number:.0}"),
-                Ok(number) => format!("{number:.2}"),
+                Ok(number) => self.translation.number(format!("{number:.2}")),
                 Err(_) => tilescope_debugger::shown(&value),
             })
         };

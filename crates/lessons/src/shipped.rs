@@ -53,6 +53,22 @@ pub fn lessons() -> Vec<Shipped> {
     ]
 }
 
+/// Returns the two forms of the concept inventory, before and after; lists show them apart from the lessons. In a browser
+/// there are none, as of [`lessons`].
+#[must_use]
+pub fn forms() -> Vec<Shipped> {
+    #[cfg(target_arch = "wasm32")]
+    return Vec::new();
+    #[cfg(not(target_arch = "wasm32"))]
+    shipped!["before", "after"]
+}
+
+/// Returns the lessons and then the forms: everything that can be opened by its name.
+#[must_use]
+pub fn all() -> Vec<Shipped> {
+    [lessons(), forms()].concat()
+}
+
 /// A lecture of fifty minutes: its lessons, and the minutes of each.
 pub const LECTURE: [(&str, u32); 8] = [
     ("welcome", 4),

@@ -13,6 +13,8 @@ use crate::prose;
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Translation {
     texts: HashMap<String, (String, usize)>,
+    /// What divides a number from its decimals, if it is no point.
+    decimal_sign: Option<char>,
 }
 
 impl Translation {
@@ -60,6 +62,32 @@ impl Translation {
             read.put(original, translated, line)?;
         }
         Ok(read)
+    }
+
+    /// Returns the translation for a language that divides numbers from their decimals by `sign`.
+    #[must_use]
+    pub fn with_decimal_sign(mut self, sign: char) -> Self {
+        self.decimal_sign = Some(sign);
+        self
+    }
+
+    /// Returns a number, written with a point, as this language writes it.
+    pub(crate) fn number(&self, number: String) -> String {
+        match self.decimal_sign {
+            Some(sign) => number.replace('.', sign.encode_utf8(&mut [0; 4])),
+            None => number,
+        }
+    }
+
+    /// Returns a place, in r, as this language writes it: coordinates with decimal commas are divided by a semicolon.
+    pub(crate) fn place(&self, place: [f64; 2]) -> String {
+        let [x, y] = place.map(|at| self.number(format!("{at:.2}")));
+        let between = if self.decimal_sign == Some(',') {
+            ';'
+        } else {
+            ','
+        };
+        format!("({x} r{between} {y} r)")
     }
 
     fn put(
@@ -163,6 +191,9 @@ mod tests {
         .unwrap();
         assert_eq!(read.of("A set of points."), "Eine Menge von Punkten.");
         assert_eq!((read.of("{a}"), read.of("other")), ("Nr. {a}", "other"));
+        assert_eq!(read.number("0.46".to_owned()), "0.46");
+        let read = read.with_decimal_sign(',');
+        assert_eq!(read.number("\u{2212}0.46".to_owned()), "\u{2212}0,46");
         for (text, part) in [
             ("Hallo", "before the first quotation"),
             ("> a\n> b", "no translation"),

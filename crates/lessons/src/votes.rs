@@ -123,6 +123,15 @@ impl Vote {
         Ok(Self::Counts(counts))
     }
 
+    /// Returns how many voted; none if the share was estimated.
+    #[must_use]
+    pub fn count(&self) -> Option<u32> {
+        match self {
+            Self::Right(_) => None,
+            Self::Counts(counts) => Some(counts.iter().sum()),
+        }
+    }
+
     /// Returns the share of right answers, from 0 to 1; `right` is the index of the right option. None without votes, and
     /// for counts where no single option is right.
     #[must_use]

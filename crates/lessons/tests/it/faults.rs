@@ -1,7 +1,9 @@
 //! Lessons with faults: each misspelt directive and value is named with its line, and hostile files end in an error, soon.
 
+use std::sync::Arc;
+
 use tilescope_core::Unobserved;
-use tilescope_lessons::{Lesson, LessonError, MAX_BYTES, Runs, check, shipped};
+use tilescope_lessons::{Arrival, Learner, Lesson, LessonError, MAX_BYTES, Runs, check, shipped};
 
 const GUIDE: &str = include_str!("../../../../assets/lessons/README.md");
 
@@ -145,7 +147,11 @@ fn hostile_files_are_refused() {
     let long = format!("{}{}", shipped::TEMPLATE, "x".repeat(10_000_000));
     let error = Lesson::read("long", &long).unwrap_err();
     assert!(error.message.contains(&MAX_BYTES.to_string()), "{error}");
-    let number = |answer: &str| asking(&format!("type: number\nask: How many?\nanswer: {answer}"));
+    let number = |answer: &str| {
+        asking(&format!(
+            "type: number\nask: How many?\nanswer: {answer}\notherwise: Not of {{samples()}}.\nbecause: {{samples()}}."
+        ))
+    };
     for (what, text) in [
         (
             "nested parentheses",
@@ -276,4 +282,217 @@ fn a_claim_that_no_run_tests_is_a_fault() {
     let found = check(&lesson, 3, &mut runs, &mut Unobserved, &mut |_| true).unwrap();
     let is_named = |fault: &LessonError| fault.line == 11 && fault.message.contains("0 of 3 runs");
     assert!(found.faults.iter().any(is_named), "{:?}", found.faults);
+}
+
+/// The condition of the first question of [`SOUND`]: both samples lie inside the domain.
+const INSIDE: &str = "(a < b) == odd_run() && min(border(position(a)[0], position(a)[1]), border(position(b)[0], position(b)[1])) > 2.5";
+
+/// A lesson that keeps all rules for gates.
+const SOUND: &str = r"---
+title: T
+objective: O
+---
+# One
+```run
+radius: 0.06
+leaf: 6
+moment: before eliminate
+where: (a < b) == odd_run() && min(border(position(a)[0], position(a)[1]), border(position(b)[0], position(b)[1])) > 2.5
+```
+The order decides.
+```gate one
+type: choice
+ask: Samples {a} and {b} are {distance} r apart. Which one is eliminated?
+option: The smaller number when: a < b => It comes first.
+option: The larger number when: a > b => It comes last.
+option: Neither survives when: false => One loss is enough.
+```
+# Two
+```run
+moment: end of tile
+```
+```gate two
+type: number
+ask: How many conflicts are there?
+answer: conflicts()
+wrong: 2 * conflicts() => Each has two ends.
+otherwise: There are {samples()} samples.
+because: There are {conflicts()}.
+```
+";
+
+/// Checks a lesson in 20 runs.
+fn all_faults(text: &str) -> Vec<LessonError> {
+    let lesson = Lesson::read("test", text).unwrap_or_else(|error| panic!("{error}\n{text}"));
+    let mut runs = Runs::default();
+    let found = check(&lesson, 20, &mut runs, &mut Unobserved, &mut |_| true);
+    found.unwrap().faults
+}
+
+#[test]
+fn a_lesson_that_breaks_one_rule_has_faults_of_this_rule_only() {
+    assert_eq!(all_faults(SOUND), []);
+    for (from, to, line, part) in [
+        // Every answer has a reply.
+        (" => One loss is enough.", "", 18, "has no reason"),
+        (
+            "otherwise: There are {samples()} samples.\n",
+            "",
+            24,
+            "otherwise",
+        ),
+        (
+            "There are {samples()} samples",
+            "Count again",
+            29,
+            "about the run",
+        ),
+        ("because: There are {conflicts()}.\n", "", 24, "because"),
+        (
+            "There are {conflicts()}.",
+            "As many as lines.",
+            30,
+            "exact number",
+        ),
+        // Not by reading.
+        (
+            "The order decides.",
+            "The larger number goes for an even seed, the one with the small one otherwise.",
+            17,
+            "stands in the text",
+        ),
+        // New each time.
+        ("answer: conflicts()", "answer: 4", 24, "the answer differs"),
+        (
+            "Samples {a} and {b} are {distance} r apart.",
+            "Here are {2.5}.",
+            13,
+            "the question names",
+        ),
+        ("(a < b) == odd_run()", "(a < b)", 16, "right in 100%"),
+        (
+            "option: Neither survives when: false => One loss is enough.\n",
+            "",
+            13,
+            "three options",
+        ),
+        (
+            "moment: end of tile",
+            &format!("moment: before eliminate\nwhere: {INSIDE}"),
+            21,
+            "event of \"one\"",
+        ),
+        // In view.
+        ("> 2.5", "< 2.4", 6, "domain's border"),
+        (
+            "leaf: 6\n",
+            "leaf: 6\ncamera: [0.0, 0.0] radii 4\n",
+            6,
+            "the edge of a canvas",
+        ),
+        // The whole picture.
+        (
+            "moment: end of tile",
+            "moment: end of tile\nlayers: conflicts",
+            21,
+            "samples at their ends",
+        ),
+        // Not by guessing.
+        (
+            "answer: conflicts()",
+            "tolerance: 15\nanswer: conflicts()",
+            13,
+            "who guesses",
+        ),
+    ] {
+        assert!(SOUND.contains(from), "{from}");
+        let faults = all_faults(&SOUND.replacen(from, to, 1));
+        let is_this = |fault: &LessonError| fault.line == line && fault.message.contains(part);
+        assert!(
+            !faults.is_empty() && faults.iter().all(is_this),
+            "{from} -> {to}: {faults:?}"
+        );
+    }
+}
+
+#[test]
+fn samples_that_are_chosen_between_are_apart_on_every_canvas() {
+    let lesson = |camera: &str| {
+        let gate = "type: pick\nask: Which one is eliminated?\ncandidates: s == a || s == b\nanswer: s == b";
+        let run = format!(
+            "leaf: 6\nmoment: before eliminate\nwhere: distance > 0.6 && {INSIDE}\ncamera: {camera}"
+        );
+        asking(&format!("{gate}\notherwise: Not {{a}}.")).replacen(
+            "leaf: 6\nmoment: end of tile",
+            &run,
+            1,
+        )
+    };
+    let faults = all_faults(&lesson("fit"));
+    assert_eq!(faults.len(), 1, "{faults:?}");
+    assert!(faults[0].message.contains("px apart"), "{faults:?}");
+
+    // The control: nearer, they are apart.
+    assert_eq!(all_faults(&lesson("a radii 6")), []);
+}
+
+#[test]
+fn a_picture_without_its_inserted_samples_is_named() {
+    let lesson = |layers: &str| {
+        let gate = "type: number\nask: How many?\nanswer: samples()\notherwise: Not {samples()}.\nbecause: {samples()}.";
+        let moment = format!("moment: end of iterate-1\nlayers: {layers}");
+        asking(gate).replacen("moment: end of tile", &moment, 1)
+    };
+    let faults = all_faults(&lesson("samples disks"));
+    assert_eq!(faults.len(), 1, "{faults:?}");
+    assert!(faults[0].message.contains("holes that are none"));
+    assert_eq!(all_faults(&lesson("samples disks inserted")), []);
+}
+
+/// Practice draws another run where something would be out of sight.
+#[test]
+fn practice_shows_all_that_its_question_is_about() {
+    let text = SOUND.replacen(INSIDE, "(a < b) == odd_run()", 1);
+    let lesson = Lesson::read("test", &text).unwrap();
+    let mut runs = Runs::default();
+    let mut is_shown = |seed| {
+        let parameters = lesson.steps[0].scene.parameters;
+        let parameters = tilescope_core::Parameters { seed, ..parameters };
+        let recording = runs.of(&parameters, &mut Unobserved).unwrap();
+        let mut learner = Learner::new(Arc::new(lesson.clone()), Arc::default());
+        assert!(learner.practise_seed(seed));
+        learner.arrive(&recording, 0.0).unwrap() == Arrival::Here
+    };
+    let shown = (1..=20).filter(|&seed| is_shown(seed)).count();
+    assert!((1..20).contains(&shown), "{shown}");
+}
+
+#[test]
+fn a_lesson_has_one_check_of_reading() {
+    let said = SOUND.replace(
+        "The order decides.",
+        "The larger number goes, or the smaller number.",
+    );
+    let once = said.replace("type: choice", "type: choice\nread: yes");
+    assert_eq!(all_faults(&once), []);
+    let twice = once.replace("type: number", "type: number\nread: yes");
+    let faults = all_faults(&twice);
+    assert_eq!(faults.len(), 1, "{faults:?}");
+    assert!(faults[0].message.contains("at most one question"));
+}
+
+#[test]
+fn a_lesson_without_a_misconception_is_named() {
+    let begin = SOUND.find("type: choice").unwrap();
+    let end = begin + SOUND[begin..].find("```").unwrap();
+    let number = "type: number\nask: How many?\nanswer: samples()\notherwise: Not {samples()}.\nbecause: {samples()}.\n";
+    let text = format!("{}{number}{}", &SOUND[..begin], &SOUND[end..]);
+    let text = text.replace("wrong: 2 * conflicts() => Each has two ends.\n", "");
+    let faults = all_faults(&text);
+    assert_eq!(faults.len(), 1, "{faults:?}");
+    assert!(
+        faults[0]
+            .message
+            .contains("no question shows a misconception")
+    );
 }

@@ -2,4 +2,5 @@
 
 mod faults;
 mod guide;
+mod inventory;
 mod shipped;

@@ -1,0 +1,200 @@
+//! Asks the question of a step in a run, and lets three learners answer it: one who knows everything, one who guesses, and
+//! one with the first known misconception. Begin with [`ask`].
+
+use std::sync::Arc;
+
+use tilescope_core::{Key as DrawKey, Stream, below};
+use tilescope_debugger::Recording;
+
+use crate::answer::{Answer, Change, CutAxis, Key};
+use crate::error::LessonError;
+use crate::learner::{Arrival, Learner};
+use crate::lesson::{Gate, GateKind, Lesson, Text};
+use crate::question::{Form, Question};
+use crate::seen::unseen;
+
+/// The most answers that a learner gives to a question, of which a trace takes several.
+const MAX_TRIES: u32 = 100;
+
+/// A question with the answers of the three learners.
+pub(super) struct Asked {
+    pub question: Question,
+    /// The scores: perfect, guessing, misconceived; none for the last where no misconception is known.
+    pub scores: [Option<f64>; 3],
+    /// The chance of a guesser to be right at the first try.
+    pub chance: f64,
+    /// What is not to be seen of it, if something is not.
+    pub unseen: Option<String>,
+}
+
+/// Asks the question of a step in a run, and grades the answers of the three learners. Returns `None` if the run lacks the
+/// moment, or the step a question.
+pub(super) fn ask(
+    lesson: &Arc<Lesson>,
+    index: usize,
+    recording: &Arc<Recording>,
+    practised: bool,
+) -> Result<Option<Asked>, LessonError> {
+    let step = &lesson.steps[index];
+    let seed = recording.run().parameters.seed;
+    let mut learner = Learner::new(Arc::clone(lesson), Arc::default());
+    learner.go(index);
+    if practised {
+        // Any draw stands for the seed of the recording; the run is given.
+        learner.practise(seed);
+    }
+    if learner.arrive(recording, 0.0)? != Arrival::Here {
+        let missing = LessonError::new(step.scene.line, "the run has no such moment");
+        return if practised { Ok(None) } else { Err(missing) };
+    }
+
+    if let Some(scene) = learner.scene() {
+        for text in step.text.iter().chain(&step.after) {
+            scene.fill(&Text::new(text.as_str(), step.line))?;
+        }
+        scene.camera(&step.scene.camera)?;
+    }
+    let asked = step.gate.as_ref().zip(learner.question().cloned());
+    let Some((gate, question)) = asked else {
+        return Ok(None);
+    };
+
+    let (chance, unseen) = match learner.scene() {
+        Some(scene) => (
+            question.chance(scene)?,
+            unseen(&step.scene, gate, &question, scene)?,
+        ),
+        None => (0.0, None),
+    };
+    let draws = DrawKey::from_seed(seed).derive(Stream::Throw, index as u32);
+    let scores = [
+        score(&mut learner, &question, &|traced, _| {
+            Some(question.right_answer(traced))
+        })?,
+        score(&mut learner, &question, &|_, attempt| {
+            Some(guess(&question, draws, attempt))
+        })?,
+        score(&mut learner, &question, &|_, attempt| {
+            let believed = (attempt == 0).then(|| misconception(gate, &question));
+            believed.flatten()
+        })?,
+    ];
+    Ok(Some(Asked {
+        question,
+        scores,
+        chance,
+        unseen,
+    }))
+}
+
+/// Returns the score of a learner who gives answers to the open question, by the number of events traced and of answers
+/// given; `None` if it has no answer.
+fn score(
+    learner: &mut Learner,
+    question: &Question,
+    answers: &dyn Fn(usize, u32) -> Option<Answer>,
+) -> Result<Option<f64>, LessonError> {
+    learner.take_back();
+    for attempt in 0..MAX_TRIES {
+        let (_, traced) = learner.tries();
+        let Some(answer) = answers(traced, attempt) else {
+            return Ok(None);
+        };
+        let feedback = learner.answer(&answer, 1.0)?;
+        // Only a trace takes several answers; of other questions the first answer counts.
+        if feedback.is_done || !matches!(question.key(), Key::Trace(_)) {
+            break;
+        }
+    }
+
+    // A question that was answered wrongly ends when the learner gives up, which takes two calls.
+    learner.give_up(1.0);
+    learner.give_up(1.0);
+    let entry = learner.take_entries().pop();
+    Ok(Some(entry.map_or(0.0, |entry| entry.score)))
+}
+
+/// Returns the answer of a learner with the first known misconception, if there is one.
+fn misconception(gate: &Gate, question: &Question) -> Option<Answer> {
+    if let Some(wrong) = question.wrong.first() {
+        return Some(match (&wrong.answer, &question.form) {
+            (Answer::Pick(samples), Form::Pick { several: false, .. }) => {
+                let Key::Pick(right) = question.key() else {
+                    return None;
+                };
+                Answer::Pick(vec![*samples.iter().find(|s| !right.contains(s))?])
+            }
+            (answer, _) => answer.clone(),
+        });
+    }
+    let (GateKind::Choice { options, .. }, Key::Choice(right)) = (&gate.kind, question.key())
+    else {
+        return None;
+    };
+    let is_believed = |shown: &usize| {
+        let option = options.get(question.in_file(*shown));
+        shown != right && option.is_some_and(|option| option.sentence.is_some())
+    };
+    // Authors list the misconception that they know best first.
+    let wrong = (0..options.len()).filter(is_believed);
+    wrong
+        .min_by_key(|&shown| question.in_file(shown))
+        .map(Answer::Choice)
+}
+
+/// Returns a random answer.
+fn guess(question: &Question, key: DrawKey, attempt: u32) -> Answer {
+    let draw = |index: u32, n: usize| {
+        below(
+            key.draw(Stream::Order, 64 * attempt + index)[0],
+            n.max(1) as u32,
+        ) as usize
+    };
+    let share =
+        |index: u32| f64::from(key.draw(Stream::Order, 64 * attempt + index)[1]) / 4_294_967_296.0;
+    match &question.form {
+        Form::Pick {
+            candidates,
+            several: false,
+        } => Answer::Pick(vec![candidates[draw(0, candidates.len())]]),
+        Form::Pick { candidates, .. } => {
+            let mut some: Vec<u32> = (0..)
+                .zip(candidates)
+                .filter(|(k, _)| share(*k) < 0.5)
+                .map(|(_, s)| *s)
+                .collect();
+            if some.is_empty() {
+                some.push(candidates[draw(60, candidates.len())]);
+            }
+            Answer::Pick(some)
+        }
+        Form::Place { candidates } => Answer::Place(candidates[draw(0, candidates.len())]),
+        Form::Number { .. } => Answer::Number((100.0 * share(0)).round()),
+        Form::Choice { options, .. } | Form::Trace { options, .. } => {
+            Answer::Choice(draw(0, options.len()))
+        }
+        Form::Order { items } => {
+            let mut order: Vec<usize> = (0..items.len()).collect();
+            for last in (1..order.len()).rev() {
+                order.swap(last, draw(last as u32, last + 1));
+            }
+            Answer::Order(order)
+        }
+        Form::Cut { min, max, .. } => {
+            let (axis, of) = if draw(0, 2) == 0 {
+                (CutAxis::X, 0)
+            } else {
+                (CutAxis::Y, 1)
+            };
+            Answer::Cut {
+                axis,
+                at: min[of] + share(1) * (max[of] - min[of]),
+            }
+        }
+        Form::Bands { bands, .. } => Answer::Bands(
+            (0..bands.len())
+                .map(|k| Change::ALL[draw(k as u32, 3)])
+                .collect(),
+        ),
+    }
+}

@@ -1,0 +1,193 @@
+//! Whether a learner sees what a question is about: on a canvas as large as in a window, and on one as on a telephone.
+//! Begin with [`unseen`].
+
+use crate::answer::Key;
+use crate::error::LessonError;
+use crate::lesson::{Gate, GateKind, SceneSpec, Text};
+use crate::question::{Form, Question};
+use crate::scene::Scene;
+use crate::sets::{PointSet, position, radii};
+
+/// The canvases, in pixels: beside a lesson in a window, and above one on a telephone.
+const CANVASES: [[f64; 2]; 2] = [[800.0, 500.0], [390.0, 300.0]];
+/// The smallest distance to the domain's border and to the canvas's edge, in r: what decides about a sample are the
+/// samples within 2 r, which are drawn whole.
+const MIN_ROOM: f64 = 2.5;
+/// The smallest distance to the edge of a canvas that shows less, as a share of its shorter side. A question about one
+/// place is shown so near that 2.5 r may be more than half of the picture; a ring and a label need this much.
+const MIN_SHARE: f64 = 0.1;
+/// The smallest distance of two things that a learner chooses between, in pixels: that of two fingers' targets.
+const MIN_APART: f64 = 24.0;
+
+/// A thing that a question names, with its place in r.
+struct Named {
+    name: String,
+    at: [f64; 2],
+    /// Whether a learner points at it to answer.
+    is_chosen: bool,
+}
+
+/// Returns what is not to be seen of a question in its scene, if something is not.
+pub(crate) fn unseen(
+    spec: &SceneSpec,
+    gate: &Gate,
+    question: &Question,
+    scene: &Scene,
+) -> Result<Option<String>, LessonError> {
+    if let Some(hidden) = hidden_samples(spec, scene) {
+        return Ok(Some(hidden));
+    }
+    // A trace follows the algorithm, which takes samples wherever they are; its camera follows too.
+    if matches!(gate.kind, GateKind::Trace { .. }) {
+        return Ok(None);
+    }
+
+    let named = named(gate, question, scene)?;
+    if let Some(near) = near_the_border(&named, scene) {
+        return Ok(Some(near));
+    }
+    let camera = scene.camera(&spec.camera)?;
+    let size = size(scene);
+    Ok(CANVASES.iter().find_map(|&canvas| {
+        let (center, scale) = match camera {
+            Some((center, across)) => (center, canvas[0].min(canvas[1]) / across),
+            // The whole domain is in the middle of the canvas.
+            None => (size.map(|side| 0.5 * side), fitting(size, canvas)),
+        };
+        let outside = camera.and_then(|_| near_the_edge(&named, center, scale, canvas));
+        outside.or_else(|| too_close(&named, scale, canvas))
+    }))
+}
+
+/// Returns the size of the domain in r.
+fn size(scene: &Scene) -> [f64; 2] {
+    let domain = scene.recording().domain();
+    [domain.width(), domain.height()].map(radii)
+}
+
+/// Returns the pixels per r at which the whole domain fits a canvas.
+fn fitting(size: [f64; 2], canvas: [f64; 2]) -> f64 {
+    (canvas[0] / size[0]).min(canvas[1] / size[1])
+}
+
+/// Returns which samples the layers of a scene leave out of the picture, if they leave out some.
+fn hidden_samples(spec: &SceneSpec, scene: &Scene) -> Option<String> {
+    let layers = spec.layers.as_ref()?;
+    let has = |name: &str| layers.iter().any(|layer| layer == name);
+    if has("conflicts") && !has("samples") {
+        return Some(
+            "conflicts are drawn without the samples at their ends: add \"samples\" to the layers"
+                .to_owned(),
+        );
+    }
+
+    let set = PointSet::at(scene.recording(), scene.cursor());
+    let inserted = set.ids.iter().filter(|&&sample| scene.is_inserted(sample));
+    let count = inserted.count();
+    let is_hidden = has("samples") && !has("inserted") && count > 0;
+    is_hidden.then(|| {
+        format!(
+            "the picture has holes that are none, as {count} inserted samples are not drawn: add \"inserted\" to the layers"
+        )
+    })
+}
+
+/// Returns all that a question names at places of the domain: in its text, its options and its list, and its key.
+fn named(gate: &Gate, question: &Question, scene: &Scene) -> Result<Vec<Named>, LessonError> {
+    let of_sample = |sample: u32, is_chosen| Named {
+        name: format!("sample {sample}"),
+        at: scene
+            .recording()
+            .point(sample)
+            .map(position)
+            .unwrap_or_default(),
+        is_chosen,
+    };
+    let of_place = |name: &str, at, is_chosen| Named {
+        name: name.to_owned(),
+        at,
+        is_chosen,
+    };
+
+    let mut named: Vec<Named> = Vec::new();
+    match (&question.form, question.key()) {
+        (Form::Pick { candidates, .. }, _) => {
+            named.extend(candidates.iter().map(|&sample| of_sample(sample, true)));
+        }
+        (Form::Place { candidates }, Key::Place(right)) => {
+            named.extend(
+                candidates
+                    .iter()
+                    .map(|&at| of_place("a place of the list", at, true)),
+            );
+            named.extend(right.iter().map(|&at| of_place("a right place", at, false)));
+        }
+        _ => {}
+    }
+    let marked = question.marked.iter();
+    named.extend(marked.map(|&at| of_place("the mark", at, false)));
+
+    let mut texts: Vec<&Text> = vec![&gate.ask];
+    match &gate.kind {
+        GateKind::Choice { options, .. } => texts.extend(options.iter().map(|option| &option.text)),
+        GateKind::Order { items } => texts.extend(items.iter().map(|(text, _)| text)),
+        _ => {}
+    }
+    for text in texts {
+        let samples = scene.samples_in(text)?;
+        named.extend(samples.into_iter().map(|sample| of_sample(sample, false)));
+    }
+    Ok(named)
+}
+
+/// Returns what is nearer to the domain's border than allowed.
+fn near_the_border(named: &[Named], scene: &Scene) -> Option<String> {
+    let size = size(scene);
+    let room = |at: [f64; 2]| {
+        let sides = [at[0], at[1], size[0] - at[0], size[1] - at[1]];
+        sides.into_iter().fold(f64::INFINITY, f64::min)
+    };
+    let near = named.iter().find(|thing| room(thing.at) < MIN_ROOM)?;
+    let (name, room) = (&near.name, room(near.at));
+    Some(format!(
+        "{name} is {room:.2} r from the domain's border; it must be {MIN_ROOM} r, so that all around it is drawn"
+    ))
+}
+
+/// Returns what is nearer to the edge of a canvas than allowed.
+fn near_the_edge(
+    named: &[Named],
+    center: [f64; 2],
+    scale: f64,
+    canvas: [f64; 2],
+) -> Option<String> {
+    let [width, height] = canvas;
+    let needed = MIN_ROOM.min(MIN_SHARE * width.min(height) / scale);
+    let room = |at: [f64; 2]| {
+        let sides = [0, 1].map(|axis| 0.5 * canvas[axis] / scale - (at[axis] - center[axis]).abs());
+        sides[0].min(sides[1])
+    };
+    let near = named.iter().find(|thing| room(thing.at) < needed)?;
+    let (name, room) = (&near.name, room(near.at));
+    Some(format!(
+        "{name} is {room:.2} r from the edge of a canvas of {width} x {height}; it must be {needed:.2} r"
+    ))
+}
+
+/// Returns which two things that a learner chooses between are closer on a canvas than allowed.
+fn too_close(named: &[Named], scale: f64, [width, height]: [f64; 2]) -> Option<String> {
+    let chosen: Vec<&Named> = named.iter().filter(|thing| thing.is_chosen).collect();
+    for (index, a) in chosen.iter().enumerate() {
+        for b in &chosen[..index] {
+            let apart = scale * (a.at[0] - b.at[0]).hypot(a.at[1] - b.at[1]);
+            if apart < MIN_APART {
+                let (a, b) = (&b.name, &a.name);
+                return Some(format!(
+                    "{a} and {b} are {apart:.1} px apart on a canvas of {width} x {height}; \
+                     {MIN_APART} px are needed to choose one of them"
+                ));
+            }
+        }
+    }
+    None
+}
