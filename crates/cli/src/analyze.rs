@@ -8,7 +8,7 @@ mod gather;
 mod measure;
 mod measured;
 mod names;
-mod page;
+pub(crate) mod page;
 mod report;
 mod subject;
 mod table;

@@ -1,5 +1,7 @@
 //! `tilescope lesson`: checks lessons, writes new ones and their keys, translations and handouts, and merges results.
 
+mod gain_page;
+
 use std::fmt::Write;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -11,18 +13,20 @@ use tilescope_analysis::{lossy, shown_in_line};
 use tilescope_core::Unobserved;
 use tilescope_figures::{Font, lacking};
 use tilescope_formats::write_whole;
+use tilescope_lessons::gain::Gains;
 use tilescope_lessons::results::{self, Merged, Results};
 use tilescope_lessons::shipped::{self, Shipped};
 use tilescope_lessons::{Checked, Lesson, LessonError, Runs, Translation, check, is_language};
 
-use crate::paths::{InFile, check_inputs_stay, named};
+use crate::paths::{InFile, check_inputs_stay, extension, named};
 use crate::progress::bar;
 use crate::{EXIT_FINE, FromWindow, interrupt, output, verdict_code};
 
 /// The commands of `tilescope lesson`.
 #[derive(Debug, Subcommand)]
 pub enum LessonCommand {
-    /// Check lessons: read them, compute every key for many runs, and let three learners answer
+    /// Check lessons: read them, compute every key for many runs, let three learners answer, and search what the window
+    /// shows for answers
     Check(CheckArguments),
     /// Write a new lesson, to be edited
     New {
@@ -59,15 +63,8 @@ pub enum LessonCommand {
         /// The language, such as de, zh-Hant or pt-BR
         language: String,
     },
-    /// Merge the results of learners into one table
-    Results {
-        /// The files that learners saved
-        #[arg(required = true)]
-        files: Vec<PathBuf>,
-        /// The file to write: .csv, or .json for xAPI statements
-        #[arg(long, value_name = "FILE")]
-        out: PathBuf,
-    },
+    /// Merge the results of learners into one table, and compare the forms before and after
+    Results(ResultsArguments),
 }
 
 /// The lessons to check, and the number of runs.
@@ -81,6 +78,21 @@ pub struct CheckArguments {
     /// Print one JSON object
     #[arg(long)]
     json: bool,
+}
+
+/// Arguments of `tilescope lesson results`.
+#[derive(Debug, Args)]
+pub struct ResultsArguments {
+    /// The files that learners saved
+    #[arg(required = true)]
+    files: Vec<PathBuf>,
+    /// The file to write: .csv, or .json for xAPI statements
+    #[arg(long, value_name = "FILE", required_unless_present = "gain")]
+    out: Option<PathBuf>,
+    /// Write the normalized gain from the form before to the form after: .csv, or .html for a page with a picture; may be
+    /// given twice
+    #[arg(long, value_name = "FILE")]
+    gain: Vec<PathBuf>,
 }
 
 /// Arguments of `tilescope lesson handout`.
@@ -126,13 +138,13 @@ Examples:
   tilescope lesson new mine.md          a new lesson, to be edited
   tilescope lesson check mine.md        every question, for 40 runs; exit code 1 if anything is wrong
   tilescope lesson translate mine.md de
-  tilescope lesson results *.json --out class.csv";
+  tilescope lesson results *.json --out class.csv --gain gain.html";
 
 /// Runs `tilescope lesson`. Returns the exit code.
 pub fn run(command: &LessonCommand, window: FromWindow) -> Result<u8> {
     interrupt::listen();
     match command {
-        LessonCommand::Check(arguments) => return check_all(arguments),
+        LessonCommand::Check(arguments) => return check_all(arguments, window),
         LessonCommand::New { file } => new(file)?,
         // The program opens the window before commands are run.
         LessonCommand::Play { lesson, .. } => bail!("there is no display to play {lesson} on"),
@@ -141,7 +153,7 @@ pub fn run(command: &LessonCommand, window: FromWindow) -> Result<u8> {
         LessonCommand::List => list()?,
         LessonCommand::Keys(arguments) => keys(arguments)?,
         LessonCommand::Translate { file, language } => translate(file, language)?,
-        LessonCommand::Results { files, out } => merge(files, out)?,
+        LessonCommand::Results(arguments) => merge(arguments)?,
     }
     Ok(EXIT_FINE)
 }
@@ -175,7 +187,7 @@ pub fn played(command: &LessonCommand) -> Option<Result<Played>> {
     } else if file.is_file() {
         Ok(Played::File(file, *present))
     } else {
-        let names: Vec<_> = shipped::lessons().into_iter().map(|one| one.name).collect();
+        let names: Vec<_> = shipped::all().into_iter().map(|one| one.name).collect();
         let (no_lesson, names) = (no_lesson(lesson), names.join(", "));
         Err(anyhow!("{no_lesson}: lecture, {names}"))
     })
@@ -187,13 +199,15 @@ fn no_lesson(name: &str) -> String {
 }
 
 fn shipped_lesson(name: &str) -> Option<Shipped> {
-    shipped::lessons().into_iter().find(|one| one.name == name)
+    shipped::all().into_iter().find(|one| one.name == name)
 }
 
 /// A lesson file and its translations, or why they cannot be read.
 struct Source {
     /// The path, for messages.
     name: String,
+    /// The content of the lesson's file.
+    text: String,
     lesson: Result<Lesson, LessonError>,
     /// The path and the content of each translation.
     translations: Vec<(String, Result<Translation, LessonError>)>,
@@ -204,6 +218,7 @@ impl Source {
         let (name, german) = (&shipped.name, Translation::read(&shipped.german));
         Self {
             name: format!("{name}.md"),
+            text: shipped.text.clone().into_owned(),
             lesson: Lesson::read(name, &shipped.text),
             translations: vec![(format!("{name}.de.md"), german)],
         }
@@ -212,7 +227,8 @@ impl Source {
     /// Reads a lesson and the files NAME.LANGUAGE.md beside it.
     fn of_file(file: &Path) -> Result<Self> {
         let name = name_of(file)?;
-        let lesson = Lesson::read(&name, &read(file)?);
+        let text = read(file)?;
+        let lesson = Lesson::read(&name, &text);
         let folder = file.parent().filter(|folder| *folder != Path::new(""));
         let folder = folder.unwrap_or(Path::new("."));
         let entries = fs::read_dir(folder).in_file(folder)?;
@@ -228,6 +244,7 @@ impl Source {
         let translation = |path: &PathBuf| Ok((named(path), Translation::read(&read(path)?)));
         Ok(Self {
             name: named(file),
+            text,
             lesson,
             translations: paths.iter().map(translation).collect::<Result<_>>()?,
         })
@@ -285,9 +302,20 @@ fn checked(lesson: &Lesson, seeds: u64) -> Result<Checked> {
     Ok(found?)
 }
 
-fn check_all(arguments: &CheckArguments) -> Result<u8> {
+/// Returns a fault of a file as editors read it, to go to its line.
+fn at(name: &str, fault: &LessonError) -> String {
+    let LessonError { line, message } = fault;
+    format!("{name}:{line}: {message}")
+}
+
+/// Adds the path and the line to the fault of a file.
+fn with_line<T>(read: Result<T, LessonError>, file: &Path) -> Result<T> {
+    read.map_err(|fault| anyhow!(at(&named(file), &fault)))
+}
+
+fn check_all(arguments: &CheckArguments, window: FromWindow) -> Result<u8> {
     let sources: Vec<Source> = if arguments.files.is_empty() {
-        shipped::lessons().iter().map(Source::of_shipped).collect()
+        shipped::all().iter().map(Source::of_shipped).collect()
     } else {
         let read = arguments.files.iter().map(|file| Source::of_file(file));
         read.collect::<Result<_>>()?
@@ -299,16 +327,27 @@ fn check_all(arguments: &CheckArguments) -> Result<u8> {
             Ok(lesson) => lesson,
             Err(error) => {
                 is_fine = false;
-                let _ = writeln!(text, "{name}: {error}");
-                objects.push(json!({ "file": name, "faults": [error.to_string()] }));
+                let fault = at(&name, &error);
+                let _ = writeln!(text, "{fault}");
+                objects.push(json!({ "file": name, "faults": [fault] }));
                 continue;
             }
         };
         let found = checked(&lesson, arguments.seeds)?;
-        let faults = found.faults.iter().map(|fault| format!("{name}: {fault}"));
-        let mut faults: Vec<String> = faults.collect();
+        let (leaks, unsearched) = match (window.leaks)(&lesson.name, &source.text) {
+            Ok(leaks) => (leaks, None),
+            Err(why) => {
+                let warning = format!(
+                    "{name}: warning: the texts of the window are not searched for answers: {why}"
+                );
+                (Vec::new(), Some(warning))
+            }
+        };
+        let faults = found.faults.iter().chain(&leaks);
+        let mut faults: Vec<String> = faults.map(|fault| at(&name, fault)).collect();
         let original = lesson.texts().concat();
         let mut warnings: Vec<String> = letters_warning(&name, &original).into_iter().collect();
+        warnings.extend(unsearched);
         for (name, translation) in source.translations {
             if let Ok(translation) = &translation {
                 let texts = lesson.texts();
@@ -319,11 +358,12 @@ fn check_all(arguments: &CheckArguments) -> Result<u8> {
                 Err(error) => (Vec::new(), vec![error]),
                 Ok(translation) => translation.compared(&lesson),
             };
+            // A text that is missing has no line.
             let missing = missing
                 .iter()
-                .map(|text| format!("not translated: \"{text}\""));
-            let all = missing.chain(wrong.iter().map(ToString::to_string));
-            faults.extend(all.map(|fault| format!("{name}: {fault}")));
+                .map(|text| LessonError::new(1, format!("not translated: \"{text}\"")));
+            let all: Vec<LessonError> = missing.chain(wrong).collect();
+            faults.extend(all.iter().map(|fault| at(&name, fault)));
         }
         is_fine &= faults.is_empty();
         text.extend(
@@ -375,7 +415,7 @@ fn new(file: &Path) -> Result<()> {
 
 fn list() -> Result<()> {
     let mut text = String::new();
-    for Source { name, lesson, .. } in shipped::lessons().iter().map(Source::of_shipped) {
+    for Source { name, lesson, .. } in shipped::all().iter().map(Source::of_shipped) {
         let lesson = lesson.context(name)?;
         let (name, title, minutes) = (&lesson.name, &lesson.title, lesson.minutes);
         let objective = &lesson.objective;
@@ -445,10 +485,10 @@ fn keys(arguments: &CheckArguments) -> Result<()> {
         "name the lessons whose keys are to be written"
     );
     for file in &arguments.files {
-        let lesson = Source::of_file(file)?.lesson.in_file(file)?;
+        let lesson = with_line(Source::of_file(file)?.lesson, file)?;
         let found = checked(&lesson, arguments.seeds)?;
         if let Some(fault) = found.faults.first() {
-            bail!("{}: {fault}", named(file));
+            bail!(at(&named(file), fault));
         }
         let keys = file.with_extension("keys");
         check_inputs_stay(&keys, [file.as_path()])?;
@@ -468,11 +508,11 @@ fn check_language(language: &str) -> Result<()> {
 fn translate(file: &Path, language: &str) -> Result<()> {
     check_language(language)?;
     let name = name_of(file)?;
-    let lesson = Lesson::read(&name, &read(file)?).in_file(file)?;
+    let lesson = with_line(Lesson::read(&name, &read(file)?), file)?;
     let target = file.with_file_name(format!("{name}.{language}.md"));
     check_inputs_stay(&target, [file])?;
     let old = if target.exists() {
-        Translation::read(&read(&target)?).in_file(&target)?
+        with_line(Translation::read(&read(&target)?), &target)?
     } else {
         Translation::default()
     };
@@ -486,8 +526,11 @@ fn translate(file: &Path, language: &str) -> Result<()> {
     ))
 }
 
-fn merge(files: &[PathBuf], out: &Path) -> Result<()> {
-    check_inputs_stay(out, files.iter().map(PathBuf::as_path))?;
+fn merge(arguments: &ResultsArguments) -> Result<()> {
+    let ResultsArguments { files, out, gain } = arguments;
+    for target in out.iter().chain(gain) {
+        check_inputs_stay(target, files.iter().map(PathBuf::as_path))?;
+    }
     let results = |file: &PathBuf| {
         let name = lossy(file.file_stem().unwrap_or_default());
         Ok((
@@ -498,17 +541,17 @@ fn merge(files: &[PathBuf], out: &Path) -> Result<()> {
     let read: Vec<(String, Results)> = files.iter().map(results).collect::<Result<_>>()?;
     let merged = Merged::of(read);
 
-    let path = named(out);
-    let text = match out.extension().and_then(|extension| extension.to_str()) {
-        Some("csv") => results::csv(&merged.all)?,
-        Some("json") => {
-            let statements: Vec<Value> = merged.all.iter().map(Results::xapi).collect();
-            let lists = statements.iter().filter_map(Value::as_array);
-            serde_json::to_string_pretty(&lists.flatten().collect::<Vec<_>>())?
-        }
-        _ => bail!("--out {path}: the file must end in .csv, or in .json for xAPI statements"),
-    };
-    write(out, &text)?;
+    // Everything is made before anything is written, so that a fault leaves no file behind.
+    let mut made = Vec::new();
+    if let Some(out) = out {
+        made.push((out, entries_text(&merged, out)?));
+    }
+    for file in gain {
+        made.push((file, gains_text(&merged, file)?));
+    }
+    for (file, text) in &made {
+        write(file, text)?;
+    }
 
     let entries: usize = merged.all.iter().map(|one| one.entries.len()).sum();
     let learners = merged.learners();
@@ -516,7 +559,42 @@ fn merge(files: &[PathBuf], out: &Path) -> Result<()> {
         0 => String::new(),
         count => format!("; {count} entries that were given twice count once"),
     };
+    let paths: Vec<String> = made.iter().map(|(file, _)| named(file)).collect();
+    let paths = paths.join(", ");
     output::emit(&format!(
-        "{path}: {entries} entries of {learners} learners{repeated}\n"
+        "{paths}: {entries} entries of {learners} learners{repeated}\n"
     ))
+}
+
+/// Returns the entries in the format of a file's extension.
+fn entries_text(merged: &Merged, file: &Path) -> Result<String> {
+    match extension(file).as_str() {
+        "csv" => Ok(results::csv(&merged.all)?),
+        "json" => {
+            let statements: Vec<Value> = merged.all.iter().map(Results::xapi).collect();
+            let lists = statements.iter().filter_map(Value::as_array);
+            Ok(serde_json::to_string_pretty(
+                &lists.flatten().collect::<Vec<_>>(),
+            )?)
+        }
+        _ => {
+            let path = named(file);
+            bail!("--out {path}: the file must end in .csv, or in .json for xAPI statements")
+        }
+    }
+}
+
+/// Returns the gains in the format of a file's extension.
+fn gains_text(merged: &Merged, file: &Path) -> Result<String> {
+    let gains = Gains::of(merged);
+    let path = named(file);
+    ensure!(
+        !gains.is_empty(),
+        "--gain {path}: no learner has answers in both forms, before and after, and no class has votes in both"
+    );
+    match extension(file).as_str() {
+        "csv" => Ok(gains.csv()?),
+        "html" => gain_page::html(&gains),
+        _ => bail!("--gain {path}: the file must end in .csv, or in .html for a page"),
+    }
 }

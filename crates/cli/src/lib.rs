@@ -48,6 +48,7 @@ use std::process::ExitCode;
 use clap::error::ErrorKind;
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use tilescope_analysis::shown_in_line;
+use tilescope_lessons::LessonError;
 use tilescope_reproduce::ReproduceError;
 
 pub use headless::{HeadlessReason, refuse_file, refuse_link, run_headless};
@@ -230,6 +231,9 @@ pub struct FromWindow {
     pub handout: fn(lesson::Handout) -> Result<String, String>,
     /// Returns a lesson of the scenes of a saved session, or why it cannot be made.
     pub lesson_of_session: fn(&str) -> Result<String, String>,
+    /// Shows the questions of a lesson, by its name and its text, and returns the faults of those whose answer a text of the
+    /// window gives away; or why the window cannot show them.
+    pub leaks: fn(&str, &str) -> Result<Vec<LessonError>, String>,
 }
 
 /// Runs a command and returns the process's exit code; errors go to standard error.

@@ -19,6 +19,7 @@ const WINDOW: FromWindow = FromWindow {
     script: tilescope_workbench::script::run,
     handout: made_handout,
     lesson_of_session,
+    leaks: tilescope_app::frame_texts::leaks,
 };
 
 fn made_handout(asked: Handout) -> Result<String, String> {

@@ -51,7 +51,7 @@ pub fn html(analysis: &Analysis, figures: &[String]) -> String {
 }
 
 /// Renames the ids of a figure, so that those of several figures on one page differ.
-fn with_own_ids(svg: &str, index: usize) -> String {
+pub(crate) fn with_own_ids(svg: &str, index: usize) -> String {
     svg.replace("id=\"clip-", &format!("id=\"f{index}-clip-"))
         .replace("url(#clip-", &format!("url(#f{index}-clip-"))
         .replace("id=\"layer-", &format!("id=\"f{index}-layer-"))

@@ -169,6 +169,77 @@ fn results_of_a_class_are_a_table_for_a_spreadsheet_and_statements_with_ids() {
     assert!(!folder.path().join("wrong.csv").exists());
 }
 
+/// Writes the results of a learner with a score in each form of some concepts.
+fn write_forms(folder: &TempDir, learner: &str, scores: &[(&str, [f64; 2])]) {
+    let entries = scores.iter().flat_map(|&(concept, scores)| {
+        ["before", "after"].into_iter().zip(scores).map(move |(form, score)| {
+            serde_json::json!({
+                "lesson": form, "hash": "00", "gate": concept, "form": form, "concept": concept, "seed": 1,
+                "practised": false, "answer": "A", "score": score, "tries": 1, "hints": 0, "given_up": false,
+                "confidence": null, "seconds": 12.3, "time": 1_700_000_000.0,
+            })
+        })
+    });
+    let entries: Vec<_> = entries.collect();
+    let results = serde_json::json!({ "version": 1, "learner": learner, "entries": entries });
+    let file = folder.path().join(format!("{learner}.json"));
+    fs::write(file, results.to_string()).unwrap();
+}
+
+#[test]
+fn the_gain_of_a_class_is_a_table_and_a_page_with_a_picture() {
+    let folder = tempdir().unwrap();
+    write_forms(
+        &folder,
+        "Ada",
+        &[("loss", [0.0, 1.0]), ("reach", [0.0, 1.0])],
+    );
+    write_forms(
+        &folder,
+        "Bob",
+        &[("loss", [1.0, 1.0]), ("reach", [0.0, 0.0])],
+    );
+    write_forms(
+        &folder,
+        "<Cy>",
+        &[("loss", [1.0, 1.0]), ("reach", [1.0, 0.0])],
+    );
+    let results = |arguments: &[&str]| {
+        let mut command = tilescope(&folder);
+        command.args(["lesson", "results", "Ada.json", "Bob.json", "<Cy>.json"]);
+        command.args(arguments).assert()
+    };
+    results(&["--gain", "gain.csv", "--gain", "gain.html"])
+        .success()
+        .stdout(contains("gain.csv, gain.html: 12 entries of 3 learners"));
+
+    let table = fs::read_to_string(folder.path().join("gain.csv")).unwrap();
+    // Before 0, 1/2 and 1; after 1, 1/2 and 1/2.
+    assert!(table.contains("class,all,3,0.500,0.667,0.33,"), "{table}");
+    assert!(
+        table.contains("learner,Ada,2,0.000,1.000,1.00,,"),
+        "{table}"
+    );
+    assert!(table.contains("learner,<Cy>,2,1.000,0.500,-,,"), "{table}");
+    let page = fs::read_to_string(folder.path().join("gain.html")).unwrap();
+    assert!(page.contains("<svg") && page.contains("a loss may open a gap"));
+    assert!(page.contains("&lt;Cy&gt;") && !page.contains("<Cy>"));
+    assert!(!page.contains("src=\"http") && !page.contains("<script"));
+    let bytes = fs::read(folder.path().join("gain.html")).unwrap();
+    results(&["--gain", "gain.html"]).success();
+    assert_eq!(fs::read(folder.path().join("gain.html")).unwrap(), bytes);
+
+    // Nothing is written if one of the files cannot be.
+    results(&["--out", "class.csv", "--gain", "gain.pdf"])
+        .code(2)
+        .stderr(contains("gain.pdf: the file must end in .csv, or in .html"));
+    assert!(!folder.path().join("class.csv").exists());
+    write_forms(&folder, "Ada", &[]);
+    let mut nothing = tilescope(&folder);
+    nothing.args(["lesson", "results", "Ada.json", "--gain", "none.csv"]);
+    nothing.assert().code(2).stderr(contains("both forms"));
+}
+
 #[test]
 fn lessons_are_written_in_any_script_and_translated_into_any_language() {
     let folder = tempdir().unwrap();
@@ -230,4 +301,26 @@ fn faults_are_named_as_editors_read_them() {
     let misspelt = lesson.replace("radius", "radios");
     fs::write(folder.path().join("mine.md"), misspelt).unwrap();
     check().stdout(contains("mine.md:9: there is no"));
+}
+
+#[test]
+fn a_question_whose_answer_is_on_the_screen_is_named() {
+    let folder = tempdir().unwrap();
+    let check = |ask: &str, answer: &str| {
+        let run = "radius: 0.06\nleaf: 6\nmoment: end of tile";
+        let replies = "otherwise: Not of {samples()}.\nbecause: {samples()}.\npractice: none";
+        let gate = format!("type: number\nask: {ask}\nanswer: {answer}\n{replies}");
+        let lesson = format!(
+            "---\ntitle: T\nobjective: O\n---\n# A\n```run\n{run}\n```\n```gate g\n{gate}\n```\n"
+        );
+        fs::write(folder.path().join("mine.md"), lesson).unwrap();
+        let mut command = tilescope(&folder);
+        command.args(["lesson", "check", "mine.md", "--seeds", "1"]);
+        command.assert()
+    };
+    check("How many samples are there?", "samples()")
+        .code(1)
+        .stdout(contains("mine.md:11: the window gives the answer away"));
+    // The control: the window says nothing of conflicts.
+    check("How many conflicts are there?", "conflicts()").success();
 }

@@ -246,6 +246,7 @@ fn what_is_no_layout_is_refused() {
         script: |_, _, _, _| Ok(None),
         handout: |_| Err(String::new()),
         lesson_of_session: |_| Err(String::new()),
+        leaks: |_, _| Err(String::new()),
     };
     let code = crate::run(&command, window);
     assert_eq!(code, std::process::ExitCode::from(crate::EXIT_BAD_INPUT));
