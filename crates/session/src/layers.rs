@@ -254,6 +254,12 @@ impl Layers {
         Self(own.fold(0, |bits, layer| bits | 1 << layer as u32))
     }
 
+    /// Returns those that `others` has, too.
+    #[must_use]
+    pub const fn within(self, others: Self) -> Self {
+        Self(self.0 & others.0)
+    }
+
     /// Returns no layers.
     #[must_use]
     pub const fn none() -> Self {

@@ -26,6 +26,7 @@ pub mod glossary;
 pub mod incoming;
 pub mod index;
 pub mod jobs;
+pub mod language;
 pub mod layers;
 pub mod limits;
 pub mod look;

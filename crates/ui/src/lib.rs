@@ -11,6 +11,7 @@
 //! ```
 
 pub mod focus;
+pub mod language;
 pub mod presses;
 pub mod spoken;
 pub mod theme;

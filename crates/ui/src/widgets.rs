@@ -13,6 +13,7 @@ use tilescope_drawing::surface::Stroke as SymbolStroke;
 use tilescope_drawing::symbol::SymbolShape;
 use tilescope_session::layers::Layer;
 
+use crate::language::Worded;
 use crate::theme::{FINGER, is_for_fingers, row_height, semibold};
 
 /// Widgets with a stable id, by which tests and assistive tools find them whatever their text and language.
@@ -73,23 +74,23 @@ impl<T: Debug> Display for Kebab<T> {
 /// Maximum height of read-only rows, in screen points.
 const READ: f32 = 24.0;
 
-/// Shows a heading of a section of a panel.
+/// Shows a heading of a section of a panel, in the language of the window.
 pub fn heading(ui: &mut Ui, text: &str) -> Response {
     ui.add_space(4.0);
-    let response = ui.label(RichText::new(text).font(FontId::new(13.5, semibold())));
+    let response = ui.label(RichText::new(ui.words(text)).font(FontId::new(13.5, semibold())));
     ui.add_space(2.0);
     response
 }
 
-/// Shows a name on the left, a number in tabular figures on the right.
+/// Shows a name on the left, a number in tabular figures on the right, both in the language of the window.
 pub fn row(ui: &mut Ui, name: &str, value: &str, palette: &Palette) {
     // The row is not clickable, so it may be lower than a button.
     let height = ui.spacing().interact_size.y;
     ui.spacing_mut().interact_size.y = height.min(READ);
     ui.horizontal(|ui| {
-        ui.label(RichText::new(name).color(palette.muted));
+        ui.label(RichText::new(ui.words(name)).color(palette.muted));
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            ui.label(RichText::new(value).monospace());
+            ui.label(RichText::new(ui.words(value)).monospace());
         });
     });
     ui.spacing_mut().interact_size.y = height;
@@ -107,7 +108,7 @@ pub fn symbol(painter: &Painter, layer: Layer, at: Pos2, palette: &Palette) {
 /// Explains a layer by a small figure, if there is one, and a sentence or two.
 pub fn explain(ui: &mut Ui, layer: Layer, palette: &Palette) {
     figure(ui, layer, palette);
-    ui.label(layer.explanation());
+    ui.label(ui.words(layer.explanation()));
 }
 
 /// Shows the figure of a layer, if there is one.
@@ -162,22 +163,23 @@ fn draw(painter: &Painter, shapes: Vec<SymbolShape>, at: Pos2) {
     }
 }
 
-/// Shows a pill that is on or off, with its name and the symbol of its layer, if it has one.
+/// Shows a pill that is on or off, with its name in the language of the window and the symbol of its layer, if it has one.
 pub fn chip(
     ui: &mut Ui,
     (layer, name): (Option<Layer>, &str),
     on: bool,
     palette: &Palette,
 ) -> Response {
+    let name = ui.words(name);
     let font = FontId::proportional(12.2);
     let color = if on { palette.text } else { palette.muted };
-    let galley = ui.painter().layout_no_wrap(name.to_owned(), font, color);
+    let galley = ui.painter().layout_no_wrap(name.clone(), font, color);
     let size = vec2(
         galley.size().x + if layer.is_some() { 32.0 } else { 20.0 },
         row_height(ui.ctx(), 26.0),
     );
     let (rect, response) = ui.allocate_exact_size(size, Sense::click());
-    response.widget_info(|| WidgetInfo::selected(Role::CheckBox, true, on, name));
+    response.widget_info(|| WidgetInfo::selected(Role::CheckBox, true, on, &name));
     let (fill, line) = if on {
         (
             palette.accent.gamma_multiply(0.16),
@@ -245,7 +247,7 @@ pub enum Icon {
     Shorter,
 }
 
-/// Shows a square button with an icon; `name` is its accessible name and tooltip.
+/// Shows a square button with an icon; `name` is its accessible name and tooltip, in the language of the window.
 pub fn icon_button(
     ui: &mut Ui,
     icon: Icon,
@@ -254,6 +256,7 @@ pub fn icon_button(
     palette: &Palette,
 ) -> Response {
     let enabled = refusal.is_none();
+    let name = &ui.words(name);
     let side = if is_for_fingers(ui.ctx()) {
         FINGER + 2.0
     } else {
@@ -271,7 +274,7 @@ pub fn icon_button(
         palette.muted.gamma_multiply(0.4)
     };
     paint_icon(painter, icon, rect.center(), color, palette.panel);
-    response.on_hover_text(refusal.unwrap_or(name))
+    response.on_hover_text(refusal.map_or_else(|| name.clone(), |refusal| ui.words(refusal)))
 }
 
 fn paint_icon(painter: &Painter, icon: Icon, at: Pos2, color: Color32, ground: Color32) {
@@ -375,7 +378,7 @@ fn allocate_button(ui: &mut Ui, size: Vec2, name: &str, enabled: bool) -> (Rect,
     (rect, response)
 }
 
-/// Shows the main button of a panel: filled with the accent.
+/// Shows the main button of a panel, filled with the accent, in the language of the window.
 pub fn primary_button(
     ui: &mut Ui,
     text: &str,
@@ -383,6 +386,7 @@ pub fn primary_button(
     palette: &Palette,
 ) -> Response {
     let enabled = refusal.is_none();
+    let text = &ui.words(text);
     let size = vec2(ui.available_width(), row_height(ui.ctx(), 34.0));
     let (rect, response) = allocate_button(ui, size, text, enabled);
     let strength = match (enabled, response.hovered()) {
@@ -400,7 +404,7 @@ pub fn primary_button(
     let font = FontId::new(14.0, semibold());
     painter.text(rect.center(), Align2::CENTER_CENTER, text, font, color);
     match refusal {
-        Some(refusal) => response.on_hover_text(refusal),
+        Some(refusal) => response.on_hover_text(ui.words(refusal)),
         None => response.on_hover_cursor(CursorIcon::PointingHand),
     }
 }

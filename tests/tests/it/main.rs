@@ -10,3 +10,4 @@ mod instructions;
 mod numbers;
 mod properties;
 mod support;
+mod words;

@@ -1,0 +1,357 @@
+//! Languages of the window beside English: for each a table in `assets/words` that has its text for every English one.
+//!
+//! The program makes its texts in English; where one is shown, [`Language::text`] gives the one to show instead. A text with
+//! numbers or with parts of its own has a row with slots in braces, so that the words of a language may stand in another
+//! order. A new language is one more file, and a row of `TABLES`.
+
+use std::collections::HashMap;
+use std::sync::LazyLock;
+
+/// The tables, each with its language tag.
+const TABLES: [(&str, &str); 1] = [("de", include_str!("../../../assets/words/de.txt"))];
+
+/// The number by which a table shows its separators of thousands and of decimals, and how it writes percent.
+const SAMPLE_NUMBER: &str = "1,234.5%";
+/// How deep parts of a text may have parts. The deepest text, a key after a sentence on two samples, has three levels.
+const MAX_DEPTH: usize = 5;
+
+static LANGUAGES: LazyLock<Vec<(&str, Language)>> = LazyLock::new(|| {
+    let read = |(tag, table)| (tag, Language::read(table).expect("tests read the tables"));
+    TABLES.map(read).into()
+});
+
+/// A language of the window: its texts for the English ones.
+#[derive(Debug)]
+pub struct Language {
+    texts: HashMap<&'static str, &'static str>,
+    patterns: Vec<Pattern>,
+    thousands: char,
+    decimals: char,
+    percent: &'static str,
+}
+
+/// An English text with slots, and its translation with the same slots.
+#[derive(Debug)]
+struct Pattern {
+    english: Vec<Piece>,
+    translated: Vec<Piece>,
+}
+
+/// A part of a text of the table.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Piece {
+    Words(&'static str),
+    Slot(Slot),
+}
+
+/// A slot of a text, by its name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Slot {
+    /// `{#name}`: a number.
+    Number(&'static str),
+    /// `{name}`: a text of the table.
+    Text(&'static str),
+    /// `{=name}`: anything; it stays as it is, like a name of a file.
+    Same(&'static str),
+}
+
+impl Language {
+    /// Returns the languages that have a table, each with its tag.
+    pub fn all() -> impl Iterator<Item = (&'static str, &'static Self)> {
+        LANGUAGES.iter().map(|(tag, language)| (*tag, language))
+    }
+
+    /// Returns the language of a tag such as `de`; `None` for English, and for languages without a table.
+    #[must_use]
+    pub fn of(tag: &str) -> Option<&'static Self> {
+        let found = Self::all().find(|(other, _)| *other == tag);
+        found.map(|(_, language)| language)
+    }
+
+    /// Returns what divides a number from its decimals.
+    #[must_use]
+    pub const fn decimal_sign(&self) -> char {
+        self.decimals
+    }
+
+    /// Returns the text to show for an English one, with its numbers written as in this language; the English one if the
+    /// table lacks it.
+    #[must_use]
+    pub fn text(&self, english: &str) -> String {
+        let found = self.translated(english);
+        found.unwrap_or_else(|| english.to_owned())
+    }
+
+    /// Returns the same, or `None` if the table lacks the text.
+    #[must_use]
+    pub fn translated(&self, english: &str) -> Option<String> {
+        self.found(english, 0)
+    }
+
+    fn found(&self, english: &str, depth: usize) -> Option<String> {
+        if depth > MAX_DEPTH {
+            return None;
+        }
+        if let Some(text) = self.texts.get(english) {
+            return Some((*text).to_owned());
+        }
+        if let Some(number) = self.number(english) {
+            return Some(number);
+        }
+        // Columns are aligned with blanks, which are no part of the words.
+        let trimmed = english.trim();
+        if trimmed.len() < english.len() && !trimmed.is_empty() {
+            let text = self.found(trimmed, depth + 1)?;
+            return Some(english.replacen(trimmed, &text, 1));
+        }
+        let matched = |pattern: &Pattern| self.matched(pattern, english, depth);
+        if let Some(text) = self.patterns.iter().find_map(matched) {
+            return Some(text);
+        }
+
+        // At the beginning of a sentence words have a capital letter that the table does not have.
+        let first = english.chars().next().filter(char::is_ascii_uppercase)?;
+        let rest = &english[1..];
+        let small = format!("{}{rest}", first.to_ascii_lowercase());
+        Some(crate::words::capital(&self.found(&small, depth + 1)?))
+    }
+
+    /// Returns a number, with a unit of percent if it has one, as this language writes it; `None` for other texts.
+    fn number(&self, english: &str) -> Option<String> {
+        let number = english.strip_suffix('%').unwrap_or(english);
+        let digits = number.trim_start_matches(['-', '\u{2212}', '+', '\u{b1}']);
+        let is_number = digits.starts_with(|c: char| c.is_ascii_digit())
+            && digits.ends_with(|c: char| c.is_ascii_digit())
+            && digits
+                .bytes()
+                .all(|byte| byte.is_ascii_digit() || b",.".contains(&byte));
+        let translated = |c: char| match c {
+            ',' => self.thousands,
+            '.' => self.decimals,
+            c => c,
+        };
+        let unit = if number == english { "" } else { self.percent };
+        is_number.then(|| number.chars().map(translated).chain(unit.chars()).collect())
+    }
+
+    /// Returns the translation of a text that a pattern matches.
+    fn matched(&self, pattern: &Pattern, english: &str, depth: usize) -> Option<String> {
+        let mut parts = Vec::new();
+        self.fits(&pattern.english, english, depth, &mut parts)
+            .then(|| {
+                let pieces = pattern.translated.iter();
+                let text = pieces.map(|piece| match piece {
+                    Piece::Words(words) => *words,
+                    Piece::Slot(slot) => {
+                        let part = parts.iter().find(|(other, _)| other == slot);
+                        part.map_or("", |(_, text)| text.as_str())
+                    }
+                });
+                text.collect()
+            })
+    }
+
+    /// Returns whether pieces match a whole text, and collects the translations of their slots.
+    fn fits(
+        &self,
+        pieces: &[Piece],
+        english: &str,
+        depth: usize,
+        parts: &mut Vec<(Slot, String)>,
+    ) -> bool {
+        let (slot, after) = match pieces {
+            [] => return english.is_empty(),
+            [Piece::Words(words), after @ ..] => {
+                let rest = english.strip_prefix(words);
+                return rest.is_some_and(|rest| self.fits(after, rest, depth, parts));
+            }
+            [Piece::Slot(slot), after @ ..] => (*slot, after),
+        };
+        let mut ends: Vec<usize> = match after {
+            [Piece::Words(words), ..] => english.match_indices(words).map(|(at, _)| at).collect(),
+            _ => vec![english.len()],
+        };
+        // A slot is not empty. The rest is compared before the part is translated, which takes longer.
+        ends.retain(|&end| end > 0);
+        for end in ends {
+            let held = parts.len();
+            let part = &english[..end];
+            let fits = self.fits(after, &english[end..], depth, parts);
+            let text = match slot {
+                _ if !fits => None,
+                Slot::Number(_) => self.number(part),
+                Slot::Text(_) => self.found(part, depth + 1),
+                Slot::Same(_) => Some(part.to_owned()),
+            };
+            if let Some(text) = text {
+                parts.push((slot, text));
+                return true;
+            }
+            parts.truncate(held);
+        }
+        false
+    }
+
+    /// Reads a table: an English text at the beginning of a line, and below it its translation, indented. Lines that begin
+    /// with `#` are remarks.
+    ///
+    /// # Errors
+    ///
+    /// The line of a fault: a text without translation, the same text twice, other slots in the translation.
+    pub fn read(table: &'static str) -> Result<Self, String> {
+        let mut texts = HashMap::new();
+        let mut patterns = Vec::new();
+        let lines = table.lines().zip(1..);
+        let mut lines = lines.filter(|(line, _)| !line.is_empty() && !line.starts_with('#'));
+        while let Some((english, number)) = lines.next() {
+            let fault = |what: &str| format!("line {number}: \"{english}\" {what}");
+            let next = lines.next().and_then(|(line, _)| line.strip_prefix("    "));
+            let translated = next.ok_or_else(|| fault("has no indented translation below it"))?;
+            let pattern = Pattern {
+                english: pieces(english).map_err(fault)?,
+                translated: pieces(translated).map_err(fault)?,
+            };
+            if slots(&pattern.english) != slots(&pattern.translated) {
+                return Err(fault("and its translation have other slots"));
+            }
+            if texts.insert(english, translated).is_some() {
+                return Err(fault("is there twice"));
+            }
+            if pattern
+                .english
+                .iter()
+                .any(|piece| matches!(piece, Piece::Slot(_)))
+            {
+                patterns.push(pattern);
+            }
+        }
+        let sample = texts.remove(SAMPLE_NUMBER).unwrap_or(SAMPLE_NUMBER);
+        let last_digit = sample.rfind(|c: char| c.is_ascii_digit());
+        let (number, percent) = sample.split_at(last_digit.map_or(0, |at| at + 1));
+        let mut signs = number.chars().filter(|c| !c.is_ascii_digit());
+        let (Some(thousands), Some(decimals)) = (signs.next(), signs.next()) else {
+            return Err(format!(
+                "\"{sample}\" for {SAMPLE_NUMBER} has no two separators"
+            ));
+        };
+        Ok(Self {
+            texts,
+            patterns,
+            thousands,
+            decimals,
+            percent,
+        })
+    }
+
+    /// Returns the English texts of the table, each as its words between slots.
+    pub fn english(&self) -> impl Iterator<Item = Vec<&'static str>> {
+        let words = |text: &&'static str| {
+            let pieces = pieces(text).unwrap_or_default().into_iter();
+            let words = pieces.filter_map(|piece| match piece {
+                Piece::Words(words) => Some(words),
+                Piece::Slot(_) => None,
+            });
+            words.collect()
+        };
+        self.texts.keys().map(words)
+    }
+}
+
+/// Returns the slots of some pieces in a fixed order.
+fn slots(pieces: &[Piece]) -> Vec<String> {
+    let slots = pieces
+        .iter()
+        .filter(|piece| matches!(piece, Piece::Slot(_)));
+    let mut slots: Vec<String> = slots.map(|slot| format!("{slot:?}")).collect();
+    slots.sort();
+    slots
+}
+
+/// Returns the pieces of a text of the table.
+fn pieces(text: &'static str) -> Result<Vec<Piece>, &'static str> {
+    let mut pieces = Vec::new();
+    let mut rest = text;
+    while let Some((words, after)) = rest.split_once('{') {
+        let (name, after) = after.split_once('}').ok_or("has a slot without end")?;
+        if !words.is_empty() {
+            pieces.push(Piece::Words(words));
+        } else if matches!(pieces.last(), Some(Piece::Slot(_))) {
+            return Err("has two slots without words between them");
+        }
+        pieces.push(Piece::Slot(match name.split_at_checked(1) {
+            Some(("#", name)) => Slot::Number(name),
+            Some(("=", name)) => Slot::Same(name),
+            _ => Slot::Text(name),
+        }));
+        rest = after;
+    }
+    if !rest.is_empty() {
+        pieces.push(Piece::Words(rest));
+    }
+    Ok(pieces)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TABLE: &str = "# remark\n1,234.5%\n    1.234,5 %\nPlay\n    Abspielen\n\nSpace\n    Leertaste\n\
+        {name} ({key})\n    {name} ({key})\nsample {#n}\n    Punkt {#n}\n{#n} samples\n    {#n} Punkte\n\
+        {a} covers {b}, {#far} r away.\n    {a} bedeckt {b}, Abstand {#far} r.\n\
+        {=file} is empty.\n    Leer ist {=file}.\n";
+
+    #[test]
+    fn texts_have_their_numbers_and_parts_translated() {
+        let language = Language::read(TABLE).unwrap();
+        for (english, expected) in [
+            ("Play", "Abspielen"),
+            ("Play (Space)", "Abspielen (Leertaste)"),
+            ("1,204 samples", "1.204 Punkte"),
+            ("   12 samples", "   12 Punkte"),
+            ("\u{2212}0.25", "\u{2212}0,25"),
+            ("12.5%", "12,5 %"),
+            (
+                "Sample 3 covers sample 1,000, 0.46 r away.",
+                "Punkt 3 bedeckt Punkt 1.000, Abstand 0,46 r.",
+            ),
+            ("a.b (1.5).csv is empty.", "Leer ist a.b (1.5).csv."),
+        ] {
+            let found = language.translated(english);
+            assert_eq!(found.as_deref(), Some(expected), "{english}");
+        }
+        // What the table lacks stays as it is, also within a text that it has.
+        for english in ["Stop", "Play (Enter)", "sample x", "1.5.x", "", "Pla\u{fc}"] {
+            assert_eq!(language.translated(english), None, "{english}");
+            assert_eq!(language.text(english), english);
+        }
+    }
+
+    #[test]
+    fn faults_of_a_table_are_named() {
+        for (table, part) in [
+            (
+                "1,234.5%\n    1.234,5 %\nPlay\nStop\n",
+                "line 3: \"Play\" has no",
+            ),
+            (
+                "Play\n    A\nPlay\n    B\n",
+                "line 3: \"Play\" is there twice",
+            ),
+            ("{#n} r\n    {n} r\n", "other slots"),
+            ("a {b\n    c\n", "without end"),
+            ("{a}{b}\n    {a} {b}\n", "two slots"),
+            ("1,234.5%\n    12345 %\n", "no two separators"),
+        ] {
+            let error = Language::read(table).unwrap_err();
+            assert!(error.contains(part), "{table}: {error}");
+        }
+    }
+
+    #[test]
+    fn the_tables_can_be_read() {
+        for (tag, table) in TABLES {
+            assert_eq!(Language::read(table).err(), None, "{tag}");
+        }
+        assert!(Language::of("de").is_some() && Language::of("en").is_none());
+    }
+}
