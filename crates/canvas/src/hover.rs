@@ -9,6 +9,7 @@ use tilescope_drawing::palette::Palette;
 use tilescope_session::layers::Layer;
 use tilescope_session::units::radii;
 use tilescope_session::words::grouped;
+use tilescope_ui::language::Worded;
 
 use tilescope_drawing::MIN_DISK_SCALE;
 use tilescope_drawing::made::Made;
@@ -49,7 +50,7 @@ pub fn show(
     let Some(named) = pointer.and_then(|pos| name(subject, response.rect, pos)) else {
         return;
     };
-    let text = if brief { &named.brief } else { &named.full };
+    let text = &ui.words(if brief { &named.brief } else { &named.full });
     ui.ctx().accesskit_node_builder(response.id, |node| {
         node.set_description(text.as_str());
     });

@@ -8,6 +8,7 @@ use tilescope_drawing::camera::Camera;
 use tilescope_drawing::palette::Palette;
 
 use tilescope_drawing::subject::Subject;
+use tilescope_ui::language::Worded;
 
 /// On a lower canvas remarks would cover the picture and are not shown.
 const MIN_HEIGHT: f32 = 200.0;
@@ -27,7 +28,7 @@ pub fn waiting(painter: &Painter, rect: Rect, at_work: bool, palette: &Palette) 
     painter.text(
         rect.center(),
         Align2::CENTER_CENTER,
-        text,
+        painter.ctx().words(text),
         font,
         palette.muted,
     );
@@ -49,7 +50,7 @@ pub fn scale_bar(painter: &Painter, rect: Rect, subject: &Subject<'_>, palette: 
         painter.line_segment([end - vec2(0.0, 4.0), end + vec2(0.0, 4.0)], stroke);
     }
     let middle = pos2(f32::midpoint(from.x, to.x), from.y - 6.0);
-    let text = format!("{radii} r");
+    let text = painter.ctx().words(format!("{radii} r"));
     let font = FontId::monospace(12.0);
     painter.text(middle, Align2::CENTER_BOTTOM, text, font, palette.text);
 }
@@ -128,7 +129,7 @@ pub fn note(
         } else {
             (rect.width() - 2.0 * INSET, rect.center().x)
         };
-        let galley = painter.layout(text.to_owned(), font, palette.text, width);
+        let galley = painter.layout(painter.ctx().words(text), font, palette.text, width);
         let pos = pos2(middle, rect.top() + INSET - 4.0);
         let rect = Align2::CENTER_TOP.anchor_size(pos, galley.size());
         painter.rect_filled(rect.expand2(vec2(12.0, 6.0)), 14.0, palette.panel);
@@ -136,9 +137,10 @@ pub fn note(
     }
 }
 
-/// Draws text on a background, so that it is readable over the picture.
+/// Draws text in the language of the window, on a background, so that it is readable over the picture.
 pub fn tag(painter: &Painter, pos: Pos2, anchor: Align2, text: &str, palette: &Palette) {
-    let galley = painter.layout_no_wrap(text.to_owned(), FontId::monospace(12.0), palette.text);
+    let text = painter.ctx().words(text);
+    let galley = painter.layout_no_wrap(text, FontId::monospace(12.0), palette.text);
     let rect = anchor.anchor_size(pos, galley.size());
     let ground = palette.panel.gamma_multiply(0.9);
     painter.rect_filled(rect.expand2(vec2(6.0, 3.0)), 5.0, ground);

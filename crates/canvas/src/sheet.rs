@@ -3,6 +3,7 @@
 use egui::epaint::{CircleShape, RectShape};
 use egui::{Color32, FontId, Painter, Pos2, Rect, Shape, StrokeKind, Vec2, pos2};
 use tilescope_drawing::surface::{Arc, Mark, Stroke, Surface, Tag};
+use tilescope_ui::language::Worded;
 
 use crate::sprites::{Sprite, Sprites};
 use crate::strokes::{Stamps, Strokes};
@@ -64,6 +65,11 @@ impl<'a> Sheet<'a> {
     fn stamps(&mut self, kind: usize, sprite: Sprite, radius: f32) -> &mut Stamps {
         let (sprites, painter) = (&mut *self.sprites, self.painter);
         self.stamps[kind].get_or_insert_with(|| Stamps::of(sprites, painter.ctx(), sprite, radius))
+    }
+
+    /// Returns a text in the language of the window.
+    fn words(&self, english: &str) -> String {
+        self.painter.ctx().words(english)
     }
 
     /// Returns a rectangle snapped to whole pixels: neighbours then leave no gap and do not overlap.
@@ -151,7 +157,7 @@ impl Surface for Sheet<'_> {
 
     fn tag(&mut self, tag: &Tag) {
         let font = FontId::monospace(tag.size);
-        let galley = self.painter.layout_no_wrap(tag.text.clone(), font, tag.ink);
+        let galley = self.painter.layout_no_wrap(self.words(&tag.text), font, tag.ink);
         let rect = tag.anchor.anchor_size(tag.pos, galley.size());
         let ground = rect.expand2(tag.padding);
         let border = tag.border.map_or(egui::Stroke::NONE, line);
@@ -165,7 +171,7 @@ impl Surface for Sheet<'_> {
         let font = FontId::monospace(size);
         let galley = self
             .painter
-            .layout_no_wrap(text.to_owned(), font, Color32::WHITE);
+            .layout_no_wrap(self.words(text), font, Color32::WHITE);
         galley.size()
     }
 

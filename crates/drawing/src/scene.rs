@@ -163,6 +163,13 @@ impl<'a> Scene<'a> {
         }
     }
 
+    /// Returns whether a place is in the domain or in a copy that is drawn around it.
+    pub(crate) fn is_drawn(&self, place: DVec2) -> bool {
+        let margin = DVec2::splat(drawn_around(self.session));
+        let end = self.session.size_radii() + margin;
+        (place.cmpge(-margin) & place.cmple(end)).all()
+    }
+
     /// Returns the shifts by whole periods that move something of the box from `low` to `high` both into the domain or a
     /// copy that is drawn, and into view; of a bounded domain, no shift at all if the box is in view.
     pub(crate) fn shifts(&self, low: DVec2, high: DVec2) -> impl Iterator<Item = DVec2> + use<> {

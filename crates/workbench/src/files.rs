@@ -7,6 +7,8 @@ mod read;
 mod save;
 
 #[cfg(not(target_arch = "wasm32"))]
+pub(crate) mod dialog;
+#[cfg(not(target_arch = "wasm32"))]
 mod disk;
 #[cfg(target_arch = "wasm32")]
 pub mod web;

@@ -10,6 +10,7 @@ use tilescope_lessons::{
     Change, Curve, CutAxis, Form, Lesson, Question, Style, Translation, letter, spans,
 };
 use tilescope_session::jobs::Monitor;
+use tilescope_session::language::Language;
 use tilescope_session::task::Task;
 
 use crate::lesson_labels::{LessonLabels, lesson_labels};
@@ -59,7 +60,9 @@ impl Task for HandoutTask {
             Some(text) => Translation::read(text).map_err(|error| error.to_string())?,
             None => Translation::default(),
         };
-        self.html(&Arc::new(lesson), &Arc::new(translation), monitor)
+        let sign = Language::of(&self.language.0).map_or('.', Language::decimal_sign);
+        let translation = Arc::new(translation.with_decimal_sign(sign));
+        self.html(&Arc::new(lesson), &translation, monitor)
     }
 }
 
@@ -127,7 +130,7 @@ impl HandoutTask {
             ask(html, question, labels);
             if self.answers {
                 open.learner.reveal();
-                let answer = open.learner.right_answer().unwrap_or_default();
+                let answer = open.right_answer(labels).unwrap_or_default();
                 let _ = write!(
                     html,
                     "<div class=\"answer\"><p><strong>{}</strong> {}</p>",
@@ -144,7 +147,8 @@ impl HandoutTask {
         }
         if self.notes {
             for note in &step.notes {
-                let _ = writeln!(html, "<p class=\"note\">{}</p>", inline(note));
+                let note = inline(open.learner.speaker_note(note));
+                let _ = writeln!(html, "<p class=\"note\">{note}</p>");
             }
         }
         html.push_str("</section>\n");
@@ -196,11 +200,7 @@ fn ask(html: &mut String, question: &Question, labels: &LessonLabels) {
         Form::Bands { bands, curves } => {
             html.push_str(&plot(&[&curves[0]]));
             let rows = bands.iter().map(|[low, high]| {
-                let changes = Change::ALL.map(|change| match change {
-                    Change::Up => labels.up,
-                    Change::Same => labels.same,
-                    Change::Down => labels.down,
-                });
+                let changes = Change::ALL.map(|change| labels.change(change));
                 format!("{low:.2} \u{2013} {high:.2} / r: {}", changes.join(" / "))
             });
             list(html, &mut { rows });
@@ -349,12 +349,13 @@ mod tests {
                 .unwrap()
                 .clone(),
         );
-        let after = lesson.gates().next().unwrap().0.after[0]
-            .split(['{', '*', '`'])
-            .next()
-            .unwrap()
-            .trim()
-            .to_owned();
+        let after = &lesson.gates().next().unwrap().0.after[0];
+        // A short piece, such as a name, stands elsewhere too.
+        let outside = after.split('{').filter_map(|part| part.rsplit('}').next());
+        let pieces = outside
+            .flat_map(|part| part.split(['*', '`']))
+            .map(str::trim);
+        let after = pieces.max_by_key(|piece| piece.len()).unwrap().to_owned();
         assert!(
             !plain.contains("The answer:") && !plain.contains(&note) && !plain.contains(&after)
         );

@@ -1,7 +1,10 @@
-//! The words around a lesson, in the languages that lessons are translated into: `assets/lesson-labels.json` has them.
+//! The words around a lesson: `assets/lesson-labels.json` has the English ones, the tables of languages the others.
 
 use std::collections::BTreeMap;
 use std::sync::LazyLock;
+
+use tilescope_lessons::Change;
+use tilescope_session::language::Language;
 
 /// The names of controls, hints and verdicts, for the window's panel and for the page's.
 #[derive(Debug, serde::Serialize, serde::Deserialize)]
@@ -29,10 +32,20 @@ pub struct LessonLabels {
     pub right_now: &'static str,
     pub not_quite: &'static str,
     pub wrong: &'static str,
+    pub right_mark: &'static str,
+    pub own_mark: &'static str,
+    pub right_place: &'static str,
+    pub you_can: &'static str,
+    pub first_tries: &'static str,
+    pub take_again: &'static str,
+    pub next_lesson: &'static str,
     pub makes_run: &'static str,
     pub cannot_show: &'static str,
     pub answered: &'static str,
     pub own: &'static str,
+    pub forms: &'static str,
+    pub forms_intro: &'static str,
+    pub skip: &'static str,
     pub tour: &'static str,
     pub results: &'static str,
     pub no_results: &'static str,
@@ -67,13 +80,61 @@ pub struct LessonLabels {
     pub no_address: &'static str,
 }
 
+impl LessonLabels {
+    /// Returns the word for a change of a spectrum in a band.
+    #[must_use]
+    pub const fn change(&self, change: Change) -> &'static str {
+        match change {
+            Change::Up => self.up,
+            Change::Same => self.same,
+            Change::Down => self.down,
+        }
+    }
+}
+
+/// The labels of each language, by its tag.
 static LABELS: LazyLock<BTreeMap<&str, LessonLabels>> = LazyLock::new(|| {
-    let text = include_str!("../../../assets/lesson-labels.json");
-    serde_json::from_str(text).expect("the labels are valid")
+    let others = Language::all().map(|(tag, language)| (tag, labels(Some(language))));
+    std::iter::once(("en", labels(None)))
+        .chain(others)
+        .collect()
 });
+
+/// Returns the labels in a language; `None` is English.
+fn labels(language: Option<&Language>) -> LessonLabels {
+    let english = include_str!("../../../assets/lesson-labels.json");
+    let mut words: BTreeMap<&str, String> =
+        serde_json::from_str(english).expect("the labels are valid");
+    if let Some(language) = language {
+        for text in words.values_mut() {
+            *text = language.text(text);
+        }
+    }
+
+    // Made once for each language and needed to the end, so that nobody has to own the labels.
+    let json = serde_json::to_string(&words).expect("texts are valid");
+    serde_json::from_str(Box::leak(json.into_boxed_str())).expect("no text has quotation marks")
+}
 
 /// Returns the words of a language; English if it has none.
 #[must_use]
 pub fn lesson_labels(language: &str) -> &'static LessonLabels {
     LABELS.get(language).unwrap_or(&LABELS["en"])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_label_is_translated() {
+        let english = serde_json::to_value(lesson_labels("en")).unwrap();
+        for (tag, _) in Language::all() {
+            let translated = serde_json::to_value(lesson_labels(tag)).unwrap();
+            for (name, text) in english.as_object().unwrap() {
+                assert_ne!(&translated[name], text, "{tag}: {name}");
+            }
+        }
+        assert_eq!(lesson_labels("xx").close, lesson_labels("en").close);
+    }
 }

@@ -7,9 +7,11 @@ use std::sync::Arc;
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
 use tilescope_debugger::{Direction, Recording};
+use tilescope_drawing::camera::Camera;
 use tilescope_lessons::results::Results;
 use tilescope_lessons::{
-    Answer, Change, CutAxis, Feedback, Form, Key, Learner, LessonError, Question, letter, shipped,
+    Answer, Change, CutAxis, Feedback, Form, Key, Learner, Lesson, LessonError, Question, letter,
+    shipped,
 };
 
 /// An action in a lesson, or on the list of lessons.
@@ -234,6 +236,8 @@ pub struct OpenLesson {
     pub hint: Option<String>,
     /// The whole run of the step.
     pub(crate) run: Option<Arc<Recording>>,
+    /// The camera that the learner has chosen, to be kept at the moment that is shown next.
+    pub(crate) zoom: Option<Camera>,
     /// Seeds of practice that did not have the moment.
     pub(crate) missed: u64,
     /// When its file was changed last, if it is from one.
@@ -318,7 +322,7 @@ pub struct Lessons {
 impl Default for Lessons {
     fn default() -> Self {
         Self {
-            shelf: shipped::lessons(),
+            shelf: shipped::all(),
             wanted: None,
             on_page: false,
             last: None,
@@ -391,6 +395,15 @@ impl Lessons {
         true
     }
 
+    /// Returns the best score of a question that a learner may see: none if it was never answered, and none of a form, which
+    /// shows nothing about its answers.
+    #[must_use]
+    pub fn shown_score(&self, lesson: &Lesson, gate: &str) -> Option<f64> {
+        let best = self.results.of_gate(&lesson.name, gate);
+        let best = best.filter(|_| lesson.form.is_none());
+        best.map(|(score, _)| score)
+    }
+
     /// Returns whether a page has to load the lessons that come with the program.
     pub(crate) fn wants_shelf(&self) -> bool {
         self.shelf.is_empty() && (self.lists || self.wanted.is_some())
@@ -453,6 +466,14 @@ pub enum MarkKind {
 /// A line or a box of a lesson on the canvas, by two corners in r.
 pub type MarkedBox = [DVec2; 2];
 
+/// Returns the line that cuts a box across an axis.
+const fn across([low, high]: MarkedBox, axis: CutAxis, at: f64) -> MarkedBox {
+    match axis {
+        CutAxis::X => [DVec2::new(at, low.y), DVec2::new(at, high.y)],
+        CutAxis::Y => [DVec2::new(low.x, at), DVec2::new(high.x, at)],
+    }
+}
+
 impl OpenLesson {
     /// Returns a lesson that was just opened.
     pub(crate) fn new(learner: Learner, source: LessonSource) -> Self {
@@ -466,6 +487,7 @@ impl OpenLesson {
             fault: None,
             hint: None,
             run: None,
+            zoom: None,
             missed: 0,
             changed: None,
             was_presented: false,
@@ -519,7 +541,8 @@ impl OpenLesson {
                 for (index, &at) in candidates.iter().enumerate() {
                     marks.push(mark(at.into(), letter(index).to_string(), MarkKind::Listed));
                 }
-                let chosen = self.draft.place.filter(|_| !is_done);
+                // The learner's own point stays beside the right one.
+                let chosen = self.draft.place;
                 let chosen = chosen.map(|at| mark(at.into(), String::new(), MarkKind::Chosen));
                 marks.extend(chosen);
                 if let (Key::Place(right), true) = (question.key(), is_done) {
@@ -529,6 +552,9 @@ impl OpenLesson {
             }
             _ => {}
         }
+        // A place that the question is about has neither a letter nor a number: it is none of the list.
+        let places = question.marked.iter();
+        marks.extend(places.map(|&at| mark(at.into(), String::new(), MarkKind::Named)));
         for &sample in question.named(step) {
             if !marks.iter().any(|mark| mark.label == sample.to_string()) {
                 marks.push(mark(position(sample), sample.to_string(), MarkKind::Named));
@@ -544,12 +570,17 @@ impl OpenLesson {
             return None;
         };
         let (low, high) = (DVec2::from(*min), DVec2::from(*max));
-        let place = self.draft.place.filter(|_| self.learner.is_open());
-        let line = place.zip(self.draft.axis).map(|([x, y], axis)| match axis {
-            CutAxis::X => [DVec2::new(x, low.y), DVec2::new(x, high.y)],
-            CutAxis::Y => [DVec2::new(low.x, y), DVec2::new(high.x, y)],
-        });
+        let line = self.draft.place.zip(self.draft.axis);
+        let line = line.map(|(place, axis)| across([low, high], axis, place[axis as usize]));
         Some(([low, high], line))
+    }
+
+    /// Returns the first and the last of the legal cuts, once the question is closed.
+    #[must_use]
+    pub fn outer_cuts(&self) -> Option<[MarkedBox; 2]> {
+        let (cut, _) = self.cut()?;
+        let (axis, legal) = self.legal_cuts()?;
+        Some(legal.map(|at| across(cut, axis, at)))
     }
 
     /// Returns the reasons for the right answer, in words: the deciding event and its causes, the nearest first. Empty while

@@ -30,6 +30,7 @@ pub mod embedding;
 pub mod export;
 pub mod files;
 pub mod finder;
+pub mod graded;
 pub mod handout;
 pub mod help;
 pub mod layout;

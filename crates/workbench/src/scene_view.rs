@@ -1,6 +1,7 @@
 //! The moment and the view of a scene, for pictures of it.
 
 use emath::{Pos2, Rect};
+use glam::DVec2;
 use tilescope_core::Stage;
 use tilescope_debugger::{Debugger, Marked, SavedScene};
 use tilescope_drawing::camera::Camera;
@@ -29,11 +30,9 @@ pub(crate) fn view_of_scene(
         _ => session.size_radii(),
     };
     let canvas = Rect::from_min_size(Pos2::ZERO, size.map(|side| side as f32).into());
-    let recording = debugger.recording();
-    let last = cursor.checked_sub(1).and_then(|last| recording.event(last));
-    let place = last.and_then(|event| recording.event_point(event));
+    let place = place_of_scene(debugger, scene);
     let camera = SceneCamera::of(&scene.view).and_then(|camera| {
-        let center = camera.placed(place.map(units::position), is_same_run)?;
+        let center = camera.placed(place, is_same_run)?;
         sound_camera(center, size[0].min(size[1]) / camera.radii)
     });
     let selection = if is_same_run {
@@ -56,4 +55,12 @@ pub(crate) fn view_of_scene(
         moment: Moment::at(session, cursor),
         view,
     })
+}
+
+/// Returns the place of the event after which a scene stops, in r.
+pub(crate) fn place_of_scene(debugger: &Debugger, scene: &SavedScene) -> Option<DVec2> {
+    let recording = debugger.recording();
+    let last = debugger.marked(scene).cursor()?.checked_sub(1)?;
+    let point = recording.event_point(recording.event(last)?)?;
+    Some(units::position(point))
 }

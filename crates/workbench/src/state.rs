@@ -24,7 +24,7 @@ use effects::{Context, Effect};
 pub use export::{ExportSource, Exports};
 pub use form::Form;
 pub use gpu::GpuState;
-pub use lessons::veiled;
+pub use lessons::{HIDDEN_LAYER, veiled};
 pub use page::PageStart;
 use parts::JobContext;
 pub use parts::{FileState, Links, Messages, Runs};
@@ -259,6 +259,7 @@ impl State {
             Some(before) => self.follow_event(before),
             None => {}
         }
+        self.hide_layers_of_question();
         self.follow_first();
         self.follow_passes();
     }

@@ -7,6 +7,7 @@ use std::path::PathBuf;
 use serde::{Deserialize, Serialize};
 use tilescope_lessons::{Advice, Key, Lesson, Vote, advice};
 
+use tilescope_drawing::camera::Camera;
 use tilescope_session::jobs::Job;
 
 use crate::pen::{MAX_POINTS, PenStroke};
@@ -146,6 +147,10 @@ pub struct Kept {
     pub part: usize,
     /// The step that is shown.
     pub step: String,
+    /// Whether the answer to its question was revealed.
+    pub is_revealed: bool,
+    /// The camera, if it is not the one that the step begins with.
+    pub camera: Option<Camera>,
     /// Votes and drawings.
     pub record: TalkRecord,
 }
@@ -315,4 +320,16 @@ pub struct Talks {
     pub address: String,
     /// The command that begins a talk, to be carried out once the lessons are loaded.
     pub(crate) wanted: Option<TalkCommand>,
+    /// How a step of a restored talk is shown, once its run is made.
+    pub(crate) restored: Option<RestoredStep>,
+}
+
+/// A step of a talk that another window continues.
+pub(crate) struct RestoredStep {
+    /// The step: `lesson/step`.
+    pub key: String,
+    /// Whether the answer to its question was revealed.
+    pub is_revealed: bool,
+    /// The camera, if it is not the one that the step begins with.
+    pub camera: Option<Camera>,
 }

@@ -2,8 +2,10 @@
 
 use std::sync::Arc;
 
+use glam::DVec2;
 use serde::{Deserialize, Serialize};
 use tilescope_debugger::{Debugger, SavedScene};
+use tilescope_drawing::camera::Camera;
 use tilescope_figures::{Pixels, to_pixels};
 use tilescope_session::jobs::{Job, Monitor, Wake};
 use tilescope_session::session::Session;
@@ -11,12 +13,15 @@ use tilescope_session::task::{self, SessionRef, Task};
 
 use crate::export::MomentView;
 use crate::export::picture::thumbnail;
-use crate::scene_view::view_of_scene;
+use crate::scene_view::{place_of_scene, view_of_scene};
+use crate::view::SceneCamera;
 
 /// Width and height of a picture, in points of the window.
 pub const THUMBNAIL_SIZE: [f64; 2] = [84.0, 56.0];
 /// How much larger the picture is laid out than it is shown, so that lines and texts are small.
 const LAID_OUT: f64 = 3.0;
+/// The height of a picture that shows what is near an event, in r.
+const NEAR: f64 = 14.0;
 /// The pixels in a point of the picture shown, so that it is sharp on dense screens.
 const SHARPNESS: f64 = 2.0;
 
@@ -126,7 +131,13 @@ impl Thumbnails {
             };
             // A run without the scene's moment has no picture of it.
             let size = THUMBNAIL_SIZE.map(|side| LAID_OUT * side);
-            let shown = view_of_scene(session, debugger, scene, size, dark);
+            let mut shown = view_of_scene(session, debugger, scene, size, dark);
+            if let (Some(shown), Some(place)) = (&mut shown, place_to_show(debugger, scene)) {
+                shown.view.camera = Camera {
+                    center: place,
+                    scale: size[0].min(size[1]) / NEAR,
+                };
+            }
             let drawn = shown.map_or(Drawn::Done(None), |shown| {
                 let session = SessionRef(Arc::clone(session));
                 Drawn::Pending(task::start(wake, ThumbnailTask { session, shown }))
@@ -134,6 +145,13 @@ impl Thumbnails {
             self.0.push((key, drawn));
         }
     }
+}
+
+/// Returns the place of a scene's event if the scene shows the whole domain: at this size all of its moments look alike, so
+/// the picture shows what is near the event. `None` where a stage ends, which concerns the whole domain.
+fn place_to_show(debugger: &Debugger, scene: &SavedScene) -> Option<DVec2> {
+    let is_whole = SceneCamera::of(&scene.view).is_none() && scene.ends.is_none();
+    place_of_scene(debugger, scene).filter(|_| is_whole)
 }
 
 /// The task of drawing a small picture.

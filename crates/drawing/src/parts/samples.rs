@@ -119,13 +119,10 @@ fn open_conflicts(scene: &Scene<'_>, surface: &mut impl Surface) {
 fn edge(scene: &Scene<'_>, surface: &mut impl Surface, [a, b]: [u32; 2], stroke: Stroke) {
     let from = scene.session.position(a);
     let to = scene.session.image_near(b, from);
-    let margin = drawn_around(scene.session);
-    let end = scene.session.size_radii() + margin;
     for shift in scene.shifts(from.min(to), from.max(to)) {
         let [a, b] = [from + shift, to + shift];
         // Where the copies end, a line whose other sample is not drawn would end at nothing.
-        let is_drawn = |at: DVec2| (at.cmpge(DVec2::splat(-margin)) & at.cmple(end)).all();
-        if shift == DVec2::ZERO || is_drawn(a) && is_drawn(b) {
+        if shift == DVec2::ZERO || scene.is_drawn(a) && scene.is_drawn(b) {
             surface.dashes([scene.at(a), scene.at(b)], stroke);
         }
     }

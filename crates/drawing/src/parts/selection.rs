@@ -1,6 +1,7 @@
 //! The selected sample or place, the sample under the pointer, and the witness of a verdict.
 
 use emath::{Align2, vec2};
+use glam::DVec2;
 use tilescope_core::stages::detect::Sites;
 use tilescope_core::{Origin, Stage, Standing};
 use tilescope_session::moment::ShownMoment;
@@ -18,28 +19,51 @@ pub fn draw(scene: &Scene<'_>, surface: &mut impl Surface) {
     let radius = (0.45 * scene.scale()).clamp(6.0, 14.0);
     let stroke = Stroke::new(1.2, palette.halo.gamma_multiply(0.8));
     if let Some(place) = subject.place {
-        let at = scene.at(place);
-        for side in [vec2(7.0, 0.0), vec2(0.0, 7.0)] {
-            surface.line([at - side, at + side], stroke);
+        for at in images(scene, place).map(|place| scene.at(place)) {
+            for side in [vec2(7.0, 0.0), vec2(0.0, 7.0)] {
+                surface.line([at - side, at + side], stroke);
+            }
         }
     }
     if let Some(id) = subject.selected {
-        let position = scene.session.position(id);
-        let at = scene.at(position);
-        if scene.stage >= Stage::Tile {
-            surface.circle(at, scene.scale(), None, Some(stroke));
+        for position in images(scene, scene.session.position(id)) {
+            selected(scene, surface, id, position, stroke);
+            surface.mark(Mark::Halo, scene.at(position), [radius, 0.0], palette.halo);
         }
-        for cause in causes(&scene.shown, id) {
-            let from = scene.at(scene.session.image_near(cause, position));
-            surface.line([from, at], stroke);
-        }
-        surface.mark(Mark::Halo, at, [radius, 0.0], palette.halo);
     }
     let hovered = subject.hovered.filter(|id| subject.selected != Some(*id));
     if let Some(id) = hovered {
-        let at = scene.at(scene.session.position(id));
         let color = palette.halo.gamma_multiply(0.6);
-        surface.mark(Mark::Halo, at, [radius, 0.0], color);
+        for position in images(scene, scene.session.position(id)) {
+            surface.mark(Mark::Halo, scene.at(position), [radius, 0.0], color);
+        }
+    }
+}
+
+/// Returns a place and its copies around a periodic domain, of those that are drawn the ones near enough to be seen: a copy
+/// may be in view, and may have been clicked, where the place itself is not.
+fn images<'a>(scene: &'a Scene<'_>, place: DVec2) -> impl Iterator<Item = DVec2> + 'a {
+    let reach = DVec2::ONE;
+    let shifts = scene.shifts(place - reach, place + reach);
+    let images = shifts.map(move |shift| place + shift);
+    images.filter(|image| scene.is_drawn(*image))
+}
+
+/// Draws the disk of the selected sample, or of a copy of it, and the lines from the samples that caused its fate.
+fn selected(
+    scene: &Scene<'_>,
+    surface: &mut impl Surface,
+    id: u32,
+    position: DVec2,
+    stroke: Stroke,
+) {
+    let at = scene.at(position);
+    if scene.stage >= Stage::Tile {
+        surface.circle(at, scene.scale(), None, Some(stroke));
+    }
+    for cause in causes(&scene.shown, id) {
+        let from = scene.at(scene.session.image_near(cause, position));
+        surface.line([from, at], stroke);
     }
 }
 

@@ -144,6 +144,9 @@ impl Exports {
             }
             #[cfg(not(target_arch = "wasm32"))]
             ExportCommand::Browse => {
+                if let Some(why) = crate::files::dialog::refusal() {
+                    return context.tell(why, true);
+                }
                 let form = self.sheet.as_ref();
                 let browse = |form| crate::export::browse::browse(form, &context.wake);
                 self.browsing = form.map(browse).or_else(|| self.browsing.take());

@@ -102,13 +102,15 @@ impl FileState {
         self.sheet.is_some() || self.exports.sheet.is_some()
     }
 
-    fn browse(&mut self, context: &Context) {
+    fn browse(&mut self, context: &mut Context) {
         let Some(form) = &self.sheet else {
             return;
         };
         #[cfg(not(target_arch = "wasm32"))]
-        if !self.in_browser() {
-            self.finding = Some((form.purpose, files::browse(form, &context.wake)));
+        match files::dialog::refusal() {
+            _ if self.in_browser() => {}
+            Some(why) => context.tell(why, true),
+            None => self.finding = Some((form.purpose, files::browse(form, &context.wake))),
         }
         #[cfg(target_arch = "wasm32")]
         if form.purpose != Purpose::Save {

@@ -3,11 +3,12 @@
 
 use serde_json::{Value, json};
 use tilescope_debugger::Direction;
-use tilescope_lessons::{Answer, CutAxis, Form, Lesson, Progress, Translation, letter, spans};
+use tilescope_lessons::{Answer, CutAxis, Form, Lesson, Translation, letter, spans};
 
 use super::State;
 use crate::command::Command;
-use crate::lesson_labels::lesson_labels;
+use crate::graded::FULL_MARKS;
+use crate::lesson_labels::{LessonLabels, lesson_labels};
 use crate::lessons::{DraftCommand, LessonCommand, OpenLesson, WantedLesson};
 use crate::link::quoted;
 use crate::remote::{LessonRequest, RequestError};
@@ -38,20 +39,18 @@ impl State {
                 .collect()
         };
         let after = (!learner.is_open()).then(|| paragraphs(&step.after));
-        let score = |gate: &str| {
-            let found = lessons.results.of_gate(&lesson.name, gate);
-            found.map(|(score, _)| score)
-        };
+        let labels = lesson_labels(&lessons.language);
         let steps = lesson.steps.iter().map(|step| {
             let gate = step.gate.as_ref();
             json!({
                 "name": step.name,
                 "title": learner.words(&step.title),
-                "score": gate.and_then(|gate| score(&gate.name)),
+                "score": gate.and_then(|gate| lessons.shown_score(lesson, &gate.name)),
             })
         });
         json!({
             "lesson": lesson.name,
+            "form": lesson.form,
             "title": learner.words(&lesson.title),
             "language": lessons.language,
             "step": step.name,
@@ -60,19 +59,19 @@ impl State {
             "heading": learner.words(&step.title),
             "text": paragraphs(&step.text),
             "after": after,
-            "fault": open.fault.as_ref().map(ToString::to_string),
+            "fault": open.fault.as_ref().map(|fault| self.in_words(&fault.to_string())),
             "waits": open.fault.is_none() && learner.scene().is_none(),
             "practice": learner.practised(),
-            "question": question_json(open),
-            "lacking": open.lacking,
+            "question": question_json(open, labels),
+            "lacking": open.lacking.as_deref().map(|lacking| self.in_words(lacking)),
             "verdict": open.verdict(&lessons.language),
             "sentence": open.feedback.as_ref().and_then(|said| said.sentence.as_deref()).map(spans),
             "hint": open.hint.as_deref().map(spans),
             "asked_to_give_up": learner.is_asked_to_give_up(),
-            "reasons": open.reasons(),
+            "reasons": open.reasons().iter().map(|reason| self.in_words(reason)).collect::<Value>(),
             "may_go_on": learner.may_go_on(),
             "answers": lessons.last.as_ref().map_or(0, |last| last.number),
-            "labels": lesson_labels(&lessons.language),
+            "labels": labels,
         })
     }
 
@@ -91,6 +90,7 @@ impl State {
                 "title": german.of(&lesson.title),
                 "objective": german.of(&lesson.objective),
                 "minutes": lesson.minutes,
+                "form": lesson.form,
                 "gates": gates.len(),
                 "done": done.count(),
             }))
@@ -98,6 +98,7 @@ impl State {
         json!({
             "lessons": entries.collect::<Value>(),
             "answered": lessons.results.entries.len(),
+            "votes": lessons.results.votes.len(),
             "share": lessons.results.share(),
             "learner": lessons.results.learner,
             "asked_to_clear": lessons.asks_to_clear,
@@ -249,7 +250,7 @@ impl State {
 }
 
 /// Returns the question with the answer that is being put together; the right answer once it is known.
-fn question_json(open: &OpenLesson) -> Value {
+fn question_json(open: &OpenLesson, labels: &LessonLabels) -> Value {
     let learner = &open.learner;
     let Some((question, gate)) = learner.question().zip(learner.step().gate.as_ref()) else {
         return Value::Null;
@@ -287,7 +288,6 @@ fn question_json(open: &OpenLesson) -> Value {
             json!({ "bands": bands, "curves": shown, "changes": draft.bands })
         }
     };
-    let has_given_up = learner.progress() == Progress::GivenUp;
     let common = json!({
         "type": gate.kind.name(),
         "name": gate.name,
@@ -296,7 +296,7 @@ fn question_json(open: &OpenLesson) -> Value {
         "tries": tries,
         "hint": question.hint.is_some(),
         "practice": gate.practice.is_some(),
-        "key": learner.right_answer().filter(|_| has_given_up),
+        "key": open.told_answer(labels),
     });
     if let (Some(form), Value::Object(common)) = (form.as_object_mut(), common) {
         form.extend(common);
@@ -318,7 +318,7 @@ impl OpenLesson {
         let feedback = self.feedback.as_ref()?;
         let labels = lesson_labels(language);
         let (tries, _) = self.learner.tries();
-        let verdict = match (feedback.score > 0.999, feedback.score > 0.0) {
+        let verdict = match (feedback.score > FULL_MARKS, feedback.score > 0.0) {
             (true, _) if tries <= 1 => labels.right,
             (true, _) => labels.right_now,
             (false, true) => labels.not_quite,

@@ -5,18 +5,23 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use tilescope_core::Stage;
 use tilescope_debugger::{Direction, Recording};
+use tilescope_drawing::camera::Camera;
 use tilescope_lessons::{Arrival, Learner, Lesson, LessonError, MAX_BYTES, Translation, results};
 use tilescope_session::incoming::NamedBytes;
+use tilescope_session::language::Language;
+use tilescope_session::layers::{Layer, Layers};
 use tilescope_session::recipe::Recipe;
 use tilescope_session::selection::Selection;
 use tilescope_session::session::Session;
 use tilescope_session::words::sentence;
 
 use super::{State, Which};
-use crate::command::{Command, ViewCommand};
+use crate::command::{AppearanceCommand, Command, ViewCommand};
 use crate::device::EngineChoice;
 use crate::files::{FileCommand, FileForm, Purpose};
+use crate::graded::FULL_MARKS;
 use crate::lesson_picture::layers_named;
 use crate::lessons::{
     AnswerDraft, DraftCommand, GivenAnswer, LessonCommand, LessonSource, OpenLesson, WantedLesson,
@@ -26,6 +31,9 @@ use crate::talk::TalkCommand;
 
 /// The name of files with results.
 const RESULTS: &str = "tilescope-results";
+/// Why a layer cannot be switched on while a question is open.
+pub const HIDDEN_LAYER: &str =
+    "The lesson shows this layer once its question is answered, or not at all.";
 /// The most seeds of practice that are tried for a moment.
 const MAX_MISSED: u64 = 50;
 
@@ -55,12 +63,56 @@ pub const fn veiled(command: &Command) -> bool {
 impl State {
     /// Returns whether a command is refused because a question is open; a notice says so.
     pub(super) fn refuse_veiled(&mut self, command: &Command) -> bool {
-        let is_refused = self.lessons.veil().is_some() && veiled(command);
-        if is_refused {
-            let text = "Answer the question of the lesson first, or close the lesson: this would show what comes next.";
-            self.tell(text.to_owned(), false);
+        let refusal = match command {
+            Command::Appearance(AppearanceCommand::ToggleLayer(layer))
+                if self.hidden_layers().has(*layer) =>
+            {
+                HIDDEN_LAYER
+            }
+            command if self.lessons.veil().is_some() && veiled(command) => {
+                "Answer the question of the lesson first, or close the lesson: this would show what comes next."
+            }
+            _ => return false,
+        };
+        self.tell(refusal.to_owned(), false);
+        true
+    }
+
+    /// Returns the layers that cannot be switched on, as the lesson hides them while its question is open.
+    #[must_use]
+    pub fn hidden_layers(&self) -> Layers {
+        let mut hidden = Layers::none();
+        if let Some(allowed) = self.layers_of_question() {
+            let others = Layer::ALL.into_iter().filter(|&layer| !allowed.has(layer));
+            others.for_each(|layer| hidden.toggle(layer));
         }
-        is_refused
+        hidden
+    }
+
+    /// Returns the layers that may be shown while a question is open: those of its step. `None` without an open question.
+    fn layers_of_question(&self) -> Option<Layers> {
+        self.lessons.veil()?;
+        let of_step = self.lessons.open.as_ref()?.layers();
+        let of_stage = || Layers::of_stage(self.current_stage().unwrap_or(Stage::Finish));
+        Some(of_step.map_or_else(of_stage, |names| layers_named(&names)))
+    }
+
+    /// Switches off the layers that the open question hides, whichever command has switched them on.
+    pub(super) fn hide_layers_of_question(&mut self) {
+        let Some(allowed) = self.layers_of_question() else {
+            return;
+        };
+        let has_own = self
+            .lessons
+            .open
+            .as_ref()
+            .is_some_and(|open| open.layers().is_some());
+        let chosen = &mut self.appearance.chosen_layers;
+        *chosen = match *chosen {
+            Some(layers) => Some(layers.within(allowed)),
+            // In a step that names its layers, the automatic ones are those.
+            None => has_own.then_some(allowed),
+        };
     }
 
     /// Adds a selection on the canvas to the answer that is being put together.
@@ -100,7 +152,13 @@ impl State {
         self.lessons.asks_to_clear &= command == LessonCommand::ClearResults;
 
         match command {
-            LessonCommand::ToggleList => self.lessons.lists = !self.lessons.lists,
+            LessonCommand::ToggleList => {
+                // One thing at a time: the list would leave the tour's card no room.
+                if self.is_touring() {
+                    self.leave_scene();
+                }
+                self.lessons.lists = !self.lessons.lists;
+            }
             LessonCommand::Open(name) => match self.lessons.shipped(&name).cloned() {
                 Some(shipped) => {
                     self.open_lesson(&shipped.name, &shipped.text, LessonSource::Shipped);
@@ -137,10 +195,12 @@ impl State {
                 }
             }
             LessonCommand::Practise(draw) => {
+                // The place is that of another run, but the learner's zoom stays.
+                let zoom = self.chosen_camera_of_step();
                 if let Some(open) = &mut self.lessons.open
                     && open.learner.practise(draw)
                 {
-                    open.missed = 0;
+                    (open.missed, open.zoom) = (0, zoom);
                     self.show_step();
                 }
             }
@@ -338,7 +398,8 @@ impl State {
         let is_german = *source == LessonSource::Shipped && self.lessons.language == "de";
         let shipped = self.lessons.shipped(name).filter(|_| is_german);
         let read = shipped.and_then(|shipped| Translation::read(&shipped.german).ok());
-        Arc::new(read.unwrap_or_default())
+        let sign = Language::of(&self.lessons.language).map_or('.', Language::decimal_sign);
+        Arc::new(read.unwrap_or_default().with_decimal_sign(sign))
     }
 
     /// Shows texts in another language. The question that is open is asked anew.
@@ -387,7 +448,7 @@ impl State {
     pub(super) fn enter_step(&mut self, index: usize) {
         if let Some(open) = &mut self.lessons.open {
             open.learner.go(index);
-            open.missed = 0;
+            (open.missed, open.zoom) = (0, None);
             self.show_step();
         }
     }
@@ -433,7 +494,10 @@ impl State {
         };
         open.run = Some(Arc::clone(run));
         match open.learner.arrive(run, now) {
-            Ok(Arrival::Here) => self.show_moment(),
+            Ok(Arrival::Here) => {
+                self.show_moment();
+                self.restore_step();
+            }
             Ok(Arrival::NoMoment)
                 if open.learner.practised().is_some() && open.missed < MAX_MISSED =>
             {
@@ -454,25 +518,40 @@ impl State {
 
     /// Shows the moment of the step: up to it if a question is open, otherwise in the whole run.
     pub(super) fn show_moment(&mut self) {
-        let Some(open) = &self.lessons.open else {
+        let Some(open) = &mut self.lessons.open else {
             return;
         };
         let (Some(run), Some(cursor)) = (open.run.clone(), open.learner.cursor()) else {
             return;
         };
-        let camera = open.camera();
+        let (camera, zoom) = (open.camera(), open.zoom.take());
+        let limit = open.learner.limit();
         self.appearance.chosen_layers = open.layers().map(|names| layers_named(&names));
-        self.show_run_of_lesson(&run, open.learner.limit());
+        self.show_run_of_lesson(&run, limit);
         self.on(Which::First, |run, context| {
             let before = run.stage;
             run.jump(cursor);
             run.moved(before);
             run.pick(Selection::Nothing, context);
-            match camera {
-                Some((center, radii)) => run.fly_to(center.into(), radii, context),
-                None => run.fit(context),
+            match (camera, zoom) {
+                (Some((center, _)), Some(zoom)) => run.look_from(zoom, center.into(), context),
+                (None, Some(zoom)) => run.look_from(zoom, zoom.center, context),
+                (Some((center, radii)), None) => run.fly_to(center.into(), radii, context),
+                (None, None) => run.fit(context),
             }
         });
+    }
+
+    /// Returns the camera, or the one that it flies to, if someone has chosen it since the step was shown; `None` if it is
+    /// the step's own.
+    pub(super) fn chosen_camera_of_step(&self) -> Option<Camera> {
+        let open = self.lessons.open.as_ref()?;
+        let run = &self.runs.first;
+        let is_own = match open.camera() {
+            Some((center, radii)) => run.framed == Some((center.into(), radii)),
+            None => run.is_fitted(),
+        };
+        (!is_own).then(|| run.destination())
     }
 
     /// Shows a run, whole or up to a cursor. It is not verified, as a verdict would answer questions.
@@ -507,9 +586,11 @@ impl State {
         };
         match given {
             Ok(feedback) => {
-                let goes_on = feedback.is_done || feedback.score > 0.999;
+                let goes_on = feedback.is_done || feedback.score > FULL_MARKS;
                 let score = feedback.score;
-                (open.lacking, open.feedback) = (None, Some(feedback));
+                // A form says nothing about its answers: it would help with the form that follows.
+                let shown = Some(feedback).filter(|_| !open.learner.is_taken());
+                (open.lacking, open.feedback) = (None, shown);
                 self.note_answer(score, false);
                 if let Some(open) = self.lessons.open.as_mut().filter(|_| goes_on) {
                     // The next event of a trace needs a new answer; any other answer stays visible.
@@ -539,7 +620,7 @@ impl State {
             seed: learner.parameters().seed,
             score,
             tries: learner.tries().0,
-            done: !learner.is_open(),
+            done: !learner.is_open() || learner.is_taken(),
             given_up,
         });
     }
@@ -548,11 +629,21 @@ impl State {
     fn reveal(&mut self) {
         if let Some(open) = &mut self.lessons.open {
             let entries = open.learner.take_entries();
+            let is_taken = open.learner.is_taken();
             // The notes of a talk show the answers.
             if !open.was_presented && !entries.is_empty() {
                 self.lessons.results.add(entries);
                 self.lessons.mark_unstored();
             }
+            if is_taken {
+                return self.step_lesson(Direction::Forwards);
+            }
+        }
+
+        // The answer is shown as the learner looked at the question.
+        let zoom = self.chosen_camera_of_step();
+        if let Some(open) = &mut self.lessons.open {
+            open.zoom = zoom;
         }
         self.show_moment();
     }
@@ -596,12 +687,35 @@ mod tests {
         let Key::Choice(right) = state.lessons.open_question().unwrap().key() else {
             panic!("a choice");
         };
-        [*right, 1 - *right]
+        [*right, usize::from(*right == 0)]
     }
 
     fn choose(state: &mut State, option: usize) {
         lesson(state, LessonCommand::Draft(DraftCommand::Choose(option)));
         lesson(state, LessonCommand::Answer);
+    }
+
+    #[test]
+    fn a_place_that_a_question_is_about_is_marked() {
+        let marked = |mark: &str| {
+            let mut state = settled();
+            let run = "radius: 0.06\nleaf: 6\nmoment: end of tile\n";
+            let gate = "type: number\nask: How many?\nanswer: samples()\n";
+            let text = format!(
+                "---\ntitle: T\nobjective: O\n---\n# S\n```run\n{run}```\n```gate g\n{gate}{mark}```\n"
+            );
+            lesson(&mut state, LessonCommand::Read("t".to_owned(), text));
+            let marks = state.lessons.open.as_ref().unwrap().marks();
+            marks.iter().map(|mark| mark.at.x).collect::<Vec<f64>>()
+        };
+        let close = |a: Vec<f64>, b: &[f64]| {
+            assert_eq!(a.len(), b.len(), "{a:?}");
+            assert!(a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-9), "{a:?}");
+        };
+        close(marked("mark: [4.0, 5.0]\n"), &[4.0]);
+        close(marked("mark: [[4.0, 5.0], [6.5, 7.0]]\n"), &[4.0, 6.5]);
+        // The control: without the field nothing is marked.
+        close(marked(""), &[]);
     }
 
     #[test]
@@ -852,6 +966,139 @@ mod tests {
             );
             assert!(!state.files.has_sheet() && state.lessons.open_question().is_some());
         }
+    }
+
+    #[test]
+    fn a_form_takes_one_answer_to_each_question_and_says_nothing_about_it() {
+        let mut state = settled();
+        lesson(&mut state, LessonCommand::Open("before".to_owned()));
+        lesson(&mut state, LessonCommand::Step(Direction::Forwards));
+        let gate = |state: &State| {
+            let gate = state.lessons.learner()?.step().gate.as_ref()?;
+            Some(gate.name.clone())
+        };
+        let mut scores = Vec::new();
+        for index in 0..12 {
+            let name = gate(&state).expect("a question");
+            let [right, wrong] = options(&state);
+            if index == 2 {
+                // Giving up takes two calls, and goes on too.
+                lesson(&mut state, LessonCommand::GiveUp);
+                assert_eq!(gate(&state).as_ref(), Some(&name));
+                lesson(&mut state, LessonCommand::GiveUp);
+            } else {
+                choose(&mut state, if index % 2 == 0 { right } else { wrong });
+            }
+            assert_ne!(gate(&state), Some(name.clone()), "it goes on");
+            let open = state.lessons.open.as_ref().unwrap();
+            assert!(open.feedback.is_none() && open.verdict("en").is_none());
+
+            let entry = state.lessons.results.entries.last().unwrap();
+            assert_eq!(
+                (entry.gate.as_str(), entry.tries),
+                (name.as_str(), u32::from(index != 2))
+            );
+            assert!(entry.form.is_some() && entry.concept.is_some());
+            scores.push(entry.score);
+        }
+        assert_eq!(scores[..4], [1.0, 0.0, 0.0, 0.0]);
+
+        // Neither the steps nor a card at the end tell which answers were right.
+        let told = state.ask(r#"{"do": "lesson", "go": "back"}"#);
+        assert!(told.contains("\"ok\":true"), "{told}");
+        assert!(!told.contains("\"score\":1"), "{told}");
+        assert_eq!(state.lessons.outcome(), None);
+        assert!(gate(&state).is_some() && state.lessons.open_question().is_some());
+    }
+
+    #[test]
+    fn layers_that_the_question_hides_cannot_be_shown_until_it_is_answered() {
+        let mut state = asked();
+        let shown = |state: &State| state.appearance.layers(state.current_stage());
+        let of_step = shown(&state);
+        let hidden = Layer::ALL.into_iter().filter(|layer| !of_step.has(*layer));
+        let hidden: Vec<Layer> = hidden.collect();
+        assert!(hidden.contains(&Layer::Gaps), "{hidden:?}");
+        for &layer in &hidden {
+            state.messages.notice = None;
+            state.apply(Command::Appearance(AppearanceCommand::ToggleLayer(layer)));
+            assert_eq!(shown(&state), of_step, "{layer:?}");
+            let notice = state.messages.notice.as_ref().expect("a notice");
+            assert_eq!(notice.text, HIDDEN_LAYER);
+        }
+
+        // The automatic layers are those of the step.
+        state.apply(Command::Appearance(AppearanceCommand::AutomaticLayers));
+        assert_eq!(shown(&state), of_step);
+
+        // A page asks for layers by name, and a scene of the user's own has others: only those of the step are shown.
+        let answer = state.ask(r#"{"do": "view", "layers": ["gaps", "samples"]}"#);
+        assert_eq!(
+            shown(&state).iter().collect::<Vec<_>>(),
+            [Layer::Samples],
+            "{answer}"
+        );
+        state.appearance.chosen_layers = Some(Layers::default());
+        state.apply(Command::Scene(SceneCommand::Add));
+        assert_eq!(shown(&state), Layers::default().within(of_step));
+
+        // What the step shows can be switched off and on again.
+        let own = of_step.iter().next().expect("a layer");
+        state.apply(Command::Appearance(AppearanceCommand::AutomaticLayers));
+        for is_on in [false, true] {
+            state.apply(Command::Appearance(AppearanceCommand::ToggleLayer(own)));
+            assert_eq!(shown(&state).has(own), is_on);
+        }
+
+        // The control: the answer frees all layers.
+        let [right, _] = options(&state);
+        choose(&mut state, right);
+        assert_eq!(state.hidden_layers(), Layers::none());
+        state.apply(Command::Appearance(AppearanceCommand::ToggleLayer(
+            Layer::Voronoi,
+        )));
+        assert!(shown(&state).has(Layer::Voronoi));
+    }
+
+    #[test]
+    fn the_answer_and_another_run_are_shown_at_the_learners_zoom() {
+        let mut state = asked();
+        let still = AppearanceCommand::ToggleReducedMotion;
+        state.apply(Command::Appearance(still));
+        let own = state.runs.first.camera;
+        let at = state.runs.first.viewport.center();
+        let zoom = Command::View(Which::First, ViewCommand::Zoom(at, 1.25));
+        state.apply(zoom);
+        let zoomed = state.runs.first.camera;
+        assert!(zoomed.scale > own.scale);
+        let [right, _] = options(&state);
+        choose(&mut state, right);
+        assert_eq!(state.runs.first.camera, zoomed);
+        lesson(&mut state, LessonCommand::Practise(5));
+        assert!(state.lessons.open_question().is_some());
+        let scale = state.runs.first.camera.scale;
+        assert!((scale - zoomed.scale).abs() < 1e-9, "{scale}");
+
+        // A place that the learner has turned away from comes back into view, at the same scale.
+        let away = ViewCommand::Pan(emath::vec2(5_000.0, 0.0));
+        state.apply(Command::View(Which::First, away));
+        let seen = |state: &State| {
+            let (run, open) = (&state.runs.first, state.lessons.open.as_ref().unwrap());
+            let (place, _) = open.camera().expect("a place");
+            let at = run.camera.screen_from_domain(run.viewport, place);
+            run.viewport.contains(at)
+        };
+        assert!(!seen(&state));
+        let [right, _] = options(&state);
+        choose(&mut state, right);
+        assert!(seen(&state));
+        let scale = state.runs.first.camera.scale;
+        assert!((scale - zoomed.scale).abs() < 1e-9, "{scale}");
+
+        // The control: another step has its own camera.
+        assert!(state.chosen_camera_of_step().is_some());
+        lesson(&mut state, LessonCommand::Step(Direction::Backwards));
+        assert_eq!(state.chosen_camera_of_step(), None);
     }
 
     #[test]

@@ -164,6 +164,7 @@ impl State {
         appearance.chosen_layers = wanted.layers.unwrap_or(appearance.chosen_layers);
         appearance.colouring = wanted.colouring.unwrap_or(appearance.colouring);
         appearance.choose_look(wanted.look.unwrap_or(appearance.look));
+        self.hide_layers_of_question();
         self.runs.first.follow_pattern();
         self.follow_first();
     }

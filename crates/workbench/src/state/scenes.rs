@@ -120,6 +120,7 @@ impl State {
     /// back when the tour ends.
     fn start_tour(&mut self) {
         self.give_back();
+        self.lessons.lists = false;
         self.borrow_window();
         self.form.apply(FormCommand::Reset);
         // At the start of the program that run is being made already.
@@ -315,7 +316,7 @@ mod tests {
     use crate::command::{Command, TimeCommand, ViewCommand};
     use glam::DVec2;
     use tilescope_core::RunEvent;
-    use tilescope_debugger::Event;
+    use tilescope_debugger::{Event, Target};
     use tilescope_drawing::camera::Camera;
     use tilescope_session::layers::Layer;
 
@@ -533,5 +534,37 @@ mod tests {
             let first = picture[..4].to_vec();
             assert!(picture.chunks(4).any(|pixel| pixel != first));
         }
+    }
+
+    #[test]
+    fn pictures_of_the_whole_domain_show_what_is_near_their_events() {
+        let mut state = with_scenes();
+        while !state.scenes(SceneList::Own).is_empty() {
+            scene(&mut state, SceneCommand::Remove(0));
+        }
+        state.apply(Command::View(Which::First, ViewCommand::Fit));
+        for target in [Target::Elimination, Target::Insertion] {
+            let next = TimeCommand::RunTo(target, Direction::Forwards);
+            state.apply(Command::Time(TimeCommand::FirstStage));
+            state.apply(Command::Time(next));
+            // Running to the event has flown there.
+            state.apply(Command::View(Which::First, ViewCommand::Fit));
+            scene(&mut state, SceneCommand::Add);
+        }
+        state.window.open_panel(Panel::Scenes);
+        state.settle();
+        let run = &state.runs.first;
+        let (session, debugger) = (run.session.as_ref(), run.debugger.as_ref());
+        let (session, debugger) = (session.unwrap(), debugger.unwrap());
+        let of = |scene| state.thumbnails.of(session, scene, true).unwrap();
+        let [first, second] = &debugger.scenes[..] else {
+            panic!("two scenes");
+        };
+        assert!(crate::view::SceneCamera::of(&first.view).is_none());
+        let pixels = of(first).rgba.chunks(4).zip(of(second).rgba.chunks(4));
+        let len = pixels.len();
+        let other = pixels.filter(|(a, b)| a != b).count();
+        // Of the whole domain they differed in 4 of 100 pixels.
+        assert!(other * 4 > len, "{other} of {len}");
     }
 }

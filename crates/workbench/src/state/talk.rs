@@ -3,7 +3,8 @@
 
 use std::path::PathBuf;
 
-use tilescope_lessons::{Form, Lesson, Vote, shipped};
+use tilescope_lessons::results::ClassVote;
+use tilescope_lessons::{Form, Key, Lesson, Question, Vote, shipped};
 use tilescope_session::task;
 
 use super::State;
@@ -12,7 +13,10 @@ use crate::lesson_picture::{PictureKey, PictureStyle, StepPictureTask};
 use crate::lessons::{LessonCommand, LessonSource};
 use crate::pen::PenStroke;
 use crate::scene_lesson::lesson_of;
-use crate::talk::{Cover, HandoutFile, Kept, Talk, TalkCommand, TalkPart, TalkRecord, Tool};
+use crate::talk::{
+    Cover, HandoutFile, Kept, RestoredStep, Talk, TalkCommand, TalkPart, TalkRecord, Tool,
+};
+use crate::view::sound_camera;
 
 /// Width and height of the picture of the next step, in points.
 const NEXT: [f64; 2] = [440.0, 330.0];
@@ -68,6 +72,7 @@ impl State {
             TalkCommand::Unvote => {
                 if let Some(votes) = self.talks.record.votes.get_mut(&key) {
                     votes.pop();
+                    self.keep_vote_on_form();
                 }
             }
             _ => {
@@ -169,7 +174,8 @@ impl State {
         }
         let learner = &mut open.learner;
         let is_last = learner.index() + 1 == learner.lesson().steps.len();
-        if learner.is_open() && open.fault.is_none() {
+        let waits = learner.is_open() && !learner.is_taken() && open.fault.is_none();
+        if waits {
             if learner.question().is_none() {
                 // The run is being made.
                 return;
@@ -180,7 +186,10 @@ impl State {
             learner.reveal();
             (open.lacking, open.hint) = (None, None);
             (talk.is_voting, talk.cover) = (false, None);
-            return self.show_moment();
+            // A form reveals nothing and goes on.
+            if !learner.is_taken() {
+                return self.show_moment();
+            }
         }
         if !is_last {
             let index = learner.index() + 1;
@@ -261,7 +270,43 @@ impl State {
         }
         if let Ok(vote) = vote {
             self.talks.record.vote(&key, vote);
+            self.keep_vote_on_form();
         }
+    }
+
+    /// Keeps the first vote on the question of a form with the results, so that the gain can be computed of votes too. One of
+    /// this talk that was typed before is replaced, and removed if it was taken back.
+    fn keep_vote_on_form(&mut self) {
+        let (key, now) = (self.talk_key(), self.lessons.now);
+        let (Some(talk), Some(learner)) = (&self.talks.open, self.lessons.learner()) else {
+            return;
+        };
+        let lesson = learner.lesson();
+        let concept = learner.step().gate.as_ref().and_then(|gate| gate.concept);
+        let Some((form, concept)) = lesson.form.zip(concept) else {
+            return;
+        };
+
+        let right = match learner.question().map(Question::key) {
+            Some(Key::Choice(right)) => Some(*right),
+            _ => None,
+        };
+        let first = self.talks.record.votes_on(&key).first();
+        let share = first.and_then(|vote| vote.right_share(right));
+        let vote = share.map(|share| ClassVote {
+            lesson: lesson.name.clone(),
+            form,
+            concept,
+            share,
+            count: first.and_then(Vote::count),
+            time: now,
+        });
+        let (begun, name) = (talk.begun, lesson.name.clone());
+        let votes = &mut self.lessons.results.votes;
+        let is_of_talk = |kept: &ClassVote| kept.time >= begun && kept.lesson == name;
+        votes.retain(|kept| !(is_of_talk(kept) && kept.concept == concept));
+        votes.extend(vote);
+        self.lessons.mark_unstored();
     }
 
     /// Returns everything that another window needs to continue this talk.
@@ -277,6 +322,8 @@ impl State {
             begun: talk.begun,
             part: talk.part,
             step: open.learner.step().name.clone(),
+            is_revealed: open.learner.step().gate.is_some() && !open.learner.is_open(),
+            camera: self.chosen_camera_of_step(),
             record: self.talks.record.clone(),
         }
     }
@@ -314,8 +361,41 @@ impl State {
             self.go_to_part(part, false);
         }
         self.talks.record = kept.record;
+
         if let Some(index) = self.lessons.step_named(&kept.step) {
+            let name = self
+                .lessons
+                .learner()
+                .map(|learner| learner.lesson().name.as_str());
+            self.talks.restored = Some(RestoredStep {
+                key: format!("{}/{}", name.unwrap_or_default(), kept.step),
+                is_revealed: kept.is_revealed,
+                // The text comes from a page's store, which anyone can change.
+                camera: kept
+                    .camera
+                    .and_then(|kept| sound_camera(kept.center, kept.scale)),
+            });
             self.go_in_talk(index);
+        }
+    }
+
+    /// Reveals the answer of a restored step, and sets its camera, now that its run is there. A step that was left
+    /// meanwhile stays as it is.
+    pub(super) fn restore_step(&mut self) {
+        let restored = self.talks.restored.take();
+        let Some(restored) = restored.filter(|restored| restored.key == self.talk_key()) else {
+            return;
+        };
+
+        if let Some(open) = &mut self.lessons.open
+            && restored.is_revealed
+            && open.learner.reveal()
+        {
+            self.show_moment();
+        }
+
+        if let Some(camera) = restored.camera {
+            self.runs.first.take_camera(Some(camera), camera);
         }
     }
 
@@ -431,6 +511,8 @@ impl State {
         let fragment = self.link().fragment;
         match (base, self.lessons.open_question()) {
             ("", _) => String::new(),
+            // As in links to lessons, English is not named, so that readers of other languages get theirs.
+            (base, Some(_)) if self.lessons.language == "de" => format!("{base}#card&language=de"),
             (base, Some(_)) => format!("{base}#card"),
             (base, None) => format!("{base}#{fragment}"),
         }
@@ -494,7 +576,7 @@ impl Talk {
 mod tests {
     use super::super::tests::settled;
     use super::*;
-    use crate::command::{Command, TimeCommand};
+    use crate::command::{Command, TimeCommand, ViewCommand, Which};
     use crate::lessons::DraftCommand;
     use crate::scenes::{SceneCommand, SceneList};
     use crate::talk::advised;
@@ -767,6 +849,91 @@ mod tests {
         assert!((open(&other).begun - 1_000.0).abs() < 1e-9);
         talk(&mut other, TalkCommand::Restore("nonsense".to_owned()));
         assert!(other.messages.notice.is_some_and(|notice| notice.is_error));
+    }
+
+    #[test]
+    fn another_window_shows_what_was_revealed_as_it_was_looked_at() {
+        let mut state = presented("survivors");
+        to_question(&mut state);
+        for _ in 0..2 {
+            talk(&mut state, TalkCommand::Next);
+        }
+        assert!(state.lessons.open_question().is_none());
+        let zoomed = ViewCommand::FlyTo([9.0, 11.0].into(), 3.0);
+        state.apply(Command::View(Which::First, zoomed));
+        while state.advance(0.1) {}
+
+        let kept = state.kept_of_talk();
+        let mut other = settled();
+        let text = serde_json::to_string(&kept).unwrap();
+        talk(&mut other, TalkCommand::Restore(text));
+        assert_eq!(other.talk_key(), state.talk_key());
+        assert_eq!(other.cursor(), state.cursor(), "the deciding event");
+        assert!(other.lessons.open_question().is_none());
+        assert_eq!(other.runs.first.camera, state.runs.first.camera);
+        assert!(other.lessons.results.entries.is_empty());
+
+        // The next step begins as ever, and its camera is its own, which is not kept.
+        for state in [&mut state, &mut other] {
+            talk(state, TalkCommand::Next);
+            assert!(state.lessons.open_question().is_some());
+            assert_eq!(state.kept_of_talk().camera, None);
+        }
+
+        // A camera that no window has is left out.
+        let mut broken = kept;
+        broken.camera.as_mut().unwrap().scale = -1.0;
+        let text = serde_json::to_string(&broken).unwrap();
+        talk(&mut other, TalkCommand::Restore(text));
+        assert!(other.runs.first.camera.scale > 0.0);
+        assert_eq!(other.kept_of_talk().camera, None);
+    }
+
+    #[test]
+    fn a_form_takes_votes_reveals_nothing_and_keeps_the_first_vote_with_the_results() {
+        let mut state = presented("before");
+        to_question(&mut state);
+        let concept = |state: &State| {
+            let gate = state.lessons.learner()?.step().gate.as_ref()?;
+            gate.concept
+        };
+        let first = concept(&state).expect("a question of the form");
+        let question = state.lessons.open_question().expect("a question");
+        let Key::Choice(right) = *question.key() else {
+            panic!("a choice");
+        };
+        let right = tilescope_lessons::letter(right);
+        let vote = |state: &mut State, text: &str| talk(state, TalkCommand::Vote(text.to_owned()));
+        vote(&mut state, "A 5 B 5 C 5 D 5");
+        let shares = |state: &State| {
+            let votes = state.lessons.results.votes.iter();
+            votes
+                .map(|vote| (vote.share, vote.count))
+                .collect::<Vec<_>>()
+        };
+        assert_eq!(shares(&state), [(0.25, Some(20))]);
+
+        // The vote after a discussion does not count, and one that was taken back is gone.
+        vote(&mut state, &format!("{right} 20"));
+        assert_eq!(shares(&state), [(0.25, Some(20))]);
+        talk(&mut state, TalkCommand::Unvote);
+        talk(&mut state, TalkCommand::Unvote);
+        assert_eq!(shares(&state), []);
+        vote(&mut state, &format!("{right} 20"));
+        assert_eq!(shares(&state), [(1.0, Some(20))]);
+
+        let at = state.cursor();
+        talk(&mut state, TalkCommand::Next);
+        assert_eq!((state.cursor(), concept(&state)), (at, Some(first)));
+        talk(&mut state, TalkCommand::Next);
+        assert_ne!(concept(&state), Some(first), "the next question");
+        assert!(state.lessons.results.entries.is_empty());
+
+        // The control: votes on a lesson are not kept with the results.
+        let mut state = presented("survivors");
+        to_question(&mut state);
+        vote(&mut state, "A 5 B 5");
+        assert_eq!(shares(&state), []);
     }
 
     #[test]

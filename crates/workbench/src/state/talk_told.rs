@@ -4,6 +4,7 @@ use serde_json::{Value, json};
 use tilescope_lessons::{Form, spans};
 
 use super::State;
+use crate::lesson_labels::lesson_labels;
 use crate::talk::{Cover, advised};
 
 impl State {
@@ -27,7 +28,7 @@ impl State {
         let [before, this, all] = talk.planned_secs(learner.index());
         let later = talk.parts.get(talk.part + 1);
         let next = match (lesson.steps.get(learner.index() + 1), later) {
-            (Some(step), _) => Some(step.title.clone()),
+            (Some(step), _) => Some(learner.words(&step.title)),
             (None, Some(part)) => Some(part.title.clone()),
             (None, None) => None,
         };
@@ -35,13 +36,14 @@ impl State {
         let waits = learner.is_open() && open.fault.is_none();
         json!({
             "title": learner.words(&step.title),
-            "notes": step.notes.iter().map(|note| spans(note)).collect::<Vec<_>>(),
+            "language": self.lessons.language,
+            "notes": step.notes.iter().map(|note| spans(learner.speaker_note(note))).collect::<Vec<_>>(),
             "ask": question.map(|question| spans(question.ask(traced))),
-            "answer": learner.right_answer(),
+            "answer": open.right_answer(lesson_labels(&self.lessons.language)),
             "hint": question.and_then(|question| question.hint.as_deref()).map(spans),
             "options": options,
             "votes": votes,
-            "vote_fault": talk.vote_fault,
+            "vote_fault": talk.vote_fault.as_deref().map(|fault| self.in_words(fault)),
             "advice": advised(votes, question.map(tilescope_lessons::Question::key)),
             "next": next,
             "picture": picture.and_then(|picture| picture.svg.as_deref()),

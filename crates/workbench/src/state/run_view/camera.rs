@@ -187,6 +187,21 @@ impl RunView {
         self.fly(self.framing((center, radii)), context);
     }
 
+    /// Takes a camera; if it does not show a place well inside the canvas, flies to the place at the camera's scale.
+    pub(in crate::state) fn look_from(&mut self, camera: Camera, place: DVec2, context: &Context) {
+        self.take_camera(Some(camera), camera);
+        let inner = self.inner_viewport();
+        if !inner.contains(self.camera.screen_from_domain(self.viewport, place)) {
+            let scale = self.camera.scale;
+            self.fly(Camera { center: place, scale }, context);
+        }
+    }
+
+    /// Returns the part of the canvas where something is well in view.
+    fn inner_viewport(&self) -> Rect {
+        self.viewport.shrink(0.2 * self.viewport.size().min_elem())
+    }
+
     /// Returns the camera that shows so many r around a place.
     fn framing(&self, (center, radii): (DVec2, f64)) -> Camera {
         let room = f64::from(self.viewport.size().min_elem().max(1.0));
@@ -260,13 +275,11 @@ impl RunView {
         let Some(place) = self.middle_of_event() else {
             return;
         };
-        let flight = self.flight.as_ref();
-        let camera = flight.map_or(self.camera, Flight::destination);
+        let camera = self.destination();
         let room = f64::from(self.viewport.size().min_elem().max(1.0));
         let is_wide = room / camera.scale > FOLLOWED;
         let at = camera.screen_from_domain(self.viewport, place);
-        let inner = self.viewport.shrink(0.2 * self.viewport.size().min_elem());
-        if is_wide || !inner.contains(at) {
+        if is_wide || !self.inner_viewport().contains(at) {
             let radii = if is_wide {
                 CURRENT
             } else {
@@ -326,6 +339,12 @@ impl RunView {
         }
         self.witness_mark = Some(witness_mark);
         self.fly_to(center, 9.0, context);
+    }
+
+    /// Returns the camera; while it flies, the one at the end of the flight.
+    pub(in crate::state) fn destination(&self) -> Camera {
+        let flight = self.flight.as_ref();
+        flight.map_or(self.camera, Flight::destination)
     }
 
     pub(in crate::state) fn end_flight(&mut self) {
