@@ -32,7 +32,7 @@ use tilescope_workbench::finder::Finder;
 use tilescope_workbench::help::HelpPage;
 use tilescope_workbench::layout::Panel;
 use tilescope_workbench::scenes::{SceneCommand, SceneList};
-use tilescope_workbench::state::{RunView, State, Time};
+use tilescope_workbench::state::{HIDDEN_LAYER, RunView, State, Time};
 
 /// The menus.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -534,14 +534,14 @@ fn layers(list: &mut List, state: &State) {
     list.group();
     let shown = state.appearance.layers(state.current_stage());
     let is_nested = state.runs.first.kind() == SessionKind::Nested;
+    let hidden = state.hidden_layers();
     for layer in Layer::ALL {
         let command = Command::Appearance(AppearanceCommand::ToggleLayer(layer));
         let has_none = is_nested && !layer.is_of(SessionKind::Nested);
+        let lacking =
+            has_none.then_some("This layer shows parts of a run, which nested levels do not have.");
         list.add(format!("Layer: {}", layer.name()), command)
-            .refused(
-                has_none
-                    .then_some("This layer shows parts of a run, which nested levels do not have."),
-            )
+            .refused(hidden.has(layer).then_some(HIDDEN_LAYER).or(lacking))
             .marked(shown.has(layer));
     }
 }

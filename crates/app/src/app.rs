@@ -9,6 +9,7 @@ use egui::{CentralPanel, Context, Frame, Pos2, Ui, UiBuilder, ViewportCommand};
 use egui_tiles::{Behavior, EditAction, SimplificationOptions, TileId, Tiles, UiResponse};
 use tilescope_session::look::Look;
 use tilescope_ui::focus;
+use tilescope_ui::language;
 use tilescope_ui::presses::Presses;
 use tilescope_ui::spoken::{Speaker, Spoken};
 use tilescope_ui::theme::{self, InputStyle};
@@ -125,6 +126,7 @@ impl App {
     /// Shows one frame.
     pub fn show(&mut self, ui: &mut Ui) {
         self.state.lessons.now = now();
+        language::speak(ui.ctx(), self.state.language());
         if self.state.window.embedding.is_none() && self.state.talks.open.is_none() {
             panels::lesson::show(ui, &self.state, &mut self.commands);
         }

@@ -112,6 +112,8 @@ mod tests {
             lesson: "welcome".to_owned(),
             hash: "00".to_owned(),
             gate: gate.to_owned(),
+            form: None,
+            concept: None,
             seed: 3,
             practised: false,
             answer: "1".to_owned(),

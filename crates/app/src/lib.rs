@@ -18,6 +18,8 @@
 pub mod actions;
 mod app;
 #[cfg(not(target_arch = "wasm32"))]
+pub mod frame_texts;
+#[cfg(not(target_arch = "wasm32"))]
 mod kept;
 #[cfg(not(target_arch = "wasm32"))]
 mod native;

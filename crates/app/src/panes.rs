@@ -17,6 +17,7 @@ use tilescope_canvas::{hint, hover, overlay};
 use tilescope_drawing::palette::Palette;
 use tilescope_drawing::subject::Subject;
 use tilescope_session::look::Look;
+use tilescope_ui::language::Worded;
 use tilescope_ui::widgets::Known;
 use tilescope_workbench::command::{Command, ViewCommand, Which};
 use tilescope_workbench::passes::OnCanvas;
@@ -143,7 +144,8 @@ impl PaneSide<'_> {
     ) -> egui::Response {
         let rect = self.rect;
         let response = ui.interact(rect, ui.scope_id().with(self.name), Sense::click_and_drag());
-        response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Canvas, true, self.name));
+        let name = ui.words(self.name);
+        response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Canvas, true, &name));
         let run = context.runs.get(self.which);
         if run.is_some_and(|run| run.viewport != rect) {
             commands.push(Command::View(self.which, ViewCommand::Viewport(rect)));

@@ -1,6 +1,7 @@
 //! Contexts: the parts of the state that panels receive.
 
 use tilescope_drawing::palette::Palette;
+use tilescope_session::layers::Layers;
 
 use tilescope_workbench::arrangement::Drawer;
 use tilescope_workbench::state::{Appearance, RunView, State, Time};
@@ -15,6 +16,8 @@ pub struct PanelContext<'a> {
     pub run: &'a RunView,
     /// Whether another run is shown beside it.
     pub is_compared: bool,
+    /// The layers that the open question of a lesson hides.
+    pub hidden_layers: Layers,
 }
 
 impl<'a> PanelContext<'a> {
@@ -26,6 +29,7 @@ impl<'a> PanelContext<'a> {
             appearance: &state.appearance,
             run: &state.runs.first,
             is_compared: state.runs.second.is_some(),
+            hidden_layers: state.hidden_layers(),
         }
     }
 }

@@ -1,7 +1,8 @@
 //! The list of all actions (Ctrl+K): typing filters it, arrow keys select, Enter runs the selected action.
 
 use egui::{
-    Align2, FontId, Key, Modal, RichText, Role, ScrollArea, Sense, TextEdit, Ui, WidgetInfo, vec2,
+    Align2, FontId, Key, Modal, Rect, RichText, Role, ScrollArea, Sense, TextEdit, Ui, WidgetInfo,
+    vec2,
 };
 use tilescope_drawing::palette::Palette;
 use tilescope_ui::theme::row_height;
@@ -106,6 +107,7 @@ fn keys(ui: &Ui, choice: usize, count: usize, commands: &mut Vec<Command>) -> bo
     })
 }
 
+/// Shows an action in the list; returns whether it was clicked.
 fn show_action(
     ui: &mut Ui,
     state: &State,
@@ -115,6 +117,7 @@ fn show_action(
     moved: bool,
 ) -> bool {
     let palette = Palette::of(state.appearance.look);
+    // An action that is refused stays in the list, so that its tooltip can say why.
     let enabled = action.refusal.is_none();
     let sense = if enabled {
         Sense::click()
@@ -125,6 +128,7 @@ fn show_action(
         ui.allocate_exact_size(vec2(ui.available_width(), row_height(ui.ctx(), ROW)), sense);
     response.widget_info(|| WidgetInfo::selected(Role::Button, enabled, chosen, &action.name));
     response.known_as(format_args!("action.{}", action.id()));
+
     if chosen {
         // The field keeps the focus while screen readers follow the selection.
         ui.ctx().accesskit_node_builder(field, |node| {
@@ -139,11 +143,25 @@ fn show_action(
         ui.painter()
             .rect_filled(rect, 5.0, palette.text.gamma_multiply(0.07));
     }
-    let ink = if enabled {
+
+    texts(ui, action, rect, palette);
+    match &action.refusal {
+        Some(refusal) => {
+            response.on_hover_text(refusal);
+            false
+        }
+        None => response.clicked(),
+    }
+}
+
+/// Draws an action's menu, name and keys in its row.
+fn texts(ui: &Ui, action: &Action, rect: Rect, palette: &Palette) {
+    let ink = if action.refusal.is_none() {
         palette.text
     } else {
         palette.muted.gamma_multiply(0.7)
     };
+
     let painter = ui.painter();
     let menu = painter.text(
         rect.left_center() + vec2(10.0, 0.0),
@@ -152,6 +170,7 @@ fn show_action(
         FontId::proportional(12.0),
         palette.muted,
     );
+    // Names begin at one place, except beside a menu whose name is longer.
     let start = (menu.right() + AFTER_MENU).max(rect.left() + NAME_START);
     painter.text(
         egui::pos2(start, rect.center().y),
@@ -160,6 +179,7 @@ fn show_action(
         FontId::proportional(13.5),
         ink,
     );
+
     if let Some(shortcut) = &action.shortcut {
         let keys = crate::actions::shortcut_text(ui.ctx(), shortcut);
         painter.text(
@@ -169,12 +189,5 @@ fn show_action(
             FontId::monospace(12.0),
             palette.muted,
         );
-    }
-    match &action.refusal {
-        Some(refusal) => {
-            response.on_hover_text(refusal);
-            false
-        }
-        None => response.clicked(),
     }
 }

@@ -3,10 +3,12 @@
 use egui::{RichText, Ui, vec2};
 use tilescope_session::layers::Layer;
 use tilescope_session::verification::Verdict;
+use tilescope_ui::language::Worded;
 use tilescope_ui::widgets::{Kebab, Known, chip, explain};
 
 use super::context::PanelContext;
 use tilescope_workbench::command::{AppearanceCommand, Command};
+use tilescope_workbench::state::HIDDEN_LAYER;
 
 const AUTOMATIC: &str = "The layers follow the stage: the KD-tree while blocks are cut, the clips while they are placed. A layer that is \
      switched by hand ends this; T returns to it.";
@@ -23,7 +25,7 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
             layers.chosen_layers.is_none(),
             context.palette,
         );
-        let automatic = automatic.on_hover_text(AUTOMATIC);
+        let automatic = automatic.on_hover_text(ui.words(AUTOMATIC));
         automatic.known_as("layer.automatic");
         if automatic.clicked() {
             commands.push(Command::Appearance(AppearanceCommand::AutomaticLayers));
@@ -33,7 +35,9 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
         for layer in Layer::ALL.into_iter().filter(offered) {
             let named = (Some(layer), layer.name_in(kind));
             let is_on = shown.has(layer);
-            let chip = chip(ui, named, is_on, context.palette);
+            let is_free = !context.hidden_layers.has(layer);
+            let chip = ui.add_enabled_ui(is_free, |ui| chip(ui, named, is_on, context.palette));
+            let chip = chip.inner.on_disabled_hover_text(ui.words(HIDDEN_LAYER));
             let chip = chip.on_hover_ui(|ui| explain(ui, layer, context.palette));
             chip.known_as(format_args!("layer.{}", Kebab(layer)));
             if chip.clicked() {
@@ -42,7 +46,7 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
         }
         if has_no_circles(context) {
             let text = "No empty circle is larger than r: the set is maximal.";
-            let text = RichText::new(text).small().color(context.palette.muted);
+            let text = RichText::new(ui.words(text)).small().color(context.palette.muted);
             ui.label(text).known_as("no-empty-circles");
         }
     });

@@ -21,31 +21,36 @@ use egui::{
 };
 use tilescope_debugger::Direction;
 use tilescope_drawing::palette::Palette;
-use tilescope_lessons::{Form, Progress, Question, letter};
+use tilescope_lessons::{Form, Question, letter};
 use tilescope_ui::focus;
+use tilescope_ui::language::Worded;
 use tilescope_ui::theme::semibold;
 use tilescope_ui::widgets::{Icon, Known, icon_button, primary_button};
 use tilescope_workbench::command::Command;
+use tilescope_workbench::graded::{FULL_MARKS, Outcome};
 use tilescope_workbench::lesson_labels::{LessonLabels, lesson_labels};
 use tilescope_workbench::lessons::{LessonCommand, OpenLesson};
 use tilescope_workbench::state::State;
 use tilescope_workbench::talk::TalkCommand;
 
 use super::common::{divide, read_out};
+use super::compact;
 pub use marks::show as show_marks;
 
 /// Width of the panel beside the canvas, in screen points.
 const WIDTH: f32 = 372.0;
 /// In a narrower window the panel is below the canvas.
 const BESIDE: f32 = 800.0;
-/// The share of a narrow window's height that the panel takes.
+/// The largest share of a narrow window's height that the panel takes.
 const BELOW: f32 = 0.46;
+/// The share of a narrow window's height that the picture of a lesson has.
+const PICTURE: f32 = 0.5;
+/// The smallest height of the panel below the canvas, in screen points: a question and its first option.
+const LEAST_BELOW: f32 = 190.0;
 /// Height of plots, in screen points.
 const PLOT: f32 = 86.0;
 /// Sizes of text: in the window, and for a projector.
 const SIZES: [f32; 2] = [14.5, 17.0];
-/// A score above this is full marks: scores are sums of fractions, which are rounded.
-const FULL_MARKS: f64 = 0.999;
 
 /// Shows the panel, if a lesson or the list is open, at the edge of the window.
 pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
@@ -61,7 +66,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let panel = if room.x >= BESIDE {
         egui::Panel::right("lesson").exact_size(WIDTH)
     } else {
-        egui::Panel::bottom("lesson below").exact_size((BELOW * room.y).round())
+        egui::Panel::bottom("lesson below").exact_size(height_below(ui, state).round())
     };
     panel.frame(frame).show(ui, |ui| {
         let scroll = ScrollArea::vertical()
@@ -86,6 +91,19 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             focus::follow(ui);
         });
     });
+}
+
+/// Returns the height of the panel below the canvas: what the picture leaves. The list has no picture to go with it.
+fn height_below(ui: &Ui, state: &State) -> f32 {
+    let room = ui.available_rect_before_wrap();
+    let most = BELOW * room.height();
+    if state.lessons.lists {
+        return most;
+    }
+    let above = room.with_max_y(room.bottom() - most);
+    let around = compact::around_canvas(ui.ctx(), above, state);
+    let rest = (1.0 - PICTURE) * room.height() - around;
+    rest.max(LEAST_BELOW).min(most)
 }
 
 /// Returns the words of the learner's language.
@@ -137,6 +155,7 @@ impl LessonPanel<'_> {
         ui.add_space(4.0);
         text::show(ui, open, &step.text, self.size, self.palette);
         if let Some(fault) = &open.fault {
+            let fault = ui.words(fault.to_string());
             let text = format!("{} {fault}.", self.labels.cannot_show);
             let text = RichText::new(text).color(self.palette.conflict);
             ui.add(Label::new(text).wrap()).known_as("lesson-fault");
@@ -147,6 +166,10 @@ impl LessonPanel<'_> {
         if let Some(question) = learner.question() {
             divide(ui, self.palette);
             self.question(ui, question);
+        }
+        if let Some(outcome) = self.state.lessons.outcome() {
+            divide(ui, self.palette);
+            self.outcome(ui, outcome);
         }
         divide(ui, self.palette);
         self.walk(ui);
@@ -184,13 +207,13 @@ impl LessonPanel<'_> {
         ui.horizontal_wrapped(|ui| {
             ui.spacing_mut().item_spacing.x = 4.0;
             for (index, step) in lesson.steps.iter().enumerate() {
-                let results = &self.state.lessons.results;
+                let lessons = &self.state.lessons;
                 let gate = step.gate.as_ref();
-                let score = gate.and_then(|gate| results.of_gate(&lesson.name, &gate.name));
+                let score = gate.and_then(|gate| lessons.shown_score(lesson, &gate.name));
                 let is_here = index == learner.index();
                 let color = match (is_here, score) {
                     (true, _) => self.palette.accent,
-                    (false, Some((score, _))) if score > FULL_MARKS => self.palette.inserted,
+                    (false, Some(score)) if score > FULL_MARKS => self.palette.inserted,
                     (false, Some(_)) => self.palette.candidate,
                     (false, None) => self.palette.muted,
                 };
@@ -223,7 +246,7 @@ impl LessonPanel<'_> {
         let asked = (question, labels);
         answers::show(ui, open, asked, sizes, self.palette, self.commands);
         if let Some(lacking) = &open.lacking {
-            let text = RichText::new(lacking).color(self.palette.candidate);
+            let text = RichText::new(ui.words(lacking)).color(self.palette.candidate);
             let label = ui.add(Label::new(text).wrap());
             read_out(ui, &label);
             label.known_as("lesson-lacking");
@@ -234,20 +257,21 @@ impl LessonPanel<'_> {
             return;
         }
         ui.add_space(8.0);
-        let name = format!("{} (Enter)", labels.answer);
+        let name = format!("{} ({})", labels.answer, ui.words("Enter"));
         let button = primary_button(ui, &name, None, self.palette);
         self.on_click(&button, "lesson-answer", LessonCommand::Answer);
         ui.add_space(4.0);
-        ui.horizontal(|ui| {
+        // Long words go on in the next row: a row wider than the panel would push it over the canvas.
+        ui.horizontal_wrapped(|ui| {
             if question.hint.is_some() {
                 self.on_click(&ui.button(labels.hint), "lesson-hint", LessonCommand::Hint);
             }
-            // The second click shows the answer.
+            // The second click shows the answer, or goes on in a form.
             let is_sure = learner.is_asked_to_give_up();
-            let name = if is_sure {
-                labels.show_answer
-            } else {
-                labels.give_up
+            let name = match (is_sure, learner.lesson().form) {
+                (false, _) => labels.give_up,
+                (true, None) => labels.show_answer,
+                (true, Some(_)) => labels.skip,
             };
             self.on_click(&ui.button(name), "lesson-give-up", LessonCommand::GiveUp);
             if is_sure {
@@ -286,9 +310,7 @@ impl LessonPanel<'_> {
     /// Shows the right answer once the question is closed, the text after it, and the events that explain it.
     fn revealed(&mut self, ui: &mut Ui) {
         let learner = &self.open.learner;
-        if learner.progress() == Progress::GivenUp
-            && let Some(answer) = learner.right_answer()
-        {
+        if let Some(answer) = self.open.told_answer(self.labels) {
             let text = format!("{} {answer}", self.labels.the_answer);
             ui.add(Label::new(RichText::new(text).size(self.size)).wrap())
                 .known_as("lesson-key");
@@ -301,7 +323,7 @@ impl LessonPanel<'_> {
             let why = CollapsingHeader::new(self.labels.why).id_salt("lesson-why");
             why.show(ui, |ui| {
                 for reason in &reasons {
-                    let text = self.muted(format!("\u{2190} {reason}")).small();
+                    let text = self.muted(format!("\u{2190} {}", ui.words(reason))).small();
                     ui.add(Label::new(text).wrap());
                 }
             });
@@ -314,12 +336,46 @@ impl LessonPanel<'_> {
         }
     }
 
+    /// Shows what the lesson leaves behind: what the learner can do now, the questions to practise, and the next lesson.
+    fn outcome(&mut self, ui: &mut Ui, outcome: Outcome) {
+        let (labels, learner) = (self.labels, &self.open.learner);
+        let font = FontId::new(self.size, semibold());
+        ui.label(RichText::new(labels.you_can).font(font))
+            .known_as("lesson-outcome");
+        let objective = learner.words(&learner.lesson().objective);
+        text::paragraph(ui, &objective, self.size, self.palette.text);
+        let tries = labels
+            .first_tries
+            .replace("{right}", &outcome.right.to_string());
+        let tries = tries.replace("{count}", &outcome.gates.to_string());
+        ui.add(Label::new(self.muted(tries)).wrap())
+            .known_as("lesson-first-tries");
+
+        if !outcome.again.is_empty() {
+            ui.add_space(4.0);
+            ui.label(self.muted(labels.take_again));
+            for (step, title) in outcome.again {
+                let title = RichText::new(title).color(self.palette.accent);
+                let button = ui.add(Button::new(title).frame(false).wrap());
+                let id = format!("lesson-again-{step}");
+                self.on_click(&button, id, LessonCommand::Go(step));
+            }
+        }
+
+        if let Some((name, title)) = outcome.next {
+            ui.add_space(4.0);
+            let words = labels.next_lesson.replace("{title}", &title);
+            let button = primary_button(ui, &words, None, self.palette);
+            self.on_click(&button, "lesson-next-lesson", LessonCommand::Open(name));
+        }
+    }
+
     /// Shows the buttons that go to the previous and the next step; at the last step, to the list of lessons.
     fn walk(&mut self, ui: &mut Ui) {
         let (labels, learner) = (self.labels, &self.open.learner);
         let (index, len) = (learner.index(), learner.lesson().steps.len());
         ui.horizontal(|ui| {
-            let back = Button::new(format!("{} (PageUp)", labels.back));
+            let back = Button::new(format!("{} ({})", labels.back, ui.words("PageUp")));
             let back = ui.add_enabled(index > 0, back);
             let command = LessonCommand::Step(Direction::Backwards);
             self.on_click(&back, "lesson-back", command);
@@ -328,7 +384,7 @@ impl LessonPanel<'_> {
                 self.on_click(&more, "lesson-more", LessonCommand::ToggleList);
                 return;
             }
-            let next = Button::new(format!("{} (PageDown)", labels.next));
+            let next = Button::new(format!("{} ({})", labels.next, ui.words("PageDown")));
             let next = ui.add_enabled(learner.may_go_on(), next);
             let next = next.on_disabled_hover_text(labels.waits);
             let command = LessonCommand::Step(Direction::Forwards);

@@ -2,6 +2,7 @@
 
 use egui::{Align2, Area, Frame, Id, Margin, Order, RichText, Stroke, Ui, vec2};
 use tilescope_drawing::palette::Palette;
+use tilescope_ui::language::Worded;
 use tilescope_ui::widgets::{Icon, Known, icon_button, verdict_mark};
 
 use tilescope_workbench::command::Command;
@@ -30,7 +31,7 @@ pub fn in_sheet(ui: &mut Ui, state: &State) {
         return;
     };
     let palette = Palette::of(state.appearance.look);
-    let text = RichText::new(&notice.text).color(palette.conflict);
+    let text = RichText::new(ui.words(&notice.text)).color(palette.conflict);
     let response = ui.add(egui::Label::new(text).wrap());
     super::common::read_out(ui, &response);
     response.known_as("notice");
@@ -79,7 +80,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
                             ui.set_max_width(
                                 width - if notice.folder.is_some() { 180.0 } else { 80.0 },
                             );
-                            let text = RichText::new(&notice.text);
+                            let text = RichText::new(ui.words(&notice.text));
                             let response = ui.add(egui::Label::new(text).wrap());
                             super::common::read_out(ui, &response);
                             response.known_as("notice");
@@ -100,7 +101,7 @@ fn open_folder(ui: &mut Ui, notice: &Notice, commands: &mut Vec<Command>) {
     let Some(folder) = &notice.folder else {
         return;
     };
-    let button = ui.button("Open folder");
+    let button = ui.button(ui.words("Open folder"));
     button.known_as("open-folder");
     if button.on_hover_text(folder.display().to_string()).clicked() {
         commands.push(Command::OpenFolder(folder.clone()));

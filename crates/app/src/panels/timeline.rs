@@ -8,6 +8,7 @@ use egui::{
 use tilescope_session::glossary;
 use tilescope_session::sentence::happened;
 use tilescope_session::words::{capital, grouped};
+use tilescope_ui::language::Worded;
 use tilescope_ui::theme::{FINGER, is_for_fingers};
 use tilescope_ui::widgets::{Icon, Kebab, Known, icon_button};
 
@@ -41,9 +42,10 @@ const COMPACT_SIZE: f32 = 14.5;
 const SPECIMEN: &str = "The circumcentre of sample 10,774 of block 88 with sample 17,364 of block 88 and sample 10,974 of \
      block 88, 1.99 r away, is nearer to sample 10,775 of block 88.";
 
-/// Returns the last step in words; of nested levels with the verdict on the samples that are shown.
-fn said(context: &TimeContext<'_>) -> String {
-    happened(context.run.shown().as_ref()) + context.run.prefix_verdict()
+/// Returns the last step in the words of the window's language; of nested levels with the verdict on the samples that are shown.
+fn said(ctx: &Context, context: &TimeContext<'_>) -> String {
+    let happened = happened(context.run.shown().as_ref()) + context.run.prefix_verdict();
+    ctx.words(happened)
 }
 
 /// Returns the height of a text wrapped at `width`.
@@ -60,7 +62,9 @@ fn text_height(ctx: &Context, text: &str, size: f32, width: f32) -> f32 {
 /// Returns the size of the whole sentence, at least that of [`SPECIMEN`].
 fn sentence_height(ctx: &Context, context: &TimeContext<'_>, size: f32, width: f32) -> f32 {
     let height = |text: &str| text_height(ctx, text, size, width);
-    height(SPECIMEN).max(height(&said(context))).ceil()
+    height(&ctx.words(SPECIMEN))
+        .max(height(&said(ctx, context)))
+        .ceil()
 }
 
 /// Returns the room for counts beside the sentence, the same at every moment.
@@ -74,12 +78,22 @@ fn room_beside(ctx: &Context, context: &TimeContext<'_>, width: f32) -> f32 {
         None => "stage 9 of 9".to_owned(),
     };
     let text = match context.run.prefix() {
-        Some(_) => format!("{most} of {most} samples   radius 32.00 r"),
-        None => format!("{most} samples   {moment}   iteration 9"),
+        Some(_) => vec![
+            format!("{most} of {most} samples"),
+            "radius 32.00 r".to_owned(),
+        ],
+        None => vec![format!("{most} samples"), moment, "iteration 9".to_owned()],
     };
+    let text = joined(ctx, text);
     let font = TextStyle::Monospace.resolve(&ctx.style_of(ctx.theme()));
     let job = LayoutJob::simple_singleline(text, font, Color32::WHITE);
     ctx.fonts_mut(|fonts| fonts.layout_job(job)).size().x + BESIDE
+}
+
+/// Returns the counts of a moment as one text in the language of the window.
+fn joined(ctx: &Context, counts: Vec<String>) -> String {
+    let words = counts.into_iter().map(|text| ctx.words(text));
+    words.collect::<Vec<_>>().join("   ")
 }
 
 /// Returns whether the next line is shown: there are events, and the window is not low.
@@ -146,7 +160,9 @@ pub fn show(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>)
             let size = vec2(room - LABEL - beside, NEXT_LINE);
             ui.allocate_ui_with_layout(size, Layout::left_to_right(Align::Center), |ui| {
                 ui.set_min_size(size);
-                let text = RichText::new(next).size(SMALL_SIZE).color(palette.muted);
+                let text = RichText::new(ui.words(next))
+                    .size(SMALL_SIZE)
+                    .color(palette.muted);
                 let response = ui.add(egui::Label::new(text).truncate());
                 response.known_as("next-line");
             });
@@ -170,7 +186,8 @@ pub fn show(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>)
 /// Shows the counts of the moment at the end of a row.
 fn counts(ui: &mut Ui, context: &TimeContext<'_>) {
     ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-        let text = RichText::new(context.run.moment_texts().join("   ")).monospace();
+        let text = joined(ui.ctx(), context.run.moment_texts());
+        let text = RichText::new(text).monospace();
         ui.label(text.color(context.palette.muted))
             .known_as("counts");
     });
@@ -181,7 +198,8 @@ fn label(ui: &mut Ui, text: &str, height: f32, color: Color32) {
     let room = vec2(LABEL, height);
     ui.allocate_ui_with_layout(room, Layout::left_to_right(Align::Center), |ui| {
         ui.set_min_size(room);
-        ui.label(RichText::new(text).size(SMALL_SIZE).color(color));
+        let text = RichText::new(ui.words(text)).size(SMALL_SIZE);
+        ui.label(text.color(color));
     });
 }
 
@@ -191,7 +209,7 @@ fn sentence(ui: &mut Ui, context: &TimeContext<'_>, size: f32, room: Vec2, lines
         ui.set_min_size(room);
         let color = context.palette.text;
         let font = FontId::proportional(size);
-        let mut text = LayoutJob::simple(said(context), font, color, room.x);
+        let mut text = LayoutJob::simple(said(ui.ctx(), context), font, color, room.x);
         // The tooltip shows the rest.
         text.wrap.max_rows = lines;
         let galley = ui.painter().layout_job(text);
@@ -342,11 +360,15 @@ impl Player {
 /// loop.
 pub fn more(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>) {
     let palette = context.palette;
-    ui.label(RichText::new(said(context)).size(14.5))
+    ui.label(RichText::new(said(ui.ctx(), context)).size(14.5))
         .known_as("status-whole");
     for (k, text) in context.run.moment_texts().into_iter().enumerate() {
-        ui.label(RichText::new(text).monospace().color(palette.muted))
-            .known_as(format_args!("counts-{k}"));
+        ui.label(
+            RichText::new(ui.words(text))
+                .monospace()
+                .color(palette.muted),
+        )
+        .known_as(format_args!("counts-{k}"));
     }
     ui.add_space(4.0);
     speed(ui, context, commands);
@@ -357,9 +379,11 @@ pub fn more(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>)
             ("Loop up to here", TimeCommand::LoopEnd),
             ("No loop", TimeCommand::Loop(None)),
         ] {
-            let button = ui.add_enabled(context.run.cursor().is_some(), Button::new(name));
+            let button =
+                ui.add_enabled(context.run.cursor().is_some(), Button::new(ui.words(name)));
             button.known_as(Kebab(&command));
-            let button = button.on_disabled_hover_text("There are no events to loop over.");
+            let refusal = ui.words("There are no events to loop over.");
+            let button = button.on_disabled_hover_text(refusal);
             if button.clicked() {
                 commands.push(Command::Time(command));
             }
@@ -451,7 +475,9 @@ fn prefix(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>) {
     if ui.available_width() < size.x {
         return;
     }
-    let response = ui.add_sized(size, field).accessible_name("Samples shown");
+    let response = ui
+        .add_sized(size, field)
+        .accessible_name(ui.words("Samples shown"));
     response.known_as("prefix");
     if response.changed() {
         commands.push(Command::Time(TimeCommand::Jump(count)));
@@ -464,24 +490,27 @@ fn clock(ui: &mut Ui, context: &TimeContext<'_>, width: f32, commands: &mut Vec<
     let playback = &context.time.playback;
     let chosen = ComboBox::from_id_salt("clock")
         .width(width)
-        .selected_text(context.run.clock_name(playback.clock));
+        .selected_text(ui.words(context.run.clock_name(playback.clock)));
     let response = chosen.show_ui(ui, |ui| {
         for clock in Clock::ALL {
             let refusal = context.run.clock_refusal(clock);
-            let name = context.run.clock_name(clock);
+            let name = ui.words(context.run.clock_name(clock));
             let button = Button::selectable(playback.clock == clock, name);
             let response = ui.add_enabled(refusal.is_none(), button);
             response.known_as(format_args!("clock.{}", Kebab(clock)));
-            let response = response.on_disabled_hover_text(refusal.unwrap_or_default());
+            let refusal = ui.words(refusal.unwrap_or_default());
+            let response = response.on_disabled_hover_text(refusal);
             if response.clicked() {
                 commands.push(Command::Time(TimeCommand::Clock(clock)));
             }
         }
     });
     let response = response.response;
-    response.widget_info(|| WidgetInfo::labeled(Role::ComboBox, true, "Clock"));
+    let name = ui.words("Clock");
+    response.widget_info(|| WidgetInfo::labeled(Role::ComboBox, true, &name));
     response.known_as("clock");
-    response.on_hover_text("Step by: what the arrow keys, and play tick by tick, advance by.");
+    let tip = "Step by: what the arrow keys, and play tick by tick, advance by.";
+    response.on_hover_text(ui.words(tip));
 }
 
 /// Shows the choice of the speed.
@@ -493,13 +522,13 @@ fn speed(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>) {
             .width(58.0)
             .selected_text(match playback.pace_secs() {
                 Some(secs) => format!("{secs} s"),
-                None => format!("{}\u{d7}", playback.speed),
+                None => ui.words(format!("{}\u{d7}", playback.speed)),
             });
     let response = chosen.show_ui(ui, |ui| {
         let by_passes = playback.clock == Clock::Pass;
         for secs in WHOLE_RUNS_SECS.into_iter().filter(|_| !by_passes) {
             let same = playback.whole_run_secs == Some(secs);
-            let row = ui.selectable_label(same, format!("whole run in {secs} s"));
+            let row = ui.selectable_label(same, ui.words(format!("whole run in {secs} s")));
             row.known_as(format_args!("whole-run.{secs}"));
             if row.clicked() {
                 commands.push(Command::Time(TimeCommand::WholeRun(secs)));
@@ -508,7 +537,7 @@ fn speed(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>) {
         for speed in SPEEDS {
             let same = playback.pace_secs().is_none() && (playback.speed - speed).abs() < 1e-6;
             if ui
-                .selectable_label(same, format!("{speed}\u{d7} by {unit}"))
+                .selectable_label(same, ui.words(format!("{speed}\u{d7} by {unit}")))
                 .clicked()
             {
                 commands.push(Command::Time(TimeCommand::Speed(speed)));
@@ -516,11 +545,11 @@ fn speed(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>) {
         }
     });
     let response = response.response;
-    response.widget_info(|| WidgetInfo::labeled(Role::ComboBox, true, "Speed"));
+    let name = ui.words("Speed");
+    response.widget_info(|| WidgetInfo::labeled(Role::ComboBox, true, &name));
     response.known_as("speed");
-    response.on_hover_text(
-        "How fast play goes: the whole run in a given time, longer where more happens, or tick by tick of the clock.",
-    );
+    let tip = "How fast play goes: the whole run in a given time, longer where more happens, or tick by tick of the clock.";
+    response.on_hover_text(ui.words(tip));
 }
 
 #[cfg(test)]

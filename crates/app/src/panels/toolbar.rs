@@ -6,6 +6,7 @@ use egui::{
 };
 use tilescope_drawing::palette::Palette;
 use tilescope_session::words::{counted, grouped};
+use tilescope_ui::language::Worded;
 use tilescope_ui::theme::{FINGER, is_for_fingers, semibold};
 use tilescope_ui::widgets::{Icon, Kebab, Known, icon_button};
 
@@ -15,6 +16,8 @@ use crate::panels::context::PanelContext;
 use tilescope_workbench::command::{AppearanceCommand, Command, ViewCommand, Which};
 use tilescope_workbench::export::{ExportCommand, ExportKind};
 use tilescope_workbench::files::FileCommand;
+use tilescope_workbench::lesson_labels::lesson_labels;
+use tilescope_workbench::lessons::LessonCommand;
 use tilescope_workbench::state::State;
 
 /// Minimum room behind the menus, in screen points, to show the run's name.
@@ -52,11 +55,11 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             };
             // The counts at the timeline are of the moment; these are of the whole run, which is called the result.
             let text = format!("result: {count} samples   r {radius}   {made}");
-            ui.label(RichText::new(text).color(palette.muted))
+            ui.label(RichText::new(ui.words(text)).color(palette.muted))
                 .known_as("run-shown");
             if room >= ROOM_FOR_ENGINE {
                 let engine = format!("engine: {}", session.engine);
-                ui.label(RichText::new(engine).color(palette.muted))
+                ui.label(RichText::new(ui.words(engine)).color(palette.muted))
                     .known_as("engine-used");
             }
         }
@@ -67,11 +70,11 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
                 .issues("fit", command, commands);
             let export = ui.add_enabled(
                 state.runs.first.session.is_some(),
-                Button::new("Export\u{2026}"),
+                Button::new(ui.words("Export\u{2026}")),
             );
             export.known_as("export");
             let why = "There is nothing to export before the first session is ready.";
-            if export.on_disabled_hover_text(why).clicked() {
+            if export.on_disabled_hover_text(ui.words(why)).clicked() {
                 commands.push(Command::Export(ExportCommand::Open(ExportKind::Result)));
             }
             ui.add_space(6.0);
@@ -104,7 +107,7 @@ fn exporting(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let command = Command::Export(ExportCommand::Cancel);
     cancel.issues("export-chip.cancel", command, commands);
     let text = format!("Exporting {:.0}%", 100.0 * fraction);
-    ui.label(RichText::new(text).color(palette.candidate))
+    ui.label(RichText::new(ui.words(text)).color(palette.candidate))
         .known_as("export-chip");
     // The export itself draws no frames.
     ui.ctx()
@@ -133,6 +136,12 @@ pub fn show_compact(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             ui.label(RichText::new("Tilescope").font(FontId::new(17.0, semibold())))
                 .known_as("title");
         }
+        if ui.available_width() >= ROOM_FOR_LESSONS {
+            let name = lesson_labels(&state.lessons.language).lessons;
+            let lessons = Button::new(name).min_size(vec2(FINGER, FINGER));
+            let command = Command::Lesson(LessonCommand::ToggleList);
+            ui.add(lessons).issues("lessons-list", command, commands);
+        }
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             let command = Command::View(Which::First, ViewCommand::Fit);
             icon_button(ui, Icon::Fit, "Fit the domain (F)", None, palette)
@@ -145,8 +154,12 @@ pub fn show_compact(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
 
 /// Maximum width of a small window's menu, in screen points.
 const MAX_MENU_WIDTH: f32 = 340.0;
-/// Minimum room beside the menu to show the name of a small window; room for the longest verdict is reserved.
-const ROOM_FOR_TITLE: f32 = 310.0;
+/// Minimum room beside the menu to show the name of a small window; room for the lessons and the longest verdict is
+/// reserved.
+const ROOM_FOR_TITLE: f32 = 400.0;
+/// Minimum room beside the menu to show the button of the lessons; room for the longest verdict is reserved. In a smaller
+/// window, which no phone has, the menu has them.
+const ROOM_FOR_LESSONS: f32 = 290.0;
 
 /// Shows all menus in one: a chosen one opens below its name.
 fn one_menu(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
@@ -158,7 +171,9 @@ fn one_menu(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         let count = grouped(session.summary.count);
         let engine = &session.engine;
         let radius = session.run().parameters.radius;
-        let text = format!("result: {count} samples, r {radius}, engine: {engine}");
+        let text = ui.words(format!(
+            "result: {count} samples, r {radius}, engine: {engine}"
+        ));
         ui.label(RichText::new(text).color(palette.muted))
             .known_as("run-shown");
     }
@@ -168,16 +183,14 @@ fn one_menu(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     for menu in Menu::ALL {
         let is_open = chosen == Some(menu);
         let mark = if is_open { "\u{2212}" } else { "+" };
-        let name = RichText::new(menu.name()).font(FontId::new(14.0, semibold()));
+        let name = RichText::new(ui.words(menu.name())).font(FontId::new(14.0, semibold()));
         let button = Button::new(name)
             .right_text(RichText::new(mark).color(palette.muted))
             .min_size(vec2(ui.available_width(), FINGER))
             .frame_when_inactive(false);
         let response = ui.add(button);
-        response.widget_info(|| {
-            let name = format!("{} menu", menu.name());
-            WidgetInfo::selected(Role::Button, true, is_open, name)
-        });
+        let name = ui.words(format!("{} menu", menu.name()));
+        response.widget_info(|| WidgetInfo::selected(Role::Button, true, is_open, &name));
         response.known_as(format_args!("menu.{}", Kebab(menu)));
         if response.clicked() {
             let chosen = (!is_open).then_some(menu);
@@ -205,12 +218,13 @@ fn nested(ui: &mut Ui, all: &[Action], menu: Menu, commands: &mut Vec<Command>) 
         };
         let is_open = chosen == Some(submenu);
         let mark = if is_open { "\u{2212}" } else { "+" };
-        let button = Button::new(submenu.name())
+        let name = ui.words(submenu.name());
+        let button = Button::new(name.as_str())
             .right_text(mark)
             .min_size(vec2(ui.available_width(), FINGER))
             .frame_when_inactive(false);
         let response = ui.add(button);
-        response.widget_info(|| WidgetInfo::selected(Role::Button, true, is_open, submenu.name()));
+        response.widget_info(|| WidgetInfo::selected(Role::Button, true, is_open, &name));
         response.known_as(format_args!("submenu.{}", Kebab(submenu)));
         if response.clicked() {
             let chosen = (!is_open).then_some(submenu);
@@ -238,7 +252,7 @@ fn theme_button(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
 fn menus(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let all = std::cell::OnceCell::new();
     for menu in Menu::ALL {
-        let button = ui.menu_button(menu.name(), |ui| {
+        let button = ui.menu_button(ui.words(menu.name()), |ui| {
             let all: &Vec<Action> = all.get_or_init(|| actions(state));
             scrolled_if_low(ui, |ui| {
                 for part in parts(all, menu) {
@@ -281,7 +295,7 @@ fn submenu(ui: &mut Ui, part: &[Action], commands: &mut Vec<Command>) {
         entries(ui, part, commands);
         return;
     };
-    let button = ui.menu_button(submenu.name(), |ui| {
+    let button = ui.menu_button(ui.words(submenu.name()), |ui| {
         scrolled_if_low(ui, |ui| entries(ui, part, commands));
     });
     let button = button.response;
@@ -306,10 +320,11 @@ fn entry(ui: &mut Ui, action: &Action, has_marks: bool, commands: &mut Vec<Comma
     // On touch devices shortcuts are not shown.
     let shortcut = action.shortcut.filter(|_| !is_for_fingers(ui.ctx()));
     let mark = IdSalt::new("check mark");
+    let name = ui.words(action.label());
     let mut button = if has_marks {
-        Button::new((Atom::custom(mark, Vec2::splat(MARK)), action.label()))
+        Button::new((Atom::custom(mark, Vec2::splat(MARK)), name.as_str()))
     } else {
-        Button::new(action.label())
+        Button::new(name.as_str())
     };
     if let Some(keys) = shortcut {
         button = button.shortcut_text(crate::actions::shortcut_text(ui.ctx(), &keys));
@@ -324,9 +339,7 @@ fn entry(ui: &mut Ui, action: &Action, has_marks: bool, commands: &mut Vec<Comma
     });
     let response = shown.inner.response;
     if let Some(is_on) = action.is_on {
-        response.widget_info(|| {
-            WidgetInfo::selected(Role::CheckBox, is_enabled, is_on, action.label())
-        });
+        response.widget_info(|| WidgetInfo::selected(Role::CheckBox, is_enabled, is_on, &name));
     }
     response.known_as(format_args!("entry.{}", action.id()));
     let response = response.on_disabled_hover_text(action.refusal.as_deref().unwrap_or_default());

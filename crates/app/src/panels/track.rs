@@ -15,6 +15,7 @@ use tilescope_session::nested::NestedLevels;
 use tilescope_session::sentence::name_in;
 use tilescope_session::session::Session;
 use tilescope_session::words::grouped;
+use tilescope_ui::language::Worded;
 use tilescope_ui::theme::is_for_fingers;
 use tilescope_ui::widgets::{Kebab, Known};
 
@@ -142,8 +143,8 @@ pub fn show(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>)
     let segments = segments(session, rect.left() + 4.0, rect.right() - 4.0);
     let cursor = context.run.cursor().map_or(context.run.stage, |(at, _)| at);
     let prefix = context.run.prefix();
-    let name = prefix.map_or("Moment", |_| "Samples shown");
-    response.widget_info(|| WidgetInfo::slider(true, cursor as f64, name));
+    let name = ui.words(prefix.map_or("Moment", |_| "Samples shown"));
+    response.widget_info(|| WidgetInfo::slider(true, cursor as f64, &name));
     response.known_as("moment");
     if response.dragged()
         && let Some(pos) = response.interact_pointer_pos()
@@ -193,7 +194,7 @@ fn show_segment(
     rect: Rect,
     commands: &mut Vec<Command>,
 ) {
-    let [name, shorter] = &segment.names;
+    let [name, shorter] = segment.names.each_ref().map(|name| ui.words(name));
     let bar = Rect::from_min_max(
         pos2(segment.left + 1.0, rect.top()),
         pos2(segment.right - 1.0, rect.top() + BAR),
@@ -214,7 +215,7 @@ fn show_segment(
         ui.scope_id().with(("stage", segment.index)),
         Sense::click(),
     );
-    response.widget_info(|| WidgetInfo::selected(Role::Button, true, current, name));
+    response.widget_info(|| WidgetInfo::selected(Role::Button, true, current, &name));
     response.known_as(format_args!("stage.{}", segment.key));
     let hot = response.hovered() || response.has_focus();
     let ink = if current || hot {
@@ -227,7 +228,7 @@ fn show_segment(
         ui.painter().layout_no_wrap(text.to_owned(), font, ink)
     };
     // A name that does not fit is left out rather than cut off; the tooltip has it.
-    let galleys = [laid(name), laid(shorter)];
+    let galleys = [laid(&name), laid(&shorter)];
     let fits = |galley: &std::sync::Arc<egui::Galley>| galley.size().x <= label.width() + 2.0;
     if let Some(galley) = galleys.into_iter().find(fits) {
         let at = label.center_top() + vec2(-galley.size().x / 2.0, 4.0);
@@ -235,7 +236,7 @@ fn show_segment(
     }
     if response
         .on_hover_cursor(CursorIcon::PointingHand)
-        .on_hover_text(&segment.tip)
+        .on_hover_text(ui.words(&segment.tip))
         .clicked()
     {
         commands.push(Command::Time(TimeCommand::ShowStage(segment.index)));

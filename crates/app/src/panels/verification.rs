@@ -8,6 +8,7 @@ use tilescope_drawing::palette::Palette;
 use tilescope_session::glossary;
 use tilescope_session::verification::{Verdict, Witness};
 use tilescope_session::words::{conflicts_in, counted, grouped};
+use tilescope_ui::language::Worded;
 use tilescope_ui::theme::semibold;
 use tilescope_ui::widgets::{Kebab, Known, heading, row, verdict_mark};
 
@@ -20,6 +21,7 @@ use tilescope_workbench::state::Verification;
 pub fn chip(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>) {
     let palette = context.palette;
     let (text, well, color) = summary(context, palette);
+    let text = ui.words(text);
     let font = FontId::new(13.0, semibold());
     let galley = ui.painter().layout_no_wrap(text.clone(), font, color);
     // As wide as the longest verdict, so that nothing moves when it arrives.
@@ -28,7 +30,8 @@ pub fn chip(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
     if matches!(context.run.verification, Verification::Nothing) {
         return;
     }
-    response.widget_info(|| WidgetInfo::labeled(Role::Button, true, format!("Verdict: {text}")));
+    let name = format!("{}: {text}", ui.words("Verdict"));
+    response.widget_info(|| WidgetInfo::labeled(Role::Button, true, &name));
     response.known_as("verdict");
     let painter = ui.painter();
     let hot = response.hovered() || response.has_focus();
@@ -42,7 +45,7 @@ pub fn chip(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
     }
     let at = egui::pos2(start + 18.0, rect.center().y - galley.size().y / 2.0);
     painter.galley(at, galley, color);
-    let tip = explanation(context);
+    let tip = ui.words(explanation(context));
     let response = response.on_hover_text(tip);
     if response.on_hover_cursor(CursorIcon::PointingHand).clicked() {
         commands.push(Command::View(
@@ -118,8 +121,10 @@ const TOLERATED: &str = "A set counts as maximal if its covering radius is at mo
 pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>) {
     let palette = context.palette;
     heading(ui, "Verification");
+    // The rows stand closer than in other panels, so that all of them are seen at once.
     ui.spacing_mut().item_spacing.y = 3.0;
     ui.spacing_mut().interact_size.y = 21.0;
+
     let verdict = context.run.verdict();
     let report = verdict.map(|v| &v.report);
     let unit = context.run.session.as_ref();
@@ -128,17 +133,60 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
         Some((verdict, claim)) => guarantee(ui, verdict, claim, unit, palette),
         None => properties(ui, report, palette),
     }
+
+    numbers(ui, context, unit);
+
+    // A prefix of nested levels is judged by the covering that was promised of it, which is shown above.
+    if verdict.is_none_or(|verdict| verdict.claim.is_none()) {
+        let tolerance = report.map_or(COVERING_TOLERANCE, |report| report.covering_tolerance);
+        let shown = ui.scope(|ui| {
+            row(
+                ui,
+                "Maximal up to",
+                &format!("{:.6} r", 1.0 + tolerance),
+                palette,
+            );
+        });
+        let shown = shown.response.on_hover_text(ui.words(TOLERATED));
+        shown.known_as("covering-limit");
+    }
+
+    let judges = report.map_or_else(|| "\u{2013}".to_owned(), |r| short(&r.judges));
+    let shown = ui.scope(|ui| row(ui, "Verified by", &judges, palette));
+    if let Some(report) = report {
+        shown
+            .response
+            .on_hover_text(ui.words(Judge::joined(&report.judges)));
+    }
+
+    ui.add_space(4.0);
+    witnesses(ui, verdict, commands);
+
+    if let Verification::Failed(reason) = &context.run.verification {
+        ui.label(RichText::new(ui.words(reason)).color(palette.conflict));
+    }
+    divide(ui, palette);
+}
+
+/// Shows the measures of the set, each with its meaning.
+fn numbers(ui: &mut Ui, context: &PanelContext<'_>, unit: f64) {
+    let verdict = context.run.verdict();
+    let report = verdict.map(|verdict| &verdict.report);
+
     let number = |value: Option<f64>, digits: usize, unit: &str| match value {
         Some(value) if value.is_finite() => format!("{value:.digits$}{unit}"),
         Some(_) => "none".to_owned(),
         None => "\u{2013}".to_owned(),
     };
+
     let in_radii = |value: fn(&Verdict) -> f64| verdict.map(|v| value(v) / unit);
     let least = number(in_radii(|v| v.report.min_distance), 6, " r");
     let cover = number(in_radii(|v| v.report.covering_radius), 6, " r");
     let density = number(report.map(|r| r.density), 4, "");
     let relative = number(report.map(|r| r.relative_radius), 4, "");
     let count = report.map_or_else(|| "\u{2013}".to_owned(), |r| grouped(r.count));
+
+    // A term's meaning stands in its tooltip, as the glossary has it.
     for (name, term, value) in [
         ("Smallest distance", glossary::MIN_DISTANCE, &least),
         ("Covering radius", glossary::COVERING_RADIUS, &cover),
@@ -154,29 +202,13 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
             &count,
         ),
     ] {
-        let shown = ui.scope(|ui| row(ui, name, value, palette));
-        shown.response.on_hover_text(term.meaning);
+        let shown = ui.scope(|ui| row(ui, name, value, context.palette));
+        shown.response.on_hover_text(ui.words(term.meaning));
     }
-    // A prefix of nested levels is judged by the covering that was promised of it, which is shown above.
-    if verdict.is_none_or(|verdict| verdict.claim.is_none()) {
-        let tolerance = report.map_or(COVERING_TOLERANCE, |report| report.covering_tolerance);
-        let shown = ui.scope(|ui| {
-            row(
-                ui,
-                "Maximal up to",
-                &format!("{:.6} r", 1.0 + tolerance),
-                palette,
-            );
-        });
-        let shown = shown.response.on_hover_text(TOLERATED);
-        shown.known_as("covering-limit");
-    }
-    let judges = report.map_or_else(|| "\u{2013}".to_owned(), |r| short(&r.judges));
-    let shown = ui.scope(|ui| row(ui, "Verified by", &judges, palette));
-    if let Some(report) = report {
-        shown.response.on_hover_text(Judge::joined(&report.judges));
-    }
-    ui.add_space(4.0);
+}
+
+/// Shows the buttons that fly to what decides the verdict.
+fn witnesses(ui: &mut Ui, verdict: Option<&Verdict>, commands: &mut Vec<Command>) {
     ui.horizontal(|ui| {
         for (name, witness, known) in [
             (
@@ -190,10 +222,10 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
                 verdict.is_some_and(|v| v.largest.is_some()),
             ),
         ] {
-            let button = ui.add_enabled(known, egui::Button::new(name));
+            let button = ui.add_enabled(known, egui::Button::new(ui.words(name)));
             button.known_as(Kebab(witness));
-            let button = button.on_disabled_hover_text("The verifier reported none.");
-            if button.on_hover_text("Fly there").clicked() {
+            let button = button.on_disabled_hover_text(ui.words("The verifier reported none."));
+            if button.on_hover_text(ui.words("Fly there")).clicked() {
                 commands.push(Command::View(
                     Which::First,
                     ViewCommand::FlyToWitness(witness),
@@ -201,10 +233,6 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
             }
         }
     });
-    if let Verification::Failed(reason) = &context.run.verification {
-        ui.label(RichText::new(reason).color(palette.conflict));
-    }
-    divide(ui, palette);
 }
 
 /// Shows whether a set is conflict-free and maximal.
@@ -278,10 +306,10 @@ fn property(
         if let Some((well, _)) = judged {
             verdict_mark(ui.painter(), rect.center(), *well, color);
         }
-        ui.label(name);
+        ui.label(ui.words(name));
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            ui.label(RichText::new(text).monospace().color(color));
+            ui.label(RichText::new(ui.words(text)).monospace().color(color));
         });
     });
-    shown.response.on_hover_text(meaning);
+    shown.response.on_hover_text(ui.words(meaning));
 }

@@ -11,6 +11,8 @@ use tilescope_workbench::arrangement::{Arrangement, DrawerCommand};
 use tilescope_workbench::command::{AppearanceCommand, ViewCommand, Which, WindowCommand};
 use tilescope_workbench::compare::{CompareCommand, ComparePreset};
 use tilescope_workbench::layout::Panel;
+use tilescope_workbench::lessons::LessonCommand;
+use tilescope_workbench::scenes::SceneCommand;
 
 use crate::support::{cursor, find, is_disabled, node, opened_at, settle};
 
@@ -153,6 +155,62 @@ fn the_size_of_the_window_decides_at_once_and_tiles_stay() {
 }
 
 #[test]
+fn the_picture_of_a_lesson_has_half_of_a_phone() {
+    let mut harness = opened_at(PHONE);
+    let open = LessonCommand::Open("survivors".to_owned());
+    harness.state_mut().state.apply(Command::Lesson(open));
+    settle(&mut harness);
+    harness.run();
+    let picture = canvas(&harness);
+    assert!(picture.height() >= 0.5 * PHONE[1] - 1.0, "{picture:?}");
+    node(&harness, "lesson-step");
+    // A panel that is opened meanwhile can be closed.
+    harness
+        .state_mut()
+        .state
+        .apply(Command::Window(WindowCommand::OpenPanel(Panel::Legend)));
+    settle(&mut harness);
+    click(&mut harness, "drawer.close");
+    assert_eq!(canvas(&harness), picture);
+}
+
+#[test]
+fn the_bar_leads_to_the_lessons() {
+    for size in [PHONE, [360.0, 640.0], [768.0, 1024.0]] {
+        let mut harness = opened_at(size);
+        let button = node(&harness, "lessons-list").rect();
+        let chip = node(&harness, "verdict").rect();
+        assert!(!button.intersects(chip), "{button:?} and {chip:?}");
+        click(&mut harness, "lessons-list");
+        assert!(harness.state().state.lessons.lists);
+        node(&harness, "lesson-welcome");
+        click(&mut harness, "lessons-list");
+        assert!(!harness.state().state.lessons.lists);
+    }
+}
+
+#[test]
+fn the_list_of_lessons_ends_the_tour() {
+    let mut harness = opened_at(PHONE);
+    harness
+        .state_mut()
+        .state
+        .apply(Command::Scene(SceneCommand::Tour));
+    settle(&mut harness);
+    node(&harness, "caption-title");
+    click(&mut harness, "lessons-list");
+    assert!(harness.state().state.lessons.lists && !harness.state().state.is_touring());
+    assert!(find(&harness, "caption-title").is_none());
+    // The tour, in turn, closes the list.
+    harness
+        .state_mut()
+        .state
+        .apply(Command::Scene(SceneCommand::Tour));
+    settle(&mut harness);
+    assert!(!harness.state().state.lessons.lists);
+}
+
+#[test]
 fn fingers_have_room() {
     let mut harness = opened_at(PHONE);
     for id in [
@@ -162,6 +220,7 @@ fn fingers_have_room() {
         "time-step-forward",
         "time-last-stage",
         "menu",
+        "lessons-list",
         "tab.parameters",
     ] {
         let rect = node(&harness, id).rect();

@@ -286,7 +286,7 @@ fn the_notes_hold_the_note_the_answer_the_plan_and_what_to_do() {
     assert!(text(&harness, "notes-elapsed").contains("/ 10:00"));
     talk(&mut harness, TalkCommand::Vote("none".to_owned()));
     assert!(text(&harness, "notes-advice").contains("hint"));
-    assert!(harness.query_by_label_contains("The next to go").is_some());
+    assert!(harness.query_by_label_contains("At one turn").is_some());
     press(&mut harness, Key::S);
     assert!(find(&harness, "stage-title").is_some());
 }

@@ -398,6 +398,58 @@ fn a_touch_that_is_taken_back_does_nothing_and_lets_go() {
     assert_eq!(raw.events.len(), 1);
 }
 
+/// Returns the middles of the circles that are drawn with a radius, in screen points.
+fn circles(harness: &Harness<'_, App>, radius: f32) -> Vec<Pos2> {
+    let shapes = harness.output().shapes.iter();
+    let circles = shapes.filter_map(|clipped| match &clipped.shape {
+        egui::Shape::Circle(circle) if (circle.radius - radius).abs() < 0.01 => Some(circle.center),
+        _ => None,
+    });
+    circles.collect()
+}
+
+#[test]
+fn the_copy_that_was_tapped_is_marked_where_its_sample_is_out_of_view() {
+    for size in SIZES {
+        let mut harness = opened(size);
+        let state = &mut harness.state_mut().state;
+        let session = state.runs.first.session.clone().expect("a session");
+        // Left of the domain there are copies of the samples at its right border.
+        let width = session.size_radii().x;
+        let beside = ViewCommand::FlyTo([-3.0, 60.0].into(), 6.0);
+        state.apply(Command::View(Which::First, beside));
+        support::settle(&mut harness);
+        let (camera, view) = (camera(&harness), harness.state().state.runs.first.viewport);
+        let state = &harness.state().state;
+        let shown = state.shown().expect("a moment");
+        let mut copy = None;
+        let wanted = DVec2::new(width - 3.0, 60.0);
+        session.index.visit(wanted, wanted, 1.5, |seen| {
+            if shown.covers(seen.id) {
+                copy = Some((seen.id, seen.position - DVec2::new(width, 0.0)));
+            }
+        });
+        let (id, position) = copy.expect("a sample at the right border");
+        let at = camera.screen_from_domain(view, position);
+        assert!(!view.contains(screen_position(&harness, id)));
+        let radius = camera.scale as f32;
+        assert!(
+            circles(&harness, radius)
+                .iter()
+                .all(|circle| circle.distance(at) > 1.0)
+        );
+
+        tap(&mut harness, at);
+        harness.step();
+        assert_eq!(harness.state().state.runs.first.selected, Some(id));
+        let marked = circles(&harness, radius);
+        assert!(
+            marked.iter().any(|circle| circle.distance(at) < 1.0),
+            "{marked:?} at {at:?}"
+        );
+    }
+}
+
 #[test]
 fn a_tap_outside_clears_the_selection() {
     let mut harness = opened(SIZES[0]);

@@ -2,9 +2,12 @@
 //! can also be given by a click on the canvas, and items of a list by the keys 1 to 9 (`actions/lessons.rs`). To add a
 //! type of question, begin with [`show`].
 
-use egui::{Button, Label, RichText, TextEdit, Ui};
+use egui::text::{LayoutJob, TextFormat};
+use egui::{Button, FontId, Label, RichText, Stroke, TextEdit, Ui};
 use tilescope_drawing::palette::Palette;
 use tilescope_lessons::{Change, CutAxis, Form, Question, letter};
+use tilescope_ui::language::Worded;
+use tilescope_ui::theme::semibold;
 use tilescope_ui::widgets::Known;
 use tilescope_workbench::command::Command;
 use tilescope_workbench::lesson_labels::LessonLabels;
@@ -22,7 +25,10 @@ pub fn show(
     commands: &mut Vec<Command>,
 ) {
     let is_open = open.learner.is_open();
+    // A closed question is read: its options do not fade.
+    let faded = std::mem::replace(&mut ui.visuals_mut().disabled_alpha, 1.0);
     ui.add_enabled_ui(is_open, |ui| {
+        ui.visuals_mut().disabled_alpha = faded;
         let mut answers = Answers {
             open,
             labels,
@@ -45,6 +51,16 @@ pub fn show(
             Form::Bands { bands, curves } => answers.bands(ui, bands, curves, is_open),
         }
     });
+    ui.visuals_mut().disabled_alpha = faded;
+}
+
+/// How the words of an item are set.
+#[derive(Clone, Copy)]
+enum ItemFont {
+    /// As a paragraph, with its emphasis.
+    Paragraph,
+    /// As a number or letter.
+    Mono,
 }
 
 struct Answers<'a> {
@@ -74,30 +90,64 @@ impl Answers<'_> {
         control.issues(id, command, self.commands);
     }
 
-    /// Shows a button as wide as the panel for the item of an index, with a name for its id.
-    fn wide(&mut self, ui: &mut Ui, words: &str, is_chosen: bool, (name, index): (&str, usize)) {
+    /// Returns what follows the words of an item once the question is closed: whether it is right, and the learner's.
+    fn grade(&self, index: usize) -> Option<String> {
+        let item = self.open.graded(index)?;
+        let right = item.is_right.then_some(self.labels.right_mark);
+        let own = item.is_own.then_some(self.labels.own_mark);
+        let said: Vec<&str> = [own, right].into_iter().flatten().collect();
+        Some(said.join(", "))
+    }
+
+    /// Returns a button for the item of an index, marked if it is chosen or, once the question is closed, right.
+    fn item(&self, ui: &Ui, words: &str, index: usize, font: ItemFont) -> Button<'static> {
+        let palette = self.palette;
+        let is_chosen = self.open.is_chosen(index);
         let color = if is_chosen {
-            self.palette.on_accent
+            palette.on_accent
         } else {
-            self.palette.text
+            palette.text
         };
-        let mut button = Button::new(text::job(ui, words, self.size, color))
-            .wrap()
-            .min_size([ui.available_width(), 30.0].into());
-        if is_chosen {
-            button = button.fill(self.palette.accent);
+        let grade = self.grade(index);
+        let mut words = match font {
+            ItemFont::Paragraph => text::job(ui, words, self.size, color),
+            ItemFont::Mono => {
+                let font = FontId::monospace(self.size - 1.0);
+                LayoutJob::simple_singleline(words.to_owned(), font, color)
+            }
+        };
+        if let Some(grade) = grade {
+            let font = FontId::new(self.size, semibold());
+            let format = TextFormat::simple(font, color);
+            words.append(&format!(" \u{2013} {grade}"), 0.0, format);
         }
+
+        let mut button = Button::new(words);
+        if is_chosen {
+            button = button.fill(palette.accent);
+        }
+        let is_right = self.open.graded(index).is_some_and(|item| item.is_right);
+        if is_right {
+            button = button.stroke(Stroke::new(2.5, palette.inserted));
+        }
+        button
+    }
+
+    /// Shows a button as wide as the panel for the item of an index, with a name for its id.
+    fn wide(&mut self, ui: &mut Ui, words: &str, (name, index): (&str, usize)) {
+        let button = self.item(ui, words, index, ItemFont::Paragraph);
+        let button = button.wrap().min_size([ui.available_width(), 30.0].into());
         let number = index + 1;
-        let button = ui.add(button).on_hover_text(format!("Key {number}"));
+        let key = ui.words(format!("Key {number}"));
+        let button = ui.add(button).on_hover_text(key);
         let id = format_args!("lesson-{name}-{number}");
         self.on_click(&button, id, DraftCommand::Choose(index));
     }
 
     fn options(&mut self, ui: &mut Ui, options: &[String], curves: &[tilescope_lessons::Curve]) {
         for (index, option) in options.iter().enumerate() {
-            let is_chosen = self.open.draft.option == Some(index);
             let words = format!("{}. {option}", letter(index));
-            self.wide(ui, &words, is_chosen, ("option", index));
+            self.wide(ui, &words, ("option", index));
             if let Some(curve) = curves.get(index) {
                 curves::show(ui, &[curve], self.plot, self.palette);
             }
@@ -113,10 +163,13 @@ impl Answers<'_> {
         self.muted(ui, hint);
         ui.horizontal_wrapped(|ui| {
             for (index, sample) in candidates.iter().enumerate() {
-                let is_chosen = self.open.draft.samples.contains(sample);
-                let name = RichText::new(sample.to_string()).monospace();
-                let button = ui.selectable_label(is_chosen, name);
-                let button = button.on_hover_text(format!("{}sample {sample}", key(index)));
+                let button = self.item(ui, &sample.to_string(), index, ItemFont::Mono);
+                let button = ui.add(button);
+                let button = button.on_hover_text(format!(
+                    "{}{}",
+                    key(index),
+                    ui.words(format!("sample {sample}"))
+                ));
                 let id = format_args!("lesson-sample-{sample}");
                 self.on_click(&button, id, DraftCommand::Choose(index));
             }
@@ -128,15 +181,16 @@ impl Answers<'_> {
         self.muted(ui, self.labels.place);
         ui.horizontal_wrapped(|ui| {
             for index in 0..count {
-                let name = RichText::new(letter(index).to_string()).monospace();
-                let button = ui.selectable_label(false, name);
-                let button = button.on_hover_text(format!("Key {}", index + 1));
+                let button = self.item(ui, &letter(index).to_string(), index, ItemFont::Mono);
+                let button = ui.add(button);
+                let button = button.on_hover_text(ui.words(format!("Key {}", index + 1)));
                 let id = format_args!("lesson-place-{}", index + 1);
                 self.on_click(&button, id, DraftCommand::Choose(index));
             }
         });
         if let Some([x, y]) = self.open.draft.place {
-            let text = format!("{} ({x:.2} r, {y:.2} r)", self.labels.your_point);
+            let place = ui.words(format!("({x:.2}, {y:.2}) r"));
+            let text = format!("{} {place}", self.labels.your_point);
             self.muted(ui, &text);
         }
     }
@@ -165,8 +219,15 @@ impl Answers<'_> {
             let mut order = self.open.draft.order.iter();
             let rank = order.position(|&other| other == index);
             let number = rank.map_or("\u{2013}".to_owned(), |rank| (rank + 1).to_string());
-            let words = format!("{number}   {item}");
-            self.wide(ui, &words, rank.is_some(), ("item", index));
+            let mut words = format!("{number}   {item}");
+            if let Some(right) = self.open.right_rank(index) {
+                let right = self
+                    .labels
+                    .right_place
+                    .replace("{place}", &right.to_string());
+                words = format!("{words} \u{2013} **{right}**");
+            }
+            self.wide(ui, &words, ("item", index));
         }
     }
 
@@ -183,16 +244,14 @@ impl Answers<'_> {
             }
         });
         for (index, (axis, at)) in candidates.iter().enumerate() {
-            let (name, of) = match axis {
-                CutAxis::X => (format!("{}, x", labels.vertical), 0),
-                CutAxis::Y => (format!("{}, y", labels.horizontal), 1),
+            let name = match axis {
+                CutAxis::X => format!("{}, x", labels.vertical),
+                CutAxis::Y => format!("{}, y", labels.horizontal),
             };
-            let is_there = draft
-                .place
-                .is_some_and(|point| (point[of] - at).abs() < 1e-9);
-            let is_chosen = draft.axis == Some(*axis) && is_there;
-            let button =
-                ui.selectable_label(is_chosen, format!("{}{name} = {at:.1} r", key(index)));
+            let at = ui.words(format!("{at:.1} r"));
+            let words = format!("{}{name} = {at}", key(index));
+            let button = self.item(ui, &words, index, ItemFont::Paragraph);
+            let button = ui.add(button);
             let id = format_args!("lesson-cut-{}", index + 1);
             self.on_click(&button, id, DraftCommand::Choose(index));
         }
@@ -211,14 +270,19 @@ impl Answers<'_> {
         curves::show(ui, &shown.collect::<Vec<_>>(), self.plot, self.palette);
         for (index, [low, high]) in bands.iter().enumerate() {
             ui.horizontal(|ui| {
-                ui.label(format!("{low:.2} \u{2013} {high:.2} / r"));
+                ui.label(ui.words(format!("{low:.2} \u{2013} {high:.2} / r")));
                 let chosen = self.open.draft.bands.get(index).copied().flatten();
+                let right = self.open.right_change(index);
                 for change in Change::ALL {
-                    let name = match change {
-                        Change::Up => format!("\u{2191} {}", self.labels.up),
-                        Change::Same => format!("= {}", self.labels.same),
-                        Change::Down => format!("\u{2193} {}", self.labels.down),
+                    let sign = match change {
+                        Change::Up => '\u{2191}',
+                        Change::Same => '=',
+                        Change::Down => '\u{2193}',
                     };
+                    let mut name = format!("{sign} {}", self.labels.change(change));
+                    if right == Some(change) {
+                        name = format!("{name} \u{2013} {}", self.labels.right_mark);
+                    }
                     let button = ui.selectable_label(chosen == Some(change), name);
                     let id = format_args!("lesson-band-{}-{change}", index + 1);
                     self.on_click(&button, id, DraftCommand::Band(index, change));

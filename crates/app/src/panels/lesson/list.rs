@@ -3,6 +3,7 @@
 use egui::{Button, CursorIcon, Label, RichText, TextEdit, Ui};
 use tilescope_drawing::palette::Palette;
 use tilescope_lessons::{Lesson, shipped};
+use tilescope_ui::language::Worded;
 use tilescope_ui::widgets::{Icon, Known, heading, icon_button};
 use tilescope_workbench::command::Command;
 use tilescope_workbench::lessons::LessonCommand;
@@ -25,8 +26,17 @@ pub fn show(ui: &mut Ui, state: &State, palette: &Palette, commands: &mut Vec<Co
     });
     ui.add(Label::new(RichText::new(labels(state).intro).color(palette.muted)).wrap());
     ui.add_space(6.0);
+    let mut forms = Vec::new();
     for (index, shipped) in state.lessons.shelf.iter().enumerate() {
-        entry(ui, state, (index, shipped), palette, commands);
+        // Tests read every shipped lesson, so this does not fail.
+        let Ok(lesson) = Lesson::read(&shipped.name, &shipped.text) else {
+            continue;
+        };
+        if lesson.form.is_some() {
+            forms.push((lesson, shipped));
+        } else {
+            entry(ui, state, (&lesson, shipped, index), palette, commands);
+        }
     }
     ui.add_space(4.0);
     if ui
@@ -39,6 +49,16 @@ pub fn show(ui: &mut Ui, state: &State, palette: &Palette, commands: &mut Vec<Co
     }
     let own = RichText::new(labels(state).own).small();
     ui.add(Label::new(own.color(palette.muted)).wrap());
+    if !forms.is_empty() {
+        divide(ui, palette);
+        heading(ui, labels(state).forms).known_as("lesson-forms");
+        let intro = RichText::new(labels(state).forms_intro).color(palette.muted);
+        ui.add(Label::new(intro).wrap());
+        for (lesson, shipped) in &forms {
+            // Forms have no number, as the first lesson.
+            entry(ui, state, (lesson, shipped, 0), palette, commands);
+        }
+    }
     divide(ui, palette);
     results(ui, state, palette, commands);
 }
@@ -46,14 +66,10 @@ pub fn show(ui: &mut Ui, state: &State, palette: &Palette, commands: &mut Vec<Co
 fn entry(
     ui: &mut Ui,
     state: &State,
-    (index, shipped): (usize, &shipped::Shipped),
+    (lesson, shipped, index): (&Lesson, &shipped::Shipped, usize),
     palette: &Palette,
     commands: &mut Vec<Command>,
 ) {
-    // Tests read every shipped lesson, so this does not fail.
-    let Ok(lesson) = Lesson::read(&shipped.name, &shipped.text) else {
-        return;
-    };
     let german = tilescope_lessons::Translation::read(&shipped.german).ok();
     let german = german.filter(|_| state.lessons.language == "de");
     let words = |text: &str| match &german {
@@ -103,13 +119,14 @@ fn results(ui: &mut Ui, state: &State, palette: &Palette, commands: &mut Vec<Com
     let text = if count == 0 {
         labels.no_results.to_owned()
     } else {
-        let share = format!("{:.0}%", 100.0 * results.share());
+        let share = ui.words(format!("{:.0}%", 100.0 * results.share()));
         let text = labels.some_results.replace("{count}", &count.to_string());
         text.replace("{share}", &share)
     };
     ui.add(Label::new(RichText::new(text).color(palette.muted)).wrap())
         .known_as("lesson-results");
-    if count == 0 {
+    // The votes of a class are saved too.
+    if count == 0 && results.votes.is_empty() {
         return;
     }
     ui.horizontal(|ui| {

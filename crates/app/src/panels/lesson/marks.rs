@@ -44,6 +44,10 @@ pub fn show(ui: &Ui, state: &State) {
             Stroke::new(2.5, palette.accent),
             StrokeKind::Inside,
         );
+        for [from, to] in open.outer_cuts().into_iter().flatten() {
+            let ends = [from, to].map(|end| run.camera.screen_from_domain(viewport, end));
+            painter.line_segment(ends, Stroke::new(2.5, palette.inserted));
+        }
         if let Some([from, to]) = line {
             let ends = [from, to].map(|end| run.camera.screen_from_domain(viewport, end));
             painter.line_segment(ends, Stroke::new(3.0, palette.candidate));

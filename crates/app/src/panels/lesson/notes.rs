@@ -8,6 +8,7 @@ use egui::{
 };
 use tilescope_drawing::palette::Palette;
 use tilescope_lessons::{Advice, Vote};
+use tilescope_ui::language::Worded;
 use tilescope_ui::theme::semibold;
 use tilescope_ui::widgets::Known;
 use tilescope_workbench::command::Command;
@@ -102,7 +103,7 @@ struct Notes<'a> {
 }
 
 fn button(ui: &mut Ui, name: &str, id: &str, command: TalkCommand, commands: &mut Vec<Command>) {
-    let button = ui.add(Button::new(name));
+    let button = ui.add(Button::new(ui.words(name)));
     button.issues(id, Command::Talk(command), commands);
 }
 
@@ -156,7 +157,8 @@ impl Notes<'_> {
             } else {
                 ("as planned".to_owned(), self.palette.text)
             };
-            phrase(ui, RichText::new(text).color(color), "notes-plan");
+            let text = RichText::new(ui.words(text)).color(color);
+            phrase(ui, text, "notes-plan");
             ui.add_space(16.0 * self.k);
             let parts = self.talk.parts.len();
             let part = if parts > 1 {
@@ -171,7 +173,7 @@ impl Notes<'_> {
                 minutes(now - self.talk.step_begun),
                 minutes(this)
             );
-            let text = RichText::new(text).color(self.palette.muted);
+            let text = RichText::new(ui.words(text)).color(self.palette.muted);
             phrase(ui, text, "notes-place");
             button(ui, "End (Esc)", "notes-end", TalkCommand::End, commands);
         });
@@ -197,7 +199,7 @@ impl Notes<'_> {
                 ("Pen (P)", "notes-tool-P", Tool::Pen),
             ] {
                 let command = Command::Talk(TalkCommand::Tool(tool));
-                let button = ui.selectable_label(talk.tool == tool, name);
+                let button = ui.selectable_label(talk.tool == tool, ui.words(name));
                 button.issues(id, command, commands);
             }
             let side = 16.0 * self.k;
@@ -205,7 +207,10 @@ impl Notes<'_> {
             let dark = self.state.appearance.look.is_dark();
             ui.painter()
                 .rect_filled(rect, 3.0 * self.k, pen_color(talk.color, dark));
-            if swatch.on_hover_text("The pen's colour (C)").clicked() {
+            if swatch
+                .on_hover_text(ui.words("The pen's colour (C)"))
+                .clicked()
+            {
                 commands.push(Command::Talk(TalkCommand::NextColor));
             }
             for (name, id, command) in [
@@ -221,15 +226,15 @@ impl Notes<'_> {
                 button(ui, "Open the stage (F5)", "notes-stage", open, commands);
             }
             let mut is_kept = self.state.talks.is_kept;
-            let kept = ui.checkbox(&mut is_kept, "Keep drawings and votes");
+            let kept = ui.checkbox(&mut is_kept, ui.words("Keep drawings and votes"));
             let hint = "They are saved with the session and printed in handouts.";
-            if kept.on_hover_text(hint).changed() {
+            if kept.on_hover_text(ui.words(hint)).changed() {
                 commands.push(Command::Talk(TalkCommand::Keep(is_kept)));
             }
         });
         if self.state.links.base.is_none() {
             ui.horizontal(|ui| {
-                self.muted(ui, "Address of the page for phones:");
+                self.muted(ui, ui.words("Address of the page for phones:"));
                 let mut address = self.state.talks.address.clone();
                 let field = TextEdit::singleline(&mut address).hint_text("https://\u{2026}/");
                 if ui.add(field.desired_width(260.0 * self.k)).changed() {
@@ -247,13 +252,18 @@ impl Notes<'_> {
             .id_salt("notes of this step")
             .show(ui, |ui| {
                 if self.talk.cover == Some(Cover::Over) {
-                    self.heading(ui, "The talk is over.");
+                    self.heading(ui, &ui.words("The talk is over."));
                     return;
                 }
                 self.heading(ui, &learner.words(&step.title));
                 for note in &step.notes {
-                    text::paragraph(ui, note, self.size(0), self.palette.text)
-                        .known_as("notes-note");
+                    text::paragraph(
+                        ui,
+                        learner.speaker_note(note),
+                        self.size(0),
+                        self.palette.text,
+                    )
+                    .known_as("notes-note");
                     ui.add_space(4.0 * self.k);
                 }
                 let Some(question) = learner.question() else {
@@ -262,13 +272,14 @@ impl Notes<'_> {
                 ui.separator();
                 let (_, traced) = learner.tries();
                 text::paragraph(ui, question.ask(traced), self.size(0), self.palette.text);
-                if let Some(answer) = learner.right_answer() {
-                    let text = format!("The answer: {answer}");
+                let labels = super::labels(self.state);
+                if let Some(answer) = self.open.right_answer(labels) {
+                    let text = format!("{} {answer}", labels.the_answer);
                     self.colored(ui, text, self.palette.inserted)
                         .known_as("notes-answer");
                 }
                 if let Some(hint) = &question.hint {
-                    self.muted(ui, format!("Hint: {hint}"));
+                    self.muted(ui, format!("{}: {hint}", labels.hint));
                 }
                 ui.separator();
                 self.votes(ui, commands);
@@ -289,9 +300,9 @@ impl Notes<'_> {
             } else {
                 "Second vote:"
             };
-            ui.label(name);
+            ui.label(ui.words(name));
             let field = TextEdit::singleline(&mut typed)
-                .hint_text("A 12 B 30, or none, few, half, most")
+                .hint_text(ui.words("A 12 B 30, or none, few, half, most"))
                 .desired_width(280.0 * self.k);
             let field = ui.add(field);
             field.known_as("notes-votes");
@@ -307,7 +318,7 @@ impl Notes<'_> {
         });
         ui.data_mut(|data| data.insert_temp(id, typed));
         if let Some(fault) = &self.talk.vote_fault {
-            let text = RichText::new(fault).color(self.palette.conflict);
+            let text = RichText::new(ui.words(fault)).color(self.palette.conflict);
             ui.add(Label::new(text).wrap()).known_as("notes-vote-fault");
         }
         for (vote, name) in votes.iter().zip(["First", "Second"]) {
@@ -315,10 +326,13 @@ impl Notes<'_> {
                 Vote::Right(share) => format!("{} right", share.name()),
                 Vote::Counts(counts) => counts_text(counts),
             };
-            ui.label(format!("{name} vote: {said}"));
+            ui.label(ui.words(format!("{name} vote: {said}")));
         }
         if votes.len() == 1 {
-            self.muted(ui, "The class sees both votes after the second one.");
+            self.muted(
+                ui,
+                ui.words("The class sees both votes after the second one."),
+            );
         }
         let question = self.open.learner.question();
         let key = question.map(tilescope_lessons::Question::key);
@@ -330,7 +344,7 @@ impl Notes<'_> {
                 }
                 Advice::GoOn => "Most are right: reveal, and go on.",
             };
-            self.colored(ui, text, self.palette.accent)
+            self.colored(ui, ui.words(text), self.palette.accent)
                 .known_as("notes-advice");
         }
     }
@@ -341,23 +355,23 @@ impl Notes<'_> {
         let lesson = learner.lesson();
         let later = self.talk.parts.get(self.talk.part + 1);
         let title = match (lesson.steps.get(learner.index() + 1), later) {
-            (Some(step), _) => step.title.clone(),
-            (None, Some(part)) => format!("{}: the next lesson", part.title),
-            (None, None) => "Nothing: this is the last step.".to_owned(),
+            (Some(step), _) => learner.words(&step.title),
+            (None, Some(part)) => format!("{}: {}", part.title, ui.words("the next lesson")),
+            (None, None) => ui.words("Nothing: this is the last step."),
         };
-        self.muted(ui, "Next");
+        self.muted(ui, ui.words("Next"));
         self.heading(ui, &title);
         match self.state.next_picture.drawn() {
             Some(picture) => self.picture(ui, picture),
             None if later.is_none() && learner.index() + 1 == lesson.steps.len() => {}
-            _ => self.muted(ui, "Its picture is being drawn\u{2026}"),
+            _ => self.muted(ui, ui.words("Its picture is being drawn\u{2026}")),
         }
     }
 
     fn picture(&self, ui: &mut Ui, picture: &StepPicture) {
         if let Some(fault) = &picture.fault {
-            let text =
-                RichText::new(format!("It cannot be shown: {fault}.")).color(self.palette.conflict);
+            let text = RichText::new(ui.words(format!("It cannot be shown: {fault}.")))
+                .color(self.palette.conflict);
             ui.add(Label::new(text).wrap());
         }
         let Some(pixels) = &picture.pixels else {

@@ -8,6 +8,7 @@ use egui::{
 use glam::DVec2;
 use tilescope_drawing::palette::Palette;
 use tilescope_lessons::{Form, Progress, Question, RightShare, Vote, letter};
+use tilescope_ui::language::Worded;
 use tilescope_ui::theme::semibold;
 use tilescope_ui::widgets::Known;
 use tilescope_workbench::command::Command;
@@ -153,6 +154,7 @@ impl Slide<'_> {
             text::show(ui, self.open, &step.text, SIZE, &self.palette);
         }
         if let Some(fault) = &self.open.fault {
+            let fault = ui.words(fault.to_string());
             let text = format!("{} {fault}.", self.labels.cannot_show);
             let text = RichText::new(text).size(SIZE);
             ui.add(Label::new(text).wrap()).known_as("stage-fault");
@@ -193,7 +195,7 @@ impl Slide<'_> {
         }
         let feedback = open.feedback.as_ref();
         if is_revealed {
-            let verdict = match (learner.progress(), learner.right_answer()) {
+            let verdict = match (learner.progress(), open.right_answer(labels)) {
                 (Progress::GivenUp, Some(answer)) => format!("{} {answer}", labels.the_answer),
                 _ => labels.right.to_owned(),
             };
