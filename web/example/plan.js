@@ -1,9 +1,12 @@
 // @ts-check
-// The plan of a lecture. It opens the stage and the notes, follows the talk over their channel, and shows its step in a player.
-// Copy it with plan.html and lecture.css to the server that has Tilescope, and set its address.
+// The plan of a lecture, in the language of its page. It opens the stage and the notes, follows the talk over their channel,
+// and shows its step in a player. Copy it with plan.html, or plan.de.html, and lecture.css to the server that has Tilescope,
+// and set its address.
 
 /** The address of Tilescope: on the origin of this page, since a channel joins windows of one origin. */
 const PLAYER = "../";
+/** The language of the page, which stage and player get by their links. */
+const LANGUAGE = document.documentElement.lang;
 
 /** The channel's name is random, so that no other page can guess it; it stays in the address, so that a reload finds the talk. */
 const name = /^#tilescope-[\w-]+$/.test(location.hash) ? location.hash.slice(1) : `tilescope-${crypto.randomUUID()}`;
@@ -11,6 +14,7 @@ history.replaceState(null, "", `#${name}`);
 const channel = new BroadcastChannel(name);
 const player = new URL(PLAYER, location.href);
 player.searchParams.set("embed", "player");
+player.hash = `language=${LANGUAGE}`;
 
 const frame = /** @type {HTMLIFrameElement} */ (document.getElementById("tilescope"));
 const now = /** @type {HTMLElement} */ (document.getElementById("now"));
@@ -44,7 +48,8 @@ channel.addEventListener("message", ({ data }) => {
   talk = data.talk;
   const lesson = talk?.kept.lesson[0];
   rows.forEach((row) => row.setAttribute("aria-current", String(row.getAttribute("data-lesson") === lesson)));
-  now.textContent = talk ? `${talk.title}: step ${talk.step} of ${talk.steps}.` : "The talk has ended.";
+  const { step = "", over = "" } = now.dataset;
+  now.textContent = talk ? step.replace(/\{(\w+)\}/g, (_, name) => String(talk[name])) : over;
   follow();
 });
 
@@ -55,7 +60,9 @@ window.addEventListener("message", ({ source, origin, data }) => {
   }
 });
 
-document.getElementById("stage")?.addEventListener("click", () => window.open(`${PLAYER}?talk=${name}`, `stage-${name}`));
+document.getElementById("stage")?.addEventListener("click", () => {
+  window.open(`${PLAYER}?talk=${name}#language=${LANGUAGE}`, `stage-${name}`);
+});
 document.getElementById("notes")?.addEventListener("click", () => {
   window.open(`${PLAYER}#notes=${name}`, `notes-${name}`, "popup,width=1100,height=760");
 });

@@ -87,7 +87,8 @@ function plot(curves) {
     const label = document.createElementNS(SVG, "text");
     label.setAttribute("x", String((tick / frequency) * width));
     label.setAttribute("y", String(height + 12));
-    label.textContent = tick === 2.5 ? "2.5 / r" : String(tick);
+    const number = decimals(tick, tick % 1 === 0 ? 0 : 1);
+    label.textContent = tick === 2.5 ? `${number} / r` : number;
     svg.append(label);
   }
   curves.forEach((curve, index) => {
@@ -95,6 +96,17 @@ function plot(curves) {
     line(inside.map(([x, y]) => place(x, y)).join(" "), `curve-${index}`);
   });
   return svg;
+}
+
+/** Returns a number with so many decimals, as the language of the lesson writes it. @param {number} number @param {number} digits */
+function decimals(number, digits) {
+  return number.toLocaleString(element("lesson").lang, { minimumFractionDigits: digits, maximumFractionDigits: digits, useGrouping: false });
+}
+
+/** Returns a place, in r. Coordinates with decimal commas are divided by a semicolon. @param {[number, number]} place */
+function coordinates(place) {
+  const [x, y] = place.map((at) => decimals(at, 2));
+  return `(${x} r${x.includes(",") ? ";" : ","} ${y} r)`;
 }
 
 /** Gives up to nine elements the keys 1 to 9. @param {HTMLElement[]} elements */
@@ -137,8 +149,7 @@ function answers(question) {
       );
       const made = [muted(words.place), make("div", { class: "chips" }, ...keyed(places))];
       if (question.chosen) {
-        const [x, y] = question.chosen;
-        made.push(muted(`${words.your_point} (${x.toFixed(2)} r, ${y.toFixed(2)} r)`));
+        made.push(muted(`${words.your_point} ${coordinates(question.chosen)}`));
       }
       return made;
     }
@@ -173,7 +184,7 @@ function answers(question) {
       const cuts = question.cuts.map((/** @type {any} */ { axis, at }, /** @type {number} */ index) => {
         const where = question.place?.[axis === "x" ? 0 : 1];
         const is = question.axis === axis && Math.abs(where - at) < 1e-9;
-        return button(`lesson-cut-${index}`, `${names[axis]}, ${axis} = ${at.toFixed(1)} r`, () => choose(index), { class: "option", ...pressed(is) });
+        return button(`lesson-cut-${index}`, `${names[axis]}, ${axis} = ${decimals(at, 1)} r`, () => choose(index), { class: "option", ...pressed(is) });
       });
       return [muted(words.cut), make("div", { class: "chips" }, ...axes), ...keyed(cuts)];
     }
@@ -185,7 +196,7 @@ function answers(question) {
             ...pressed(question.changes[band] === change),
           }),
         );
-        const name = `${low.toFixed(2)} \u2013 ${high.toFixed(2)} / r`;
+        const name = `${decimals(low, 2)} \u2013 ${decimals(high, 2)} / r`;
         return make("div", { class: "row", role: "group", "aria-label": name }, make("span", { class: "band" }, name), ...changes);
       });
       return [plot(question.curves), ...rows];
@@ -197,8 +208,9 @@ function answers(question) {
 
 /** The list of lessons and the learner's results. @param {any} list */
 function listed(list) {
-  const entries = list.lessons.map((/** @type {any} */ lesson, /** @type {number} */ index) => {
-    const number = make("span", {}, index === 0 ? "" : `${index}. `);
+  const entry = (/** @type {any} */ lesson, /** @type {number} */ index) => {
+    // The first lesson and the forms have no number.
+    const number = make("span", {}, index === 0 || lesson.form ? "" : `${index}. `);
     const title = make("span", {}, lesson.title);
     const done = lesson.done > 0 ? ` \u2013 ${lesson.done} ${words.of} ${lesson.gates} ${words.answered}` : "";
 
@@ -210,18 +222,22 @@ function listed(list) {
       button(`lesson-open-${lesson.name}`, [number, title], () => send({ do: "lesson", open: lesson.name }), { class: "link" }),
       make("p", { class: "small" }, objective),
     );
-  });
-  const share = `${Math.round(100 * list.share)}%`;
+  };
+  const entries = list.lessons.filter((/** @type {any} */ lesson) => !lesson.form).map(entry);
+  const forms = list.lessons.filter((/** @type {any} */ lesson) => lesson.form).map(entry);
+  const share = list.share.toLocaleString(element("lesson").lang, { style: "percent" });
   const results = list.answered === 0 ? words.no_results : words.some_results.replace("{count}", list.answered).replace("{share}", share);
   const made = [
     make("p", {}, words.intro),
     ...(entries.length ? [make("ol", { class: "lessons" }, ...entries)] : [make("p", {}, "\u2026")]),
     button("lesson-tour", words.tour, () => send({ do: "lesson", act: "tour" }), { class: "quiet" }),
     make("p", { class: "small" }, words.own),
+    ...(forms.length ? [make("h2", {}, words.forms), make("p", {}, words.forms_intro), make("ol", { class: "lessons" }, ...forms)] : []),
     make("h2", {}, words.results),
     make("p", { class: "small" }, results),
   ];
-  if (list.answered > 0) {
+  // The votes of a class are saved too.
+  if (list.answered > 0 || list.votes > 0) {
     const field = make("input", {
       id: "lesson-learner",
       type: "text",
@@ -429,13 +445,15 @@ function feedback({ lacking, verdict, sentence }) {
 }
 
 /** @param {any} lesson */
-function actions({ question, hint, asked_to_give_up, after, reasons }) {
+function actions({ question, form, hint, asked_to_give_up, after, reasons }) {
   if (question.open) {
     const row = make("div", { class: "row" });
     if (question.hint) {
       row.append(button("lesson-hint", words.hint, () => send({ do: "lesson", act: "hint" }), { class: "quiet" }));
     }
-    const give_up = asked_to_give_up ? words.show_answer : words.give_up;
+    // The second press shows the answer, or goes on in a form.
+    const sure = form ? words.skip : words.show_answer;
+    const give_up = asked_to_give_up ? sure : words.give_up;
     row.append(button("lesson-give-up", give_up, () => send({ do: "lesson", act: "give-up" }), { class: "quiet" }));
     if (asked_to_give_up) {
       row.append(make("span", { class: "small" }, words.sure));

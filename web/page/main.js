@@ -455,8 +455,8 @@ async function beginAnyhow(display) {
 async function showOther() {
   const notes = fragment().match(/^notes=(tilescope-[\w-]+)$/)?.[1];
   // What mail and chat programs put behind an address does not count.
-  const isCard = /^card(?:[.,;:)>\]"']|%20|%22|%3E)*$/i.test(fragment());
-  if (!isCard && !notes) {
+  const card = fragment().match(/^card(?:&language=([a-z]+))?(?:[.,;:)>\]"']|%20|%22|%3E)*$/i);
+  if (!card && !notes) {
     return false;
   }
   isOther = true;
@@ -467,7 +467,7 @@ async function showOther() {
     showNotes(notes);
   } else {
     const { showCard } = await import("./{{asset:card.js}}");
-    showCard();
+    await showCard(card?.[1]);
     keepOffline();
   }
   return true;
@@ -520,7 +520,7 @@ if (embed) {
 window.addEventListener("hashchange", (event) => {
   // Not the address: the program may have written its own link there since the change.
   const link = new URL(event.newURL).hash.slice(1);
-  if (link === "card") {
+  if (/^card(&|$)/.test(link)) {
     location.hash = link;
     location.reload();
     return;

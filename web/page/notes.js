@@ -1,6 +1,8 @@
 // @ts-check The lecturer's notes in a window of their own. The window with the stage sends their content over a channel
 // with a random name; this module sends back the lecturer's commands. Either window may be closed and opened again.
 
+import { english, wantedLanguage, wordsOf } from "./{{asset:words.js}}";
+
 /** The stage counts as closed after so long without an answer. */
 const SILENT_MS = 5_000;
 
@@ -52,7 +54,6 @@ const KEYS = /** @type {Record<string, any>} */ ({
 
 /** Shows the notes instead of the program. @param {string} name The name of the channel. */
 export function showNotes(name) {
-  document.title = "Notes \u2013 Tilescope";
   const channel = new BroadcastChannel(name);
   const send = (/** @type {any} */ command) => channel.postMessage({ command });
   /** @type {any} */
@@ -61,15 +62,16 @@ export function showNotes(name) {
   let kept = null;
   let heard_ms = performance.now();
   let typed = "";
+  /** The texts of the notes, and their language: the talk's, once there was one. */
+  let words = english;
+  let language = "";
 
   const bar = make("p", { class: "bar" });
   const tools = make("p", { class: "tools" });
-  const here = make("section", { "aria-label": "This step" });
-  const vote = /** @type {HTMLInputElement} */ (
-    make("input", { type: "text", placeholder: "A 12 B 30, or none, few, half, most", "aria-label": "Votes", autocomplete: "off" })
-  );
-  const votes = make("section", { "aria-label": "Votes" });
-  const next = make("section", { "aria-label": "Next step" });
+  const here = make("section");
+  const vote = /** @type {HTMLInputElement} */ (make("input", { type: "text", autocomplete: "off" }));
+  const votes = make("section");
+  const next = make("section");
   const root = make("div", { id: "notes" }, bar, tools, make("div", { class: "halves" }, make("div", {}, here, vote, votes), next));
   document.querySelector("main")?.replaceChildren(root);
 
@@ -86,26 +88,60 @@ export function showNotes(name) {
     made.addEventListener("click", act);
     return made;
   };
+  /** Shows the notes in a language from now on. @param {string} wanted */
+  async function speak(wanted) {
+    if (wanted === language) {
+      return;
+    }
+    language = wanted;
+    const found = await wordsOf(wanted);
+    // Meanwhile another may be wanted.
+    if (language === wanted) {
+      words = found;
+      document.documentElement.lang = wanted;
+      label();
+      show();
+    }
+  }
+
+  /** Names the parts of the page, which stay. */
+  function label() {
+    document.title = `${words("Notes")} \u2013 Tilescope`;
+    here.setAttribute("aria-label", words("This step"));
+    vote.setAttribute("aria-label", words("Votes"));
+    vote.placeholder = words("A 12 B 30, or none, few, half, most");
+    votes.setAttribute("aria-label", words("Votes"));
+    next.setAttribute("aria-label", words("Next step"));
+  }
   const openStage = () => window.open(`./?talk=${name}`, `stage-${name}`);
 
   function clock() {
-    const time = new Date().toLocaleTimeString([], { hour: "2-digit", minute: "2-digit" });
+    const time = new Date().toLocaleTimeString(language || [], { hour: "2-digit", minute: "2-digit" });
     const isSilent = performance.now() > heard_ms + SILENT_MS;
     if (isSilent || !talk) {
-      const why = isSilent ? "The stage is closed." : "No talk is given.";
-      bar.replaceChildren(make("b", {}, time), ` ${why} `, ...(kept ? [button("Open the stage again", openStage)] : []));
+      const why = words(isSilent ? "The stage is closed." : "No talk is given.");
+      bar.replaceChildren(make("b", {}, time), ` ${why} `, ...(kept ? [button(words("Open the stage again"), openStage)] : []));
       return;
     }
     const now = Date.now() / 1000;
     const elapsed = now - talk.begun;
     const { before, this: planned, all } = talk.planned;
     const late = elapsed - before - planned;
-    const plan = late > 0 ? `${minutes(late)} behind the plan` : elapsed < before ? `${minutes(before - elapsed)} ahead of the plan` : "as planned";
-    const part = talk.parts > 1 ? ` of lesson ${talk.part} of ${talk.parts}` : "";
+    const plan =
+      late > 0
+        ? words("{=late} behind the plan", { late: minutes(late) })
+        : elapsed < before
+          ? words("{=early} ahead of the plan", { early: minutes(before - elapsed) })
+          : words("as planned");
+    const place = { n: talk.step, steps: talk.steps, part: talk.part, parts: talk.parts, here: minutes(now - talk.step_begun), planned: minutes(planned) };
+    const text =
+      talk.parts > 1
+        ? words("Step {#n} of {#steps} of lesson {#part} of {#parts}, {=here} here, {=planned} planned", place)
+        : words("Step {#n} of {#steps}, {=here} here, {=planned} planned", place);
     bar.replaceChildren(
       make("b", {}, `${time} \u2003 ${minutes(elapsed)} / ${minutes(all)}`),
       make("span", late > 0 ? { class: "late" } : {}, plan),
-      make("span", { class: "small" }, `Step ${talk.step} of ${talk.steps}${part}, ${minutes(now - talk.step_begun)} here, ${minutes(planned)} planned`),
+      make("span", { class: "small" }, text),
     );
   }
 
@@ -115,49 +151,52 @@ export function showNotes(name) {
       [tools, here, votes, next].forEach((part) => part.replaceChildren());
       return;
     }
-    const on = talk.blank ? "Show again" : talk.waits ? (talk.voting ? "Reveal" : "Vote") : "Next";
+    const on = talk.blank ? "Show again (PageDown)" : talk.waits ? (talk.voting ? "Reveal (PageDown)" : "Vote (PageDown)") : "Next (PageDown)";
     tools.replaceChildren(
-      button("Back (PageUp)", () => send("previous")),
-      button(`${on} (PageDown)`, () => send("next")),
-      button("Blank (B)", () => send("blank")),
-      button("Laser (L)", () => send({ tool: "laser" })),
-      button("Pen (P)", () => send({ tool: "pen" })),
-      button("Colour (C)", () => send("next-color")),
-      button("Undo line (U)", () => send("undo-stroke")),
-      button("Clear (X)", () => send("clear-strokes")),
-      button("Code (Q)", () => send("toggle-code")),
-      button("End (Esc)", () => send("end")),
+      button(words("Back (PageUp)"), () => send("previous")),
+      button(words(on), () => send("next")),
+      button(words("Blank (B)"), () => send("blank")),
+      button(words("Laser (L)"), () => send({ tool: "laser" })),
+      button(words("Pen (P)"), () => send({ tool: "pen" })),
+      button(words("Colour (C)"), () => send("next-color")),
+      button(words("Undo line (U)"), () => send("undo-stroke")),
+      button(words("Clear (X)"), () => send("clear-strokes")),
+      button(words("Code (Q)"), () => send("toggle-code")),
+      button(words("End (Esc)"), () => send("end")),
     );
     const paragraph = (/** @type {any} */ spans) => make("p", {}, ...set(spans));
-    here.replaceChildren(make("h2", {}, talk.over ? "The talk is over." : talk.title), ...talk.notes.map(paragraph));
+    here.replaceChildren(make("h2", {}, talk.over ? words("The talk is over.") : talk.title), ...talk.notes.map(paragraph));
     if (talk.ask) {
-      here.append(make("hr"), paragraph(talk.ask), make("p", { class: "answer" }, `The answer: ${talk.answer ?? ""}`));
+      here.append(make("hr"), paragraph(talk.ask), make("p", { class: "answer" }, `${words("The answer:")} ${talk.answer ?? ""}`));
       if (talk.hint) {
-        here.append(make("p", { class: "small" }, "Hint: ", ...set(talk.hint)));
+        here.append(make("p", { class: "small" }, `${words("Hint")}: `, ...set(talk.hint)));
       }
     }
     vote.hidden = !talk.ask;
     const said = talk.votes.map((/** @type {any} */ vote, /** @type {number} */ index) => {
       const counts = vote.counts?.map((/** @type {number} */ count, /** @type {number} */ k) => `${String.fromCharCode(65 + k)} ${count}`).join(", ");
-      return make("p", {}, `${index === 0 ? "First" : "Second"} vote: ${counts ?? `${vote.right} right`}`);
+      const text = counts ?? words(`${vote.right} right`);
+      return make("p", {}, `${words(index === 0 ? "First vote:" : "Second vote:")} ${text}`);
     });
     votes.replaceChildren(...said);
     if (talk.votes.length > 0) {
-      votes.append(button("Take back", () => send("unvote")));
+      votes.append(button(words("Take back"), () => send("unvote")));
     }
     if (talk.votes.length === 1) {
-      votes.append(make("p", { class: "small" }, "The class sees both votes after the second one."));
+      votes.append(make("p", { class: "small" }, words("The class sees both votes after the second one.")));
     }
     if (talk.vote_fault) {
       votes.append(make("p", { class: "fault", role: "alert" }, talk.vote_fault));
       vote.value ||= typed;
     }
     if (talk.advice) {
-      votes.append(make("p", { class: "advice" }, ADVICE[talk.advice]));
+      votes.append(make("p", { class: "advice" }, words(ADVICE[talk.advice])));
     }
-    next.replaceChildren(make("p", { class: "small" }, "Next"), make("h2", {}, talk.next ?? "Nothing: this is the last step."));
+    const title = talk.next ?? words("Nothing: this is the last step.");
+    next.replaceChildren(make("p", { class: "small" }, words("Next")), make("h2", {}, title));
     if (talk.picture) {
-      next.append(make("img", { alt: `Picture of the next step: ${talk.next}`, src: `data:image/svg+xml,${encodeURIComponent(talk.picture)}` }));
+      const alt = words("Picture of the next step: {=title}", { title });
+      next.append(make("img", { alt, src: `data:image/svg+xml,${encodeURIComponent(talk.picture)}` }));
     }
   }
 
@@ -169,6 +208,9 @@ export function showNotes(name) {
       talk = data.talk;
       kept = talk?.kept ?? kept;
       show();
+      if (talk) {
+        speak(talk.language || "en");
+      }
     }
     if (data.stage && kept) {
       // A new stage requests the state of the talk.
@@ -187,5 +229,7 @@ export function showNotes(name) {
     clock();
   }, 1000);
   channel.postMessage({ hello: true });
+  label();
   show();
+  speak(wantedLanguage());
 }

@@ -11,8 +11,12 @@ import { fileURLToPath } from "node:url";
 import { PATIENCE_MS, launch } from "./harness.mjs";
 
 const here = path.dirname(fileURLToPath(import.meta.url));
-const LABELS = JSON.parse(readFileSync(path.join(here, "../../assets/lesson-labels.json"), "utf8"));
-const TYPES = { ".html": "text/html", ".js": "text/javascript", ".css": "text/css", ".wasm": "application/wasm", ".webmanifest": "application/json" };
+const assets = path.join(here, "../../assets");
+/** The table of German words: English texts with the German ones. */
+const GERMAN = new Map(readFileSync(path.join(assets, "words/de.txt"), "utf8").split("\n").flatMap((line, at, lines) => (line.startsWith("    ") ? [[lines[at - 1], line.slice(4)]] : [])));
+const ENGLISH_LABELS = JSON.parse(readFileSync(path.join(assets, "lesson-labels.json"), "utf8"));
+const LABELS = { en: ENGLISH_LABELS, de: Object.fromEntries(Object.entries(ENGLISH_LABELS).map(([name, text]) => [name, GERMAN.get(text)])) };
+const TYPES = { ".txt": "text/plain", ".html": "text/html", ".js": "text/javascript", ".css": "text/css", ".wasm": "application/wasm", ".webmanifest": "application/json" };
 
 /** Stands for the program: it records what it is asked and told, and shows the state that `show` is given. */
 const PROGRAM = `
@@ -65,7 +69,7 @@ before(async () => {
     } else if (!/^[\w.-]+$/.test(name) || name === "sw.js") {
       response.writeHead(404).end();
     } else {
-      const bytes = readFileSync(path.join(here, "../page", name));
+      const bytes = readFileSync(name === "de.txt" ? path.join(assets, "words", name) : path.join(here, "../page", name));
       response.end(type ? bytes.toString().replace(/\{\{(?:asset|size|address):?(.*?)\}\}/g, "$1") : bytes);
     }
   });
@@ -270,11 +274,112 @@ test("on a phone the verdict is seen after the answer", async (t) => {
   assert.equal(await inView(), true);
 });
 
+/** The texts of the page, also those that only screen readers read. */
+function texts(page) {
+  return page.evaluate(() => {
+    const labels = ["aria-label", "alt", "placeholder", "title"].flatMap((name) => [...document.querySelectorAll(`main [${name}]`)].map((one) => one.getAttribute(name)));
+    const found = [document.title];
+    const walker = document.createTreeWalker(document.querySelector("main"), NodeFilter.SHOW_TEXT);
+    while (walker.nextNode()) {
+      found.push(walker.currentNode.data);
+    }
+    return [...found, ...labels].map((text) => text.trim());
+  });
+}
+
+/** The texts with words that a German page shares with an English one. A laser has one name in both. */
+function shared(german, english) {
+  return german.filter((text) => /[a-z]{3}/i.test(text) && text !== "Laser (L)" && english.includes(text));
+}
+
+/** Opens a page without the program, for a browser of a language. */
+async function other(t, fragment, locale) {
+  const context = await browser.newContext({ locale });
+  t.after(() => context.close());
+  const page = await context.newPage();
+  await page.goto(`${address}#${fragment}`);
+  return page;
+}
+
+test("the voting card speaks the language of its link, or the browser's", async (t) => {
+  const said = [];
+  for (const [fragment, locale] of [["card", "en-GB"], ["card", "de-AT"], ["card&language=de", "en-GB"], ["card&language=en", "de-DE"]]) {
+    const page = await other(t, fragment, locale);
+    await page.locator("#card button").last().waitFor();
+    said.push({ lang: await page.getAttribute("html", "lang"), texts: await texts(page) });
+  }
+  const [english, german, linked, back] = said;
+  assert.deepEqual(shared(german.texts, english.texts), []);
+  assert.ok(german.texts.includes("B, Quadrat"), german.texts.join("; "));
+  assert.deepEqual(linked, { ...german, lang: "de" });
+  assert.deepEqual(back, { ...english, lang: "en" });
+  // Negative control: a page that is not translated shares its texts.
+  assert.ok(shared(back.texts, english.texts).length > 2);
+});
+
+/** What a stage tells the notes. */
+function talk(changes = {}) {
+  const text = (words) => [{ text: words, style: "plain" }];
+  const seconds = Date.now() / 1000;
+  return {
+    title: "1", notes: [text("2")], ask: text("3"), answer: "4", hint: text("5"), votes: [{ counts: [3, 4] }], vote_fault: null, advice: "discuss", next: "6",
+    picture: "<svg xmlns='http://www.w3.org/2000/svg'/>", step: 1, steps: 5, part: 1, parts: 1, begun: seconds, step_begun: seconds, waits: true, voting: false,
+    blank: false, over: false, planned: { before: 10, this: 10, all: 60 }, kept: { lesson: ["welcome"] }, ...changes,
+  };
+}
+
+test("the notes of a talk speak the language of the talk", async (t) => {
+  // Between them these have every text of the notes.
+  const states = [
+    {},
+    { parts: 8, advice: "explain", voting: true, votes: [{ right: "few" }, { right: "most" }], planned: { before: 0, this: 10, all: 60 } },
+    { begun: Date.now() / 1000 - 40, advice: "go-on", waits: false, next: null, picture: null },
+    { blank: true, over: true, ask: null, votes: [] },
+  ];
+  const said = [];
+  for (const [language, locale] of [["en", "de"], ["de", "en-GB"]]) {
+    const page = await other(t, "notes=tilescope-test", locale);
+    await page.locator("#notes").waitFor();
+    const stage = await page.context().newPage();
+    await stage.goto(`${address}#card`);
+    // Before the first state of a talk the notes have the browser's language.
+    const found = await texts(page);
+    assert.ok(found.includes(locale === "de" ? GERMAN.get("No talk is given.") : "No talk is given."), found.join("; "));
+    const of_language = [];
+    for (const [index, changes] of states.entries()) {
+      await stage.evaluate((talk) => new BroadcastChannel("tilescope-test").postMessage({ talk }), talk({ language, step: index + 1, ...changes }));
+      await page.getByText(`${language === "de" ? "Schritt" : "Step"} ${index + 1} `).waitFor();
+      of_language.push(...(await texts(page)));
+    }
+    said.push(of_language);
+  }
+  const [english, german] = said;
+  assert.deepEqual(shared(german, english), []);
+  assert.ok(german.includes("Erste Abstimmung: A 3, B 4"), german.join("; "));
+});
+
+test("numbers of a lesson have the decimal sign of its language", async (t) => {
+  const cut = { type: "cut", cuts: [{ axis: "x", at: 3.25 }], axis: null, place: null };
+  const band = { type: "bands", bands: [[0.5, 1]], curves: [[[0, 1]]], changes: [null] };
+  const place = { type: "place", letters: ["A"], places: [[1, 2]], chosen: [1.5, 2.25] };
+  for (const [language, expected] of [["en", ["x = 3.3 r", "0.50 \u2013 1.00 / r", "(1.50 r, 2.25 r)", "2.5 / r"]], ["de", ["x = 3,3 r", "0,50 \u2013 1,00 / r", "(1,50 r; 2,25 r)", "2,5 / r"]]]) {
+    let said = "";
+    for (const kind of [cut, band, place]) {
+      const state = lesson(language, { step: kind.type });
+      const page = await shown(t, { ...state, question: { ...state.question, ...kind } });
+      said += await page.textContent("#lesson-question");
+    }
+    for (const number of expected) {
+      assert.ok(said.includes(number), `${language}: ${number} in ${said}`);
+    }
+  }
+});
+
 test("the example pages have a main landmark that holds all", async (t) => {
   const context = await browser.newContext();
   t.after(() => context.close());
   const page = await context.newPage();
-  for (const name of ["plan.html", "lecture.html"]) {
+  for (const name of ["plan.html", "plan.de.html", "lecture.html"]) {
     await page.setContent(readFileSync(path.join(here, "../example", name), "utf8").replace(/<(script|link)[^>]*>/g, ""));
     assert.equal(await page.getByRole("main").count(), 1, name);
     assert.equal(await page.locator("body > :not(main)").count(), 0, name);

@@ -68,7 +68,7 @@ fn pack(arguments: &Arguments) -> Result<()> {
     for (name, bytes) in binding::bind(module)? {
         sources.insert(name, page::Source::made(bytes));
     }
-    let lessons = shipped::to_json(&shipped::lessons());
+    let lessons = shipped::to_json(&shipped::all());
     sources.insert(
         names::LESSONS.to_owned(),
         page::Source::made(lessons.into_bytes()),
