@@ -9,7 +9,7 @@ use egui::{CentralPanel, Context, Frame, Pos2, Ui, UiBuilder, ViewportCommand};
 use egui_tiles::{Behavior, EditAction, SimplificationOptions, TileId, Tiles, UiResponse};
 use tilescope_session::look::Look;
 use tilescope_ui::focus;
-use tilescope_ui::language;
+use tilescope_ui::language::{self, Worded};
 use tilescope_ui::presses::Presses;
 use tilescope_ui::spoken::{Speaker, Spoken};
 use tilescope_ui::theme::{self, InputStyle};
@@ -305,6 +305,7 @@ impl App {
         layout.enlarge(room, around, |panel| panels::least_size(panel, timeline));
         let mut tree = tiles::tree(&layout);
         let mut shower = Shower {
+            ctx: ui.ctx().clone(),
             state: &self.state,
             canvas: &mut self.canvas,
             commands: &mut self.commands,
@@ -515,6 +516,7 @@ const TAB_FRAMES: u8 = 4;
 
 /// Shows the contents of each tile.
 struct Shower<'a> {
+    ctx: Context,
     state: &'a State,
     canvas: &'a mut Canvas,
     commands: &'a mut Vec<Command>,
@@ -536,7 +538,7 @@ impl Behavior<Panel> for Shower<'_> {
     }
 
     fn tab_title_for_pane(&mut self, panel: &Panel) -> egui::WidgetText {
-        panel.name().into()
+        self.ctx.words(panel.name()).into()
     }
 
     fn simplification_options(&self) -> SimplificationOptions {
@@ -559,7 +561,7 @@ impl Behavior<Panel> for Shower<'_> {
         button.known_as(format_args!("tab.{}", Kebab(panel)));
         if panel != Panel::Canvas {
             button.context_menu(|ui| {
-                let hide = ui.button(format!("Hide {}", panel.name()));
+                let hide = ui.button(ui.words(format!("Hide {}", panel.name())));
                 hide.known_as(format_args!("tab.{}.hide", Kebab(panel)));
                 if hide.clicked() {
                     let command = WindowCommand::HidePanel(panel);

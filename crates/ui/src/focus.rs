@@ -7,6 +7,8 @@ use egui::{
 
 use tilescope_drawing::palette::Palette;
 
+use crate::language::Worded;
+
 /// Width of the ring, and its distance from the focused widget, in screen points.
 const WIDTH: f32 = 2.0;
 const AROUND: f32 = 2.0;
@@ -73,17 +75,22 @@ pub fn name_tiles(ctx: &Context) {
         let taking = widgets.filter(|widget| widget.enabled && widget.sense.is_focusable());
         taking.copied().collect()
     });
+    let (border, tabs) = (ctx.words("Border between panels"), ctx.words("Row of tabs"));
     for widget in taking {
         ctx.accesskit_node_builder(widget.id, |node| {
+            // egui names its own splitters, in English.
+            if node.role() == Role::Splitter {
+                node.set_label(&*border);
+            }
             if node.role() != Role::Unknown || node.label().is_some() {
                 return;
             }
             if widget.rect.size().min_elem() < ROW_OF_TABS {
                 node.set_role(Role::Splitter);
-                node.set_label("Border between panels");
+                node.set_label(&*border);
             } else {
                 node.set_role(Role::TabList);
-                node.set_label("Row of tabs");
+                node.set_label(&*tabs);
             }
         });
     }

@@ -5,7 +5,7 @@ use std::fmt::{self, Debug, Display, Formatter, Write};
 
 use egui::{
     Align2, Color32, CursorIcon, FontId, Painter, Pos2, Rect, Response, RichText, Role, Sense,
-    Shape, Stroke, StrokeKind, Ui, Vec2, WidgetInfo, vec2,
+    Shape, Stroke, StrokeKind, Ui, Vec2, Widget, WidgetInfo, vec2,
 };
 use tilescope_drawing::figure::FIGURE_SIZE;
 use tilescope_drawing::palette::Palette;
@@ -163,8 +163,16 @@ fn draw(painter: &Painter, shapes: Vec<SymbolShape>, at: Pos2) {
     }
 }
 
-/// Shows a pill that is on or off, with its name in the language of the window and the symbol of its layer, if it has one.
+/// Returns a pill that is on or off, with its name in the language of the window and the symbol of its layer, if it has one.
 pub fn chip(
+    (layer, name): (Option<Layer>, &str),
+    on: bool,
+    palette: &Palette,
+) -> impl Widget {
+    move |ui: &mut Ui| show_chip(ui, (layer, name), on, palette)
+}
+
+fn show_chip(
     ui: &mut Ui,
     (layer, name): (Option<Layer>, &str),
     on: bool,
@@ -179,7 +187,7 @@ pub fn chip(
         row_height(ui.ctx(), 26.0),
     );
     let (rect, response) = ui.allocate_exact_size(size, Sense::click());
-    response.widget_info(|| WidgetInfo::selected(Role::CheckBox, true, on, &name));
+    response.widget_info(|| WidgetInfo::selected(Role::CheckBox, response.enabled(), on, &name));
     let (fill, line) = if on {
         (
             palette.accent.gamma_multiply(0.16),

@@ -48,32 +48,19 @@ struct PartRects {
 /// Returns the minimum height for everything to fit; a lower window scrolls: the side column of a landscape window, or
 /// all of a portrait one.
 fn needed_height(ctx: &Context, room: Rect, state: &State) -> f32 {
+    let bar = if state.window.bare { 0.0 } else { BAR };
     let is_open = state.window.drawer.open.is_some() || caption::is_below(state);
     let drawer = if is_open { MIN_DRAWER_HEIGHT } else { 0.0 };
     let canvas = match state.window.drawer.arrangement {
         Arrangement::Landscape => 0.0,
         _ => MIN_CANVAS_HEIGHT,
     };
-    around_canvas(ctx, room, state) + canvas + drawer
+    bar + canvas + controls(ctx, room, state) + tabs_height(state) + drawer
 }
 
-/// Returns the height of the row of tabs. The tour and, in an upright window, a lesson need its room: one thing at a time.
+/// Returns the height of the row of tabs. The tour needs its room: one thing at a time.
 fn tabs_height(state: &State) -> f32 {
-    let drawer = &state.window.drawer;
-    // The row also has the button that closes a panel which was opened during the lesson.
-    let is_upright = drawer.arrangement == Arrangement::Portrait && drawer.open.is_none();
-    let is_taken = state.lessons.open.is_some() && is_upright;
-    if caption::is_below(state) || is_taken {
-        0.0
-    } else {
-        TABS
-    }
-}
-
-/// Returns the height of what stands around the canvas of an upright window without an open panel.
-pub fn around_canvas(ctx: &Context, room: Rect, state: &State) -> f32 {
-    let bar = if state.window.bare { 0.0 } else { BAR };
-    bar + controls(ctx, room, state) + tabs_height(state)
+    if caption::is_below(state) { 0.0 } else { TABS }
 }
 
 /// Returns the rectangle of everything but the canvas: in a landscape window the side column.
@@ -274,11 +261,9 @@ impl CompactWindow<'_> {
                 self.commands,
             );
         });
-        if rects.tabs.height() > 1.0 {
-            part(ui, "tabs", rects.tabs, vec2(8.0, 4.0), fill, |ui| {
-                tabs(ui, self.state, self.commands);
-            });
-        }
+        part(ui, "tabs", rects.tabs, vec2(8.0, 4.0), fill, |ui| {
+            tabs(ui, self.state, self.commands);
+        });
         if rects.drawer.height() < 1.0 {
             return;
         }

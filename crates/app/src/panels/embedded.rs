@@ -1,7 +1,7 @@
 //! The parts of the window shown when it is embedded in another page: the canvas, with the sentence, the controls and
 //! the track below. Menus and panels are not shown.
 
-use egui::{Color32, Rect, Ui, Vec2, vec2};
+use egui::{Color32, Context, Rect, Ui, Vec2, vec2};
 use tilescope_drawing::palette::Palette;
 use tilescope_ui::widgets::{Icon, Known, icon_button};
 
@@ -29,10 +29,7 @@ pub fn show(
     let palette = Palette::of(state.appearance.look);
     let room = ui.available_rect_before_wrap();
     let player = (embedding == Embedding::Player).then(|| Player::of(room.size()));
-    let width = room.width() - 2.0 * PLAYER_MARGIN.x;
-    let height = player.map_or(0.0, |player| {
-        player.height(ui.ctx(), &TimeContext::of(state), width)
-    });
+    let height = player.map_or(0.0, |_| player_height(ui.ctx(), room.size(), state));
     let (above, below) = room.split_top_bottom_at_y(room.bottom() - height);
     // The Tab key follows this order, too.
     part(
@@ -62,6 +59,12 @@ pub fn show(
     if embedding == Embedding::Player || is_wrong {
         notice::show(ui, state, commands);
     }
+}
+
+/// Returns the height of the controls below the canvas in a window of this size.
+pub fn player_height(ctx: &Context, size: Vec2, state: &State) -> f32 {
+    let width = size.x - 2.0 * PLAYER_MARGIN.x;
+    Player::of(size).height(ctx, &TimeContext::of(state), width)
 }
 
 /// Shows a button in the corner of the canvas that shows the whole domain again, if the view has changed.

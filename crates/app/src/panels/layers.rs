@@ -19,12 +19,8 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
         ui.spacing_mut().item_spacing = vec2(5.0, 6.0);
         let layers = context.appearance;
         let shown = layers.layers(context.run.current_stage());
-        let automatic = chip(
-            ui,
-            (None, "Automatic"),
-            layers.chosen_layers.is_none(),
-            context.palette,
-        );
+        let is_automatic = layers.chosen_layers.is_none();
+        let automatic = ui.add(chip((None, "Automatic"), is_automatic, context.palette));
         let automatic = automatic.on_hover_text(ui.words(AUTOMATIC));
         automatic.known_as("layer.automatic");
         if automatic.clicked() {
@@ -36,8 +32,8 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
             let named = (Some(layer), layer.name_in(kind));
             let is_on = shown.has(layer);
             let is_free = !context.hidden_layers.has(layer);
-            let chip = ui.add_enabled_ui(is_free, |ui| chip(ui, named, is_on, context.palette));
-            let chip = chip.inner.on_disabled_hover_text(ui.words(HIDDEN_LAYER));
+            let chip = ui.add_enabled(is_free, chip(named, is_on, context.palette));
+            let chip = chip.on_disabled_hover_text(ui.words(HIDDEN_LAYER));
             let chip = chip.on_hover_ui(|ui| explain(ui, layer, context.palette));
             chip.known_as(format_args!("layer.{}", Kebab(layer)));
             if chip.clicked() {

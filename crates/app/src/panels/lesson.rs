@@ -17,7 +17,7 @@ use std::fmt::Display;
 
 use egui::{
     Align, Button, CollapsingHeader, FontId, Frame, Label, Layout, Margin, Response, RichText,
-    ScrollArea, Ui,
+    ScrollArea, Ui, vec2,
 };
 use tilescope_debugger::Direction;
 use tilescope_drawing::palette::Palette;
@@ -34,7 +34,7 @@ use tilescope_workbench::state::State;
 use tilescope_workbench::talk::TalkCommand;
 
 use super::common::{divide, read_out};
-use super::compact;
+use super::embedded;
 pub use marks::show as show_marks;
 
 /// Width of the panel beside the canvas, in screen points.
@@ -100,9 +100,9 @@ fn height_below(ui: &Ui, state: &State) -> f32 {
     if state.lessons.lists {
         return most;
     }
-    let above = room.with_max_y(room.bottom() - most);
-    let around = compact::around_canvas(ui.ctx(), above, state);
-    let rest = (1.0 - PICTURE) * room.height() - around;
+    let above = vec2(room.width(), room.height() - most);
+    let controls = embedded::player_height(ui.ctx(), above, state);
+    let rest = (1.0 - PICTURE) * room.height() - controls;
     rest.max(LEAST_BELOW).min(most)
 }
 

@@ -164,14 +164,6 @@ fn the_picture_of_a_lesson_has_half_of_a_phone() {
     let picture = canvas(&harness);
     assert!(picture.height() >= 0.5 * PHONE[1] - 1.0, "{picture:?}");
     node(&harness, "lesson-step");
-    // A panel that is opened meanwhile can be closed.
-    harness
-        .state_mut()
-        .state
-        .apply(Command::Window(WindowCommand::OpenPanel(Panel::Legend)));
-    settle(&mut harness);
-    click(&mut harness, "drawer.close");
-    assert_eq!(canvas(&harness), picture);
 }
 
 #[test]

@@ -96,7 +96,8 @@ fn contrasts_are_measured() {
 #[test]
 fn graded_options_can_be_read_in_every_look() {
     for look in Look::ALL {
-        let mut harness = asked([1280.0, 800.0]);
+        // High enough for the whole panel.
+        let mut harness = asked([1280.0, 1200.0]);
         let appearance = Command::Appearance(AppearanceCommand::Look(look));
         harness.state_mut().state.apply(appearance);
         let [right, wrong, other] = options(&harness);
@@ -107,6 +108,8 @@ fn graded_options_can_be_read_in_every_look() {
         }
         harness.run();
         let image = harness.render().expect("a picture of the window");
+        image.save(format!("/tmp/res/{look:?}.png")).unwrap();
+        eprintln!("{look:?} {:?}", harness.ctx.pixels_per_point());
         for index in [right, wrong, other] {
             let rect = node(&harness, format!("lesson-option-{}", index + 1)).rect();
             let scale = harness.ctx.pixels_per_point();

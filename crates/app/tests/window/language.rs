@@ -15,7 +15,7 @@ use crate::lesson::drafts;
 use crate::support::{opened_at, settle};
 
 /// Names and words that both languages have.
-const SHARED: [&str; 11] = [
+const SHARED: [&str; 13] = [
     "Tilescope",
     "Delaunay",
     "Voronoi",
@@ -25,6 +25,8 @@ const SHARED: [&str; 11] = [
     "GPU",
     "CPU",
     "Block",
+    "Laser",
+    "https",
     "Radius",
     "min",
 ];

@@ -218,7 +218,7 @@ fn errors_advise_what_the_command_has() {
     let folder = tempdir().expect("a folder");
     let few = refusal(&folder, &["sample", "--exactly", "200", "--levels", "3"]);
     assert!(
-        few.ends_with("must be at least 20.0 r: choose fewer levels or more samples"),
+        few.ends_with("must be at least 20 r: choose fewer levels or more samples"),
         "{few}"
     );
 }

@@ -3,6 +3,7 @@
 use egui::{Align2, FontId, Sense, Stroke, Ui, pos2, vec2};
 use tilescope_drawing::palette::Palette;
 use tilescope_lessons::Curve;
+use tilescope_ui::language::Worded;
 
 /// The highest frequency, in 1/r, and the highest power that the plot shows.
 const REACH: [f64; 2] = [3.0, 3.0];
@@ -28,7 +29,7 @@ pub fn show(ui: &mut Ui, curves: &[&Curve], height: f32, palette: &Palette) {
     }
     let (below, font) = (vec2(0.0, 2.0), FontId::proportional(11.0));
     for tick in [0.5, 1.0, 1.5, 2.0, 2.5] {
-        let (pos, text) = (at([tick, 0.0]) + below, format!("{tick}"));
+        let (pos, text) = (at([tick, 0.0]) + below, ui.words(format!("{tick}")));
         painter.text(pos, Align2::CENTER_TOP, text, font.clone(), palette.muted);
     }
     let pos = plot.right_bottom() + below;

@@ -130,9 +130,10 @@ fn results(ui: &mut Ui, state: &State, palette: &Palette, commands: &mut Vec<Com
         return;
     }
     ui.horizontal(|ui| {
-        ui.label(labels.name);
+        let label = ui.label(labels.name);
         let mut name = results.learner.clone();
         let field = ui.add(TextEdit::singleline(&mut name).desired_width(130.0));
+        let field = field.labelled_by(label.id);
         if field.known_as("lesson-learner").changed() {
             issue(commands, LessonCommand::Name(name));
         }

@@ -300,11 +300,11 @@ impl Notes<'_> {
             } else {
                 "Second vote:"
             };
-            ui.label(ui.words(name));
+            let label = ui.label(ui.words(name));
             let field = TextEdit::singleline(&mut typed)
                 .hint_text(ui.words("A 12 B 30, or none, few, half, most"))
                 .desired_width(280.0 * self.k);
-            let field = ui.add(field);
+            let field = ui.add(field).labelled_by(label.id);
             field.known_as("notes-votes");
             let is_entered =
                 field.lost_focus() && ui.input(|input| input.key_pressed(egui::Key::Enter));
