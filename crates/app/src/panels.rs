@@ -58,6 +58,7 @@ pub fn show_bars(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         .fill(palette.panel)
         .inner_margin(Margin::symmetric(14, 0));
     egui::Panel::top("toolbar")
+        .resizable(false)
         .exact_size(46.0)
         .frame(bar)
         .show(ui, |ui| toolbar::show(ui, state, commands));
@@ -80,6 +81,7 @@ pub fn show_projector(
     let width = ui.available_width() - 2.0 * 14.0;
     let height = timeline::height(ui.ctx(), &TimeContext::of(state), width);
     egui::Panel::bottom("projector")
+        .resizable(false)
         .exact_size(height + 2.0 * 8.0)
         .frame(frame.inner_margin(Margin::symmetric(14, 8)))
         .show(ui, |ui| {
@@ -89,6 +91,7 @@ pub fn show_projector(
     if state.analyses() {
         let side = Frame::new().fill(palette.panel);
         egui::Panel::left("projected analysis")
+            .resizable(false)
             .exact_size(PROJECTED.min(PROJECTED_PART * ui.available_width()))
             .frame(side.inner_margin(Margin::symmetric(10, 4)))
             .show(ui, |ui| {

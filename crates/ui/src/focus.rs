@@ -78,10 +78,6 @@ pub fn name_tiles(ctx: &Context) {
     let (border, tabs) = (ctx.words("Border between panels"), ctx.words("Row of tabs"));
     for widget in taking {
         ctx.accesskit_node_builder(widget.id, |node| {
-            // egui names its own splitters, in English.
-            if node.role() == Role::Splitter {
-                node.set_label(&*border);
-            }
             if node.role() != Role::Unknown || node.label().is_some() {
                 return;
             }

@@ -3,6 +3,7 @@
 
 use egui_kittest::Harness;
 use tilescope_app::App;
+use tilescope_debugger::Direction;
 use tilescope_lessons::Key;
 use tilescope_session::look::Look;
 use tilescope_workbench::Command;
@@ -96,8 +97,8 @@ fn contrasts_are_measured() {
 #[test]
 fn graded_options_can_be_read_in_every_look() {
     for look in Look::ALL {
-        // High enough for the whole panel.
-        let mut harness = asked([1280.0, 1200.0]);
+        // The panel is wholly visible, also enlarged for a projector.
+        let mut harness = asked([2240.0, 1400.0]);
         let appearance = Command::Appearance(AppearanceCommand::Look(look));
         harness.state_mut().state.apply(appearance);
         let [right, wrong, other] = options(&harness);
@@ -108,8 +109,6 @@ fn graded_options_can_be_read_in_every_look() {
         }
         harness.run();
         let image = harness.render().expect("a picture of the window");
-        image.save(format!("/tmp/res/{look:?}.png")).unwrap();
-        eprintln!("{look:?} {:?}", harness.ctx.pixels_per_point());
         for index in [right, wrong, other] {
             let rect = node(&harness, format!("lesson-option-{}", index + 1)).rect();
             let scale = harness.ctx.pixels_per_point();
@@ -143,6 +142,44 @@ fn the_right_option_is_marked_beside_the_learners_own() {
     lesson(&mut harness, choose);
     lesson(&mut harness, LessonCommand::Answer);
     assert!(option(&harness, right).ends_with("\u{2013} your answer, right"));
+}
+
+#[test]
+fn a_refusal_and_a_reply_leave_the_buttons_where_they_were_clicked() {
+    let mut harness = asked([1280.0, 800.0]);
+    let buttons = ["lesson-answer", "lesson-hint", "lesson-give-up"];
+    let places = |harness: &Harness<'_, App>| buttons.map(|id| node(harness, id).rect());
+    let before = places(&harness);
+    lesson(&mut harness, LessonCommand::Answer);
+    harness.run();
+    assert!(find(&harness, "lesson-lacking").is_some());
+    assert_eq!(places(&harness), before);
+
+    let [_, wrong, _] = options(&harness);
+    let choose = LessonCommand::Draft(DraftCommand::Choose(wrong));
+    lesson(&mut harness, choose);
+    lesson(&mut harness, LessonCommand::Answer);
+    harness.run();
+    assert!(find(&harness, "lesson-verdict").is_some());
+    assert_eq!(places(&harness), before);
+}
+
+#[test]
+fn the_width_of_a_clip_is_shown_around_its_block_and_in_the_pattern() {
+    let mut harness = opened_at([1280.0, 800.0]);
+    lesson(&mut harness, LessonCommand::Open("clips".to_owned()));
+    lesson(&mut harness, LessonCommand::Step(Direction::Forwards));
+    harness.run();
+    let is_shown = |harness: &Harness<'_, App>| {
+        let texts = crate::language::texts(harness);
+        texts.iter().any(|text| text.ends_with("in the pattern"))
+    };
+    assert!(!is_shown(&harness), "before the answer");
+    for _ in 0..2 {
+        lesson(&mut harness, LessonCommand::GiveUp);
+    }
+    harness.run();
+    assert!(is_shown(&harness));
 }
 
 #[test]

@@ -80,7 +80,7 @@ pub fn show(ui: &mut Ui, state: &State, canvas: &mut Canvas, commands: &mut Vec<
     } else {
         egui::Panel::bottom("stage below").exact_size((BELOW * room.y).round())
     };
-    panel.frame(frame).show(ui, |ui| {
+    panel.resizable(false).frame(frame).show(ui, |ui| {
         use egui::scroll_area::ScrollBarVisibility;
         let scroll = ScrollArea::vertical()
             .id_salt(("stage", open.learner.index(), open.learner.is_open()))
@@ -195,7 +195,7 @@ impl Slide<'_> {
         }
         let feedback = open.feedback.as_ref();
         if is_revealed {
-            let verdict = match (learner.progress(), open.right_answer(labels)) {
+            let verdict = match (learner.progress(), open.told_answer(labels)) {
                 (Progress::GivenUp, Some(answer)) => format!("{} {answer}", labels.the_answer),
                 _ => labels.right.to_owned(),
             };
