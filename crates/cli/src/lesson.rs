@@ -354,16 +354,7 @@ fn check_all(arguments: &CheckArguments, window: FromWindow) -> Result<u8> {
                 let said: String = texts.iter().map(|text| translation.of(text)).collect();
                 warnings.extend(letters_warning(&name, &said));
             }
-            let (missing, wrong) = match translation {
-                Err(error) => (Vec::new(), vec![error]),
-                Ok(translation) => translation.compared(&lesson),
-            };
-            // A text that is missing has no line.
-            let missing = missing
-                .iter()
-                .map(|text| LessonError::new(1, format!("not translated: \"{text}\"")));
-            let all: Vec<LessonError> = missing.chain(wrong).collect();
-            faults.extend(all.iter().map(|fault| at(&name, fault)));
+            faults.extend(faults_of_translation(&name, translation, &lesson));
         }
         is_fine &= faults.is_empty();
         text.extend(
@@ -390,6 +381,24 @@ fn check_all(arguments: &CheckArguments, window: FromWindow) -> Result<u8> {
     }
     output::report(arguments.json, || json!(objects), || text)?;
     Ok(verdict_code(is_fine))
+}
+
+/// Returns the faults of a translation, and the texts of the lesson that it lacks.
+fn faults_of_translation(
+    name: &str,
+    translation: Result<Translation, LessonError>,
+    lesson: &Lesson,
+) -> Vec<String> {
+    let (missing, wrong) = match translation {
+        Err(error) => (Vec::new(), vec![error]),
+        Ok(translation) => translation.compared(lesson),
+    };
+    // A text that is missing has no line.
+    let missing = missing
+        .iter()
+        .map(|text| LessonError::new(1, format!("not translated: \"{text}\"")));
+    let all = missing.chain(wrong);
+    all.map(|fault| at(name, &fault)).collect()
 }
 
 /// Returns a warning about letters that the program's fonts lack, if a text has such.

@@ -428,21 +428,48 @@ impl Learner {
                 },
                 _,
             ) => {
-                let [low, high] = [low, high].map(|end| self.number(*end));
+                let legal = within([*low, *high]);
+                let [low, high] = legal.map(|end| self.translation.number(end.to_string()));
                 format!("{} = {low} \u{2013} {high} r", axis.name())
             }
-            (Key::Trace(events), Form::Trace { options, .. }) => texts(options, events, " "),
+            (Key::Pick(samples), _) => {
+                let samples = samples.iter().map(u32::to_string);
+                samples.collect::<Vec<_>>().join(", ")
+            }
+            (Key::Trace(events), Form::Trace { options, .. }) => texts(options, events, "; "),
             (Key::Order(ranks), Form::Order { items }) => texts(items, &sorted(ranks), "; "),
             (Key::Number(number), Form::Number { unit }) => {
-                format!("{} {unit}", self.number(*number)).trim().to_owned()
+                let number = told(*number, question.tolerance);
+                let number = self.translation.number(number.to_string());
+                format!("{number} {unit}").trim().to_owned()
             }
             (key, _) => key.to_string(),
         })
     }
+}
 
-    /// Returns a number of a key, short, as the language of the translation writes it.
-    fn number(&self, number: f64) -> String {
-        self.translation.number(short(number).to_string())
+/// Returns a right number as learners are told it: with three significant digits and every digit before the decimal sign;
+/// with more decimals where an answer that is so rounded would be wrong.
+fn told(number: f64, tolerance: f64) -> f64 {
+    // Of smaller numbers, the digits are counted as of a thousandth.
+    let before = number.abs().max(1e-3).log10().floor() as i32 + 1;
+    let scale = 10_f64.powi((3 - before).max(0));
+    let rounded = (number * scale).round() / scale;
+    if (rounded - number).abs() <= tolerance {
+        rounded
+    } else {
+        short(number)
+    }
+}
+
+/// Returns an interval of cuts as learners are told it: to a tenth, rounded inwards, so that every cut of it is legal.
+fn within([low, high]: [f64; 2]) -> [f64; 2] {
+    let tenths = [(low * 10.0).ceil() / 10.0, (high * 10.0).floor() / 10.0];
+    // A very short interval may hold no tenth.
+    if tenths[0] <= tenths[1] {
+        tenths
+    } else {
+        [low, high].map(short)
     }
 }
 
@@ -450,4 +477,76 @@ impl Learner {
 fn texts(texts: &[String], indices: &[usize], between: &str) -> String {
     let chosen = indices.iter().filter_map(|&index| texts.get(index));
     chosen.map(String::as_str).collect::<Vec<_>>().join(between)
+}
+
+#[cfg(test)]
+mod tests {
+    use tilescope_core::{Pattern, Unobserved};
+
+    use super::*;
+    use crate::scene::record;
+
+    /// Returns what a learner who gave up is told, at a gate of these lines.
+    fn told_at(gate: &str, decimal_sign: char) -> String {
+        let text = format!(
+            "---\ntitle: T\nobjective: O\n---\n# S\n```run\nradius: 0.06\nleaf: 6\nmoment: end of tile\n```\n```gate g\n{gate}```\n"
+        );
+        let lesson = Lesson::read("t", &text).expect("a lesson");
+        let translation = Translation::default().with_decimal_sign(decimal_sign);
+        let mut learner = Learner::new(Arc::new(lesson), Arc::new(translation));
+        let parameters = learner.parameters();
+        let pattern = Pattern::of_spec(&parameters.pattern, &mut Unobserved).expect("a pattern");
+        let run = record(&parameters, &pattern, &mut Unobserved).expect("a run");
+        assert_eq!(learner.arrive(&run, 0.0), Ok(Arrival::Here));
+        learner.right_answer().expect("an answer")
+    }
+
+    #[test]
+    fn numbers_are_told_with_the_digits_that_a_learner_needs() {
+        let number = |answer: &str, tolerance: &str| {
+            format!("type: number\nask: How many?\nanswer: {answer}\n{tolerance}unit: %\n")
+        };
+        for (answer, tolerance, said) in [
+            ("24.3902", "tolerance: 1\n", "24.4 %"),
+            ("0.045678", "tolerance: 0.01\n", "0.0457 %"),
+            ("1234.6", "tolerance: 2\n", "1235 %"),
+            ("1000000", "", "1000000 %"),
+            ("0.0", "", "0 %"),
+            // Rounded further, the number would be wrong.
+            ("24.3902", "tolerance: 0.001\n", "24.3902 %"),
+        ] {
+            assert_eq!(told_at(&number(answer, tolerance), '.'), said, "{answer}");
+        }
+        let german = told_at(&number("24.3902", "tolerance: 1\n"), ',');
+        assert_eq!(german, "24,4 %");
+    }
+
+    #[test]
+    fn the_events_of_a_trace_are_told_apart() {
+        let gate = "type: trace\nask: How many?\nevents: keep\nsteps: 3\n\
+                    option: None when: conflicts_of(a) == 0\noption: One or more when: conflicts_of(a) > 0\n";
+        let said = told_at(gate, '.');
+        let events: Vec<&str> = said.split("; ").collect();
+        assert_eq!(events.len(), 3, "{said}");
+        assert!(
+            events
+                .iter()
+                .all(|event| ["None", "One or more"].contains(event))
+        );
+    }
+
+    #[test]
+    fn samples_are_told_apart() {
+        let gate = "type: pick\nseveral: yes\nask: Which?\ncandidates: s < 3\nanswer: s < 2\n";
+        assert_eq!(told_at(gate, '.'), "0, 1");
+    }
+
+    #[test]
+    fn an_interval_of_cuts_is_told_to_a_tenth_that_is_legal() {
+        let said = |legal: [f64; 2]| within(legal).map(|end| end.to_string());
+        assert_eq!(said([6.0, 23.4117]), ["6", "23.4"]);
+        assert_eq!(said([5.91, 23.49]), ["6", "23.4"]);
+        // No tenth lies within.
+        assert_eq!(said([6.041_21, 6.081_23]), ["6.0412", "6.0812"]);
+    }
 }

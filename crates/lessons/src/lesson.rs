@@ -141,6 +141,8 @@ pub struct Gate {
     pub hint: Option<Text>,
     /// The expression of the sample or place, or of several places, that is marked while and after the question is asked.
     pub mark: Option<Text>,
+    /// The radius, in r, of a circle around each mark, or around the samples that the question names, after the answer.
+    pub circle: Option<f64>,
     /// The query of the deciding event; the next event that matches it is shown after the answer. None if the moment of
     /// the question decides.
     pub decided: Option<Text>,

@@ -96,6 +96,8 @@ pub struct Question {
     named: Vec<Vec<u32>>,
     /// The places that are marked, in r.
     pub marked: Vec<[f64; 2]>,
+    /// The radius, in r, of the circles that appear after the answer.
+    pub circle: Option<f64>,
     /// What the learner chooses from or types.
     pub form: Form,
     /// A hint.
@@ -114,7 +116,8 @@ pub struct Question {
     in_file: Vec<usize>,
     /// The sentence for a wrong answer that has no other.
     otherwise: Option<String>,
-    tolerance: f64,
+    /// How far a number or a place may be from the right one.
+    pub(crate) tolerance: f64,
     region: Option<Text>,
     line: usize,
 }
@@ -163,6 +166,7 @@ impl Question {
         let mut question = Self {
             asks: vec![fill(&gate.ask)?],
             named: vec![scene.samples_in(&gate.ask)?],
+            circle: gate.circle,
             marked: gate
                 .mark
                 .as_ref()
@@ -185,6 +189,12 @@ impl Question {
             region: None,
             line: gate.line,
         };
+        question.take_form(gate, scene)?;
+        Ok(question)
+    }
+
+    /// Takes the form and the key of a gate, computed from the scene.
+    fn take_form(&mut self, gate: &Gate, scene: &Scene) -> Result<(), LessonError> {
         let seed = scene.recording().run().parameters.seed;
         let draws = draws(gate, seed);
         match &gate.kind {
@@ -193,7 +203,7 @@ impl Question {
                 candidates,
                 several,
             } => {
-                question.pick(scene, answer, candidates, *several)?;
+                self.pick(scene, answer, candidates, *several)?;
             }
             GateKind::Place {
                 right,
@@ -208,45 +218,45 @@ impl Question {
                     places.push(scene.place(candidate)?);
                 }
                 shuffle(&mut places, draws);
-                (question.tolerance, question.region) = (*within, answer.clone());
-                question.form = Form::Place { candidates: places };
-                question.key = Key::Place(right);
+                (self.tolerance, self.region) = (*within, answer.clone());
+                self.form = Form::Place { candidates: places };
+                self.key = Key::Place(right);
             }
             GateKind::Number {
                 answer,
                 tolerance,
                 unit,
             } => {
-                question.tolerance = *tolerance;
-                question.form = Form::Number { unit: unit.clone() };
-                question.key = Key::Number(scene.number(answer)?);
+                self.tolerance = *tolerance;
+                self.form = Form::Number { unit: unit.clone() };
+                self.key = Key::Number(scene.number(answer)?);
             }
             GateKind::Choice { options, curves } => {
-                question.choice(scene, gate, options, curves)?;
+                self.choice(scene, gate, options, curves)?;
             }
             GateKind::Order { items } => {
                 let mut ranked = Vec::new();
                 for (text, by) in items {
-                    ranked.push((fill(text)?, scene.number(by)?));
+                    ranked.push((scene.fill(text)?, scene.number(by)?));
                 }
                 shuffle(&mut ranked, draws);
                 let (items, ranks): (Vec<String>, Vec<f64>) = ranked.into_iter().unzip();
-                question.form = Form::Order { items };
-                question.key = Key::Order(ranks);
+                self.form = Form::Order { items };
+                self.key = Key::Order(ranks);
             }
-            GateKind::Cut => question.cut(scene, draws)?,
-            GateKind::Bands { from, to, bands } => question.bands(scene, from, to, bands, seed)?,
+            GateKind::Cut => self.cut(scene, draws)?,
+            GateKind::Bands { from, to, bands } => self.bands(scene, from, to, bands, seed)?,
             GateKind::Trace {
                 events,
                 steps,
                 options,
             } => {
-                question.in_file = (0..options.len()).collect();
-                shuffle(&mut question.in_file, draws);
-                question.trace(scene, &gate.ask, events, *steps, options)?;
+                self.in_file = (0..options.len()).collect();
+                shuffle(&mut self.in_file, draws);
+                self.trace(scene, &gate.ask, events, *steps, options)?;
             }
         }
-        Ok(question)
+        Ok(())
     }
 
     fn wrong(&self, message: impl Into<String>) -> LessonError {
@@ -647,19 +657,7 @@ impl Question {
                 },
                 Answer::Pick(samples),
             ) => {
-                let mut samples = samples.clone();
-                samples.sort_unstable();
-                samples.dedup();
-                if !*several && samples.len() != 1 {
-                    return Err(self.wrong("one sample is asked for"));
-                }
-                if samples.is_empty() {
-                    return Err(self.wrong("no sample is selected"));
-                }
-                if let Some(other) = samples.iter().find(|s| !candidates.contains(s)) {
-                    let message = format!("sample {other} is not one of the numbered ones");
-                    return Err(self.wrong(message));
-                }
+                let samples = self.picked(candidates, *several, samples)?;
                 let hits = samples.iter().filter(|s| right.contains(s)).count() as f64;
                 Ok(if *several {
                     2.0 * hits / (samples.len() + right.len()) as f64
@@ -718,6 +716,33 @@ impl Question {
             }
             _ => Err(self.wrong("the answer is not of the kind that is asked for")),
         }
+    }
+
+    /// Returns the samples of an answer, each once.
+    ///
+    /// # Errors
+    ///
+    /// None or too many of them, and samples that are not in the list.
+    fn picked(
+        &self,
+        candidates: &[u32],
+        several: bool,
+        samples: &[u32],
+    ) -> Result<Vec<u32>, LessonError> {
+        let mut samples = samples.to_vec();
+        samples.sort_unstable();
+        samples.dedup();
+        if !several && samples.len() != 1 {
+            return Err(self.wrong("one sample is asked for"));
+        }
+        if samples.is_empty() {
+            return Err(self.wrong("no sample is selected"));
+        }
+        if let Some(other) = samples.iter().find(|s| !candidates.contains(s)) {
+            let message = format!("sample {other} is not one of the numbered ones");
+            return Err(self.wrong(message));
+        }
+        Ok(samples)
     }
 
     fn place_score(

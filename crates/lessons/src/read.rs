@@ -453,9 +453,12 @@ fn query(field: &Field) -> Result<Text, LessonError> {
 }
 
 /// The fields that every gate may have.
-const OF_GATE: [&str; 10] = [
-    "type", "ask", "hint", "mark", "decided", "shows", "practice", "because", "read", "concept",
+const OF_GATE: [&str; 11] = [
+    "type", "ask", "hint", "mark", "circle", "decided", "shows", "practice", "because", "read",
+    "concept",
 ];
+/// The radii of circles, in r: a smaller one lies under its mark, a larger one beyond every canvas.
+const CIRCLES: [f64; 2] = [0.1, 20.0];
 
 fn gate(name: String, line: usize, lines: &[&str]) -> Result<Gate, LessonError> {
     let mut fields = Fields::read("a gate", line, lines)?;
@@ -507,6 +510,7 @@ fn gate(name: String, line: usize, lines: &[&str]) -> Result<Gate, LessonError> 
         because: fields.optional("because", said)?,
         is_reading: fields.optional("read", yes_or_no)?.unwrap_or(false),
         mark: fields.optional("mark", |field| expression(&field.text(), &[]))?,
+        circle: fields.optional("circle", |field| field.number(CIRCLES))?,
         decided: fields.optional("decided", query)?,
         shows: fields.optional("shows", layers)?.unwrap_or_default(),
         concept: fields.optional("concept", |field| Concept::named(&field.value, field.line))?,

@@ -146,18 +146,24 @@ impl OpenLesson {
         }
     }
 
-    /// Returns the same where the list does not show it: for a learner who gave up, and for a number, which counts as right
-    /// if it is near. `None` while the question is open.
+    /// Returns the same as a learner is told it: after giving up, and for a number, which counts as right if it is near. Of a
+    /// place it says that the picture marks it, by [`MarkKind::Right`](crate::lessons::MarkKind::Right). `None` while the
+    /// question is open.
     #[must_use]
     pub fn told_answer(&self, labels: &LessonLabels) -> Option<String> {
-        let is_number = (self.learner.question())
-            .is_some_and(|question| matches!(question.form, Form::Number { .. }));
+        let form = &self.learner.question()?.form;
         let is_told = match self.learner.progress() {
             Progress::Open => false,
-            Progress::Right => is_number,
+            Progress::Right => matches!(form, Form::Number { .. }),
             Progress::GivenUp => true,
         };
-        self.right_answer(labels).filter(|_| is_told)
+
+        match form {
+            _ if !is_told => None,
+            // Nobody finds a place by its coordinates.
+            Form::Place { .. } => Some(labels.place_marked.to_owned()),
+            _ => self.right_answer(labels),
+        }
     }
 }
 

@@ -22,6 +22,7 @@ pub struct LessonLabels {
     pub show_answer: &'static str,
     pub sure: &'static str,
     pub the_answer: &'static str,
+    pub place_marked: &'static str,
     pub back: &'static str,
     pub next: &'static str,
     pub waits: &'static str,

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use tilescope_core::{Pattern, SampleError, Unobserved};
 use tilescope_debugger::Recording;
 use tilescope_drawing::camera::Camera;
-use tilescope_drawing::palette::{DARK, LIGHT};
+use tilescope_drawing::palette::{DARK, LIGHT, Palette};
 use tilescope_figures::{Group, Scene, Shape, Stroke, Style, Text, to_pixels, to_svg};
 use tilescope_lessons::{Arrival, Learner, Lesson, Translation, record};
 use tilescope_session::jobs::{Job, Monitor};
@@ -102,14 +102,29 @@ pub fn picture(open: &OpenLesson, style: PictureStyle, strokes: &[PenStroke]) ->
     };
     let moment = Moment::at(&session, cursor);
     let mut scene = thumbnail(&session, &MomentView { moment, view });
+
     let is_periodic = session.run().domain.is_periodic();
     let place = |at: DVec2| {
         let turns = ((at - camera.center) / size).round() * f64::from(u8::from(is_periodic));
         on_picture(camera.screen_from_domain(frame, at - turns * size))
     };
+    scene.groups.push(marks(open, palette, place));
+    let mut drawn = Group::new("pen");
+    for stroke in strokes {
+        let ink = Stroke::new(color(stroke.color(style.dark)), 3.0);
+        let ends = stroke.points.windows(2);
+        let ends = ends.map(|ends| Shape::line(place(ends[0].into()), place(ends[1].into()), ink));
+        drawn.shapes.extend(ends);
+    }
+    scene.groups.push(drawn);
+    scene
+}
+
+/// Returns the box that is to be cut and the marks of a step; `place` gives the place in the picture.
+fn marks(open: &OpenLesson, palette: &Palette, place: impl Fn(DVec2) -> DVec2) -> Group {
     let mut marks = Group::new("marks");
     if let Some(([low, high], _)) = open.cut() {
-        let [low, high] = [low, high].map(place);
+        let [low, high] = [low, high].map(&place);
         let corners = [low, low.with_x(high.x), high, high.with_x(low.x), low];
         let stroke = Stroke::new(color(palette.accent), 2.0);
         let sides = corners.windows(2);
@@ -132,16 +147,7 @@ pub fn picture(open: &OpenLesson, style: PictureStyle, strokes: &[PenStroke]) ->
             marks.shapes.push(Shape::Text(label));
         }
     }
-    scene.groups.push(marks);
-    let mut drawn = Group::new("pen");
-    for stroke in strokes {
-        let ink = Stroke::new(color(stroke.color(style.dark)), 3.0);
-        let ends = stroke.points.windows(2);
-        let ends = ends.map(|ends| Shape::line(place(ends[0].into()), place(ends[1].into()), ink));
-        drawn.shapes.extend(ends);
-    }
-    scene.groups.push(drawn);
-    scene
+    marks
 }
 
 /// Returns the layers of these names; unknown names are left out.

@@ -13,6 +13,7 @@ use tilescope_lessons::{
     Answer, Change, CutAxis, Feedback, Form, Key, Learner, Lesson, LessonError, Question, letter,
     shipped,
 };
+use tilescope_session::units::position;
 
 /// An action in a lesson, or on the list of lessons.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -518,10 +519,7 @@ impl OpenLesson {
         let Some((question, run)) = self.learner.question().zip(self.run.as_ref()) else {
             return Vec::new();
         };
-        let position = |sample: u32| {
-            let point = run.point(sample).map(tilescope_session::units::position);
-            point.unwrap_or_default()
-        };
+        let position = |sample: u32| run.point(sample).map(position).unwrap_or_default();
         let mark = |at: DVec2, label: String, kind| Mark { at, label, kind };
         let is_done = !self.learner.is_open();
         let (_, step) = self.learner.tries();
@@ -561,6 +559,31 @@ impl OpenLesson {
             }
         }
         marks
+    }
+
+    /// Returns the circles that the question shows once it is closed, each by its centre and its radius in r.
+    #[must_use]
+    pub fn circles(&self) -> Vec<(DVec2, f64)> {
+        let question = self.learner.question();
+        let Some(question) = question.filter(|_| !self.learner.is_open()) else {
+            return Vec::new();
+        };
+        let Some((radius, run)) = question.circle.zip(self.run.as_ref()) else {
+            return Vec::new();
+        };
+
+        let (_, step) = self.learner.tries();
+        // Without a mark the circles are those of the samples that the question names.
+        let named = || {
+            let points = question.named(step).iter();
+            points.filter_map(|&sample| run.point(sample).map(position))
+        };
+        let centers: Vec<DVec2> = if question.marked.is_empty() {
+            named().collect()
+        } else {
+            question.marked.iter().map(|&at| at.into()).collect()
+        };
+        centers.into_iter().map(|center| (center, radius)).collect()
     }
 
     /// Returns the box that is to be cut, and the cut that is chosen.

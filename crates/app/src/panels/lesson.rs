@@ -68,7 +68,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     } else {
         egui::Panel::bottom("lesson below").exact_size(height_below(ui, state).round())
     };
-    panel.frame(frame).show(ui, |ui| {
+    panel.resizable(false).frame(frame).show(ui, |ui| {
         let scroll = ScrollArea::vertical()
             .id_salt("lesson")
             .auto_shrink([false, false]);
@@ -245,6 +245,13 @@ impl LessonPanel<'_> {
         let sizes = [self.size, PLOT];
         let asked = (question, labels);
         answers::show(ui, open, asked, sizes, self.palette, self.commands);
+        if !learner.is_open() {
+            self.feedback(ui);
+            self.revealed(ui);
+            return;
+        }
+        self.ways_on(ui, question);
+        // Below the buttons, which stay where the learner has just clicked.
         if let Some(lacking) = &open.lacking {
             let text = RichText::new(ui.words(lacking)).color(self.palette.candidate);
             let label = ui.add(Label::new(text).wrap());
@@ -252,10 +259,16 @@ impl LessonPanel<'_> {
             label.known_as("lesson-lacking");
         }
         self.feedback(ui);
-        if !learner.is_open() {
-            self.revealed(ui);
-            return;
+        if let Some(hint) = &open.hint {
+            let label = text::paragraph(ui, hint, self.size, self.palette.muted);
+            read_out(ui, &label);
+            label.known_as("lesson-hint-text");
         }
+    }
+
+    /// Shows the buttons of an open question: to answer it, to see its hint, and to give up.
+    fn ways_on(&mut self, ui: &mut Ui, question: &Question) {
+        let (labels, learner) = (self.labels, &self.open.learner);
         ui.add_space(8.0);
         let name = format!("{} ({})", labels.answer, ui.words("Enter"));
         let button = primary_button(ui, &name, None, self.palette);
@@ -278,11 +291,6 @@ impl LessonPanel<'_> {
                 ui.label(self.muted(labels.sure));
             }
         });
-        if let Some(hint) = &open.hint {
-            let label = text::paragraph(ui, hint, self.size, self.palette.muted);
-            read_out(ui, &label);
-            label.known_as("lesson-hint-text");
-        }
     }
 
     /// Shows the verdict on the last answer, and the lesson's sentence on it.

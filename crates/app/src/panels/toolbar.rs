@@ -1,8 +1,8 @@
 //! The bar on top: menus, the name of the run, the verdict, export and theme.
 
 use egui::{
-    Align, Atom, Button, FontId, IdSalt, Layout, Popup, PopupCloseBehavior, RichText, Role, Shape,
-    Stroke, Ui, Vec2, WidgetInfo, vec2,
+    Align, Atom, Button, Color32, FontId, IdSalt, Layout, Popup, PopupCloseBehavior, RichText,
+    Role, Shape, Stroke, TextStyle, Ui, Vec2, WidgetInfo, vec2,
 };
 use tilescope_drawing::palette::Palette;
 use tilescope_session::words::{counted, grouped};
@@ -29,9 +29,13 @@ const ROOM_FOR_ENGINE: f32 = 740.0;
 pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let palette = Palette::of(state.appearance.look);
     ui.horizontal_centered(|ui| {
-        let title = RichText::new("Tilescope").font(FontId::new(17.0, semibold()));
-        ui.label(title).known_as("title");
-        ui.add_space(6.0);
+        let verdict = verification::chip_width(ui, &PanelContext::of(state));
+        // Where the menus' names are long, the program's name makes room first, then the button of exports.
+        if ui.available_width() >= TITLE + menus_width(ui) + ICONS + verdict {
+            let title = RichText::new("Tilescope").font(FontId::new(17.0, semibold()));
+            ui.label(title).known_as("title");
+            ui.add_space(6.0);
+        }
         menus(ui, state, commands);
         ui.add_space(10.0);
         let room = ui.available_width();
@@ -68,16 +72,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             let command = Command::View(Which::First, ViewCommand::Fit);
             icon_button(ui, Icon::Fit, "Fit the domain (F)", None, palette)
                 .issues("fit", command, commands);
-            let export = ui.add_enabled(
-                state.runs.first.session.is_some(),
-                Button::new(ui.words("Export\u{2026}")),
-            );
-            export.known_as("export");
-            let why = "There is nothing to export before the first session is ready.";
-            if export.on_disabled_hover_text(ui.words(why)).clicked() {
-                commands.push(Command::Export(ExportCommand::Open(ExportKind::Result)));
-            }
-            ui.add_space(6.0);
+            export(ui, state, verdict, commands);
             verification::chip(ui, &PanelContext::of(state), commands);
             exporting(ui, state, commands);
             if state.offers_session() && ui.available_width() >= ROOM_FOR_LAST {
@@ -88,6 +83,42 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             }
         });
     });
+}
+
+/// Width of the program's name and the space behind it, in screen points.
+const TITLE: f32 = 100.0;
+/// Width of the two icons at the right and the spaces beside them, in screen points.
+const ICONS: f32 = 100.0;
+
+/// Returns the width of a button with a name, and of the space behind it.
+fn button_width(ui: &Ui, name: &str) -> f32 {
+    let font = TextStyle::Button.resolve(ui.style());
+    let galley = ui
+        .painter()
+        .layout_no_wrap(name.to_owned(), font, Color32::WHITE);
+    let spacing = ui.spacing();
+    galley.size().x + 2.0 * spacing.button_padding.x + spacing.item_spacing.x
+}
+
+fn menus_width(ui: &Ui) -> f32 {
+    let widths = Menu::ALL.map(|menu| button_width(ui, &ui.words(menu.name())));
+    widths.iter().sum()
+}
+
+/// Shows the button that opens exports, if that leaves the verdict its width. The File menu has them always.
+fn export(ui: &mut Ui, state: &State, verdict: f32, commands: &mut Vec<Command>) {
+    let name = ui.words("Export\u{2026}");
+    let space = 6.0;
+    if ui.available_width() < button_width(ui, &name) + space + verdict {
+        return;
+    }
+    let export = ui.add_enabled(state.runs.first.session.is_some(), Button::new(name));
+    export.known_as("export");
+    let why = "There is nothing to export before the first session is ready.";
+    if export.on_disabled_hover_text(ui.words(why)).clicked() {
+        commands.push(Command::Export(ExportCommand::Open(ExportKind::Result)));
+    }
+    ui.add_space(space);
 }
 
 /// Minimum room left in the bar, in screen points, to offer the last session; the File menu has it always.

@@ -1,7 +1,10 @@
 //! The verdict of the independent verifier: a chip that is always visible, and a panel with its numbers.
 
+use std::sync::Arc;
+
 use egui::{
-    Color32, CursorIcon, FontId, RichText, Role, Sense, Stroke, StrokeKind, Ui, WidgetInfo, vec2,
+    Color32, CursorIcon, FontId, Galley, RichText, Role, Sense, Stroke, StrokeKind, Ui, WidgetInfo,
+    vec2,
 };
 use tilescope_analysis::{COVERING_TOLERANCE, Judge, PrefixClaim, Report};
 use tilescope_drawing::palette::Palette;
@@ -19,17 +22,14 @@ use tilescope_workbench::state::Verification;
 
 /// Shows the chip; a click goes to the conflict or gap that decides the verdict.
 pub fn chip(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>) {
-    let palette = context.palette;
-    let (text, well, color) = summary(context, palette);
-    let text = ui.words(text);
-    let font = FontId::new(13.0, semibold());
-    let galley = ui.painter().layout_no_wrap(text.clone(), font, color);
-    // As wide as the longest verdict, so that nothing moves when it arrives.
-    let width = (galley.size().x + 46.0).max(150.0);
-    let (rect, response) = ui.allocate_exact_size(vec2(width, 30.0), Sense::click());
     if matches!(context.run.verification, Verification::Nothing) {
         return;
     }
+    let (text, well, color) = summary(context, context.palette);
+    let text = ui.words(text);
+    let galley = galley_of(ui, &text, color);
+    let size = vec2(width_of(&galley), 30.0);
+    let (rect, response) = ui.allocate_exact_size(size, Sense::click());
     let name = format!("{}: {text}", ui.words("Verdict"));
     response.widget_info(|| WidgetInfo::labeled(Role::Button, true, &name));
     response.known_as("verdict");
@@ -53,6 +53,25 @@ pub fn chip(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
             ViewCommand::FlyToWitness(Witness::Verdict),
         ));
     }
+}
+
+fn galley_of(ui: &Ui, text: &str, color: Color32) -> Arc<Galley> {
+    let font = FontId::new(13.0, semibold());
+    ui.painter().layout_no_wrap(text.to_owned(), font, color)
+}
+
+/// Returns the width of the chip of a text: at least that of the longest usual verdict, so that nothing moves when it arrives.
+fn width_of(galley: &Galley) -> f32 {
+    (galley.size().x + 46.0).max(150.0)
+}
+
+/// Returns the width that [`chip`] takes; 0 where there is nothing to verify.
+pub fn chip_width(ui: &Ui, context: &PanelContext<'_>) -> f32 {
+    if matches!(context.run.verification, Verification::Nothing) {
+        return 0.0;
+    }
+    let (text, _, color) = summary(context, context.palette);
+    width_of(&galley_of(ui, &ui.words(text), color))
 }
 
 fn summary(context: &PanelContext<'_>, palette: &Palette) -> (String, Option<bool>, Color32) {

@@ -17,6 +17,7 @@ use tilescope_workbench::compare::{CompareCommand, ComparePreset};
 use tilescope_workbench::device::EngineChoice;
 use tilescope_workbench::draft::Field;
 use tilescope_workbench::layout::Panel;
+use tilescope_workbench::lessons::LessonCommand;
 use tilescope_workbench::scenes::SceneCommand;
 
 use crate::support::{find, node, opened_at, settle};
@@ -169,36 +170,63 @@ fn no_panel_is_cut_off_on_a_small_screen() {
     }
 }
 
+/// Checks that no button of the bar lies over another, and returns how many it has.
+fn check_bar(harness: &Harness<'_, App>, size: [f32; 2]) -> usize {
+    let buttons = harness.query_all_by(|node| {
+        let bounds = node.bounding_box();
+        bounds.is_some_and(|bounds| bounds.y1 <= 46.0)
+    });
+    let said = buttons.filter(|node| {
+        let node = node.accesskit_node();
+        // Rows of scrolled lists may lie behind the bar.
+        let is_row = |id: &str| id.contains(".line") || id.contains(".breakpoint");
+        node.label().is_some() && !node.author_id().is_some_and(is_row)
+    });
+    let rects: Vec<(Rect, String)> = said
+        .map(|node| {
+            (
+                node.rect(),
+                node.accesskit_node().label().unwrap_or_default(),
+            )
+        })
+        .collect();
+    for (k, (a, name)) in rects.iter().enumerate() {
+        for (b, other) in &rects[..k] {
+            let over = a.intersect(*b);
+            let is_free = !over.is_positive() || over.width() < 1.0;
+            assert!(is_free || name == other, "{name} over {other} at {size:?}");
+        }
+    }
+    rects.len()
+}
+
 #[test]
 fn nothing_of_the_bar_lies_over_another() {
     for size in SCREENS {
-        let harness = opened_at(size);
-        let buttons = harness.query_all_by(|node| {
-            let bounds = node.bounding_box();
-            bounds.is_some_and(|bounds| bounds.y1 <= 46.0)
-        });
-        let said = buttons.filter(|node| {
-            let node = node.accesskit_node();
-            // Rows of scrolled lists may lie behind the bar.
-            let is_row = |id: &str| id.contains(".line") || id.contains(".breakpoint");
-            node.label().is_some() && !node.author_id().is_some_and(is_row)
-        });
-        let rects: Vec<(Rect, String)> = said
-            .map(|node| {
-                (
-                    node.rect(),
-                    node.accesskit_node().label().unwrap_or_default(),
-                )
-            })
-            .collect();
-        assert!(rects.len() > 8);
-        for (k, (a, name)) in rects.iter().enumerate() {
-            for (b, other) in &rects[..k] {
-                let over = a.intersect(*b);
-                let is_free = !over.is_positive() || over.width() < 1.0;
-                assert!(is_free || name == other, "{name} over {other} at {size:?}");
-            }
-        }
+        assert!(check_bar(&opened_at(size), size) > 8);
+    }
+}
+
+/// Names of menus are longer in German, and the bar is shorter beside a lesson.
+#[test]
+fn the_bar_has_room_for_long_names_of_menus() {
+    for size in SCREENS {
+        let mut harness = opened_at(size);
+        let german = LessonCommand::Language("de".to_owned());
+        harness.state_mut().state.apply(Command::Lesson(german));
+        settle(&mut harness);
+        harness.run();
+        assert!(check_bar(&harness, size) > 8);
+        assert!(find(&harness, "verdict").is_some(), "{size:?}");
+
+        let open = LessonCommand::Open("clips".to_owned());
+        harness.state_mut().state.apply(Command::Lesson(open));
+        settle(&mut harness);
+        harness.run();
+        // Beside the lesson, the smallest of these windows has the bar of a phone.
+        let is_small = (harness.state().state.window.drawer.arrangement).is_compact();
+        assert_eq!(is_small, size[0] < 1024.0, "{size:?}");
+        assert!(check_bar(&harness, size) > 8 || is_small);
     }
 }
 

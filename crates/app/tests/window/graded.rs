@@ -183,6 +183,39 @@ fn the_width_of_a_clip_is_shown_around_its_block_and_in_the_pattern() {
 }
 
 #[test]
+fn a_circle_around_the_mark_shows_the_distance_once_the_question_is_closed() {
+    let gate =
+        "type: choice\nask: Which one?\noption: one when: 1 == 1\noption: two when: 1 == 2\n";
+    let shown = |more: &str| {
+        let text = format!(
+            "---\ntitle: T\nobjective: O\n---\n# S\n```run\nradius: 0.06\nleaf: 6\nmoment: end of tile\n```\n```gate g\n{gate}{more}```\n"
+        );
+        let mut harness = opened_at([1280.0, 800.0]);
+        lesson(&mut harness, LessonCommand::Read("t".to_owned(), text));
+        harness.run();
+        let circles = |harness: &Harness<'_, App>| {
+            let open = harness.state().state.lessons.open.as_ref();
+            let is_drawn = crate::language::texts(harness).contains("2.5 r");
+            let circles = open.expect("a lesson").circles();
+            assert_eq!(is_drawn, !circles.is_empty());
+            circles
+                .iter()
+                .map(|(at, _)| [at.x, at.y])
+                .collect::<Vec<_>>()
+        };
+        assert!(circles(&harness).is_empty(), "before the answer");
+        for _ in 0..2 {
+            lesson(&mut harness, LessonCommand::GiveUp);
+        }
+        harness.run();
+        circles(&harness)
+    };
+    assert_eq!(shown("mark: [6.0, 7.0]\ncircle: 2.5\n"), [[6.0, 7.0]]);
+    // The control: a mark alone has no circle.
+    assert!(shown("mark: [6.0, 7.0]\n").is_empty());
+}
+
+#[test]
 fn nothing_in_the_panel_is_wider_than_the_panel() {
     for size in [[1280.0, 720.0], [390.0, 844.0], [360.0, 640.0]] {
         for language in ["en", "de"] {

@@ -32,7 +32,7 @@ const SHARED: [&str; 13] = [
 ];
 
 /// Returns all texts of the accessibility tree, and those that are drawn.
-fn texts(harness: &Harness<'_, App>) -> BTreeSet<String> {
+pub fn texts(harness: &Harness<'_, App>) -> BTreeSet<String> {
     let nodes = harness.query_all_by(|node| node.bounding_box().is_some());
     let told = nodes.flat_map(|node| {
         let node = node.accesskit_node();

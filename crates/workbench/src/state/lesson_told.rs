@@ -3,7 +3,7 @@
 
 use serde_json::{Value, json};
 use tilescope_debugger::Direction;
-use tilescope_lessons::{Answer, CutAxis, Form, Lesson, Translation, letter, spans};
+use tilescope_lessons::{Answer, CutAxis, Form, Lesson, Progress, Translation, letter, spans};
 
 use super::State;
 use crate::command::Command;
@@ -312,10 +312,12 @@ fn is_order(order: &[usize], count: usize) -> bool {
 }
 
 impl OpenLesson {
-    /// Returns the verdict on the last answer, in a language; None where the sentence that follows begins with its word.
+    /// Returns the verdict on the last answer, in a language; None where the sentence that follows begins with its word, and
+    /// for a learner who gave up, whom it would ask to try again.
     #[must_use]
     pub fn verdict(&self, language: &str) -> Option<&'static str> {
-        let feedback = self.feedback.as_ref()?;
+        let has_given_up = self.learner.progress() == Progress::GivenUp;
+        let feedback = self.feedback.as_ref().filter(|_| !has_given_up)?;
         let labels = lesson_labels(language);
         let (tries, _) = self.learner.tries();
         let verdict = match (feedback.score > FULL_MARKS, feedback.score > 0.0) {

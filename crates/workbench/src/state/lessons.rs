@@ -37,6 +37,34 @@ pub const HIDDEN_LAYER: &str =
 /// The most seeds of practice that are tried for a moment.
 const MAX_MISSED: u64 = 50;
 
+/// Reads a lesson or a translation, if it is not longer than those may be.
+fn read_short(path: &Path) -> Result<String, String> {
+    let length = std::fs::metadata(path).map_or(0, |data| data.len());
+    if length > MAX_BYTES as u64 {
+        return Err(format!(
+            "it has {length} bytes; a lesson has at most {MAX_BYTES}"
+        ));
+    }
+    std::fs::read_to_string(path).map_err(|error| error.to_string())
+}
+
+/// Reads a translation; `None` if there is no such file. The error names the file.
+fn translation_of_file(path: &Path) -> Option<Result<Translation, String>> {
+    if !path.exists() {
+        return None;
+    }
+    let read = read_short(path).and_then(|text| {
+        let translation = Translation::read(&text);
+        translation.map_err(|error| error.to_string())
+    });
+    Some(read.map_err(|error| format!("{}: {error}.", path.display())))
+}
+
+/// Returns when a file was changed last.
+fn changed_at(path: &Path) -> Option<std::time::SystemTime> {
+    std::fs::metadata(path).ok()?.modified().ok()
+}
+
 /// Returns whether a command would show the answer to an open question, as it shows or makes a whole run.
 #[must_use]
 pub const fn veiled(command: &Command) -> bool {
@@ -185,25 +213,8 @@ impl State {
                     open.hint = open.learner.hint();
                 }
             }
-            LessonCommand::GiveUp => {
-                let now = self.lessons.now;
-                if let Some(open) = &mut self.lessons.open
-                    && open.learner.give_up(now)
-                {
-                    self.note_answer(0.0, true);
-                    self.reveal();
-                }
-            }
-            LessonCommand::Practise(draw) => {
-                // The place is that of another run, but the learner's zoom stays.
-                let zoom = self.chosen_camera_of_step();
-                if let Some(open) = &mut self.lessons.open
-                    && open.learner.practise(draw)
-                {
-                    (open.missed, open.zoom) = (0, zoom);
-                    self.show_step();
-                }
-            }
+            LessonCommand::GiveUp => self.give_up(),
+            LessonCommand::Practise(draw) => self.practise(draw),
             LessonCommand::Sure(level) => {
                 if let Some(open) = &mut self.lessons.open {
                     open.learner.feel(level);
@@ -219,6 +230,27 @@ impl State {
         }
     }
 
+    fn give_up(&mut self) {
+        let now = self.lessons.now;
+        if let Some(open) = &mut self.lessons.open
+            && open.learner.give_up(now)
+        {
+            self.note_answer(0.0, true);
+            self.reveal();
+        }
+    }
+
+    fn practise(&mut self, draw: u64) {
+        // The place is that of another run, but the learner's zoom stays.
+        let zoom = self.chosen_camera_of_step();
+        if let Some(open) = &mut self.lessons.open
+            && open.learner.practise(draw)
+        {
+            (open.missed, open.zoom) = (0, zoom);
+            self.show_step();
+        }
+    }
+
     /// Opens a lesson, or shows a notice with the fault for which it cannot be read.
     pub(crate) fn open_lesson(&mut self, name: &str, text: &str, source: LessonSource) {
         let lesson = match Lesson::read(name, text) {
@@ -227,7 +259,7 @@ impl State {
                 return self.tell(format!("The lesson {name} cannot be read: {error}"), true);
             }
         };
-        let translation = self.translation(name, &source);
+        let (translation, fault) = self.translation(name, &source);
         let step = match &self.lessons.open {
             // A file that has changed opens at the step that was shown.
             Some(open) if open.source == source && open.learner.lesson().name == name => {
@@ -247,6 +279,7 @@ impl State {
             ..OpenLesson::new(learner, source)
         }));
         self.enter_step(step);
+        self.tell_fault(fault);
     }
 
     /// Opens a lesson from a file.
@@ -254,16 +287,8 @@ impl State {
         let name = path
             .file_stem()
             .map(|name| name.to_string_lossy().into_owned());
-        let data = std::fs::metadata(path).ok();
-        let length = data.as_ref().map_or(0, std::fs::Metadata::len);
-        let text = if length > MAX_BYTES as u64 {
-            Err(format!(
-                "it has {length} bytes; a lesson has at most {MAX_BYTES}"
-            ))
-        } else {
-            std::fs::read_to_string(path).map_err(|error| error.to_string())
-        };
-        match text {
+        let changed = changed_at(path);
+        match read_short(path) {
             Ok(text) => {
                 self.files.remember_file(&path.to_string_lossy());
                 let source = LessonSource::File(path.to_owned());
@@ -272,7 +297,7 @@ impl State {
             Err(error) => self.tell(format!("{}: {error}.", path.display()), true),
         }
         if let Some(open) = &mut self.lessons.open {
-            open.changed = data.and_then(|data| data.modified().ok());
+            open.changed = changed;
         }
     }
 
@@ -284,8 +309,8 @@ impl State {
         let LessonSource::File(path) = open.source.clone() else {
             return;
         };
-        let changed = std::fs::metadata(&path).and_then(|data| data.modified());
-        if changed.is_ok_and(|changed| Some(changed) != open.changed) {
+        let changed = changed_at(&path);
+        if changed.is_some() && changed != open.changed {
             self.open_lesson_file(&path);
         }
     }
@@ -393,13 +418,37 @@ impl State {
         }
     }
 
-    /// Returns the translation of a lesson that comes with the program into the chosen language.
-    fn translation(&self, name: &str, source: &LessonSource) -> Arc<Translation> {
-        let is_german = *source == LessonSource::Shipped && self.lessons.language == "de";
-        let shipped = self.lessons.shipped(name).filter(|_| is_german);
-        let read = shipped.and_then(|shipped| Translation::read(&shipped.german).ok());
-        let sign = Language::of(&self.lessons.language).map_or('.', Language::decimal_sign);
-        Arc::new(read.unwrap_or_default().with_decimal_sign(sign))
+    /// Returns the translation of a lesson into the chosen language: of one that comes with the program its own, of a file the
+    /// file NAME.LANGUAGE.md beside it. Where there is none, or one with a fault, which is returned too, the texts stay as
+    /// they are.
+    fn translation(&self, name: &str, source: &LessonSource) -> (Arc<Translation>, Option<String>) {
+        let tag = self.lessons.language.as_str();
+        // Only tags of known languages become names of files.
+        let language = Language::of(tag);
+        let shipped = self.lessons.shipped(name).filter(|_| tag == "de");
+        let read = match source {
+            LessonSource::Shipped => {
+                shipped.map(|shipped| Ok(Translation::read(&shipped.german).unwrap_or_default()))
+            }
+            LessonSource::File(path) if language.is_some() => {
+                translation_of_file(&path.with_extension(format!("{tag}.md")))
+            }
+            LessonSource::File(_) | LessonSource::Text => None,
+        };
+
+        let sign = language.map_or('.', Language::decimal_sign);
+        let (read, fault) = match read.transpose() {
+            Ok(read) => (read.unwrap_or_default(), None),
+            Err(fault) => (Translation::default(), Some(fault)),
+        };
+        (Arc::new(read.with_decimal_sign(sign)), fault)
+    }
+
+    /// Tells the fault of a translation, once the lesson is open: a run that begins removes earlier notices.
+    fn tell_fault(&mut self, fault: Option<String>) {
+        if let Some(fault) = fault {
+            self.tell(fault, true);
+        }
     }
 
     /// Shows texts in another language. The question that is open is asked anew.
@@ -407,10 +456,11 @@ impl State {
         self.lessons.language = language;
         if let Some(mut open) = self.lessons.open.take() {
             let (lesson, index) = (Arc::clone(open.learner.lesson()), open.learner.index());
-            let translation = self.translation(&lesson.name, &open.source);
+            let (translation, fault) = self.translation(&lesson.name, &open.source);
             open.learner = Learner::new(lesson, translation);
             self.lessons.open = Some(open);
             self.enter_step(index);
+            self.tell_fault(fault);
         }
     }
 
@@ -657,6 +707,9 @@ mod tests {
     use crate::command::{DebugCommand, FormCommand, LinkCommand, TimeCommand};
     use crate::draft::Field;
     use crate::export::ExportCommand;
+    use crate::layout::Panel;
+    use crate::lesson_labels::lesson_labels;
+    use crate::lessons::MarkKind;
     use tilescope_lessons::results::Results;
     use tilescope_lessons::shipped::TEMPLATE;
     use tilescope_lessons::{Answer, Key};
@@ -775,6 +828,69 @@ mod tests {
         lesson(&mut state, LessonCommand::Name("Grace".to_owned()));
         let stored = state.lessons.store_results(Some(&other.to_json()));
         assert!(stored.text.contains("Grace") && !stored.text.contains("Ada"));
+    }
+
+    #[test]
+    fn a_lesson_of_a_file_has_the_translation_beside_it() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("mine.md");
+        let beside = folder.path().join("mine.de.md");
+        let text = "---\ntitle: The title\nobjective: O\n---\n# S\n```run\nradius: 0.06\nleaf: 6\nmoment: end of tile\n```\nWords.\n";
+        std::fs::write(&path, text).unwrap();
+        let mut state = settled();
+        let title = |state: &State| {
+            let learner = &state.lessons.open.as_ref().unwrap().learner;
+            learner.words(&learner.lesson().title)
+        };
+        let speak = |state: &mut State, tag: &str| {
+            lesson(state, LessonCommand::Language(tag.to_owned()));
+        };
+        let open = |state: &mut State| lesson(state, LessonCommand::File(path.clone()));
+
+        // Without a translation, and in a language that is none, the texts stay as they are.
+        speak(&mut state, "de");
+        open(&mut state);
+        assert_eq!(title(&state), "The title");
+        assert!(state.messages.notice.is_none());
+        std::fs::write(&beside, "> The title\n\nDer Titel\n").unwrap();
+        speak(&mut state, "de");
+        assert_eq!(title(&state), "Der Titel");
+        speak(&mut state, "en");
+        assert_eq!(title(&state), "The title");
+        speak(&mut state, "../mine.de");
+        assert_eq!(title(&state), "The title");
+
+        // A fault is named, and the lesson opens as it was written.
+        std::fs::write(&beside, "Der Titel\n").unwrap();
+        speak(&mut state, "de");
+        open(&mut state);
+        assert_eq!(title(&state), "The title");
+        let notice = state.messages.notice.as_ref().expect("a notice");
+        assert!(notice.text.contains("mine.de.md"), "{}", notice.text);
+    }
+
+    #[test]
+    fn an_answer_that_was_given_up_is_told_and_not_asked_for_again() {
+        let mut state = settled();
+        let text = "---\ntitle: T\nobjective: O\n---\n# S\n```run\nradius: 0.06\nleaf: 6\nmoment: end of tile\n```\n```gate g\ntype: place\nask: Where?\nright: [4.0, 4.0]\ncandidate: [12.0, 12.0]\n```\n";
+        let read = LessonCommand::Read("t".to_owned(), text.to_owned());
+        lesson(&mut state, read);
+        let labels = lesson_labels("en");
+        let told = |state: &State| {
+            let open = state.lessons.open.as_ref().unwrap();
+            (open.verdict("en"), open.told_answer(labels))
+        };
+        let wrong = DraftCommand::Place([12.0, 12.0]);
+        lesson(&mut state, LessonCommand::Draft(wrong));
+        lesson(&mut state, LessonCommand::Answer);
+        assert_eq!(told(&state), (Some(labels.wrong), None));
+        for _ in 0..2 {
+            lesson(&mut state, LessonCommand::GiveUp);
+        }
+        assert_eq!(told(&state), (None, Some(labels.place_marked.to_owned())));
+        let marks = state.lessons.open.as_ref().unwrap().marks();
+        let right = marks.iter().find(|mark| mark.kind == MarkKind::Right);
+        assert!((right.expect("a mark").at.x - 4.0).abs() < 1e-9);
     }
 
     #[test]
@@ -1158,6 +1274,11 @@ mod tests {
             ViewCommand::Pick(Selection::Sample(first)),
         ));
         assert_eq!(state.lessons.open.as_ref().unwrap().draft.samples, [first]);
+        // The inspector tells about the sample, so a click that answers leaves it closed.
+        let inspect = Command::View(Which::First, ViewCommand::Inspect);
+        let has_inspector = |state: &State| state.window.shows(Panel::Inspector);
+        state.apply(inspect.clone());
+        assert!(!has_inspector(&state));
         for sample in &right[1..] {
             let index = candidates.iter().position(|other| other == sample).unwrap();
             lesson(
@@ -1168,5 +1289,9 @@ mod tests {
         lesson(&mut state, LessonCommand::Answer);
         assert!(state.lessons.open_question().is_none());
         assert!((state.lessons.results.entries[0].score - 1.0).abs() < 1e-9);
+        let click = ViewCommand::Pick(Selection::Sample(first));
+        state.apply(Command::View(Which::First, click));
+        state.apply(inspect);
+        assert!(has_inspector(&state));
     }
 }
