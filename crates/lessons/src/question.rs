@@ -681,23 +681,7 @@ impl Question {
                 self.check_option(*option)?;
                 Ok(worth(right == option))
             }
-            (Key::Order(ranks), _, Answer::Order(items)) => {
-                let mut sorted = items.clone();
-                sorted.sort_unstable();
-                if !sorted.iter().copied().eq(0..ranks.len()) {
-                    let count = ranks.len();
-                    return Err(
-                        self.wrong(format!("an order names each of the {count} items once"))
-                    );
-                }
-                let pairs = (0..items.len()).flat_map(|b| (0..b).map(move |a| (a, b)));
-                let (mut right, mut all) = (0.0, 0.0);
-                for (a, b) in pairs {
-                    all += 1.0;
-                    right += worth(ranks[items[a]] <= ranks[items[b]]);
-                }
-                Ok(right / f64::max(all, 1.0))
-            }
+            (Key::Order(ranks), _, Answer::Order(items)) => self.order_score(ranks, items),
             (Key::Cut { axis, legal }, _, Answer::Cut { axis: given, at }) => {
                 let is_legal = axis == given && (legal[0]..=legal[1]).contains(at);
                 Ok(0.5 * worth(axis == given) + 0.5 * worth(is_legal))
@@ -743,6 +727,24 @@ impl Question {
             return Err(self.wrong(message));
         }
         Ok(samples)
+    }
+
+    /// Returns the share of pairs that are in the right order.
+    fn order_score(&self, ranks: &[f64], items: &[usize]) -> Result<f64, LessonError> {
+        let mut sorted = items.to_vec();
+        sorted.sort_unstable();
+        if !sorted.iter().copied().eq(0..ranks.len()) {
+            let count = ranks.len();
+            return Err(self.wrong(format!("an order names each of the {count} items once")));
+        }
+
+        let pairs = (0..items.len()).flat_map(|b| (0..b).map(move |a| (a, b)));
+        let (mut right, mut all) = (0.0, 0.0);
+        for (a, b) in pairs {
+            all += 1.0;
+            right += f64::from(u8::from(ranks[items[a]] <= ranks[items[b]]));
+        }
+        Ok(right / f64::max(all, 1.0))
     }
 
     fn place_score(

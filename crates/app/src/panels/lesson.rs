@@ -352,12 +352,15 @@ impl LessonPanel<'_> {
             .known_as("lesson-outcome");
         let objective = learner.words(&learner.lesson().objective);
         text::paragraph(ui, &objective, self.size, self.palette.text);
-        let tries = labels
-            .first_tries
-            .replace("{right}", &outcome.right.to_string());
-        let tries = tries.replace("{count}", &outcome.gates.to_string());
-        ui.add(Label::new(self.muted(tries)).wrap())
-            .known_as("lesson-first-tries");
+        // A lesson may only show, and ask nothing.
+        if outcome.gates > 0 {
+            let tries = labels
+                .first_tries
+                .replace("{right}", &outcome.right.to_string());
+            let tries = tries.replace("{count}", &outcome.gates.to_string());
+            ui.add(Label::new(self.muted(tries)).wrap())
+                .known_as("lesson-first-tries");
+        }
 
         if !outcome.again.is_empty() {
             ui.add_space(4.0);

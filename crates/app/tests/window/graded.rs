@@ -295,3 +295,16 @@ fn a_card_at_the_end_says_what_was_learnt_and_what_is_next() {
     let shelf = &harness.state().state.lessons.shelf;
     assert_eq!(open(&harness).name, shelf[1].name);
 }
+
+#[test]
+fn a_lesson_without_questions_counts_none() {
+    let mut harness = opened_at([1280.0, 800.0]);
+    let text = "---\ntitle: T\nobjective: Say what one is.\n---\n# S\n```run\nradius: 0.06\nleaf: 6\n```\nWords.\n";
+    lesson(
+        &mut harness,
+        LessonCommand::Read("t".to_owned(), text.to_owned()),
+    );
+    harness.run();
+    assert!(find(&harness, "lesson-outcome").is_some());
+    assert!(find(&harness, "lesson-first-tries").is_none());
+}
