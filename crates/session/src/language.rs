@@ -7,8 +7,8 @@
 use std::collections::HashMap;
 use std::sync::LazyLock;
 
-/// The tables, each with its language tag.
-const TABLES: [(&str, &str); 1] = [("de", include_str!("../../../assets/words/de.txt"))];
+/// The tables, each with the tag of its language.
+pub const TABLES: [(&str, &str); 1] = [("de", include_str!("../../../assets/words/de.txt"))];
 
 /// The number by which a table shows its separators of thousands and of decimals, and how it writes percent.
 const SAMPLE_NUMBER: &str = "1,234.5%";

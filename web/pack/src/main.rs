@@ -15,6 +15,7 @@ use std::process::ExitCode;
 use anyhow::{Context, Result};
 use clap::Parser;
 use tilescope_lessons::shipped;
+use tilescope_session::language;
 
 /// Packs the page and a wasm module into a folder for any static server.
 #[derive(Debug, Parser)]
@@ -73,6 +74,9 @@ fn pack(arguments: &Arguments) -> Result<()> {
         names::LESSONS.to_owned(),
         page::Source::made(lessons.into_bytes()),
     );
+    for (language, table) in language::TABLES {
+        sources.insert(format!("{language}.txt"), page::Source::made(table.into()));
+    }
     let mut files = page::assemble(&sources, arguments.address.as_deref().unwrap_or_default())?;
     files.extend(page::example(&arguments.example)?);
     let packed = compress::all(files, &arguments.out);

@@ -35,11 +35,12 @@ pub fn is_picture(name: &str) -> bool {
 
 /// Whether a file is loaded only on demand, though other files name it.
 pub fn is_later(name: &str) -> bool {
-    is_picture(name) || name.ends_with(".webmanifest") || LATER.contains(&name)
+    let is_table = ending(name) == "txt";
+    is_picture(name) || is_table || name.ends_with(".webmanifest") || LATER.contains(&name)
 }
 
-/// The lessons, the voting card, and the notes of a talk.
-const LATER: [&str; 3] = [LESSONS, "card.js", "notes.js"];
+/// The lessons, the voting card, the notes of a talk, and the texts of these two.
+const LATER: [&str; 4] = [LESSONS, "card.js", "notes.js", "words.js"];
 
 /// The lessons.
 pub const LESSONS: &str = "lessons.json";
@@ -97,5 +98,6 @@ mod tests {
         assert!(is_compressed("a_bg.wasm") && !is_compressed("still.png"));
         assert!(is_picture("still.webp") && !is_picture("main.js"));
         assert!(is_later(LESSONS) && is_compressed(LESSONS) && !is_later("main.js"));
+        assert!(is_later("de.txt") && is_text("de.txt"));
     }
 }

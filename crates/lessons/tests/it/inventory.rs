@@ -83,6 +83,14 @@ fn items(lesson: &Lesson, runs: &mut Runs) -> Vec<Item> {
     gates.map(ask).collect()
 }
 
+/// Returns an expression without the block whose event it names, which is part of the instance.
+fn without_block(text: &str) -> String {
+    let mut parts = text.split(" block=");
+    let first = parts.next().unwrap_or_default();
+    let rest = parts.map(|part| part.trim_start_matches(|c: char| c.is_ascii_digit()));
+    std::iter::once(first).chain(rest).collect()
+}
+
 fn mean(items: &[Item], score: fn(&Item) -> f64) -> f64 {
     items.iter().map(score).sum::<f64>() / items.len() as f64
 }
@@ -101,7 +109,7 @@ fn differences(before: &Lesson, after: &Lesson) -> Vec<String> {
         let option = options.find(|option| option.sentence.is_some());
         option.map(|option| {
             (
-                option.text.text.clone(),
+                without_block(&option.text.text),
                 option.sentence.clone().map(|it| it.text),
             )
         })
