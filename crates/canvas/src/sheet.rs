@@ -157,7 +157,9 @@ impl Surface for Sheet<'_> {
 
     fn tag(&mut self, tag: &Tag) {
         let font = FontId::monospace(tag.size);
-        let galley = self.painter.layout_no_wrap(self.words(&tag.text), font, tag.ink);
+        let galley = self
+            .painter
+            .layout_no_wrap(self.words(&tag.text), font, tag.ink);
         let rect = tag.anchor.anchor_size(tag.pos, galley.size());
         let ground = rect.expand2(tag.padding);
         let border = tag.border.map_or(egui::Stroke::NONE, line);

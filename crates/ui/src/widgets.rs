@@ -164,11 +164,7 @@ fn draw(painter: &Painter, shapes: Vec<SymbolShape>, at: Pos2) {
 }
 
 /// Returns a pill that is on or off, with its name in the language of the window and the symbol of its layer, if it has one.
-pub fn chip(
-    (layer, name): (Option<Layer>, &str),
-    on: bool,
-    palette: &Palette,
-) -> impl Widget {
+pub fn chip((layer, name): (Option<Layer>, &str), on: bool, palette: &Palette) -> impl Widget {
     move |ui: &mut Ui| show_chip(ui, (layer, name), on, palette)
 }
 

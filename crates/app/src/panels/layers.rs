@@ -42,7 +42,9 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
         }
         if has_no_circles(context) {
             let text = "No empty circle is larger than r: the set is maximal.";
-            let text = RichText::new(ui.words(text)).small().color(context.palette.muted);
+            let text = RichText::new(ui.words(text))
+                .small()
+                .color(context.palette.muted);
             ui.label(text).known_as("no-empty-circles");
         }
     });

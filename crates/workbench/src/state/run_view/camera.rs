@@ -193,7 +193,13 @@ impl RunView {
         let inner = self.inner_viewport();
         if !inner.contains(self.camera.screen_from_domain(self.viewport, place)) {
             let scale = self.camera.scale;
-            self.fly(Camera { center: place, scale }, context);
+            self.fly(
+                Camera {
+                    center: place,
+                    scale,
+                },
+                context,
+            );
         }
     }
 
