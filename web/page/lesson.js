@@ -166,7 +166,8 @@ function answers(question) {
         onkeydown: (/** @type {KeyboardEvent} */ event) => event.key === "Enter" && send({ do: "answer" }),
       });
       /** @type {HTMLInputElement} */ (field).value = question.text;
-      return [make("div", { class: "row" }, field, make("span", {}, question.unit))];
+      const curves = question.curves.length > 0 ? [plot(question.curves)] : [];
+      return [make("div", { class: "row" }, field, make("span", {}, question.unit)), ...curves];
     }
     case "order": {
       const items = question.items.map((/** @type {Spans} */ item, /** @type {number} */ index) => {

@@ -29,6 +29,8 @@ pub(crate) const STRIDE: usize = 1024;
 pub struct Recording {
     run: Run,
     tape: Tape,
+    /// Whether it was cut off within a stage.
+    pub(crate) is_cut_within_stage: bool,
     pub(crate) lives: Vec<Life>,
     contexts: Vec<Context>,
     grid: SampleGrid,
@@ -98,6 +100,7 @@ impl Recording {
             by_sample: OnceLock::new(),
             run,
             tape,
+            is_cut_within_stage: false,
         };
         recording.index();
         recording

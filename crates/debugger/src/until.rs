@@ -69,6 +69,15 @@ impl Recording {
             run.result.clear();
         }
         let tape = self.tape().until(&run.parameters, cursor);
-        Self::of(run, tape)
+        let mut past = Self::of(run, tape);
+        past.is_cut_within_stage =
+            (1..self.len()).contains(&cursor) && self.stage_ending_at(cursor).is_none();
+        past
+    }
+
+    /// Returns whether this is the recording of the first events of a stage and of all before it, made by [`Self::until`].
+    #[must_use]
+    pub const fn is_cut_within_stage(&self) -> bool {
+        self.is_cut_within_stage
     }
 }

@@ -16,6 +16,7 @@ pub mod age;
 pub mod brushed;
 pub mod camera;
 pub mod figure;
+pub mod labels;
 pub mod look;
 pub mod looks;
 pub mod made;

@@ -438,7 +438,7 @@ impl Learner {
             }
             (Key::Trace(events), Form::Trace { options, .. }) => texts(options, events, "; "),
             (Key::Order(ranks), Form::Order { items }) => texts(items, &sorted(ranks), "; "),
-            (Key::Number(number), Form::Number { unit }) => {
+            (Key::Number(number), Form::Number { unit, .. }) => {
                 let number = told(*number, question.tolerance);
                 let number = self.translation.number(number.to_string());
                 format!("{number} {unit}").trim().to_owned()

@@ -143,6 +143,8 @@ pub struct Gate {
     pub mark: Option<Text>,
     /// The radius, in r, of a circle around each mark, or around the samples that the question names, after the answer.
     pub circle: Option<f64>,
+    /// How far from the edges of blocks, in r, a line appears inside each block after the answer.
+    pub strip: Option<f64>,
     /// The query of the deciding event; the next event that matches it is shown after the answer. None if the moment of
     /// the question decides.
     pub decided: Option<Text>,
@@ -213,6 +215,8 @@ pub enum GateKind {
         tolerance: f64,
         /// Its unit.
         unit: String,
+        /// The point set whose spectrum appears after the answer.
+        curve: Option<Text>,
     },
     /// Chooses one option.
     Choice {

@@ -40,6 +40,8 @@ pub enum Form {
     Number {
         /// The unit; empty for counts.
         unit: String,
+        /// A spectrum that is shown after the answer.
+        curve: Option<Curve>,
     },
     /// One of several options.
     Choice {
@@ -98,6 +100,8 @@ pub struct Question {
     pub marked: Vec<[f64; 2]>,
     /// The radius, in r, of the circles that appear after the answer.
     pub circle: Option<f64>,
+    /// How far from the edges of blocks, in r, lines appear after the answer.
+    pub strip: Option<f64>,
     /// What the learner chooses from or types.
     pub form: Form,
     /// A hint.
@@ -167,6 +171,7 @@ impl Question {
             asks: vec![fill(&gate.ask)?],
             named: vec![scene.samples_in(&gate.ask)?],
             circle: gate.circle,
+            strip: gate.strip,
             marked: gate
                 .mark
                 .as_ref()
@@ -175,6 +180,7 @@ impl Question {
                 .unwrap_or_default(),
             form: Form::Number {
                 unit: String::new(),
+                curve: None,
             },
             hint: gate.hint.as_ref().map(fill).transpose()?,
             cursor,
@@ -226,9 +232,14 @@ impl Question {
                 answer,
                 tolerance,
                 unit,
+                curve: drawn,
             } => {
                 self.tolerance = *tolerance;
-                self.form = Form::Number { unit: unit.clone() };
+                let drawn = drawn.as_ref().map(|set| power(scene, set, seed));
+                self.form = Form::Number {
+                    unit: unit.clone(),
+                    curve: drawn.transpose()?.map(|power| curve(&power)),
+                };
                 self.key = Key::Number(scene.number(answer)?);
             }
             GateKind::Choice { options, curves } => {

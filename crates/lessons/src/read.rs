@@ -453,11 +453,11 @@ fn query(field: &Field) -> Result<Text, LessonError> {
 }
 
 /// The fields that every gate may have.
-const OF_GATE: [&str; 11] = [
-    "type", "ask", "hint", "mark", "circle", "decided", "shows", "practice", "because", "read",
-    "concept",
+const OF_GATE: [&str; 12] = [
+    "type", "ask", "hint", "mark", "circle", "strip", "decided", "shows", "practice", "because",
+    "read", "concept",
 ];
-/// The radii of circles, in r: a smaller one lies under its mark, a larger one beyond every canvas.
+/// The radii of circles and the widths of strips, in r: a smaller one lies under its mark, a larger one beyond every canvas.
 const CIRCLES: [f64; 2] = [0.1, 20.0];
 
 fn gate(name: String, line: usize, lines: &[&str]) -> Result<Gate, LessonError> {
@@ -484,7 +484,10 @@ fn gate(name: String, line: usize, lines: &[&str]) -> Result<Gate, LessonError> 
             &["right", "answer", "within", "otherwise"],
             &["wrong", "candidate"],
         ),
-        "number" => (&["answer", "tolerance", "unit", "otherwise"], &["wrong"]),
+        "number" => (
+            &["answer", "tolerance", "unit", "otherwise", "curve"],
+            &["wrong"],
+        ),
         "choice" => (&[], &["option", "curve"]),
         "order" => (&["otherwise"], &["item"]),
         "bands" => (&["from", "to", "otherwise"], &["band"]),
@@ -511,6 +514,7 @@ fn gate(name: String, line: usize, lines: &[&str]) -> Result<Gate, LessonError> 
         is_reading: fields.optional("read", yes_or_no)?.unwrap_or(false),
         mark: fields.optional("mark", |field| expression(&field.text(), &[]))?,
         circle: fields.optional("circle", |field| field.number(CIRCLES))?,
+        strip: fields.optional("strip", |field| field.number(CIRCLES))?,
         decided: fields.optional("decided", query)?,
         shows: fields.optional("shows", layers)?.unwrap_or_default(),
         concept: fields.optional("concept", |field| Concept::named(&field.value, field.line))?,
@@ -559,6 +563,7 @@ fn kind(named: &str, fields: &Fields) -> Result<GateKind, LessonError> {
             unit: fields
                 .get("unit")
                 .map_or(String::new(), |field| field.value.clone()),
+            curve: fields.optional("curve", |field| expression(&field.text(), &[]))?,
         },
         "choice" => {
             let (options, curves) = (options(fields)?, limited("curve", plain, 0, fields)?);

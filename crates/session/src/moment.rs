@@ -113,7 +113,11 @@ impl Moment {
         session.nested.is_some()
             || self.cursor.is_none_or(|cursor| {
                 let is_last = session.stage_end(session.stage_at(cursor)) == Some(cursor);
-                is_last && !session.is_cut_off_at(cursor)
+                // A recording that was cut off ends where its last stage goes on.
+                let goes_on = session.recording().is_some_and(|recording| {
+                    recording.len() == cursor && recording.is_cut_within_stage()
+                });
+                is_last && !goes_on
             })
     }
 

@@ -189,7 +189,7 @@ fn ask(html: &mut String, question: &Question, labels: &LessonLabels) {
             let letters = (0..candidates.len()).map(letter);
             choices(html, letters.map(String::from).collect());
         }
-        Form::Number { unit } => choices(html, vec![format!("_______ {}", escape(unit))]),
+        Form::Number { unit, .. } => choices(html, vec![format!("_______ {}", escape(unit))]),
         Form::Cut { candidates, .. } => {
             let cuts = candidates.iter().map(|(axis, at)| match axis {
                 CutAxis::X => format!("{}, x = {at:.1} r", labels.vertical),

@@ -3,12 +3,13 @@
 
 use std::sync::Arc;
 
-use emath::{Pos2, Rect};
+use emath::{Pos2, Rect, pos2, vec2};
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
 use tilescope_core::{Pattern, SampleError, Unobserved};
 use tilescope_debugger::Recording;
 use tilescope_drawing::camera::Camera;
+use tilescope_drawing::labels::{Labelled, places};
 use tilescope_drawing::palette::{DARK, LIGHT, Palette};
 use tilescope_figures::{Group, Scene, Shape, Stroke, Style, Text, to_pixels, to_svg};
 use tilescope_lessons::{Arrival, Learner, Lesson, Translation, record};
@@ -26,6 +27,11 @@ use crate::lessons::{LessonSource, MarkKind, OpenLesson};
 use crate::link::layer_name;
 use crate::pen::PenStroke;
 use crate::thumbnails::Thumbnail;
+
+/// The radius of the circle around a marked place.
+const MARK_RADIUS: f32 = 7.0;
+/// The size of the em of a mark's label.
+const LABEL_SIZE: f32 = 12.0;
 
 /// How a picture of a step is drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -108,7 +114,7 @@ pub fn picture(open: &OpenLesson, style: PictureStyle, strokes: &[PenStroke]) ->
         let turns = ((at - camera.center) / size).round() * f64::from(u8::from(is_periodic));
         on_picture(camera.screen_from_domain(frame, at - turns * size))
     };
-    scene.groups.push(marks(open, palette, place));
+    scene.groups.push(marks(open, palette, frame, place));
     let mut drawn = Group::new("pen");
     for stroke in strokes {
         let ink = Stroke::new(color(stroke.color(style.dark)), 3.0);
@@ -121,7 +127,12 @@ pub fn picture(open: &OpenLesson, style: PictureStyle, strokes: &[PenStroke]) ->
 }
 
 /// Returns the box that is to be cut and the marks of a step; `place` gives the place in the picture.
-fn marks(open: &OpenLesson, palette: &Palette, place: impl Fn(DVec2) -> DVec2) -> Group {
+fn marks(
+    open: &OpenLesson,
+    palette: &Palette,
+    frame: Rect,
+    place: impl Fn(DVec2) -> DVec2,
+) -> Group {
     let mut marks = Group::new("marks");
     if let Some(([low, high], _)) = open.cut() {
         let [low, high] = [low, high].map(&place);
@@ -131,19 +142,32 @@ fn marks(open: &OpenLesson, palette: &Palette, place: impl Fn(DVec2) -> DVec2) -
         let sides = sides.map(|side| Shape::line(side[0], side[1], stroke));
         marks.shapes.extend(sides);
     }
-    for mark in open.marks() {
+    let drawn = open.marks();
+    let labelled: Vec<Labelled> = drawn
+        .iter()
+        .map(|mark| {
+            let at = place(mark.at);
+            Labelled {
+                at: pos2(at.x as f32, at.y as f32),
+                radius: MARK_RADIUS,
+                // Letters of this size are about 7 wide.
+                size: vec2(7.0 * mark.label.chars().count() as f32, LABEL_SIZE),
+            }
+        })
+        .collect();
+    for (mark, label) in drawn.into_iter().zip(places(&labelled, &[], frame)) {
         let ink = color(match mark.kind {
             MarkKind::Named => palette.halo,
             MarkKind::Listed => palette.accent,
             MarkKind::Chosen => palette.candidate,
             MarkKind::Right => palette.inserted,
         });
-        let at = place(mark.at);
-        let circle = Shape::circle(at, 7.0, Style::stroked(ink, 1.6));
+        let circle = Shape::circle(place(mark.at), MARK_RADIUS.into(), Style::stroked(ink, 1.6));
         marks.shapes.push(circle);
         if !mark.label.is_empty() {
-            let corner = at + DVec2::new(9.0, -5.0);
-            let label = Text::new(corner, mark.label, 12.0, ink);
+            // The letters stand on a line a little above the lower side.
+            let corner = DVec2::new(label.min.x.into(), f64::from(label.max.y) - 2.0);
+            let label = Text::new(corner, mark.label, LABEL_SIZE.into(), ink);
             marks.shapes.push(Shape::Text(label));
         }
     }

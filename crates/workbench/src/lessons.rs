@@ -586,6 +586,23 @@ impl OpenLesson {
         centers.into_iter().map(|center| (center, radius)).collect()
     }
 
+    /// Returns the rectangles that remain of the blocks without a strip along their edges, each by two corners, and the width of
+    /// the strip in r; nothing while the question is open.
+    #[must_use]
+    pub fn strips(&self) -> Option<(Vec<MarkedBox>, f64)> {
+        let question = self.learner.question();
+        let question = question.filter(|_| !self.learner.is_open())?;
+        let width = question.strip?;
+        let leaves = self.run.as_ref()?.run().blocks.leaves.iter();
+        let inner = leaves.map(|leaf| {
+            let [low, high] = [leaf.rect.min, leaf.rect.max].map(position);
+            [low + width, high - width]
+        });
+        // Of a block that is narrower than two strips nothing remains.
+        let inner = inner.filter(|[low, high]| low.cmplt(*high).all());
+        Some((inner.collect(), width))
+    }
+
     /// Returns the box that is to be cut, and the cut that is chosen.
     #[must_use]
     pub fn cut(&self) -> Option<(MarkedBox, Option<MarkedBox>)> {

@@ -245,9 +245,11 @@ impl LessonPanel<'_> {
         let sizes = [self.size, PLOT];
         let asked = (question, labels);
         answers::show(ui, open, asked, sizes, self.palette, self.commands);
+        let top = ui.cursor().top();
         if !learner.is_open() {
             self.feedback(ui);
             self.revealed(ui);
+            self.follow_verdict(ui, top);
             return;
         }
         self.ways_on(ui, question);
@@ -263,6 +265,31 @@ impl LessonPanel<'_> {
             let label = text::paragraph(ui, hint, self.size, self.palette.muted);
             read_out(ui, &label);
             label.known_as("lesson-hint-text");
+        }
+        self.remember(ui);
+    }
+
+    /// Remembers which step is shown, and whether its question is open. Returns whether it has just been closed.
+    fn remember(&self, ui: &Ui) -> bool {
+        let learner = &self.open.learner;
+        let now = (learner.index(), learner.is_open());
+        let id = ui.scope_id().with("question");
+        let before = ui.data_mut(|data| {
+            let before = data.get_temp::<(usize, bool)>(id);
+            data.insert_temp(id, now);
+            before
+        });
+        before == Some((now.0, true)) && !now.1
+    }
+
+    /// Scrolls to what is below `top`, the verdict and all that follows it, when the question has just been closed: long
+    /// options would leave it below the panel's edge. While it is open nothing moves below the pointer.
+    fn follow_verdict(&self, ui: &Ui, top: f32) {
+        if self.remember(ui) {
+            let seen = ui.clip_rect().height();
+            let below = ui.min_rect().with_min_y(top);
+            let height = below.height().min(seen);
+            ui.scroll_to_rect(below.with_max_y(top + height), None);
         }
     }
 

@@ -216,6 +216,70 @@ fn a_circle_around_the_mark_shows_the_distance_once_the_question_is_closed() {
 }
 
 #[test]
+fn a_strip_along_the_edges_of_blocks_is_shown_once_the_question_is_closed() {
+    let shown = |more: &str| {
+        let text = format!(
+            "---\ntitle: T\nobjective: O\n---\n# S\n```run\nradius: 0.06\nleaf: 6\nmoment: end of tile\n```\n```gate g\n\
+             type: choice\nask: Which one?\noption: one when: 1 == 1\noption: two when: 1 == 2\n{more}```\n"
+        );
+        let mut harness = opened_at([1280.0, 800.0]);
+        lesson(&mut harness, LessonCommand::Read("t".to_owned(), text));
+        harness.run();
+        assert!(!crate::language::texts(&harness).contains("1.5 r"));
+        for _ in 0..2 {
+            lesson(&mut harness, LessonCommand::GiveUp);
+        }
+        harness.run();
+        assert_eq!(
+            crate::language::texts(&harness).contains("1.5 r"),
+            !more.is_empty()
+        );
+        let open = harness.state().state.lessons.open.as_ref();
+        open.expect("a lesson").strips()
+    };
+    let (blocks, width) = shown("strip: 1.5\n").expect("a strip");
+    assert!((width - 1.5).abs() < 1e-9);
+    // Blocks have sides of 6 r to 12 r.
+    for [low, high] in &blocks {
+        let sides = *high - *low;
+        assert!(sides.min_element() > 2.9 && sides.max_element() < 9.1);
+    }
+    assert_eq!(blocks.len(), 4);
+    // The control.
+    assert!(shown("").is_none());
+}
+
+#[test]
+fn the_verdict_is_seen_though_the_options_fill_the_panel() {
+    let long = "a long option ".repeat(30);
+    let text = format!(
+        "---\ntitle: T\nobjective: O\n---\n# S\n```run\nradius: 0.06\nleaf: 6\nmoment: end of tile\n```\n```gate g\n\
+         type: choice\nask: Which one?\noption: one {long} when: 1 == 1\noption: two {long} when: 1 == 2\n\
+         option: three {long} when: 1 == 3\n```\n"
+    );
+    let mut harness = opened_at([1280.0, 720.0]);
+    lesson(&mut harness, LessonCommand::Read("t".to_owned(), text));
+    harness.run();
+    // The control: what is below the options is out of view.
+    let answer = node(&harness, "lesson-answer").rect();
+    assert!(answer.top() > 720.0, "{answer:?}");
+
+    let question = harness.state().state.lessons.open_question();
+    let Key::Choice(right) = *question.expect("a question").key() else {
+        panic!("a choice");
+    };
+    let choose = LessonCommand::Draft(DraftCommand::Choose(right));
+    lesson(&mut harness, choose);
+    lesson(&mut harness, LessonCommand::Answer);
+    harness.run();
+    let verdict = node(&harness, "lesson-verdict").rect();
+    assert!(
+        verdict.top() > 0.0 && verdict.bottom() < 720.0,
+        "{verdict:?}"
+    );
+}
+
+#[test]
 fn nothing_in_the_panel_is_wider_than_the_panel() {
     for size in [[1280.0, 720.0], [390.0, 844.0], [360.0, 640.0]] {
         for language in ["en", "de"] {

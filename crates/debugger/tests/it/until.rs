@@ -86,3 +86,17 @@ fn nothing_is_told_of_later_events() {
         }
     }
 }
+
+#[test]
+fn a_recording_knows_whether_it_was_cut_off_within_a_stage() {
+    for parameters in variants() {
+        let whole = record(&parameters, DEFAULT_BUDGET);
+        assert!(!whole.is_cut_within_stage());
+        for cursor in cursors(&whole) {
+            // A stage begins with an event of depth 0, which ends the one before.
+            let is_end = whole.event(cursor).is_none_or(|next| next.depth() == 0);
+            let past = whole.until(cursor);
+            assert_eq!(past.is_cut_within_stage(), !is_end, "cursor {cursor}");
+        }
+    }
+}

@@ -276,7 +276,10 @@ fn question_json(open: &OpenLesson, labels: &LessonLabels) -> Value {
             let letters: Vec<char> = (0..candidates.len()).map(letter).collect();
             json!({ "places": candidates, "letters": letters, "chosen": draft.place })
         }
-        Form::Number { unit } => json!({ "unit": unit, "text": draft.text }),
+        Form::Number { unit, curve } => {
+            let curves: Vec<_> = curve.iter().filter(|_| !is_open).collect();
+            json!({ "unit": unit, "text": draft.text, "curves": curves })
+        }
         Form::Order { items } => json!({ "items": texts(items), "order": draft.order }),
         Form::Cut { candidates, .. } => {
             let cut = |(axis, at): &(CutAxis, f64)| json!({ "axis": axis, "at": at });

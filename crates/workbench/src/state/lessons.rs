@@ -1005,6 +1005,25 @@ mod tests {
     }
 
     #[test]
+    fn the_spectrum_that_a_number_is_read_from_appears_after_the_answer() {
+        let text = "---\ntitle: T\nobjective: O\n---\n# S\n```run\nradius: 0.03\nleaf: 8\nmoment: end\n```\n```gate g\n\
+                    type: number\nask: Where is the peak?\nanswer: measure(\"peak\")\ncurve: \"set\"\n```\n";
+        let mut state = settled();
+        lesson(
+            &mut state,
+            LessonCommand::Read("t".to_owned(), text.to_owned()),
+        );
+        let curves = |state: &State| {
+            let shown = state.lesson_json()["question"]["curves"].clone();
+            shown.as_array().map(Vec::len)
+        };
+        assert_eq!(curves(&state), Some(0));
+        lesson(&mut state, LessonCommand::GiveUp);
+        lesson(&mut state, LessonCommand::GiveUp);
+        assert_eq!(curves(&state), Some(1));
+    }
+
+    #[test]
     fn no_event_panel_time_line_watch_history_or_search_goes_past_the_question() {
         let mut state = asked();
         let cursor = state.cursor().unwrap();

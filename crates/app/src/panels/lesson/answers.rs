@@ -45,7 +45,9 @@ pub fn show(
                 several,
             } => answers.samples(ui, candidates, *several),
             Form::Place { candidates } => answers.points(ui, candidates.len()),
-            Form::Number { unit } => answers.number(ui, unit),
+            Form::Number { unit, curve } => {
+                answers.number(ui, unit, curve.as_ref().filter(|_| !is_open));
+            }
             Form::Order { items } => answers.order(ui, items),
             Form::Cut { candidates, .. } => answers.cut(ui, candidates),
             Form::Bands { bands, curves } => answers.bands(ui, bands, curves, is_open),
@@ -195,7 +197,8 @@ impl Answers<'_> {
         }
     }
 
-    fn number(&mut self, ui: &mut Ui, unit: &str) {
+    /// Shows the field for a number and, once the question is closed, the spectrum that it is read from.
+    fn number(&mut self, ui: &mut Ui, unit: &str, curve: Option<&tilescope_lessons::Curve>) {
         ui.horizontal(|ui| {
             let mut text = self.open.draft.text.clone();
             let field = TextEdit::singleline(&mut text).hint_text(self.labels.number);
@@ -210,6 +213,9 @@ impl Answers<'_> {
             }
             ui.label(unit);
         });
+        if let Some(curve) = curve {
+            curves::show(ui, &[curve], self.plot, self.palette);
+        }
     }
 
     /// Shows the items, each with its rank in the order that is chosen.
@@ -269,7 +275,8 @@ impl Answers<'_> {
         let shown = curves.iter().take(if is_open { 1 } else { 2 });
         curves::show(ui, &shown.collect::<Vec<_>>(), self.plot, self.palette);
         for (index, [low, high]) in bands.iter().enumerate() {
-            ui.horizontal(|ui| {
+            // A row wider than the panel would push it over the canvas.
+            ui.horizontal_wrapped(|ui| {
                 ui.label(ui.words(format!("{low:.2} \u{2013} {high:.2} / r")));
                 let chosen = self.open.draft.bands.get(index).copied().flatten();
                 let right = self.open.right_change(index);

@@ -1,14 +1,21 @@
 //! The marks of a lesson over the canvas: samples that the question names, the samples and points to choose from, and
 //! the answer. Begin with [`show`].
 
-use egui::{FontId, Id, LayerId, Order, Painter, Pos2, Rect, Stroke, StrokeKind, Ui, pos2, vec2};
+use egui::{
+    Color32, FontId, Id, LayerId, Order, Painter, Pos2, Rect, Stroke, StrokeKind, Ui, Vec2, pos2,
+    vec2,
+};
 use glam::DVec2;
 use tilescope_drawing::camera::Camera;
+use tilescope_drawing::labels::{Labelled, places};
 use tilescope_drawing::palette::Palette;
 use tilescope_ui::language::Worded;
 use tilescope_ui::theme::semibold;
 use tilescope_workbench::lessons::{Mark, MarkKind, OpenLesson};
 use tilescope_workbench::state::State;
+
+/// Room between a label and the sides of its ground.
+const MARGIN: f32 = 3.0;
 
 /// Shows the marks of the current step, each as its image nearest to the middle of the view.
 pub fn show(ui: &Ui, state: &State) {
@@ -33,11 +40,9 @@ pub fn show(ui: &Ui, state: &State) {
         period: is_periodic.then(|| session.size_radii()),
     };
     overlay.cuts(open);
-    overlay.circles(ui, open);
-    let marks = open.marks();
-    for mark in &marks {
-        overlay.mark(mark, &marks);
-    }
+    let mut grounds = overlay.circles(ui, open);
+    grounds.extend(overlay.strips(ui, open));
+    overlay.marks(&open.marks(), &grounds);
 }
 
 /// The layer of the marks, and where places of the domain are on it.
@@ -83,67 +88,114 @@ impl Overlay {
         }
     }
 
-    /// Draws the circles of a question that is closed, each with its radius at its top.
-    fn circles(&self, ui: &Ui, open: &OpenLesson) {
-        for (center, radius) in open.circles() {
+    /// Draws the circles of a question that is closed, each with its radius at its top. Returns the grounds of the labels.
+    fn circles(&self, ui: &Ui, open: &OpenLesson) -> Vec<Rect> {
+        let circles = open.circles().into_iter().map(|(center, radius)| {
             let at = self.screen(center);
             let reach = (radius * self.camera.scale) as f32;
             let color = self.palette.inserted;
             self.painter
                 .circle_stroke(at, reach, Stroke::new(2.0, color));
             let label = ui.words(format!("{radius} r"));
-            self.label(pos2(at.x, at.y - reach - 20.0), label, color);
+            self.label(pos2(at.x, at.y - reach - 20.0), label, color)
+        });
+        circles.collect()
+    }
+
+    /// Draws lines inside the blocks at the distance from their edges that the question is about, once it is closed; the line
+    /// nearest to the middle says how far. Returns the ground of that label.
+    fn strips(&self, ui: &Ui, open: &OpenLesson) -> Option<Rect> {
+        let (blocks, width) = open.strips()?;
+        let color = self.palette.inserted;
+        let drawn = blocks.into_iter().map(|[low, high]| {
+            // Both corners of the same copy.
+            let middle = 0.5 * (low + high);
+            let by = self.screen(middle) - self.fixed(middle);
+            Rect::from_two_pos(self.fixed(low), self.fixed(high)).translate(by)
+        });
+        let drawn: Vec<Rect> = drawn.collect();
+        let stroke = Stroke::new(2.0, color);
+        for block in &drawn {
+            self.painter
+                .rect_stroke(*block, 0.0, stroke, StrokeKind::Middle);
+        }
+
+        let middle = self.viewport.center();
+        let away = |block: &&Rect| block.distance_to_pos(middle);
+        let nearest = drawn.iter().min_by(|a, b| away(a).total_cmp(&away(b)))?;
+        let corner = nearest.clamp(middle);
+        let label = ui.words(format!("{width} r"));
+        Some(self.label(corner + vec2(4.0, 2.0), label, color))
+    }
+
+    /// Draws marks with their labels, or as crosses where they have none. Labels keep clear of the rectangles `taken`.
+    fn marks(&self, marks: &[Mark], taken: &[Rect]) {
+        // Of a mark beyond the border a part may be in view.
+        let near = self.viewport.expand(20.0);
+        let marks = marks
+            .iter()
+            .filter(|mark| near.contains(self.screen(mark.at)));
+        let drawn: Vec<(&Mark, Pos2)> = marks.map(|mark| (mark, self.screen(mark.at))).collect();
+        let labelled: Vec<Labelled> = drawn
+            .iter()
+            .map(|&(mark, at)| Labelled {
+                at,
+                radius: self.stroke(mark.kind).1,
+                size: self.ground(&mark.label),
+            })
+            .collect();
+        let places = places(&labelled, taken, self.viewport);
+
+        for ((mark, at), place) in drawn.into_iter().zip(places) {
+            let (stroke, radius) = self.stroke(mark.kind);
+            self.painter.circle_stroke(at, radius, stroke);
+            if mark.label.is_empty() {
+                for (dx, dy) in [(1.0, 0.0), (0.0, 1.0)] {
+                    let arm = vec2(dx, dy) * 13.0;
+                    self.painter.line_segment([at - arm, at + arm], stroke);
+                }
+            } else {
+                self.label(
+                    place.min + vec2(MARGIN, 0.0),
+                    mark.label.clone(),
+                    stroke.color,
+                );
+            }
         }
     }
 
-    /// Draws a mark with its label, or as a cross if it has none.
-    fn mark(&self, mark: &Mark, all: &[Mark]) {
-        let at = self.screen(mark.at);
-        // Of a mark beyond the border a part may be in view.
-        if !self.viewport.expand(20.0).contains(at) {
-            return;
-        }
+    /// Returns the stroke and the radius of a mark.
+    fn stroke(&self, kind: MarkKind) -> (Stroke, f32) {
         let palette = self.palette;
-        let (color, width, radius) = match mark.kind {
+        let (color, width, radius) = match kind {
             MarkKind::Named => (palette.halo, 1.5, 8.0),
             MarkKind::Listed => (palette.accent, 1.5, 8.0),
             MarkKind::Chosen => (palette.candidate, 3.0, 9.0),
             MarkKind::Right => (palette.inserted, 3.0, 9.0),
         };
-        let stroke = Stroke::new(width, color);
-        self.painter.circle_stroke(at, radius, stroke);
-        if mark.label.is_empty() {
-            for (dx, dy) in [(1.0, 0.0), (0.0, 1.0)] {
-                let arm = vec2(dx, dy) * 13.0;
-                self.painter.line_segment([at - arm, at + arm], stroke);
-            }
-            return;
-        }
-
-        // The label is on the side away from the nearest other mark, so that labels do not cover each other.
-        let others = all.iter().map(|other| at - self.screen(other.at));
-        let nearest = others
-            .filter(|away| away.length() > 0.5)
-            .min_by(|a, b| a.length().total_cmp(&b.length()));
-        let is_left = nearest.is_some_and(|away| away.x < 0.0 && away.length() < 60.0);
-        let font = FontId::new(13.0, semibold());
-        let galley = self.painter.layout_no_wrap(mark.label.clone(), font, color);
-        let side = if is_left {
-            -radius - 2.0 - galley.size().x
-        } else {
-            radius + 2.0
-        };
-        let top = at.y - radius - galley.size().y + 4.0;
-        self.label(pos2(at.x + side, top), mark.label.clone(), color);
+        (Stroke::new(width, color), radius)
     }
 
-    /// Writes a label on a ground of its own, from its upper left corner.
-    fn label(&self, corner: Pos2, text: String, color: egui::Color32) {
+    /// Returns the size of the ground of a label, zero without one.
+    fn ground(&self, label: &str) -> Vec2 {
+        if label.is_empty() {
+            return Vec2::ZERO;
+        }
+        let font = FontId::new(13.0, semibold());
+        let galley = self
+            .painter
+            .layout_no_wrap(label.to_owned(), font, self.palette.text);
+        galley.size() + vec2(2.0 * MARGIN, 0.0)
+    }
+
+    /// Writes a label on a ground of its own, from its upper left corner. Returns the ground.
+    fn label(&self, corner: Pos2, text: String, color: Color32) -> Rect {
         let font = FontId::new(13.0, semibold());
         let galley = self.painter.layout_no_wrap(text, font, color);
-        let back = Rect::from_min_size(corner, galley.size()).expand2(vec2(3.0, 0.0));
+        let back = Rect::from_min_size(corner, galley.size()).expand2(vec2(MARGIN, 0.0));
         let ground = self.palette.panel.gamma_multiply(0.85);
         self.painter.rect_filled(back, 3.0, ground);
         self.painter.galley(corner, galley, color);
+        back
     }
 }
