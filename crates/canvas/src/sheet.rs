@@ -3,6 +3,7 @@
 use egui::epaint::{CircleShape, RectShape};
 use egui::{Color32, FontId, Painter, Pos2, Rect, Shape, StrokeKind, Vec2, pos2};
 use tilescope_drawing::surface::{Arc, Mark, Stroke, Surface, Tag};
+use tilescope_drawing::{DISK_FILL, DISK_RING};
 use tilescope_ui::language::Worded;
 
 use crate::sprites::{Sprite, Sprites};
@@ -134,8 +135,9 @@ impl Surface for Sheet<'_> {
             self.stamps(0, Sprite::Disk, radius).add(center, color);
             return;
         }
-        let ring = Stroke::new(0.9, color.gamma_multiply(0.62));
-        self.circle(center, radius, Some(color.gamma_multiply(0.07)), Some(ring));
+        let ring = Stroke::new(0.9, color.gamma_multiply(DISK_RING));
+        let fill = color.gamma_multiply(DISK_FILL);
+        self.circle(center, radius, Some(fill), Some(ring));
     }
 
     fn mark(&mut self, mark: Mark, center: Pos2, [radius, by]: [f32; 2], color: Color32) {

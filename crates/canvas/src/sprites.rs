@@ -6,6 +6,8 @@ use std::sync::Arc;
 
 use egui::{Color32, ColorImage, Context, Mesh, Shape, TextureHandle, TextureId, TextureOptions};
 
+use tilescope_drawing::{DISK_FILL, DISK_RING};
+
 /// Number of meshes kept to reuse their memory.
 const MAX_SPARE: usize = 16;
 
@@ -132,7 +134,8 @@ fn coverage(sprite: Sprite, x: f32, y: f32, radius: f32, unit: f32) -> f32 {
     match sprite {
         Sprite::Dot => solid(from_middle - radius),
         Sprite::Disk => {
-            (0.07 * solid(from_middle - radius)).max(0.62 * line(from_middle - radius, 0.9 * unit))
+            let ring = line(from_middle - radius, 0.9 * unit);
+            (DISK_FILL * solid(from_middle - radius)).max(DISK_RING * ring)
         }
         Sprite::Cross => {
             let turned = [(x + y).abs(), (x - y).abs()].map(|v| v * 0.5_f32.sqrt());

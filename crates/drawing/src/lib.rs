@@ -29,3 +29,7 @@ pub mod symbol;
 
 /// The scale, in screen points per r, above which disks and gaps are drawn.
 pub const MIN_DISK_SCALE: f64 = 1.25;
+/// The opacity of a disk's inside: on a projector, too, a place in one disk differs from a place in none.
+pub const DISK_FILL: f32 = 0.11;
+/// The opacity of a disk's edge.
+pub const DISK_RING: f32 = 0.62;

@@ -9,6 +9,7 @@ use super::gpu::LayerUniforms;
 use super::set::Symbols;
 use tilescope_drawing::camera::Camera;
 use tilescope_drawing::look::radii;
+use tilescope_drawing::{DISK_FILL, DISK_RING};
 
 /// Which marks a layer draws.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -52,8 +53,8 @@ impl PaintOptions {
             images: false,
             radii: [0.0; 4],
             outline: Color32::TRANSPARENT,
-            disk_fill: 0.07,
-            disk_ring: 0.62,
+            disk_fill: DISK_FILL,
+            disk_ring: DISK_RING,
             cull: true,
             disk_radius: 1.0,
             shown: u32::MAX,

@@ -4,6 +4,7 @@ use ecolor::Color32;
 use emath::{Pos2, Rect, Vec2, vec2};
 use glam::DVec2;
 use tilescope_drawing::surface::{Arc, Mark, Stroke, Surface, Tag};
+use tilescope_drawing::{DISK_FILL, DISK_RING};
 use tilescope_figures::{
     Anchor, Baseline, Color, Font, Group, Marker, Rect as PictureRect, Shape, Style, Text,
     text_width, with_alpha,
@@ -137,8 +138,9 @@ impl Surface for Shapes {
     }
 
     fn disk(&mut self, center: Pos2, radius: f32, color: Color32) {
-        let ring = Stroke::new(0.9, color.gamma_multiply(0.62));
-        self.circle(center, radius, Some(color.gamma_multiply(0.07)), Some(ring));
+        let ring = Stroke::new(0.9, color.gamma_multiply(DISK_RING));
+        let fill = color.gamma_multiply(DISK_FILL);
+        self.circle(center, radius, Some(fill), Some(ring));
     }
 
     fn mark(&mut self, mark: Mark, center: Pos2, [radius, by]: [f32; 2], ink: Color32) {
