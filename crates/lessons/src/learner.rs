@@ -274,6 +274,21 @@ impl Learner {
         })
     }
 
+    /// Returns the place that the camera shows and how many r around it; `None` for the whole domain, or before the run is
+    /// there. In a trace the camera follows from event to event.
+    #[must_use]
+    pub fn camera(&self) -> Option<([f64; 2], f64)> {
+        let scene = self.scene.as_ref()?;
+        let camera = &self.step().scene.camera;
+        let seen = |scene: &Scene| scene.camera(camera).ok().flatten();
+        let traced = self.question.as_ref().map(|question| &question.traced[..]);
+        let traced = traced.unwrap_or_default();
+        // After the last event it stays where that was.
+        let cursor = traced.get(self.attempt.traced.0).or(traced.last());
+        let there = cursor.and_then(|&cursor| seen(&Scene::at(scene.recording(), cursor)));
+        there.or_else(|| seen(scene))
+    }
+
     /// Returns the last cursor that may be shown while a question is open.
     #[must_use]
     pub fn limit(&self) -> Option<usize> {

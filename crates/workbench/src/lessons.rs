@@ -509,8 +509,7 @@ impl OpenLesson {
 
     /// Returns the place that the camera shows and how many r around it; None for the whole domain.
     pub(crate) fn camera(&self) -> Option<([f64; 2], f64)> {
-        let camera = &self.learner.step().scene.camera;
-        self.learner.scene()?.camera(camera).ok().flatten()
+        self.learner.camera()
     }
 
     /// Returns the marks of the step.

@@ -710,9 +710,11 @@ mod tests {
     use crate::layout::Panel;
     use crate::lesson_labels::lesson_labels;
     use crate::lessons::MarkKind;
+    use glam::DVec2;
     use tilescope_lessons::results::Results;
     use tilescope_lessons::shipped::TEMPLATE;
     use tilescope_lessons::{Answer, Key};
+    use tilescope_session::units::position;
 
     fn lesson(state: &mut State, command: LessonCommand) {
         state.apply(Command::Lesson(command));
@@ -1002,6 +1004,35 @@ mod tests {
             told(&state)
         };
         assert_ne!(revealed(a), revealed(b));
+    }
+
+    #[test]
+    fn the_camera_of_a_trace_follows_from_event_to_event() {
+        let mut state = settled();
+        lesson(&mut state, LessonCommand::Open("survivors".to_owned()));
+        let open = state.lessons.open.as_ref().unwrap();
+        let last = open.learner.lesson().steps.last().unwrap().name.clone();
+        lesson(&mut state, LessonCommand::Go(last));
+        let mut places = Vec::new();
+        while let Some(question) = state.lessons.open_question() {
+            let open = state.lessons.open.as_ref().unwrap();
+            let (_, traced) = open.learner.tries();
+            let asked = question.named(traced)[0];
+            let point = open.run.as_ref().unwrap().point(asked).unwrap();
+            let (place, _) = open.camera().expect("a place");
+            assert!((position(point) - DVec2::from(place)).length() < 1e-6);
+            places.push(place);
+            let Answer::Choice(right) = question.right_answer(traced) else {
+                panic!("a choice");
+            };
+            choose(&mut state, right);
+        }
+        // The control: it has moved.
+        assert_eq!(places.len(), 4);
+        let [first, second, ..] = places[..] else {
+            panic!("four places");
+        };
+        assert!(DVec2::from(first).distance(second.into()) > 1e-3);
     }
 
     #[test]
