@@ -145,8 +145,9 @@ fn instancing_and_meshes_show_the_same() {
             let b = shoot_stage(&mut as_meshes, stage);
             let near = difference(&a, &b);
             let far = difference(&a, &shoot_stage(&mut as_meshes, BLOCKS_STAGE));
-            // Edges of samples and disks differ a little: by 3.3 where the whole domain is in view, which has most edges.
-            assert!(near < 3.5, "{near} at stage {stage}, {camera:?}");
+            // Edges of samples and disks differ a little: by 3.6 where the whole domain is in view, which has most edges. The
+            // fainter disks are filled, the less: with 7% in place of 11% it was 3.3.
+            assert!(near < 3.8, "{near} at stage {stage}, {camera:?}");
             assert!(far > 5.0 * near, "{far} and {near} at {stage}, {camera:?}");
         }
     }
