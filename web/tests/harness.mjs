@@ -26,9 +26,13 @@ export const IS_SLOW = Boolean(process.env.TILESCOPE_SLOW);
 /** A timeout long enough for software renderers on a busy machine. */
 export const PATIENCE_MS = 300_000;
 
-/** WebGPU and WebGL without a GPU, and no request of the browser's own. */
+/**
+ * WebGPU and WebGL without a GPU, and no request of the browser's own. Chromium ends the process that draws when it does not
+ * answer for seconds, which a software renderer on a busy machine may not; all pages would lose their displays.
+ */
 const FLAGS = [
   "--no-sandbox",
+  "--disable-gpu-watchdog",
   "--use-angle=swiftshader",
   "--enable-unsafe-swiftshader",
   "--enable-unsafe-webgpu",

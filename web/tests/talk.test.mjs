@@ -104,13 +104,13 @@ test("the plan opens the stage, follows the talk, and shows its step", async (t)
   const opened = context.waitForEvent("page");
   await plan.getByRole("button", { name: "Open the stage" }).click();
   const stage = await opened;
-  await plan.getByText("Points that keep their distance: step 1 of 5.").waitFor({ timeout: 120_000 });
+  await plan.getByText("Points that keep their distance: step 1 of 5.").waitFor();
   assert.equal(await plan.locator("tr[aria-current='true']").getAttribute("data-lesson"), "welcome");
   await stage.locator("#canvas").focus();
   await stage.keyboard.press("PageDown");
   await plan.getByText(/: step 2 of 5\./).waitFor();
   const player = plan.frameLocator("#tilescope");
-  await player.getByRole("heading", { name: "Not too close" }).waitFor({ timeout: 120_000 });
+  await player.getByRole("heading", { name: "Not too close" }).waitFor();
 });
 
 test("handouts print on A4 and on Letter without a step that is cut", async (t) => {
