@@ -20,6 +20,9 @@ const frame = /** @type {HTMLIFrameElement} */ (document.getElementById("tilesco
 const now = /** @type {HTMLElement} */ (document.getElementById("now"));
 const rows = [...document.querySelectorAll("#plan tr")];
 
+/** The time until a request that was refused is sent again. */
+const AGAIN_MS = 1_000;
+
 /** The step that the player shows, as `lesson/step`. */
 let shown = "";
 let isReady = false;
@@ -54,9 +57,17 @@ channel.addEventListener("message", ({ data }) => {
 });
 
 window.addEventListener("message", ({ source, origin, data }) => {
-  if (source === frame.contentWindow && origin === player.origin && data?.event === "ready") {
+  if (source !== frame.contentWindow || origin !== player.origin) {
+    return;
+  }
+  if (data?.event === "ready") {
     isReady = true;
     follow();
+  }
+  // The player refuses requests while it replaces a lost display.
+  if (data?.ok === false) {
+    shown = "";
+    setTimeout(follow, AGAIN_MS);
   }
 });
 

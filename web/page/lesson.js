@@ -272,7 +272,8 @@ function listed(list) {
 
 /** Makes a part again if its content or the language has changed. @param {string} part @param {any} value @param {() => Node[]} content */
 function renew(part, value, content) {
-  const json = JSON.stringify([value ?? null, element("lesson").lang]);
+  // The language's own words tell whether it has changed: its table may arrive after the list is shown.
+  const json = JSON.stringify([value ?? null, words.other_language]);
   if (shown.get(part) === json) {
     return;
   }
@@ -363,7 +364,7 @@ export function showLesson(lesson) {
   words = lesson.labels;
   panel.lang = lesson.language || "en";
   const { list, question } = lesson;
-  renew("head", [list ? 0 : lesson.title, lesson.language], () => head(lesson));
+  renew("head", list ? 0 : lesson.title, () => head(lesson));
   renew("steps", [lesson.steps, lesson.index], () => (list ? [] : steps(lesson)));
   renew("text", list ? [list] : [lesson.heading, lesson.text, lesson.fault, lesson.waits], () => (list ? listed(list) : text(lesson)));
   const { text: _, ...asked } = question ?? {};

@@ -21,6 +21,9 @@ const SOON_MS = 10_000;
 const asked = new URLSearchParams(location.search);
 const embed = oneOf(asked.get("embed"), ["canvas", "player"]);
 
+/** The longest that a browser usually takes to report the size of the canvas. */
+const SIZED_MS = 1_000;
+
 /** The address changes at most once in so long, because some browsers allow only a hundred changes in half a minute. */
 const LINK_MS = 400;
 
@@ -38,6 +41,8 @@ let app = null;
 let nextLink = null;
 /** @type {ReturnType<typeof setTimeout> | undefined} */
 let linkTimer;
+/** Whether the program has begun to draw. */
+let draws = false;
 /** Whether the next Tab leaves the program. */
 let leaves = false;
 /** Whether the current touch began where one finger scrolls the page around. */
@@ -217,6 +222,7 @@ const hooks = {
   link: keepLink,
   /** @param {string} json */
   state: (json) => {
+    draws = true;
     const told = JSON.parse(json);
     if (hasText) {
       element("lesson").dataset.look = told.view.look;
@@ -335,11 +341,13 @@ async function begin(display, reason) {
   // Show the focus ring only for keyboard users, not when the focus returns from a text field.
   canvas.focus = (how) => HTMLElement.prototype.focus.call(canvas, /** @type {any} */ ({ ...how, focusVisible: false }));
   keepFocus(embed !== null);
+  draws = false;
   try {
     app = await start(canvas, JSON.stringify(options), { ...hooks, module });
   } finally {
     keepFocus(false);
   }
+  awaitDrawing(canvas);
   // A link may have been followed meanwhile.
   if (fragment() !== link) {
     app.open_link(fragment());
@@ -436,6 +444,21 @@ async function mendSizes() {
   });
   // A hidden frame, as on a later slide, has no size yet.
   await Promise.race([seen, new Promise((resolve) => setTimeout(resolve, 500))]);
+}
+
+/**
+ * Changes the size of a canvas by a pixel and back until the program draws. It waits for the browser to report the size, which
+ * Chromium 156 at times never does when the tab goes behind another just then (in about one of 25 starts on a busy machine). A
+ * change is reported.
+ * @param {HTMLElement} canvas
+ */
+function awaitDrawing(canvas) {
+  setTimeout(() => {
+    canvas.style.maxWidth = draws || canvas.style.maxWidth ? "" : `${canvas.clientWidth - 1}px`;
+    if (!draws && canvas.isConnected) {
+      awaitDrawing(canvas);
+    }
+  }, SIZED_MS);
 }
 
 /** Starts the program; if the best display does not start, with WebGL. @param {string} display */

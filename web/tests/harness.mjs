@@ -193,6 +193,17 @@ export function nothingElse(wrong, expected) {
 }
 
 /**
+ * Prints the errors of pages if the test has failed, as they may be the reason.
+ * @param {import("node:test").TestContext} t
+ * @param {string[]} wrong
+ */
+export function tellIfFailed(t, wrong) {
+  if (!t.passed) {
+    t.diagnostic(wrong.join("\n") || "there were no errors on the pages");
+  }
+}
+
+/**
  * Returns whether a warning comes from a software renderer, or from eframe's canvas about letters that no font has.
  * @param {string} text
  */

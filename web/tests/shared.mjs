@@ -2,7 +2,7 @@
 
 import assert from "node:assert/strict";
 import { after } from "node:test";
-import { PATIENCE_MS, launch, load, nothingElse, ready, serve, state, watch } from "./harness.mjs";
+import { PATIENCE_MS, launch, load, nothingElse, ready, serve, state, tellIfFailed, watch } from "./harness.mjs";
 
 /** Started by the first test. */
 const shared = {};
@@ -67,6 +67,7 @@ export async function contextOf(t, wishes = {}) {
   t.after(async () => {
     // Errors while it ends are ignored.
     const all = [...wrong];
+    tellIfFailed(t, all);
     await context.close();
     nothingElse(all, wishes.expected ?? []);
   });
@@ -122,6 +123,7 @@ export async function reused(t, query = "?engine=cpu", wishes = {}) {
   }
   const made = await pages.get(key);
   t.after(async () => {
+    tellIfFailed(t, made.wrong);
     if (!t.passed) {
       pages.delete(key);
       await made.context.close();

@@ -203,6 +203,29 @@ async function doled(t, server) {
   return { address: `http://127.0.0.1:${own.address().port}`, allow };
 }
 
+test("where the browser does not report the size of the canvas, the program draws all the same", async (t) => {
+  const { page } = await started(t, "?engine=cpu", {
+    prepare: (context) =>
+      context.addInitScript(() => {
+        let observers = 0;
+        const Whole = window.ResizeObserver;
+        window.ResizeObserver = class extends Whole {
+          constructor(report) {
+            // The first observer is the page's own, and the second that of the program.
+            let isLost = (observers += 1) === 2;
+            super((...given) => {
+              if (!isLost) {
+                report(...given);
+              }
+              isLost = false;
+            });
+          }
+        };
+      }),
+  });
+  assert.equal(await page.evaluate(() => document.getElementById("canvas").style.maxWidth), "");
+});
+
 test("loading shows its progress", async (t) => {
   const server = await doled(t, await host());
   const { page } = await opened(t, "", { server });

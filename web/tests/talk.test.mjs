@@ -4,18 +4,13 @@ import assert from "node:assert/strict";
 import { readFile } from "node:fs/promises";
 import path from "node:path";
 import { test } from "node:test";
-import { IS_SLOW, folder, native, nothingElse, until } from "./harness.mjs";
-import { host, makeContext } from "./shared.mjs";
+import { IS_SLOW, folder, native, until } from "./harness.mjs";
+import { contextOf } from "./shared.mjs";
 
 /** Opens pages of one browser. */
 async function browsing(t, settings) {
-  const { address } = await host();
-  const { context, wrong } = await makeContext({ settings });
-  t.after(async () => {
-    await context.close();
-    nothingElse(wrong, []);
-  });
-  return { address, context };
+  const { server, context } = await contextOf(t, { settings });
+  return { address: server.address, context };
 }
 
 /** Waits for the notes of a talk and returns functions that read them. */
@@ -109,6 +104,8 @@ test("the plan opens the stage, follows the talk, and shows its step", async (t)
   await stage.locator("#canvas").focus();
   await stage.keyboard.press("PageDown");
   await plan.getByText(/: step 2 of 5\./).waitFor();
+  // Beside the stage the plan is in view; in a tab behind it a browser may draw nothing.
+  await plan.bringToFront();
   const player = plan.frameLocator("#tilescope");
   await player.getByRole("heading", { name: "Not too close" }).waitFor();
 });

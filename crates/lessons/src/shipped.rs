@@ -1,6 +1,7 @@
 //! The lessons that come with the program. In a browser they are loaded when they are asked for.
 
 use std::borrow::Cow;
+use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
@@ -81,10 +82,19 @@ pub const LECTURE: [(&str, u32); 8] = [
     ("rounds", 6),
 ];
 
-/// Returns lessons as JSON.
+/// What a page loads when lessons are first asked for.
+#[derive(Debug, Default, Serialize, Deserialize)]
+pub struct Loaded {
+    /// The lessons and forms.
+    pub lessons: Vec<Shipped>,
+    /// The tables of words of other languages, by their tags.
+    pub tables: BTreeMap<String, String>,
+}
+
+/// Returns the text that a page loads, as JSON.
 #[must_use]
-pub fn to_json(lessons: &[Shipped]) -> String {
-    serde_json::to_string(lessons).unwrap_or_default()
+pub fn to_json(loaded: &Loaded) -> String {
+    serde_json::to_string(loaded).unwrap_or_default()
 }
 
 /// Reads the text of [`to_json`].
@@ -92,7 +102,7 @@ pub fn to_json(lessons: &[Shipped]) -> String {
 /// # Errors
 ///
 /// A text that is not such JSON.
-pub fn from_json(text: &str) -> Result<Vec<Shipped>, serde_json::Error> {
+pub fn from_json(text: &str) -> Result<Loaded, serde_json::Error> {
     serde_json::from_str(text)
 }
 

@@ -5,20 +5,44 @@
 //! order. A new language is one more file, and a row of `TABLES`.
 
 use std::collections::HashMap;
-use std::sync::LazyLock;
+use std::sync::{LazyLock, PoisonError, RwLock};
 
-/// The tables, each with the tag of its language.
-pub const TABLES: [(&str, &str); 1] = [("de", include_str!("../../../assets/words/de.txt"))];
+/// The tables that the program has from its start, each with the tag of its language. In a browser there are none: a page
+/// loads them with the lessons and [`add`]s them, since a first visit needs neither.
+pub const TABLES: &[(&str, &str)] = if cfg!(target_arch = "wasm32") {
+    &[]
+} else {
+    &[("de", include_str!("../../../assets/words/de.txt"))]
+};
 
 /// The number by which a table shows its separators of thousands and of decimals, and how it writes percent.
 const SAMPLE_NUMBER: &str = "1,234.5%";
 /// How deep parts of a text may have parts. The deepest text, a key after a sentence on two samples, has three levels.
 const MAX_DEPTH: usize = 5;
 
-static LANGUAGES: LazyLock<Vec<(&str, Language)>> = LazyLock::new(|| {
-    let read = |(tag, table)| (tag, Language::read(table).expect("tests read the tables"));
-    TABLES.map(read).into()
+/// The languages that have a table, each with its tag. They stay to the end, so that nobody has to own one.
+static LANGUAGES: LazyLock<RwLock<Vec<(String, &'static Language)>>> = LazyLock::new(|| {
+    let read = |(tag, table): &(&str, &'static str)| {
+        let language = Language::read(table).expect("tests read the tables");
+        ((*tag).to_owned(), &*Box::leak(Box::new(language)))
+    };
+    RwLock::new(TABLES.iter().map(read).collect())
 });
+
+/// Adds the table of a language; one that is there already stays.
+///
+/// # Errors
+///
+/// A fault of the table, as of [`Language::read`].
+pub fn add(tag: &str, table: &str) -> Result<(), String> {
+    let mut languages = LANGUAGES.write().unwrap_or_else(PoisonError::into_inner);
+    if languages.iter().any(|(other, _)| other == tag) {
+        return Ok(());
+    }
+    let language = Language::read(Box::leak(table.into()))?;
+    languages.push((tag.to_owned(), Box::leak(Box::new(language))));
+    Ok(())
+}
 
 /// A language of the window: its texts for the English ones.
 #[derive(Debug)]
@@ -56,16 +80,12 @@ enum Slot {
 }
 
 impl Language {
-    /// Returns the languages that have a table, each with its tag.
-    pub fn all() -> impl Iterator<Item = (&'static str, &'static Self)> {
-        LANGUAGES.iter().map(|(tag, language)| (*tag, language))
-    }
-
     /// Returns the language of a tag such as `de`; `None` for English, and for languages without a table.
     #[must_use]
     pub fn of(tag: &str) -> Option<&'static Self> {
-        let found = Self::all().find(|(other, _)| *other == tag);
-        found.map(|(_, language)| language)
+        let languages = LANGUAGES.read().unwrap_or_else(PoisonError::into_inner);
+        let found = languages.iter().find(|(other, _)| other == tag);
+        found.map(|(_, language)| *language)
     }
 
     /// Returns what divides a number from its decimals.
@@ -353,5 +373,17 @@ mod tests {
             assert_eq!(Language::read(table).err(), None, "{tag}");
         }
         assert!(Language::of("de").is_some() && Language::of("en").is_none());
+    }
+
+    #[test]
+    fn a_language_is_added_once() {
+        assert!(Language::of("test").is_none());
+        assert!(add("test", "Play\n").is_err() && Language::of("test").is_none());
+        add("test", TABLE).unwrap();
+        let added = Language::of("test").unwrap();
+        assert_eq!(added.text("Play"), "Abspielen");
+
+        add("test", &TABLE.replace("Abspielen", "Start")).unwrap();
+        assert!(std::ptr::eq(added, Language::of("test").unwrap()));
     }
 }

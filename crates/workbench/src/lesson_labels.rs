@@ -1,7 +1,7 @@
 //! The words around a lesson: `assets/lesson-labels.json` has the English ones, the tables of languages the others.
 
 use std::collections::BTreeMap;
-use std::sync::LazyLock;
+use std::sync::{LazyLock, Mutex, PoisonError};
 
 use tilescope_lessons::Change;
 use tilescope_session::language::Language;
@@ -93,13 +93,9 @@ impl LessonLabels {
     }
 }
 
-/// The labels of each language, by its tag.
-static LABELS: LazyLock<BTreeMap<&str, LessonLabels>> = LazyLock::new(|| {
-    let others = Language::all().map(|(tag, language)| (tag, labels(Some(language))));
-    std::iter::once(("en", labels(None)))
-        .chain(others)
-        .collect()
-});
+static ENGLISH: LazyLock<LessonLabels> = LazyLock::new(|| labels(None));
+/// The labels of other languages, by their tags, each made when it is first wanted.
+static OTHERS: Mutex<BTreeMap<String, &'static LessonLabels>> = Mutex::new(BTreeMap::new());
 
 /// Returns the labels in a language; `None` is English.
 fn labels(language: Option<&Language>) -> LessonLabels {
@@ -117,20 +113,28 @@ fn labels(language: Option<&Language>) -> LessonLabels {
     serde_json::from_str(Box::leak(json.into_boxed_str())).expect("no text has quotation marks")
 }
 
-/// Returns the words of a language; English if it has none.
+/// Returns the words of a language; English if it has no table, or a page has not loaded it yet.
 #[must_use]
 pub fn lesson_labels(language: &str) -> &'static LessonLabels {
-    LABELS.get(language).unwrap_or(&LABELS["en"])
+    let Some(table) = Language::of(language) else {
+        return &ENGLISH;
+    };
+    let mut others = OTHERS.lock().unwrap_or_else(PoisonError::into_inner);
+    others
+        .entry(language.to_owned())
+        .or_insert_with(|| Box::leak(Box::new(labels(Some(table)))))
 }
 
 #[cfg(test)]
 mod tests {
+    use tilescope_session::language::TABLES;
+
     use super::*;
 
     #[test]
     fn every_label_is_translated() {
         let english = serde_json::to_value(lesson_labels("en")).unwrap();
-        for (tag, _) in Language::all() {
+        for (tag, _) in TABLES {
             let translated = serde_json::to_value(lesson_labels(tag)).unwrap();
             for (name, text) in english.as_object().unwrap() {
                 assert_ne!(&translated[name], text, "{tag}: {name}");

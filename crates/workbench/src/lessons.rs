@@ -405,9 +405,11 @@ impl Lessons {
         best.map(|(score, _)| score)
     }
 
-    /// Returns whether a page has to load the lessons that come with the program.
+    /// Returns whether a page has to load the lessons that come with the program. The words of other languages come with
+    /// them, so that a lesson of another file needs them too.
     pub(crate) fn wants_shelf(&self) -> bool {
-        self.shelf.is_empty() && (self.lists || self.wanted.is_some())
+        let is_translated = self.open.is_some() && !matches!(self.language.as_str(), "" | "en");
+        self.shelf.is_empty() && (self.lists || self.wanted.is_some() || is_translated)
     }
 
     /// Returns the lesson of a name that comes with the program. Capitals do not count, as people type links.

@@ -8,7 +8,7 @@ use std::rc::Rc;
 use eframe::egui_wgpu::{WgpuConfiguration, WgpuSetup, WgpuSetupCreateNew, wgpu};
 use eframe::{Storage, WebOptions, WebRunner};
 use egui::{Event, Ui};
-use js_sys::Object;
+use js_sys::{Date, Object};
 use serde::Deserialize;
 use tilescope_app::App;
 use tilescope_app::panes::leads_zoom;
@@ -146,9 +146,7 @@ impl Tilescope {
         let Some(mut page) = self.runner.app_mut::<Page>() else {
             return busy.to_owned();
         };
-        // A hidden page draws no frames, so the background work is advanced here.
-        page.pool.tick();
-        page.app.state.advance(0.0);
+        page.work();
         let answer = page.app.state.ask(request);
         // A request for the state changes nothing.
         let parsed = serde_json::from_str::<serde_json::Value>(request);
@@ -156,6 +154,7 @@ impl Tilescope {
             page.ctx.request_repaint();
         }
         page.store_results();
+        page.load_lessons();
         answer
     }
 
@@ -474,20 +473,33 @@ impl Page {
         }
     }
 
+    /// Advances the background work where no frame does: before an answer, and while the page is hidden.
+    fn work(&mut self) {
+        self.pool.tick();
+        self.app.state.advance(0.0);
+    }
+
+    /// Makes the page load the lessons once they are wanted.
+    fn load_lessons(&mut self) {
+        let wants = self.app.state.wants_lessons();
+        if wants && !self.asked_for_lessons {
+            hooks::lessons();
+        }
+        self.asked_for_lessons = wants;
+    }
+
     /// Reports changes to the page.
-    fn tell(&mut self, now_secs: f64) {
+    fn tell(&mut self) {
         let state = &self.app.state;
         let announcement = state.announcement();
         if announcement != self.announcement {
             hooks::announce(announcement.as_deref().unwrap_or_default());
             self.announcement = announcement;
         }
-        let wants = self.app.state.wants_lessons();
-        if wants && !self.asked_for_lessons {
-            hooks::lessons();
-        }
-        self.asked_for_lessons = wants;
+        self.load_lessons();
         let state = &self.app.state;
+        // The time of egui stands still while the page is hidden.
+        let now_secs = Date::now() / 1e3;
         let due_secs = self.told_secs + TELLS_SECS - now_secs;
         if due_secs > 0.0 {
             self.ctx
@@ -515,6 +527,16 @@ impl Page {
 }
 
 impl eframe::App for Page {
+    fn logic(&mut self, ctx: &egui::Context, _: &mut eframe::Frame) {
+        // Nothing is drawn while the page is hidden, as behind the window with the notes of a talk. Its run goes on, and the
+        // notes are told what their commands did.
+        if ctx.input(|input| input.viewport().visible()) == Some(false) {
+            self.work();
+            self.store_results();
+            self.tell();
+        }
+    }
+
     fn ui(&mut self, ui: &mut Ui, frame: &mut eframe::Frame) {
         // When the second frame begins, the first has been drawn.
         if self.frames == 1 {
@@ -527,7 +549,7 @@ impl eframe::App for Page {
         self.shared.has_list.set(egui::Popup::is_any_open(ui.ctx()));
         // Ends tasks that this frame has cancelled now, since no other frame may follow.
         self.pool.tick();
-        self.tell(ui.input(|input| input.time));
+        self.tell();
     }
 
     fn raw_input_hook(&mut self, ctx: &egui::Context, raw: &mut egui::RawInput) {

@@ -69,12 +69,18 @@ fn pack(arguments: &Arguments) -> Result<()> {
     for (name, bytes) in binding::bind(module)? {
         sources.insert(name, page::Source::made(bytes));
     }
-    let lessons = shipped::to_json(&shipped::all());
+    let tables = language::TABLES.iter();
+    let lessons = shipped::to_json(&shipped::Loaded {
+        lessons: shipped::all(),
+        tables: tables
+            .map(|&(tag, table)| (tag.to_owned(), table.to_owned()))
+            .collect(),
+    });
     sources.insert(
         names::LESSONS.to_owned(),
         page::Source::made(lessons.into_bytes()),
     );
-    for (language, table) in language::TABLES {
+    for &(language, table) in language::TABLES {
         sources.insert(format!("{language}.txt"), page::Source::made(table.into()));
     }
     let mut files = page::assemble(&sources, arguments.address.as_deref().unwrap_or_default())?;

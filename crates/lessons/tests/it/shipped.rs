@@ -89,7 +89,15 @@ mod every_lesson_is_sound {
 #[test]
 fn lessons_travel_as_json() {
     let lessons = shipped::lessons();
-    let again = shipped::from_json(&shipped::to_json(&lessons)).unwrap();
+    let loaded = shipped::Loaded {
+        lessons: lessons.clone(),
+        tables: [("de".to_owned(), "Play\n    Abspielen\n".to_owned())].into(),
+    };
+    let shipped::Loaded {
+        lessons: again,
+        tables,
+    } = shipped::from_json(&shipped::to_json(&loaded)).unwrap();
+    assert_eq!(tables, loaded.tables);
     assert_eq!(again.len(), lessons.len());
     assert!(
         again

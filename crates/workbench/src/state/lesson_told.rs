@@ -369,11 +369,21 @@ impl State {
     /// Takes the lessons that a page has loaded, as JSON, or why they could not be loaded.
     pub fn take_lessons(&mut self, loaded: Result<&str, &str>) {
         let read = loaded.map_err(str::to_owned).and_then(|text| {
-            tilescope_lessons::shipped::from_json(text).map_err(|error| error.to_string())
+            let loaded = tilescope_lessons::shipped::from_json(text);
+            let loaded = loaded.map_err(|error| error.to_string())?;
+            for (tag, table) in &loaded.tables {
+                tilescope_session::language::add(tag, table)?;
+            }
+            Ok(loaded.lessons)
         });
         match read {
             Ok(lessons) => {
                 self.lessons.shelf = lessons;
+                if self.lessons.open.is_some() {
+                    // It was opened before the words of its language were there.
+                    let language = self.lessons.language.clone();
+                    self.apply(Command::Lesson(LessonCommand::Language(language)));
+                }
                 self.begin_wanted_talk();
                 if let Some(wanted) = self.lessons.wanted.take() {
                     self.open_wanted(wanted);

@@ -712,7 +712,7 @@ mod tests {
     use crate::lessons::MarkKind;
     use glam::DVec2;
     use tilescope_lessons::results::Results;
-    use tilescope_lessons::shipped::TEMPLATE;
+    use tilescope_lessons::shipped::{Loaded, TEMPLATE, to_json};
     use tilescope_lessons::{Answer, Key};
     use tilescope_session::units::position;
 
@@ -869,6 +869,45 @@ mod tests {
         assert_eq!(title(&state), "The title");
         let notice = state.messages.notice.as_ref().expect("a notice");
         assert!(notice.text.contains("mine.de.md"), "{}", notice.text);
+    }
+
+    #[test]
+    fn a_page_loads_the_words_of_a_language_when_a_lesson_is_open() {
+        let mut state = settled();
+        state.lessons.shelf.clear();
+        let read = |state: &mut State| {
+            let text = TEMPLATE.to_owned();
+            lesson(state, LessonCommand::Read("t".to_owned(), text));
+        };
+        read(&mut state);
+        assert!(!state.wants_lessons(), "English has no table");
+
+        lesson(&mut state, LessonCommand::Language("loaded".to_owned()));
+        assert!(state.wants_lessons());
+        assert_eq!(state.in_words("Play"), "Play");
+        let loaded = Loaded {
+            lessons: tilescope_lessons::shipped::lessons(),
+            tables: [(
+                "loaded".to_owned(),
+                "1,234.5%\n    1.234,5 %\nPlay\n    Los\n".to_owned(),
+            )]
+            .into(),
+        };
+        state.take_lessons(Ok(&to_json(&loaded)));
+        state.settle();
+        assert!(!state.wants_lessons() && !state.lessons.shelf.is_empty());
+        assert_eq!(state.in_words("Play"), "Los");
+        let language = Language::of("loaded").expect("the table");
+        assert_eq!(language.decimal_sign(), ',');
+
+        // A table with a fault is named, as other faults of what was loaded.
+        let faulty = to_json(&Loaded {
+            tables: [("faulty".to_owned(), "Play\n".to_owned())].into(),
+            ..loaded
+        });
+        state.take_lessons(Ok(&faulty));
+        let notice = state.messages.notice.as_ref().expect("a notice");
+        assert!(notice.text.contains("line 1"), "{}", notice.text);
     }
 
     #[test]
