@@ -126,6 +126,49 @@ async function giveUp(page) {
   return `${answered.lesson}/${answered.gate}`;
 }
 
+/** All texts of a page's accessibility tree. @param {import("playwright-core").Page} page @returns {Promise<string[]>} */
+async function readAloud(page) {
+  const client = await page.context().newCDPSession(page);
+  const { nodes } = await client.send("Accessibility.getFullAXTree");
+  // Boxes are the lines of texts.
+  const read = nodes.filter(({ ignored, role }) => !ignored && role.value !== "InlineTextBox");
+  const of = ({ name, description, value }) => [name, description, value].map((text) => String(text?.value ?? "").trim());
+  return [...new Set(read.flatMap(of))].filter(Boolean);
+}
+
+/** All texts within a value, the longest first. @param {any} value @returns {string[]} */
+function textsOf(value) {
+  const within = (part) => (typeof part === "object" && part !== null ? Object.values(part).flatMap(within) : [String(part).trim()]);
+  return [...new Set(within(value))].filter((text) => text.length > 1 || text === "\u00d7").sort((a, b) => b.length - a.length);
+}
+
+/** What is left of a text without the known ones, numbers, the unit r, letters of answers, and marks. @param {string} text @param {string[]} known */
+function unknownPart(text, known) {
+  const rest = known.reduce((rest, one) => rest.replaceAll(one, " "), text);
+  return rest.replace(/\b[A-Zr]\b|[\d\s.,:;/()\u2013=\u2191\u2193%-]/g, "");
+}
+
+for (const [lesson, step] of [["survivors", "one-of-two"], ["survivors", "next-lost"], ["maximal", "dart"], ["spectrum", "white-to-blue"]]) {
+  test(`while ${lesson}/${step} is asked, a screen reader finds no text beside those that the program has for the frame`, async (t) => {
+    const { server, context } = await contextOf(t);
+    const page = await context.newPage();
+    await page.goto(`${server.address}/?engine=cpu#radius=0.05`);
+    await state(page, (told) => told.ready);
+    const ofPage = await readAloud(page);
+    assert.equal((await ask(page, { do: "lesson", open: lesson, step })).ok, true);
+    const told = await state(page, (told) => told.lesson?.step === step && told.lesson.question?.open);
+    await page.getByRole("heading", { name: told.lesson.heading, exact: true }).waitFor();
+    const parts = ["Lesson", "Steps", "\u00d7"];
+    const known = textsOf([ofPage, parts, told.lesson, told.sentence, told.caption]);
+    const beside = async () => (await readAloud(page)).filter((text) => unknownPart(text, known) !== "");
+    // The run that was shown before may be announced still.
+    await until("a page without other texts", async () => (await beside()).length === 0);
+    // Negative control: a text that the page has by itself is found.
+    await page.evaluate(() => document.querySelector("#lesson h2").after("Sample seven is eliminated"));
+    assert.deepEqual(await beside(), ["Sample seven is eliminated"]);
+  });
+}
+
 test("a hidden page opens a lesson that it is asked for, and reports it", async (t) => {
   const { server, context } = await contextOf(t);
   const page = await context.newPage();
