@@ -67,8 +67,10 @@ pub fn run(arguments: &GpuArguments) -> Result<u8> {
         // The error says that there is no such adapter.
         let opened = open(arguments.gpu_adapter.clone());
         opened.map_err(|error| match &drivers {
-            Some(drivers) => anyhow!("{error}. {}", drivers.text().replace('\n', " ")),
-            None => error.into(),
+            Some(drivers) if error != GpuError::NotBuilt => {
+                anyhow!("{error}. {}", drivers.text().replace('\n', " "))
+            }
+            _ => error.into(),
         })?;
     }
     let reports = reports.into_iter().take_while(|_| !interrupt::requested());

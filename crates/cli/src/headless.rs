@@ -36,6 +36,9 @@ pub enum HeadlessReason {
     /// No display is announced in the environment.
     #[error("There is no display for a window")]
     NoDisplay,
+    /// The program was built without the window.
+    #[error("This build has no window")]
+    NotBuilt,
     /// The window could not be opened.
     #[error("The window could not be opened ({0})")]
     Failed(String),
@@ -51,10 +54,18 @@ pub fn run_headless(reason: &HeadlessReason) -> ExitCode {
 fn default_session(reason: &HeadlessReason) -> Result<u8> {
     output::emit(&format!("{reason}, so this runs without one.\n\n"))?;
     let outcome = session(Path::new(OUT));
-    output::emit(
-        "\nTo open the window, start tilescope where a display is (DISPLAY or WAYLAND_DISPLAY set);\n\
-         on a server: xvfb-run tilescope, or ssh -X. `tilescope --help` shows the command line.\n",
-    )?;
+    let advice = match reason {
+        HeadlessReason::NotBuilt => {
+            "To open the window, build tilescope with its feature window, which is on by default."
+        }
+        HeadlessReason::NoDisplay | HeadlessReason::Failed(_) => {
+            "To open the window, start tilescope where a display is (DISPLAY or WAYLAND_DISPLAY set);\n\
+             on a server: xvfb-run tilescope, or ssh -X."
+        }
+    };
+    output::emit(&format!(
+        "\n{advice} `tilescope --help` shows the command line.\n"
+    ))?;
     outcome
 }
 

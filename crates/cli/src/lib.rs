@@ -236,6 +236,12 @@ pub struct FromWindow {
     pub leaks: fn(&str, &str) -> Result<Vec<LessonError>, String>,
 }
 
+/// Returns the error of a command that does nothing in this build, with the reason.
+#[must_use]
+pub fn refusal(why: &'static str) -> anyhow::Error {
+    anyhow::anyhow!(why)
+}
+
 /// Runs a command and returns the process's exit code; errors go to standard error.
 #[must_use]
 pub fn run(command: &Command, window: FromWindow) -> ExitCode {

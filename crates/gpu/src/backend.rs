@@ -7,8 +7,9 @@ use tilescope_core::{
     Observer, ParameterError, Parameters, Pattern, Sampled, Summary, Sweep, SweepState, Variant,
 };
 
-use crate::adapter::{Choice, Gpu};
+use crate::adapter::Choice;
 use crate::error::GpuError;
+use crate::opened::Gpu;
 use crate::sweep::{GpuSweep, Options};
 
 /// Expected samples from which a GPU is worth its start. Opening a driver and compiling the passes take about half a

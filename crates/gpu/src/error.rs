@@ -7,6 +7,11 @@ use tilescope_core::{ParameterError, SampleError};
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum GpuError {
+    /// The program was built without the feature `gpu`.
+    #[error(
+        "this build has no GPU engine; build the program with its feature gpu, or choose another engine"
+    )]
+    NotBuilt,
     /// There is no adapter at all.
     #[error("no GPU adapter was found: {reason}")]
     NoAdapter {

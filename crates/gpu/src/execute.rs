@@ -7,11 +7,11 @@ use std::sync::Arc;
 use tilescope_core::Stage;
 use tilescope_trusted::Checks;
 
-use crate::adapter::Gpu;
 use crate::constants::{GROUP_COLUMNS, WORKGROUP};
 use crate::error::GpuError;
 use crate::layout::{Job, Name};
-use crate::pass_report::PassReport;
+use crate::opened::Gpu;
+use crate::pass_report::{PassReport, Recording};
 use crate::passes::{Command, Pass, Size};
 use crate::plan::{Phase, WindowPlan};
 use crate::setup::Setup;
@@ -21,17 +21,6 @@ const JOB_STRIDE: u64 = 256;
 
 /// The most passes timed in one submission.
 const MAX_TIMED: u32 = 1024;
-
-/// How much is recorded for inspection.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Recording {
-    /// Nothing.
-    Nothing,
-    /// Reports of passes.
-    Passes,
-    /// Reports of passes, and the buffers that stages leave behind.
-    Stages,
-}
 
 /// The buffers of a window, and the commands run on them.
 pub(crate) struct Device {

@@ -16,6 +16,9 @@
 //! assert!(wgsl.contains("fn covers_offset("));
 //! ```
 //!
+//! The feature `device`, which is on by default, brings wgpu. Without it no device can be opened ([`GpuError::NotBuilt`]), and
+//! everything else is as with it.
+//!
 //! A run needs one:
 //!
 //! ```no_run
@@ -32,16 +35,29 @@
 //! }
 //! ```
 
-pub mod adapter;
+// Without devices most of the engine is compiled, so that it stays correct, and never called.
+#![cfg_attr(not(feature = "device"), allow(dead_code))]
+
+mod adapter;
 mod backend;
 mod buffer_rows;
 mod constants;
 pub mod cpu_reference;
 mod error;
+#[cfg(feature = "device")]
+mod execute;
+#[cfg(not(feature = "device"))]
+#[path = "without_device/execute.rs"]
 mod execute;
 mod fit;
+#[cfg(feature = "device")]
 mod kernels;
 pub mod layout;
+#[cfg(feature = "device")]
+mod opened;
+#[cfg(not(feature = "device"))]
+#[path = "without_device/opened.rs"]
+mod opened;
 mod pass_report;
 pub mod passes;
 mod plan;
@@ -56,10 +72,11 @@ mod sweep;
 mod upload;
 mod window_run;
 
-pub use adapter::{AdapterReport, Choice, Gpu, Limits, adapters};
+pub use adapter::{AdapterReport, Choice, Limits};
 pub use backend::{ASKED_FOR, Backend, Bands, Engine, WORTH_A_GPU};
 pub use buffer_rows::BufferRows;
 pub use error::GpuError;
+pub use opened::{Gpu, adapters};
 pub use pass_report::PassReport;
 pub use row_locator::RowLocator;
 pub use row_places::{RowPlace, RowPlaces, Unplaced};

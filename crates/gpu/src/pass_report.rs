@@ -4,6 +4,17 @@ use tilescope_core::Stage;
 
 use crate::layout::{Access, Name};
 
+/// How much is recorded for inspection.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Recording {
+    /// Nothing.
+    Nothing,
+    /// Reports of passes.
+    Passes,
+    /// Reports of passes, and the buffers that stages leave behind.
+    Stages,
+}
+
 /// The report of one pass.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PassReport {

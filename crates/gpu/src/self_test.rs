@@ -7,8 +7,8 @@ use tilescope_core::{
     Unobserved,
 };
 
-use crate::adapter::Gpu;
 use crate::error::GpuError;
+use crate::opened::Gpu;
 use crate::sweep::{GpuSweep, Options};
 
 /// The result of the self-test.

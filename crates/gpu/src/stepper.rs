@@ -4,13 +4,12 @@ use std::sync::Arc;
 
 use tilescope_core::{Parameters, Pattern, Run, Sequential, Stage, Unobserved};
 
-use crate::adapter::Gpu;
 use crate::buffer_rows::BufferRows;
 use crate::error::GpuError;
-use crate::execute::Recording;
 use crate::fit::{Allowance, HALO, longest_side, memory_of};
 use crate::layout::Name;
-use crate::pass_report::PassReport;
+use crate::opened::Gpu;
+use crate::pass_report::{PassReport, Recording};
 use crate::plan::WindowPlan;
 use crate::row_locator::RowLocator;
 use crate::setup::Setup;

@@ -9,11 +9,11 @@ use tilescope_core::{
     Stage, Summary, SweepState,
 };
 
-use crate::adapter::Gpu;
 use crate::error::GpuError;
-use crate::execute::{Device, Recording};
+use crate::execute::Device;
 use crate::fit::{self, Allowance, HALO, MIN_SIDE, longest_side, memory_of};
-use crate::pass_report::PassReport;
+use crate::opened::Gpu;
+use crate::pass_report::{PassReport, Recording};
 use crate::setup::Setup;
 use crate::window_run::{Shortage, WindowRun, WindowSamples};
 

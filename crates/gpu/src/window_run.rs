@@ -10,11 +10,12 @@ use tilescope_core::stages::uniform::gap_key;
 use tilescope_core::windows::{PlacedBlock, Rect64, WindowCounts};
 use tilescope_core::{Insertion, Point, Run, Source, Stage, Stream};
 
-use crate::adapter::Gpu;
 use crate::constants::FAULT_TILED;
 use crate::error::GpuError;
-use crate::execute::{Device, Recording};
+use crate::execute::Device;
 use crate::layout::{Name, counter};
+use crate::opened::Gpu;
+use crate::pass_report::Recording;
 use crate::passes::{self, Command};
 use crate::plan::{Phase, Room, WindowPlan};
 use crate::setup::Setup;
@@ -149,7 +150,7 @@ impl WindowRun {
     }
 
     /// Returns the level of the active cells of uniform insertion.
-    pub(crate) const fn level(&self) -> u32 {
+    pub(crate) fn level(&self) -> u32 {
         let first = match self.base {
             Some((Stage::Iterate(k), _)) => k,
             _ => 1,

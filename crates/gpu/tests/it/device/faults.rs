@@ -162,6 +162,7 @@ fn small_limits_make_small_windows_and_smaller_ones_are_refused() {
 }
 
 #[test]
+#[ignore = "takes long: tests/run --slow runs it"]
 fn windows_that_need_more_than_the_first_become_smaller() {
     // Halos of one cell are doubled in nearly every window, and the limits allow only the first.
     let parameters = Parameters {

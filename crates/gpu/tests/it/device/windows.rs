@@ -70,6 +70,7 @@ const SOURCES: Options = Options {
 };
 
 #[test]
+#[ignore = "takes long: tests/run --slow runs it"]
 fn two_hundred_thousand_samples_are_equal() {
     for (leaf, insertion, order) in [
         (6.0, Insertion::Circumcentre, Order::Index),
@@ -200,6 +201,7 @@ fn a_run_can_be_cancelled_between_windows_and_within_one() {
 }
 
 #[test]
+#[ignore = "takes long: tests/run --slow runs it"]
 fn windows_of_many_blocks_after_windows_of_more_are_equal() {
     // More pieces of blocks than a row of workgroups has, and buffers that hold more from the window before.
     let parameters = Parameters {
@@ -219,6 +221,7 @@ fn windows_of_many_blocks_after_windows_of_more_are_equal() {
 }
 
 #[test]
+#[ignore = "takes long: tests/run --slow runs it"]
 fn the_longest_domains_are_equal() {
     for (width, height, boundary) in some([
         (65_532.0, 6.0, Boundary::Bounded),
